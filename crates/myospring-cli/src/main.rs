@@ -1,0 +1,2 @@
+//! The program `myospring`.
+fn main() {}

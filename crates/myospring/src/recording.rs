@@ -1,0 +1,52 @@
+//! What a run keeps: time series and frames.
+
+use serde::Serialize;
+
+/// One row of the time series; the names of the CSV columns carry the units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Sample {
+    /// Time, ms.
+    pub t_ms: f64,
+    /// The cell model's potential variable, dimensionless.
+    pub u: f64,
+    /// Membrane potential, mV, where the model defines it.
+    pub vm_mv: Option<f64>,
+    /// Active tension, kPa.
+    pub ta_kpa: f64,
+    /// End-to-end length along the reference long axis after rigid rotation is removed, um.
+    pub length_um: f64,
+    /// Width across the long axis, um.
+    pub width_um: f64,
+    /// Projected area, um^2.
+    pub area_um2: f64,
+    /// Shortening, per cent of the resting length.
+    pub shortening_pct: f64,
+    /// Energy of the conservative passive forces (springs, area law, elastic supports), fJ.
+    pub elastic_energy_fj: f64,
+    /// Kinetic energy, fJ.
+    pub kinetic_energy_fj: f64,
+    /// Work done by the active force since the start, fJ.
+    pub active_work_fj: f64,
+    /// Energy taken by dashpots and drag since the start, fJ.
+    pub dissipated_energy_fj: f64,
+}
+
+/// The cell's shape at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Time, ms.
+    pub t_ms: f64,
+    /// Active tension, kPa.
+    pub ta_kpa: f64,
+    /// Positions, um: `positions[axis][node]`.
+    pub positions: [Vec<f64>; 2],
+}
+
+/// Everything one run kept.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// Time series, in order of time.
+    pub samples: Vec<Sample>,
+    /// Shapes, in order of time.
+    pub frames: Vec<Frame>,
+}

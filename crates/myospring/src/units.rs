@@ -1,0 +1,301 @@
+//! The internal unit system, and quantities read from and written for people.
+//!
+//! Inside the library every number is a plain `f64` in one coherent system: ms, um, nN, ug, kPa
+//! (= nN/um^2), nN/um, fJ (= nN um), mV. `1 nN = 1 ug um/ms^2`, so no equation carries a hidden
+//! factor. Text becomes a number only here.
+
+use std::fmt;
+
+/// What a quantity measures; it fixes the internal unit and the units a person may write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// Time, ms.
+    Time,
+    /// Length, um.
+    Length,
+    /// Area, um^2.
+    Area,
+    /// Pressure, stress, tension or modulus, kPa.
+    Pressure,
+    /// Force, nN.
+    Force,
+    /// Spring stiffness, nN/um.
+    Stiffness,
+    /// Dashpot coefficient, nN ms/um.
+    Damping,
+    /// Mass, ug.
+    Mass,
+    /// Mass density, ug/um^3.
+    Density,
+    /// Energy, fJ.
+    Energy,
+    /// Electric potential, mV.
+    Voltage,
+    /// Rate, 1/ms.
+    Rate,
+    /// Angle, degrees.
+    Angle,
+    /// A pure number; a percentage may be written.
+    Number,
+}
+
+/// Units a person may write, the factor to the internal unit; the first is the internal one.
+type UnitTable = &'static [(&'static str, f64)];
+
+impl Dimension {
+    const fn table(self) -> UnitTable {
+        match self {
+            Self::Time => &[("ms", 1.0), ("s", 1e3), ("us", 1e-3), ("µs", 1e-3), ("min", 6e4)],
+            Self::Length => {
+                &[("um", 1.0), ("µm", 1.0), ("μm", 1.0), ("nm", 1e-3), ("mm", 1e3), ("m", 1e6)]
+            }
+            Self::Area => &[("um^2", 1.0), ("um2", 1.0), ("µm²", 1.0), ("mm^2", 1e6)],
+            Self::Pressure => {
+                &[("kPa", 1.0), ("Pa", 1e-3), ("MPa", 1e3), ("mN/mm^2", 1.0), ("nN/um^2", 1.0)]
+            }
+            Self::Force => &[("nN", 1.0), ("uN", 1e3), ("µN", 1e3), ("pN", 1e-3)],
+            Self::Stiffness => {
+                &[("nN/um", 1.0), ("nN/µm", 1.0), ("mN/m", 1.0), ("N/m", 1e3), ("pN/nm", 1.0)]
+            }
+            Self::Damping => &[("nN ms/um", 1.0), ("nN s/um", 1e3)],
+            Self::Mass => &[("ug", 1.0), ("µg", 1.0), ("ng", 1e-3), ("mg", 1e3)],
+            Self::Density => &[("ug/um^3", 1.0), ("kg/m^3", 1e-9), ("g/cm^3", 1e-6)],
+            Self::Energy => &[("fJ", 1.0), ("pJ", 1e3)],
+            Self::Voltage => &[("mV", 1.0), ("V", 1e3)],
+            Self::Rate => &[("1/ms", 1.0), ("/ms", 1.0), ("1/s", 1e-3), ("/s", 1e-3), ("Hz", 1e-3)],
+            Self::Angle => &[("deg", 1.0), ("degrees", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)],
+            Self::Number => &[("", 1.0), ("%", 0.01)],
+        }
+    }
+
+    /// The internal unit, as written for people: `um`, `kPa`, `ms`.
+    pub const fn unit(self) -> &'static str {
+        self.table()[0].0
+    }
+
+    /// The dimension's name in a sentence: `a length`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Time => "a time",
+            Self::Length => "a length",
+            Self::Area => "an area",
+            Self::Pressure => "a pressure",
+            Self::Force => "a force",
+            Self::Stiffness => "a stiffness",
+            Self::Damping => "a dashpot coefficient",
+            Self::Mass => "a mass",
+            Self::Density => "a density",
+            Self::Energy => "an energy",
+            Self::Voltage => "a potential",
+            Self::Rate => "a rate",
+            Self::Angle => "an angle",
+            Self::Number => "a number",
+        }
+    }
+
+    const ALL: [Self; 14] = [
+        Self::Time,
+        Self::Length,
+        Self::Area,
+        Self::Pressure,
+        Self::Force,
+        Self::Stiffness,
+        Self::Damping,
+        Self::Mass,
+        Self::Density,
+        Self::Energy,
+        Self::Voltage,
+        Self::Rate,
+        Self::Angle,
+        Self::Number,
+    ];
+
+    fn accepted(self) -> String {
+        let names: Vec<&str> =
+            self.table().iter().map(|row| row.0).filter(|unit| unit.is_ascii()).collect();
+        if self == Self::Number { "none or %".to_owned() } else { names.join(", ") }
+    }
+}
+
+impl fmt::Display for Dimension {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// Why a text is not the quantity that was asked for.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum UnitError {
+    /// No number stands at the start.
+    #[error("`{text}` does not start with a number; write it like \"{example}\"")]
+    NotANumber {
+        /// What was written.
+        text: String,
+        /// How it might be written.
+        example: String,
+    },
+    /// NaN or infinity.
+    #[error("`{text}` is not a finite number; write it like \"{example}\"")]
+    NotFinite {
+        /// What was written.
+        text: String,
+        /// How it might be written.
+        example: String,
+    },
+    /// A number without the unit that its dimension needs.
+    #[error("`{text}` has no unit, but {wanted} needs one: {accepted}; write it like \"{example}\"")]
+    MissingUnit {
+        /// What was written.
+        text: String,
+        /// What is needed.
+        wanted: Dimension,
+        /// Units that may be written.
+        accepted: String,
+        /// How it might be written.
+        example: String,
+    },
+    /// A unit of something else, or none we know.
+    #[error("`{text}` is {given}, but {wanted} is needed, in one of: {accepted}")]
+    WrongUnit {
+        /// What was written.
+        text: String,
+        /// What that unit measures, or that it is unknown.
+        given: String,
+        /// What is needed.
+        wanted: Dimension,
+        /// Units that may be written.
+        accepted: String,
+    },
+}
+
+/// Reads `"50 kPa"` as a number in the dimension's internal unit.
+///
+/// # Errors
+/// Text that is not a finite number followed by a unit of `dimension`.
+///
+/// # Example
+/// ```
+/// use myospring::units::{Dimension, parse};
+/// assert_eq!(parse("0.6 s", Dimension::Time).unwrap(), 600.0);
+/// let error = parse("50 mV", Dimension::Pressure).unwrap_err();
+/// assert_eq!(
+///     error.to_string(),
+///     "`50 mV` is a potential, but a pressure is needed, in one of: kPa, Pa, MPa, mN/mm^2, nN/um^2"
+/// );
+/// ```
+pub fn parse(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
+    let trimmed = text.trim();
+    let example = if dimension == Dimension::Number {
+        "0.5".to_owned()
+    } else {
+        format!("50 {}", dimension.unit())
+    };
+    let (number, unit) = split_number(trimmed);
+    let Ok(value) = number.parse::<f64>() else {
+        return Err(UnitError::NotANumber { text: trimmed.to_owned(), example });
+    };
+    if !value.is_finite() {
+        return Err(UnitError::NotFinite { text: trimmed.to_owned(), example });
+    }
+    if let Some((_, factor)) = dimension.table().iter().find(|row| row.0 == unit) {
+        return Ok(value * factor);
+    }
+    if unit.is_empty() {
+        return Err(UnitError::MissingUnit {
+            text: trimmed.to_owned(),
+            wanted: dimension,
+            accepted: dimension.accepted(),
+            example,
+        });
+    }
+    let given = Dimension::ALL
+        .into_iter()
+        .find(|other| other.table().iter().any(|row| row.0 == unit))
+        .map_or_else(|| format!("in an unknown unit `{unit}`"), |other| other.name().to_owned());
+    Err(UnitError::WrongUnit {
+        text: trimmed.to_owned(),
+        given,
+        wanted: dimension,
+        accepted: dimension.accepted(),
+    })
+}
+
+/// The longest prefix that is a number, and the rest without the space between.
+fn split_number(text: &str) -> (&str, &str) {
+    for word in ["nan", "inf", "infinity"] {
+        let bare = text.trim_start_matches(['+', '-']);
+        if bare.len() >= word.len() && bare.is_char_boundary(word.len()) {
+            let (head, tail) = bare.split_at(word.len());
+            if head.eq_ignore_ascii_case(word) && (tail.is_empty() || tail.starts_with(' ')) {
+                return (&text[..text.len() - tail.len()], tail.trim());
+            }
+        }
+    }
+    let end = (1..=text.len())
+        .rev()
+        .filter(|&end| text.is_char_boundary(end))
+        .find(|&end| {
+            text[..end].ends_with(|c: char| c.is_ascii_digit() || c == '.')
+                && text[..end].parse::<f64>().is_ok()
+        })
+        .unwrap_or(0);
+    (&text[..end], text[end..].trim())
+}
+
+/// Writes a number in the dimension's internal unit: `50 kPa`.
+///
+/// # Example
+/// ```
+/// use myospring::units::{Dimension, format};
+/// assert_eq!(format(0.27, Dimension::Length), "0.27 um");
+/// ```
+pub fn format(value: f64, dimension: Dimension) -> String {
+    format!("{value} {}", dimension.unit()).trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_written_unit_scales_to_the_internal_one() {
+        for (text, dimension, value) in [
+            ("50 kPa", Dimension::Pressure, 50.0),
+            ("50000Pa", Dimension::Pressure, 50.0),
+            ("  600 ms ", Dimension::Time, 600.0),
+            ("1e-3 s", Dimension::Time, 1.0),
+            ("-0.5 1/s", Dimension::Rate, -0.5e-3),
+            ("0.27 µm", Dimension::Length, 0.27),
+            ("12 %", Dimension::Number, 0.12),
+            ("3", Dimension::Number, 3.0),
+            ("1000 kg/m^3", Dimension::Density, 1e-6),
+        ] {
+            let parsed = parse(text, dimension).unwrap();
+            assert!((parsed - value).abs() <= 4.0 * f64::EPSILON * value.abs(), "{text}: {parsed}");
+        }
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        for dimension in Dimension::ALL {
+            assert_eq!(parse(&format(1.25, dimension), dimension).unwrap(), 1.25, "{dimension}");
+        }
+    }
+
+    #[test]
+    fn wrong_text_says_what_is_wrong_with_it() {
+        for (text, dimension, message) in [
+            ("fifty kPa", Dimension::Pressure, "does not start with a number"),
+            ("", Dimension::Pressure, "does not start with a number"),
+            ("nan", Dimension::Length, "not a finite number"),
+            ("inf um", Dimension::Length, "not a finite number"),
+            ("1e999 um", Dimension::Length, "not a finite number"),
+            ("50", Dimension::Pressure, "has no unit"),
+            ("50 mV", Dimension::Pressure, "is a potential, but a pressure is needed"),
+            ("50 furlong", Dimension::Length, "unknown unit `furlong`"),
+        ] {
+            let error = parse(text, dimension).unwrap_err().to_string();
+            assert!(error.contains(message), "{text}: {error}");
+        }
+    }
+}
