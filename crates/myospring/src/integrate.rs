@@ -1,1 +1,3 @@
-//! To come.
+//! Integrators: how the masses move from one time to the next.
+
+pub mod verlet;

@@ -13,5 +13,5 @@ pub mod parameter;
 pub mod recording;
 #[cfg(feature = "run-file")]
 pub mod run_file;
-pub mod simulation;
+//pub mod simulation;
 pub mod units;

@@ -1,1 +1,418 @@
-//! To come.
+//! The loop: cell tension in, shape out.
+//!
+//! The only place where cell models and mechanics meet. Every exchange interval the cell model moves
+//! on under the present stretch, its tension goes to the mesh (linearly over the interval), and the
+//! masses follow. Every output interval a [`Sample`] is recorded, every frame interval a [`Frame`].
+//!
+//! ```text
+//! t        t + exchange
+//! |---------|   cell model: stretch at t  ->  tension at t + exchange
+//! |-|-|-|-|-|   masses: n equal Verlet steps, tension linear in between
+//! ```
+//!
+//! A value that is not a number, an inverted triangle or a spring without length stops the run with
+//! the time and the place; what was recorded up to there is kept.
+
+use crate::analysis::shape::ShapeMeter;
+use crate::cell::{self, CellIntegrator, CellModel, Protocol};
+use crate::integrate::verlet::{Integrator, Motion};
+use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::area::signed_area;
+use crate::mechanics::material::{Material, assemble};
+use crate::mechanics::stability::StabilityLimit;
+use crate::mechanics::support::SupportKind;
+use crate::mechanics::{Body, Force, System};
+use crate::mesh::Mesh;
+use crate::recording::{Frame, Recording, Sample};
+use serde::Serialize;
+
+/// Numerical settings of a run; [`Default`] gives a converged beat.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Numerics {
+    /// Form of Verlet's method; Stoermer-Verlet, the paper's.
+    pub integrator: Integrator,
+    /// Mechanical time step, ms; `None` takes [`SAFETY`] of the stability limit.
+    pub time_step: Option<f64>,
+    /// Interval at which cell model and mesh exchange tension and stretch, ms; 0.25.
+    pub exchange_interval: f64,
+    /// Interval of the recorded samples, ms, a multiple of the exchange interval; 0.5.
+    pub output_interval: f64,
+    /// Interval of the recorded shapes, ms, a multiple of the output interval; 5.
+    pub frame_interval: f64,
+    /// Integration of the cell model.
+    pub cell: cell::Settings,
+}
+
+impl Default for Numerics {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::StoermerVerlet,
+            time_step: None,
+            exchange_interval: 0.25,
+            output_interval: 0.5,
+            frame_interval: 5.0,
+            cell: cell::Settings::default(),
+        }
+    }
+}
+
+/// Part of the stability limit that the default time step takes.
+pub const SAFETY: f64 = 0.9;
+
+/// All that a run is made of.
+pub struct Simulation {
+    /// The cell model.
+    pub cell: Box<dyn CellModel>,
+    /// When and how it is stimulated.
+    pub protocol: Protocol,
+    /// Peak of the active tension, kPa: the model's own peak is scaled to it.
+    pub peak_tension: f64,
+    /// The mesh at rest.
+    pub mesh: Mesh,
+    /// Its long axis, a unit vector: length is measured along it.
+    pub long_axis: [f64; 2],
+    /// Fibre direction in each triangle, unit vectors.
+    pub fibres: Vec<[f64; 2]>,
+    /// What the cell is made of.
+    pub material: Material,
+    /// How the active tension acts.
+    pub active: ActiveLaw,
+    /// What holds the cell.
+    pub support: SupportKind,
+    /// Time simulated, ms.
+    pub duration: f64,
+    /// Numerical settings.
+    pub numerics: Numerics,
+}
+
+/// Why a run cannot start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// The time step would blow the mesh up.
+    #[error(
+        "time step {time_step} ms exceeds the stability limit {limit:.4} ms of this mesh (stiffest node \
+         {node} at x = {x:.1} um, y = {y:.1} um); use a smaller step, or none for the default"
+    )]
+    UnstableStep {
+        /// What was asked for, ms.
+        time_step: f64,
+        /// The limit, ms.
+        limit: f64,
+        /// The node that moves most in the fastest vibration.
+        node: usize,
+        /// Where it rests, um.
+        x: f64,
+        /// Where it rests, um.
+        y: f64,
+    },
+    /// The cell model failed before the beat.
+    #[error("the peak tension of the cell model `{model}` could not be found: {cause}")]
+    CellModel {
+        /// The model.
+        model: &'static str,
+        /// What went wrong.
+        cause: String,
+    },
+    /// A model that makes no tension cannot be scaled.
+    #[error(
+        "the cell model `{model}` makes no active tension, so it cannot be scaled to {peak} kPa"
+    )]
+    NoTension {
+        /// The model.
+        model: &'static str,
+        /// What was asked for, kPa.
+        peak: f64,
+    },
+}
+
+/// Why a run stopped before its end.
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize)]
+#[serde(tag = "reason", rename_all = "snake_case")]
+pub enum StopReason {
+    /// A position is not a number.
+    #[error(
+        "the position of node {node} is not a number at t = {time} ms (it rests at x = {x:.1} um, \
+         y = {y:.1} um); a smaller time step or a softer cell may help"
+    )]
+    NotFinite {
+        /// Time, ms.
+        time: f64,
+        /// The node.
+        node: usize,
+        /// Where it rests, um.
+        x: f64,
+        /// Where it rests, um.
+        y: f64,
+    },
+    /// A triangle turned inside out.
+    #[error(
+        "triangle {triangle} is inverted at t = {time} ms under {tension:.1} kPa, near x = {x:.1} um, \
+         y = {y:.1} um; the tension is too large for this stiffness"
+    )]
+    Inverted {
+        /// Time, ms.
+        time: f64,
+        /// Active tension, kPa.
+        tension: f64,
+        /// The triangle.
+        triangle: usize,
+        /// Where it is, um.
+        x: f64,
+        /// Where it is, um.
+        y: f64,
+    },
+    /// Two ends of a spring met.
+    #[error(
+        "spring {spring} has no length at t = {time} ms under {tension:.1} kPa, at x = {x:.1} um, \
+         y = {y:.1} um; the tension is too large for this stiffness"
+    )]
+    ZeroLength {
+        /// Time, ms.
+        time: f64,
+        /// Active tension, kPa.
+        tension: f64,
+        /// The spring.
+        spring: usize,
+        /// Where it is, um.
+        x: f64,
+        /// Where it is, um.
+        y: f64,
+    },
+    /// The cell model failed.
+    #[error("the cell model failed: {cause}")]
+    CellModel {
+        /// What went wrong, with time and state variable.
+        cause: String,
+    },
+    /// The caller asked the run to stop.
+    #[error("stopped by the user at t = {time} ms")]
+    Interrupted {
+        /// Time, ms.
+        time: f64,
+    },
+}
+
+/// What came of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// All that was recorded, up to the stop.
+    pub recording: Recording,
+    /// Why it stopped early, if it did.
+    pub stop: Option<StopReason>,
+    /// The mechanical time step that was used, ms.
+    pub time_step: f64,
+    /// Mechanical steps made.
+    pub steps: u64,
+    /// The stability limit at peak tension.
+    pub limit: StabilityLimit,
+}
+
+/// A run made ready: forces assembled, time step chosen.
+pub struct Prepared<'a> {
+    simulation: &'a Simulation,
+    body: Body,
+    system: System,
+    meter: ShapeMeter,
+    /// The stability limit at peak tension.
+    pub limit: StabilityLimit,
+    /// Mechanical steps in each exchange interval.
+    pub steps_per_exchange: usize,
+    /// kPa per unit of the model's tension.
+    tension_scale: f64,
+    resting_length: f64,
+}
+
+/// How far a run has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Time simulated so far, ms.
+    pub time: f64,
+    /// Time to be simulated, ms.
+    pub duration: f64,
+}
+
+impl Simulation {
+    /// Assembles the forces and chooses the time step.
+    ///
+    /// # Errors
+    /// A time step above the stability limit, or a cell model without tension.
+    pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
+        let model = self.cell.name();
+        let peak = cell::peak_tension(&*self.cell)
+            .map_err(|error| SetupError::CellModel { model, cause: error.to_string() })?;
+        if !(peak.value > 0.0 && peak.value.is_finite()) {
+            return Err(SetupError::NoTension { model, peak: self.peak_tension });
+        }
+        let meter =
+            ShapeMeter::new(self.mesh.points.clone(), self.long_axis, self.mesh.areas.clone());
+        let resting_length = meter.measure(&self.mesh.points).length;
+        let (body, system) = assemble(
+            &self.mesh,
+            &self.material,
+            self.active,
+            &self.fibres,
+            self.support,
+            self.long_axis,
+            resting_length,
+        );
+        let limit = StabilityLimit::of(&system, &body, self.peak_tension);
+        if let Some(time_step) = self.numerics.time_step
+            && time_step > limit.time_step
+        {
+            let node = limit.stiffest_node;
+            let [x, y] = [0, 1].map(|axis| self.mesh.points[axis][node]);
+            let limit = limit.time_step;
+            return Err(SetupError::UnstableStep { time_step, limit, node, x, y });
+        }
+        let wanted = self.numerics.time_step.unwrap_or(SAFETY * limit.time_step);
+        // Equal steps that fill the exchange interval; a hair of slack for rounding in the quotient.
+        let steps = (self.numerics.exchange_interval / wanted - 1e-9).ceil().max(1.0) as usize;
+        Ok(Prepared {
+            simulation: self,
+            body,
+            system,
+            meter,
+            limit,
+            steps_per_exchange: steps,
+            tension_scale: self.peak_tension / peak.value,
+            resting_length,
+        })
+    }
+}
+
+impl Prepared<'_> {
+    /// The mechanical time step, ms.
+    pub fn time_step(&self) -> f64 {
+        self.simulation.numerics.exchange_interval / self.steps_per_exchange as f64
+    }
+
+    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
+    /// sample and stops the run by returning `false`.
+    pub fn run(&self, mut observe: impl FnMut(Progress) -> bool) -> Outcome {
+        let Simulation { cell, protocol, mesh, duration, numerics, .. } = self.simulation;
+        let exchange = numerics.exchange_interval;
+        let exchanges = (duration / exchange).round() as u64;
+        let per_sample = (numerics.output_interval / exchange).round().max(1.0) as u64;
+        let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
+
+        let mut cell = CellIntegrator::new(&**cell, protocol.clone(), numerics.cell);
+        let mut motion =
+            Motion::new(&self.system, self.body.clone(), numerics.integrator, self.time_step());
+        let mut ledger = Ledger::default();
+        let mut recording = Recording::default();
+        let mut tension = self.tension_scale * cell.tension();
+        ledger.settle(&self.system, &motion.body, tension, 0.0);
+        let mut stop = None;
+        let mut length = self.resting_length;
+        for index in 0..=exchanges {
+            let time = index as f64 * exchange;
+            if index > 0 {
+                let stretch = length / self.resting_length;
+                if let Err(error) = cell.advance_to(time, stretch) {
+                    stop = Some(StopReason::CellModel { cause: error.to_string() });
+                    break;
+                }
+                let next = self.tension_scale * cell.tension();
+                motion.advance(self.steps_per_exchange, [tension, next]);
+                tension = next;
+                stop = fault(mesh, &motion.body, time, tension);
+                if stop.is_some() {
+                    break;
+                }
+                length = self.meter.measure(&motion.body.positions).length;
+                ledger.settle(&self.system, &motion.body, tension, exchange);
+            }
+            if index % per_sample == 0 {
+                recording.samples.push(self.sample(time, &cell, tension, &motion.body, &ledger));
+            }
+            if index % per_frame == 0 {
+                let positions = motion.body.positions.clone();
+                recording.frames.push(Frame { t_ms: time, ta_kpa: tension, positions });
+            }
+            if index % per_sample == 0 && !observe(Progress { time, duration: *duration }) {
+                stop = Some(StopReason::Interrupted { time });
+                break;
+            }
+        }
+        let steps = motion.steps();
+        Outcome { recording, stop, time_step: self.time_step(), steps, limit: self.limit }
+    }
+
+    fn sample(
+        &self,
+        time: f64,
+        cell: &CellIntegrator<'_>,
+        tension: f64,
+        body: &Body,
+        ledger: &Ledger,
+    ) -> Sample {
+        let extent = self.meter.measure(&body.positions);
+        let model = &self.simulation.cell;
+        Sample {
+            t_ms: time,
+            u: model.potential(cell.state()),
+            vm_mv: model.membrane_potential_mv(cell.state()),
+            ta_kpa: tension,
+            length_um: extent.length,
+            width_um: extent.width,
+            area_um2: projected_area(&self.simulation.mesh, &body.positions),
+            shortening_pct: 100.0 * (1.0 - extent.length / self.resting_length),
+            elastic_energy_fj: self.system.elastic_energy(&body.configuration(tension)),
+            kinetic_energy_fj: body.kinetic_energy(),
+            active_work_fj: ledger.active_work,
+            dissipated_energy_fj: ledger.dissipated,
+        }
+    }
+}
+
+/// Work and dissipation added up over a run by the trapezoidal rule in the powers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ledger {
+    active_work: f64,
+    dissipated: f64,
+    active_power: f64,
+    dissipation: f64,
+}
+
+impl Ledger {
+    fn settle(&mut self, system: &System, body: &Body, tension: f64, elapsed: f64) {
+        let at = body.configuration(tension);
+        let active_power = system.active_power(&at);
+        let dissipation = system.dissipation(&at) + system.drag.dissipation(&at);
+        self.active_work += 0.5 * elapsed * (self.active_power + active_power);
+        self.dissipated += 0.5 * elapsed * (self.dissipation + dissipation);
+        self.active_power = active_power;
+        self.dissipation = dissipation;
+    }
+}
+
+/// Projected area of a mesh in given positions, um^2.
+pub fn projected_area(mesh: &Mesh, positions: &[Vec<f64>; 2]) -> f64 {
+    mesh.simplices
+        .iter()
+        .map(|simplex| simplex.weight * signed_area(positions, simplex.nodes))
+        .sum()
+}
+
+/// The first thing that is wrong with a body, if anything is.
+fn fault(mesh: &Mesh, body: &Body, time: f64, tension: f64) -> Option<StopReason> {
+    let [x, y] = &body.positions;
+    let rest = |node: usize| (mesh.points[0][node], mesh.points[1][node]);
+    if let Some(node) = (0..x.len()).find(|&node| !(x[node].is_finite() && y[node].is_finite())) {
+        let (x, y) = rest(node);
+        return Some(StopReason::NotFinite { time, node, x, y });
+    }
+    let zero = |nodes: [u32; 2]| {
+        let [a, b] = nodes.map(|node| node as usize);
+        x[a] == x[b] && y[a] == y[b]
+    };
+    if let Some(spring) = mesh.springs.iter().position(|spring| zero(spring.nodes)) {
+        let node = mesh.springs[spring].nodes[0] as usize;
+        let (x, y) = (x[node], y[node]);
+        return Some(StopReason::ZeroLength { time, tension, spring, x, y });
+    }
+    let inverted = |nodes: [u32; 3]| signed_area(&body.positions, nodes) <= 0.0;
+    let triangle = mesh.simplices.iter().position(|simplex| inverted(simplex.nodes))?;
+    let node = mesh.simplices[triangle].nodes[0] as usize;
+    Some(StopReason::Inverted { time, tension, triangle, x: x[node], y: y[node] })
+}

@@ -1,0 +1,97 @@
+//! Length, width and rotation of a deformed cell against its resting shape.
+
+/// Measures a moving cell along its reference long axis after rigid rotation is removed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeMeter {
+    reference: [Vec<f64>; 2],
+    axis: [f64; 2],
+    weights: Vec<f64>,
+}
+
+/// Length along and width across the long axis, um.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// End-to-end length along the long axis, um.
+    pub length: f64,
+    /// Largest extent across the long axis, um.
+    pub width: f64,
+}
+
+impl ShapeMeter {
+    /// A meter for resting positions (um, by axis), a unit long axis and one weight per point.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::analysis::shape::ShapeMeter;
+    /// let square = [vec![0.0, 2.0, 2.0, 0.0], vec![0.0, 0.0, 1.0, 1.0]];
+    /// let meter = ShapeMeter::new(square, [1.0, 0.0], vec![1.0; 4]);
+    /// // A quarter turn changes neither length nor width.
+    /// let turned = [vec![0.0, 0.0, -1.0, -1.0], vec![0.0, 2.0, 2.0, 0.0]];
+    /// let extent = meter.measure(&turned);
+    /// assert!((extent.length - 2.0).abs() < 1e-12 && (extent.width - 1.0).abs() < 1e-12);
+    /// ```
+    pub fn new(reference: [Vec<f64>; 2], axis: [f64; 2], weights: Vec<f64>) -> Self {
+        Self { reference, axis, weights }
+    }
+
+    /// Angle by which the points have turned, rad, counter-clockwise: the rotation that brings the
+    /// reference closest to them in the sense of weighted least squares.
+    pub fn rotation(&self, positions: &[Vec<f64>; 2]) -> f64 {
+        let total: f64 = self.weights.iter().sum();
+        let mean = |values: &[f64]| {
+            values.iter().zip(&self.weights).map(|(x, w)| x * w).sum::<f64>() / total
+        };
+        let before = [0, 1].map(|axis| mean(&self.reference[axis]));
+        let after = [0, 1].map(|axis| mean(&positions[axis]));
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for (i, weight) in self.weights.iter().enumerate() {
+            let old = [0, 1].map(|axis| self.reference[axis][i] - before[axis]);
+            let new = [0, 1].map(|axis| positions[axis][i] - after[axis]);
+            cosine += weight * (old[0] * new[0] + old[1] * new[1]);
+            sine += weight * (old[0] * new[1] - old[1] * new[0]);
+        }
+        sine.atan2(cosine)
+    }
+
+    /// Length and width now, um.
+    pub fn measure(&self, positions: &[Vec<f64>; 2]) -> Extent {
+        let (sine, cosine) = self.rotation(positions).sin_cos();
+        let [x, y] = self.axis;
+        let along = [cosine * x - sine * y, sine * x + cosine * y];
+        Extent { length: extent(positions, along), width: extent(positions, [-along[1], along[0]]) }
+    }
+}
+
+/// Distance of the outermost points along a unit direction, um.
+pub fn extent(positions: &[Vec<f64>; 2], direction: [f64; 2]) -> f64 {
+    let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (x, y) in positions[0].iter().zip(&positions[1]) {
+        let along = x * direction[0] + y * direction[1];
+        lowest = lowest.min(along);
+        highest = highest.max(along);
+    }
+    highest - lowest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotation_and_stretch_are_told_apart() {
+        let points = [vec![0.0, 10.0, 10.0, 0.0, 4.0], vec![0.0, 0.0, 2.0, 2.0, 1.0]];
+        let meter = ShapeMeter::new(points.clone(), [1.0, 0.0], vec![1.0; 5]);
+        for angle in [-1.0_f64, 0.3, 2.0] {
+            let (sine, cosine) = angle.sin_cos();
+            let (mut turned, shift) = (points.clone(), 7.0);
+            for i in 0..5 {
+                let (x, y) = (0.9 * points[0][i], 1.05 * points[1][i]);
+                turned[0][i] = cosine * x - sine * y + shift;
+                turned[1][i] = sine * x + cosine * y;
+            }
+            let extent = meter.measure(&turned);
+            assert!((meter.rotation(&turned) - angle).abs() < 1e-12);
+            assert!((extent.length - 9.0).abs() < 1e-12 && (extent.width - 2.1).abs() < 1e-12);
+        }
+    }
+}

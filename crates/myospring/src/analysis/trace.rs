@@ -1,0 +1,157 @@
+//! Peaks, crossings and slopes of a sampled curve.
+
+/// A point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Time, ms.
+    pub time: f64,
+    /// Value in the curve's unit.
+    pub value: f64,
+}
+
+/// The curve's maximum: the vertex of the parabola through the largest sample and its neighbours.
+/// `None` if no sample is finite.
+///
+/// # Example
+/// ```
+/// use myospring::analysis::trace::peak;
+/// let times: Vec<f64> = (0..10).map(f64::from).collect();
+/// let values: Vec<f64> = times.iter().map(|t| 4.0 - (t - 3.3) * (t - 3.3)).collect();
+/// let top = peak(&times, &values).unwrap();
+/// assert!((top.time - 3.3).abs() < 1e-12 && (top.value - 4.0).abs() < 1e-12);
+/// ```
+pub fn peak(times: &[f64], values: &[f64]) -> Option<Point> {
+    let top = index_of_largest(values)?;
+    let sample = Point { time: times[top], value: values[top] };
+    if top == 0 || top + 1 == values.len() {
+        return Some(sample);
+    }
+    let (before, after) = (times[top] - times[top - 1], times[top + 1] - times[top]);
+    let (down, up) = (values[top] - values[top - 1], values[top + 1] - values[top]);
+    // Newton's form of the parabola through the three samples.
+    let curvature = (up / after - down / before) / (before + after);
+    let slope = (down / before * after + up / after * before) / (before + after);
+    if curvature >= 0.0 || !curvature.is_finite() {
+        return Some(sample);
+    }
+    let shift = -0.5 * slope / curvature;
+    Some(Point { time: sample.time + shift, value: sample.value + 0.5 * slope * shift })
+}
+
+/// The largest sample, for curves with corners that no parabola fits (an upstroke). `None` if no
+/// sample is finite.
+pub fn largest(times: &[f64], values: &[f64]) -> Option<Point> {
+    index_of_largest(values).map(|top| Point { time: times[top], value: values[top] })
+}
+
+fn index_of_largest(values: &[f64]) -> Option<usize> {
+    (0..values.len())
+        .filter(|&i| values[i].is_finite())
+        .reduce(|best, i| if values[i] > values[best] { i } else { best })
+}
+
+/// First time from `from` (ms) on at which the curve rises through `level`, between samples linear.
+pub fn rises_through(times: &[f64], values: &[f64], level: f64, from: f64) -> Option<f64> {
+    crossing(times, values, from, |a, b| a < level && b >= level, level)
+}
+
+/// First time from `from` (ms) on at which the curve falls through `level`, between samples linear.
+pub fn falls_through(times: &[f64], values: &[f64], level: f64, from: f64) -> Option<f64> {
+    crossing(times, values, from, |a, b| a > level && b <= level, level)
+}
+
+fn crossing(
+    times: &[f64],
+    values: &[f64],
+    from: f64,
+    crosses: impl Fn(f64, f64) -> bool,
+    level: f64,
+) -> Option<f64> {
+    (1..times.len()).filter(|&i| times[i] >= from).find_map(|i| {
+        let (a, b) = (values[i - 1], values[i]);
+        if !crosses(a, b) {
+            return None;
+        }
+        let time = times[i - 1] + (level - a) / (b - a) * (times[i] - times[i - 1]);
+        (time >= from).then_some(time)
+    })
+}
+
+/// Slopes between neighbouring samples, per ms, at the middle times.
+pub fn slopes(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let middle = times.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let slope = times
+        .windows(2)
+        .zip(values.windows(2))
+        .map(|(t, v)| (v[1] - v[0]) / (t[1] - t[0]))
+        .collect();
+    (middle, slope)
+}
+
+/// Mean of the samples before `until` (ms), or the first sample if there is none.
+pub fn baseline(times: &[f64], values: &[f64], until: f64) -> Option<f64> {
+    let before = times.iter().take_while(|time| **time < until).count();
+    let samples = &values[..before.max(1).min(values.len())];
+    if samples.is_empty() {
+        return None;
+    }
+    Some(samples.iter().sum::<f64>() / samples.len() as f64)
+}
+
+/// Area between the curve and zero by the trapezoidal rule, unit times ms.
+pub fn integral(times: &[f64], values: &[f64]) -> f64 {
+    times.windows(2).zip(values.windows(2)).map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0])).sum()
+}
+
+/// Samples with `start <= time < end`.
+pub fn window<'a>(
+    times: &'a [f64],
+    values: &'a [f64],
+    start: f64,
+    end: f64,
+) -> (&'a [f64], &'a [f64]) {
+    let first = times.partition_point(|time| *time < start);
+    let last = times.partition_point(|time| *time < end).max(first);
+    (&times[first..last], &values[first..last])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sine() -> (Vec<f64>, Vec<f64>) {
+        let times: Vec<f64> = (0..=1000).map(|i| f64::from(i) * 0.01).collect();
+        let values = times.iter().map(|t| t.sin()).collect();
+        (times, values)
+    }
+
+    #[test]
+    fn peak_and_crossings_of_a_sine_are_found_between_samples() {
+        let (times, values) = sine();
+        let top = peak(&times[..500], &values[..500]).unwrap();
+        assert!((top.time - std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{top:?}");
+        assert!((top.value - 1.0).abs() < 1e-9);
+        let up = rises_through(&times, &values, 0.5, 0.0).unwrap();
+        assert!((up - std::f64::consts::FRAC_PI_6).abs() < 1e-4);
+        let down = falls_through(&times, &values, 0.5, up).unwrap();
+        assert!((down - 5.0 * std::f64::consts::FRAC_PI_6).abs() < 1e-4);
+        assert_eq!(rises_through(&times, &values, 2.0, 0.0), None);
+    }
+
+    #[test]
+    fn a_peak_at_the_border_is_the_sample_itself() {
+        let top = peak(&[0.0, 1.0, 2.0], &[3.0, 2.0, 1.0]).unwrap();
+        assert_eq!((top.time, top.value), (0.0, 3.0));
+        assert_eq!(peak(&[], &[]), None);
+        assert_eq!(peak(&[0.0], &[f64::NAN]), None);
+    }
+
+    #[test]
+    fn integral_baseline_and_window_of_a_ramp_are_exact() {
+        let times: Vec<f64> = (0..=10).map(f64::from).collect();
+        assert_eq!(integral(&times, &times), 50.0);
+        assert_eq!(baseline(&times, &times, 3.0), Some(1.0));
+        assert_eq!(window(&times, &times, 2.0, 5.0).0, [2.0, 3.0, 4.0]);
+        assert!(slopes(&times, &times).1.iter().all(|slope| *slope == 1.0));
+    }
+}

@@ -1,0 +1,167 @@
+//! Area preservation: the cell's resistance to a change of its projected area.
+//!
+//! For a triangle of area `A` (at rest `A0`), weight `w` and stiffness `k` (nN/um):
+//!
+//! - [`AreaLaw::Gradient`]: energy `E = w (k/2) (A - A0)^2 / A0`, force `-grad E` on all three
+//!   corners. Conserves linear and angular momentum. Ours, the default.
+//! - [`AreaLaw::Barycentric`]: the paper's direction with the deviation from rest,
+//!   `f_i = -w k (A - A0)/sqrt(A0) (x_i - x_b)/|x_i - x_b|` with the barycentre `x_b`, Eq. (12).
+//! - [`AreaLaw::Printed`]: Eq. (13) to the letter, `f_i = -w k A/sqrt(A0) (x_i - x_b)/|x_i - x_b|`.
+//!   It pulls a resting cell together and makes the loss of area in a contraction worse; kept to
+//!   show just that.
+//!
+//! Eq. (13) has no length scale: `k_prev area` must be a force. The factor `1/sqrt(A0)` gives all
+//! three laws the same `k` in nN/um.
+
+use super::runs::{self, LONGEST, Run, vectorised};
+use super::{Configuration, Force, Vectors};
+use crate::mesh::Mesh;
+use serde::{Deserialize, Serialize};
+
+/// Which law keeps the area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum AreaLaw {
+    /// Minus the gradient of an energy of the area's deviation from rest.
+    Gradient,
+    /// Towards the barycentre, proportional to the area's deviation from rest.
+    Barycentric,
+    /// Exactly the paper's Eq. (13), absolute area and all; for comparison only.
+    Printed,
+}
+
+impl AreaLaw {
+    /// All laws, in the order they are shown.
+    pub const ALL: [Self; 3] = [Self::Gradient, Self::Barycentric, Self::Printed];
+
+    /// Name as written in a run file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gradient => "gradient",
+            Self::Barycentric => "barycentric",
+            Self::Printed => "printed",
+        }
+    }
+}
+
+/// Area preservation on the triangles of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AreaPreservation {
+    law: AreaLaw,
+    nodes: Vec<[u32; 3]>,
+    /// Rest area A0, um^2.
+    rest_area: Vec<f64>,
+    /// w k / A0, nN/um^3.
+    stiffness: Vec<f64>,
+    runs: Vec<Run<3>>,
+}
+
+impl AreaPreservation {
+    /// The law on all triangles of a mesh, with one stiffness in nN/um.
+    pub fn new(mesh: &Mesh, law: AreaLaw, stiffness: f64) -> Self {
+        let nodes: Vec<[u32; 3]> = mesh.simplices.iter().map(|simplex| simplex.nodes).collect();
+        let rest_area: Vec<f64> =
+            nodes.iter().map(|corners| signed_area(&mesh.points, *corners)).collect();
+        let stiffness = mesh
+            .simplices
+            .iter()
+            .zip(&rest_area)
+            .map(|(simplex, area)| simplex.weight * stiffness / area)
+            .collect();
+        let runs = runs::find(&nodes);
+        Self { law, nodes, rest_area, stiffness, runs }
+    }
+
+    #[inline(always)]
+    fn add_gradient(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+        let [x, y] = at.positions;
+        let [force_x, force_y] = forces;
+        let mut buffer = [[0.0; LONGEST]; 6];
+        for &Run { nodes: [a, b, c], first, len } in &self.runs {
+            let (xa, xb, xc) = (&x[a..a + len], &x[b..b + len], &x[c..c + len]);
+            let (ya, yb, yc) = (&y[a..a + len], &y[b..b + len], &y[c..c + len]);
+            let rest_area = &self.rest_area[first..first + len];
+            let stiffness = &self.stiffness[first..first + len];
+            let [fxa, fya, fxb, fyb, fxc, fyc] = &mut buffer;
+            let (fxa, fya) = (&mut fxa[..len], &mut fya[..len]);
+            let (fxb, fyb) = (&mut fxb[..len], &mut fyb[..len]);
+            let (fxc, fyc) = (&mut fxc[..len], &mut fyc[..len]);
+            for k in 0..len {
+                let (ux, uy) = (xb[k] - xa[k], yb[k] - ya[k]);
+                let (wx, wy) = (xc[k] - xa[k], yc[k] - ya[k]);
+                let area = 0.5 * (ux * wy - uy * wx);
+                // f = -dE/dA dA/dx, and dA/dx_b = (w_y, -w_x)/2, dA/dx_c = (-u_y, u_x)/2
+                let half = -0.5 * stiffness[k] * (area - rest_area[k]);
+                (fxb[k], fyb[k]) = (half * wy, -half * wx);
+                (fxc[k], fyc[k]) = (-half * uy, half * ux);
+                (fxa[k], fya[k]) = (-(fxb[k] + fxc[k]), -(fyb[k] + fyc[k]));
+            }
+            for (start, fx, fy) in [(a, fxa, fya), (b, fxb, fyb), (c, fxc, fyc)] {
+                runs::add(force_x, start, fx);
+                runs::add(force_y, start, fy);
+            }
+        }
+    }
+
+    fn add_towards_barycentre(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+        let printed = self.law == AreaLaw::Printed;
+        for (triangle, corners) in self.nodes.iter().enumerate() {
+            let area = signed_area(at.positions, *corners);
+            let rest = self.rest_area[triangle];
+            // Eq. (13); stiffness holds w k / A0
+            let magnitude =
+                self.stiffness[triangle] * rest.sqrt() * if printed { area } else { area - rest };
+            let corners = corners.map(|node| node as usize);
+            // Eq. (12)
+            let barycentre = [0, 1]
+                .map(|axis| corners.iter().map(|&i| at.positions[axis][i]).sum::<f64>() / 3.0);
+            for node in corners {
+                let arm = [0, 1].map(|axis| at.positions[axis][node] - barycentre[axis]);
+                let length = arm[0].hypot(arm[1]);
+                for axis in 0..2 {
+                    forces[axis][node] -= magnitude * arm[axis] / length;
+                }
+            }
+        }
+    }
+}
+
+/// Signed area of a triangle, um^2; positive if its corners turn counter-clockwise.
+pub(crate) fn signed_area(positions: &Vectors, corners: [u32; 3]) -> f64 {
+    let [a, b, c] = corners.map(|node| node as usize);
+    let [x, y] = positions;
+    0.5 * ((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a]))
+}
+
+impl Force for AreaPreservation {
+    fn name(&self) -> &'static str {
+        "area preservation"
+    }
+
+    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+        match self.law {
+            AreaLaw::Gradient => vectorised(
+                #[inline(always)]
+                || self.add_gradient(at, forces),
+            ),
+            AreaLaw::Barycentric | AreaLaw::Printed => self.add_towards_barycentre(at, forces),
+        }
+    }
+
+    fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
+        if self.law != AreaLaw::Gradient {
+            return None;
+        }
+        let one = |triangle: usize| {
+            let deviation =
+                signed_area(at.positions, self.nodes[triangle]) - self.rest_area[triangle];
+            0.5 * self.stiffness[triangle] * deviation * deviation
+        };
+        Some((0..self.nodes.len()).map(one).sum())
+    }
+
+    fn is_internal(&self) -> bool {
+        self.law == AreaLaw::Gradient
+    }
+}

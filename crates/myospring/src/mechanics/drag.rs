@@ -1,0 +1,53 @@
+//! Viscous drag: `f = -gamma m v` on each mass, the damping term of `coelho_2021`, Eq. (10).
+//!
+//! The rate `gamma` (1/ms) is the same for all masses, so every vibration decays with `gamma/2`
+//! and a contraction lags its equilibrium by about `gamma/omega^2`. The slowest vibration of a free
+//! cell, period `T`, has the damping ratio `gamma T / (4 pi)`: this is what
+//! [`Drag::of_slowest_mode`] inverts. Integrators take the drag implicitly
+//! ([`crate::integrate::verlet`]), so it never limits the time step.
+
+use super::{Configuration, Force, Vectors};
+use std::f64::consts::PI;
+
+/// Drag in proportion to mass and velocity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drag {
+    /// Rate gamma, 1/ms.
+    pub rate: f64,
+    /// Masses, ug.
+    pub masses: Vec<f64>,
+}
+
+impl Drag {
+    /// The drag that gives a mode of this period (ms) this damping ratio.
+    pub fn of_slowest_mode(period: f64, ratio: f64, masses: &[f64]) -> Self {
+        Self { rate: 4.0 * PI * ratio / period, masses: masses.to_vec() }
+    }
+}
+
+impl Force for Drag {
+    fn name(&self) -> &'static str {
+        "drag"
+    }
+
+    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+        for (force, velocity) in forces.iter_mut().zip(at.velocities) {
+            for (node, mass) in self.masses.iter().enumerate() {
+                force[node] -= self.rate * mass * velocity[node];
+            }
+        }
+    }
+
+    fn energy(&self, _at: &Configuration<'_>) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn dissipation(&self, at: &Configuration<'_>) -> f64 {
+        let square = |node: usize| at.velocities.iter().map(|v| v[node] * v[node]).sum::<f64>();
+        self.masses.iter().enumerate().map(|(node, mass)| self.rate * mass * square(node)).sum()
+    }
+
+    fn is_internal(&self) -> bool {
+        false
+    }
+}
