@@ -14,4 +14,6 @@ pub mod recording;
 #[cfg(feature = "run-file")]
 pub mod run_file;
 pub mod simulation;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
 pub mod units;
