@@ -33,7 +33,9 @@ pub enum ParameterError {
         known: String,
     },
     /// The value is not a number or outside the range.
-    #[error("parameter `{name}` = {value} {unit} is outside its range {minimum} to {maximum} {unit}")]
+    #[error(
+        "parameter `{name}` = {value} {unit} is outside its range {minimum} to {maximum} {unit}"
+    )]
     OutOfRange {
         /// The parameter.
         name: &'static str,

@@ -63,7 +63,9 @@ impl Dimension {
             Self::Energy => &[("fJ", 1.0), ("pJ", 1e3)],
             Self::Voltage => &[("mV", 1.0), ("V", 1e3)],
             Self::Rate => &[("1/ms", 1.0), ("/ms", 1.0), ("1/s", 1e-3), ("/s", 1e-3), ("Hz", 1e-3)],
-            Self::Angle => &[("deg", 1.0), ("degrees", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)],
+            Self::Angle => {
+                &[("deg", 1.0), ("degrees", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)]
+            }
             Self::Number => &[("", 1.0), ("%", 0.01)],
         }
     }
@@ -143,7 +145,9 @@ pub enum UnitError {
         example: String,
     },
     /// A number without the unit that its dimension needs.
-    #[error("`{text}` has no unit, but {wanted} needs one: {accepted}; write it like \"{example}\"")]
+    #[error(
+        "`{text}` has no unit, but {wanted} needs one: {accepted}; write it like \"{example}\""
+    )]
     MissingUnit {
         /// What was written.
         text: String,
