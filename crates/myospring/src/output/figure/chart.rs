@@ -8,7 +8,6 @@ use std::sync::Arc;
 use kuva::TickFormat;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
-use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, render_multiple};
@@ -45,14 +44,29 @@ impl Axis {
         Self { label: "Time (ms)".to_owned(), range: [first, end], step, labelled: true }
     }
 
-    /// A vertical axis around these values, from 0 where none is really negative, that ends at
-    /// ticks; at most `parts` steps.
-    pub(super) fn values(label: &str, [low, high]: [f64; 2], parts: f64) -> Self {
+    /// A vertical axis around these values, from 0 where none is really negative, that ends at ticks
+    /// and is `height` px long.
+    ///
+    /// Among the steps that keep tick labels apart it takes the one that wastes the least room, and
+    /// fewer ticks for little more waste.
+    pub(super) fn values(label: &str, [low, high]: [f64; 2], height: f64) -> Self {
         let low = if low > -0.02 * (high - low) { 0.0 } else { low };
         let high = if high > low { high } else { low + 1.0 };
-        let step = nice_step(high - low, parts);
-        let range = [(low / step).floor() * step, (high / step - 1e-9).ceil() * step];
-        Self { label: label.to_owned(), range, step, labelled: true }
+        let most = (height / 14.0).floor().max(2.0);
+        let cut = |parts: f64| {
+            let step = nice_step(high - low, parts);
+            let range = [(low / step).floor() * step, (high / step - 1e-9).ceil() * step];
+            let count = ((range[1] - range[0]) / step).round();
+            let filled = (high - low) / (range[1] - range[0]);
+            (range, step, count, filled - 0.02 * count)
+        };
+        let mut best = cut(2.0);
+        for candidate in [3.0, 5.0, 8.0, 12.0].map(cut) {
+            if candidate.2 <= most && candidate.3 > best.3 {
+                best = candidate;
+            }
+        }
+        Self { label: label.to_owned(), range: best.0, step: best.1, labelled: true }
     }
 
     fn part(&self, value: f64) -> f64 {
@@ -112,6 +126,7 @@ impl Chart {
 
     /// Draws the chart; the vertical label stands `label_offset` px left of its axis.
     pub(super) fn draw(&self, sheet: &mut Sheet, label_offset: f64) {
+        self.draw_behind(sheet);
         let plots: Vec<Plot> = self.curves.iter().flat_map(|curve| self.lines(curve)).collect();
         let mut scene = render_multiple(plots, self.layout());
         scene.background_color = None;
@@ -144,6 +159,20 @@ impl Chart {
         }
     }
 
+    /// Bands and marked times, behind axes and curves.
+    fn draw_behind(&self, sheet: &mut Sheet) {
+        let [[first, last], [bottom, top]] = [self.x.range, self.y.range];
+        for band in &self.bands {
+            let [low, high] = band.map(|value| value.clamp(bottom, top));
+            let [left, upper] = self.at([first, high]);
+            let [right, lower] = self.at([last, low]);
+            sheet.rect([left, upper], [right - left, lower - upper], BAND, "");
+        }
+        for &t in self.marks.iter().filter(|t| (first..=last).contains(*t)) {
+            sheet.line(self.at([t, bottom]), self.at([t, top]), MUTED, HAIR, "3 2");
+        }
+    }
+
     fn lines(&self, curve: &Curve) -> Vec<Plot> {
         runs(&curve.points)
             .filter(|run| run.len() > 1)
@@ -161,7 +190,7 @@ impl Chart {
 
     fn layout(&self) -> Layout {
         let [[x0, x1], [y0, y1]] = [self.x.range, self.y.range];
-        let mut layout = Layout::new((x0, x1), (y0, y1))
+        Layout::new((x0, x1), (y0, y1))
             .with_theme(Theme { show_grid: false, ..Theme::light() })
             .with_show_grid(false)
             .with_width(self.size[0] + 2.0 * MARGIN)
@@ -180,22 +209,7 @@ impl Chart {
             .with_label_size(LABEL)
             .with_axis_line_width(AXIS_WIDTH)
             .with_tick_width(AXIS_WIDTH)
-            .with_tick_length(TICK_LENGTH);
-        for &[low, high] in &self.bands {
-            let [low, high] = [low, high].map(|value| value.clamp(y0, y1));
-            layout = layout.with_shaded_region(
-                ShadedRegion::horizontal(low, high).with_color(BAND).with_opacity(1.0),
-            );
-        }
-        for &t in self.marks.iter().filter(|t| (x0..=x1).contains(*t)) {
-            layout = layout.with_reference_line(
-                ReferenceLine::vertical(t)
-                    .with_color(MUTED)
-                    .with_stroke_width(HAIR)
-                    .with_dasharray("3 2"),
-            );
-        }
-        layout
+            .with_tick_length(TICK_LENGTH)
     }
 }
 
@@ -252,10 +266,11 @@ mod tests {
 
     #[test]
     fn axes_end_at_ticks_and_start_from_zero_where_they_can() {
-        let axis = Axis::values("", [-0.01, 12.0], 5.0);
+        let axis = Axis::values("", [-0.01, 13.4], 90.0);
         assert_eq!((axis.range, axis.step), ([0.0, 15.0], 5.0));
-        assert_eq!(Axis::values("", [-84.0, 32.0], 4.0).range, [-100.0, 50.0]);
-        assert_eq!(Axis::values("", [0.0, 0.0], 4.0).range, [0.0, 1.0]);
+        assert_eq!(Axis::values("", [0.0, 13.4], 170.0).step, 2.0);
+        assert_eq!(Axis::values("", [-84.0, 37.0], 108.0).range, [-100.0, 50.0]);
+        assert_eq!(Axis::values("", [0.0, 0.0], 108.0).range, [0.0, 1.0]);
         assert_eq!(Axis::time([0.0, 599.95]).range, [0.0, 600.0]);
         assert_eq!(Axis::time([0.0, 83.0]).range, [0.0, 83.0]);
         assert_eq!(Axis::time([5.0, 5.0]).range, [5.0, 6.0]);

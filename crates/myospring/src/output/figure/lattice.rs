@@ -47,7 +47,7 @@ pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
     }
     sheet.raw(&format!(r##"<path fill="#f3f6f9" stroke="none" d="{rim}"/>"##));
     for (kind, colour, width) in
-        [(SpringKind::Diagonal, "#b9cfe0", 0.35), (SpringKind::Axial, "#5b93bd", 0.5)]
+        [(SpringKind::Diagonal, "#9dbdd6", 0.4), (SpringKind::Axial, "#4f8cba", 0.55)]
     {
         let mut path = String::new();
         for spring in mesh.springs.iter().filter(|spring| spring.kind == kind) {

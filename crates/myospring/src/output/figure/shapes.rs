@@ -228,28 +228,45 @@ fn letter(index: usize) -> String {
     u8::try_from(index).ok().and_then(|i| b'A'.checked_add(i)).map_or('Z', char::from).to_string()
 }
 
-fn stacked(gallery: &Gallery<'_>) -> Figure {
-    let mut sheet = Sheet::default();
-    let (left, width) = (8.0, SINGLE - 16.0);
-    let scale = gallery.scale_into([width, f64::INFINITY]);
-    let height = gallery.extent()[1] * scale;
-    let mut top = 4.0;
-    for index in 0..gallery.shapes.len() {
-        let [name, moment, shortening] = gallery.notes(index);
+/// Height of the line above a stacked shape, px.
+pub(super) const HEAD: f64 = 18.0;
+
+impl Gallery<'_> {
+    /// One stacked shape, its notes in a line above it; `letter` may be empty.
+    pub(super) fn draw_row(
+        &self,
+        sheet: &mut Sheet,
+        index: usize,
+        [left, top]: [f64; 2],
+        [width, scale]: [f64; 2],
+        letter: &str,
+    ) {
+        let [name, moment, shortening] = self.notes(index);
         let baseline = top + 11.0;
-        sheet.text([left, baseline], &letter(index), Style::new(LETTER).bold());
+        sheet.text([left, baseline], letter, Style::new(LETTER).bold());
         sheet.text([left + 16.0, baseline], &name, Style::new(LABEL));
         let facts = [moment, shortening].into_iter().filter(|text| !text.is_empty());
         let facts = facts.collect::<Vec<_>>().join(", ");
         let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
         sheet.text([left + width, baseline], &facts, style);
-        let centre = [left + width / 2.0, top + 18.0 + height / 2.0];
-        gallery.draw(&mut sheet, index, centre, scale);
-        top += 18.0 + height + 9.0;
+        let centre = [left + width / 2.0, top + HEAD + self.extent()[1] * scale / 2.0];
+        self.draw(sheet, index, centre, scale);
     }
-    gallery.draw_scale_bar(&mut sheet, [left, top + 19.0], scale);
-    gallery.draw_colour_bar(&mut sheet, [SINGLE - 8.0 - 160.0, top + 15.0], 152.0);
-    sheet.finish(SINGLE, top + 43.0)
+}
+
+fn stacked(gallery: &Gallery<'_>) -> Figure {
+    let mut sheet = Sheet::default();
+    let (left, width) = (8.0, SINGLE - 16.0);
+    let scale = gallery.scale_into([width, f64::INFINITY]);
+    let pitch = HEAD + gallery.extent()[1] * scale + 9.0;
+    for index in 0..gallery.shapes.len() {
+        let top = 4.0 + index as f64 * pitch;
+        gallery.draw_row(&mut sheet, index, [left, top], [width, scale], &letter(index));
+    }
+    let bottom = 4.0 + gallery.shapes.len() as f64 * pitch;
+    gallery.draw_scale_bar(&mut sheet, [left, bottom + 19.0], scale);
+    gallery.draw_colour_bar(&mut sheet, [SINGLE - 8.0 - 160.0, bottom + 15.0], 152.0);
+    sheet.finish(SINGLE, bottom + 43.0)
 }
 
 fn side_by_side(gallery: &Gallery<'_>) -> Figure {

@@ -14,6 +14,8 @@ pub(super) struct Quantity {
     pub(super) label: &'static str,
     pub(super) unit: &'static str,
     pub(super) colour: &'static str,
+    /// Whether its peak is marked and noted.
+    pub(super) noted: bool,
     pub(super) value: fn(&Sample) -> f64,
 }
 
@@ -24,16 +26,28 @@ pub(super) fn potential(recording: &Recording) -> Quantity {
             label: "Potential (mV)",
             unit: "mV",
             colour: POTENTIAL,
+            noted: false,
             value: |s| s.vm_mv.unwrap_or(f64::NAN),
         }
     } else {
-        Quantity { label: "Potential u (\u{2013})", unit: "", colour: POTENTIAL, value: |s| s.u }
+        Quantity {
+            label: "Potential u (\u{2013})",
+            unit: "",
+            colour: POTENTIAL,
+            noted: false,
+            value: |s| s.u,
+        }
     }
 }
 
 /// The active tension.
-pub(super) const ACTIVE_TENSION: Quantity =
-    Quantity { label: "Active tension (kPa)", unit: "kPa", colour: TENSION, value: |s| s.ta_kpa };
+pub(super) const ACTIVE_TENSION: Quantity = Quantity {
+    label: "Active tension (kPa)",
+    unit: "kPa",
+    colour: TENSION,
+    noted: true,
+    value: |s| s.ta_kpa,
+};
 
 /// The points of a quantity over time.
 pub(super) fn points(recording: &Recording, quantity: &Quantity) -> Vec<[f64; 2]> {
@@ -68,9 +82,11 @@ pub(super) struct Stack<'a> {
     pub(super) recording: &'a Recording,
     pub(super) quantities: &'a [Quantity],
     pub(super) stimulus_times_ms: &'a [f64],
-    /// Upper left corner of the first plot, and width and height of each, px.
-    pub(super) place: [f64; 2],
-    pub(super) size: [f64; 2],
+    /// From where to where the panels reach with their labels, px.
+    pub(super) sides: [f64; 2],
+    /// Upper end of the first plot and height of each, px.
+    pub(super) top: f64,
+    pub(super) height: f64,
     /// Distance between plots, px.
     pub(super) gap: f64,
     /// Letter of the first panel.
@@ -87,41 +103,42 @@ impl Stack<'_> {
         }
         let times = extent(curves.iter().map(Vec::as_slice), 0);
         let last = self.quantities.len().saturating_sub(1);
-        let charts: Vec<Chart> = (0..self.quantities.len())
-            .map(|row| {
-                let quantity = &self.quantities[row];
-                let [low, high] = extent([curves[row].as_slice()], 1);
-                // Head room for the note at the peak.
-                let high = if quantity.unit == "kPa" || quantity.unit == "%" {
-                    high + 0.12 * (high - low.min(0.0))
-                } else {
-                    high
-                };
-                Chart {
-                    place: [self.place[0], self.place[1] + row as f64 * (self.size[1] + self.gap)],
-                    size: self.size,
-                    x: Axis { labelled: row == last, ..Axis::time(times) },
-                    y: Axis::values(quantity.label, [low, high], 4.0),
-                    curves: vec![Curve { points: curves[row].clone(), colour: quantity.colour }],
-                    bands: Vec::new(),
-                    marks: self.stimulus_times_ms.to_vec(),
-                }
-            })
-            .collect();
+        let mut charts: Vec<Chart> = Vec::new();
+        for (row, quantity) in self.quantities.iter().enumerate() {
+            let [low, high] = extent([curves[row].as_slice()], 1);
+            // Head room for the note at the peak.
+            let room = if quantity.noted { 0.12 * (high - low.min(0.0)) } else { 0.0 };
+            charts.push(Chart {
+                place: [0.0, self.top + row as f64 * (self.height + self.gap)],
+                size: [0.0, self.height],
+                x: Axis { labelled: row == last, ..Axis::time(times) },
+                y: Axis::values(quantity.label, [low, high + room], self.height),
+                curves: vec![Curve { points: curves[row].clone(), colour: quantity.colour }],
+                bands: Vec::new(),
+                marks: self.stimulus_times_ms.to_vec(),
+            });
+        }
+        // The plots of all panels begin and end together, right of the widest labels; half a tick
+        // label stands out beyond the end of the time axis.
         let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
+        let left = self.sides[0] + 24.0 + offset;
+        for chart in &mut charts {
+            chart.place[0] = left;
+            chart.size[0] = self.sides[1] - 11.0 - left;
+        }
         for (row, chart) in charts.iter().enumerate() {
             chart.draw(sheet, offset);
             let letter = char::from_u32(self.letter as u32 + row as u32).unwrap_or(self.letter);
-            let corner = [self.place[0] - offset - 9.0, chart.place[1] + 2.0];
+            let corner = [self.sides[0], chart.place[1] + 4.0];
             sheet.text(corner, &letter.to_string(), Style::new(LETTER).bold());
             if row == 0 {
                 mark_stimulus(sheet, chart);
             }
-            if let Some(top) = peak(&curves[row]).filter(|_| self.quantities[row].unit != "mV") {
+            if let Some(top) = peak(&curves[row]).filter(|_| self.quantities[row].noted) {
                 note_peak(sheet, chart, top, &self.quantities[row]);
             }
         }
-        Ok(charts.last().map_or(self.place[1], |chart| chart.place[1] + self.size[1] + 37.0))
+        Ok(charts.last().map_or(self.top, |chart| chart.place[1] + self.height + 37.0))
     }
 }
 
@@ -141,7 +158,7 @@ fn mark_stimulus(sheet: &mut Sheet, chart: &Chart) {
 
 /// A dot at the peak and its value and time beside it.
 fn note_peak(sheet: &mut Sheet, chart: &Chart, top: [f64; 2], quantity: &Quantity) {
-    if quantity.unit.is_empty() || top[1] <= 0.0 {
+    if top[1] <= 0.0 {
         return;
     }
     let [x, y] = chart.at(top);
@@ -170,13 +187,13 @@ pub fn action_potential_and_tension(
     stimulus_times_ms: &[f64],
 ) -> Result<Figure, FigureError> {
     let mut sheet = Sheet::default();
-    let left = 52.0;
     let stack = Stack {
         recording,
         quantities: &[potential(recording), ACTIVE_TENSION],
         stimulus_times_ms,
-        place: [left, 18.0],
-        size: [SINGLE - left - 13.0, 108.0],
+        sides: [6.0, SINGLE - 4.0],
+        top: 18.0,
+        height: 108.0,
         gap: 16.0,
         letter: 'A',
     };
@@ -218,6 +235,7 @@ pub fn contraction(
         label: "Shortening (%)",
         unit: "%",
         colour: CURVES[0],
+        noted: true,
         value: |s| s.shortening_pct,
     };
     let mut curves = Vec::new();
@@ -246,7 +264,7 @@ pub fn contraction(
     if let Some(([low, high], name)) = options.reference_band {
         let digits = usize::from(low.fract() != 0.0 || high.fract() != 0.0);
         let range = format!("{}\u{2013}{} %", fixed(low, digits), fixed(high, digits));
-        legend.push(Entry { text: format!("{name}: {range}"), colour: BAND, band: true });
+        legend.push(Entry { text: format!("{name}: {range} (band)"), colour: BAND, band: true });
     }
 
     let left = 44.0;
@@ -257,7 +275,7 @@ pub fn contraction(
         place: [left, if options.stimulus_times_ms.is_empty() { 9.0 } else { 18.0 }],
         size: [SINGLE - left - 13.0, 168.0],
         x: Axis::time(extent(curves.iter().map(|curve| curve.points.as_slice()), 0)),
-        y: Axis::values(shortening.label, [values[0], high], 7.0),
+        y: Axis::values(shortening.label, [values[0], high], 168.0),
         bands: options.reference_band.iter().map(|(band, _)| *band).collect(),
         marks: options.stimulus_times_ms.clone(),
         curves,
@@ -274,7 +292,9 @@ pub fn contraction(
             sheet.dot(chart.at(top), curve.colour);
         }
     }
-    draw_legend(&mut sheet, inside.unwrap_or([left, 6.0]), &legend);
+    // Above the plot, further left where that makes it fit.
+    let above = [left.min(SINGLE - 4.0 - legend_width(&legend)).max(6.0), 6.0];
+    draw_legend(&mut sheet, inside.unwrap_or(above), &legend);
     Ok(sheet.finish(SINGLE, chart.place[1] + chart.size[1] + 37.0))
 }
 
@@ -282,9 +302,13 @@ pub fn contraction(
 const ROW: f64 = 14.0;
 const SWATCH: f64 = 24.0;
 
+fn legend_width(legend: &[Entry]) -> f64 {
+    SWATCH + legend.iter().map(|entry| text_width(&entry.text, TICK)).fold(0.0, f64::max)
+}
+
 /// The upper right corner of the plot when no curve or band passes there.
 fn legend_inside(chart: &Chart, legend: &[Entry]) -> Option<[f64; 2]> {
-    let width = SWATCH + legend.iter().map(|e| text_width(&e.text, TICK)).fold(0.0, f64::max);
+    let width = legend_width(legend);
     let [left, top] = [chart.place[0] + chart.size[0] - width, chart.place[1]];
     let bottom = top + ROW * legend.len() as f64 + 4.0;
     let crosses = |point: [f64; 2]| {
