@@ -58,7 +58,7 @@ impl Axis {
             let range = [(low / step).floor() * step, (high / step - 1e-9).ceil() * step];
             let count = ((range[1] - range[0]) / step).round();
             let filled = (high - low) / (range[1] - range[0]);
-            (range, step, count, filled - 0.02 * count)
+            (range, step, count, filled - 0.012 * count)
         };
         let mut best = cut(2.0);
         for candidate in [3.0, 5.0, 8.0, 12.0].map(cut) {
@@ -130,6 +130,7 @@ impl Chart {
         let plots: Vec<Plot> = self.curves.iter().flat_map(|curve| self.lines(curve)).collect();
         let mut scene = render_multiple(plots, self.layout());
         scene.background_color = None;
+        scene.defs.clear();
         // The data lie inside the axes; kuva numbers its clip paths across the whole process, and
         // the same figure must be the same bytes.
         scene.elements.retain(|element| match element {
@@ -269,7 +270,7 @@ mod tests {
         let axis = Axis::values("", [-0.01, 13.4], 90.0);
         assert_eq!((axis.range, axis.step), ([0.0, 15.0], 5.0));
         assert_eq!(Axis::values("", [0.0, 13.4], 170.0).step, 2.0);
-        assert_eq!(Axis::values("", [-84.0, 37.0], 108.0).range, [-100.0, 50.0]);
+        assert_eq!(Axis::values("", [-84.0, 37.0], 108.0).range, [-100.0, 40.0]);
         assert_eq!(Axis::values("", [0.0, 0.0], 108.0).range, [0.0, 1.0]);
         assert_eq!(Axis::time([0.0, 599.95]).range, [0.0, 600.0]);
         assert_eq!(Axis::time([0.0, 83.0]).range, [0.0, 83.0]);

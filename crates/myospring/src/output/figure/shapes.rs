@@ -157,12 +157,11 @@ impl<'a> Gallery<'a> {
     /// The colour bar with its ticks below and its title above; `place` is its upper left corner.
     pub(super) fn draw_colour_bar(&self, sheet: &mut Sheet, place: [f64; 2], width: f64) {
         let height = 8.0;
-        let stops: String = (0..=16)
-            .map(|i| {
-                let part = f64::from(i) / 16.0;
-                format!(r#"<stop offset="{part}" stop-color="{}"/>"#, strain_colour(part))
-            })
-            .collect();
+        let stop = |i: i32| {
+            let part = f64::from(i) / 16.0;
+            format!(r#"<stop offset="{part}" stop-color="{}"/>"#, strain_colour(part))
+        };
+        let stops = (0..=16).map(stop).collect::<Vec<_>>().concat();
         sheet.raw(&format!(r#"<defs><linearGradient id="strain">{stops}</linearGradient></defs>"#));
         sheet.text(
             [place[0] + width / 2.0, place[1] - 5.0],
