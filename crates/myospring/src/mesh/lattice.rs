@@ -21,6 +21,7 @@ use super::coverage::{Grid, Shape, Source};
 use super::mask::Mask;
 use super::outline::Outline;
 use super::quality::{MeshReport, dimensions};
+use super::selection::choose;
 use super::{Lattice, Mesh, MeshError, Simplex, Spring, SpringKind};
 
 /// Number of masses that the default spacing aims at.
@@ -118,17 +119,20 @@ pub enum LatticeError {
 }
 
 /// The spacing, um, at which an area of `area_um2` holds about `masses` masses:
-/// `h = sqrt(A / masses)`, rounded to two digits.
+/// `h = sqrt(A / masses)`, rounded up to two digits (the rim has more masses than squares).
 ///
 /// # Example
 /// ```
 /// use myospring::mesh::lattice::default_spacing;
-/// assert_eq!(default_spacing(2940.0, 2000), 1.2);
+/// assert_eq!(default_spacing(2600.0, 2000), 1.2);
+/// assert_eq!(default_spacing(2880.0, 2000), 1.2);
 /// ```
 pub fn default_spacing(area_um2: f64, masses: usize) -> f64 {
     let spacing = (area_um2 / masses.max(1) as f64).sqrt();
-    // Through text: the nearest number that prints with two digits.
-    format!("{spacing:.1e}").parse().unwrap_or(spacing)
+    let digit = 10_f64.powf(spacing.log10().floor() - 1.0);
+    let rounded = (spacing / digit - 1e-9).ceil() * digit;
+    // Through text: the number that prints with two digits.
+    format!("{rounded:.1e}").parse().unwrap_or(rounded)
 }
 
 /// Fills the largest island of a mask with a lattice of `spacing` um (by default about
@@ -277,13 +281,14 @@ fn fill(source: &impl Source, spacing: Option<f64>) -> Result<(Mesh, MeshReport)
 
 fn check_spacing(shape: &Shape, spacing: Option<f64>) -> Result<f64, LatticeError> {
     let default = default_spacing(shape.area, DEFAULT_MASSES);
-    let Some(spacing) = spacing else { return Ok(default) };
+    let given = spacing.is_some();
+    let spacing = spacing.unwrap_or(default);
     if !(spacing.is_finite() && spacing > 0.0) {
         return Err(LatticeError::Spacing { spacing, default });
     }
     let bound = shape.width / 3.0;
     // Rounding of the width may not refuse exactly a third.
-    if spacing > bound * (1.0 + 1e-9) {
+    if given && spacing > bound * (1.0 + 1e-9) {
         return Err(LatticeError::TooCoarse { spacing, bound, width: shape.width, default });
     }
     let masses = shape.area / (spacing * spacing);
@@ -310,126 +315,6 @@ fn cover(shape: &Shape, spacing: f64) -> Grid {
     Grid { spacing, origin, columns: columns as usize, rows: rows as usize }
 }
 
-/// Squares kept for the mesh.
-struct Choice {
-    kept: Vec<bool>,
-    count: usize,
-    dropped: usize,
-}
-
-/// Keeps the most covered squares, as many as bring the largest connected piece nearest to
-/// `target` squares.
-///
-/// Squares of equal coverage stand or fall together, so that straight sides stay straight and
-/// symmetric cells symmetric, with the cut between 0.3 and 0.7. Only where that misses the area by
-/// more than half a per cent, as for a straight side between two lattice lines, equal squares are
-/// told apart by their distance from the middle: part of such a side gets one more row.
-fn choose(coverage: &[f64], grid: &Grid, target: f64) -> Choice {
-    // Coverage in steps of 1e-6, so that rounding does not tell equal squares apart.
-    let level = |square: u32| (coverage[square as usize] * 1e6).round() as i64;
-    let distance = |square: u32| {
-        let (i, j) = (square as usize % grid.columns, square as usize / grid.columns);
-        let along = |at: usize, count: usize| (2 * at as i64 + 1 - count as i64).pow(2);
-        along(i, grid.columns) + along(j, grid.rows)
-    };
-    let mut order: Vec<u32> =
-        (0..coverage.len() as u32).filter(|&square| level(square) >= 100_000).collect();
-    order.sort_by_key(|&square| (-level(square), distance(square), square));
-    let levels: Vec<i64> = order.iter().map(|&square| level(square)).collect();
-
-    let off = |choice: &Choice| (choice.count as f64 - target).abs();
-    let plain = best_cut(&order, grid, target, &cuts(&levels, 300_000..=700_000, |_, _| true));
-    if off(&plain) <= 0.005 * target {
-        return plain;
-    }
-    let same_distance = |a: usize, b: usize| distance(order[a]) == distance(order[b]);
-    let split = best_cut(&order, grid, target, &cuts(&levels, 100_000..=900_000, same_distance));
-    if off(&split) < off(&plain) { split } else { plain }
-}
-
-/// How many of the ordered squares may be kept: ends of classes of equal squares, of which all
-/// above the range are kept and none below it.
-fn cuts(
-    levels: &[i64],
-    range: std::ops::RangeInclusive<i64>,
-    equal: impl Fn(usize, usize) -> bool,
-) -> Vec<usize> {
-    let first = levels.partition_point(|level| level > range.end());
-    let last = levels.partition_point(|level| level >= range.start());
-    (first..=last)
-        .filter(|&end| {
-            end == 0
-                || end == levels.len()
-                || levels[end - 1] != levels[end]
-                || !equal(end - 1, end)
-        })
-        .collect()
-}
-
-/// The cut whose largest piece is nearest to `target`; the piece never shrinks as squares are added.
-fn best_cut(order: &[u32], grid: &Grid, target: f64, cuts: &[usize]) -> Choice {
-    let at = |cut: usize| largest_piece(&order[..cut], grid);
-    let enough = cuts.partition_point(|&cut| (at(cut).count as f64) < target);
-    let [above, below] = [cuts.get(enough), cuts[..enough].last()].map(|cut| cut.map(|&n| at(n)));
-    match (below, above) {
-        (Some(below), Some(above)) => {
-            let off = |choice: &Choice| (choice.count as f64 - target).abs();
-            if off(&below) < off(&above) { below } else { above }
-        }
-        (Some(only), None) | (None, Some(only)) => only,
-        (None, None) => at(0),
-    }
-}
-
-/// The largest piece of squares joined by their sides; of equal ones the lowest.
-fn largest_piece(squares: &[u32], grid: &Grid) -> Choice {
-    const OUT: u32 = 0;
-    const NEW: u32 = 1;
-    let (columns, rows) = (grid.columns, grid.rows);
-    let mut piece = vec![OUT; columns * rows];
-    for &square in squares {
-        piece[square as usize] = NEW;
-    }
-    let (mut name, mut best, mut best_size) = (NEW, NEW, 0);
-    let mut stack = Vec::new();
-    for start in 0..piece.len() {
-        if piece[start] != NEW {
-            continue;
-        }
-        name += 1;
-        let mut size = 0;
-        piece[start] = name;
-        stack.push(start);
-        while let Some(square) = stack.pop() {
-            size += 1;
-            let (i, j) = (square % columns, square / columns);
-            let mut visit = |other: usize| {
-                if piece[other] == NEW {
-                    piece[other] = name;
-                    stack.push(other);
-                }
-            };
-            if i > 0 {
-                visit(square - 1);
-            }
-            if i + 1 < columns {
-                visit(square + 1);
-            }
-            if j > 0 {
-                visit(square - columns);
-            }
-            if j + 1 < rows {
-                visit(square + columns);
-            }
-        }
-        if size > best_size {
-            (best, best_size) = (name, size);
-        }
-    }
-    let kept = piece.into_iter().map(|name| name == best && best_size > 0).collect();
-    Choice { kept, count: best_size, dropped: squares.len() - best_size }
-}
-
 /// Nodes, springs and triangles of filled squares, in the guaranteed order.
 fn from_squares(grid: &Grid, filled: &[bool]) -> Result<Mesh, MeshError> {
     const NONE: u32 = u32::MAX;
@@ -437,7 +322,7 @@ fn from_squares(grid: &Grid, filled: &[bool]) -> Result<Mesh, MeshError> {
     // Square (i, j), which may lie outside the block.
     let square =
         |i: usize, j: usize| usize::from(i < columns && j < rows && filled[j * columns + i]);
-    // Square to the lower left of node (i, j), and the one below it to the right.
+    // The square to the left of it.
     let before = |i: usize, j: usize| if i > 0 { square(i - 1, j) } else { 0 };
 
     let mut number = vec![NONE; (columns + 1) * (rows + 1)];
