@@ -24,7 +24,7 @@ use crate::mechanics::area::signed_area;
 use crate::mechanics::material::{Material, assemble};
 use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::support::SupportKind;
-use crate::mechanics::{Body, Force as _, System};
+use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use crate::mesh::Mesh;
 use crate::recording::{Frame, Recording, Sample};
 use serde::Serialize;
@@ -40,7 +40,8 @@ pub struct Numerics {
     pub exchange_interval: f64,
     /// Interval of the recorded samples, ms, a multiple of the exchange interval; 0.5.
     pub output_interval: f64,
-    /// Interval of the recorded shapes, ms, a multiple of the output interval; 5.
+    /// Interval of the recorded shapes, ms, a multiple of the output interval; 5. The shape at the peak
+    /// of tension is kept besides.
     pub frame_interval: f64,
     /// Integration of the cell model.
     pub cell: Settings,
@@ -232,8 +233,7 @@ impl Simulation {
     /// A time step above the stability limit, or a cell model without tension.
     pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
         let model = self.cell.name();
-        let failed =
-            |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
+        let failed = |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
         let peak = solve::peak_tension(&*self.cell).map_err(failed)?;
         let cell =
             CellIntegrator::new(&*self.cell, self.protocol, self.numerics.cell).map_err(failed)?;
@@ -294,10 +294,10 @@ impl Prepared<'_> {
         let mut cell = self.cell.clone();
         let mut motion =
             Motion::new(&self.system, self.body.clone(), numerics.integrator, self.time_step());
-        let mut ledger = Ledger::default();
         let mut recording = Recording::default();
         let mut tension = self.tension_scale * model.tension(cell.state());
-        ledger.settle(&self.system, &motion.body, tension, 0.0);
+        let mut ledger = Ledger::new(&motion.body, tension);
+        let mut strongest: Option<Frame> = None;
         let mut stop = None;
         let mut length = self.resting_length;
         for index in 0..=exchanges {
@@ -318,16 +318,29 @@ impl Prepared<'_> {
                 length = self.meter.measure(&motion.body.positions).length;
                 ledger.settle(&self.system, &motion.body, tension, exchange);
             }
+            let shape = || {
+                let positions = motion.body.positions.clone();
+                Frame { t_ms: time, ta_kpa: tension, positions }
+            };
             if index % per_sample == 0 {
                 recording.samples.push(self.sample(time, &cell, tension, &motion.body, &ledger));
+                if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
+                    strongest = Some(shape());
+                }
             }
             if index % per_frame == 0 {
-                let positions = motion.body.positions.clone();
-                recording.frames.push(Frame { t_ms: time, ta_kpa: tension, positions });
+                recording.frames.push(shape());
             }
             if index % per_sample == 0 && !observe(Progress { time, duration: *duration }) {
                 stop = Some(StopReason::Interrupted { time });
                 break;
+            }
+        }
+        // The shape at the peak of tension belongs to every record, whatever the frame interval.
+        if let Some(frame) = strongest {
+            let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
+            if recording.frames.get(place).is_none_or(|other| other.t_ms > frame.t_ms) {
+                recording.frames.insert(place, frame);
             }
         }
         let steps = motion.steps();
@@ -361,24 +374,49 @@ impl Prepared<'_> {
     }
 }
 
-/// Work and dissipation added up over a run by the trapezoidal rule in the powers.
-#[derive(Debug, Clone, Copy, Default)]
+/// Work and dissipation added up over a run.
+///
+/// Dissipation by the trapezoidal rule in its power. Work of the active forces as the drop of their
+/// energy at the mean tension of the interval, `W = -int grad E(x; Ta) dx`, which needs no velocity
+/// and so does not miss fast vibrations between two exchanges.
+#[derive(Debug, Clone)]
 struct Ledger {
     active_work: f64,
     dissipated: f64,
-    active_power: f64,
+    tension: f64,
     dissipation: f64,
+    positions: Vectors,
+    still: Vectors,
 }
 
 impl Ledger {
+    fn new(body: &Body, tension: f64) -> Self {
+        Self {
+            active_work: 0.0,
+            dissipated: 0.0,
+            tension,
+            dissipation: 0.0,
+            positions: body.positions.clone(),
+            still: zeros(body.len()),
+        }
+    }
+
     fn settle(&mut self, system: &System, body: &Body, tension: f64, elapsed: f64) {
+        let mean = 0.5 * (self.tension + tension);
+        let energy = |positions: &Vectors| {
+            system.active_energy(&Configuration {
+                positions,
+                velocities: &self.still,
+                tension: mean,
+            })
+        };
+        self.active_work += energy(&self.positions) - energy(&body.positions);
         let at = body.configuration(tension);
-        let active_power = system.active_power(&at);
-        let dissipation = system.dissipation(&at) + system.drag.dissipation(&at);
-        self.active_work += 0.5 * elapsed * (self.active_power + active_power);
+        let dissipation = system.dissipation(&at);
         self.dissipated += 0.5 * elapsed * (self.dissipation + dissipation);
-        self.active_power = active_power;
         self.dissipation = dissipation;
+        self.tension = tension;
+        self.positions.clone_from(&body.positions);
     }
 }
 
