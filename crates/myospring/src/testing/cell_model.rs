@@ -170,7 +170,7 @@ fn check_beat(model: &dyn CellModel) {
     let fine = solve(model, protocol, half, 600.0, 0.1).ok().and_then(|t| t.peak_tension());
     let Some(fine) = fine else { panic!("{name}: the default beat fails at half the step") };
     let change = (fine.value / beat.peak_tension - 1.0).abs();
-    assert!(change < 1e-3, "{name}: half the step changes the peak of tension by {change:e}");
+    assert!(change < 5e-3, "{name}: half the step changes the peak of tension by {change:e}");
 }
 
 /// Many short advances and one long one reach the same bits.
