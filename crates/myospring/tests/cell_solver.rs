@@ -1,4 +1,5 @@
 //! Methods, events and errors of the cell integrator, against the toy model's exact solution.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::{Protocol, Stimulus};

@@ -1,8 +1,12 @@
 //! Methods in time, and whole runs of one cell.
 //!
 //! # The default
-//! Runge-Kutta 4 with 0.005 ms. The equations jump at thresholds, which leaves any fixed-step method
-//! of first order overall; the step is chosen by its measured error (module `coelho_2021`).
+//! Runge-Kutta 4 with 0.005 ms: 120 000 steps, about 30 ms of computing for a beat of 600 ms. The
+//! equations jump at thresholds, which leaves any fixed-step method of order 1 overall, so the step is
+//! chosen by measured error. Peak of tension against 0.0002 ms: `coelho_2021` +0.02 %,
+//! `bueno_orovio_2008` epi +0.03 %, endo +0.001 %, m +0.10 %, pb -0.01 %, tnnp -0.34 % (its V barely
+//! reaches the narrow bell of Eq. (34), so tension is small and follows the height of the upstroke
+//! steeply); APD90 within 0.015 ms, time of the peak of tension within 0.15 ms (`coelho_2021`: 0.003).
 
 use super::CellModel;
 use super::integrator::CellIntegrator;
@@ -21,7 +25,7 @@ pub enum Method {
     StaggeredEuler,
 }
 
-/// Numerical settings of a cell; the default is converged for every model in the list.
+/// Numerical settings of a cell; the measured error of the default is in the head of this module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Default: Runge-Kutta 4.

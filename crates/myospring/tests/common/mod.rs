@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 /// A file of the shared data, or `None` with a loud line if it is not there.
 #[allow(clippy::print_stderr, reason = "a skipped test must be seen")]
-pub fn shared_data(path: &str) -> Option<PathBuf> {
+pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
     let file =
         PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(path);
     if file.exists() {
@@ -16,12 +16,12 @@ pub fn shared_data(path: &str) -> Option<PathBuf> {
 }
 
 /// First time at or after `from` when the curve falls through `level`, between samples by a line.
-pub fn falls_through(times: &[f64], values: &[f64], level: f64, from: f64) -> f64 {
+pub(crate) fn falls_through(times: &[f64], values: &[f64], level: f64, from: f64) -> f64 {
     crossing(times, values, from, |before, after| before >= level && after < level, level)
 }
 
 /// First time at or after `from` when the curve rises through `level`, between samples by a line.
-pub fn rises_through(times: &[f64], values: &[f64], level: f64, from: f64) -> f64 {
+pub(crate) fn rises_through(times: &[f64], values: &[f64], level: f64, from: f64) -> f64 {
     crossing(times, values, from, |before, after| before < level && after >= level, level)
 }
 
