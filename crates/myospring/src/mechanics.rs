@@ -75,7 +75,7 @@ impl Body {
         })
     }
 
-    /// Angular momentum about the origin, ug um^2/ms: sum of m (x v_y - y v_x).
+    /// Angular momentum about the origin, ug um^2/ms: sum of m (`x v_y` - `y v_x`).
     pub fn angular_momentum(&self) -> f64 {
         let ([x, y], [vx, vy]) = (&self.positions, &self.velocities);
         (0..self.len()).map(|i| self.masses[i] * (x[i] * vy[i] - y[i] * vx[i])).sum()

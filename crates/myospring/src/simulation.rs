@@ -13,7 +13,7 @@
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
 
-use crate::analysis::shape::ShapeMeter;
+use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, Settings, SolveError};
@@ -23,7 +23,7 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::signed_area;
 use crate::mechanics::material::{Material, assemble, default_material};
 use crate::mechanics::stability::StabilityLimit;
-use crate::mechanics::support::SupportKind;
+use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use crate::mesh::{Mesh, quality};
 use crate::recording::{Frame, Recording, Sample};
@@ -275,12 +275,10 @@ impl Simulation {
     pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
         let model = self.cell.name();
         let failed = |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
-        let peak = solve::peak_tension(&*self.cell).map_err(failed)?;
-        let cell =
-            CellIntegrator::new(&*self.cell, self.protocol, self.numerics.cell).map_err(failed)?;
-        let meter =
-            ShapeMeter::new(self.mesh.points.clone(), self.long_axis, self.mesh.areas.clone());
-        let resting_length = meter.measure(&self.mesh.points).length;
+        let settings = self.numerics.cell;
+        let peak = solve::reference_beat(&*self.cell, settings).map_err(failed)?.peak_tension;
+        let cell = CellIntegrator::new(&*self.cell, self.protocol, settings).map_err(failed)?;
+        let resting_length = shape::extent(&self.mesh.points, self.long_axis);
         let (body, system) = assemble(
             &self.mesh,
             &self.material,
@@ -290,6 +288,15 @@ impl Simulation {
             self.long_axis,
             resting_length,
         );
+        // A free cell turns as its mass does; a clamped one cannot turn, whatever it does inside.
+        let mut weights = self.mesh.areas.clone();
+        if let Support::Clamped(nodes) = &system.support {
+            weights.fill(0.0);
+            for &node in nodes {
+                weights[node] = 1.0;
+            }
+        }
+        let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
         let limit = StabilityLimit::of(&system, &body, self.peak_tension);
         if let Some(time_step) = self.numerics.time_step
             && time_step > limit.time_step
@@ -359,18 +366,18 @@ impl Prepared<'_> {
                 length = self.meter.measure(&motion.body.positions).length;
                 ledger.settle(&self.system, &motion.body, tension, exchange);
             }
-            let shape = || {
+            let snapshot = || {
                 let positions = motion.body.positions.clone();
                 Frame { t_ms: time, ta_kpa: tension, positions }
             };
             if index % per_sample == 0 {
                 recording.samples.push(self.sample(time, &cell, tension, &motion.body, &ledger));
                 if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
-                    strongest = Some(shape());
+                    strongest = Some(snapshot());
                 }
             }
             if index % per_frame == 0 {
-                recording.frames.push(shape());
+                recording.frames.push(snapshot());
             }
             if index % per_sample == 0 && !observe(Progress { time, duration: *duration }) {
                 stop = Some(StopReason::Interrupted { time });

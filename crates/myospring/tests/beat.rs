@@ -1,4 +1,5 @@
 //! Whole beats: the acceptance numbers of the default cell, convergence, and what stops a run.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::analysis::{contraction, trace, value};
 use myospring::cell::pacing::{Protocol, Stimulus};

@@ -192,8 +192,9 @@ fn a_changed_parameter_changes_the_beat() {
     let mut set = model.parameters().clone();
     set.set("c_0", 0.02).unwrap();
     let changed = model.with_parameters(set).unwrap();
-    let (before, after) = (cell::solve::reference_beat(model.as_ref()).unwrap(), {
-        cell::solve::reference_beat(changed.as_ref()).unwrap()
-    });
+    let (before, after) =
+        (cell::solve::reference_beat(model.as_ref(), Settings::default()).unwrap(), {
+            cell::solve::reference_beat(changed.as_ref(), Settings::default()).unwrap()
+        });
     assert!(after.peak_tension > 1.1 * before.peak_tension, "{before:?} {after:?}");
 }

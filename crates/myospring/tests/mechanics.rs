@@ -1,4 +1,5 @@
 //! Laws, integrators and stability: closed forms, conservation laws, orders of convergence.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::{ActiveLaw, EndTension, FibreTension};

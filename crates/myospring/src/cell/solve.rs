@@ -191,31 +191,26 @@ pub struct ReferenceBeat {
 /// Length of the reference beat, ms, stimulus at 50 ms.
 pub const REFERENCE_BEAT_MS: f64 = 600.0;
 
-/// One default beat at default settings: [`CellModel::default_stimulus`] once at 50 ms, 600 ms long.
+/// One default beat: [`CellModel::default_stimulus`] once at 50 ms, 600 ms long.
 ///
 /// # Errors
 /// A state that is no longer finite, or tension without a positive peak inside the beat.
-pub fn reference_beat(model: &dyn CellModel) -> Result<ReferenceBeat, SolveError> {
+pub fn reference_beat(
+    model: &dyn CellModel,
+    settings: Settings,
+) -> Result<ReferenceBeat, SolveError> {
     let protocol = Protocol::once(model.default_stimulus());
-    let trace = solve(model, protocol, Settings::default(), REFERENCE_BEAT_MS, 0.1)?;
+    let trace = solve(model, protocol, settings, REFERENCE_BEAT_MS, 0.1)?;
     let last_ms = trace.time_ms.last().copied().unwrap_or_default();
     match trace.peak_tension() {
-        Some(peak) if peak.value > 0.0 && peak.time_ms < last_ms => {
-            Ok(ReferenceBeat { peak_tension: peak.value, peak_time_ms: peak.time_ms })
+        Some(peak) if peak.value > 0.0 && peak.time < last_ms => {
+            Ok(ReferenceBeat { peak_tension: peak.value, peak_time_ms: peak.time })
         }
         other => Err(SolveError::NoPeak {
             model: model.name(),
             duration_ms: REFERENCE_BEAT_MS,
             value: other.map_or(f64::NAN, |peak| peak.value),
-            time_ms: other.map_or(f64::NAN, |peak| peak.time_ms),
+            time_ms: other.map_or(f64::NAN, |peak| peak.time),
         }),
     }
-}
-
-/// Highest dimensionless tension of one default beat at default settings.
-///
-/// # Errors
-/// As [`reference_beat`].
-pub fn peak_tension(model: &dyn CellModel) -> Result<f64, SolveError> {
-    reference_beat(model).map(|beat| beat.peak_tension)
 }

@@ -153,7 +153,7 @@ fn check_jump(model: &dyn CellModel, state: &[f64]) {
 /// The default beat raises a peak of tension above rest, and the default step is converged.
 fn check_beat(model: &dyn CellModel) {
     let name = model.name();
-    let beat = match reference_beat(model) {
+    let beat = match reference_beat(model, Settings::default()) {
         Ok(beat) => beat,
         Err(error) => panic!("{name}: {error}"),
     };
