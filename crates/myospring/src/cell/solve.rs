@@ -137,7 +137,7 @@ pub enum SolveError {
 /// let beat = Protocol::once(model.default_stimulus());
 /// let trace = solve(&model, beat, Settings::default(), 100.0, 0.5)?;
 /// assert_eq!(trace.time_ms.len(), 201);
-/// assert!((trace.peak_potential().unwrap().time_ms - 52.0).abs() < 0.5);
+/// assert!((trace.peak_potential().unwrap().time - 52.0).abs() < 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn solve(
