@@ -2,6 +2,20 @@
 //!
 //! A [`Mesh`] is geometry only: where the points rest, which pairs are springs, which sets of
 //! `D + 1` points span area (or volume). Material and forces live in [`crate::mechanics`].
+//!
+//! In reading order: an [`outline::Outline`] (polygon) or a [`mask::Mask`] (pixels) says where the
+//! cell is; [`lattice`] fills it with squares and makes masses, springs and triangles of them;
+//! [`quality`] measures and reports; [`built_in`] holds ready-made cells.
+//!
+//! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
+//! are flipped on the way in, so that a cell is drawn as the microscope showed it.
+
+pub mod built_in;
+mod coverage;
+pub mod lattice;
+pub mod mask;
+pub mod outline;
+pub mod quality;
 
 /// Direction class of a lattice spring; it decides its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,4 +73,304 @@ pub struct Mesh {
     pub simplices: Vec<Simplex<3>>,
     /// The lattice, when the mesh is one.
     pub lattice: Option<Lattice>,
+}
+
+/// Why points, springs and triangles do not make a mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// No point at all.
+    #[error("the mesh has no points")]
+    NoPoints,
+    /// More points than a 32-bit index can name.
+    #[error("the mesh has {points} points; at most {bound} can be numbered")]
+    TooManyPoints {
+        /// How many there are.
+        points: usize,
+        /// How many there may be.
+        bound: usize,
+    },
+    /// Arrays that run over the points have different lengths.
+    #[error("{what} has {found} entries, but the mesh has {expected} points")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Number of points.
+        expected: usize,
+    },
+    /// A coordinate, area, share or weight that is not finite, or not positive where it must be.
+    #[error("{what} of {of} {index} is {value}; it must be {must}")]
+    Value {
+        /// Which quantity.
+        what: &'static str,
+        /// What it belongs to: node, spring, triangle, lattice.
+        of: &'static str,
+        /// Its index.
+        index: usize,
+        /// The value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A spring or triangle names a point that does not exist.
+    #[error("{of} {index} names node {node}, but the mesh has {points} points (0 is the first)")]
+    Index {
+        /// Spring or triangle.
+        of: &'static str,
+        /// Its index.
+        index: usize,
+        /// The node that it names.
+        node: u32,
+        /// Number of points.
+        points: usize,
+    },
+    /// A spring of no length: its ends are one node, or lie on each other.
+    #[error("spring {spring} between nodes {a} and {b} has no length")]
+    ZeroLength {
+        /// Index of the spring.
+        spring: usize,
+        /// First end.
+        a: u32,
+        /// Second end.
+        b: u32,
+    },
+    /// Two springs join one pair of nodes.
+    #[error("nodes {a} and {b} are joined by two springs")]
+    DuplicateSpring {
+        /// First end.
+        a: u32,
+        /// Second end.
+        b: u32,
+    },
+    /// A triangle of no area, or with its corners clockwise.
+    #[error("triangle {triangle} has the area {area} um^2; its corners must run counter-clockwise")]
+    Orientation {
+        /// Index of the triangle.
+        triangle: usize,
+        /// Signed area, um^2.
+        area: f64,
+    },
+    /// A node on fewer than two springs would swing freely.
+    #[error("node {node} hangs on {springs} spring(s); at least 2 must hold it")]
+    Dangling {
+        /// Index of the node.
+        node: usize,
+        /// Number of its springs.
+        springs: usize,
+    },
+    /// The springs do not join all nodes.
+    #[error("the mesh falls apart: only {reached} of {points} nodes hang together with node 0")]
+    Disconnected {
+        /// Nodes that springs join to node 0.
+        reached: usize,
+        /// All nodes.
+        points: usize,
+    },
+    /// A point does not lie on the lattice place that it claims.
+    #[error("node {node} does not lie on column {column}, row {row} of the lattice")]
+    OffLattice {
+        /// Index of the node.
+        node: usize,
+        /// Column that it claims.
+        column: u32,
+        /// Row that it claims.
+        row: u32,
+    },
+}
+
+impl Mesh {
+    /// Puts a mesh together and checks every invariant.
+    ///
+    /// Guaranteed afterwards: coordinates are finite; areas, shares and weights are finite and
+    /// positive; indices are in range; no spring has zero length and no pair of nodes has two
+    /// springs; triangles run counter-clockwise; every node hangs on two springs or more and all
+    /// nodes hang together; the points lie on the lattice, when there is one.
+    ///
+    /// # Errors
+    /// The first invariant that does not hold, with the node, spring or triangle.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::{Mesh, MeshError, Simplex, Spring, SpringKind};
+    /// let spring = |a, b| Spring { nodes: [a, b], kind: SpringKind::Axial, share: 1.0 };
+    /// let triangle = |nodes| Simplex { nodes, weight: 1.0 };
+    /// let points = [vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 1.0]];
+    /// let springs = vec![spring(0, 1), spring(1, 2), spring(0, 2)];
+    /// let areas = vec![1.0 / 6.0; 3];
+    /// let mesh = |corners| {
+    ///     Mesh::new(points.clone(), areas.clone(), springs.clone(), vec![triangle(corners)], None)
+    /// };
+    /// assert_eq!(mesh([0, 1, 2]).unwrap().area(), 0.5);
+    /// let error = mesh([0, 2, 1]).unwrap_err();
+    /// assert!(matches!(error, MeshError::Orientation { triangle: 0, .. }));
+    /// ```
+    pub fn new(
+        points: [Vec<f64>; 2],
+        areas: Vec<f64>,
+        springs: Vec<Spring>,
+        simplices: Vec<Simplex<3>>,
+        lattice: Option<Lattice>,
+    ) -> Result<Self, MeshError> {
+        let mesh = Self { points, areas, springs, simplices, lattice };
+        mesh.check_points()?;
+        mesh.check_springs()?;
+        mesh.check_simplices()?;
+        mesh.check_lattice()?;
+        Ok(mesh)
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.points[0].len()
+    }
+
+    /// Whether there is no point; never so for a mesh from [`Mesh::new`].
+    pub fn is_empty(&self) -> bool {
+        self.points[0].is_empty()
+    }
+
+    /// Rest position of one node, um.
+    pub fn point(&self, node: usize) -> [f64; 2] {
+        [self.points[0][node], self.points[1][node]]
+    }
+
+    /// Area of the cell, um^2: the sum of the nodes' areas.
+    pub fn area(&self) -> f64 {
+        self.areas.iter().sum()
+    }
+
+    /// Centre of the cell's area, um: `sum(A_n X_n) / sum(A_n)`.
+    pub fn centroid(&self) -> [f64; 2] {
+        let area = self.area();
+        [0, 1].map(|axis| {
+            self.points[axis].iter().zip(&self.areas).map(|(x, a)| x * a).sum::<f64>() / area
+        })
+    }
+
+    fn check_points(&self) -> Result<(), MeshError> {
+        let count = self.len();
+        if count == 0 {
+            return Err(MeshError::NoPoints);
+        }
+        if count > u32::MAX as usize {
+            return Err(MeshError::TooManyPoints { points: count, bound: u32::MAX as usize });
+        }
+        for (what, found) in [
+            ("the list of y coordinates", self.points[1].len()),
+            ("the list of areas", self.areas.len()),
+        ] {
+            if found != count {
+                return Err(MeshError::Length { what, found, expected: count });
+            }
+        }
+        for (what, values) in [("x", &self.points[0]), ("y", &self.points[1])] {
+            if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+                let value = values[index];
+                return Err(MeshError::Value { what, of: "node", index, value, must: "finite" });
+            }
+        }
+        positive("area", "node", self.areas.iter().copied())
+    }
+
+    fn check_springs(&self) -> Result<(), MeshError> {
+        let count = self.len();
+        positive("share", "spring", self.springs.iter().map(|spring| spring.share))?;
+        let mut degree = vec![0_usize; count];
+        let mut pairs = Vec::with_capacity(self.springs.len());
+        for (index, spring) in self.springs.iter().enumerate() {
+            in_range("spring", index, &spring.nodes, count)?;
+            let [a, b] = spring.nodes;
+            if self.point(a as usize) == self.point(b as usize) {
+                return Err(MeshError::ZeroLength { spring: index, a, b });
+            }
+            degree[a as usize] += 1;
+            degree[b as usize] += 1;
+            pairs.push([a.min(b), a.max(b)]);
+        }
+        pairs.sort_unstable();
+        if let Some(twice) = pairs.windows(2).find(|two| two[0] == two[1]) {
+            return Err(MeshError::DuplicateSpring { a: twice[0][0], b: twice[0][1] });
+        }
+        if let Some(node) = degree.iter().position(|&springs| springs < 2) {
+            return Err(MeshError::Dangling { node, springs: degree[node] });
+        }
+        let reached = self.reached_from_first();
+        if reached < count {
+            return Err(MeshError::Disconnected { reached, points: count });
+        }
+        Ok(())
+    }
+
+    /// Number of nodes that springs join to node 0, itself included (union of sets by path halving).
+    fn reached_from_first(&self) -> usize {
+        fn root(parent: &mut [u32], mut node: u32) -> u32 {
+            while parent[node as usize] != node {
+                parent[node as usize] = parent[parent[node as usize] as usize];
+                node = parent[node as usize];
+            }
+            node
+        }
+        let mut parent: Vec<u32> = (0..self.len() as u32).collect();
+        for spring in &self.springs {
+            let [a, b] = spring.nodes.map(|node| root(&mut parent, node));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+        (0..self.len() as u32).filter(|&node| root(&mut parent, node) == 0).count()
+    }
+
+    fn check_simplices(&self) -> Result<(), MeshError> {
+        positive("weight", "triangle", self.simplices.iter().map(|simplex| simplex.weight))?;
+        for (index, simplex) in self.simplices.iter().enumerate() {
+            in_range("triangle", index, &simplex.nodes, self.len())?;
+            let [a, b, c] = simplex.nodes.map(|node| self.point(node as usize));
+            let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
+            if area.is_nan() || area <= 0.0 {
+                return Err(MeshError::Orientation { triangle: index, area });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_lattice(&self) -> Result<(), MeshError> {
+        let Some(lattice) = &self.lattice else { return Ok(()) };
+        positive("spacing", "lattice", std::iter::once(lattice.spacing))?;
+        if lattice.cells.len() != self.len() {
+            let (found, expected) = (lattice.cells.len(), self.len());
+            return Err(MeshError::Length { what: "the list of lattice places", found, expected });
+        }
+        for (node, &[column, row]) in lattice.cells.iter().enumerate() {
+            let inside = (column as usize) < lattice.shape[0] && (row as usize) < lattice.shape[1];
+            let point = self.point(node);
+            // A part in 1e6 of the spacing: far above rounding, far below a wrong place.
+            let near = [column, row].iter().enumerate().all(|(axis, &place)| {
+                let expected = lattice.origin[axis] + lattice.spacing * f64::from(place);
+                (point[axis] - expected).abs() <= 1e-6 * lattice.spacing
+            });
+            if !(inside && near) {
+                return Err(MeshError::OffLattice { node, column, row });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn positive(
+    what: &'static str,
+    of: &'static str,
+    values: impl Iterator<Item = f64>,
+) -> Result<(), MeshError> {
+    for (index, value) in values.enumerate() {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(MeshError::Value { what, of, index, value, must: "finite and positive" });
+        }
+    }
+    Ok(())
+}
+
+fn in_range(of: &'static str, index: usize, nodes: &[u32], points: usize) -> Result<(), MeshError> {
+    match nodes.iter().find(|&&node| node as usize >= points) {
+        Some(&node) => Err(MeshError::Index { of, index, node, points }),
+        None => Ok(()),
+    }
 }

@@ -1,0 +1,63 @@
+//! Cells that come with the program, drawn by hand from typical sizes.
+//!
+//! To add one: put its outline beside the others in `cells/` and add a line to [`CELLS`].
+
+use super::outline::{Outline, OutlineError};
+
+/// A cell that comes with the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// Its name in run files and on the command line.
+    pub name: &'static str,
+    /// One sentence on what it is.
+    pub about: &'static str,
+    /// Its outline, GeoJSON in um.
+    pub geojson: &'static str,
+}
+
+/// All cells that come with the program.
+pub const CELLS: &[BuiltIn] = &[BuiltIn {
+    name: "adult_ventricular",
+    about: "adult left ventricular myocyte, 140 x 21 um, with stepped ends",
+    geojson: include_str!("../../cells/adult_ventricular.geojson"),
+}];
+
+impl BuiltIn {
+    /// Its outline.
+    ///
+    /// # Errors
+    /// Data that is not an outline; a test reads every cell in [`CELLS`].
+    pub fn outline(&self) -> Result<Outline, OutlineError> {
+        Outline::from_geojson(self.geojson)
+    }
+}
+
+/// The cell of a name, if there is one.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::built_in;
+/// assert!(built_in::find("adult_ventricular").is_some());
+/// assert!(built_in::find("giraffe").is_none());
+/// ```
+pub fn find(name: &str) -> Option<&'static BuiltIn> {
+    CELLS.iter().find(|cell| cell.name == name)
+}
+
+/// An adult ventricular myocyte, about 140 um long and 21 um wide, its long axis along x.
+///
+/// Size after the human left ventricular cell of Gerdes et al. 1992 (141 um, length over width
+/// 7.5); sides nearly parallel, ends stepped where intercalated discs were.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::built_in;
+/// let [low, high] = built_in::adult_ventricular().bounds();
+/// assert!((high[0] - low[0] - 140.0).abs() < 2.0);
+/// ```
+pub fn adult_ventricular() -> Outline {
+    match CELLS[0].outline() {
+        Ok(outline) => outline,
+        Err(error) => unreachable!("a built-in cell, which a test reads: {error}"),
+    }
+}

@@ -1,0 +1,523 @@
+//! From a mask or outline to a Moore lattice of masses and springs.
+//!
+//! A cell is filled with lattice **squares** of side `h`. The exact fraction of each square that
+//! lies inside the cell is computed, and the most covered squares are kept, as many as give the
+//! mesh the cell's area; the cut falls near one half. Squares that no side joins to the largest
+//! piece are dropped and counted. Two squares of one piece may still share just a corner; there the
+//! mesh has a hinge of one node, which does no harm since both squares are held elsewhere.
+//!
+//! What a square brings: four nodes with a quarter of its area each, four sides (axial springs),
+//! two diagonals, and four triangles (both ways to halve it, each of weight 1/2). A side between
+//! two squares is one spring of share 1, a side on the rim one of share 1/2. Hence every node has
+//! at least three springs.
+//!
+//! # Order, guaranteed
+//! Nodes run row by row, x fastest, from the bottom. Springs run by direction, east, north,
+//! north-east, north-west; triangles by type; within each, row by row. Neighbours in these lists
+//! are neighbours in memory, in long runs, which the force kernels use. A spring's first node is
+//! the one in the lower row (the left one when both are in one row).
+
+use std::ops::RangeInclusive;
+
+use super::coverage::{Grid, Shape, Source};
+use super::mask::Mask;
+use super::outline::Outline;
+use super::quality::{MeshReport, dimensions};
+use super::{Lattice, Mesh, MeshError, Simplex, Spring, SpringKind};
+
+/// Number of masses that the default spacing aims at.
+pub const DEFAULT_MASSES: usize = 2_000;
+
+/// Largest number of masses that a spacing may lead to.
+pub const MOST_MASSES: usize = 5_000_000;
+
+/// Fewest pixels that can be called a cell.
+pub const FEWEST_PIXELS: usize = 25;
+
+/// Area error above which the report warns, per cent.
+pub const AREA_WARNING_PCT: f64 = 1.0;
+
+/// Area error above which there is no mesh, per cent.
+pub const AREA_BOUND_PCT: f64 = 10.0;
+
+/// Most squares of the bounding box, so that a thin slanted cell cannot exhaust the memory.
+const MOST_SQUARES: f64 = 4e7;
+
+/// Why a mask or outline gives no mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LatticeError {
+    /// The spacing is not a positive number.
+    #[error("spacing {spacing} um is not a positive length; leave it out for {default} um")]
+    Spacing {
+        /// What was given, um.
+        spacing: f64,
+        /// The default spacing of this cell, um.
+        default: f64,
+    },
+    /// Too few squares across the cell.
+    #[error(
+        "spacing {spacing} um exceeds {bound:.3} um, a third of the cell's width of {width:.3} um; \
+         give less, or leave it out for {default} um"
+    )]
+    TooCoarse {
+        /// What was given, um.
+        spacing: f64,
+        /// Largest spacing, um.
+        bound: f64,
+        /// Extent of the cell across its long axis, um.
+        width: f64,
+        /// The default spacing of this cell, um.
+        default: f64,
+    },
+    /// Too many masses.
+    #[error(
+        "spacing {spacing} um would give about {masses:.1e} masses, more than {bound}; give more than \
+         {smallest:.2} um, or leave it out for {default} um"
+    )]
+    TooFine {
+        /// What was given, um.
+        spacing: f64,
+        /// About how many masses it would give.
+        masses: f64,
+        /// How many there may be.
+        bound: usize,
+        /// About the smallest spacing that may be given, um.
+        smallest: f64,
+        /// The default spacing of this cell, um.
+        default: f64,
+    },
+    /// The cell in the mask is a speck.
+    #[error(
+        "the cell has only {pixels} pixels ({area:.3} um^2); at least {bound} are needed: is this \
+         the right mask and label?"
+    )]
+    TooSmall {
+        /// Pixels of the largest island.
+        pixels: usize,
+        /// Their area, um^2.
+        area: f64,
+        /// How many are needed.
+        bound: usize,
+    },
+    /// The squares cannot show the cell's shape.
+    #[error(
+        "spacing {spacing} um is too coarse for this shape: the mesh has {area:.1} um^2 where the \
+         cell has {source_area:.1} um^2, off by more than {bound} %; give less"
+    )]
+    AreaLost {
+        /// Spacing, um.
+        spacing: f64,
+        /// Area of the mesh, um^2.
+        area: f64,
+        /// Area of the cell, um^2.
+        source_area: f64,
+        /// Largest error, per cent.
+        bound: f64,
+    },
+    /// The squares do not make a mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// The spacing, um, at which an area of `area_um2` holds about `masses` masses:
+/// `h = sqrt(A / masses)`, rounded up to two digits (the rim has more masses than squares).
+///
+/// # Example
+/// ```
+/// use myospring::mesh::lattice::default_spacing;
+/// assert_eq!(default_spacing(2600.0, 2000), 1.2);
+/// assert_eq!(default_spacing(2880.0, 2000), 1.2);
+/// ```
+pub fn default_spacing(area_um2: f64, masses: usize) -> f64 {
+    let spacing = (area_um2 / masses.max(1) as f64).sqrt();
+    let digit = 10_f64.powf(spacing.log10().floor() - 1.0);
+    let rounded = (spacing / digit - 1e-9).ceil() * digit;
+    // Through text: the number that prints with two digits.
+    format!("{rounded:.1e}").parse().unwrap_or(rounded)
+}
+
+/// Fills the largest island of a mask with a lattice of `spacing` um (by default about
+/// [`DEFAULT_MASSES`] masses).
+///
+/// Coordinates are um from the lower left corner of the picture, y upward.
+///
+/// # Errors
+/// A cell of fewer than [`FEWEST_PIXELS`] pixels; a spacing that is not positive, is more than a
+/// third of the cell's width, or gives more than [`MOST_MASSES`] masses; a shape that squares of
+/// this size miss by more than [`AREA_BOUND_PCT`]. Between that and [`AREA_WARNING_PCT`] the report
+/// warns.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::{lattice, mask::Mask};
+/// let disc = |i: usize| (i % 60).abs_diff(30).pow(2) + (i / 60).abs_diff(30).pow(2) < 600;
+/// let mask = Mask::new(60, 60, 0.5, (0..3600).map(disc).collect()).unwrap();
+/// let (mesh, report) = lattice::from_mask(&mask, Some(1.0)).unwrap();
+/// assert_eq!(mesh.len(), report.masses);
+/// assert!(report.area_error_pct.abs() < 1.0);
+/// ```
+pub fn from_mask(mask: &Mask, spacing: Option<f64>) -> Result<(Mesh, MeshReport), LatticeError> {
+    let (cell, dropped) = mask.largest_part();
+    let pixels = cell.cell_pixels();
+    if pixels < FEWEST_PIXELS {
+        let (area, bound) = (cell.area_um2(), FEWEST_PIXELS);
+        return Err(LatticeError::TooSmall { pixels, area, bound });
+    }
+    let (mesh, mut report) = fill(&cell, spacing)?;
+    report.dropped_components = dropped.components;
+    report.dropped_pixels = dropped.pixels;
+    report.touches_frame = cell.touches_frame();
+    if report.touches_frame {
+        report.warnings.push(
+            "the cell touches the frame of the picture and may be cut: its length, width and \
+             shortening are then not those of a whole cell"
+                .to_owned(),
+        );
+    }
+    if dropped.pixels * 20 > pixels {
+        report.warnings.push(format!(
+            "{} islands with {} pixels beside the cell of {pixels} pixels were dropped: is it one \
+             cell?",
+            dropped.components, dropped.pixels
+        ));
+    }
+    if report.spacing_um < mask.pixel_size_um() {
+        report.warnings.push(format!(
+            "spacing {} um is finer than a pixel of {} um: the mesh shows the steps of the pixels",
+            report.spacing_um,
+            mask.pixel_size_um()
+        ));
+    }
+    Ok((mesh, report))
+}
+
+/// Fills an outline with a lattice of `spacing` um (by default about [`DEFAULT_MASSES`] masses).
+///
+/// # Errors
+/// As [`from_mask`], without the pixels.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::{built_in, lattice};
+/// let (mesh, report) = lattice::from_outline(&built_in::adult_ventricular(), None).unwrap();
+/// assert!((1_800..2_400).contains(&mesh.len()));
+/// assert!((report.dimensions.length_um - 140.0).abs() < 2.0);
+/// ```
+pub fn from_outline(
+    outline: &Outline,
+    spacing: Option<f64>,
+) -> Result<(Mesh, MeshReport), LatticeError> {
+    fill(outline, spacing)
+}
+
+/// A rectangle of `columns` x `rows` squares with its lower left corner at the origin.
+///
+/// With `n` columns and `m` rows it has `(n + 1)(m + 1)` masses, `n (m + 1) + m (n + 1) + 2 n m`
+/// springs and `4 n m` triangles.
+///
+/// # Errors
+/// A spacing that is not positive, no square, or more than [`MOST_MASSES`] masses.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::lattice::rectangle;
+/// let mesh = rectangle(70, 10, 2.0).unwrap();
+/// assert_eq!((mesh.len(), mesh.area()), (71 * 11, 140.0 * 20.0));
+/// ```
+pub fn rectangle(columns: usize, rows: usize, spacing: f64) -> Result<Mesh, LatticeError> {
+    if !(spacing.is_finite() && spacing > 0.0) {
+        return Err(LatticeError::Spacing { spacing, default: 1.0 });
+    }
+    let masses = (columns as f64 + 1.0) * (rows as f64 + 1.0);
+    if masses > MOST_MASSES as f64 {
+        return Err(too_fine(spacing, masses, 1.0));
+    }
+    let grid = Grid { spacing, origin: [0.0; 2], columns, rows };
+    Ok(from_squares(&grid, &vec![true; columns * rows])?)
+}
+
+fn too_fine(spacing: f64, masses: f64, default: f64) -> LatticeError {
+    let smallest = spacing * (masses / MOST_MASSES as f64).sqrt();
+    LatticeError::TooFine { spacing, masses, bound: MOST_MASSES, smallest, default }
+}
+
+fn fill(source: &impl Source, spacing: Option<f64>) -> Result<(Mesh, MeshReport), LatticeError> {
+    let shape = source.shape();
+    let spacing = check_spacing(&shape, spacing)?;
+    let grid = cover(&shape, spacing);
+    let target = shape.area / (spacing * spacing);
+    let choice = choose(&source.coverage(&grid), &grid, target);
+    let area = choice.count as f64 * spacing * spacing;
+    let area_error_pct = 100.0 * (area - shape.area) / shape.area;
+    if area_error_pct.abs() > AREA_BOUND_PCT {
+        let (source_area, bound) = (shape.area, AREA_BOUND_PCT);
+        return Err(LatticeError::AreaLost { spacing, area, source_area, bound });
+    }
+    let mesh = from_squares(&grid, &choice.kept)?;
+    let mut warnings = Vec::new();
+    if area_error_pct.abs() > AREA_WARNING_PCT {
+        warnings.push(format!(
+            "the mesh's area is {area_error_pct:+.2} % off the cell's, more than {AREA_WARNING_PCT} \
+             %: spacing {spacing} um is too coarse for this shape"
+        ));
+    }
+    let report = MeshReport {
+        masses: mesh.len(),
+        springs: mesh.springs.len(),
+        triangles: mesh.simplices.len(),
+        squares: choice.count,
+        spacing_um: spacing,
+        area_um2: area,
+        source_area_um2: shape.area,
+        area_error_pct,
+        dimensions: dimensions(&mesh),
+        dropped_pixels: 0,
+        dropped_components: 0,
+        dropped_squares: choice.dropped,
+        touches_frame: false,
+        warnings,
+    };
+    Ok((mesh, report))
+}
+
+fn check_spacing(shape: &Shape, spacing: Option<f64>) -> Result<f64, LatticeError> {
+    let default = default_spacing(shape.area, DEFAULT_MASSES);
+    let Some(spacing) = spacing else { return Ok(default) };
+    if !(spacing.is_finite() && spacing > 0.0) {
+        return Err(LatticeError::Spacing { spacing, default });
+    }
+    let bound = shape.width / 3.0;
+    // Rounding of the width may not refuse exactly a third.
+    if spacing > bound * (1.0 + 1e-9) {
+        return Err(LatticeError::TooCoarse { spacing, bound, width: shape.width, default });
+    }
+    let masses = shape.area / (spacing * spacing);
+    let [low, high] = shape.bounds;
+    let squares = (high[0] - low[0]) * (high[1] - low[1]) / (spacing * spacing);
+    if masses > MOST_MASSES as f64 || squares > MOST_SQUARES {
+        return Err(too_fine(
+            spacing,
+            masses.max(squares * MOST_MASSES as f64 / MOST_SQUARES),
+            default,
+        ));
+    }
+    Ok(spacing)
+}
+
+/// The block of squares, centred on the bounding box, that covers a cell.
+fn cover(shape: &Shape, spacing: f64) -> Grid {
+    let [low, high] = shape.bounds;
+    // A width of a whole number of squares, to rounding, needs no further one.
+    let count = |axis: usize| ((high[axis] - low[axis]) / spacing - 1e-6).ceil().max(1.0);
+    let [columns, rows] = [count(0), count(1)];
+    let origin = [(0, columns), (1, rows)]
+        .map(|(axis, count)| 0.5 * (low[axis] + high[axis] - count * spacing));
+    Grid { spacing, origin, columns: columns as usize, rows: rows as usize }
+}
+
+/// Squares kept for the mesh.
+struct Choice {
+    kept: Vec<bool>,
+    count: usize,
+    dropped: usize,
+}
+
+/// Keeps the most covered squares, as many as bring the largest connected piece nearest to
+/// `target` squares.
+///
+/// Squares of equal coverage stand or fall together, so that straight sides stay straight and
+/// symmetric cells symmetric, with the cut between 0.3 and 0.7. Only where that misses the area by
+/// more than half a per cent, as for a straight side between two lattice lines, equal squares are
+/// told apart by their distance from the middle: the outermost row of such a side, more than half
+/// covered since the lattice is centred on the cell, loses its ends. Where even that misses by almost
+/// one per cent, in a mesh of about a hundred squares, each square stands for itself.
+fn choose(coverage: &[f64], grid: &Grid, target: f64) -> Choice {
+    // Coverage in steps of 1e-6, so that rounding does not tell equal squares apart.
+    let level = |square: u32| (coverage[square as usize] * 1e6).round() as i64;
+    let distance = |square: u32| {
+        let (i, j) = (square as usize % grid.columns, square as usize / grid.columns);
+        let along = |at: usize, count: usize| (2 * at as i64 + 1 - count as i64).pow(2);
+        along(i, grid.columns) + along(j, grid.rows)
+    };
+    let mut order: Vec<u32> =
+        (0..coverage.len() as u32).filter(|&square| level(square) >= 300_000).collect();
+    order.sort_by_key(|&square| (-level(square), distance(square), square));
+    let levels: Vec<i64> = order.iter().map(|&square| level(square)).collect();
+
+    let same_distance = |a: usize, b: usize| distance(order[a]) == distance(order[b]);
+    // What is equal, the range of the cut, and the area error with which to be content.
+    type Rule<'a> = (&'a dyn Fn(usize, usize) -> bool, RangeInclusive<i64>, f64);
+    let rules: [Rule; 3] = [
+        (&|_, _| true, 300_000..=700_000, 0.005),
+        (&same_distance, 300_000..=999_999, 0.009),
+        (&|_, _| false, 300_000..=999_999, 0.0),
+    ];
+    let off = |choice: &Choice| (choice.count as f64 - target).abs();
+    let mut best: Option<Choice> = None;
+    for (equal, range, content) in rules {
+        let choice = best_cut(&order, grid, target, &cuts(&levels, &range, equal));
+        let better = best.as_ref().is_none_or(|best| off(&choice) < off(best));
+        best = if better { Some(choice) } else { best };
+        if best.as_ref().is_some_and(|best| off(best) <= content * target) {
+            break;
+        }
+    }
+    best.unwrap_or_else(|| largest_piece(&order, grid))
+}
+
+/// How many of the ordered squares may be kept: ends of classes of equal squares, of which all
+/// above the range are kept and none below it.
+fn cuts(
+    levels: &[i64],
+    range: &RangeInclusive<i64>,
+    equal: impl Fn(usize, usize) -> bool,
+) -> Vec<usize> {
+    let first = levels.partition_point(|level| level > range.end());
+    let last = levels.partition_point(|level| level >= range.start());
+    (first..=last)
+        .filter(|&end| {
+            end == 0
+                || end == levels.len()
+                || levels[end - 1] != levels[end]
+                || !equal(end - 1, end)
+        })
+        .collect()
+}
+
+/// The cut whose largest piece is nearest to `target`; the piece never shrinks as squares are added.
+fn best_cut(order: &[u32], grid: &Grid, target: f64, cuts: &[usize]) -> Choice {
+    let at = |cut: usize| largest_piece(&order[..cut], grid);
+    let enough = cuts.partition_point(|&cut| (at(cut).count as f64) < target);
+    let [above, below] = [cuts.get(enough), cuts[..enough].last()].map(|cut| cut.map(|&n| at(n)));
+    match (below, above) {
+        (Some(below), Some(above)) => {
+            let off = |choice: &Choice| (choice.count as f64 - target).abs();
+            if off(&below) < off(&above) { below } else { above }
+        }
+        (Some(only), None) | (None, Some(only)) => only,
+        (None, None) => at(0),
+    }
+}
+
+/// The largest piece of squares joined by their sides; of equal ones the lowest.
+fn largest_piece(squares: &[u32], grid: &Grid) -> Choice {
+    const OUT: u32 = 0;
+    const NEW: u32 = 1;
+    let (columns, rows) = (grid.columns, grid.rows);
+    let mut piece = vec![OUT; columns * rows];
+    for &square in squares {
+        piece[square as usize] = NEW;
+    }
+    let (mut name, mut best, mut best_size) = (NEW, NEW, 0);
+    let mut stack = Vec::new();
+    for start in 0..piece.len() {
+        if piece[start] != NEW {
+            continue;
+        }
+        name += 1;
+        let mut size = 0;
+        piece[start] = name;
+        stack.push(start);
+        while let Some(square) = stack.pop() {
+            size += 1;
+            let (i, j) = (square % columns, square / columns);
+            let mut visit = |other: usize| {
+                if piece[other] == NEW {
+                    piece[other] = name;
+                    stack.push(other);
+                }
+            };
+            if i > 0 {
+                visit(square - 1);
+            }
+            if i + 1 < columns {
+                visit(square + 1);
+            }
+            if j > 0 {
+                visit(square - columns);
+            }
+            if j + 1 < rows {
+                visit(square + columns);
+            }
+        }
+        if size > best_size {
+            (best, best_size) = (name, size);
+        }
+    }
+    let kept = piece.into_iter().map(|name| name == best && best_size > 0).collect();
+    Choice { kept, count: best_size, dropped: squares.len() - best_size }
+}
+
+/// Nodes, springs and triangles of filled squares, in the guaranteed order.
+fn from_squares(grid: &Grid, filled: &[bool]) -> Result<Mesh, MeshError> {
+    const NONE: u32 = u32::MAX;
+    let (columns, rows, h) = (grid.columns, grid.rows, grid.spacing);
+    // Square (i, j), which may lie outside the block.
+    let square =
+        |i: usize, j: usize| usize::from(i < columns && j < rows && filled[j * columns + i]);
+    // The square to the left of it.
+    let before = |i: usize, j: usize| if i > 0 { square(i - 1, j) } else { 0 };
+
+    let mut number = vec![NONE; (columns + 1) * (rows + 1)];
+    let mut points = [Vec::new(), Vec::new()];
+    let (mut areas, mut cells) = (Vec::new(), Vec::new());
+    for j in 0..=rows {
+        for i in 0..=columns {
+            let mut around = square(i, j) + before(i, j);
+            if j > 0 {
+                around += square(i, j - 1) + before(i, j - 1);
+            }
+            if around > 0 {
+                number[j * (columns + 1) + i] = areas.len() as u32;
+                points[0].push(grid.origin[0] + h * i as f64);
+                points[1].push(grid.origin[1] + h * j as f64);
+                areas.push(around as f64 * h * h / 4.0);
+                cells.push([i as u32, j as u32]);
+            }
+        }
+    }
+    let node = |i: usize, j: usize| number[j * (columns + 1) + i];
+
+    let mut springs = Vec::new();
+    let mut axial = |a: u32, b: u32, sides: usize| {
+        if sides > 0 {
+            let share = sides as f64 / 2.0;
+            springs.push(Spring { nodes: [a, b], kind: SpringKind::Axial, share });
+        }
+    };
+    for j in 0..=rows {
+        for i in 0..columns {
+            let below = if j > 0 { square(i, j - 1) } else { 0 };
+            axial(node(i, j), node(i + 1, j), square(i, j) + below);
+        }
+    }
+    for j in 0..rows {
+        for i in 0..=columns {
+            axial(node(i, j), node(i, j + 1), square(i, j) + before(i, j));
+        }
+    }
+    let each_square = || {
+        (0..rows)
+            .flat_map(move |j| (0..columns).map(move |i| (i, j)))
+            .filter(|&(i, j)| square(i, j) > 0)
+    };
+    // The corners of a square: a lower left, b lower right, c upper right, d upper left.
+    let corners =
+        |(i, j): (usize, usize)| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+    for pick in [[0, 2], [1, 3]] {
+        springs.extend(each_square().map(|place| {
+            let nodes = pick.map(|corner| corners(place)[corner]);
+            Spring { nodes, kind: SpringKind::Diagonal, share: 1.0 }
+        }));
+    }
+    let mut simplices = Vec::new();
+    for pick in [[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]] {
+        simplices.extend(each_square().map(|place| Simplex {
+            nodes: pick.map(|corner| corners(place)[corner]),
+            weight: 0.5,
+        }));
+    }
+    let shape = [columns + 1, rows + 1];
+    let lattice = Lattice { spacing: h, shape, origin: grid.origin, cells };
+    Mesh::new(points, areas, springs, simplices, Some(lattice))
+}

@@ -1,0 +1,241 @@
+//! A mask: which pixels of a picture are the cell.
+
+use std::ops::RangeInclusive;
+
+/// Pixel sizes that make sense under a microscope, um.
+pub const PIXEL_SIZES_UM: RangeInclusive<f64> = 0.001..=50.0;
+
+/// Why a list of pixels is not a usable mask.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MaskError {
+    /// The pixel size is not a length that a microscope gives.
+    #[error(
+        "pixel size {pixel_size} um is outside {} to {} um: give the width of one pixel in \
+         micrometres", PIXEL_SIZES_UM.start(), PIXEL_SIZES_UM.end()
+    )]
+    PixelSize {
+        /// What was given, um.
+        pixel_size: f64,
+    },
+    /// The list of pixels does not fill the picture.
+    #[error("a mask of {width} x {height} pixels needs {} values, but {found} were given", width * height)]
+    Shape {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Values given.
+        found: usize,
+    },
+    /// No pixel is the cell.
+    #[error(
+        "the mask is empty: none of its {width} x {height} pixels is the cell; paint the cell in a \
+         non-zero value on a background of zero"
+    )]
+    Empty {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// Every pixel is the cell.
+    #[error(
+        "the mask has no background: all of its {width} x {height} pixels are the cell; the \
+         background must be zero (is this the picture itself, not its mask?)"
+    )]
+    Full {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+}
+
+/// Which pixels of a picture are the cell; row 0 is the top of the picture.
+///
+/// At least one pixel is the cell and at least one is not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mask {
+    width: usize,
+    height: usize,
+    pixel_size_um: f64,
+    inside: Vec<bool>,
+}
+
+/// What [`Mask::largest_part`] left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Dropped {
+    /// Islands beside the cell.
+    pub components: usize,
+    /// Pixels of all of them.
+    pub pixels: usize,
+}
+
+impl Mask {
+    /// Makes a mask of `width` x `height` square pixels of `pixel_size_um`, row by row from the
+    /// top left.
+    ///
+    /// # Errors
+    /// A pixel size outside [`PIXEL_SIZES_UM`], a wrong number of values, an empty mask, or one
+    /// without background.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::mask::Mask;
+    /// let mask = Mask::new(3, 1, 0.5, vec![false, true, true]).unwrap();
+    /// assert_eq!(mask.area_um2(), 0.5);
+    /// ```
+    pub fn new(
+        width: usize,
+        height: usize,
+        pixel_size_um: f64,
+        inside: Vec<bool>,
+    ) -> Result<Self, MaskError> {
+        if !PIXEL_SIZES_UM.contains(&pixel_size_um) {
+            return Err(MaskError::PixelSize { pixel_size: pixel_size_um });
+        }
+        if width.checked_mul(height) != Some(inside.len()) {
+            return Err(MaskError::Shape { width, height, found: inside.len() });
+        }
+        if inside.iter().all(|&pixel| !pixel) {
+            return Err(MaskError::Empty { width, height });
+        }
+        if inside.iter().all(|&pixel| pixel) {
+            return Err(MaskError::Full { width, height });
+        }
+        Ok(Self { width, height, pixel_size_um, inside })
+    }
+
+    /// Number of columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Side of one pixel, um.
+    pub fn pixel_size_um(&self) -> f64 {
+        self.pixel_size_um
+    }
+
+    /// Row by row from the top left: is this pixel the cell?
+    pub fn inside(&self) -> &[bool] {
+        &self.inside
+    }
+
+    /// Number of pixels that are the cell.
+    pub fn cell_pixels(&self) -> usize {
+        self.inside.iter().filter(|&&pixel| pixel).count()
+    }
+
+    /// Area of the cell, um^2.
+    pub fn area_um2(&self) -> f64 {
+        self.cell_pixels() as f64 * self.pixel_size_um * self.pixel_size_um
+    }
+
+    /// Whether the cell reaches the first or last row or column: it may be cut by the frame.
+    pub fn touches_frame(&self) -> bool {
+        let (width, last_row) = (self.width, (self.height - 1) * self.width);
+        self.inside[..width].iter().any(|&pixel| pixel)
+            || self.inside[last_row..].iter().any(|&pixel| pixel)
+            || self.inside.chunks_exact(width).any(|row| row[0] || row[width - 1])
+    }
+
+    /// The largest island of pixels that touch by a side or a corner, and what was left out.
+    ///
+    /// Of two islands of one size, the one that comes first from the top is kept.
+    pub fn largest_part(&self) -> (Self, Dropped) {
+        const NONE: u32 = u32::MAX;
+        let mut island = vec![NONE; self.inside.len()];
+        let mut sizes: Vec<usize> = Vec::new();
+        let mut stack = Vec::new();
+        for start in 0..self.inside.len() {
+            if !self.inside[start] || island[start] != NONE {
+                continue;
+            }
+            let name = sizes.len() as u32;
+            let mut size = 0;
+            island[start] = name;
+            stack.push(start);
+            while let Some(pixel) = stack.pop() {
+                size += 1;
+                let (row, column) = (pixel / self.width, pixel % self.width);
+                for y in row.saturating_sub(1)..(row + 2).min(self.height) {
+                    for x in column.saturating_sub(1)..(column + 2).min(self.width) {
+                        let other = y * self.width + x;
+                        if self.inside[other] && island[other] == NONE {
+                            island[other] = name;
+                            stack.push(other);
+                        }
+                    }
+                }
+            }
+            sizes.push(size);
+        }
+        let largest = sizes.iter().copied().max().unwrap_or(0);
+        let kept = sizes.iter().position(|&size| size == largest).unwrap_or(0) as u32;
+        let dropped = Dropped {
+            components: sizes.len().saturating_sub(1),
+            pixels: sizes.iter().sum::<usize>() - largest,
+        };
+        let inside = island.into_iter().map(|name| name == kept).collect();
+        (Self { inside, ..*self }, dropped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(rows: &[&str]) -> Mask {
+        let inside = rows.concat().chars().map(|c| c == '#').collect();
+        Mask::new(rows[0].len(), rows.len(), 1.0, inside).unwrap()
+    }
+
+    #[test]
+    fn islands_beside_the_largest_are_dropped_and_counted() {
+        let mask = drawn(&["#....", "..##.", ".###.", "....#", "#...."]);
+        let (part, dropped) = mask.largest_part();
+        assert_eq!(dropped, Dropped { components: 2, pixels: 2 });
+        // The pixel that touches by a corner belongs to the cell.
+        assert_eq!(part, drawn(&[".....", "..##.", ".###.", "....#", "....."]));
+        assert!(part.touches_frame());
+    }
+
+    #[test]
+    fn a_cell_within_the_picture_does_not_touch_the_frame() {
+        assert!(!drawn(&["...", ".#.", "..."]).touches_frame());
+        for frame in [["#..", "...", "..."], ["...", "..#", "..."], ["...", "...", ".#."]] {
+            assert!(drawn(&frame).touches_frame(), "{frame:?}");
+        }
+    }
+
+    #[test]
+    fn an_unusable_mask_says_what_to_mend() {
+        let message = |size, inside| Mask::new(2, 1, size, inside).unwrap_err().to_string();
+        assert_eq!(
+            message(1.0, vec![false, false]),
+            "the mask is empty: none of its 2 x 1 pixels is the cell; paint the cell in a non-zero \
+             value on a background of zero"
+        );
+        assert_eq!(
+            message(1.0, vec![true, true]),
+            "the mask has no background: all of its 2 x 1 pixels are the cell; the background must \
+             be zero (is this the picture itself, not its mask?)"
+        );
+        assert_eq!(
+            message(1.0, vec![true]),
+            "a mask of 2 x 1 pixels needs 2 values, but 1 were given"
+        );
+        for size in [0.0, -1.0, f64::NAN, f64::INFINITY, 100.0, 1e-9] {
+            let text = message(size, vec![true, false]);
+            assert!(
+                text.contains(&format!("pixel size {size} um is outside 0.001 to 50 um")),
+                "{text}"
+            );
+        }
+    }
+}

@@ -1,0 +1,510 @@
+//! The outline of a cell: a polygon in micrometres, from GeoJSON or a list of points, and back.
+
+use geo::algorithm::Validation;
+use geo::line_intersection::{LineIntersection, line_intersection};
+use geojson::{Feature, GeoJson, Geometry, GeometryValue, Position};
+
+/// Smallest area that an outline may have, um^2.
+pub const SMALLEST_AREA_UM2: f64 = 1.0;
+
+/// Largest extent that an outline may have, um.
+pub const LARGEST_EXTENT_UM: f64 = 10_000.0;
+
+/// Why a text or a list of points is not the outline of a cell.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OutlineError {
+    /// The text is not GeoJSON.
+    #[error("the outline is not GeoJSON: {reason}")]
+    NotGeoJson {
+        /// What the parser says.
+        reason: String,
+    },
+    /// The GeoJSON holds no polygon, or several.
+    #[error("the GeoJSON holds {found} polygons ({kinds}); exactly one, the cell, is needed")]
+    NotOnePolygon {
+        /// How many polygons.
+        found: usize,
+        /// The kinds of geometry that it holds.
+        kinds: String,
+    },
+    /// The GeoJSON says that its coordinates are not micrometres.
+    #[error("the outline's property `unit` is \"{unit}\", but coordinates must be in \"um\"")]
+    Unit {
+        /// What it says.
+        unit: String,
+    },
+    /// A line of the list of points is not two numbers.
+    #[error(
+        "line {line} of the list of points is `{text}`; two numbers, x and y in um, are needed"
+    )]
+    NotAPoint {
+        /// Line number, 1 is the first.
+        line: usize,
+        /// The line.
+        text: String,
+    },
+    /// A coordinate that is not finite.
+    #[error("point {point} of the outline's {ring} is ({x}, {y}) um; coordinates must be finite")]
+    NotFinite {
+        /// Which ring: exterior or hole.
+        ring: &'static str,
+        /// Which of its points, 0 is the first.
+        point: usize,
+        /// x, um.
+        x: f64,
+        /// y, um.
+        y: f64,
+    },
+    /// Too few different points.
+    #[error("the outline's {ring} has {found} different points; at least 3 are needed")]
+    TooFewPoints {
+        /// Which ring: exterior or hole.
+        ring: &'static str,
+        /// How many there are.
+        found: usize,
+    },
+    /// No area, or next to none.
+    #[error(
+        "the outline has an area of {area} um^2, less than {SMALLEST_AREA_UM2} um^2: coordinates \
+         must be in micrometres and go round the cell"
+    )]
+    TooSmall {
+        /// Its area, um^2.
+        area: f64,
+    },
+    /// Larger than any heart cell.
+    #[error(
+        "the outline is {extent} um long, more than {LARGEST_EXTENT_UM} um: coordinates must be in \
+         micrometres"
+    )]
+    TooLarge {
+        /// Its extent, um.
+        extent: f64,
+    },
+    /// Two edges cross.
+    #[error("the outline crosses or touches itself{place}: its edges must go once round the cell")]
+    SelfIntersecting {
+        /// Where, if it was found: ` at (x, y) um`.
+        place: String,
+    },
+    /// A hole that is not inside, or holes that overlap.
+    #[error("the outline's holes do not lie within it, apart from each other: {reason}")]
+    Holes {
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// A polygon in micrometres, y upward: the exterior counter-clockwise, holes clockwise, no ring
+/// repeats its first point; checked to be simple.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    exterior: Vec<[f64; 2]>,
+    holes: Vec<Vec<[f64; 2]>>,
+}
+
+impl Outline {
+    /// Makes an outline of its exterior and holes, um; either direction, closed or not.
+    ///
+    /// # Errors
+    /// Fewer than 3 points, coordinates that are not finite, no area, an absurd size, edges that
+    /// cross, holes outside.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::outline::Outline;
+    /// let corners = vec![[0.0, 0.0], [100.0, 0.0], [100.0, 20.0], [0.0, 20.0]];
+    /// assert_eq!(Outline::new(corners, vec![]).unwrap().area(), 2000.0);
+    ///
+    /// let bow_tie = vec![[0.0, 0.0], [100.0, 20.0], [100.0, 0.0], [0.0, 30.0]];
+    /// assert_eq!(
+    ///     Outline::new(bow_tie, vec![]).unwrap_err().to_string(),
+    ///     "the outline crosses or touches itself at (60, 12) um: its edges must go once round the cell"
+    /// );
+    /// ```
+    pub fn new(exterior: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>) -> Result<Self, OutlineError> {
+        let exterior = tidy_ring("exterior", exterior, 1.0)?;
+        let holes = holes
+            .into_iter()
+            .map(|hole| tidy_ring("hole", hole, -1.0))
+            .collect::<Result<Vec<_>, _>>()?;
+        let outline = Self { exterior, holes };
+        let [low, high] = outline.bounds();
+        let extent = (high[0] - low[0]).max(high[1] - low[1]);
+        if extent > LARGEST_EXTENT_UM {
+            return Err(OutlineError::TooLarge { extent });
+        }
+        // Before the area, which has no meaning for a ring that crosses itself.
+        if extent * extent < SMALLEST_AREA_UM2 || outline.is_flat() {
+            return Err(OutlineError::TooSmall { area: outline.area() });
+        }
+        outline.check_simple()?;
+        if outline.area() < SMALLEST_AREA_UM2 {
+            return Err(OutlineError::TooSmall { area: outline.area() });
+        }
+        Ok(outline)
+    }
+
+    /// Reads GeoJSON with exactly one `Polygon`: bare, in a `Feature`, a collection, or a
+    /// `MultiPolygon` of one.
+    ///
+    /// Coordinates are micrometres, y upward. A property `unit`, where there is one, must say `um`.
+    ///
+    /// # Errors
+    /// Text that is not GeoJSON, no polygon or several, another unit, or what [`Outline::new`]
+    /// refuses.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::outline::Outline;
+    /// let text = r#"{"type": "Polygon", "coordinates": [[[0,0], [9,0], [9,9], [0,9], [0,0]]]}"#;
+    /// assert_eq!(Outline::from_geojson(text).unwrap().area(), 81.0);
+    /// ```
+    pub fn from_geojson(text: &str) -> Result<Self, OutlineError> {
+        let parsed: GeoJson = text.parse().map_err(|error: geojson::Error| {
+            OutlineError::NotGeoJson { reason: error.to_string() }
+        })?;
+        let mut polygons = Vec::new();
+        let mut kinds = Vec::new();
+        match parsed {
+            GeoJson::Geometry(geometry) => collect(geometry, &mut polygons, &mut kinds),
+            GeoJson::Feature(feature) => collect_feature(feature, &mut polygons, &mut kinds)?,
+            GeoJson::FeatureCollection(all) => {
+                for feature in all.features {
+                    collect_feature(feature, &mut polygons, &mut kinds)?;
+                }
+            }
+        }
+        let found = polygons.len();
+        let (Some(rings), 1) = (polygons.pop(), found) else {
+            let kinds = if kinds.is_empty() { "no geometry".to_owned() } else { kinds.join(", ") };
+            return Err(OutlineError::NotOnePolygon { found, kinds });
+        };
+        let mut rings = rings.into_iter().map(|ring| {
+            ring.iter()
+                .map(|position| {
+                    let at = |axis| position.as_slice().get(axis).copied().unwrap_or(f64::NAN);
+                    [at(0), at(1)]
+                })
+                .collect::<Vec<_>>()
+        });
+        let exterior = rings.next().unwrap_or_default();
+        Self::new(exterior, rings.collect())
+    }
+
+    /// Reads a list of points, one `x,y` per line in um, y upward; a header line, blank lines and
+    /// lines that start with `#` are skipped; comma, semicolon, tab or spaces part the columns.
+    ///
+    /// # Errors
+    /// A line that is not two numbers, or what [`Outline::new`] refuses.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::outline::Outline;
+    /// let outline = Outline::from_csv("x_um,y_um\n0,0\n9,0\n9,9\n0,9\n").unwrap();
+    /// assert_eq!(outline.perimeter(), 36.0);
+    /// ```
+    pub fn from_csv(text: &str) -> Result<Self, OutlineError> {
+        let mut points = Vec::new();
+        let mut first = true;
+        for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+            let line = line.trim();
+            if line.is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let fields: Vec<&str> = line
+                .split([',', ';', '\t', ' '])
+                .map(|field| field.trim().trim_matches('"'))
+                .filter(|field| !field.is_empty())
+                .collect();
+            let numbers: Vec<f64> = fields.iter().filter_map(|field| field.parse().ok()).collect();
+            if let (2, [x, y]) = (fields.len(), numbers.as_slice()) {
+                points.push([*x, *y]);
+            } else if !(first && numbers.is_empty()) {
+                let text = line.chars().take(60).collect();
+                return Err(OutlineError::NotAPoint { line: index + 1, text });
+            }
+            first = false;
+        }
+        Self::new(points, Vec::new())
+    }
+
+    /// Points round the cell, um, counter-clockwise; the first is not repeated.
+    pub fn exterior(&self) -> &[[f64; 2]] {
+        &self.exterior
+    }
+
+    /// Holes, um, each clockwise.
+    pub fn holes(&self) -> &[Vec<[f64; 2]>] {
+        &self.holes
+    }
+
+    /// The exterior, then the holes.
+    pub fn rings(&self) -> impl Iterator<Item = &[[f64; 2]]> {
+        std::iter::once(self.exterior.as_slice()).chain(self.holes.iter().map(Vec::as_slice))
+    }
+
+    /// Area within the exterior and outside the holes, um^2.
+    pub fn area(&self) -> f64 {
+        self.rings().map(ring_area).sum()
+    }
+
+    /// Length of the exterior, um.
+    pub fn perimeter(&self) -> f64 {
+        edges(&self.exterior).map(|(p, q)| (q[0] - p[0]).hypot(q[1] - p[1])).sum()
+    }
+
+    /// Lower left and upper right corner of the bounding box, um.
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
+        let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for point in &self.exterior {
+            for axis in 0..2 {
+                bounds[0][axis] = bounds[0][axis].min(point[axis]);
+                bounds[1][axis] = bounds[1][axis].max(point[axis]);
+            }
+        }
+        bounds
+    }
+
+    /// Centre of the area, um.
+    pub fn centroid(&self) -> [f64; 2] {
+        // About a point of the ring, so that a far origin costs no digits.
+        let base = self.exterior[0];
+        let (mut area, mut sum) = (0.0, [0.0; 2]);
+        for (p, q) in self.rings().flat_map(edges) {
+            let (p, q) = (minus(p, base), minus(q, base));
+            let cross = p[0] * q[1] - q[0] * p[1];
+            area += cross / 2.0;
+            sum[0] += cross * (p[0] + q[0]) / 6.0;
+            sum[1] += cross * (p[1] + q[1]) / 6.0;
+        }
+        [base[0] + sum[0] / area, base[1] + sum[1] / area]
+    }
+
+    /// Second moments of area about the centroid, um^4: `[int x^2, int y^2, int x y] dA`.
+    pub fn second_moments(&self) -> [f64; 3] {
+        let centre = self.centroid();
+        let mut sums = [0.0; 3];
+        for (p, q) in self.rings().flat_map(edges) {
+            let (p, q) = (minus(p, centre), minus(q, centre));
+            let cross = p[0] * q[1] - q[0] * p[1];
+            for (axis, sum) in sums.iter_mut().take(2).enumerate() {
+                *sum += cross * (p[axis] * p[axis] + p[axis] * q[axis] + q[axis] * q[axis]) / 12.0;
+            }
+            sums[2] +=
+                cross * (p[0] * q[1] + 2.0 * p[0] * p[1] + 2.0 * q[0] * q[1] + q[0] * p[1]) / 24.0;
+        }
+        sums
+    }
+
+    /// The outline turned counter-clockwise by `angle_deg` degrees about its centroid.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::built_in;
+    /// let cell = built_in::adult_ventricular();
+    /// assert!((cell.rotated(30.0).area() - cell.area()).abs() < 1e-9 * cell.area());
+    /// ```
+    #[must_use]
+    pub fn rotated(&self, angle_deg: f64) -> Self {
+        // Quarter turns exactly, so that they map the lattice onto itself.
+        let [cos, sin] = match angle_deg.rem_euclid(360.0) {
+            0.0 => [1.0, 0.0],
+            90.0 => [0.0, 1.0],
+            180.0 => [-1.0, 0.0],
+            270.0 => [0.0, -1.0],
+            angle => [angle.to_radians().cos(), angle.to_radians().sin()],
+        };
+        let centre = self.centroid();
+        self.map(|point| {
+            let [x, y] = minus(point, centre);
+            [centre[0] + cos * x - sin * y, centre[1] + sin * x + cos * y]
+        })
+    }
+
+    /// The outline moved by `shift` um.
+    #[must_use]
+    pub fn moved(&self, shift: [f64; 2]) -> Self {
+        self.map(|point| [point[0] + shift[0], point[1] + shift[1]])
+    }
+
+    /// Writes the outline as a GeoJSON `Feature` with the property `unit: um`.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::{built_in, outline::Outline};
+    /// let cell = built_in::adult_ventricular();
+    /// assert_eq!(Outline::from_geojson(&cell.to_geojson()).unwrap(), cell);
+    /// ```
+    pub fn to_geojson(&self) -> String {
+        let coordinates = self
+            .rings()
+            .map(|ring| {
+                ring.iter().chain(ring.first()).map(|&point| Position::from(point)).collect()
+            })
+            .collect();
+        let mut feature = Feature {
+            geometry: Some(Geometry::new(GeometryValue::Polygon { coordinates })),
+            ..Feature::default()
+        };
+        feature.set_property("unit", "um");
+        feature.to_string()
+    }
+
+    fn map(&self, change: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+        let ring = |points: &Vec<[f64; 2]>| points.iter().map(|&point| change(point)).collect();
+        Self { exterior: ring(&self.exterior), holes: self.holes.iter().map(ring).collect() }
+    }
+
+    /// Whether all points of the exterior lie on one line.
+    fn is_flat(&self) -> bool {
+        let base = self.exterior[0];
+        let far = self
+            .exterior
+            .iter()
+            .map(|&point| minus(point, base))
+            .max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))
+            .unwrap_or_default();
+        let reach = far[0].hypot(far[1]);
+        self.exterior.iter().all(|&point| {
+            let [x, y] = minus(point, base);
+            (x * far[1] - y * far[0]).abs() <= 1e-12 * reach * reach
+        })
+    }
+
+    fn check_simple(&self) -> Result<(), OutlineError> {
+        use geo::algorithm::validation::InvalidPolygon as Invalid;
+        let ring = |points: &[[f64; 2]]| points.iter().copied().collect::<geo::LineString>();
+        let polygon = geo::Polygon::new(
+            ring(&self.exterior),
+            self.holes.iter().map(|hole| ring(hole)).collect(),
+        );
+        match polygon.check_validation() {
+            Ok(()) => Ok(()),
+            Err(Invalid::SelfIntersection(_)) => {
+                let place = self.rings().find_map(crossing).map_or_else(String::new, |[x, y]| {
+                    format!(" at ({}, {}) um", (x * 1e3).round() / 1e3, (y * 1e3).round() / 1e3)
+                });
+                Err(OutlineError::SelfIntersecting { place })
+            }
+            Err(error) => Err(OutlineError::Holes { reason: error.to_string() }),
+        }
+    }
+}
+
+/// Where two edges of a ring meet that are not neighbours; not looked for in very long rings.
+fn crossing(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
+    const LONGEST: usize = 5_000;
+    if ring.len() > LONGEST {
+        return None;
+    }
+    let lines: Vec<geo::Line> = edges(ring).map(|(p, q)| geo::Line::new(p, q)).collect();
+    for first in 0..lines.len() {
+        for second in first + 2..lines.len() {
+            if first == 0 && second + 1 == lines.len() {
+                continue;
+            }
+            match line_intersection(lines[first], lines[second]) {
+                Some(LineIntersection::SinglePoint { intersection, .. }) => {
+                    return Some([intersection.x, intersection.y]);
+                }
+                Some(LineIntersection::Collinear { intersection }) => {
+                    return Some([intersection.start.x, intersection.start.y]);
+                }
+                None => {}
+            }
+        }
+    }
+    None
+}
+
+/// Drops repeated points, checks the rest and turns the ring to the wanted direction.
+fn tidy_ring(
+    name: &'static str,
+    mut ring: Vec<[f64; 2]>,
+    direction: f64,
+) -> Result<Vec<[f64; 2]>, OutlineError> {
+    if let Some(point) = ring.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
+        let [x, y] = ring[point];
+        return Err(OutlineError::NotFinite { ring: name, point, x, y });
+    }
+    ring.dedup();
+    while ring.len() > 1 && ring.first() == ring.last() {
+        ring.pop();
+    }
+    if ring.len() < 3 {
+        return Err(OutlineError::TooFewPoints { ring: name, found: ring.len() });
+    }
+    if ring_area(&ring) * direction < 0.0 {
+        ring.reverse();
+    }
+    Ok(ring)
+}
+
+fn collect_feature(
+    feature: Feature,
+    polygons: &mut Vec<Vec<Vec<Position>>>,
+    kinds: &mut Vec<&'static str>,
+) -> Result<(), OutlineError> {
+    if let Some(unit) = feature.property("unit") {
+        let unit = unit.as_str().map_or_else(|| unit.to_string(), str::to_owned);
+        if !["um", "µm", "μm", "micrometre", "micrometer", "micron"].contains(&unit.as_str()) {
+            return Err(OutlineError::Unit { unit });
+        }
+    }
+    if let Some(geometry) = feature.geometry {
+        collect(geometry, polygons, kinds);
+    }
+    Ok(())
+}
+
+fn collect(
+    geometry: Geometry,
+    polygons: &mut Vec<Vec<Vec<Position>>>,
+    kinds: &mut Vec<&'static str>,
+) {
+    kinds.push(kind(&geometry.value));
+    match geometry.value {
+        GeometryValue::Polygon { coordinates } => polygons.push(coordinates),
+        GeometryValue::MultiPolygon { coordinates } => polygons.extend(coordinates),
+        GeometryValue::GeometryCollection { geometries } => {
+            for member in geometries {
+                collect(member, polygons, kinds);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The name that GeoJSON gives to a kind of geometry.
+fn kind(value: &GeometryValue) -> &'static str {
+    match value {
+        GeometryValue::Point { .. } => "Point",
+        GeometryValue::MultiPoint { .. } => "MultiPoint",
+        GeometryValue::LineString { .. } => "LineString",
+        GeometryValue::MultiLineString { .. } => "MultiLineString",
+        GeometryValue::Polygon { .. } => "Polygon",
+        GeometryValue::MultiPolygon { .. } => "MultiPolygon",
+        GeometryValue::GeometryCollection { .. } => "GeometryCollection",
+    }
+}
+
+/// Pairs of neighbouring points, the last with the first.
+fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
+}
+
+/// Area of a ring, positive when counter-clockwise, um^2.
+fn ring_area(ring: &[[f64; 2]]) -> f64 {
+    let base = ring[0];
+    edges(ring)
+        .map(|(p, q)| {
+            let (p, q) = (minus(p, base), minus(q, base));
+            0.5 * (p[0] * q[1] - q[0] * p[1])
+        })
+        .sum()
+}
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}

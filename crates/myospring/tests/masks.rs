@@ -1,0 +1,258 @@
+//! Masks from pictures: every format and refusal, and two real cells.
+#![cfg(feature = "microscopy")]
+
+use std::io::Cursor;
+
+use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
+use myospring::mesh::lattice;
+use myospring::mesh::mask::Mask;
+use myospring::microscopy::read::{MaskOptions, MaskPicture, PictureError, read_mask};
+
+const ANY: MaskOptions = MaskOptions { label: None, pixel_size_um: 0.5 };
+
+fn labelled(label: u32) -> MaskOptions {
+    MaskOptions { label: Some(label), ..ANY }
+}
+
+fn encode(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.into().write_to(&mut bytes, format).unwrap();
+    bytes.into_inner()
+}
+
+/// A picture of 20 x 10 pixels with a cell in value 3 and a smaller one in value 7.
+fn two_cells() -> GrayImage {
+    GrayImage::from_fn(20, 10, |x, y| {
+        Luma([match (x, y) {
+            (2..12, 2..8) => 3,
+            (15..18, 4..6) => 7,
+            _ => 0,
+        }])
+    })
+}
+
+fn error(bytes: &[u8], options: &MaskOptions) -> String {
+    read_mask(bytes, options).unwrap_err().to_string()
+}
+
+#[test]
+fn non_zero_pixels_are_the_cell_in_every_kind_of_picture() {
+    let grey = two_cells();
+    let wide: ImageBuffer<Luma<u16>, Vec<u16>> =
+        ImageBuffer::from_fn(20, 10, |x, y| Luma([u16::from(grey[(x, y)].0[0]) * 300]));
+    let blue = RgbImage::from_fn(20, 10, |x, y| Rgb([0, 0, grey[(x, y)].0[0]]));
+    let expected: Vec<bool> = grey.as_raw().iter().map(|&value| value != 0).collect();
+    for format in [ImageFormat::Png, ImageFormat::Tiff] {
+        for bytes in [
+            encode(grey.clone(), format),
+            encode(DynamicImage::ImageLuma16(wide.clone()), format),
+            encode(blue.clone(), format),
+            encode(DynamicImage::ImageLuma8(grey.clone()).to_rgba8(), format),
+        ] {
+            let read = read_mask(&bytes, &ANY).unwrap();
+            assert_eq!(read.mask, Mask::new(20, 10, 0.5, expected.clone()).unwrap());
+            assert_eq!(read.values.len(), 2, "{:?}", read.values);
+        }
+    }
+}
+
+#[test]
+fn transparent_pixels_are_background() {
+    let mut picture: RgbaImage = DynamicImage::ImageLuma8(two_cells()).to_rgba8();
+    for pixel in picture.pixels_mut().filter(|pixel| pixel.0[0] == 7) {
+        pixel.0[3] = 0;
+    }
+    let read = read_mask(&encode(picture, ImageFormat::Png), &ANY).unwrap();
+    assert_eq!((read.mask.cell_pixels(), read.values), (60, vec![3]));
+}
+
+#[test]
+fn one_label_of_a_label_picture_is_one_cell() {
+    let bytes = encode(two_cells(), ImageFormat::Tiff);
+    let MaskPicture { mask, values } = read_mask(&bytes, &labelled(7)).unwrap();
+    assert_eq!((mask.cell_pixels(), values), (6, vec![3, 7]));
+    assert_eq!(read_mask(&bytes, &labelled(3)).unwrap().mask.cell_pixels(), 60);
+}
+
+#[test]
+fn labels_in_fewer_than_eight_bits_keep_their_value() {
+    // PNG of 2 x 1 pixels in 4-bit grey with the values 0 and 5, written byte by byte.
+    let bytes = png(2, 1, 4, 0, &[0x05]);
+    assert_eq!(read_mask(&bytes, &labelled(5)).unwrap().values, vec![5]);
+    let bytes = png(2, 1, 1, 0, &[0b0100_0000]);
+    assert_eq!(read_mask(&bytes, &labelled(1)).unwrap().mask.inside(), [false, true]);
+}
+
+#[test]
+fn a_label_that_is_not_there_lists_those_that_are() {
+    let bytes = encode(two_cells(), ImageFormat::Png);
+    assert_eq!(
+        error(&bytes, &labelled(4)),
+        "label 4 is not in the picture, which holds the labels 3, 7"
+    );
+    assert_eq!(
+        error(&bytes, &labelled(0)),
+        "label 0 is the background; choose one of the cells: the labels 3, 7"
+    );
+    let many = GrayImage::from_fn(20, 10, |x, y| Luma([(x + y) as u8]));
+    assert_eq!(
+        error(&encode(many, ImageFormat::Png), &labelled(200)),
+        "label 200 is not in the picture, which holds 28 labels: 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, \
+         12, ..."
+    );
+    let colour = RgbImage::from_fn(20, 10, |x, _| Rgb([x as u8, 0, 9]));
+    assert!(error(&encode(colour, ImageFormat::Png), &labelled(1)).contains("is in colour"));
+}
+
+#[test]
+fn an_empty_and_a_full_mask_are_refused() {
+    let plain = |value| encode(GrayImage::from_pixel(8, 4, Luma([value])), ImageFormat::Png);
+    assert!(error(&plain(0), &ANY).starts_with("the mask is empty: none of its 8 x 4 pixels"));
+    assert!(error(&plain(255), &ANY).starts_with("the mask has no background: all of its 8 x 4"));
+}
+
+#[test]
+fn what_is_not_a_picture_is_refused() {
+    assert_eq!(
+        error(b"hello, world", &ANY),
+        "this is not a picture (12 bytes that start with \"hello, w\"); give a PNG or TIFF file"
+    );
+    assert_eq!(
+        error(b"", &ANY),
+        "this is not a picture (0 bytes that start with \"\"); give a PNG or TIFF file"
+    );
+    assert_eq!(
+        error(b"\xff\xd8\xff\xe0\0\x10JFIF\0", &ANY),
+        "this is a JPEG picture, which is not read here; save the mask as PNG or TIFF without lossy \
+         compression"
+    );
+}
+
+#[test]
+fn a_truncated_picture_is_refused_at_every_length() {
+    for format in [ImageFormat::Png, ImageFormat::Tiff] {
+        let whole = encode(two_cells(), format);
+        // The last bytes of a PNG are its end mark, of a TIFF its directory.
+        for length in 16..whole.len() - 16 {
+            let error = read_mask(&whole[..length], &ANY).unwrap_err();
+            let known = matches!(
+                error,
+                PictureError::Unreadable { .. }
+                    | PictureError::Pixels { .. }
+                    | PictureError::TooLarge { .. }
+            );
+            assert!(known, "{format:?} cut to {length} bytes: {error}");
+        }
+    }
+    let png = encode(two_cells(), ImageFormat::Png);
+    let text = error(&png[..45], &ANY);
+    assert!(text.starts_with("the PNG picture cannot be read: "), "{text}");
+    assert!(text.ends_with("; is the file complete?"), "{text}");
+}
+
+#[test]
+fn a_header_that_declares_too_many_pixels_is_refused_before_they_take_memory() {
+    assert_eq!(
+        error(&png(100_000, 100_000, 8, 0, &[0]), &ANY),
+        "the picture declares 100000 x 100000 pixels; at most 32768 per side and 100000000 in all \
+         are read: cut out the cell"
+    );
+    let text = error(&png(20_000, 20_000, 8, 0, &[0]), &ANY);
+    assert!(text.starts_with("the picture declares 20000 x 20000 pixels"), "{text}");
+
+    // A TIFF of 20 x 10 whose directory is changed to claim 100000 columns and rows.
+    let mut bytes = encode(two_cells(), ImageFormat::Tiff);
+    let directory = u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize;
+    for entry in 0..2 {
+        let at = directory + 2 + 12 * entry;
+        bytes[at + 2..at + 12].copy_from_slice(&[4, 0, 1, 0, 0, 0, 0xa0, 0x86, 1, 0]);
+    }
+    let text = error(&bytes, &ANY);
+    assert!(text.starts_with("the picture declares 100000 x 100000 pixels"), "{text}");
+}
+
+#[test]
+fn an_absurd_pixel_size_is_refused() {
+    let bytes = encode(two_cells(), ImageFormat::Png);
+    for pixel_size_um in [0.0, -0.27, f64::NAN, 100.0, 1e-6] {
+        let text = error(&bytes, &MaskOptions { label: None, pixel_size_um });
+        let start = format!("pixel size {pixel_size_um} um is outside 0.001 to 50 um");
+        assert!(text.starts_with(&start), "{text}");
+    }
+}
+
+/// A real mask, or `None` with a loud line where the shared data are not laid out.
+fn real(name: &str) -> Option<MaskPicture> {
+    let path = format!("{}/../../../shared/data/images/{name}", env!("CARGO_MANIFEST_DIR"));
+    let Ok(bytes) = std::fs::read(&path) else {
+        eprintln!("SKIPPED: {name} is not there; this test needs the shared data");
+        return None;
+    };
+    Some(read_mask(&bytes, &MaskOptions { label: None, pixel_size_um: 0.27 }).unwrap())
+}
+
+#[test]
+fn the_long_axis_of_a_real_tear_drop_cell_is_found() {
+    let Some(picture) = real("sarcgraph_e5_mask.png") else { return };
+    assert_eq!(picture.values, [255]);
+    let (_, report) = lattice::from_mask(&picture.mask, None).unwrap();
+    eprintln!("{report}");
+    let size = report.dimensions;
+    // From lower left to upper right in the picture; 110 x 77 um by hand.
+    assert!((40.0..75.0).contains(&size.long_axis_deg), "{report}");
+    assert!((size.length_um - 110.0).abs() < 4.0, "{report}");
+    assert!((size.width_um - 77.0).abs() < 4.0, "{report}");
+    assert!((report.source_area_um2 - 86_530.0 * 0.27 * 0.27).abs() < 20.0, "{report}");
+    assert!(report.area_error_pct.abs() < 0.5, "{report}");
+}
+
+#[test]
+fn a_real_rod_shaped_cell_has_its_measured_size() {
+    let Some(picture) = real("contrax_brightfield_mask.png") else { return };
+    let (_, report) = lattice::from_mask(&picture.mask, None).unwrap();
+    eprintln!("{report}");
+    let size = report.dimensions;
+    assert!((size.length_um - 94.0).abs() < 2.0, "{report}");
+    assert!((size.width_um - 14.0).abs() < 1.5, "{report}");
+    assert!(size.long_axis_deg.abs() < 5.0, "{report}");
+    assert!(report.area_error_pct.abs() < 0.5 && !report.touches_frame, "{report}");
+}
+
+/// A grey PNG with one row of data, for headers that no encoder would write.
+fn png(width: u32, height: u32, depth: u8, colour: u8, row: &[u8]) -> Vec<u8> {
+    let mut header = Vec::new();
+    header.extend(width.to_be_bytes());
+    header.extend(height.to_be_bytes());
+    header.extend([depth, colour, 0, 0, 0]);
+    // zlib: header, one stored block with the filter byte in front, checksum (RFC 1950, 1951).
+    let data: Vec<u8> = std::iter::once(0).chain(row.iter().copied()).collect();
+    let length = data.len() as u16;
+    let mut packed = vec![0x78, 0x01, 0x01];
+    packed.extend(length.to_le_bytes());
+    packed.extend((!length).to_le_bytes());
+    packed.extend(&data);
+    let (mut a, mut b) = (1_u32, 0_u32);
+    for &byte in &data {
+        a = (a + u32::from(byte)) % 65_521;
+        b = (b + a) % 65_521;
+    }
+    packed.extend(((b << 16) | a).to_be_bytes());
+    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+    for (name, content) in [(b"IHDR", &header), (b"IDAT", &packed), (b"IEND", &Vec::new())] {
+        let body: Vec<u8> = name.iter().chain(content).copied().collect();
+        bytes.extend((content.len() as u32).to_be_bytes());
+        bytes.extend(&body);
+        bytes.extend(crc(&body).to_be_bytes());
+    }
+    bytes
+}
+
+/// The checksum of PNG chunks (PNG specification, annex D).
+fn crc(bytes: &[u8]) -> u32 {
+    let fold = |crc: u32, byte: &u8| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 }
+        })
+    };
+    !bytes.iter().fold(!0, fold)
+}
