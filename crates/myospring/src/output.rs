@@ -1,1 +1,16 @@
-//! To come.
+//! Curves, figures and numbers for people and machines.
+//!
+//! Every renderer here is pure: it takes what a run kept and returns text or bytes, the same ones
+//! for the same input. Only [`files`] touches the disk.
+//!
+//! | module | gives |
+//! |---|---|
+//! | [`csv`] | `traces.csv`, one row per sample, units in the column names |
+//! | [`json`] | any serialisable value for machines |
+//! | [`figure`] | the figures of a paper, as SVG and PNG |
+//! | [`files`] | whole files or none |
+
+pub mod csv;
+pub mod figure;
+pub mod files;
+pub mod json;

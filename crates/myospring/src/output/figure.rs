@@ -1,0 +1,137 @@
+//! The figures of a paper, as SVG and PNG.
+//!
+//! | figure | shows | in the paper |
+//! |---|---|---|
+//! | [`action_potential_and_tension`] | potential and active tension over time | Fig. 3 |
+//! | [`mesh`] | the lattice made from a picture | Fig. 4a |
+//! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by strain | Fig. 5 |
+//! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
+//! | [`overview`] | cell and curves of one run in one picture | |
+//!
+//! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
+//! text in the SVG; the PNG is drawn with an embedded font (Noto Sans), so both are the same bytes
+//! on every machine. Lines use the Okabe-Ito colours and strain a perceptually uniform map, which
+//! people with any colour vision can read.
+
+mod chart;
+mod lattice;
+mod moments;
+mod overview;
+mod raster;
+mod shapes;
+mod strain;
+mod svg;
+mod theme;
+mod traces;
+
+pub use lattice::mesh;
+pub use moments::{Shape, key_shapes};
+pub use overview::overview;
+pub use shapes::cell_shapes;
+pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
+
+/// A drawn figure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Figure {
+    /// The figure as SVG, with its printed size in mm.
+    pub svg: String,
+}
+
+impl Figure {
+    /// Draws the figure as PNG with `dpi` pixels per inch of printed size; the file says so too.
+    ///
+    /// # Errors
+    /// A resolution outside 10 to 2400 dpi.
+    ///
+    /// # Example
+    /// ```
+    /// # use myospring::output::figure::Figure;
+    /// let figure = Figure {
+    ///     svg: r#"<svg xmlns="http://www.w3.org/2000/svg" width="25.4mm" height="12.7mm"/>"#.into(),
+    /// };
+    /// let png = figure.to_png(300.0)?;
+    /// assert_eq!(png[16..24], [0, 0, 1, 44, 0, 0, 0, 150]); // 300 x 150 pixels
+    /// # Ok::<(), myospring::output::figure::FigureError>(())
+    /// ```
+    pub fn to_png(&self, dpi: f64) -> Result<Vec<u8>, FigureError> {
+        raster::png(&self.svg, dpi)
+    }
+}
+
+/// Why a figure was not drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FigureError {
+    /// No finite sample to draw.
+    #[error(
+        "{what} has 0 samples with finite numbers, a curve needs at least 1; record more often or \
+         look for the step at which the run broke"
+    )]
+    NoSamples {
+        /// Which recording.
+        what: String,
+    },
+    /// Nothing to put in the figure.
+    #[error("the figure was given 0 {what}, it needs at least 1")]
+    Nothing {
+        /// What is missing.
+        what: &'static str,
+    },
+    /// A shape that belongs to another mesh.
+    #[error(
+        "the frame at {t_ms} ms has {found} positions along axis {axis}, the mesh has {points} \
+         points; draw frames with the mesh of their own run"
+    )]
+    WrongMesh {
+        /// Time of the frame, ms.
+        t_ms: f64,
+        /// Axis, 0 for x.
+        axis: usize,
+        /// Positions in the frame.
+        found: usize,
+        /// Points in the mesh.
+        points: usize,
+    },
+    /// A shape that is not a shape.
+    #[error(
+        "{what} puts point {node} at ({x}, {y}) um, which is not finite; draw an earlier frame and \
+         look at the time step"
+    )]
+    NotFinite {
+        /// The frame or mesh.
+        what: String,
+        /// The point.
+        node: usize,
+        /// Its x, um.
+        x: f64,
+        /// Its y, um.
+        y: f64,
+    },
+    /// A triangle or spring that names a point which is not there.
+    #[error("the mesh names point {node}, but has {points} points; build it with `Mesh::new`")]
+    NoSuchPoint {
+        /// The point.
+        node: u32,
+        /// Points in the mesh.
+        points: usize,
+    },
+    /// A fibre direction without a direction.
+    #[error("the fibre direction ({x}, {y}) has no finite length above 0; give one like (1, 0)")]
+    Fibre {
+        /// Component along x.
+        x: f64,
+        /// Component along y.
+        y: f64,
+    },
+    /// A resolution that no printer has.
+    #[error("a resolution of {dpi} dpi is outside 10 to 2400 dpi; 300 dpi suits a journal")]
+    Resolution {
+        /// What was asked for, pixels per inch.
+        dpi: f64,
+    },
+    /// The SVG text is not an SVG, or is larger than memory allows.
+    #[error("the figure cannot be drawn as PNG: {reason}")]
+    Raster {
+        /// What the renderer says.
+        reason: String,
+    },
+}

@@ -1,0 +1,285 @@
+//! Charts: axes, ticks and curves come from kuva; only this file knows it.
+//!
+//! kuva decides where ticks and curves go. Axis labels, legends and notes are ours, because stacked
+//! charts must line up and kuva places them by its own margins and measures of another font.
+
+use std::sync::Arc;
+
+use kuva::TickFormat;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, render_multiple};
+use kuva::render::theme::Theme;
+
+use super::svg::{Anchor, Sheet, Style, px};
+use super::theme::{
+    AXIS_WIDTH, BAND, CURVE_WIDTH, HAIR, INK, LABEL, MUTED, TICK, decimals, fixed, nice_step,
+    text_width,
+};
+
+/// Room that kuva gets around the plot for ticks and their labels, px.
+const MARGIN: f64 = 60.0;
+/// Length of a tick, px.
+const TICK_LENGTH: f64 = 4.0;
+
+/// One axis: what it measures, from where to where, and the step between its ticks.
+#[derive(Debug, Clone)]
+pub(super) struct Axis {
+    pub(super) label: String,
+    pub(super) range: [f64; 2],
+    pub(super) step: f64,
+    /// Whether ticks and axis carry text; in a stack only the lowest time axis does.
+    pub(super) labelled: bool,
+}
+
+impl Axis {
+    /// The time axis of curves between these times: as long as the data, unless a tick is near.
+    pub(super) fn time([first, last]: [f64; 2]) -> Self {
+        let span = if last > first { last - first } else { 1.0 };
+        let step = nice_step(span, 6.0);
+        let tick = ((first + span) / step).ceil() * step;
+        let end = if tick - (first + span) < 0.02 * span { tick } else { first + span };
+        Self { label: "Time (ms)".to_owned(), range: [first, end], step, labelled: true }
+    }
+
+    /// A vertical axis around these values, from 0 where none is really negative, that ends at ticks
+    /// and is `height` px long.
+    ///
+    /// Among the steps that keep tick labels apart it takes the one that wastes the least room, and
+    /// fewer ticks for little more waste.
+    pub(super) fn values(label: &str, [low, high]: [f64; 2], height: f64) -> Self {
+        let low = if low > -0.02 * (high - low) { 0.0 } else { low };
+        let high = if high > low { high } else { low + 1.0 };
+        let most = (height / 14.0).floor().max(2.0);
+        let cut = |parts: f64| {
+            let step = nice_step(high - low, parts);
+            let range = [(low / step).floor() * step, (high / step - 1e-9).ceil() * step];
+            let count = ((range[1] - range[0]) / step).round();
+            let filled = (high - low) / (range[1] - range[0]);
+            (range, step, count, filled - 0.012 * count)
+        };
+        let mut best = cut(2.0);
+        for candidate in [3.0, 5.0, 8.0, 12.0].map(cut) {
+            if candidate.2 <= most && candidate.3 > best.3 {
+                best = candidate;
+            }
+        }
+        Self { label: label.to_owned(), range: best.0, step: best.1, labelled: true }
+    }
+
+    fn part(&self, value: f64) -> f64 {
+        (value - self.range[0]) / (self.range[1] - self.range[0])
+    }
+
+    fn format(&self) -> TickFormat {
+        let (labelled, digits) = (self.labelled, decimals(self.step));
+        TickFormat::Custom(Arc::new(
+            move |value| {
+                if labelled { fixed(value, digits) } else { String::new() }
+            },
+        ))
+    }
+
+    /// Width of the widest tick label, px.
+    fn tick_width(&self) -> f64 {
+        let digits = decimals(self.step);
+        self.range.iter().map(|&end| text_width(&fixed(end, digits), TICK)).fold(0.0, f64::max)
+    }
+}
+
+/// A curve; it breaks where a point is not finite.
+#[derive(Debug, Clone)]
+pub(super) struct Curve {
+    pub(super) points: Vec<[f64; 2]>,
+    pub(super) colour: &'static str,
+}
+
+/// A chart: `place` is the upper left corner of the plot, `size` its width and height, px.
+#[derive(Debug, Clone)]
+pub(super) struct Chart {
+    pub(super) place: [f64; 2],
+    pub(super) size: [f64; 2],
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) curves: Vec<Curve>,
+    /// Horizontal bands behind the curves.
+    pub(super) bands: Vec<[f64; 2]>,
+    /// Times with a dashed line.
+    pub(super) marks: Vec<f64>,
+}
+
+impl Chart {
+    /// Where a value is drawn.
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            self.place[0] + self.x.part(x) * self.size[0],
+            self.place[1] + (1.0 - self.y.part(y)) * self.size[1],
+        ]
+    }
+
+    /// Distance from the vertical axis to the baseline of its label, px.
+    pub(super) fn label_offset(&self) -> f64 {
+        self.y.tick_width() + TICK_LENGTH + 10.0
+    }
+
+    /// Draws the chart; the vertical label stands `label_offset` px left of its axis.
+    pub(super) fn draw(&self, sheet: &mut Sheet, label_offset: f64) {
+        self.draw_behind(sheet);
+        let plots: Vec<Plot> = self.curves.iter().flat_map(|curve| self.lines(curve)).collect();
+        let mut scene = render_multiple(plots, self.layout());
+        scene.background_color = None;
+        scene.defs.clear();
+        // The data lie inside the axes; kuva numbers its clip paths across the whole process, and
+        // the same figure must be the same bytes.
+        scene.elements.retain(|element| match element {
+            Primitive::ClipStart { .. } | Primitive::ClipEnd => false,
+            Primitive::Text { content, .. } => !content.is_empty(),
+            _ => true,
+        });
+        let drawn = SvgBackend::default().render_scene(&scene);
+        sheet.raw(&format!(
+            r#"<g transform="translate({} {})" fill="{INK}">"#,
+            px(self.place[0] - MARGIN),
+            px(self.place[1] - MARGIN)
+        ));
+        sheet.raw(inner(&drawn));
+        sheet.raw("</g>");
+        for curve in &self.curves {
+            for run in runs(&curve.points).filter(|run| run.len() == 1) {
+                sheet.dot(self.at(run[0]), curve.colour);
+            }
+        }
+        let middle = Style::new(LABEL).anchor(Anchor::Middle);
+        let [left, top] = self.place;
+        let [width, height] = self.size;
+        sheet.text([left - label_offset, top + height / 2.0], &self.y.label, middle.upward());
+        if self.x.labelled {
+            sheet.text([left + width / 2.0, top + height + 31.0], &self.x.label, middle);
+        }
+    }
+
+    /// Bands and marked times, behind axes and curves.
+    fn draw_behind(&self, sheet: &mut Sheet) {
+        let [[first, last], [bottom, top]] = [self.x.range, self.y.range];
+        for band in &self.bands {
+            let [low, high] = band.map(|value| value.clamp(bottom, top));
+            let [left, upper] = self.at([first, high]);
+            let [right, lower] = self.at([last, low]);
+            sheet.rect([left, upper], [right - left, lower - upper], BAND, "");
+        }
+        for &t in self.marks.iter().filter(|t| (first..=last).contains(*t)) {
+            sheet.line(self.at([t, bottom]), self.at([t, top]), MUTED, HAIR, "3 2");
+        }
+    }
+
+    fn lines(&self, curve: &Curve) -> Vec<Plot> {
+        runs(&curve.points)
+            .filter(|run| run.len() > 1)
+            .map(|run| {
+                let points = thin(run, self.size[0]).into_iter().map(|[x, y]| (x, y));
+                Plot::Line(
+                    LinePlot::new()
+                        .with_data(points)
+                        .with_color(curve.colour)
+                        .with_stroke_width(CURVE_WIDTH),
+                )
+            })
+            .collect()
+    }
+
+    fn layout(&self) -> Layout {
+        let [[x0, x1], [y0, y1]] = [self.x.range, self.y.range];
+        Layout::new((x0, x1), (y0, y1))
+            .with_theme(Theme { show_grid: false, ..Theme::light() })
+            .with_show_grid(false)
+            .with_width(self.size[0] + 2.0 * MARGIN)
+            .with_height(self.size[1] + 2.0 * MARGIN)
+            .with_force_margins(MARGIN, MARGIN)
+            .with_force_margins_y(MARGIN, MARGIN)
+            .with_x_axis_min(x0)
+            .with_x_axis_max(x1)
+            .with_y_axis_min(y0)
+            .with_y_axis_max(y1)
+            .with_x_tick_step(self.x.step)
+            .with_y_tick_step(self.y.step)
+            .with_x_tick_format(self.x.format())
+            .with_y_tick_format(self.y.format())
+            .with_tick_size(TICK)
+            .with_label_size(LABEL)
+            .with_axis_line_width(AXIS_WIDTH)
+            .with_tick_width(AXIS_WIDTH)
+            .with_tick_length(TICK_LENGTH)
+    }
+}
+
+/// What stands between the outermost tags.
+fn inner(svg: &str) -> &str {
+    let start = svg.find('>').map_or(0, |end| end + 1);
+    let end = svg.rfind("</svg>").unwrap_or(svg.len());
+    svg.get(start..end).unwrap_or_default().trim()
+}
+
+/// Stretches of finite points.
+fn runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
+    points.split(|[x, y]| !(x.is_finite() && y.is_finite())).filter(|run| !run.is_empty())
+}
+
+/// At most four points for each third of a px: first, lowest, highest and last, so that no peak is lost.
+fn thin(points: &[[f64; 2]], width: f64) -> Vec<[f64; 2]> {
+    let columns = (3.0 * width).max(1.0) as usize;
+    if points.len() <= 4 * columns {
+        return points.to_vec();
+    }
+    let size = points.len().div_ceil(columns);
+    let mut kept = Vec::with_capacity(4 * columns);
+    for group in points.chunks(size) {
+        let by_value = |a: &usize, b: &usize| group[*a][1].total_cmp(&group[*b][1]);
+        let mut places = [
+            0,
+            (0..group.len()).min_by(by_value).unwrap_or(0),
+            (0..group.len()).max_by(by_value).unwrap_or(0),
+            group.len() - 1,
+        ]
+        .to_vec();
+        places.sort_unstable();
+        places.dedup();
+        kept.extend(places.into_iter().map(|place| group[place]));
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_ends_and_the_peak() {
+        let mut points: Vec<[f64; 2]> =
+            (0..100_000).map(|i| [f64::from(i), f64::from(i % 7)]).collect();
+        points[54_321][1] = 99.0;
+        let kept = thin(&points, 100.0);
+        assert!(kept.len() <= 1200);
+        assert!(kept.contains(&[54_321.0, 99.0]));
+        assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[99_999]));
+    }
+
+    #[test]
+    fn axes_end_at_ticks_and_start_from_zero_where_they_can() {
+        let axis = Axis::values("", [-0.01, 13.4], 90.0);
+        assert_eq!((axis.range, axis.step), ([0.0, 15.0], 5.0));
+        assert_eq!(Axis::values("", [0.0, 13.4], 170.0).step, 2.0);
+        assert_eq!(Axis::values("", [-84.0, 37.0], 108.0).range, [-100.0, 40.0]);
+        assert_eq!(Axis::values("", [0.0, 0.0], 108.0).range, [0.0, 1.0]);
+        assert_eq!(Axis::time([0.0, 599.95]).range, [0.0, 600.0]);
+        assert_eq!(Axis::time([0.0, 83.0]).range, [0.0, 83.0]);
+        assert_eq!(Axis::time([5.0, 5.0]).range, [5.0, 6.0]);
+    }
+
+    #[test]
+    fn a_curve_breaks_where_numbers_do() {
+        let points = [[0.0, 1.0], [1.0, f64::NAN], [2.0, 1.0], [3.0, 2.0]];
+        assert_eq!(runs(&points).map(<[_]>::len).collect::<Vec<_>>(), [1, 2]);
+    }
+}

@@ -1,0 +1,228 @@
+//! Figures and tables of made-up beats.
+#![cfg(feature = "output")]
+#![allow(clippy::unwrap_used)] // In tests a panic is the message.
+
+mod synthetic;
+
+use myospring::mesh::Mesh;
+use myospring::output::csv::traces;
+use myospring::output::figure::{
+    ContractionOptions, Figure, FigureError, Shape, action_potential_and_tension, cell_shapes,
+    contraction, key_shapes, mesh, overview,
+};
+use myospring::recording::{Frame, Recording};
+use resvg::usvg::{Options, Tree};
+use synthetic::{STIMULUS, elongated, recording, roundish};
+
+const X: [f64; 2] = [1.0, 0.0];
+
+fn beat(mesh: &Mesh) -> Recording {
+    recording(mesh, X, 50.0, false)
+}
+
+/// Width and height in px at 96 px per inch; fails unless the text is an SVG.
+fn size(figure: &Figure) -> [f64; 2] {
+    let size = Tree::from_str(&figure.svg, &Options::default()).unwrap().size();
+    [f64::from(size.width()), f64::from(size.height())]
+}
+
+fn all_figures(mesh_of_run: &Mesh, run: &Recording, fibre: [f64; 2]) -> Vec<Figure> {
+    let options = ContractionOptions {
+        stimulus_times_ms: vec![STIMULUS],
+        reference_band: Some(([7.0, 12.0], "adult ventricular myocytes, unloaded")),
+    };
+    vec![
+        action_potential_and_tension(run, &[STIMULUS]).unwrap(),
+        cell_shapes(mesh_of_run, &key_shapes(run, &[STIMULUS]), fibre).unwrap(),
+        contraction(&[("50 kPa", run)], &options).unwrap(),
+        mesh(mesh_of_run).unwrap(),
+        overview(mesh_of_run, run, fibre, &[STIMULUS]).unwrap(),
+    ]
+}
+
+#[test]
+fn every_figure_has_the_width_of_a_column_and_draws_at_the_resolution_asked_for() {
+    let (round, axis) = roundish(4.0);
+    let long = elongated(4.0);
+    let figures = [
+        all_figures(&long, &beat(&long), X),
+        all_figures(&round, &recording(&round, axis, 40.0, true), axis),
+    ]
+    .concat();
+    for figure in figures {
+        let [width, height] = size(&figure);
+        let mm = width * 25.4 / 96.0;
+        // SVG sizes are written with two digits after the point.
+        assert!((mm - 85.0).abs() < 0.01 || (mm - 178.0).abs() < 0.01, "{mm} mm");
+        let png = image::load_from_memory(&figure.to_png(150.0).unwrap()).unwrap().to_rgb8();
+        let expected = [width, height].map(|length| (length * 150.0 / 96.0).round() as u32);
+        assert_eq!([png.width(), png.height()], expected);
+        assert!(png.pixels().any(|pixel| pixel.0.iter().all(|&level| level < 0x40)), "no ink");
+        assert_eq!(png.get_pixel(0, 0).0, [255; 3]);
+    }
+}
+
+#[test]
+fn text_becomes_ink_without_fonts_of_the_system() {
+    let page = |text: &str| Figure {
+        svg: format!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="60" height="20" font-family="Arial, sans-serif"><text y="15">{text}</text></svg>"#
+        ),
+    };
+    assert_ne!(page("\u{b5}m").to_png(96.0).unwrap(), page("").to_png(96.0).unwrap());
+}
+
+#[test]
+fn labels_carry_their_units() {
+    let long = elongated(2.0);
+    let run = beat(&long);
+    let mv = recording(&long, X, 50.0, true);
+    let shapes = key_shapes(&run, &[STIMULUS]);
+    let curves = [("30 kPa", &run), ("50 kPa", &run)];
+    let band = ContractionOptions {
+        reference_band: Some(([7.0, 12.0], "adult ventricular myocytes, unloaded")),
+        ..ContractionOptions::default()
+    };
+    let checks = [
+        (
+            action_potential_and_tension(&run, &[STIMULUS]).unwrap(),
+            vec![
+                "Time (ms)",
+                "Potential u",
+                "Active tension (kPa)",
+                "stimulus",
+                "50.0 kPa at 171.5 ms",
+            ],
+        ),
+        (action_potential_and_tension(&mv, &[]).unwrap(), vec!["Potential (mV)", "\u{2212}80"]),
+        (
+            cell_shapes(&long, &shapes, X).unwrap(),
+            vec![
+                "Fibre strain (%)",
+                "20 \u{b5}m",
+                "at rest",
+                "relaxing",
+                "170 ms, 50.0 kPa, shortening 12.0 %",
+            ],
+        ),
+        (
+            contraction(&curves, &band).unwrap(),
+            vec!["Shortening (%)", "30 kPa: 12.0 % at 171.5 ms", "unloaded: 7\u{2013}12 % (band)"],
+        ),
+        (mesh(&long).unwrap(), vec!["20 \u{b5}m", "points", "springs", "spacing 2 \u{b5}m"]),
+        (
+            overview(&long, &run, X, &[STIMULUS]).unwrap(),
+            vec!["Tension (kPa)", "Shortening (%)", "Time (ms)", "Fibre strain (%)", "peak"],
+        ),
+    ];
+    for (figure, labels) in checks {
+        for label in labels {
+            assert!(figure.svg.contains(label), "{label} is missing");
+        }
+    }
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let long = elongated(2.0);
+    let run = beat(&long);
+    let (first, second) = (all_figures(&long, &run, X), all_figures(&long, &run, X));
+    assert!(first == second, "figures differ");
+    assert!(first[4].to_png(100.0) == second[4].to_png(100.0), "pixels differ");
+    assert_eq!(traces(&run).unwrap(), traces(&run).unwrap());
+}
+
+#[test]
+fn a_run_cut_short_still_gives_every_figure() {
+    let long = elongated(2.0);
+    let whole = beat(&long);
+    for (samples, frames) in [(1, 1), (2, 2), (150, 15), (400, 41)] {
+        let cut = Recording {
+            samples: whole.samples[..samples].to_vec(),
+            frames: whole.frames[..frames].to_vec(),
+        };
+        for figure in all_figures(&long, &cut, X) {
+            size(&figure);
+        }
+        traces(&cut).unwrap();
+    }
+    // Numbers that broke at the end are left out.
+    let mut broken = whole;
+    for sample in &mut broken.samples[300..] {
+        (sample.u, sample.ta_kpa, sample.shortening_pct) = (f64::NAN, f64::INFINITY, f64::NAN);
+    }
+    for frame in &mut broken.frames[30..] {
+        frame.positions[0][3] = f64::NAN;
+    }
+    for figure in all_figures(&long, &broken, X) {
+        assert!(!figure.svg.contains("NaN") && !figure.svg.contains("inf"));
+        size(&figure);
+    }
+}
+
+#[test]
+fn the_story_of_a_beat_has_four_moments() {
+    let long = elongated(4.0);
+    let run = beat(&long);
+    let story = |run: &Recording| -> Vec<(String, f64)> {
+        key_shapes(run, &[STIMULUS, 700.0]).into_iter().map(|s| (s.name, s.frame.t_ms)).collect()
+    };
+    let names = |run: &Recording| -> Vec<String> { story(run).into_iter().map(|s| s.0).collect() };
+    assert_eq!(names(&run), ["at rest", "contracting", "peak", "relaxing"]);
+    let shapes = key_shapes(&run, &[STIMULUS]);
+    let shortening: Vec<f64> = shapes.iter().map(|shape| shape.shortening_pct.unwrap()).collect();
+    // Frames are 5 ms apart, in which shortening changes by up to 0.7 %.
+    for (found, expected) in shortening.into_iter().zip([0.0, 6.0, 12.0, 6.0]) {
+        assert!((found - expected).abs() < 0.4, "{found} {expected}");
+    }
+    assert_eq!(story(&run)[0].1, STIMULUS);
+    assert_eq!(story(&run)[2].1, 170.0);
+
+    let mut cut = run.clone();
+    cut.frames.truncate(30);
+    assert_eq!(names(&cut), ["at rest", "contracting", "end of record"]);
+    cut.frames.truncate(1);
+    assert_eq!(names(&cut), ["at rest"]);
+    // Without samples the tension tells the moments.
+    let silent = Recording { samples: vec![], frames: run.frames.clone() };
+    assert_eq!(story(&silent), story(&run));
+    assert_eq!(key_shapes(&silent, &[STIMULUS])[0].shortening_pct, None);
+}
+
+#[test]
+fn nothing_to_draw_is_an_error_and_not_a_panic() {
+    let long = elongated(4.0);
+    let run = beat(&long);
+    let empty = Recording::default();
+    let plain = ContractionOptions::default();
+    let frame = &run.frames[0];
+    let shape = |frame| vec![Shape { name: "x".to_owned(), frame, shortening_pct: None }];
+    let wrong = Frame { positions: [vec![], vec![]], ..frame.clone() };
+    let hollow = Mesh { simplices: vec![], ..long.clone() };
+    let nowhere =
+        Mesh { points: [vec![], vec![]], springs: vec![], simplices: vec![], ..long.clone() };
+    for (result, message) in [
+        (action_potential_and_tension(&empty, &[]), "0 samples with finite numbers"),
+        (contraction(&[], &plain), "given 0 recordings"),
+        (contraction(&[("40 kPa", &empty)], &plain), "the recording \"40 kPa\" has 0 samples"),
+        (cell_shapes(&long, &[], X), "given 0 frames"),
+        (cell_shapes(&long, &shape(frame), [0.0, 0.0]), "fibre direction (0, 0)"),
+        (cell_shapes(&long, &shape(&wrong), X), "has 0 positions along axis 0"),
+        (cell_shapes(&hollow, &shape(frame), X), "given 0 triangles"),
+        (mesh(&nowhere), "given 0 points"),
+        (overview(&long, &empty, X, &[]), "given 0 frames"),
+    ] {
+        let error: FigureError = result.unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+}
+
+#[test]
+fn labels_of_users_are_text_and_never_markup() {
+    let long = elongated(4.0);
+    let run = beat(&long);
+    let label = "<script>&\"\u{1b}$x$";
+    let figure = contraction(&[(label, &run)], &ContractionOptions::default()).unwrap();
+    assert!(figure.svg.contains("&lt;script&gt;&amp;"));
+    size(&figure);
+}
