@@ -13,5 +13,7 @@ pub mod parameter;
 pub mod recording;
 #[cfg(feature = "run-file")]
 pub mod run_file;
-//pub mod simulation;
+pub mod simulation;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
 pub mod units;

@@ -1,0 +1,94 @@
+//! The cell of the paper: `coelho_2021`.
+
+use super::minimal::{self, Identity, MinimalModel};
+use super::pacing::{Protocol, Stimulus};
+use super::solve::{Method, Settings};
+use super::tension;
+use crate::parameter::ParameterSet;
+
+/// Name, papers and stimulus.
+pub const IDENTITY: Identity = Identity {
+    name: "coelho_2021",
+    description: "Human ventricular myocyte with active tension, as in Coelho et al. 2021",
+    citations: &["coelho_2021", "bueno_orovio_2008", "silva_2020"],
+    stimulus: Stimulus::Jump { amplitude: 0.325 },
+    millivolts: None,
+};
+
+/// Name, value, and the name under which Table 1 prints the value.
+const TABLE: [(&str, f64, &str); 28] = [
+    ("u_o", 0.529297, "coelho_2021, Table 1"),
+    ("u_u", 1.74316, "coelho_2021, the first author's public source code (missing in Table 1)"),
+    ("theta_v", 0.0673828, "coelho_2021, Table 1"),
+    ("theta_w", 0.00195313, "coelho_2021, Table 1"),
+    ("theta_v_minus", 0.0976563, "coelho_2021, Table 1"),
+    ("theta_o", 0.932618, "coelho_2021, Table 1"),
+    ("tau_v1_minus", 57.7148, "coelho_2021, Table 1"),
+    ("tau_v2_minus", 1101.56, "coelho_2021, Table 1 under tau_v^+"),
+    ("tau_v_plus", 1.96973, "coelho_2021, Table 1 under tau_w1^-"),
+    ("tau_w1_minus", 62.9688, "coelho_2021, Table 1 under tau_w2^-"),
+    (
+        "tau_w2_minus",
+        13.9648,
+        "coelho_2021, the first author's public source code (missing in Table 1)",
+    ),
+    ("k_w_minus", 58.0469, "coelho_2021, Table 1 under u_w^-"),
+    ("u_w_minus", 0.59668, "coelho_2021, Table 1 under tau_w^+"),
+    ("tau_w_plus", 273.633, "coelho_2021, Table 1 under tau_fi"),
+    ("tau_fi", 0.644532, "coelho_2021, Table 1 under tau_o1"),
+    ("tau_o1", 477.344, "coelho_2021, Table 1 under tau_o2"),
+    ("tau_o2", 14.1992, "coelho_2021, Table 1 under tau_so1"),
+    ("tau_so1", 25.4492, "coelho_2021, Table 1 under tau_so2"),
+    ("tau_so2", 0.253711, "coelho_2021, Table 1 under k_so"),
+    ("k_so", 2.49609, "coelho_2021, the first author's public source code (missing in Table 1)"),
+    ("u_so", 0.657227, "coelho_2021, the first author's public source code (missing in Table 1)"),
+    ("tau_s1", 2.36621, "coelho_2021, Table 1"),
+    ("tau_s2", 11.4453, "coelho_2021, Table 1"),
+    ("k_s", 2.25586, "coelho_2021, Table 1"),
+    ("u_s", 0.903321, "coelho_2021, Table 1"),
+    ("tau_si", 1.76816, "coelho_2021, Table 1"),
+    ("tau_winf", 0.785157, "coelho_2021, Table 1"),
+    ("w_inf_star", 0.500977, "coelho_2021, Table 1"),
+];
+
+/// All 35 parameters; the source of each says where the paper prints it.
+pub fn parameters() -> ParameterSet {
+    let mut rows = minimal::rows(&TABLE);
+    rows.extend(tension::rows(0.0, 1.1341, "converged peak of u of one default beat"));
+    ParameterSet::new(rows)
+}
+
+/// The model with these parameters.
+///
+/// # Example
+/// ```
+/// use myospring::cell::{coelho_2021, solve::reference_beat};
+/// let beat = reference_beat(&coelho_2021::model())?;
+/// assert!((beat.peak_time_ms - 171.56).abs() < 0.1); // "around 170 ms"
+/// # Ok::<(), myospring::cell::solve::SolveError>(())
+/// ```
+pub fn model() -> MinimalModel {
+    MinimalModel::published(IDENTITY, parameters())
+}
+
+/// The authors' time stepping: staggered forward Euler with 0.05 ms.
+///
+/// First `u, v, w, s` from their old values, then `Ta_i` from the new `u`, then `Ta` from the new
+/// `u` and `Ta_i`. This step is not converged for the tension: its peak is 3.6 % low and its onset
+/// 20 ms late.
+pub const fn authors_step() -> Settings {
+    Settings { method: Method::StaggeredEuler, step_ms: 0.05 }
+}
+
+/// The authors' stimulus: it falls before the step that ends at 50 ms, that is at 49.95 ms.
+pub const fn authors_protocol() -> Protocol {
+    Protocol { start_ms: 49.95, ..Protocol::once(IDENTITY.stimulus) }
+}
+
+/// The model with `V` normalised by the highest `u` of the authors' own run, as they do.
+pub fn authors_model() -> MinimalModel {
+    const AUTHORS_PEAK: f64 = 1.135211;
+    let mut rows = minimal::rows(&TABLE);
+    rows.extend(tension::rows(0.0, AUTHORS_PEAK, "highest u of a run with the authors' step"));
+    MinimalModel::published(IDENTITY, ParameterSet::new(rows))
+}

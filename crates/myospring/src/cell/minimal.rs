@@ -1,0 +1,156 @@
+//! The minimal ventricular model, Eqs. (18)-(31), driving the tension of Eqs. (32)-(35).
+//!
+//! Six variables: `u` (potential), `v`, `w`, `s` (gates), `Ta_i`, `Ta` (tension). The equations are
+//! those of `bueno_orovio_2008` as printed in `coelho_2021`, with the sign of (24) as in the
+//! former: `J_si = -H(u - theta_w) w s / tau_si`. `H` is the Heaviside step with `H(0) = 1/2`.
+//!
+//! # Rest can be a sliding mode
+//! The right-hand side jumps at `u = theta_w`. In `coelho_2021` the potential rises below it (the
+//! reversal potential `u_o` is far above) and falls above it, so the resting cell slides along
+//! `u = theta_w` with a mixture of both sides' rates. A fixed step hops across the threshold every
+//! few steps: `u` jitters by at most one step's fall, `step / tau_so1` (0.0002 at 0.005 ms), while
+//! the time spent on either side, and with it every gate, is right to first order in the step. The
+//! jitter is harmless and is left as it is; an adaptive solver would stall on it, so none is offered.
+//!
+//! # Parameters that cannot act
+//! `tau_o1`, `tau_o2` count only below `theta_w` and `theta_o` decides between them, so in
+//! `coelho_2021`, where `theta_o` lies far above `theta_w`, the values of `theta_o`, `tau_o2` and
+//! `w_inf_star` have no effect.
+
+mod electrical;
+
+pub use electrical::Electrical;
+pub(super) use electrical::rows;
+
+use super::pacing::Stimulus;
+use super::tension::Tension;
+use super::{CellModel, Input, ModelError};
+use crate::parameter::ParameterSet;
+
+/// What distinguishes one published version of the minimal model from another, besides numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identity {
+    /// Name as chosen in a run file.
+    pub name: &'static str,
+    /// One line for people.
+    pub description: &'static str,
+    /// Keys in `references.bib`.
+    pub citations: &'static [&'static str],
+    /// The stimulus that makes it beat as its authors meant.
+    pub stimulus: Stimulus,
+    /// Slope and offset of the membrane potential, `V_mV = slope u + offset`, both mV, if defined.
+    pub millivolts: Option<(f64, f64)>,
+}
+
+/// The minimal model with tension: six equations, 28 + 7 parameters.
+///
+/// # Example
+/// ```
+/// use myospring::cell::{CellModel, coelho_2021, minimal::MinimalModel};
+///
+/// let mut parameters = coelho_2021::parameters();
+/// parameters.set("tau_si", 1.9)?;
+/// let model = MinimalModel::new(coelho_2021::IDENTITY, parameters)?;
+/// assert_eq!(model.state_names(), ["u", "v", "w", "s", "Ta_i", "Ta"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct MinimalModel {
+    identity: Identity,
+    parameters: ParameterSet,
+    electrical: Electrical,
+    tension: Tension,
+}
+
+impl MinimalModel {
+    /// Builds the model; every parameter is looked up here, once.
+    ///
+    /// # Errors
+    /// A parameter is missing, or `u_peak` is not above `u_rest`.
+    pub fn new(identity: Identity, parameters: ParameterSet) -> Result<Self, ModelError> {
+        Ok(Self {
+            identity,
+            electrical: Electrical::new(identity.name, &parameters)?,
+            tension: Tension::new(identity.name, &parameters)?,
+            parameters,
+        })
+    }
+
+    /// The model of a set in this crate, which is complete.
+    pub(super) fn published(identity: Identity, parameters: ParameterSet) -> Self {
+        match Self::new(identity, parameters) {
+            Ok(model) => model,
+            Err(error) => unreachable!("published set: {error}"),
+        }
+    }
+
+    /// The tension half of the model.
+    pub fn tension_constants(&self) -> &Tension {
+        &self.tension
+    }
+}
+
+impl CellModel for MinimalModel {
+    fn name(&self) -> &'static str {
+        self.identity.name
+    }
+
+    fn description(&self) -> &'static str {
+        self.identity.description
+    }
+
+    fn citations(&self) -> &'static [&'static str] {
+        self.identity.citations
+    }
+
+    fn parameters(&self) -> &ParameterSet {
+        &self.parameters
+    }
+
+    fn with_parameters(&self, parameters: ParameterSet) -> Result<Box<dyn CellModel>, ModelError> {
+        Ok(Box::new(Self::new(self.identity, parameters)?))
+    }
+
+    fn state_names(&self) -> &'static [&'static str] {
+        &["u", "v", "w", "s", "Ta_i", "Ta"]
+    }
+
+    fn initial_state(&self) -> Vec<f64> {
+        vec![0.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+    }
+
+    fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
+        let &[u, v, w, s, ta_i, ta] = state else {
+            unreachable!("the minimal model has six state variables, not {}", state.len());
+        };
+        let electrical = self.electrical.rates(u, v, w, s);
+        rates[..4].copy_from_slice(&electrical);
+        rates[0] += input.stimulus;
+        rates[4..].copy_from_slice(&self.tension.rates(u, ta_i, ta));
+    }
+
+    fn jump(&self, state: &mut [f64], amplitude: f64) {
+        state[0] += amplitude;
+    }
+
+    fn potential(&self, state: &[f64]) -> f64 {
+        state[0]
+    }
+
+    fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64> {
+        self.identity.millivolts.map(|(slope, offset)| slope * state[0] + offset)
+    }
+
+    fn tension(&self, state: &[f64]) -> f64 {
+        state[5]
+    }
+
+    fn default_stimulus(&self) -> Stimulus {
+        self.identity.stimulus
+    }
+
+    fn staggered_blocks(&self) -> &'static [usize] {
+        // u, v, w, s together; then Ta_i from the new u; then Ta from the new u and Ta_i.
+        &[4, 5]
+    }
+}

@@ -1,0 +1,123 @@
+//! A toy model with a known tension, to test what is coupled to a cell.
+//!
+//! Two linear equations in a chain. A jump `a` of `u` at time 0 makes tension an alpha function
+//! with its peak `a / e` after one time constant:
+//! ```text
+//! du/dt  = -u / tau          u(t)  = a exp(-t / tau)
+//! dTa/dt = (u - Ta) / tau    Ta(t) = a (t / tau) exp(-t / tau)
+//! ```
+
+use super::pacing::Stimulus;
+use super::{CellModel, Input, ModelError};
+use crate::parameter::{Parameter, ParameterSet};
+
+const NAME: &str = "toy_alpha";
+
+/// The toy model: two linear equations, one parameter.
+///
+/// # Example
+/// ```
+/// use myospring::cell::{solve, toy::ToyModel};
+/// let toy = ToyModel::published();
+/// let beat = solve::reference_beat(&toy)?;
+/// assert!((beat.peak_tension - (-1.0_f64).exp()).abs() < 1e-6);
+/// assert!((toy.tension_after_jump(1.0, 50.0) - (-1.0_f64).exp()).abs() < 1e-15);
+/// # Ok::<(), myospring::cell::solve::SolveError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToyModel {
+    parameters: ParameterSet,
+    tau: f64,
+}
+
+/// Its parameters: the time constant, 50 ms.
+pub fn parameters() -> ParameterSet {
+    ParameterSet::new(vec![Parameter {
+        name: "tau",
+        value: 50.0,
+        unit: "ms",
+        minimum: 1e-3,
+        maximum: 1e6,
+        meaning: "time constant, and time to peak",
+        source: "chosen for tests",
+    }])
+}
+
+impl ToyModel {
+    /// With the time constant of 50 ms.
+    pub fn published() -> Self {
+        Self { parameters: parameters(), tau: 50.0 }
+    }
+
+    /// With parameters of your own.
+    ///
+    /// # Errors
+    /// The set lacks `tau`.
+    pub fn new(parameters: ParameterSet) -> Result<Self, ModelError> {
+        let tau = parameters.get("tau").ok_or(ModelError::Missing { model: NAME, name: "tau" })?;
+        Ok(Self { parameters, tau })
+    }
+
+    /// Exact tension, a time `t_ms` after a jump of the resting cell: `a (t / tau) exp(-t / tau)`.
+    pub fn tension_after_jump(&self, amplitude: f64, t_ms: f64) -> f64 {
+        let x = (t_ms / self.tau).max(0.0);
+        amplitude * x * (-x).exp()
+    }
+}
+
+impl CellModel for ToyModel {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn description(&self) -> &'static str {
+        "Two linear equations with a known tension, for tests; not a heart cell"
+    }
+
+    fn citations(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn parameters(&self) -> &ParameterSet {
+        &self.parameters
+    }
+
+    fn with_parameters(&self, parameters: ParameterSet) -> Result<Box<dyn CellModel>, ModelError> {
+        Ok(Box::new(Self::new(parameters)?))
+    }
+
+    fn state_names(&self) -> &'static [&'static str] {
+        &["u", "Ta"]
+    }
+
+    fn initial_state(&self) -> Vec<f64> {
+        vec![0.0, 0.0]
+    }
+
+    fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
+        // du/dt = -u / tau
+        rates[0] = -state[0] / self.tau + input.stimulus;
+        // dTa/dt = (u - Ta) / tau
+        rates[1] = (state[0] - state[1]) / self.tau;
+    }
+
+    fn jump(&self, state: &mut [f64], amplitude: f64) {
+        state[0] += amplitude;
+    }
+
+    fn potential(&self, state: &[f64]) -> f64 {
+        state[0]
+    }
+
+    fn membrane_potential_mv(&self, _state: &[f64]) -> Option<f64> {
+        None
+    }
+
+    fn tension(&self, state: &[f64]) -> f64 {
+        state[1]
+    }
+
+    fn default_stimulus(&self) -> Stimulus {
+        Stimulus::Jump { amplitude: 1.0 }
+    }
+}
