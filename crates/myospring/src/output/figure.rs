@@ -9,9 +9,9 @@
 //! | [`overview`] | cell and curves of one run in one picture | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
-//! text in the SVG; the PNG is drawn with an embedded font (Noto Sans), so both are the same bytes
-//! on every machine. Lines use the Okabe-Ito colours and strain a perceptually uniform map, which
-//! people with any colour vision can read.
+//! text in the SVG; the PNG is drawn with an embedded font (Noto Sans, SIL Open Font License 1.1),
+//! so both are the same bytes on every machine. Curves use the Okabe-Ito colours, and strain a
+//! perceptually uniform map that is light at rest; people with any colour vision can read both.
 
 mod chart;
 mod lattice;

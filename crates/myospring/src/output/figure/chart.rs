@@ -119,6 +119,15 @@ impl Chart {
         ]
     }
 
+    /// Whether a curve passes through a box between two corners, px.
+    pub(super) fn crosses(&self, upper_left: [f64; 2], lower_right: [f64; 2]) -> bool {
+        let inside = |&point: &[f64; 2]| {
+            let at = self.at(point);
+            (0..2).all(|axis| at[axis] >= upper_left[axis] && at[axis] <= lower_right[axis])
+        };
+        self.curves.iter().any(|curve| curve.points.iter().any(inside))
+    }
+
     /// Distance from the vertical axis to the baseline of its label, px.
     pub(super) fn label_offset(&self) -> f64 {
         self.y.tick_width() + TICK_LENGTH + 10.0
@@ -176,9 +185,10 @@ impl Chart {
 
     fn lines(&self, curve: &Curve) -> Vec<Plot> {
         runs(&curve.points)
-            .filter(|run| run.len() > 1)
             .map(|run| {
-                let points = thin(run, self.size[0]).into_iter().map(|[x, y]| (x, y));
+                // kuva draws axes only around a line; a lone point is one of no length, with a dot.
+                let thinned = if run.len() == 1 { run.repeat(2) } else { thin(run, self.size[0]) };
+                let points = thinned.into_iter().map(|[x, y]| (x, y));
                 Plot::Line(
                     LinePlot::new()
                         .with_data(points)

@@ -77,7 +77,7 @@ pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
         ));
     }
     let bottom = margin + extent[1] * scale;
-    draw_scale_bar(&mut sheet, [margin, bottom + 16.0], scale, extent[0]);
+    draw_scale_bar(&mut sheet, [margin, bottom + 16.0], scale, extent);
     let mut numbers = format!("{points} points, {} springs", mesh.springs.len());
     if let Some(lattice) = &mesh.lattice {
         let spacing = fixed(lattice.spacing, 2);

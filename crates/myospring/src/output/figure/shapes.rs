@@ -69,7 +69,8 @@ impl<'a> Gallery<'a> {
         }
         // The scale always holds 0, the colour of rest, and is never narrower than 1 %.
         let all = || strains.iter().flatten().copied();
-        let range = [all().fold(-1.0, f64::min), all().fold(0.0, f64::max)];
+        let high_strain = all().fold(0.0, f64::max);
+        let range = [all().fold(0.0, f64::min).min(high_strain - 1.0), high_strain];
         let rings = outline(&facets);
         Ok(Self { mesh, facets, rings, shapes, strains, range, low, high })
     }
@@ -90,6 +91,12 @@ impl<'a> Gallery<'a> {
         (width / extent[0]).min(height / extent[1])
     }
 
+    /// The colour at a part of the scale, 0 for the least strain and 1 for the greatest.
+    fn colour(&self, part: f64) -> String {
+        let [low, high] = self.range;
+        strain_colour((low + part * (high - low)) / high.max(-low))
+    }
+
     /// Draws a shape, its box centred at a point, y upward, and the resting outline over it.
     pub(super) fn draw(&self, sheet: &mut Sheet, index: usize, centre: [f64; 2], scale: f64) {
         let positions = &self.shapes[index].frame.positions;
@@ -108,7 +115,7 @@ impl<'a> Gallery<'a> {
             px(centre[1])
         ));
         for (level, path) in paths.iter().enumerate().filter(|(_, path)| !path.is_empty()) {
-            let colour = strain_colour(level as f64 / (COLOURS - 1) as f64);
+            let colour = self.colour(level as f64 / (COLOURS - 1) as f64);
             sheet.raw(&format!(r#"<path fill="{colour}" stroke="{colour}" d="{path}"/>"#));
         }
         let mut edge = |positions, colour: &str, width: f64, more: &str| {
@@ -151,17 +158,17 @@ impl<'a> Gallery<'a> {
 
     /// A scale bar from a point to the right, its length beside it.
     pub(super) fn draw_scale_bar(&self, sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64) {
-        draw_scale_bar(sheet, [x, y], scale, self.extent()[0]);
+        draw_scale_bar(sheet, [x, y], scale, self.extent());
     }
 
     /// The colour bar with its ticks below and its title above; `place` is its upper left corner.
     pub(super) fn draw_colour_bar(&self, sheet: &mut Sheet, place: [f64; 2], width: f64) {
         let height = 8.0;
         let stop = |i: i32| {
-            let part = f64::from(i) / 16.0;
-            format!(r#"<stop offset="{part}" stop-color="{}"/>"#, strain_colour(part))
+            let part = f64::from(i) / 32.0;
+            format!(r#"<stop offset="{part}" stop-color="{}"/>"#, self.colour(part))
         };
-        let stops = (0..=16).map(stop).collect::<Vec<_>>().concat();
+        let stops = (0..=32).map(stop).collect::<Vec<_>>().concat();
         sheet.raw(&format!(r#"<defs><linearGradient id="strain">{stops}</linearGradient></defs>"#));
         sheet.text(
             [place[0] + width / 2.0, place[1] - 5.0],
@@ -196,9 +203,9 @@ impl<'a> Gallery<'a> {
     }
 }
 
-/// A scale bar of about a fifth of `extent` um from a point to the right, its length beside it.
-pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, extent: f64) {
-    let length = nice_step(extent, 7.0);
+/// A scale bar of about a seventh of the cell, `extent` um large, from a point to the right, its length beside it.
+pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, extent: [f64; 2]) {
+    let length = nice_step(extent[0].max(extent[1]), 7.0);
     let end = x + length * scale;
     sheet.line([x, y], [end, y], INK, 2.5, "");
     let text = format!("{} \u{b5}m", fixed(length, decimals(length)));

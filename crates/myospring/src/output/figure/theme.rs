@@ -43,35 +43,47 @@ pub(super) const AXIS_WIDTH: f64 = 0.9;
 /// Width of hairlines, px.
 pub(super) const HAIR: f64 = 0.6;
 
-/// Strain colours from the most shortened to the most stretched: magma (van der Walt and Smith
-/// 2015, CC0) without its blackest end, perceptually uniform, light at rest.
-const STRAIN: [[u8; 3]; 17] = [
-    [0x25, 0x12, 0x55],
-    [0x3d, 0x0f, 0x71],
-    [0x52, 0x13, 0x7c],
-    [0x68, 0x1c, 0x81],
-    [0x7c, 0x23, 0x82],
-    [0x93, 0x2b, 0x80],
-    [0xa8, 0x32, 0x7d],
-    [0xbf, 0x3a, 0x77],
-    [0xd3, 0x43, 0x6e],
-    [0xe7, 0x52, 0x63],
-    [0xf4, 0x67, 0x5c],
-    [0xfa, 0x7f, 0x5e],
-    [0xfd, 0x9a, 0x6a],
-    [0xfe, 0xb2, 0x7a],
-    [0xfe, 0xcc, 0x8f],
-    [0xfd, 0xe3, 0xa5],
+/// Colours of shortening from rest: magma (van der Walt and Smith 2015, CC0) reversed and without
+/// its blackest end, perceptually uniform.
+const SHORTER: [[u8; 3]; 17] = [
     [0xfc, 0xfd, 0xbf],
+    [0xfd, 0xe3, 0xa5],
+    [0xfe, 0xcc, 0x8f],
+    [0xfe, 0xb2, 0x7a],
+    [0xfd, 0x9a, 0x6a],
+    [0xfa, 0x7f, 0x5e],
+    [0xf4, 0x67, 0x5c],
+    [0xe7, 0x52, 0x63],
+    [0xd3, 0x43, 0x6e],
+    [0xbf, 0x3a, 0x77],
+    [0xa8, 0x32, 0x7d],
+    [0x93, 0x2b, 0x80],
+    [0x7c, 0x23, 0x82],
+    [0x68, 0x1c, 0x81],
+    [0x52, 0x13, 0x7c],
+    [0x3d, 0x0f, 0x71],
+    [0x25, 0x12, 0x55],
+];
+/// Colours of stretch from rest: the greens and blues of `YlGnBu` (Brewer 2003, Apache-2.0).
+const LONGER: [[u8; 3]; 7] = [
+    [0xfc, 0xfd, 0xbf],
+    [0xc7, 0xe9, 0xb4],
+    [0x7f, 0xcd, 0xbb],
+    [0x41, 0xb6, 0xc4],
+    [0x1d, 0x91, 0xc0],
+    [0x22, 0x5e, 0xa8],
+    [0x0c, 0x2c, 0x84],
 ];
 
-/// The strain map at `x` in [0, 1].
-pub(super) fn strain_colour(x: f64) -> String {
-    let place = x.clamp(0.0, 1.0) * (STRAIN.len() - 1) as f64;
-    let below = (place.floor() as usize).min(STRAIN.len() - 2);
+/// The colour of a strain relative to the greatest one of the figure, in [-1, 1]: rest is light,
+/// shortening goes over red to purple, stretch over green to blue.
+pub(super) fn strain_colour(relative: f64) -> String {
+    let map: &[[u8; 3]] = if relative <= 0.0 { &SHORTER } else { &LONGER };
+    let place = relative.abs().min(1.0) * (map.len() - 1) as f64;
+    let below = (place.floor() as usize).min(map.len() - 2);
     let part = place - below as f64;
     let mix = |channel: usize| {
-        let (a, b) = (f64::from(STRAIN[below][channel]), f64::from(STRAIN[below + 1][channel]));
+        let (a, b) = (f64::from(map[below][channel]), f64::from(map[below + 1][channel]));
         (a + part * (b - a)).round() as u8
     };
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
@@ -150,9 +162,8 @@ mod tests {
     }
 
     #[test]
-    fn strain_colours_run_from_dark_to_light() {
-        assert_eq!(strain_colour(-1.0), "#251255");
-        assert_eq!(strain_colour(1.0), "#fcfdbf");
-        assert_eq!(strain_colour(0.5), "#d3436e");
+    fn rest_is_light_and_both_ends_of_the_strain_map_are_dark() {
+        assert_eq!([-2.0, -1.0, -0.5].map(strain_colour), ["#251255", "#251255", "#d3436e"]);
+        assert_eq!([0.0, 0.5, 1.0].map(strain_colour), ["#fcfdbf", "#41b6c4", "#0c2c84"]);
     }
 }

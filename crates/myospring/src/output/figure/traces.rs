@@ -168,10 +168,14 @@ fn note_peak(sheet: &mut Sheet, chart: &Chart, top: [f64; 2], quantity: &Quantit
     let width = text_width(&text, TICK);
     let right = chart.place[0] + chart.size[0];
     let style = Style::new(TICK);
-    if x + 8.0 + width <= right + 12.0 {
+    let free = |left: f64| !chart.crosses([left, y - 12.0], [left + width, y + 1.0]);
+    if x + 8.0 + width <= right + 8.0 && free(x + 8.0) {
         sheet.text([x + 8.0, y - 1.0], &text, style);
-    } else {
+    } else if x - 8.0 - width >= chart.place[0] && free(x - 8.0 - width) {
         sheet.text([x - 8.0, y - 1.0], &text, style.anchor(Anchor::End));
+    } else {
+        // Other beats stand beside the peak.
+        sheet.text([right, chart.place[1] - 2.0], &text, style.anchor(Anchor::End));
     }
 }
 
@@ -311,13 +315,10 @@ fn legend_inside(chart: &Chart, legend: &[Entry]) -> Option<[f64; 2]> {
     let width = legend_width(legend);
     let [left, top] = [chart.place[0] + chart.size[0] - width, chart.place[1]];
     let bottom = top + ROW * legend.len() as f64 + 4.0;
-    let crosses = |point: [f64; 2]| {
-        let [x, y] = chart.at(point);
-        x >= left - 10.0 && y <= bottom + 4.0
-    };
+    let corners = [[left - 10.0, f64::NEG_INFINITY], [f64::INFINITY, bottom + 4.0]];
     let free = width < 0.6 * chart.size[0]
         && chart.bands.is_empty()
-        && !chart.curves.iter().any(|curve| finite(&curve.points).any(crosses));
+        && !chart.crosses(corners[0], corners[1]);
     free.then_some([left, top])
 }
 
