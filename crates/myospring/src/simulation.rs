@@ -14,20 +14,23 @@
 //! the time and the place; what was recorded up to there is kept.
 
 use crate::analysis::shape::ShapeMeter;
-use crate::cell::{self, CellIntegrator, CellModel, Protocol};
+use crate::cell::CellModel;
+use crate::cell::integrator::CellIntegrator;
+use crate::cell::pacing::Protocol;
+use crate::cell::solve::{self, Settings, SolveError};
 use crate::integrate::verlet::{Integrator, Motion};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::signed_area;
 use crate::mechanics::material::{Material, assemble};
 use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::support::SupportKind;
-use crate::mechanics::{Body, Force, System};
+use crate::mechanics::{Body, Force as _, System};
 use crate::mesh::Mesh;
 use crate::recording::{Frame, Recording, Sample};
 use serde::Serialize;
 
 /// Numerical settings of a run; [`Default`] gives a converged beat.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Numerics {
     /// Form of Verlet's method; Stoermer-Verlet, the paper's.
     pub integrator: Integrator,
@@ -40,7 +43,7 @@ pub struct Numerics {
     /// Interval of the recorded shapes, ms, a multiple of the output interval; 5.
     pub frame_interval: f64,
     /// Integration of the cell model.
-    pub cell: cell::Settings,
+    pub cell: Settings,
 }
 
 impl Default for Numerics {
@@ -51,7 +54,7 @@ impl Default for Numerics {
             exchange_interval: 0.25,
             output_interval: 0.5,
             frame_interval: 5.0,
-            cell: cell::Settings::default(),
+            cell: Settings::default(),
         }
     }
 }
@@ -105,23 +108,13 @@ pub enum SetupError {
         /// Where it rests, um.
         y: f64,
     },
-    /// The cell model failed before the beat.
-    #[error("the peak tension of the cell model `{model}` could not be found: {cause}")]
+    /// The cell model cannot start, or makes no tension to scale.
+    #[error("the cell model `{model}` cannot be run: {cause}")]
     CellModel {
         /// The model.
         model: &'static str,
         /// What went wrong.
         cause: String,
-    },
-    /// A model that makes no tension cannot be scaled.
-    #[error(
-        "the cell model `{model}` makes no active tension, so it cannot be scaled to {peak} kPa"
-    )]
-    NoTension {
-        /// The model.
-        model: &'static str,
-        /// What was asked for, kPa.
-        peak: f64,
     },
 }
 
@@ -210,6 +203,7 @@ pub struct Outcome {
 /// A run made ready: forces assembled, time step chosen.
 pub struct Prepared<'a> {
     simulation: &'a Simulation,
+    cell: CellIntegrator<'a>,
     body: Body,
     system: System,
     meter: ShapeMeter,
@@ -238,11 +232,11 @@ impl Simulation {
     /// A time step above the stability limit, or a cell model without tension.
     pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
         let model = self.cell.name();
-        let peak = cell::peak_tension(&*self.cell)
-            .map_err(|error| SetupError::CellModel { model, cause: error.to_string() })?;
-        if !(peak.value > 0.0 && peak.value.is_finite()) {
-            return Err(SetupError::NoTension { model, peak: self.peak_tension });
-        }
+        let failed =
+            |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
+        let peak = solve::peak_tension(&*self.cell).map_err(failed)?;
+        let cell =
+            CellIntegrator::new(&*self.cell, self.protocol, self.numerics.cell).map_err(failed)?;
         let meter =
             ShapeMeter::new(self.mesh.points.clone(), self.long_axis, self.mesh.areas.clone());
         let resting_length = meter.measure(&self.mesh.points).length;
@@ -274,7 +268,8 @@ impl Simulation {
             meter,
             limit,
             steps_per_exchange: steps,
-            tension_scale: self.peak_tension / peak.value,
+            tension_scale: self.peak_tension / peak,
+            cell,
             resting_length,
         })
     }
@@ -289,18 +284,19 @@ impl Prepared<'_> {
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
     pub fn run(&self, mut observe: impl FnMut(Progress) -> bool) -> Outcome {
-        let Simulation { cell, protocol, mesh, duration, numerics, .. } = self.simulation;
+        let Simulation { cell, mesh, duration, numerics, .. } = self.simulation;
         let exchange = numerics.exchange_interval;
         let exchanges = (duration / exchange).round() as u64;
         let per_sample = (numerics.output_interval / exchange).round().max(1.0) as u64;
         let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
 
-        let mut cell = CellIntegrator::new(&**cell, protocol.clone(), numerics.cell);
+        let model = &**cell;
+        let mut cell = self.cell.clone();
         let mut motion =
             Motion::new(&self.system, self.body.clone(), numerics.integrator, self.time_step());
         let mut ledger = Ledger::default();
         let mut recording = Recording::default();
-        let mut tension = self.tension_scale * cell.tension();
+        let mut tension = self.tension_scale * model.tension(cell.state());
         ledger.settle(&self.system, &motion.body, tension, 0.0);
         let mut stop = None;
         let mut length = self.resting_length;
@@ -312,7 +308,7 @@ impl Prepared<'_> {
                     stop = Some(StopReason::CellModel { cause: error.to_string() });
                     break;
                 }
-                let next = self.tension_scale * cell.tension();
+                let next = self.tension_scale * model.tension(cell.state());
                 motion.advance(self.steps_per_exchange, [tension, next]);
                 tension = next;
                 stop = fault(mesh, &motion.body, time, tension);
@@ -347,7 +343,7 @@ impl Prepared<'_> {
         ledger: &Ledger,
     ) -> Sample {
         let extent = self.meter.measure(&body.positions);
-        let model = &self.simulation.cell;
+        let model = &*self.simulation.cell;
         Sample {
             t_ms: time,
             u: model.potential(cell.state()),

@@ -30,6 +30,7 @@ const SAME_INSTANT: f64 = 1e-6;
 /// assert!(model.potential(cell.state()) > 0.9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct CellIntegrator<'a> {
     model: &'a dyn CellModel,
     protocol: Protocol,
@@ -165,6 +166,7 @@ impl<'a> CellIntegrator<'a> {
 }
 
 /// Work space of the fixed-step methods.
+#[derive(Clone)]
 struct Stepper {
     rates: [Vec<f64>; 4],
     trial: Vec<f64>,

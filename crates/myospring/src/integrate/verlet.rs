@@ -160,8 +160,8 @@ impl<'a> Motion<'a> {
                     // Taylor's series, Eq. (14), since there is no step before the first.
                     now + dt * (1.0 - half_drag) * velocity[i] + 0.5 * kick
                 } else {
-                    // Eq. (16)
-                    (2.0 * now - (1.0 - half_drag) * previous[i] + kick) / (1.0 + half_drag)
+                    // Eq. (16), ordered so that a mass under no force stays put to the last bit
+                    now + ((1.0 - half_drag) * (now - previous[i]) + kick) / (1.0 + half_drag)
                 };
                 half[i] = (next - now) / dt;
                 previous[i] = now;

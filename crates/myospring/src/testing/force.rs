@@ -1,0 +1,141 @@
+//! The conformance suite of forces.
+
+use crate::mechanics::{Configuration, Force, Vectors, zeros};
+
+/// Checks everything that a [`Force`] promises, at one configuration.
+///
+/// - it adds to the forces it is given;
+/// - where it has an energy, the force at zero velocity is minus its gradient;
+/// - its velocity-dependent part takes exactly the energy that `dissipation` says, never gives any;
+/// - if it is internal: no resultant force, no torque (Newton's third law), and turning and shifting
+///   the whole body turns the forces with it and leaves the energy alone.
+///
+/// # Panics
+/// With a sentence, if the force breaks one of its promises.
+///
+/// # Example
+/// ```
+/// use myospring::mechanics::{Configuration, spring::Springs};
+/// use myospring::testing::force::check;
+/// let springs = Springs::new(vec![[0, 1], [1, 2]], vec![3.0, 1.0], vec![1.0, 2.0], vec![0.1; 2]);
+/// let positions = [vec![0.0, 1.2, 2.0], vec![0.0, 0.1, 1.5]];
+/// let velocities = [vec![0.3, -0.2, 0.1], vec![0.0, 0.5, -0.1]];
+/// check(&springs, &Configuration { positions: &positions, velocities: &velocities, tension: 0.0 });
+/// ```
+pub fn check(force: &dyn Force, at: &Configuration<'_>) {
+    adds_to_what_is_there(force, at);
+    is_minus_the_gradient_of_its_energy(force, at);
+    dissipates_what_it_says(force, at);
+    if force.is_internal() {
+        has_no_resultant(force, at);
+        turns_with_the_body(force, at);
+    }
+}
+
+fn evaluate(force: &dyn Force, at: &Configuration<'_>) -> Vectors {
+    let mut forces = zeros(at.positions[0].len());
+    force.add_forces(at, &mut forces);
+    forces
+}
+
+fn largest(forces: &Vectors) -> f64 {
+    forces.iter().flatten().fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()))
+}
+
+fn dot(a: &Vectors, b: &Vectors) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+}
+
+fn adds_to_what_is_there(force: &dyn Force, at: &Configuration<'_>) {
+    let once = evaluate(force, at);
+    let mut twice = once.clone();
+    force.add_forces(at, &mut twice);
+    for (one, two) in once.iter().flatten().zip(twice.iter().flatten()) {
+        let error = (two - 2.0 * one).abs();
+        assert!(error <= 1e-9 * largest(&once), "{} overwrites forces", force.name());
+    }
+}
+
+fn is_minus_the_gradient_of_its_energy(force: &dyn Force, at: &Configuration<'_>) {
+    let count = at.positions[0].len();
+    let still = zeros(count);
+    let at = Configuration { velocities: &still, ..*at };
+    let Some(energy) = force.energy(&at) else { return };
+    let forces = evaluate(force, &at);
+    let mut moved = at.positions.clone();
+    let step = 1e-5;
+    // Rounding in the energy and third derivatives bound what a central difference can show.
+    let tolerance = 1e-6 * largest(&forces) + 64.0 * f64::EPSILON * energy.abs() / step;
+    for axis in 0..2 {
+        for node in 0..count {
+            let place = at.positions[axis][node];
+            let mut energy_at = |x: f64| {
+                moved[axis][node] = x;
+                let there = Configuration { positions: &moved, ..at };
+                let energy = force.energy(&there).unwrap_or(f64::NAN);
+                moved[axis][node] = place;
+                energy
+            };
+            let gradient = (energy_at(place + step) - energy_at(place - step)) / (2.0 * step);
+            let error = (forces[axis][node] + gradient).abs();
+            assert!(
+                error <= tolerance,
+                "{}: force {} on node {node} along axis {axis} is not minus the energy's gradient \
+                 {gradient}",
+                force.name(),
+                forces[axis][node],
+            );
+        }
+    }
+}
+
+fn dissipates_what_it_says(force: &dyn Force, at: &Configuration<'_>) {
+    let still = zeros(at.positions[0].len());
+    let moving = evaluate(force, at);
+    let resting = evaluate(force, &Configuration { velocities: &still, ..*at });
+    let taken = dot(&resting, at.velocities) - dot(&moving, at.velocities);
+    let said = force.dissipation(at);
+    let scale = largest(&moving) * at.velocities.iter().flatten().map(|v| v.abs()).sum::<f64>();
+    assert!(said >= 0.0, "{} gives energy: dissipation {said} fJ/ms", force.name());
+    assert!(
+        (taken - said).abs() <= 1e-11 * scale,
+        "{} takes {taken} fJ/ms but says {said}",
+        force.name()
+    );
+}
+
+fn has_no_resultant(force: &dyn Force, at: &Configuration<'_>) {
+    let forces = evaluate(force, at);
+    let count = at.positions[0].len() as f64;
+    let reach = at.positions.iter().flatten().fold(1.0_f64, |size, x| size.max(x.abs()));
+    let tolerance = 1e-12 * largest(&forces) * count;
+    for axis in &forces {
+        let resultant: f64 = axis.iter().sum();
+        assert!(resultant.abs() <= tolerance, "{} has a resultant of {resultant} nN", force.name());
+    }
+    let torque: f64 = (0..at.positions[0].len())
+        .map(|i| at.positions[0][i] * forces[1][i] - at.positions[1][i] * forces[0][i])
+        .sum();
+    assert!(torque.abs() <= tolerance * reach, "{} has a torque of {torque} nN um", force.name());
+}
+
+fn turns_with_the_body(force: &dyn Force, at: &Configuration<'_>) {
+    let (sine, cosine) = 0.7_f64.sin_cos();
+    let turn = |v: &Vectors, shift: [f64; 2]| -> Vectors {
+        let rotate =
+            |i: usize| [cosine * v[0][i] - sine * v[1][i], sine * v[0][i] + cosine * v[1][i]];
+        [0, 1].map(|axis| (0..v[0].len()).map(|i| rotate(i)[axis] + shift[axis]).collect())
+    };
+    let (positions, velocities) = (turn(at.positions, [3.0, -8.0]), turn(at.velocities, [0.0; 2]));
+    let there = Configuration { positions: &positions, velocities: &velocities, ..*at };
+    let before = evaluate(force, at);
+    let (expected, turned) = (turn(&before, [0.0; 2]), evaluate(force, &there));
+    let stiffest = largest(&before);
+    for (a, b) in expected.iter().flatten().zip(turned.iter().flatten()) {
+        assert!((a - b).abs() <= 1e-9 * stiffest, "{} does not turn with the body", force.name());
+    }
+    if let (Some(a), Some(b)) = (force.energy(at), force.energy(&there)) {
+        let error = (a - b).abs();
+        assert!(error <= 1e-10 * a.abs(), "{}: energy {a} fJ becomes {b} fJ", force.name());
+    }
+}

@@ -1,0 +1,92 @@
+//! The table "Who may use whom" of ARCHITECTURE.md holds for every module of the library.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+fn library() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// Module and the modules that it may use, as ARCHITECTURE.md has them.
+fn table() -> BTreeMap<String, BTreeSet<String>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ARCHITECTURE.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    let section = text.split("## Who may use whom").nth(1).unwrap();
+    let section = section.split("\n## ").next().unwrap();
+    section
+        .lines()
+        .filter(|line| line.starts_with('|'))
+        .skip(2)
+        .map(|line| {
+            let mut columns = line.trim_matches('|').split('|').map(str::trim);
+            let module = columns.next().unwrap().to_owned();
+            let used = columns.next().unwrap_or("").split(',').map(|name| name.trim().to_owned());
+            (module, used.filter(|name| !name.is_empty()).collect())
+        })
+        .collect()
+}
+
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(sources(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files
+}
+
+/// First path segments behind `crate::` in code outside comments and test modules.
+fn used_modules(text: &str) -> BTreeSet<String> {
+    let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    code.lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .flat_map(|line| line.split("crate::").skip(1))
+        .flat_map(|rest| {
+            let group = rest.strip_prefix('{').and_then(|inner| inner.split('}').next());
+            group.unwrap_or(rest).split(',').take(if group.is_some() { usize::MAX } else { 1 })
+        })
+        .map(|path| {
+            path.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>()
+        })
+        .filter(|name| !name.is_empty())
+        .collect()
+}
+
+#[test]
+fn modules_use_only_what_the_architecture_allows() {
+    let table = table();
+    let mut seen = BTreeSet::new();
+    for file in sources(&library()) {
+        let relative = file.strip_prefix(library()).unwrap();
+        let module = relative.components().next().unwrap().as_os_str().to_string_lossy();
+        let module = module.trim_end_matches(".rs").to_owned();
+        if module == "lib" {
+            continue;
+        }
+        let allowed = table
+            .get(&module)
+            .unwrap_or_else(|| panic!("module `{module}` is missing in ARCHITECTURE.md's table"));
+        for used in used_modules(&std::fs::read_to_string(&file).unwrap()) {
+            assert!(
+                used == module || allowed.contains(&used),
+                "{} uses `{used}`, which ARCHITECTURE.md does not allow `{module}`",
+                relative.display()
+            );
+        }
+        seen.insert(module);
+    }
+    let gone: Vec<_> = table.keys().filter(|module| !seen.contains(*module)).collect();
+    assert!(gone.is_empty(), "ARCHITECTURE.md's table names modules that are not there: {gone:?}");
+}
+
+#[test]
+fn the_reader_of_paths_finds_them() {
+    let code = "use crate::{mesh::Mesh, units};\nuse crate::cell::{self, X};\n// crate::no\nlet x = crate::output::y();";
+    let expected: BTreeSet<String> =
+        ["mesh", "units", "cell", "output"].map(str::to_owned).into_iter().collect();
+    assert_eq!(used_modules(code), expected);
+}
