@@ -83,7 +83,7 @@ pub struct CellTable {
     pub model: Option<String>,
     /// Peak of the active tension, to which the model's own peak is scaled.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::PEAK_TENSION)]
+    #[schemars(transform = bounds::PEAK_TENSION.in_schema())]
     pub peak_tension: Option<Setting>,
     /// Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); their
     /// peak tension comes out 4 % low and its onset 20 ms late. Not together with method or step.
@@ -94,7 +94,7 @@ pub struct CellTable {
     pub method: Option<Method>,
     /// Largest time step of the cell model.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::CELL_STEP)]
+    #[schemars(transform = bounds::CELL_STEP.in_schema())]
     pub step: Option<Setting>,
     /// Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
     /// plain number in the parameter's own unit; `myospring models NAME` lists them.
@@ -124,15 +124,15 @@ pub struct StimulusTable {
     /// Size: a pure number for a jump of u, a rate ("0.5 1/ms") for a pulse; by default the cell
     /// model's own.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::JUMP)]
+    #[schemars(transform = bounds::JUMP.in_schema())]
     pub amplitude: Option<Setting>,
     /// How long a pulse lasts; not for a jump.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::PULSE_DURATION)]
+    #[schemars(transform = bounds::PULSE_DURATION.in_schema())]
     pub duration: Option<Setting>,
     /// Time of the first stimulus.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::START)]
+    #[schemars(transform = bounds::START.in_schema())]
     pub start: Option<Setting>,
     /// Number of stimuli; 0 leaves the cell at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -140,7 +140,7 @@ pub struct StimulusTable {
     pub beats: Option<i64>,
     /// Time from one stimulus to the next.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::CYCLE_LENGTH)]
+    #[schemars(transform = bounds::CYCLE_LENGTH.in_schema())]
     pub cycle_length: Option<Setting>,
 }
 
@@ -158,7 +158,7 @@ pub struct ShapeTable {
     pub picture: Option<String>,
     /// Side of one pixel of the picture; needed with a picture, never guessed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::PIXEL_SIZE)]
+    #[schemars(transform = bounds::PIXEL_SIZE.in_schema())]
     pub pixel_size: Option<Setting>,
     /// In a label picture, the grey value of the cell; without it every non-zero pixel counts.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -170,11 +170,11 @@ pub struct ShapeTable {
     pub outline: Option<String>,
     /// Turns an outline or built-in cell counter-clockwise before it is meshed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::ROTATE)]
+    #[schemars(transform = bounds::ROTATE.in_schema())]
     pub rotate: Option<Setting>,
     /// Distance of neighbouring masses; by default such that the cell has about 2000 of them.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::SPACING)]
+    #[schemars(transform = bounds::SPACING.in_schema())]
     pub spacing: Option<Setting>,
 }
 
@@ -185,36 +185,36 @@ pub struct ShapeTable {
 pub struct MaterialTable {
     /// Young's modulus of the sheet that the springs make.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::YOUNG_MODULUS)]
+    #[schemars(transform = bounds::YOUNG_MODULUS.in_schema())]
     pub young_modulus: Option<Setting>,
     /// Stiffness of a horizontal or vertical spring, instead of `young_modulus`; a diagonal one has
     /// half of it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::SPRING_STIFFNESS)]
+    #[schemars(transform = bounds::SPRING_STIFFNESS.in_schema())]
     pub spring_stiffness: Option<Setting>,
     /// Thickness of the cell.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::THICKNESS)]
+    #[schemars(transform = bounds::THICKNESS.in_schema())]
     pub thickness: Option<Setting>,
     /// What keeps the projected area.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub area_law: Option<AreaLaw>,
     /// Stiffness of the area law per thickness.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::AREA_MODULUS)]
+    #[schemars(transform = bounds::AREA_MODULUS.in_schema())]
     pub area_modulus: Option<Setting>,
     /// Dashpots along the springs, as a part of critical damping.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::DAMPING_RATIO)]
+    #[schemars(transform = bounds::DAMPING_RATIO.in_schema())]
     pub damping_ratio: Option<Setting>,
     /// Period of the slowest vibration along the cell; sets the numerical density. Above 2 ms the
     /// contraction is no longer quasi-static.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::SLOWEST_PERIOD)]
+    #[schemars(transform = bounds::SLOWEST_PERIOD.in_schema())]
     pub slowest_period: Option<Setting>,
     /// Damping of that vibration by drag, as a part of critical damping.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::DRAG_RATIO)]
+    #[schemars(transform = bounds::DRAG_RATIO.in_schema())]
     pub drag_ratio: Option<Setting>,
 }
 
@@ -228,7 +228,7 @@ pub struct MechanicsTable {
     pub active: Option<ActiveLaw>,
     /// Direction of the fibres: "long axis" of the cell, or an angle counter-clockwise from x.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::FIBRE)]
+    #[schemars(transform = bounds::FIBRE.in_schema())]
     pub fibre: Option<Setting>,
     /// What holds the cell.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -245,19 +245,19 @@ pub struct NumericsTable {
     pub integrator: Option<Integrator>,
     /// Mechanical time step; by default 0.9 of the stability limit. A step above the limit is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::TIME_STEP)]
+    #[schemars(transform = bounds::TIME_STEP.in_schema())]
     pub time_step: Option<Setting>,
     /// Interval at which cell model and mesh exchange tension and stretch.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::EXCHANGE_INTERVAL)]
+    #[schemars(transform = bounds::EXCHANGE_INTERVAL.in_schema())]
     pub exchange_interval: Option<Setting>,
     /// Interval of the rows in traces.csv, a multiple of the exchange interval.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::OUTPUT_INTERVAL)]
+    #[schemars(transform = bounds::OUTPUT_INTERVAL.in_schema())]
     pub output_interval: Option<Setting>,
     /// Interval of the recorded shapes, a multiple of the output interval.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::FRAME_INTERVAL)]
+    #[schemars(transform = bounds::FRAME_INTERVAL.in_schema())]
     pub frame_interval: Option<Setting>,
 }
 
@@ -268,7 +268,7 @@ pub struct NumericsTable {
 pub struct RunTable {
     /// Time simulated, a multiple of the exchange interval; by default 550 ms after the last stimulus.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = bounds::DURATION)]
+    #[schemars(transform = bounds::DURATION.in_schema())]
     pub duration: Option<Setting>,
 }
 

@@ -97,6 +97,11 @@ impl Bounds {
         low && value <= self.maximum
     }
 
+    /// The bounds as a note for the JSON Schema.
+    pub(super) const fn in_schema(self) -> Self {
+        self
+    }
+
     /// Reads a value and checks it.
     pub(super) fn read(&self, setting: &Setting) -> Result<f64, (String, Problem)> {
         let fail = |problem| (self.key.to_owned(), problem);
@@ -138,7 +143,9 @@ impl Transform for Bounds {
         schema.insert("type".to_owned(), types.into());
         schema.insert("x-unit".to_owned(), self.dimension.unit().into());
         schema.insert("x-bounds".to_owned(), self.words().into());
-        let example = serde_json::from_str(self.example).unwrap_or_else(|_| self.example.into());
+        // A pure number is written without quotes.
+        let example: serde_json::Value =
+            serde_json::from_str(self.example).unwrap_or_else(|_| self.example.into());
         schema.insert("examples".to_owned(), vec![example].into());
     }
 }

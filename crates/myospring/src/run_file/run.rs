@@ -6,7 +6,7 @@ use super::{
     CellTable, MaterialTable, MechanicsTable, NumericsTable, RunFile, RunTable, ShapeTable,
     StimulusKind, StimulusTable,
 };
-use crate::cell::CellModel;
+use crate::cell::{self, CellModel};
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::{Material, Stiffness};
@@ -31,8 +31,6 @@ pub struct Run {
     pub title: String,
     /// The cell model with its parameters.
     pub cell: Box<dyn CellModel>,
-    /// Parameters that differ from the published ones, each in its own unit.
-    pub parameters: BTreeMap<String, f64>,
     /// Peak of the active tension, kPa.
     pub peak_tension: f64,
     /// Stimuli.
@@ -119,11 +117,7 @@ impl Run {
                 authors_step: None,
                 method: Some(self.numerics.cell.method),
                 step: Some(bounds::CELL_STEP.write(self.numerics.cell.step_ms)),
-                parameters: self
-                    .parameters
-                    .iter()
-                    .map(|(name, value)| (name.clone(), Setting::Number(*value)))
-                    .collect(),
+                parameters: self.changed_parameters(),
             },
             stimulus: self.stimulus_table(),
             shape: self.shape_table(),
@@ -139,6 +133,15 @@ impl Run {
             numerics: self.numerics_table(),
             run: RunTable { duration: Some(bounds::DURATION.write(self.duration)) },
         }
+    }
+
+    /// Parameters that differ from the published ones, each in its own unit.
+    fn changed_parameters(&self) -> BTreeMap<String, Setting> {
+        let Ok(published) = cell::model(self.cell.name()) else { return BTreeMap::new() };
+        let rows = self.cell.parameters().rows().iter();
+        rows.filter(|row| published.parameters().get(row.name) != Some(row.value))
+            .map(|row| (row.name.to_owned(), Setting::Number(row.value)))
+            .collect()
     }
 
     fn stimulus_table(&self) -> StimulusTable {
