@@ -12,7 +12,7 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::{Material, Stiffness};
 use crate::mechanics::support::SupportKind;
 use crate::mesh::Mesh;
-use crate::mesh::quality::long_axis;
+use crate::mesh::quality::{MeshReport, long_axis};
 use crate::simulation::{Numerics, Simulation};
 use std::collections::BTreeMap;
 
@@ -85,9 +85,19 @@ impl Run {
         self.protocol.stimulus_times().take_while(|time| *time < self.duration).collect()
     }
 
-    /// Things that are allowed but probably not meant.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
+    /// What a person should look at, the mesh's own warnings first.
+    pub fn warnings(&self, mesh: &MeshReport) -> Vec<String> {
+        let mut warnings = mesh.warnings.clone();
+        let size = &mesh.dimensions;
+        let critical = self.material.buckling_tension(size.length_um, size.mean_width_um);
+        let free = self.support == SupportKind::MassCentre;
+        if self.active == ActiveLaw::Ends && free && self.peak_tension > critical {
+            warnings.push(format!(
+                "active = \"ends\" presses with {} kPa on a strip that buckles above about \
+                 {critical:.1} kPa (Euler); active = \"fibre\" does not",
+                self.peak_tension
+            ));
+        }
         let Protocol { start_ms, beats, .. } = self.protocol;
         if beats > 0 && start_ms >= self.duration {
             warnings.push(format!(
