@@ -145,6 +145,14 @@ impl Run {
         }
     }
 
+    /// The run file that repeats this run, with the spacing (um) and time step (ms) that it took.
+    pub fn settled(&self, spacing: f64, time_step: f64) -> RunFile {
+        let mut file = self.to_run_file();
+        file.shape.spacing = Some(bounds::SPACING.write(spacing));
+        file.numerics.time_step = Some(bounds::TIME_STEP.write(time_step));
+        file
+    }
+
     /// Parameters that differ from the published ones, each in its own unit.
     fn changed_parameters(&self) -> BTreeMap<String, Setting> {
         let Ok(published) = cell::model(self.cell.name()) else { return BTreeMap::new() };

@@ -6,6 +6,7 @@ use crate::mesh::lattice::{self, LatticeError};
 use crate::mesh::outline::{Outline, OutlineError};
 use crate::mesh::quality::MeshReport;
 use std::io;
+use std::path::Path;
 
 /// Where the shape comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,6 +94,23 @@ impl Shape {
         match &self.source {
             Source::BuiltIn(_) => None,
             Source::Picture { path, .. } | Source::Outline(path) => Some(path),
+        }
+    }
+
+    /// A name for people and folders: the built-in cell's or the file's without its ending.
+    pub fn name(&self) -> &str {
+        match &self.source {
+            Source::BuiltIn(cell) => cell.name,
+            Source::Picture { path, .. } | Source::Outline(path) => {
+                Path::new(path).file_stem().and_then(|stem| stem.to_str()).unwrap_or("cell")
+            }
+        }
+    }
+
+    /// Takes a relative file name as relative to the folder `base`.
+    pub fn resolve_path(&mut self, base: &Path) {
+        if let Source::Picture { path, .. } | Source::Outline(path) = &mut self.source {
+            *path = base.join(&*path).to_string_lossy().into_owned();
         }
     }
 
