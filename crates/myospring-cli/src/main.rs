@@ -1,2 +1,44 @@
-//! The program `myospring`.
-fn main() {}
+//! The program `myospring`: arguments, progress, file names. What is computed is in the library.
+
+mod args;
+mod cite;
+mod failure;
+mod input;
+mod lists;
+mod mesh;
+mod paper;
+mod print;
+mod results;
+mod run;
+mod table;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, Parser};
+use failure::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match dispatch(&cli) {
+        Ok(code) => code,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
+    if cli.cite {
+        return cite::print(cli);
+    }
+    match &cli.command {
+        None => {
+            print::note(&Cli::command().render_long_help().ansi().to_string());
+            Ok(ExitCode::from(2))
+        }
+        Some(Command::Run(args)) => run::run(args),
+        Some(Command::Paper(args)) => paper::paper(args),
+        Some(Command::Mesh(args)) => mesh::mesh(args),
+        Some(Command::Models(args)) => lists::models(args),
+        Some(Command::Init(args)) => lists::init(args),
+        Some(Command::Schema) => lists::schema(),
+    }
+}

@@ -8,9 +8,13 @@
 //! | [`csv`] | `traces.csv`, one row per sample, units in the column names |
 //! | [`json`] | any serialisable value for machines |
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
+//! | [`report`] | the numbers of a run with units, definitions and reference bands |
+//! | [`comparison`] | the paper's numbers beside ours |
 //! | [`files`] | whole files or none |
 
+pub mod comparison;
 pub mod csv;
 pub mod figure;
 pub mod files;
 pub mod json;
+pub mod report;

@@ -112,6 +112,11 @@ impl Dimension {
         Self::Number,
     ];
 
+    /// The dimension whose internal unit this is; `""` is a pure number.
+    pub fn of_unit(unit: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|dimension| dimension.unit() == unit)
+    }
+
     fn accepted(self) -> String {
         let names: Vec<&str> =
             self.table().iter().map(|row| row.0).filter(|unit| unit.is_ascii()).collect();

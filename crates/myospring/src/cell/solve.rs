@@ -12,10 +12,14 @@ use super::CellModel;
 use super::integrator::CellIntegrator;
 use super::pacing::{Protocol, ProtocolError};
 use super::trace::CellTrace;
+use serde::{Deserialize, Serialize};
 
 /// A method with fixed steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
+    #[serde(rename = "runge-kutta-4")]
     /// Classical Runge-Kutta, order 4 where the equations are smooth.
     RungeKutta4,
     /// Forward Euler, order 1.
@@ -26,7 +30,7 @@ pub enum Method {
 }
 
 /// Numerical settings of a cell; the measured error of the default is in the head of this module.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Settings {
     /// Default: Runge-Kutta 4.
     pub method: Method,

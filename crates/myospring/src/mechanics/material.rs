@@ -23,6 +23,7 @@ use super::support::{Support, SupportKind};
 use super::{Body, System};
 use crate::mesh::{Mesh, SpringKind};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// How stiff the lattice is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -77,6 +78,12 @@ impl Material {
             Stiffness::YoungModulus(modulus) => modulus,
             Stiffness::Spring(stiffness) => stiffness / (0.75 * self.thickness),
         }
+    }
+
+    /// Tension of end loads above which a strip of this length and width (um) buckles in its plane
+    /// (Euler, free ends), kPa: `E (pi^2/12) (width/length)^2`.
+    pub fn buckling_tension(&self, length: f64, width: f64) -> f64 {
+        self.young_modulus() * PI * PI / 12.0 * (width / length).powi(2)
     }
 
     /// Numerical density for a cell of this length (um), ug/um^3.

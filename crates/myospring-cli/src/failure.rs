@@ -1,0 +1,99 @@
+//! What goes wrong, as people see it, and the exit code that it gives.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
+use myospring::output::csv::CsvError;
+use myospring::output::figure::FigureError;
+use myospring::output::files::FileError;
+use myospring::output::json::JsonError;
+use myospring::run_file::{Origin, RunFileError, ShapeError};
+use myospring::simulation::SetupError;
+use std::fmt;
+use std::process::ExitCode;
+
+/// Bad input or usage.
+const BAD_INPUT: u8 = 2;
+
+/// A message with advice and, where there is one, the place in a file; exit code 2.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    message: String,
+    advice: Option<String>,
+    source: Option<(NamedSource<String>, std::ops::Range<usize>)>,
+}
+
+impl Failure {
+    /// A message without advice.
+    pub(crate) fn new(message: impl fmt::Display) -> Self {
+        Self { message: message.to_string(), advice: None, source: None }
+    }
+
+    /// Adds how to mend it.
+    pub(crate) fn advise(mut self, advice: impl Into<String>) -> Self {
+        self.advice = Some(advice.into());
+        self
+    }
+
+    /// A problem of a run file; `text` is the file's, if it was read from one.
+    pub(crate) fn of_run_file(error: &RunFileError, text: Option<&str>) -> Self {
+        let source = match (&error.origin, text) {
+            (Origin::Text { file, span, .. }, Some(text)) => {
+                Some((NamedSource::new(file, text.to_owned()), span.clone()))
+            }
+            _ => None,
+        };
+        Self { message: error.to_string(), advice: error.problem.advice(), source }
+    }
+
+    /// Prints it and gives the exit code.
+    pub(crate) fn report(self) -> ExitCode {
+        crate::print::note(&format!("{:?}", Report::new(self)));
+        ExitCode::from(BAD_INPUT)
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+impl Diagnostic for Failure {
+    fn help(&self) -> Option<Box<dyn fmt::Display + '_>> {
+        self.advice.as_ref().map(|advice| Box::new(advice) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|(source, _)| source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let (_, span) = self.source.as_ref()?;
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
+            Some("here".to_owned()),
+            span.clone(),
+        ))))
+    }
+}
+
+impl From<ShapeError> for Failure {
+    fn from(error: ShapeError) -> Self {
+        match &error {
+            ShapeError::Read { .. } => Self::new(&error).advise("check the path and its spelling"),
+            _ => Self::new(&error),
+        }
+    }
+}
+
+macro_rules! plain {
+    ($($error:ty),*) => {$(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::new(error)
+            }
+        }
+    )*};
+}
+
+plain!(FileError, SetupError, CsvError, JsonError, FigureError, myospring::cell::ModelError);

@@ -1,0 +1,99 @@
+//! `myospring models`, `init` and `schema`.
+
+use crate::args::{InitArgs, ModelsArgs};
+use crate::failure::Failure;
+use crate::print;
+use crate::table::aligned;
+use myospring::cell::{self, CellModel};
+use myospring::output::{files, json};
+use myospring::parameter::ParameterSet;
+use myospring::run_file;
+use serde::Serialize;
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct Model<'a> {
+    name: &'a str,
+    description: &'a str,
+    citations: &'a [&'a str],
+    state: &'a [&'a str],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<&'a ParameterSet>,
+}
+
+impl<'a> Model<'a> {
+    fn of(model: &'a dyn CellModel, parameters: bool) -> Self {
+        Self {
+            name: model.name(),
+            description: model.description(),
+            citations: model.citations(),
+            state: model.state_names(),
+            parameters: parameters.then(|| model.parameters()),
+        }
+    }
+}
+
+pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode, Failure> {
+    if let Some(name) = &args.name {
+        let model = cell::model(name).map_err(Failure::new)?;
+        let text = if args.json {
+            json::pretty(&Model::of(&*model, true))?
+        } else {
+            parameters(&*model)
+        };
+        print::out(&text);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let models = cell::models();
+    if args.json {
+        let list: Vec<Model<'_>> = models.iter().map(|model| Model::of(&**model, false)).collect();
+        print::out(&json::pretty(&list)?);
+    } else {
+        let rows: Vec<Vec<String>> = models
+            .iter()
+            .map(|model| vec![model.name().to_owned(), model.description().to_owned()])
+            .collect();
+        print::out(&aligned(&rows, &[]));
+        print::out("\n`myospring models NAME` shows the parameters of one");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn parameters(model: &dyn CellModel) -> String {
+    let header = ["parameter", "value", "unit", "range", "meaning", "source"];
+    let mut rows = vec![header.map(str::to_owned).to_vec()];
+    for row in model.parameters().rows() {
+        rows.push(vec![
+            row.name.to_owned(),
+            row.value.to_string(),
+            row.unit.to_owned(),
+            format!("{} to {}", row.minimum, row.maximum),
+            row.meaning.to_owned(),
+            row.source.to_owned(),
+        ]);
+    }
+    let (name, about) = (model.name(), model.description());
+    let state = model.state_names().join(", ");
+    let papers = model.citations().join(", ");
+    format!("{name}: {about}\nstate: {state}\npapers: {papers}\n\n{}", aligned(&rows, &[1]))
+}
+
+pub(crate) fn init(args: &InitArgs) -> Result<ExitCode, Failure> {
+    let text = run_file::template().map_err(|error| Failure::of_run_file(&error, None))?;
+    let Some(path) = &args.file else {
+        print::out(&text);
+        return Ok(ExitCode::SUCCESS);
+    };
+    if path.exists() && !args.force {
+        let message = format!("`{}` exists already", path.display());
+        return Err(Failure::new(message).advise("give another name, or replace it with --force"));
+    }
+    files::write(path, text)?;
+    print::note(&format!("wrote {0}; try: myospring run {0} --dry-run", path.display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+pub(crate) fn schema() -> Result<ExitCode, Failure> {
+    print::out(&json::pretty(&run_file::schema())?);
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,39 @@
+//! `myospring mesh`.
+
+use crate::args::MeshArgs;
+use crate::failure::Failure;
+use crate::input::{self, Input};
+use crate::print;
+use crate::results::Folder;
+use myospring::output::{figure, json};
+use std::path::Path;
+use std::process::ExitCode;
+
+pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
+    let Input { name, run, bytes, mesh, report } =
+        input::read(args.input.as_deref(), args.overrides())?;
+    let target = args
+        .output
+        .output
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(format!("{name}_mesh")));
+    let folder = Folder::claim(&target, args.output.force)?;
+    folder.write("mesh.json", json::pretty(&report)?)?;
+    if let Some(outline) = run.shape.outline(&bytes)? {
+        folder.write("outline.geojson", outline.to_geojson())?;
+    }
+    folder.figure("mesh", figure::mesh(&mesh))?;
+    let target = folder.finish()?;
+    if args.output.json {
+        print::out(&json::pretty(&report)?);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let text = report.to_string();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("warning")).collect();
+    print::out(&lines.join("\n"));
+    print::out(&format!("\nresults in {}", target.display()));
+    if !args.output.quiet {
+        report.warnings.iter().for_each(|warning| print::warn(warning));
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,130 @@
+//! `myospring paper`.
+
+use crate::args::PaperArgs;
+use crate::failure::Failure;
+use crate::print;
+use crate::results::Folder;
+use crate::table::{aligned, wrapped};
+use myospring::mesh::Mesh;
+use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
+use myospring::output::figure::{self, ContractionOptions};
+use myospring::output::{csv, json};
+use myospring::run_file::RunFile;
+use myospring::simulation::Outcome;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+#[derive(Serialize)]
+struct Record<'a> {
+    version: &'static str,
+    findings: &'a [Finding],
+    stopped_early: Vec<String>,
+    total_s: f64,
+}
+
+pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
+    let start = Instant::now();
+    let run = RunFile::default()
+        .resolve()
+        .map_err(|error| Failure::of_run_file(&error, None))?;
+    let bytes = run.shape.bytes(|file| std::fs::read(file))?;
+    let (mesh, _) = run.shape.mesh(&bytes)?;
+    let target =
+        args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
+    let folder = Folder::claim(&target, args.output.force)?;
+
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.unwrap_or(0))
+        .build()
+        .map_err(|error| Failure::new(format!("no threads: {error}")))?;
+    let one = |peak_tension: f64| -> Result<Outcome, Failure> {
+        let mut simulation = run.simulation(mesh.clone())?;
+        simulation.peak_tension = peak_tension;
+        Ok(simulation.prepare()?.run(|_| true))
+    };
+    // Kept in the order of the tensions, whichever run ends first.
+    let outcomes: Result<Vec<Outcome>, Failure> =
+        pool.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
+    let outcomes = outcomes?;
+
+    let runs: Vec<PaperRun<'_>> = TENSIONS
+        .iter()
+        .zip(&outcomes)
+        .map(|(&peak_tension, outcome)| PaperRun { peak_tension, recording: &outcome.recording })
+        .collect();
+    let equations = run.cell.state_names().len();
+    let findings = with_paper(&runs, run.protocol.start_ms, equations, &mesh.areas);
+    let stopped_early: Vec<String> =
+        outcomes.iter().filter_map(|outcome| Some(outcome.stop.as_ref()?.to_string())).collect();
+    figures(&folder, &mesh, &runs, &run.stimulus_times())?;
+    let total_s = start.elapsed().as_secs_f64();
+    let record = Record {
+        version: env!("CARGO_PKG_VERSION"),
+        findings: &findings,
+        stopped_early,
+        total_s,
+    };
+    let record_text = json::pretty(&record)?;
+    folder.write("paper.json", &record_text)?;
+    let target = folder.finish()?;
+
+    if args.output.json {
+        print::out(&record_text);
+    } else {
+        print::out(&for_people(&findings));
+        print::out(&format!("\nresults in {} ({total_s:.1} s)", target.display()));
+    }
+    for stop in &record.stopped_early {
+        print::note(&format!("error: a run stopped early: {stop}"));
+    }
+    let missed = findings.iter().filter(|finding| finding.verdict == Verdict::NotMet).count();
+    if missed > 0 {
+        print::note(&format!("error: {missed} of the paper's statements are not met"));
+    }
+    let good = missed == 0 && record.stopped_early.is_empty();
+    Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn figures(
+    folder: &Folder,
+    mesh: &Mesh,
+    runs: &[PaperRun<'_>],
+    stimuli: &[f64],
+) -> Result<(), Failure> {
+    let labels: Vec<String> =
+        runs.iter().map(|run| format!("{} kPa", run.peak_tension)).collect();
+    for (run, label) in runs.iter().zip(&labels) {
+        let name = format!("traces_{}.csv", label.replace(' ', "_"));
+        folder.write(&name, csv::traces(run.recording)?)?;
+    }
+    if let Some(strongest) = runs.last() {
+        let recording = strongest.recording;
+        let axis = myospring::mesh::quality::long_axis(mesh);
+        let potential = figure::action_potential_and_tension(recording, stimuli);
+        folder.figure("fig3_action_potential_and_tension", potential)?;
+        let shapes = figure::key_shapes(recording, stimuli);
+        folder.figure("fig5_cell", figure::cell_shapes(mesh, &shapes, axis))?;
+    }
+    let curves: Vec<_> =
+        labels.iter().zip(runs).map(|(label, run)| (label.as_str(), run.recording)).collect();
+    let options = ContractionOptions::default();
+    folder.figure("fig6_contraction", figure::contraction(&curves, &options))
+}
+
+/// The table: quantity, paper, ours, verdict.
+fn for_people(findings: &[Finding]) -> String {
+    let heading = ["quantity", "paper", "ours", "verdict"].map(str::to_owned).to_vec();
+    let mut rows = vec![heading];
+    for Finding { quantity, paper, ours, verdict, .. } in findings {
+        let ours = wrapped(ours, 34);
+        let mut lines = ours.into_iter();
+        let first = lines.next().unwrap_or_default();
+        let verdict = verdict.words().to_owned();
+        rows.push(vec![(*quantity).to_owned(), (*paper).to_owned(), first, verdict]);
+        rows.extend(lines.map(|line| vec![String::new(), String::new(), line, String::new()]));
+    }
+    aligned(&rows, &[])
+}

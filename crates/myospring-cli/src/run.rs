@@ -1,0 +1,367 @@
+//! `myospring run`.
+
+use crate::args::RunArgs;
+use crate::failure::Failure;
+use crate::input::{self, Input};
+use crate::print;
+use crate::results::Folder;
+use crate::table::{aligned, number};
+use indicatif::{ProgressBar, ProgressStyle};
+use myospring::analysis::Metric;
+use myospring::cell::solve::solve;
+use myospring::mesh::Mesh;
+use myospring::output::figure::{self, ContractionOptions};
+use myospring::output::report::{Band, Summary, band};
+use myospring::output::{csv, json};
+use myospring::run_file::Run;
+use myospring::simulation::{Outcome, Prepared, Progress, Simulation, StopReason};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Where a second went, s.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct Timings {
+    /// Reading the shape and meshing it.
+    pub(crate) mesh_s: f64,
+    /// Scaling the tension and finding the stable time step.
+    pub(crate) preparation_s: f64,
+    /// The cell model, measured on a run of its own.
+    pub(crate) cell_s: f64,
+    /// The beat without the cell model.
+    pub(crate) mechanics_s: f64,
+    /// Drawing and writing.
+    pub(crate) figures_s: f64,
+    /// From start to end.
+    pub(crate) total_s: f64,
+}
+
+#[derive(Serialize)]
+struct Record<'a> {
+    program: &'static str,
+    version: &'static str,
+    input: Option<&'a str>,
+    shape_sha256: String,
+    run_file_sha256: String,
+    stop: Option<Stop<'a>>,
+    time_step_ms: f64,
+    stability_limit_ms: f64,
+    steps: u64,
+    machine_threads: usize,
+    timings: Timings,
+}
+
+#[derive(Serialize)]
+struct Stop<'a> {
+    #[serde(flatten)]
+    reason: &'a StopReason,
+    message: String,
+}
+
+impl<'a> Stop<'a> {
+    fn of(outcome: &'a Outcome) -> Option<Self> {
+        outcome.stop.as_ref().map(|reason| Self { reason, message: reason.to_string() })
+    }
+}
+
+pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+    let start = Instant::now();
+    let mut timings = Timings::default();
+    let Input { name, run, bytes, mesh, report } =
+        input::read(args.input.as_deref(), args.overrides())?;
+    timings.mesh_s = start.elapsed().as_secs_f64();
+
+    let stage = Instant::now();
+    let simulation = run.simulation(mesh)?;
+    let prepared = simulation.prepare()?;
+    timings.preparation_s = stage.elapsed().as_secs_f64();
+    let warnings = run.warnings(&report);
+    let quiet = args.output.quiet;
+    if !quiet {
+        warnings.iter().for_each(|warning| print::warn(warning));
+    }
+    let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join(&name));
+    if args.dry_run {
+        plan(args, &run, &simulation, &prepared, &report, &target)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let folder = Folder::claim(&target, args.output.force)?;
+
+    let stage = Instant::now();
+    let outcome = beat(&prepared, quiet);
+    let beat_s = stage.elapsed().as_secs_f64();
+    timings.cell_s = cell_alone(&run);
+    timings.mechanics_s = (beat_s - timings.cell_s).max(0.0);
+
+    let stage = Instant::now();
+    let stimuli = run.stimulus_times();
+    let summary = Summary::new(&outcome.recording, &stimuli, report.clone(), warnings);
+    write(&folder, &run, &simulation, &outcome, &summary, &stimuli)?;
+    timings.figures_s = stage.elapsed().as_secs_f64();
+    timings.total_s = start.elapsed().as_secs_f64();
+    let run_file = resolved(&run, &simulation, report.spacing_um, outcome.time_step)?;
+    let record = Record {
+        program: "myospring",
+        version: env!("CARGO_PKG_VERSION"),
+        input: run.shape.file(),
+        shape_sha256: hash(&bytes),
+        run_file_sha256: hash(run_file.as_bytes()),
+        stop: Stop::of(&outcome),
+        time_step_ms: outcome.time_step,
+        stability_limit_ms: outcome.limit.time_step,
+        steps: outcome.steps,
+        machine_threads: std::thread::available_parallelism().map_or(1, usize::from),
+        timings,
+    };
+    folder.write("run.toml", &run_file)?;
+    folder.write("run.json", json::pretty(&record)?)?;
+    let target = folder.finish()?;
+
+    if args.output.json {
+        #[derive(Serialize)]
+        struct Printed<'a> {
+            results: &'a Path,
+            stop: Option<Stop<'a>>,
+            timings: Timings,
+            #[serde(flatten)]
+            summary: &'a Summary,
+        }
+        let stop = Stop::of(&outcome);
+        let printed = Printed { results: &target, stop, timings, summary: &summary };
+        print::out(&json::pretty(&printed)?);
+    } else {
+        print::out(&for_people(&name, &run, &summary));
+        print::out(&format!("\nresults in {} ({:.2} s)", target.display(), timings.total_s));
+    }
+    if let Some(stop) = &outcome.stop {
+        print::note(&format!("error: the run stopped early: {stop}"));
+        print::note(&format!("what was computed up to there is in {}", target.display()));
+        return Ok(ExitCode::from(1));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Runs with a progress bar where there is a terminal to show it.
+pub(crate) fn beat(prepared: &Prepared<'_>, quiet: bool) -> Outcome {
+    let bar = progress_bar(quiet);
+    let outcome = prepared.run(|Progress { time, duration }| {
+        bar.set_length(duration as u64);
+        bar.set_position(time as u64);
+        true
+    });
+    bar.finish_and_clear();
+    outcome
+}
+
+fn progress_bar(quiet: bool) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(0);
+    let style = ProgressStyle::with_template("beating {wide_bar:.cyan} {pos}/{len} ms, {eta} left");
+    if let Ok(style) = style {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Time that the cell model takes by itself, s.
+fn cell_alone(run: &Run) -> f64 {
+    let start = Instant::now();
+    // Only the time counts here; a failure has shown itself in the run.
+    let settings = run.numerics.cell;
+    let interval = run.numerics.exchange_interval;
+    solve(&*run.cell, run.protocol, settings, run.duration, interval).ok();
+    start.elapsed().as_secs_f64()
+}
+
+pub(crate) fn hash(bytes: &[u8]) -> String {
+    use std::fmt::Write;
+    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string does not fail.
+        write!(text, "{byte:02x}").ok();
+        text
+    })
+}
+
+/// The run file that repeats this run: spacing, time step and files spelled out.
+fn resolved(
+    run: &Run,
+    simulation: &Simulation,
+    spacing: f64,
+    time_step: f64,
+) -> Result<String, Failure> {
+    let mut file = run.settled(spacing, time_step);
+    for path in [&mut file.shape.picture, &mut file.shape.outline].into_iter().flatten() {
+        if let Ok(absolute) = std::path::absolute(&*path) {
+            *path = absolute.to_string_lossy().into_owned();
+        }
+    }
+    let text = file.to_toml().map_err(|error| Failure::of_run_file(&error, None))?;
+    let model = simulation.cell.name();
+    Ok(format!(
+        "# Written by myospring {}: every setting of this run ({model}).\n{text}",
+        env!("CARGO_PKG_VERSION")
+    ))
+}
+
+fn write(
+    folder: &Folder,
+    run: &Run,
+    simulation: &Simulation,
+    outcome: &Outcome,
+    summary: &Summary,
+    stimuli: &[f64],
+) -> Result<(), Failure> {
+    let Outcome { recording, .. } = outcome;
+    folder.write("traces.csv", csv::traces(recording)?)?;
+    folder.write("summary.json", json::pretty(summary)?)?;
+    let (mesh, fibre) = (&simulation.mesh, fibre(simulation));
+    let potential = figure::action_potential_and_tension(recording, stimuli);
+    folder.figure("action_potential_and_tension", potential)?;
+    let shapes = figure::key_shapes(recording, stimuli);
+    folder.figure("cell", figure::cell_shapes(mesh, &shapes, fibre))?;
+    let reference = band("peak_shortening").map(|Band { low, high, .. }| {
+        ([*low, *high], "adult ventricular myocytes, unloaded")
+    });
+    let options =
+        ContractionOptions { stimulus_times_ms: stimuli.to_vec(), reference_band: reference };
+    let label = format!("{} kPa", run.peak_tension);
+    folder.figure("contraction", figure::contraction(&[(&label, recording)], &options))?;
+    folder.figure("overview", figure::overview(mesh, recording, fibre, stimuli))?;
+    folder.figure("mesh", figure::mesh(mesh))
+}
+
+/// Direction along which figures show strain.
+fn fibre(simulation: &Simulation) -> [f64; 2] {
+    simulation.fibres.first().copied().unwrap_or(simulation.long_axis)
+}
+
+/// Rows of the table after a run: metric and what people call it.
+const ROWS: [(&str, &str); 14] = [
+    ("peak_tension", "peak tension"),
+    ("time_to_peak_tension", "time to peak tension, from stimulus"),
+    ("resting_length", "resting length"),
+    ("peak_shortening", "peak shortening"),
+    ("time_to_peak_from_stimulus", "time to peak shortening, from stimulus"),
+    ("lag_of_shortening", "lag of shortening behind tension"),
+    ("maximum_shortening_rate", "largest shortening rate"),
+    ("maximum_relengthening_rate", "largest relengthening rate"),
+    ("relaxation_time_50", "peak to 50 % relengthened"),
+    ("relaxation_time_90", "peak to 90 % relengthened"),
+    ("width_change_at_peak", "width change at peak"),
+    ("isovolumic_width_change", "  that would keep the volume"),
+    ("area_change_at_peak", "projected area change at peak"),
+    ("action_potential_duration_90", "APD90"),
+];
+
+/// The table after a run; of several beats, mean and standard deviation.
+fn for_people(name: &str, run: &Run, summary: &Summary) -> String {
+    let title = if run.title.is_empty() { name } else { &run.title };
+    let beats = summary.beats.len();
+    let mut text = format!(
+        "{title}: {beats} beat{} of {} at {} kPa\n\n",
+        if beats == 1 { "" } else { "s" },
+        run.cell.name(),
+        run.peak_tension
+    );
+    let spread = beats > 1;
+    let mut header = vec!["quantity".to_owned(), "value".to_owned()];
+    if spread {
+        header.push("+- sd".to_owned());
+    }
+    header.extend(["unit".to_owned(), "band*".to_owned()]);
+    let mut rows = vec![header];
+    let Some(first) = summary.beats.first() else {
+        text.push_str("no stimulus, so nothing to measure\n");
+        return text;
+    };
+    for (metric, words) in ROWS {
+        let Some(Metric { value, unit, .. }) = first.metrics().find(|m| m.name == metric) else {
+            continue;
+        };
+        let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric);
+        let value = over_beats.map(|spread| spread.mean).or(*value);
+        let mut row = vec![words.to_owned(), value.map_or_else(|| "-".to_owned(), number)];
+        if spread {
+            row.push(over_beats.map_or_else(String::new, |s| number(s.standard_deviation)));
+        }
+        let reference = band(metric).map(|Band { low, high, .. }| format!("{low} to {high}"));
+        row.extend([(*unit).to_owned(), reference.unwrap_or_default()]);
+        rows.push(row);
+    }
+    let right: &[usize] = if spread { &[1, 2] } else { &[1] };
+    text.push_str(&aligned(&rows, right));
+    text.push_str("* bands of unloaded adult ventricular myocytes: what is seen, not a target\n");
+    text
+}
+
+#[derive(Serialize)]
+struct Plan<'a> {
+    name: &'a str,
+    model: &'a str,
+    results: &'a Path,
+    time_step_ms: f64,
+    stability_limit_ms: f64,
+    steps: u64,
+    spring_updates: f64,
+    estimated_s: f64,
+    run_file: String,
+    mesh: &'a myospring::mesh::quality::MeshReport,
+}
+
+fn plan(
+    args: &RunArgs,
+    run: &Run,
+    simulation: &Simulation,
+    prepared: &Prepared<'_>,
+    report: &myospring::mesh::quality::MeshReport,
+    target: &PathBuf,
+) -> Result<(), Failure> {
+    let exchanges = (run.duration / run.numerics.exchange_interval).round();
+    let steps = exchanges * prepared.steps_per_exchange as f64;
+    // The first interval of output tells how long the rest will take.
+    let start = Instant::now();
+    prepared.run(|progress| progress.time <= 0.0);
+    let estimate =
+        start.elapsed().as_secs_f64() * run.duration / run.numerics.output_interval.max(1e-9);
+    let Mesh { springs, .. } = &simulation.mesh;
+    let plan = Plan {
+        name: run.shape.name(),
+        model: run.cell.name(),
+        results: target,
+        time_step_ms: prepared.time_step(),
+        stability_limit_ms: prepared.limit.time_step,
+        steps: steps as u64,
+        spring_updates: steps * springs.len() as f64,
+        estimated_s: estimate,
+        run_file: resolved(run, simulation, report.spacing_um, prepared.time_step())?,
+        mesh: report,
+    };
+    if args.output.json {
+        print::out(&json::pretty(&plan)?);
+        return Ok(());
+    }
+    let rows = [
+        ("cell model", plan.model.to_owned()),
+        ("beats", format!("{} in {} ms", run.protocol.beats, run.duration)),
+        ("peak tension", format!("{} kPa", run.peak_tension)),
+        ("time step", format!("{:.4} ms", plan.time_step_ms)),
+        ("stability limit", format!("{:.4} ms", plan.stability_limit_ms)),
+        ("steps", plan.steps.to_string()),
+        ("spring updates", format!("{:.2e}", plan.spring_updates)),
+        ("estimated time", format!("{:.1} s", plan.estimated_s)),
+        ("results would go to", target.display().to_string()),
+    ];
+    let rows: Vec<Vec<String>> =
+        rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
+    // Warnings have gone to stderr.
+    let mesh = report.to_string();
+    let mesh: Vec<&str> = mesh.lines().filter(|line| !line.starts_with("warning")).collect();
+    print::out(&format!("Mesh\n{}\n\nPlan\n{}", mesh.join("\n"), aligned(&rows, &[])));
+    print::out("nothing was written (--dry-run)");
+    Ok(())
+}

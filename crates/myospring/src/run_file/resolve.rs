@@ -1,0 +1,323 @@
+//! Every value checked, every default filled in.
+
+use super::bounds::{self, Setting};
+use super::check::nearest;
+use super::error::Problem;
+use super::shape::{Shape, Source};
+use super::{
+    CellTable, Fibre, MaterialTable, NumericsTable, Run, RunFile, ShapeTable, StimulusKind,
+    StimulusTable,
+};
+use crate::cell::pacing::{Protocol, Stimulus};
+use crate::cell::solve::Settings;
+use crate::cell::{self, CellModel, coelho_2021};
+use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::material::{Material, Stiffness, default_material};
+use crate::mechanics::support::SupportKind;
+use crate::mesh::built_in;
+use crate::parameter::ParameterError;
+use crate::simulation::Numerics;
+use crate::units::{self, Dimension};
+
+type Checked<T> = Result<T, (String, Problem)>;
+
+/// Peak tension unless stated, kPa: the largest of `coelho_2021`, Fig. 6.
+const PEAK_TENSION: f64 = 50.0;
+/// Cell model unless stated.
+const MODEL: &str = "coelho_2021";
+/// Cell unless stated.
+const BUILT_IN: &str = "adult_ventricular";
+/// Time after the last stimulus that a run lasts unless stated, ms: the paper's 600 ms.
+const AFTER_LAST_STIMULUS: f64 = 550.0;
+/// Most samples and shapes that a run may record.
+const MOST_SAMPLES: f64 = 5e6;
+const MOST_FRAMES: f64 = 1e5;
+
+fn fail<T>(key: &str, problem: Problem) -> Checked<T> {
+    Err((key.to_owned(), problem))
+}
+
+pub(super) fn resolve(file: &RunFile) -> Checked<Run> {
+    let (cell, settings) = cell_model(&file.cell)?;
+    let as_authors = file.cell.authors_step == Some(true) && cell.name() == MODEL;
+    let protocol = protocol(&file.stimulus, &*cell, as_authors)?;
+    let last = f64::from(protocol.beats.saturating_sub(1)) * protocol.cycle_length_ms;
+    let numerics = numerics(&file.numerics, settings)?;
+    let exchange = numerics.exchange_interval;
+    // The authors' stimulus falls one of their steps before 50 ms; the run still lasts 600 ms.
+    let enough = ((protocol.start_ms + last + AFTER_LAST_STIMULUS) / exchange).ceil() * exchange;
+    let duration = bounds::DURATION.read_or(file.run.duration.as_ref(), enough)?;
+    check_times(&numerics, duration)?;
+    let tension = file.cell.peak_tension.as_ref();
+    Ok(Run {
+        title: file.title.clone().unwrap_or_default(),
+        cell,
+        peak_tension: bounds::PEAK_TENSION.read_or(tension, PEAK_TENSION)?,
+        protocol,
+        shape: shape(&file.shape)?,
+        material: material(&file.material)?,
+        active: file.mechanics.active.unwrap_or(ActiveLaw::Fibre),
+        fibre: fibre(file.mechanics.fibre.as_ref())?,
+        support: file.mechanics.support.unwrap_or(SupportKind::MassCentre),
+        numerics,
+        duration,
+    })
+}
+
+fn cell_model(table: &CellTable) -> Checked<(Box<dyn CellModel>, Settings)> {
+    let name = table.model.as_deref().unwrap_or(MODEL);
+    let published = cell::model(name)
+        .or_else(|error| fail("cell.model", Problem::Model(error)))?;
+    let authors = table.authors_step == Some(true);
+    for (given, second) in
+        [(table.method.is_some(), "cell.method"), (table.step.is_some(), "cell.step")]
+    {
+        if authors && given {
+            let advice = "leave one of them out";
+            return fail(second, Problem::Conflict { first: "cell.authors_step", second, advice });
+        }
+    }
+    let mut settings = if authors { coelho_2021::authors_step() } else { Settings::default() };
+    settings.method = table.method.unwrap_or(settings.method);
+    settings.step_ms = bounds::CELL_STEP.read_or(table.step.as_ref(), settings.step_ms)?;
+    let mut parameters = if authors && name == MODEL {
+        coelho_2021::authors_model().parameters().clone()
+    } else {
+        published.parameters().clone()
+    };
+    for (name, setting) in &table.parameters {
+        let key = format!("cell.parameters.{name}");
+        let unit = parameters.rows().iter().find(|row| row.name == name).map(|row| row.unit);
+        let Some(unit) = unit else {
+            let known: Vec<String> =
+                parameters.rows().iter().map(|row| row.name.to_owned()).collect();
+            let suggestion = nearest(name, known.iter().map(String::as_str)).map(str::to_owned);
+            let table = "cell.parameters".to_owned();
+            let problem = Problem::UnknownKey { key: name.clone(), table, suggestion, known };
+            return fail(&key, problem);
+        };
+        let value = in_unit(&key, setting, unit)?;
+        parameters.set(name, value).or_else(|error: ParameterError| {
+            fail(&key, Problem::Parameter(error))
+        })?;
+    }
+    let cell = published
+        .with_parameters(parameters)
+        .or_else(|error| fail("cell.parameters", Problem::Parameters(error)))?;
+    Ok((cell, settings))
+}
+
+/// A parameter's value in its row's unit: a bare number, or text with a unit of the same kind.
+fn in_unit(key: &str, setting: &Setting, unit: &str) -> Checked<f64> {
+    let dimension = Dimension::of_unit(unit).unwrap_or(Dimension::Number);
+    match setting {
+        Setting::Number(value) => Ok(*value),
+        Setting::Text(text) => {
+            // The row's unit is the internal one of its dimension.
+            units::parse(text, dimension).or_else(|cause| {
+                let example = units::format(1.5, dimension);
+                fail(key, Problem::Unit { key: key.to_owned(), cause, example })
+            })
+        }
+    }
+}
+
+fn protocol(table: &StimulusTable, cell: &dyn CellModel, as_authors: bool) -> Checked<Protocol> {
+    let default = cell.default_stimulus();
+    let kind = table.kind.unwrap_or(match default {
+        Stimulus::Jump { .. } => StimulusKind::Jump,
+        Stimulus::Pulse { .. } => StimulusKind::Pulse,
+    });
+    let missing = |reason| fail("stimulus", Problem::Missing { key: "stimulus.amplitude", reason });
+    let stimulus = match (kind, default) {
+        (StimulusKind::Jump, _) if table.duration.is_some() => {
+            let (first, second) = ("stimulus.kind", "stimulus.duration");
+            let advice = "a jump takes no time; leave the duration out or give kind = \"pulse\"";
+            return fail(second, Problem::Conflict { first, second, advice });
+        }
+        (StimulusKind::Jump, Stimulus::Jump { amplitude }) => Stimulus::Jump {
+            amplitude: bounds::JUMP.read_or(table.amplitude.as_ref(), amplitude)?,
+        },
+        (StimulusKind::Jump, Stimulus::Pulse { .. }) => match &table.amplitude {
+            Some(amplitude) => Stimulus::Jump { amplitude: bounds::JUMP.read(amplitude)? },
+            None => return missing("this cell model has no jump of its own; give its size"),
+        },
+        (StimulusKind::Pulse, Stimulus::Pulse { amplitude, duration_ms }) => Stimulus::Pulse {
+            amplitude: bounds::PULSE.read_or(table.amplitude.as_ref(), amplitude)?,
+            duration_ms: bounds::PULSE_DURATION.read_or(table.duration.as_ref(), duration_ms)?,
+        },
+        (StimulusKind::Pulse, Stimulus::Jump { .. }) => match (&table.amplitude, &table.duration) {
+            (Some(amplitude), Some(duration)) => Stimulus::Pulse {
+                amplitude: bounds::PULSE.read(amplitude)?,
+                duration_ms: bounds::PULSE_DURATION.read(duration)?,
+            },
+            _ => return missing("this cell model has no pulse of its own; give its size and duration"),
+        },
+    };
+    let start = if as_authors {
+        coelho_2021::authors_protocol().start_ms
+    } else {
+        Protocol::DEFAULT_START_MS
+    };
+    let protocol = Protocol {
+        stimulus,
+        start_ms: bounds::START.read_or(table.start.as_ref(), start)?,
+        cycle_length_ms: bounds::CYCLE_LENGTH.read_or(table.cycle_length.as_ref(), 1000.0)?,
+        beats: u32::try_from(table.beats.unwrap_or(1)).unwrap_or(1),
+    };
+    protocol.validate().or_else(|error| fail("stimulus", Problem::Stimulus(error)))?;
+    Ok(protocol)
+}
+
+fn shape(table: &ShapeTable) -> Checked<Shape> {
+    let given: Vec<&'static str> = [
+        ("shape.built_in", table.built_in.is_some()),
+        ("shape.picture", table.picture.is_some()),
+        ("shape.outline", table.outline.is_some()),
+    ]
+    .iter()
+    .filter(|(_, given)| *given)
+    .map(|(key, _)| *key)
+    .collect();
+    if let [first, second, ..] = given[..] {
+        let advice = "a cell has one shape; leave one of them out";
+        return fail(second, Problem::Conflict { first, second, advice });
+    }
+    let exclude = |first, second, advice| {
+        fail(second, Problem::Conflict { first, second, advice })
+    };
+    let source = if let Some(path) = &table.picture {
+        let Some(pixel_size) = &table.pixel_size else {
+            let reason = "a picture needs the size of its pixels, which is never guessed: give it \
+                          like pixel_size = \"0.27 um\", or --pixel-size \"0.27 um\"";
+            return fail("shape.picture", Problem::Missing { key: "shape.pixel_size", reason });
+        };
+        if table.rotate.is_some() {
+            let advice = "a picture is not turned; the fibre follows the cell's long axis anyway";
+            return exclude("shape.picture", "shape.rotate", advice);
+        }
+        Source::Picture {
+            path: with_ending("shape.picture", path, &["png", "tif", "tiff"])?,
+            pixel_size: bounds::PIXEL_SIZE.read(pixel_size)?,
+            label: table.label.and_then(|label| u32::try_from(label).ok()),
+        }
+    } else {
+        let other = *given.first().unwrap_or(&"shape.built_in");
+        let advice = "only a picture has it; leave it out";
+        if table.pixel_size.is_some() {
+            return exclude(other, "shape.pixel_size", advice);
+        }
+        if table.label.is_some() {
+            return exclude(other, "shape.label", advice);
+        }
+        if let Some(path) = &table.outline {
+            Source::Outline(with_ending("shape.outline", path, &["geojson", "json", "csv"])?)
+        } else {
+            let name = table.built_in.as_deref().unwrap_or(BUILT_IN);
+            let Some(cell) = built_in::find(name) else {
+                let known: Vec<String> =
+                    built_in::CELLS.iter().map(|cell| cell.name.to_owned()).collect();
+                let suggestion = nearest(name, known.iter().map(String::as_str)).map(str::to_owned);
+                let (key, word) = ("shape.built_in".to_owned(), name.to_owned());
+                return fail(
+                    "shape.built_in",
+                    Problem::UnknownWord { key, word, suggestion, known },
+                );
+            };
+            Source::BuiltIn(cell)
+        }
+    };
+    Ok(Shape {
+        source,
+        rotate: bounds::ROTATE.read_or(table.rotate.as_ref(), 0.0)?,
+        spacing: table.spacing.as_ref().map(|spacing| bounds::SPACING.read(spacing)).transpose()?,
+    })
+}
+
+fn with_ending(key: &'static str, path: &str, endings: &[&str]) -> Checked<String> {
+    let lower = path.to_lowercase();
+    if endings.iter().any(|ending| lower.ends_with(&format!(".{ending}"))) {
+        return Ok(path.to_owned());
+    }
+    let known = if key == "shape.picture" { ".png, .tif, .tiff" } else { ".geojson, .json, .csv" };
+    fail(key, Problem::Ending { key, path: path.to_owned(), known })
+}
+
+fn material(table: &MaterialTable) -> Checked<Material> {
+    let default = default_material();
+    let stiffness = match (&table.young_modulus, &table.spring_stiffness) {
+        (Some(_), Some(_)) => {
+            let (first, second) = ("material.young_modulus", "material.spring_stiffness");
+            let advice = "each follows from the other; leave one of them out";
+            return fail(second, Problem::Conflict { first, second, advice });
+        }
+        (Some(modulus), None) => Stiffness::YoungModulus(bounds::YOUNG_MODULUS.read(modulus)?),
+        (None, Some(spring)) => Stiffness::Spring(bounds::SPRING_STIFFNESS.read(spring)?),
+        (None, None) => default.stiffness,
+    };
+    let or = |bounds: bounds::Bounds, setting: &Option<Setting>, default| {
+        bounds.read_or(setting.as_ref(), default)
+    };
+    Ok(Material {
+        stiffness,
+        thickness: or(bounds::THICKNESS, &table.thickness, default.thickness)?,
+        area_law: table.area_law.unwrap_or(default.area_law),
+        area_modulus: or(bounds::AREA_MODULUS, &table.area_modulus, default.area_modulus)?,
+        damping_ratio: or(bounds::DAMPING_RATIO, &table.damping_ratio, default.damping_ratio)?,
+        slowest_period: or(bounds::SLOWEST_PERIOD, &table.slowest_period, default.slowest_period)?,
+        drag_ratio: or(bounds::DRAG_RATIO, &table.drag_ratio, default.drag_ratio)?,
+    })
+}
+
+fn fibre(setting: Option<&Setting>) -> Checked<Fibre> {
+    match setting {
+        None => Ok(Fibre::LongAxis),
+        Some(Setting::Text(words)) if words.trim() == "long axis" => Ok(Fibre::LongAxis),
+        Some(Setting::Text(words)) if !words.contains(|c: char| c.is_ascii_digit()) => {
+            let known = vec!["long axis".to_owned(), "an angle like 15 deg".to_owned()];
+            let suggestion = nearest(words, ["long axis"].into_iter()).map(str::to_owned);
+            let (key, word) = (bounds::FIBRE.key.to_owned(), words.clone());
+            fail(bounds::FIBRE.key, Problem::UnknownWord { key, word, suggestion, known })
+        }
+        Some(angle) => Ok(Fibre::Angle(bounds::FIBRE.read(angle)?)),
+    }
+}
+
+fn numerics(table: &NumericsTable, cell: Settings) -> Checked<Numerics> {
+    let default = Numerics::default();
+    let exchange = table.exchange_interval.as_ref();
+    let output = table.output_interval.as_ref();
+    let frame = table.frame_interval.as_ref();
+    Ok(Numerics {
+        integrator: table.integrator.unwrap_or(default.integrator),
+        time_step: table.time_step.as_ref().map(|step| bounds::TIME_STEP.read(step)).transpose()?,
+        exchange_interval: bounds::EXCHANGE_INTERVAL.read_or(exchange, default.exchange_interval)?,
+        output_interval: bounds::OUTPUT_INTERVAL.read_or(output, default.output_interval)?,
+        frame_interval: bounds::FRAME_INTERVAL.read_or(frame, default.frame_interval)?,
+        cell,
+    })
+}
+
+/// Intervals must divide each other, and there must be room for what they record.
+fn check_times(numerics: &Numerics, duration: f64) -> Checked<()> {
+    let Numerics { exchange_interval, output_interval, frame_interval, .. } = *numerics;
+    let exchange = ("numerics.exchange_interval", exchange_interval);
+    let output = ("numerics.output_interval", output_interval);
+    let frame = ("numerics.frame_interval", frame_interval);
+    let multiples = [(output, exchange), (frame, output), (("run.duration", duration), exchange)];
+    for ((key, value), (unit_key, unit)) in multiples {
+        let ratio = value / unit;
+        // A part in a million allows for decimal fractions that binary numbers cannot hold.
+        if ratio.round() < 1.0 || (ratio - ratio.round()).abs() > 1e-6 * ratio {
+            return fail(key, Problem::NotAMultiple { key, value, unit_key, unit });
+        }
+    }
+    let limits = [(output, "samples", MOST_SAMPLES), (frame, "shapes", MOST_FRAMES)];
+    for ((key, value), what, most) in limits {
+        let count = duration / value;
+        if count > most {
+            return fail(key, Problem::TooMany { key, value, count, what, most });
+        }
+    }
+    Ok(())
+}
