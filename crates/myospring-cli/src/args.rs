@@ -188,7 +188,9 @@ impl RunArgs {
 
 /// `myospring paper`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  myospring paper\n  myospring paper --output paper --threads 1")]
+#[command(
+    after_help = "Examples:\n  myospring paper\n  myospring paper --output paper --threads 1"
+)]
 pub(crate) struct PaperArgs {
     /// Threads for the three runs; the numbers do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]

@@ -27,13 +27,10 @@ struct Record<'a> {
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
-    let run = RunFile::default()
-        .resolve()
-        .map_err(|error| Failure::of_run_file(&error, None))?;
+    let run = RunFile::default().resolve().map_err(|error| Failure::of_run_file(&error, None))?;
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let (mesh, _) = run.shape.mesh(&bytes)?;
-    let target =
-        args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
+    let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
     let pool = rayon::ThreadPoolBuilder::new()
@@ -61,12 +58,8 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         outcomes.iter().filter_map(|outcome| Some(outcome.stop.as_ref()?.to_string())).collect();
     figures(&folder, &mesh, &runs, &run.stimulus_times())?;
     let total_s = start.elapsed().as_secs_f64();
-    let record = Record {
-        version: env!("CARGO_PKG_VERSION"),
-        findings: &findings,
-        stopped_early,
-        total_s,
-    };
+    let record =
+        Record { version: env!("CARGO_PKG_VERSION"), findings: &findings, stopped_early, total_s };
     let record_text = json::pretty(&record)?;
     folder.write("paper.json", &record_text)?;
     let target = folder.finish()?;
@@ -94,8 +87,7 @@ fn figures(
     runs: &[PaperRun<'_>],
     stimuli: &[f64],
 ) -> Result<(), Failure> {
-    let labels: Vec<String> =
-        runs.iter().map(|run| format!("{} kPa", run.peak_tension)).collect();
+    let labels: Vec<String> = runs.iter().map(|run| format!("{} kPa", run.peak_tension)).collect();
     for (run, label) in runs.iter().zip(&labels) {
         let name = format!("traces_{}.csv", label.replace(' ', "_"));
         folder.write(&name, csv::traces(run.recording)?)?;

@@ -224,9 +224,8 @@ fn write(
     folder.figure("action_potential_and_tension", potential)?;
     let shapes = figure::key_shapes(recording, stimuli);
     folder.figure("cell", figure::cell_shapes(mesh, &shapes, fibre))?;
-    let reference = band("peak_shortening").map(|Band { low, high, .. }| {
-        ([*low, *high], "adult ventricular myocytes, unloaded")
-    });
+    let reference = band("peak_shortening")
+        .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
     let options =
         ContractionOptions { stimulus_times_ms: stimuli.to_vec(), reference_band: reference };
     let label = format!("{} kPa", run.peak_tension);
