@@ -28,7 +28,8 @@ pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, F
     if let Some(path) = path {
         match ending(path).as_str() {
             "toml" => {
-                let content = fs::read_to_string(path).map_err(|error| cannot_read(path, &error))?;
+                let content =
+                    fs::read_to_string(path).map_err(|error| cannot_read(path, &error))?;
                 base = path.parent().map(Path::to_owned).unwrap_or_default();
                 reader = reader
                     .text(&path.display().to_string(), &content)
@@ -64,16 +65,14 @@ pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, F
     for (option, key, value) in overrides {
         reader = reader.option(option, key, value);
     }
-    let mut run = reader
-        .resolve()
-        .map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
+    let mut run =
+        reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
     run.shape.resolve_path(&base);
     let bytes = run.shape.bytes(|file| fs::read(file))?;
     let (mesh, report) = run.shape.mesh(&bytes)?;
-    let name = path.and_then(Path::file_stem).map_or_else(
-        || run.shape.name().to_owned(),
-        |stem| stem.to_string_lossy().into_owned(),
-    );
+    let name = path
+        .and_then(Path::file_stem)
+        .map_or_else(|| run.shape.name().to_owned(), |stem| stem.to_string_lossy().into_owned());
     Ok(Input { name, run, bytes, mesh, report })
 }
 

@@ -36,11 +36,8 @@ impl<'a> Model<'a> {
 pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode, Failure> {
     if let Some(name) = &args.name {
         let model = cell::model(name).map_err(Failure::new)?;
-        let text = if args.json {
-            json::pretty(&Model::of(&*model, true))?
-        } else {
-            parameters(&*model)
-        };
+        let text =
+            if args.json { json::pretty(&Model::of(&*model, true))? } else { parameters(&*model) };
         print::out(&text);
         return Ok(ExitCode::SUCCESS);
     }

@@ -4,6 +4,7 @@ use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::print;
 use crate::results::Folder;
+use crate::run::progress_bar;
 use crate::table::{aligned, wrapped};
 use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
@@ -27,27 +28,32 @@ struct Record<'a> {
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
-    let run = RunFile::default()
-        .resolve()
-        .map_err(|error| Failure::of_run_file(&error, None))?;
+    let run = RunFile::default().resolve().map_err(|error| Failure::of_run_file(&error, None))?;
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let (mesh, _) = run.shape.mesh(&bytes)?;
-    let target =
-        args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
+    let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.unwrap_or(0))
         .build()
         .map_err(|error| Failure::new(format!("no threads: {error}")))?;
+    let bar = progress_bar(args.output.quiet);
+    bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
     let one = |peak_tension: f64| -> Result<Outcome, Failure> {
         let mut simulation = run.simulation(mesh.clone())?;
         simulation.peak_tension = peak_tension;
-        Ok(simulation.prepare()?.run(|_| true))
+        let mut before = 0.0;
+        Ok(simulation.prepare()?.run(|progress| {
+            bar.inc((progress.time - before).round() as u64);
+            before += (progress.time - before).round();
+            true
+        }))
     };
     // Kept in the order of the tensions, whichever run ends first.
     let outcomes: Result<Vec<Outcome>, Failure> =
         pool.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
+    bar.finish_and_clear();
     let outcomes = outcomes?;
 
     let runs: Vec<PaperRun<'_>> = TENSIONS
@@ -61,12 +67,8 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         outcomes.iter().filter_map(|outcome| Some(outcome.stop.as_ref()?.to_string())).collect();
     figures(&folder, &mesh, &runs, &run.stimulus_times())?;
     let total_s = start.elapsed().as_secs_f64();
-    let record = Record {
-        version: env!("CARGO_PKG_VERSION"),
-        findings: &findings,
-        stopped_early,
-        total_s,
-    };
+    let record =
+        Record { version: env!("CARGO_PKG_VERSION"), findings: &findings, stopped_early, total_s };
     let record_text = json::pretty(&record)?;
     folder.write("paper.json", &record_text)?;
     let target = folder.finish()?;
@@ -94,8 +96,7 @@ fn figures(
     runs: &[PaperRun<'_>],
     stimuli: &[f64],
 ) -> Result<(), Failure> {
-    let labels: Vec<String> =
-        runs.iter().map(|run| format!("{} kPa", run.peak_tension)).collect();
+    let labels: Vec<String> = runs.iter().map(|run| format!("{} kPa", run.peak_tension)).collect();
     for (run, label) in runs.iter().zip(&labels) {
         let name = format!("traces_{}.csv", label.replace(' ', "_"));
         folder.write(&name, csv::traces(run.recording)?)?;

@@ -30,8 +30,9 @@ impl Folder {
         };
         if occupied && !force {
             let message = format!("`{}` already holds files", target.display());
-            return Err(Failure::new(message)
-                .advise("choose another folder with --output DIR, or replace results with --force"));
+            return Err(Failure::new(message).advise(
+                "choose another folder with --output DIR, or replace results with --force",
+            ));
         }
         let Some(name) = target.file_name() else {
             let message = format!("`{}` names no folder", target.display());

@@ -295,8 +295,9 @@ impl RunFile {
     /// # Errors
     /// None that a run file can cause; the serialiser's signature has one.
     pub fn to_toml(&self) -> Result<String, RunFileError> {
-        let text = toml::to_string(self)
-            .map_err(|error| RunFileError::bare("", Problem::Syntax { reason: error.to_string() }))?;
+        let text = toml::to_string(self).map_err(|error| {
+            RunFileError::bare("", Problem::Syntax { reason: error.to_string() })
+        })?;
         // Empty tables say nothing.
         let parts: Vec<&str> = text.split("\n\n").filter(|part| part.contains('=')).collect();
         Ok(format!("{}\n", parts.join("\n\n").trim_end()))

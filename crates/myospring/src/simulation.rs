@@ -232,8 +232,7 @@ impl Simulation {
     /// A time step above the stability limit, or a cell model without tension.
     pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
         let model = self.cell.name();
-        let failed =
-            |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
+        let failed = |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
         let peak = solve::peak_tension(&*self.cell).map_err(failed)?;
         let cell =
             CellIntegrator::new(&*self.cell, self.protocol, self.numerics.cell).map_err(failed)?;

@@ -174,12 +174,7 @@ fn tension(times: &[f64], tension: &[f64], stimulus: f64, contraction: &[Metric]
             "ms",
             "from the stimulus to the largest active tension",
         ),
-        row(
-            "lag_of_shortening",
-            lag,
-            "ms",
-            "from the largest tension to the largest shortening",
-        ),
+        row("lag_of_shortening", lag, "ms", "from the largest tension to the largest shortening"),
         row("tension_at_end", at_end, "%", "tension at the end of the beat, of its peak"),
     ]
 }
@@ -230,9 +225,8 @@ fn energy(samples: &[Sample]) -> Vec<Metric> {
     let stored = Some(()).and_then(|()| Some(last?.elastic_energy_fj - first?.elastic_energy_fj));
     let most_stored = samples.iter().map(|s| s.elastic_energy_fj).reduce(f64::max);
     let work = at_end(|s| s.active_work_fj);
-    let spent = Some(()).and_then(|()| {
-        Some(stored? + last?.kinetic_energy_fj + last?.dissipated_energy_fj)
-    });
+    let spent = Some(())
+        .and_then(|()| Some(stored? + last?.kinetic_energy_fj + last?.dissipated_energy_fj));
     let gap = Some(()).and_then(|()| {
         let gap = 100.0 * (work? - spent?) / most_stored?;
         Some(gap).filter(|gap| gap.is_finite())

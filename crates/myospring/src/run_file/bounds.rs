@@ -106,7 +106,11 @@ impl Bounds {
     pub(super) fn read(&self, setting: &Setting) -> Result<f64, (String, Problem)> {
         let fail = |problem| (self.key.to_owned(), problem);
         let value = setting.read(self.dimension).map_err(|cause| {
-            fail(Problem::Unit { key: self.key.to_owned(), cause, example: self.example.to_owned() })
+            fail(Problem::Unit {
+                key: self.key.to_owned(),
+                cause,
+                example: self.example.to_owned(),
+            })
         })?;
         if self.contains(value) {
             return Ok(value);
@@ -160,7 +164,8 @@ pub const CELL_STEP: Bounds = Bounds::new("cell.step", Time, "0.005 ms").above(0
 /// `stimulus.amplitude` of a jump.
 pub const JUMP: Bounds = Bounds::new("stimulus.amplitude", Number, "0.325").from(-10.0).to(10.0);
 /// `stimulus.amplitude` of a pulse.
-pub const PULSE: Bounds = Bounds::new("stimulus.amplitude", Rate, "0.5 1/ms").from(-100.0).to(100.0);
+pub const PULSE: Bounds =
+    Bounds::new("stimulus.amplitude", Rate, "0.5 1/ms").from(-100.0).to(100.0);
 /// `stimulus.duration`.
 pub const PULSE_DURATION: Bounds =
     Bounds::new("stimulus.duration", Time, "1 ms").above(0.0).to(1000.0);

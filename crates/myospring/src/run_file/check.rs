@@ -119,10 +119,7 @@ pub(super) fn words(schema: &Schema) -> Vec<&str> {
 }
 
 /// The known word that is most like a written one, if any is alike.
-pub(super) fn nearest<'a>(
-    written: &str,
-    known: impl Iterator<Item = &'a str>,
-) -> Option<&'a str> {
+pub(super) fn nearest<'a>(written: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     known
         .map(|word| (strsim::jaro_winkler(&written.to_lowercase(), word), word))
         .filter(|(likeness, _)| *likeness > 0.8)

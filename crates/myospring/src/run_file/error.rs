@@ -65,6 +65,15 @@ pub struct RunFileError {
 }
 
 impl RunFileError {
+    /// How to mend it, in one sentence; `None` where the message already says so.
+    pub fn advice(&self) -> Option<String> {
+        let name = match &self.origin {
+            Origin::Option(option) => format!("{option} "),
+            _ => format!("{} = ", self.key.rsplit('.').next().unwrap_or_default()),
+        };
+        self.problem.advice(&name)
+    }
+
     pub(super) fn bare(key: &str, problem: Problem) -> Self {
         Self { origin: Origin::Unknown, key: key.to_owned(), problem }
     }
@@ -220,8 +229,8 @@ fn guess(suggestion: &Option<String>) -> String {
 }
 
 impl Problem {
-    /// How to mend it, in one sentence; `None` where the message already says so.
-    pub fn advice(&self) -> Option<String> {
+    /// How to mend it, where `name` stands before a value.
+    fn advice(&self, name: &str) -> Option<String> {
         match self {
             Self::Syntax { .. } => {
                 Some("`myospring init` writes a run file with every key to start from".to_owned())
@@ -232,13 +241,9 @@ impl Problem {
             Self::UnknownKey { table, known, .. } => {
                 Some(format!("keys in [{table}]: {}", known.join(", ")))
             }
-            Self::Unit { key, example, .. } => {
-                let name = key.rsplit('.').next().unwrap_or(key);
-                Some(format!("write it like {name} = \"{example}\""))
-            }
-            Self::OutOfBounds { key, example, .. } => {
-                let name = key.rsplit('.').next().unwrap_or(key);
-                Some(format!("give a value within the bounds, like {name} = \"{example}\""))
+            Self::Unit { example, .. } => Some(format!("write it like {name}\"{example}\"")),
+            Self::OutOfBounds { example, .. } => {
+                Some(format!("give a value within the bounds, like {name}\"{example}\""))
             }
             Self::NotFinite { .. } => Some("give a number, or leave the key out".to_owned()),
             Self::NotAMultiple { unit, .. } => {

@@ -66,8 +66,7 @@ pub(super) fn resolve(file: &RunFile) -> Checked<Run> {
 
 fn cell_model(table: &CellTable) -> Checked<(Box<dyn CellModel>, Settings)> {
     let name = table.model.as_deref().unwrap_or(MODEL);
-    let published = cell::model(name)
-        .or_else(|error| fail("cell.model", Problem::Model(error)))?;
+    let published = cell::model(name).or_else(|error| fail("cell.model", Problem::Model(error)))?;
     let authors = table.authors_step == Some(true);
     for (given, second) in
         [(table.method.is_some(), "cell.method"), (table.step.is_some(), "cell.step")]
@@ -97,9 +96,9 @@ fn cell_model(table: &CellTable) -> Checked<(Box<dyn CellModel>, Settings)> {
             return fail(&key, problem);
         };
         let value = in_unit(&key, setting, unit)?;
-        parameters.set(name, value).or_else(|error: ParameterError| {
-            fail(&key, Problem::Parameter(error))
-        })?;
+        parameters
+            .set(name, value)
+            .or_else(|error: ParameterError| fail(&key, Problem::Parameter(error)))?;
     }
     let cell = published
         .with_parameters(parameters)
@@ -135,9 +134,9 @@ fn protocol(table: &StimulusTable, cell: &dyn CellModel, as_authors: bool) -> Ch
             let advice = "a jump takes no time; leave the duration out or give kind = \"pulse\"";
             return fail(second, Problem::Conflict { first, second, advice });
         }
-        (StimulusKind::Jump, Stimulus::Jump { amplitude }) => Stimulus::Jump {
-            amplitude: bounds::JUMP.read_or(table.amplitude.as_ref(), amplitude)?,
-        },
+        (StimulusKind::Jump, Stimulus::Jump { amplitude }) => {
+            Stimulus::Jump { amplitude: bounds::JUMP.read_or(table.amplitude.as_ref(), amplitude)? }
+        }
         (StimulusKind::Jump, Stimulus::Pulse { .. }) => match &table.amplitude {
             Some(amplitude) => Stimulus::Jump { amplitude: bounds::JUMP.read(amplitude)? },
             None => return missing("this cell model has no jump of its own; give its size"),
@@ -151,7 +150,11 @@ fn protocol(table: &StimulusTable, cell: &dyn CellModel, as_authors: bool) -> Ch
                 amplitude: bounds::PULSE.read(amplitude)?,
                 duration_ms: bounds::PULSE_DURATION.read(duration)?,
             },
-            _ => return missing("this cell model has no pulse of its own; give its size and duration"),
+            _ => {
+                return missing(
+                    "this cell model has no pulse of its own; give its size and duration",
+                );
+            }
         },
     };
     let start = if as_authors {
@@ -183,9 +186,7 @@ fn shape(table: &ShapeTable) -> Checked<Shape> {
         let advice = "a cell has one shape; leave one of them out";
         return fail(second, Problem::Conflict { first, second, advice });
     }
-    let exclude = |first, second, advice| {
-        fail(second, Problem::Conflict { first, second, advice })
-    };
+    let exclude = |first, second, advice| fail(second, Problem::Conflict { first, second, advice });
     let source = if let Some(path) = &table.picture {
         let Some(pixel_size) = &table.pixel_size else {
             let reason = "a picture needs the size of its pixels, which is never guessed: give it \
@@ -291,7 +292,8 @@ fn numerics(table: &NumericsTable, cell: Settings) -> Checked<Numerics> {
     Ok(Numerics {
         integrator: table.integrator.unwrap_or(default.integrator),
         time_step: table.time_step.as_ref().map(|step| bounds::TIME_STEP.read(step)).transpose()?,
-        exchange_interval: bounds::EXCHANGE_INTERVAL.read_or(exchange, default.exchange_interval)?,
+        exchange_interval: bounds::EXCHANGE_INTERVAL
+            .read_or(exchange, default.exchange_interval)?,
         output_interval: bounds::OUTPUT_INTERVAL.read_or(output, default.output_interval)?,
         frame_interval: bounds::FRAME_INTERVAL.read_or(frame, default.frame_interval)?,
         cell,

@@ -6,8 +6,8 @@ use super::{
     CellTable, MaterialTable, MechanicsTable, NumericsTable, RunFile, RunTable, ShapeTable,
     StimulusKind, StimulusTable,
 };
-use crate::cell::{self, CellModel};
 use crate::cell::pacing::{Protocol, Stimulus};
+use crate::cell::{self, CellModel};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::{Material, Stiffness};
 use crate::mechanics::support::SupportKind;

@@ -59,7 +59,9 @@ pub enum ShapeError {
     },
     /// Built without pictures.
     #[cfg(not(feature = "microscopy"))]
-    #[error("`{path}`: this program was built without the feature `microscopy`, which reads pictures")]
+    #[error(
+        "`{path}`: this program was built without the feature `microscopy`, which reads pictures"
+    )]
     NoPictures {
         /// The file.
         path: String,
