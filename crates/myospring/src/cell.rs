@@ -10,12 +10,12 @@
 //!
 //! # Example
 //! ```
-//! use myospring::cell::{self, solve};
+//! use myospring::cell::{self, solve, solve::Settings};
 //!
 //! let mut parameters = cell::model("coelho_2021")?.parameters().clone();
 //! parameters.set("tau_w_plus", 250.0)?;
 //! let model = cell::model("coelho_2021")?.with_parameters(parameters)?;
-//! let beat = solve::reference_beat(model.as_ref())?;
+//! let beat = solve::reference_beat(model.as_ref(), Settings::default())?;
 //! assert!(beat.peak_tension > 0.5 && beat.peak_time_ms > 150.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

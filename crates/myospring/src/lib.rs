@@ -1,4 +1,54 @@
 //! Myospring: from a microscope picture of a heart cell to its beat.
+//!
+//! A cardiac myocyte is stimulated, builds up tension and shortens by about a tenth. Myospring
+//! simulates that on the cell's real outline: a small cell model (action potential and active
+//! tension, six ordinary differential equations) drives a mass-spring mesh, integrated with Verlet's
+//! method. It starts from Coelho et al. 2021 (`coelho_2021` in `references.bib`) and says wherever it
+//! goes another way.
+//!
+//! # Tour
+//! ```
+//! use myospring::analysis::{contraction, value};
+//! use myospring::mesh::{built_in, lattice};
+//! use myospring::simulation::Simulation;
+//!
+//! // An outline becomes a mesh; a coarse one, 3 um, to be quick.
+//! let outline = built_in::adult_ventricular();
+//! let (mesh, report) = lattice::from_outline(&outline, Some(3.0))?;
+//! assert!((report.dimensions.length_um - 140.0).abs() < 3.0);
+//!
+//! // The paper's experiment on it.
+//! let simulation = Simulation::coelho_2021(mesh);
+//! let outcome = simulation.prepare()?.run(|_progress| true);
+//! assert!(outcome.stop.is_none());
+//!
+//! // What a laboratory reads.
+//! let samples = &outcome.recording.samples;
+//! let (times, lengths): (Vec<f64>, Vec<f64>) = samples.iter().map(|s| (s.t_ms, s.length_um)).unzip();
+//! let metrics = contraction::metrics(&times, &lengths, 50.0);
+//! assert!((value(&metrics, "peak_shortening").unwrap() - 12.0).abs() < 0.2); // %
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Units
+//! One coherent system, no hidden factors; text with units is read in [`units`] only.
+//!
+//! | quantity | unit | | quantity | unit |
+//! |---|---|---|---|---|
+//! | time | ms | | pressure, tension, modulus | kPa = nN/um^2 |
+//! | length | um | | stiffness | nN/um |
+//! | mass | ug | | energy | fJ = nN um |
+//! | force | nN = ug um/ms^2 | | potential | mV |
+//!
+//! # Modules in reading order
+//! [`cell`] turns a stimulus into tension; [`mesh`] holds points, springs and triangles, made from
+//! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
+//! [`integrate`] moves the masses; [`simulation`] joins cell and mesh and fills a [`recording`];
+//! [`analysis`] makes metrics of it and `output` files and figures; `run_file` reads what a user wrote.
+//!
+//! # Features
+//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) are on by default; `testing`
+//! has conformance suites for cell models and forces of your own.
 
 pub mod analysis;
 pub mod cell;

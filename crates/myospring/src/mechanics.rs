@@ -75,7 +75,7 @@ impl Body {
         })
     }
 
-    /// Angular momentum about the origin, ug um^2/ms: sum of m (x v_y - y v_x).
+    /// Angular momentum about the origin, ug um^2/ms: sum of m (`x v_y` - `y v_x`).
     pub fn angular_momentum(&self) -> f64 {
         let ([x, y], [vx, vy]) = (&self.positions, &self.velocities);
         (0..self.len()).map(|i| self.masses[i] * (x[i] * vy[i] - y[i] * vx[i])).sum()
@@ -143,26 +143,31 @@ impl System {
         }
     }
 
+    /// Takes from the forces what the support bears.
+    ///
+    /// A mass centre at rest stays at rest by itself when all forces are internal: then there is
+    /// nothing to take but rounding, and the sums over all masses are spared.
+    pub fn constrain(&self, positions: &Vectors, masses: &[f64], forces: &mut Vectors) {
+        let stays = self.support == support::Support::MassCentre
+            && self.passive.iter().chain(&self.active).all(|force| force.is_internal());
+        if !stays {
+            self.support.constrain(positions, masses, forces);
+        }
+    }
+
     /// Energy stored in the passive forces, fJ; those without an energy count nothing.
     pub fn elastic_energy(&self, at: &Configuration<'_>) -> f64 {
         self.passive.iter().filter_map(|force| force.energy(at)).sum()
     }
 
-    /// Rate at which the active forces do work, fJ/ms: sum of f v.
-    pub fn active_power(&self, at: &Configuration<'_>) -> f64 {
-        let mut forces = zeros(at.positions[0].len());
-        for force in &self.active {
-            force.add_forces(at, &mut forces);
-        }
-        (0..2).map(|axis| dot(&forces[axis], &at.velocities[axis])).sum()
+    /// Energy of the active forces at fixed tension, fJ; its drop is the work that they do.
+    pub fn active_energy(&self, at: &Configuration<'_>) -> f64 {
+        self.active.iter().filter_map(|force| force.energy(at)).sum()
     }
 
-    /// Rate at which dashpots take energy, fJ/ms, without the drag.
+    /// Rate at which dashpots and drag take energy, fJ/ms.
     pub fn dissipation(&self, at: &Configuration<'_>) -> f64 {
-        self.passive.iter().chain(&self.active).map(|force| force.dissipation(at)).sum()
+        let forces = self.passive.iter().chain(&self.active);
+        forces.map(|force| force.dissipation(at)).sum::<f64>() + self.drag.dissipation(at)
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -13,19 +13,19 @@
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
 
-use crate::analysis::shape::ShapeMeter;
-use crate::cell::CellModel;
+use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, Settings, SolveError};
+use crate::cell::{CellModel, coelho_2021};
 use crate::integrate::verlet::{Integrator, Motion};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::signed_area;
-use crate::mechanics::material::{Material, assemble};
+use crate::mechanics::material::{Material, assemble, default_material};
 use crate::mechanics::stability::StabilityLimit;
-use crate::mechanics::support::SupportKind;
-use crate::mechanics::{Body, Force as _, System};
-use crate::mesh::Mesh;
+use crate::mechanics::support::{Support, SupportKind};
+use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use crate::mesh::{Mesh, quality};
 use crate::recording::{Frame, Recording, Sample};
 use serde::Serialize;
 
@@ -40,7 +40,8 @@ pub struct Numerics {
     pub exchange_interval: f64,
     /// Interval of the recorded samples, ms, a multiple of the exchange interval; 0.5.
     pub output_interval: f64,
-    /// Interval of the recorded shapes, ms, a multiple of the output interval; 5.
+    /// Interval of the recorded shapes, ms, a multiple of the output interval; 5. The shape at the peak
+    /// of tension is kept besides.
     pub frame_interval: f64,
     /// Integration of the cell model.
     pub cell: Settings,
@@ -63,6 +64,27 @@ impl Default for Numerics {
 pub const SAFETY: f64 = 0.9;
 
 /// All that a run is made of.
+///
+/// # Example
+/// ```
+/// use myospring::cell::{CellModel, pacing::Protocol, toy::ToyModel};
+/// use myospring::mesh::lattice;
+/// use myospring::simulation::Simulation;
+///
+/// let strip = lattice::rectangle(20, 4, 5.0)?;
+/// let toy = ToyModel::published();
+/// let simulation = Simulation {
+///     protocol: Protocol { start_ms: 0.0, ..Protocol::once(toy.default_stimulus()) },
+///     cell: Box::new(toy),
+///     duration: 60.0,
+///     ..Simulation::coelho_2021(strip)
+/// };
+/// let outcome = simulation.prepare()?.run(|progress| progress.time <= 60.0);
+/// assert!(outcome.stop.is_none());
+/// // The toy's tension peaks after 50 ms, and the strip with it.
+/// assert!((outcome.recording.samples[100].shortening_pct - 12.0).abs() < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Simulation {
     /// The cell model.
     pub cell: Box<dyn CellModel>,
@@ -226,6 +248,26 @@ pub struct Progress {
 }
 
 impl Simulation {
+    /// The experiment of `coelho_2021` on any mesh: its cell model stimulated once at 50 ms, 50 kPa
+    /// along the long axis, mass centre fixed, our default material, 600 ms.
+    pub fn coelho_2021(mesh: Mesh) -> Self {
+        let cell = coelho_2021::model();
+        let long_axis = quality::long_axis(&mesh);
+        Self {
+            protocol: Protocol::once(cell.default_stimulus()),
+            cell: Box::new(cell),
+            peak_tension: 50.0,
+            long_axis,
+            fibres: vec![long_axis; mesh.simplices.len()],
+            mesh,
+            material: default_material(),
+            active: ActiveLaw::Fibre,
+            support: SupportKind::MassCentre,
+            duration: 600.0,
+            numerics: Numerics::default(),
+        }
+    }
+
     /// Assembles the forces and chooses the time step.
     ///
     /// # Errors
@@ -233,12 +275,10 @@ impl Simulation {
     pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
         let model = self.cell.name();
         let failed = |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
-        let peak = solve::peak_tension(&*self.cell).map_err(failed)?;
-        let cell =
-            CellIntegrator::new(&*self.cell, self.protocol, self.numerics.cell).map_err(failed)?;
-        let meter =
-            ShapeMeter::new(self.mesh.points.clone(), self.long_axis, self.mesh.areas.clone());
-        let resting_length = meter.measure(&self.mesh.points).length;
+        let settings = self.numerics.cell;
+        let peak = solve::reference_beat(&*self.cell, settings).map_err(failed)?.peak_tension;
+        let cell = CellIntegrator::new(&*self.cell, self.protocol, settings).map_err(failed)?;
+        let resting_length = shape::extent(&self.mesh.points, self.long_axis);
         let (body, system) = assemble(
             &self.mesh,
             &self.material,
@@ -248,6 +288,15 @@ impl Simulation {
             self.long_axis,
             resting_length,
         );
+        // A free cell turns as its mass does; a clamped one cannot turn, whatever it does inside.
+        let mut weights = self.mesh.areas.clone();
+        if let Support::Clamped(nodes) = &system.support {
+            weights.fill(0.0);
+            for &node in nodes {
+                weights[node] = 1.0;
+            }
+        }
+        let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
         let limit = StabilityLimit::of(&system, &body, self.peak_tension);
         if let Some(time_step) = self.numerics.time_step
             && time_step > limit.time_step
@@ -293,10 +342,10 @@ impl Prepared<'_> {
         let mut cell = self.cell.clone();
         let mut motion =
             Motion::new(&self.system, self.body.clone(), numerics.integrator, self.time_step());
-        let mut ledger = Ledger::default();
         let mut recording = Recording::default();
         let mut tension = self.tension_scale * model.tension(cell.state());
-        ledger.settle(&self.system, &motion.body, tension, 0.0);
+        let mut ledger = Ledger::new(&motion.body, tension);
+        let mut strongest: Option<Frame> = None;
         let mut stop = None;
         let mut length = self.resting_length;
         for index in 0..=exchanges {
@@ -317,16 +366,29 @@ impl Prepared<'_> {
                 length = self.meter.measure(&motion.body.positions).length;
                 ledger.settle(&self.system, &motion.body, tension, exchange);
             }
+            let snapshot = || {
+                let positions = motion.body.positions.clone();
+                Frame { t_ms: time, ta_kpa: tension, positions }
+            };
             if index % per_sample == 0 {
                 recording.samples.push(self.sample(time, &cell, tension, &motion.body, &ledger));
+                if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
+                    strongest = Some(snapshot());
+                }
             }
             if index % per_frame == 0 {
-                let positions = motion.body.positions.clone();
-                recording.frames.push(Frame { t_ms: time, ta_kpa: tension, positions });
+                recording.frames.push(snapshot());
             }
             if index % per_sample == 0 && !observe(Progress { time, duration: *duration }) {
                 stop = Some(StopReason::Interrupted { time });
                 break;
+            }
+        }
+        // The shape at the peak of tension belongs to every record, whatever the frame interval.
+        if let Some(frame) = strongest {
+            let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
+            if recording.frames.get(place).is_none_or(|other| other.t_ms > frame.t_ms) {
+                recording.frames.insert(place, frame);
             }
         }
         let steps = motion.steps();
@@ -360,24 +422,49 @@ impl Prepared<'_> {
     }
 }
 
-/// Work and dissipation added up over a run by the trapezoidal rule in the powers.
-#[derive(Debug, Clone, Copy, Default)]
+/// Work and dissipation added up over a run.
+///
+/// Dissipation by the trapezoidal rule in its power. Work of the active forces as the drop of their
+/// energy at the mean tension of the interval, `W = -int grad E(x; Ta) dx`, which needs no velocity
+/// and so does not miss fast vibrations between two exchanges.
+#[derive(Debug, Clone)]
 struct Ledger {
     active_work: f64,
     dissipated: f64,
-    active_power: f64,
+    tension: f64,
     dissipation: f64,
+    positions: Vectors,
+    still: Vectors,
 }
 
 impl Ledger {
+    fn new(body: &Body, tension: f64) -> Self {
+        Self {
+            active_work: 0.0,
+            dissipated: 0.0,
+            tension,
+            dissipation: 0.0,
+            positions: body.positions.clone(),
+            still: zeros(body.len()),
+        }
+    }
+
     fn settle(&mut self, system: &System, body: &Body, tension: f64, elapsed: f64) {
+        let mean = 0.5 * (self.tension + tension);
+        let energy = |positions: &Vectors| {
+            system.active_energy(&Configuration {
+                positions,
+                velocities: &self.still,
+                tension: mean,
+            })
+        };
+        self.active_work += energy(&self.positions) - energy(&body.positions);
         let at = body.configuration(tension);
-        let active_power = system.active_power(&at);
-        let dissipation = system.dissipation(&at) + system.drag.dissipation(&at);
-        self.active_work += 0.5 * elapsed * (self.active_power + active_power);
+        let dissipation = system.dissipation(&at);
         self.dissipated += 0.5 * elapsed * (self.dissipation + dissipation);
-        self.active_power = active_power;
         self.dissipation = dissipation;
+        self.tension = tension;
+        self.positions.clone_from(&body.positions);
     }
 }
 

@@ -1,4 +1,5 @@
 //! The table "Who may use whom" of ARCHITECTURE.md holds for every module of the library.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

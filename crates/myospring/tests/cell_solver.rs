@@ -1,4 +1,5 @@
 //! Methods, events and errors of the cell integrator, against the toy model's exact solution.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::{Protocol, Stimulus};
@@ -191,8 +192,9 @@ fn a_changed_parameter_changes_the_beat() {
     let mut set = model.parameters().clone();
     set.set("c_0", 0.02).unwrap();
     let changed = model.with_parameters(set).unwrap();
-    let (before, after) = (cell::solve::reference_beat(model.as_ref()).unwrap(), {
-        cell::solve::reference_beat(changed.as_ref()).unwrap()
-    });
+    let (before, after) =
+        (cell::solve::reference_beat(model.as_ref(), Settings::default()).unwrap(), {
+            cell::solve::reference_beat(changed.as_ref(), Settings::default()).unwrap()
+        });
     assert!(after.peak_tension > 1.1 * before.peak_tension, "{before:?} {after:?}");
 }

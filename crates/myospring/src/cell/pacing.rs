@@ -173,7 +173,7 @@ impl Protocol {
         let start_ms = self.start_ms + beat as f64 * self.cycle_length_ms;
         Some(match self.stimulus {
             Stimulus::Jump { amplitude } => (start_ms, Event::Jump(amplitude)),
-            Stimulus::Pulse { amplitude, .. } if index % 2 == 0 => {
+            Stimulus::Pulse { amplitude, .. } if index.is_multiple_of(2) => {
                 (start_ms, Event::CurrentOn(amplitude))
             }
             Stimulus::Pulse { .. } => (start_ms + duration_ms, Event::CurrentOff),

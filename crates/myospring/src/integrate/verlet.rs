@@ -111,7 +111,7 @@ impl<'a> Motion<'a> {
             tension,
         };
         self.system.sum_forces(&at, &mut self.forces);
-        self.system.support.constrain(&self.body.positions, &self.body.masses, &mut self.forces);
+        self.system.constrain(&self.body.positions, &self.body.masses, &mut self.forces);
     }
 
     fn velocity_verlet_step(&mut self, tension: f64) {

@@ -36,7 +36,7 @@ pub enum ActiveLaw {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FibreTension {
     edges: Vec<[u32; 2]>,
-    /// -K_ij of each edge, um.
+    /// Minus the matrix element `K_ij` of each edge, um.
     weights: Vec<f64>,
     runs: Vec<Run<2>>,
 }
@@ -71,6 +71,7 @@ impl FibreTension {
     }
 
     #[inline(always)]
+    #[allow(clippy::inline_always, reason = "it must be compiled anew for each vector unit")]
     fn add(&self, at: &Configuration<'_>, forces: &mut Vectors) {
         let mut buffer = [0.0; LONGEST];
         for &Run { nodes: [a, b], first, len } in &self.runs {

@@ -74,6 +74,7 @@ impl AreaPreservation {
     }
 
     #[inline(always)]
+    #[allow(clippy::inline_always, reason = "it must be compiled anew for each vector unit")]
     fn add_gradient(&self, at: &Configuration<'_>, forces: &mut Vectors) {
         let [x, y] = at.positions;
         let [force_x, force_y] = forces;

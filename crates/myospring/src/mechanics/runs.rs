@@ -43,6 +43,7 @@ pub(crate) fn vectorised(work: impl FnOnce()) {
 
 /// Adds `buffer` to the nodes from `start` on.
 #[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 pub(crate) fn add(forces: &mut [f64], start: usize, buffer: &[f64]) {
     for (force, value) in forces[start..start + buffer.len()].iter_mut().zip(buffer) {
         *force += value;
@@ -51,6 +52,7 @@ pub(crate) fn add(forces: &mut [f64], start: usize, buffer: &[f64]) {
 
 /// Subtracts `buffer` from the nodes from `start` on.
 #[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 pub(crate) fn subtract(forces: &mut [f64], start: usize, buffer: &[f64]) {
     for (force, value) in forces[start..start + buffer.len()].iter_mut().zip(buffer) {
         *force -= value;

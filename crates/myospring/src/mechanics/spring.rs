@@ -70,6 +70,7 @@ impl Springs {
     }
 
     #[inline(always)]
+    #[allow(clippy::inline_always, reason = "it must be compiled anew for each vector unit")]
     fn add(&self, at: &Configuration<'_>, forces: &mut Vectors) {
         let ([x, y], [vx, vy]) = (at.positions, at.velocities);
         let [force_x, force_y] = forces;

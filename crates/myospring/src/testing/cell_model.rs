@@ -153,7 +153,7 @@ fn check_jump(model: &dyn CellModel, state: &[f64]) {
 /// The default beat raises a peak of tension above rest, and the default step is converged.
 fn check_beat(model: &dyn CellModel) {
     let name = model.name();
-    let beat = match reference_beat(model) {
+    let beat = match reference_beat(model, Settings::default()) {
         Ok(beat) => beat,
         Err(error) => panic!("{name}: {error}"),
     };
@@ -169,6 +169,8 @@ fn check_beat(model: &dyn CellModel) {
     let half = Settings { step_ms: default.step_ms / 2.0, ..default };
     let fine = solve(model, protocol, half, 600.0, 0.1).ok().and_then(|t| t.peak_tension());
     let Some(fine) = fine else { panic!("{name}: the default beat fails at half the step") };
+    // Thresholds leave the method of order 1; a tension that hangs on the height of the upstroke moves
+    // by 0.3 % (measured), a wrong step or a stiff model by far more.
     let change = (fine.value / beat.peak_tension - 1.0).abs();
     assert!(change < 5e-3, "{name}: half the step changes the peak of tension by {change:e}");
 }

@@ -116,6 +116,7 @@ impl Electrical {
     /// `du/dt`, `dv/dt`, `dw/dt`, `ds/dt`, 1/ms, without stimulus.
     ///
     /// Source: `bueno_orovio_2008`, printed as `coelho_2021`, Eqs. (18)-(31).
+    #[allow(clippy::manual_midpoint, reason = "(1 + tanh) / 2 is how the paper writes it")]
     pub fn rates(&self, u: f64, v: f64, w: f64, s: f64) -> [f64; 4] {
         let Self { u_o, u_u, theta_v, theta_w, theta_v_minus, theta_o, .. } = *self;
         let Self { tau_v1_minus, tau_v2_minus, tau_v_plus, .. } = *self;

@@ -7,6 +7,7 @@ use super::theme::{
     time,
 };
 use super::{Figure, FigureError};
+use crate::analysis::trace;
 use crate::recording::{Recording, Sample};
 
 /// What one panel shows of a recording.
@@ -68,9 +69,10 @@ fn extent<'a>(curves: impl IntoIterator<Item = &'a [[f64; 2]]>, axis: usize) -> 
         })
 }
 
-/// The highest finite point, the first of equals.
+/// The highest point of a curve, between samples.
 fn peak(points: &[[f64; 2]]) -> Option<[f64; 2]> {
-    finite(points).reduce(|best, point| if point[1] > best[1] { point } else { best })
+    let (times, values): (Vec<f64>, Vec<f64>) = finite(points).map(|[t, value]| (t, value)).unzip();
+    trace::peak(&times, &values).map(|top| [top.time, top.value])
 }
 
 fn check(points: &[[f64; 2]], what: impl FnOnce() -> String) -> Result<(), FigureError> {
@@ -332,18 +334,5 @@ fn draw_legend(sheet: &mut Sheet, [left, top]: [f64; 2], legend: &[Entry]) {
             sheet.line([left, middle], end, entry.colour, CURVE_WIDTH, "");
         }
         sheet.text([left + SWATCH, middle + 3.5], &entry.text, Style::new(TICK));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_peak_is_the_first_highest_finite_point() {
-        let curve = [[0.0, 0.0], [1.0, f64::NAN], [2.0, 3.0], [3.0, 3.0], [f64::NAN, 9.0]];
-        assert_eq!(peak(&curve), Some([2.0, 3.0]));
-        assert_eq!(peak(&[]), None);
-        assert_eq!(extent([&curve[..]], 0), [0.0, 3.0]);
     }
 }
