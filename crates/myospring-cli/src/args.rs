@@ -195,6 +195,9 @@ pub(crate) struct PaperArgs {
     /// Threads for the three runs; the numbers do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,
+    /// Distance of neighbouring masses ("1.2 um"), to see that the answer does not depend on it
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) spacing: Option<String>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

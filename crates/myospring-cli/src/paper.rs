@@ -2,6 +2,7 @@
 
 use crate::args::PaperArgs;
 use crate::failure::Failure;
+use crate::input::{self, Input};
 use crate::print;
 use crate::results::Folder;
 use crate::run::progress_bar;
@@ -10,7 +11,6 @@ use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
-use myospring::run_file::RunFile;
 use myospring::simulation::Outcome;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -28,9 +28,8 @@ struct Record<'a> {
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
-    let run = RunFile::default().resolve().map_err(|error| Failure::of_run_file(&error, None))?;
-    let bytes = run.shape.bytes(|file| std::fs::read(file))?;
-    let (mesh, _) = run.shape.mesh(&bytes)?;
+    let spacing = args.spacing.clone().map(|text| ("--spacing", "shape.spacing", text.into()));
+    let Input { run, mesh, .. } = input::read(None, spacing.into_iter().collect())?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 

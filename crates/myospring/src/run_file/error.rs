@@ -89,7 +89,7 @@ pub enum Problem {
         reason: String,
     },
     /// A key that does not exist.
-    #[error("unknown key `{key}`{}{}", place(table), guess(suggestion))]
+    #[error("unknown key `{key}`{}{}", place(table), guess(suggestion.as_ref()))]
     UnknownKey {
         /// What was written.
         key: String,
@@ -101,7 +101,7 @@ pub enum Problem {
         known: Vec<String>,
     },
     /// A word that is none of a list.
-    #[error("`{key}` = \"{word}\" is none of: {}{}", known.join(", "), guess(suggestion))]
+    #[error("`{key}` = \"{word}\" is none of: {}{}", known.join(", "), guess(suggestion.as_ref()))]
     UnknownWord {
         /// The key.
         key: String,
@@ -224,8 +224,8 @@ fn place(table: &str) -> String {
     if table.is_empty() { String::new() } else { format!(" in [{table}]") }
 }
 
-fn guess(suggestion: &Option<String>) -> String {
-    suggestion.as_ref().map(|word| format!("; did you mean `{word}`?")).unwrap_or_default()
+fn guess(suggestion: Option<&String>) -> String {
+    suggestion.map(|word| format!("; did you mean `{word}`?")).unwrap_or_default()
 }
 
 impl Problem {
