@@ -58,13 +58,13 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 pub(crate) struct ShapeArgs {
     /// Side of one pixel of a picture ("0.27 um"); never guessed
-    #[arg(long, value_name = "LENGTH", help_heading = SHAPING)]
+    #[arg(long, value_name = "LENGTH", help_heading = SHAPING, allow_hyphen_values = true)]
     pub(crate) pixel_size: Option<String>,
     /// In a label picture, the grey value of the cell
-    #[arg(long, value_name = "N", help_heading = SHAPING)]
+    #[arg(long, value_name = "N", help_heading = SHAPING, allow_hyphen_values = true)]
     pub(crate) label: Option<i64>,
     /// Distance of neighbouring masses ("1.1 um"); by default about 2000 masses
-    #[arg(long, value_name = "LENGTH", help_heading = SHAPING)]
+    #[arg(long, value_name = "LENGTH", help_heading = SHAPING, allow_hyphen_values = true)]
     pub(crate) spacing: Option<String>,
     /// Turn an outline or the built-in cell counter-clockwise ("30 deg")
     #[arg(long, value_name = "ANGLE", help_heading = SHAPING, allow_hyphen_values = true)]
@@ -108,22 +108,22 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "NAME", help_heading = CELL)]
     pub(crate) model: Option<String>,
     /// Peak of the active tension ("50 kPa")
-    #[arg(long, value_name = "TENSION", help_heading = CELL)]
+    #[arg(long, value_name = "TENSION", help_heading = CELL, allow_hyphen_values = true)]
     pub(crate) peak_tension: Option<String>,
     /// Number of stimuli
-    #[arg(long, value_name = "N", help_heading = CELL)]
+    #[arg(long, value_name = "N", help_heading = CELL, allow_hyphen_values = true)]
     pub(crate) beats: Option<i64>,
     /// Time from one stimulus to the next ("1000 ms")
-    #[arg(long, value_name = "TIME", help_heading = CELL)]
+    #[arg(long, value_name = "TIME", help_heading = CELL, allow_hyphen_values = true)]
     pub(crate) cycle_length: Option<String>,
     /// Integrate the cell model as the authors of coelho_2021 did
     #[arg(long, help_heading = CELL)]
     pub(crate) authors_step: bool,
     /// Young's modulus ("308 kPa")
-    #[arg(long, value_name = "MODULUS", help_heading = MATERIAL)]
+    #[arg(long, value_name = "MODULUS", help_heading = MATERIAL, allow_hyphen_values = true)]
     pub(crate) young_modulus: Option<String>,
     /// Thickness of the cell ("10 um")
-    #[arg(long, value_name = "LENGTH", help_heading = MATERIAL)]
+    #[arg(long, value_name = "LENGTH", help_heading = MATERIAL, allow_hyphen_values = true)]
     pub(crate) thickness: Option<String>,
     /// What keeps the area: gradient, barycentric, printed
     #[arg(long, value_name = "LAW", help_heading = MATERIAL)]
@@ -138,13 +138,13 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "KIND", help_heading = MATERIAL)]
     pub(crate) support: Option<String>,
     /// Time simulated ("600 ms"); by default 550 ms after the last stimulus
-    #[arg(long, value_name = "TIME", help_heading = NUMERICS)]
+    #[arg(long, value_name = "TIME", help_heading = NUMERICS, allow_hyphen_values = true)]
     pub(crate) duration: Option<String>,
     /// stoermer-verlet or velocity-verlet
     #[arg(long, value_name = "NAME", help_heading = NUMERICS)]
     pub(crate) integrator: Option<String>,
     /// Mechanical time step ("0.004 ms"); by default 0.9 of the stability limit
-    #[arg(long, value_name = "TIME", help_heading = NUMERICS)]
+    #[arg(long, value_name = "TIME", help_heading = NUMERICS, allow_hyphen_values = true)]
     pub(crate) time_step: Option<String>,
     /// Check everything, mesh the cell, print the plan; write nothing
     #[arg(long, help_heading = OUTPUT)]
@@ -195,6 +195,9 @@ pub(crate) struct PaperArgs {
     /// Threads for the three runs; the numbers do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,
+    /// Distance of neighbouring masses ("1.2 um"), to see that the answer does not depend on it
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) spacing: Option<String>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

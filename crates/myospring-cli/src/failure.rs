@@ -1,6 +1,6 @@
 //! What goes wrong, as people see it, and the exit code that it gives.
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
+use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, NamedSource, Report, SourceCode};
 use myospring::output::csv::CsvError;
 use myospring::output::figure::FigureError;
 use myospring::output::files::FileError;
@@ -8,6 +8,7 @@ use myospring::output::json::JsonError;
 use myospring::run_file::{Origin, RunFileError, ShapeError};
 use myospring::simulation::SetupError;
 use std::fmt;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 /// Bad input or usage.
@@ -41,11 +42,18 @@ impl Failure {
             }
             _ => None,
         };
-        Self { message: error.to_string(), advice: error.problem.advice(), source }
+        Self { message: error.to_string(), advice: error.advice(), source }
     }
 
     /// Prints it and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
+        // Lines are broken for a terminal only, so that scripts can search for a message.
+        let wrap = std::io::stderr().is_terminal();
+        let options = move |_: &dyn Diagnostic| -> Box<dyn miette::ReportHandler> {
+            Box::new(MietteHandlerOpts::new().wrap_lines(wrap).build())
+        };
+        // A hook that is already set does as well.
+        miette::set_hook(Box::new(options)).ok();
         crate::print::note(&format!("{:?}", Report::new(self)));
         ExitCode::from(BAD_INPUT)
     }

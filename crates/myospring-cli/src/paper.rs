@@ -2,14 +2,15 @@
 
 use crate::args::PaperArgs;
 use crate::failure::Failure;
+use crate::input::{self, Input};
 use crate::print;
 use crate::results::Folder;
+use crate::run::progress_bar;
 use crate::table::{aligned, wrapped};
 use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
-use myospring::run_file::RunFile;
 use myospring::simulation::Outcome;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -27,9 +28,8 @@ struct Record<'a> {
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
-    let run = RunFile::default().resolve().map_err(|error| Failure::of_run_file(&error, None))?;
-    let bytes = run.shape.bytes(|file| std::fs::read(file))?;
-    let (mesh, _) = run.shape.mesh(&bytes)?;
+    let spacing = args.spacing.clone().map(|text| ("--spacing", "shape.spacing", text.into()));
+    let Input { run, mesh, .. } = input::read(None, spacing.into_iter().collect())?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
@@ -37,14 +37,22 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         .num_threads(args.threads.unwrap_or(0))
         .build()
         .map_err(|error| Failure::new(format!("no threads: {error}")))?;
+    let bar = progress_bar(args.output.quiet);
+    bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
     let one = |peak_tension: f64| -> Result<Outcome, Failure> {
         let mut simulation = run.simulation(mesh.clone())?;
         simulation.peak_tension = peak_tension;
-        Ok(simulation.prepare()?.run(|_| true))
+        let mut before = 0.0;
+        Ok(simulation.prepare()?.run(|progress| {
+            bar.inc((progress.time - before).round() as u64);
+            before += (progress.time - before).round();
+            true
+        }))
     };
     // Kept in the order of the tensions, whichever run ends first.
     let outcomes: Result<Vec<Outcome>, Failure> =
         pool.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
+    bar.finish_and_clear();
     let outcomes = outcomes?;
 
     let runs: Vec<PaperRun<'_>> = TENSIONS

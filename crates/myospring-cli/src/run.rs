@@ -24,19 +24,19 @@ use std::time::Instant;
 
 /// Where a second went, s.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
-pub(crate) struct Timings {
+struct Timings {
     /// Reading the shape and meshing it.
-    pub(crate) mesh_s: f64,
+    mesh_s: f64,
     /// Scaling the tension and finding the stable time step.
-    pub(crate) preparation_s: f64,
+    preparation_s: f64,
     /// The cell model, measured on a run of its own.
-    pub(crate) cell_s: f64,
+    cell_s: f64,
     /// The beat without the cell model.
-    pub(crate) mechanics_s: f64,
+    mechanics_s: f64,
     /// Drawing and writing.
-    pub(crate) figures_s: f64,
+    figures_s: f64,
     /// From start to end.
-    pub(crate) total_s: f64,
+    total_s: f64,
 }
 
 #[derive(Serialize)]
@@ -145,7 +145,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Runs with a progress bar where there is a terminal to show it.
-pub(crate) fn beat(prepared: &Prepared<'_>, quiet: bool) -> Outcome {
+fn beat(prepared: &Prepared<'_>, quiet: bool) -> Outcome {
     let bar = progress_bar(quiet);
     let outcome = prepared.run(|Progress { time, duration }| {
         bar.set_length(duration as u64);
@@ -156,7 +156,8 @@ pub(crate) fn beat(prepared: &Prepared<'_>, quiet: bool) -> Outcome {
     outcome
 }
 
-fn progress_bar(quiet: bool) -> ProgressBar {
+/// A bar on a terminal, else one that is not seen.
+pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
@@ -178,7 +179,7 @@ fn cell_alone(run: &Run) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-pub(crate) fn hash(bytes: &[u8]) -> String {
+fn hash(bytes: &[u8]) -> String {
     use std::fmt::Write;
     Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
         // Writing to a string does not fail.

@@ -30,7 +30,7 @@ fn check_value(schema: &Schema, value: &Value, path: &str) -> Result<(), Failure
     let fail = |problem| Err((path.to_owned(), problem));
     let key = path.to_owned();
     let kinds = kinds(schema);
-    let wants = |kind: &str| kinds.iter().any(|known| *known == kind);
+    let wants = |kind: &str| kinds.contains(&kind);
     match value {
         Value::Float(value) if !value.is_finite() => {
             fail(Problem::NotFinite { key, value: *value })

@@ -65,6 +65,15 @@ pub struct RunFileError {
 }
 
 impl RunFileError {
+    /// How to mend it, in one sentence; `None` where the message already says so.
+    pub fn advice(&self) -> Option<String> {
+        let name = match &self.origin {
+            Origin::Option(option) => format!("{option} "),
+            _ => format!("{} = ", self.key.rsplit('.').next().unwrap_or_default()),
+        };
+        self.problem.advice(&name)
+    }
+
     pub(super) fn bare(key: &str, problem: Problem) -> Self {
         Self { origin: Origin::Unknown, key: key.to_owned(), problem }
     }
@@ -80,7 +89,7 @@ pub enum Problem {
         reason: String,
     },
     /// A key that does not exist.
-    #[error("unknown key `{key}`{}{}", place(table), guess(suggestion))]
+    #[error("unknown key `{key}`{}{}", place(table), guess(suggestion.as_ref()))]
     UnknownKey {
         /// What was written.
         key: String,
@@ -92,7 +101,7 @@ pub enum Problem {
         known: Vec<String>,
     },
     /// A word that is none of a list.
-    #[error("`{key}` = \"{word}\" is none of: {}{}", known.join(", "), guess(suggestion))]
+    #[error("`{key}` = \"{word}\" is none of: {}{}", known.join(", "), guess(suggestion.as_ref()))]
     UnknownWord {
         /// The key.
         key: String,
@@ -215,13 +224,13 @@ fn place(table: &str) -> String {
     if table.is_empty() { String::new() } else { format!(" in [{table}]") }
 }
 
-fn guess(suggestion: &Option<String>) -> String {
-    suggestion.as_ref().map(|word| format!("; did you mean `{word}`?")).unwrap_or_default()
+fn guess(suggestion: Option<&String>) -> String {
+    suggestion.map(|word| format!("; did you mean `{word}`?")).unwrap_or_default()
 }
 
 impl Problem {
-    /// How to mend it, in one sentence; `None` where the message already says so.
-    pub fn advice(&self) -> Option<String> {
+    /// How to mend it, where `name` stands before a value.
+    fn advice(&self, name: &str) -> Option<String> {
         match self {
             Self::Syntax { .. } => {
                 Some("`myospring init` writes a run file with every key to start from".to_owned())
@@ -232,13 +241,9 @@ impl Problem {
             Self::UnknownKey { table, known, .. } => {
                 Some(format!("keys in [{table}]: {}", known.join(", ")))
             }
-            Self::Unit { key, example, .. } => {
-                let name = key.rsplit('.').next().unwrap_or(key);
-                Some(format!("write it like {name} = \"{example}\""))
-            }
-            Self::OutOfBounds { key, example, .. } => {
-                let name = key.rsplit('.').next().unwrap_or(key);
-                Some(format!("give a value within the bounds, like {name} = \"{example}\""))
+            Self::Unit { example, .. } => Some(format!("write it like {name}\"{example}\"")),
+            Self::OutOfBounds { example, .. } => {
+                Some(format!("give a value within the bounds, like {name}\"{example}\""))
             }
             Self::NotFinite { .. } => Some("give a number, or leave the key out".to_owned()),
             Self::NotAMultiple { unit, .. } => {

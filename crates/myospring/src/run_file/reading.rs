@@ -68,7 +68,7 @@ impl Reader {
 
     fn note(&mut self, file: &str, text: &str, prefix: &str, table: &DeTable<'_>) {
         let place = |span: Range<usize>| Origin::in_text(file, text, span);
-        for (key, value) in table.iter() {
+        for (key, value) in table {
             let path = join(prefix, key.get_ref());
             let spots = Place { key: place(key.span()), value: place(Spanned::span(value)) };
             if let DeValue::Table(inner) = value.get_ref() {

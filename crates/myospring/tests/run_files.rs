@@ -1,0 +1,141 @@
+//! Run files as data: those in `good` resolve and survive a round trip, those in `bad` fail with
+//! the message in their first line.
+
+use myospring::run_file::{RunFile, schema, template};
+use std::path::{Path, PathBuf};
+
+fn files(folder: &str) -> Vec<(PathBuf, String)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .map(|path| (path.clone(), std::fs::read_to_string(path).unwrap()))
+        .collect();
+    files.sort();
+    assert!(!files.is_empty());
+    files
+}
+
+#[test]
+fn every_bad_run_file_is_refused_with_its_message() {
+    for (path, text) in files("tests/run_files/bad") {
+        let expected = text.lines().next().unwrap().strip_prefix("# error: ").unwrap();
+        let outcome = RunFile::from_text(&text).and_then(|file| file.resolve().map(|_| ()));
+        // Only the reader that keeps places names them; both must say the same otherwise.
+        let reader = myospring::run_file::Reader::new().text("", &text);
+        let error = reader.and_then(|reader| reader.resolve().map(|_| ()));
+        let error = error.expect_err(&path.display().to_string());
+        assert!(error.to_string().contains(expected), "{}:\n{error}\n{expected}", path.display());
+        let bare = outcome.unwrap_err().problem.to_string();
+        assert_eq!(bare, error.problem.to_string(), "{}", path.display());
+    }
+}
+
+#[test]
+fn every_problem_in_a_file_names_its_line() {
+    for (path, text) in files("tests/run_files/bad") {
+        let reader = myospring::run_file::Reader::new().text("bad.toml", &text);
+        let error = reader.and_then(|reader| reader.resolve().map(|_| ())).unwrap_err();
+        let message = error.to_string();
+        // What is missing altogether has no line of its own, only that of its table.
+        assert!(message.starts_with("bad.toml, line "), "{}: {message}", path.display());
+    }
+}
+
+#[test]
+fn every_good_run_file_and_example_resolves_to_a_run_that_survives_writing_and_reading() {
+    for (path, text) in files("tests/run_files/good").into_iter().chain(files("../../examples")) {
+        let first = RunFile::from_text(&text).and_then(|file| file.resolve());
+        let first = first.map_err(|error| format!("{}: {error}", path.display())).unwrap();
+        let written = first.to_run_file().to_toml().unwrap();
+        let second = RunFile::from_text(&written).unwrap().resolve().unwrap();
+        assert_eq!(first.to_run_file(), second.to_run_file(), "{}", path.display());
+        assert_eq!(first.material, second.material);
+        assert_eq!(first.numerics, second.numerics);
+        assert_eq!(first.protocol, second.protocol);
+        assert_eq!(first.shape, second.shape);
+        assert_eq!(first.cell.parameters().rows().len(), second.cell.parameters().rows().len());
+        for (a, b) in first.cell.parameters().rows().iter().zip(second.cell.parameters().rows()) {
+            assert_eq!((a.name, a.value), (b.name, b.value));
+        }
+    }
+}
+
+#[test]
+fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
+    let text = template().unwrap();
+    let from_template = RunFile::from_text(&text).unwrap().resolve().unwrap();
+    let default = RunFile::default().resolve().unwrap();
+    assert_eq!(from_template.to_run_file(), default.to_run_file());
+    assert_eq!(from_template.numerics, default.numerics);
+    assert!(text.lines().all(|line| line.chars().count() <= 100));
+    for (table, row) in schema()["properties"].as_object().unwrap() {
+        for key in row["properties"].as_object().into_iter().flatten().map(|(key, _)| key) {
+            let shown = text.lines().any(|line| {
+                let line = line.strip_prefix("# ").unwrap_or(line);
+                line.strip_prefix(key.as_str()).is_some_and(|rest| rest.starts_with(" = "))
+            });
+            assert!(shown, "{table}.{key}");
+        }
+    }
+}
+
+#[test]
+fn every_commented_key_of_the_template_is_valid_where_it_stands() {
+    let text = template().unwrap();
+    let alternatives = ["spring_stiffness", "picture", "pixel_size", "label", "outline"];
+    let mut table = String::new();
+    for line in text.lines() {
+        if line.starts_with('[') {
+            line.clone_into(&mut table);
+        }
+        let Some(example) = line.strip_prefix("# ").filter(|rest| {
+            let key = rest.split(" = ").next().unwrap_or_default();
+            rest.contains(" = ") && key.chars().all(|c| c.is_ascii_lowercase() || c == '_')
+        }) else {
+            continue;
+        };
+        let file = RunFile::from_text(&format!("{table}\n{example}")).unwrap();
+        let key = example.split(" = ").next().unwrap();
+        // A picture needs its pixel size, a pulse its kind; the rest stands alone.
+        if !alternatives.contains(&key) && key != "duration" {
+            file.resolve().map_err(|error| format!("{example}: {error}")).unwrap();
+        }
+    }
+}
+
+#[test]
+fn defaults_are_those_of_the_simulation() {
+    let run = RunFile::default().resolve().unwrap();
+    assert_eq!(run.numerics, myospring::simulation::Numerics::default());
+    assert_eq!(run.material, myospring::mechanics::material::default_material());
+    assert_eq!((run.peak_tension, run.duration), (50.0, 600.0));
+    assert_eq!(run.stimulus_times(), [50.0]);
+}
+
+#[test]
+fn the_authors_step_takes_their_step_stimulus_and_normalisation() {
+    let run = RunFile::from_text("[cell]\nauthors_step = true").unwrap().resolve().unwrap();
+    assert_eq!(run.numerics.cell, myospring::cell::coelho_2021::authors_step());
+    assert_eq!(run.protocol, myospring::cell::coelho_2021::authors_protocol());
+    assert_eq!(run.cell.parameters().get("u_peak"), Some(1.135211));
+    assert_eq!(run.duration, 600.0);
+}
+
+#[test]
+fn a_train_lasts_550_ms_after_its_last_stimulus() {
+    let run = RunFile::from_text("[stimulus]\nbeats = 3\ncycle_length = \"500 ms\"").unwrap();
+    assert_eq!(run.resolve().unwrap().duration, 1600.0);
+}
+
+#[test]
+fn the_schema_refuses_unknown_keys_and_knows_units_and_bounds() {
+    let schema = schema();
+    assert_eq!(schema["additionalProperties"], false);
+    let thickness = &schema["properties"]["material"]["properties"]["thickness"];
+    assert_eq!(thickness["x-unit"], "um");
+    assert_eq!(thickness["x-bounds"], "above 0 um, at most 100 um");
+    assert_eq!(thickness["type"], serde_json::json!(["string"]));
+    assert!(thickness["description"].as_str().unwrap().contains("Thickness"));
+}
