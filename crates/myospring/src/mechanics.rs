@@ -11,6 +11,7 @@
 //! | [`drag`] | viscous drag | `coelho_2021`, Eq. (10) |
 //! | [`support`] | what holds the cell | `coelho_2021`, section 2.1 |
 //! | [`stability`] | the largest stable time step | |
+//! | [`stiffness`] | the tangent stiffness, for equilibria | |
 
 pub mod active;
 pub mod area;
@@ -19,9 +20,11 @@ pub mod material;
 mod runs;
 pub mod spring;
 pub mod stability;
+pub mod stiffness;
 pub mod support;
 
 use crate::mesh::Mesh;
+use stiffness::StiffnessMatrix;
 
 /// One vector per node, by axis: `vectors[axis][node]`.
 pub type Vectors = [Vec<f64>; 2];
@@ -113,6 +116,15 @@ pub trait Force: Send + Sync {
     /// Rate at which velocity-dependent parts take energy, fJ/ms; never negative.
     fn dissipation(&self, _at: &Configuration<'_>) -> f64 {
         0.0
+    }
+
+    /// Adds the tangent stiffness, nN/um: minus the derivative of the force at zero velocity and
+    /// fixed tension, which is the second derivative of the energy.
+    ///
+    /// Optional: returns whether the force has one, and adds nothing if not. Equilibria are solved
+    /// with it (`integrate::quasi_static`); motion in time does without.
+    fn add_stiffness(&self, _at: &Configuration<'_>, _stiffness: &mut StiffnessMatrix) -> bool {
+        false
     }
 
     /// Whether the forces come in equal and opposite pairs along the line between nodes or in

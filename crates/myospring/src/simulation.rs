@@ -10,14 +10,20 @@
 //! |-|-|-|-|-|   masses: n equal Verlet steps, tension linear in between
 //! ```
 //!
+//! [`Prepared::run`] moves the masses in time, [`Simulation::run_quasi_static`] puts them along their path of
+//! equilibria; the loop is the same.
+//!
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
+
+pub mod quasi_static;
 
 use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, Settings, SolveError};
 use crate::cell::{CellModel, coelho_2021};
+use crate::integrate::quasi_static::PathError;
 use crate::integrate::verlet::{Integrator, Motion};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::signed_area;
@@ -130,6 +136,9 @@ pub enum SetupError {
         /// Where it rests, um.
         y: f64,
     },
+    /// There is no path of equilibria.
+    #[error("no quasi-static run: {0}")]
+    NoPath(#[from] PathError),
     /// The cell model cannot start, or makes no tension to scale.
     #[error("the cell model `{model}` cannot be run: {cause}")]
     CellModel {
@@ -195,6 +204,16 @@ pub enum StopReason {
         /// Where it is, um.
         y: f64,
     },
+    /// The path of equilibria ends before this tension.
+    #[error("the tension reaches {tension:.4} kPa at t = {time} ms, but {cause}")]
+    NoEquilibrium {
+        /// Time, ms.
+        time: f64,
+        /// Active tension, kPa.
+        tension: f64,
+        /// Where and why the path ends.
+        cause: String,
+    },
     /// The cell model failed.
     #[error("the cell model failed: {cause}")]
     CellModel {
@@ -226,18 +245,47 @@ pub struct Outcome {
 
 /// A run made ready: forces assembled, time step chosen.
 pub struct Prepared<'a> {
+    setup: Setup<'a>,
+    /// The stability limit at peak tension.
+    pub limit: StabilityLimit,
+    /// Mechanical steps in each exchange interval.
+    pub steps_per_exchange: usize,
+}
+
+/// What every run starts from.
+struct Setup<'a> {
     simulation: &'a Simulation,
     cell: CellIntegrator<'a>,
     body: Body,
     system: System,
     meter: ShapeMeter,
-    /// The stability limit at peak tension.
-    pub limit: StabilityLimit,
-    /// Mechanical steps in each exchange interval.
-    pub steps_per_exchange: usize,
     /// kPa per unit of the model's tension.
     tension_scale: f64,
     resting_length: f64,
+}
+
+/// What a shape is recorded by; units as in [`Sample`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Observed {
+    length: f64,
+    width: f64,
+    area: f64,
+    elastic_energy: f64,
+    kinetic_energy: f64,
+    active_work: f64,
+    dissipated_energy: f64,
+}
+
+/// What gives the mesh its shape under a tension: a motion in time, or the path of equilibria.
+trait Shaping {
+    /// Follows the tension (kPa), linear over an exchange interval that ends at a time (ms).
+    fn follow(&mut self, time: f64, tensions: [f64; 2]) -> Result<(), StopReason>;
+    /// Length along the long axis now, um.
+    fn length(&self) -> f64;
+    /// All that is recorded now.
+    fn observe(&self) -> Observed;
+    /// Positions now, um.
+    fn positions(&self) -> Vectors;
 }
 
 /// How far a run has come.
@@ -275,6 +323,23 @@ impl Simulation {
     /// # Errors
     /// A time step above the stability limit, or a cell model without tension.
     pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
+        let setup = self.set_up()?;
+        let limit = StabilityLimit::of(&setup.system, &setup.body, self.peak_tension);
+        if let Some(time_step) = self.numerics.time_step
+            && time_step > limit.time_step
+        {
+            let node = limit.stiffest_node;
+            let [x, y] = [0, 1].map(|axis| self.mesh.points[axis][node]);
+            let limit = limit.time_step;
+            return Err(SetupError::UnstableStep { time_step, limit, node, x, y });
+        }
+        let wanted = self.numerics.time_step.unwrap_or(SAFETY * limit.time_step);
+        // Equal steps that fill the exchange interval; a hair of slack for rounding in the quotient.
+        let steps = (self.numerics.exchange_interval / wanted - 1e-9).ceil().max(1.0) as usize;
+        Ok(Prepared { setup, limit, steps_per_exchange: steps })
+    }
+
+    fn set_up(&self) -> Result<Setup<'_>, SetupError> {
         let model = self.cell.name();
         let failed = |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
         let settings = self.numerics.cell;
@@ -299,42 +364,47 @@ impl Simulation {
             }
         }
         let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
-        let limit = StabilityLimit::of(&system, &body, self.peak_tension);
-        if let Some(time_step) = self.numerics.time_step
-            && time_step > limit.time_step
-        {
-            let node = limit.stiffest_node;
-            let [x, y] = [0, 1].map(|axis| self.mesh.points[axis][node]);
-            let limit = limit.time_step;
-            return Err(SetupError::UnstableStep { time_step, limit, node, x, y });
-        }
-        let wanted = self.numerics.time_step.unwrap_or(SAFETY * limit.time_step);
-        // Equal steps that fill the exchange interval; a hair of slack for rounding in the quotient.
-        let steps = (self.numerics.exchange_interval / wanted - 1e-9).ceil().max(1.0) as usize;
-        Ok(Prepared {
-            simulation: self,
-            body,
-            system,
-            meter,
-            limit,
-            steps_per_exchange: steps,
-            tension_scale: self.peak_tension / peak,
-            cell,
-            resting_length,
-        })
+        let tension_scale = self.peak_tension / peak;
+        Ok(Setup { simulation: self, cell, body, system, meter, tension_scale, resting_length })
     }
 }
 
 impl Prepared<'_> {
     /// The mechanical time step, ms.
     pub fn time_step(&self) -> f64 {
-        self.simulation.numerics.exchange_interval / self.steps_per_exchange as f64
+        self.setup.simulation.numerics.exchange_interval / self.steps_per_exchange as f64
     }
 
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
-    pub fn run(&self, mut observe: impl FnMut(Progress) -> bool) -> Outcome {
-        let Simulation { cell, mesh, duration, numerics, .. } = self.simulation;
+    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
+        let Setup { simulation, body, system, .. } = &self.setup;
+        let integrator = simulation.numerics.integrator;
+        let mut shaping = InTime {
+            setup: &self.setup,
+            motion: Motion::new(system, body.clone(), integrator, self.time_step()),
+            steps: self.steps_per_exchange,
+            ledger: Ledger::new(body, self.setup.tension_at_start()),
+        };
+        let (recording, stop) = self.setup.run(&mut shaping, observe);
+        let steps = shaping.motion.steps();
+        Outcome { recording, stop, time_step: self.time_step(), steps, limit: self.limit }
+    }
+}
+
+impl Setup<'_> {
+    /// kPa.
+    fn tension_at_start(&self) -> f64 {
+        self.tension_scale * self.simulation.cell.tension(self.cell.state())
+    }
+
+    /// The loop.
+    fn run(
+        &self,
+        shaping: &mut impl Shaping,
+        mut observe: impl FnMut(Progress) -> bool,
+    ) -> (Recording, Option<StopReason>) {
+        let Simulation { cell, duration, numerics, .. } = self.simulation;
         let exchange = numerics.exchange_interval;
         let exchanges = (duration / exchange).round() as u64;
         let per_sample = (numerics.output_interval / exchange).round().max(1.0) as u64;
@@ -342,11 +412,8 @@ impl Prepared<'_> {
 
         let model = &**cell;
         let mut cell = self.cell.clone();
-        let mut motion =
-            Motion::new(&self.system, self.body.clone(), numerics.integrator, self.time_step());
         let mut recording = Recording::default();
-        let mut tension = self.tension_scale * model.tension(cell.state());
-        let mut ledger = Ledger::new(&motion.body, tension);
+        let mut tension = self.tension_at_start();
         let mut strongest: Option<Frame> = None;
         let mut stop = None;
         let mut length = self.resting_length;
@@ -359,21 +426,16 @@ impl Prepared<'_> {
                     break;
                 }
                 let next = self.tension_scale * model.tension(cell.state());
-                motion.advance(self.steps_per_exchange, [tension, next]);
-                tension = next;
-                stop = fault(mesh, &motion.body, time, tension);
-                if stop.is_some() {
+                if let Err(reason) = shaping.follow(time, [tension, next]) {
+                    stop = Some(reason);
                     break;
                 }
-                length = self.meter.measure(&motion.body.positions).length;
-                ledger.settle(&self.system, &motion.body, tension, exchange);
+                tension = next;
+                length = shaping.length();
             }
-            let snapshot = || {
-                let positions = motion.body.positions.clone();
-                Frame { t_ms: time, ta_kpa: tension, positions }
-            };
+            let snapshot = || Frame { t_ms: time, ta_kpa: tension, positions: shaping.positions() };
             if index % per_sample == 0 {
-                recording.samples.push(self.sample(time, &cell, tension, &motion.body, &ledger));
+                recording.samples.push(self.sample(time, &cell, tension, &shaping.observe()));
                 if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
                     strongest = Some(snapshot());
                 }
@@ -393,8 +455,7 @@ impl Prepared<'_> {
                 recording.frames.insert(place, frame);
             }
         }
-        let steps = motion.steps();
-        Outcome { recording, stop, time_step: self.time_step(), steps, limit: self.limit }
+        (recording, stop)
     }
 
     fn sample(
@@ -402,25 +463,67 @@ impl Prepared<'_> {
         time: f64,
         cell: &CellIntegrator<'_>,
         tension: f64,
-        body: &Body,
-        ledger: &Ledger,
+        observed: &Observed,
     ) -> Sample {
-        let extent = self.meter.measure(&body.positions);
         let model = &*self.simulation.cell;
         Sample {
             t_ms: time,
             u: model.potential(cell.state()),
             vm_mv: model.membrane_potential_mv(cell.state()),
             ta_kpa: tension,
-            length_um: extent.length,
-            width_um: extent.width,
-            area_um2: projected_area(&self.simulation.mesh, &body.positions),
-            shortening_pct: 100.0 * (1.0 - extent.length / self.resting_length),
-            elastic_energy_fj: self.system.elastic_energy(&body.configuration(tension)),
-            kinetic_energy_fj: body.kinetic_energy(),
-            active_work_fj: ledger.active_work,
-            dissipated_energy_fj: ledger.dissipated,
+            length_um: observed.length,
+            width_um: observed.width,
+            area_um2: observed.area,
+            shortening_pct: 100.0 * (1.0 - observed.length / self.resting_length),
+            elastic_energy_fj: observed.elastic_energy,
+            kinetic_energy_fj: observed.kinetic_energy,
+            active_work_fj: observed.active_work,
+            dissipated_energy_fj: observed.dissipated_energy,
         }
+    }
+}
+
+/// Masses that move in time, by Verlet's method.
+struct InTime<'a> {
+    setup: &'a Setup<'a>,
+    motion: Motion<'a>,
+    /// In each exchange interval.
+    steps: usize,
+    ledger: Ledger,
+}
+
+impl Shaping for InTime<'_> {
+    fn follow(&mut self, time: f64, tensions: [f64; 2]) -> Result<(), StopReason> {
+        let Simulation { mesh, numerics, .. } = self.setup.simulation;
+        self.motion.advance(self.steps, tensions);
+        let body = &self.motion.body;
+        if let Some(reason) = fault(mesh, &body.positions, time, tensions[1]) {
+            return Err(reason);
+        }
+        self.ledger.settle(&self.setup.system, body, tensions[1], numerics.exchange_interval);
+        Ok(())
+    }
+
+    fn length(&self) -> f64 {
+        self.setup.meter.measure(&self.motion.body.positions).length
+    }
+
+    fn observe(&self) -> Observed {
+        let (Setup { simulation, system, meter, .. }, body) = (self.setup, &self.motion.body);
+        let extent = meter.measure(&body.positions);
+        Observed {
+            length: extent.length,
+            width: extent.width,
+            area: projected_area(&simulation.mesh, &body.positions),
+            elastic_energy: system.elastic_energy(&body.configuration(self.ledger.tension)),
+            kinetic_energy: body.kinetic_energy(),
+            active_work: self.ledger.active_work,
+            dissipated_energy: self.ledger.dissipated,
+        }
+    }
+
+    fn positions(&self) -> Vectors {
+        self.motion.body.positions.clone()
     }
 }
 
@@ -479,8 +582,8 @@ pub fn projected_area(mesh: &Mesh, positions: &[Vec<f64>; 2]) -> f64 {
 }
 
 /// The first thing that is wrong with a body, if anything is.
-fn fault(mesh: &Mesh, body: &Body, time: f64, tension: f64) -> Option<StopReason> {
-    let [x, y] = &body.positions;
+fn fault(mesh: &Mesh, positions: &Vectors, time: f64, tension: f64) -> Option<StopReason> {
+    let [x, y] = positions;
     let rest = |node: usize| (mesh.points[0][node], mesh.points[1][node]);
     if let Some(node) = (0..x.len()).find(|&node| !(x[node].is_finite() && y[node].is_finite())) {
         let (x, y) = rest(node);
@@ -495,7 +598,7 @@ fn fault(mesh: &Mesh, body: &Body, time: f64, tension: f64) -> Option<StopReason
         let (x, y) = (x[node], y[node]);
         return Some(StopReason::ZeroLength { time, tension, spring, x, y });
     }
-    let inverted = |nodes: [u32; 3]| signed_area(&body.positions, nodes) <= 0.0;
+    let inverted = |nodes: [u32; 3]| signed_area(positions, nodes) <= 0.0;
     let triangle = mesh.simplices.iter().position(|simplex| inverted(simplex.nodes))?;
     let node = mesh.simplices[triangle].nodes[0] as usize;
     Some(StopReason::Inverted { time, tension, triangle, x: x[node], y: y[node] })

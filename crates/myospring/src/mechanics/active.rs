@@ -16,6 +16,7 @@
 //! the triangles: on each edge a weight, as cheap as a spring without its square root.
 
 use super::runs::{self, LONGEST, Run, vectorised};
+use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
@@ -124,6 +125,16 @@ impl Force for FibreTension {
             weight * at.positions.iter().map(|x| (x[b] - x[a]).powi(2)).sum::<f64>()
         };
         Some(0.5 * at.tension * self.edges.iter().zip(&self.weights).map(one).sum::<f64>())
+    }
+
+    fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
+        for (nodes, weight) in self.edges.iter().zip(&self.weights) {
+            let [a, b] = nodes.map(|node| node as usize);
+            // f = -Ta K x
+            let value = at.tension * weight;
+            stiffness.add_pair(a, b, [[value, 0.0], [0.0, value]]);
+        }
+        true
     }
 
     fn is_internal(&self) -> bool {

@@ -14,6 +14,7 @@
 //! three laws the same `k` in nN/um.
 
 use super::runs::{self, LONGEST, Run, vectorised};
+use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
@@ -160,6 +161,39 @@ impl Force for AreaPreservation {
             0.5 * self.stiffness[triangle] * deviation * deviation
         };
         Some((0..self.nodes.len()).map(one).sum())
+    }
+
+    fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
+        if self.law != AreaLaw::Gradient {
+            return false;
+        }
+        let [x, y] = at.positions;
+        for (triangle, corners) in self.nodes.iter().enumerate() {
+            let scale = self.stiffness[triangle];
+            let stress = scale * (signed_area(at.positions, *corners) - self.rest_area[triangle]);
+            let corners = corners.map(|node| node as usize);
+            // dA/dx_a = (y_b - y_c, x_c - x_b)/2
+            let gradient = [0, 1, 2].map(|k| {
+                let (next, last) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
+                [0.5 * (y[next] - y[last]), 0.5 * (x[last] - x[next])]
+            });
+            for k in 0..3 {
+                // (dE/dA)' dA/dx_a (x) dA/dx_b + dE/dA d2A/(dx_a dx_b), the last for a before b:
+                // ((0, 1/2), (-1/2, 0))
+                let next = (k + 1) % 3;
+                let product =
+                    |other: usize, i: usize, j: usize| scale * gradient[k][i] * gradient[other][j];
+                let mixed = product(k, 0, 1);
+                let own = [[product(k, 0, 0), mixed], [mixed, product(k, 1, 1)]];
+                let pair = [
+                    [product(next, 0, 0), product(next, 0, 1) + 0.5 * stress],
+                    [product(next, 1, 0) - 0.5 * stress, product(next, 1, 1)],
+                ];
+                stiffness.add(corners[k], corners[k], own);
+                stiffness.add(corners[k], corners[next], pair);
+            }
+        }
+        true
     }
 
     fn is_internal(&self) -> bool {

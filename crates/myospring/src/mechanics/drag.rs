@@ -6,6 +6,7 @@
 //! [`Drag::of_slowest_mode`] inverts. Integrators take the drag implicitly
 //! ([`crate::integrate::verlet`]), so it never limits the time step.
 
+use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 use std::f64::consts::PI;
 
@@ -45,6 +46,11 @@ impl Force for Drag {
     fn dissipation(&self, at: &Configuration<'_>) -> f64 {
         let square = |node: usize| at.velocities.iter().map(|v| v[node] * v[node]).sum::<f64>();
         self.masses.iter().enumerate().map(|(node, mass)| self.rate * mass * square(node)).sum()
+    }
+
+    /// None: at zero velocity there is no force.
+    fn add_stiffness(&self, _at: &Configuration<'_>, _stiffness: &mut StiffnessMatrix) -> bool {
+        true
     }
 
     fn is_internal(&self) -> bool {

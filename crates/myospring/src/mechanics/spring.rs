@@ -14,6 +14,7 @@
 //! lattice and hardly touches the slow ones of a long cell; see [`super::drag`] for those.
 
 use super::runs::{self, LONGEST, Run, vectorised};
+use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 
 /// Springs with dashpots between pairs of nodes.
@@ -142,6 +143,22 @@ impl Force for Springs {
             self.damping[spring] * rate * rate
         };
         (0..self.nodes.len()).map(one).sum()
+    }
+
+    fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
+        for (spring, nodes) in self.nodes.iter().enumerate() {
+            let [a, b] = nodes.map(|node| node as usize);
+            let (length, n) = self.direction(spring, at.positions);
+            // k [(1 - r/|l|) I + (r/|l|) n (x) n], n = l/|l|
+            let k = self.stiffness[spring];
+            let ratio = self.rest_length[spring] / length;
+            let along = |i: usize, j: usize| k * ratio * n[i] * n[j];
+            let across = k * (1.0 - ratio);
+            let mixed = along(0, 1);
+            let block = [[across + along(0, 0), mixed], [mixed, across + along(1, 1)]];
+            stiffness.add_pair(a, b, block);
+        }
+        true
     }
 
     fn is_internal(&self) -> bool {

@@ -1,11 +1,13 @@
 //! The conformance suite of forces.
 
+use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::{Configuration, Force, Vectors, zeros};
 
 /// Checks everything that a [`Force`] promises, at one configuration.
 ///
 /// - it adds to the forces it is given;
 /// - where it has an energy, the force at zero velocity is minus its gradient;
+/// - where it has a stiffness, that is minus the derivative of the force at zero velocity;
 /// - its velocity-dependent part takes exactly the energy that `dissipation` says, never gives any;
 /// - if it is internal: no resultant force, no torque (Newton's third law), and turning and shifting
 ///   the whole body turns the forces with it and leaves the energy alone.
@@ -25,6 +27,7 @@ use crate::mechanics::{Configuration, Force, Vectors, zeros};
 pub fn check(force: &dyn Force, at: &Configuration<'_>) {
     adds_to_what_is_there(force, at);
     is_minus_the_gradient_of_its_energy(force, at);
+    has_the_stiffness_that_it_says(force, at);
     dissipates_what_it_says(force, at);
     if force.is_internal() {
         has_no_resultant(force, at);
@@ -85,6 +88,53 @@ fn is_minus_the_gradient_of_its_energy(force: &dyn Force, at: &Configuration<'_>
                 force.name(),
                 forces[axis][node],
             );
+        }
+    }
+}
+
+fn has_the_stiffness_that_it_says(force: &dyn Force, at: &Configuration<'_>) {
+    let count = at.positions[0].len();
+    let still = zeros(count);
+    let at = Configuration { velocities: &still, ..*at };
+    let mut stiffness = StiffnessMatrix::new(count);
+    if !force.add_stiffness(&at, &mut stiffness) {
+        assert_eq!(stiffness.blocks(), 0, "{} adds a stiffness but denies it", force.name());
+        return;
+    }
+    assert!(force.energy(&at).is_some(), "{} has a stiffness but no energy", force.name());
+    let step = 1e-5;
+    let mut scale = largest(&evaluate(force, &at));
+    // Three irregular directions, so that no entry hides behind another.
+    for turn in 1..=3 {
+        let direction: Vectors = [0, 1].map(|axis| {
+            (0..count)
+                .map(|i| ((2 * i + axis + turn) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
+                .collect()
+        });
+        let at_distance = |by: f64| {
+            let moved = [0, 1].map(|axis| {
+                let both = at.positions[axis].iter().zip(&direction[axis]);
+                both.map(|(x, d)| x + by * d).collect()
+            });
+            evaluate(force, &Configuration { positions: &moved, ..at })
+        };
+        let (plus, minus) = (at_distance(step), at_distance(-step));
+        let product = stiffness.times(&direction);
+        scale = scale.max(largest(&product));
+        // Rounding in the forces and their third derivatives bound what a difference can show.
+        let tolerance = 1e-6 * scale;
+        for axis in 0..2 {
+            for node in 0..count {
+                let slope = (minus[axis][node] - plus[axis][node]) / (2.0 * step);
+                let error = (product[axis][node] - slope).abs();
+                assert!(
+                    error <= tolerance,
+                    "{}: stiffness gives {} on node {node} along axis {axis}, differences of the \
+                     force {slope}",
+                    force.name(),
+                    product[axis][node],
+                );
+            }
         }
     }
 }

@@ -1,0 +1,459 @@
+//! The path of equilibria: the shape as a function of the tension alone.
+//!
+//! A contraction is quasi-static: the masses follow the tension without vibrating, and the dampings
+//! only see to that. Where all forces have an energy, the shape then depends on the present tension and
+//! not on time. [`Path`] solves
+//!
+//! ```text
+//! f(x; Ta) = 0     from Ta = 0 to the largest tension
+//! ```
+//!
+//! once, at a few load steps, and gives the shape at any tension by interpolation; a beat, a train of
+//! beats or any other course of tension costs nothing more.
+//!
+//! - Each load step: prediction by extrapolation, then Newton's method with the tangent stiffness `K`
+//!   (sparse Cholesky) and a line search on the energy.
+//! - Between load steps: the cubic polynomials that agree with the shapes and with their slopes
+//!   `dx/dTa = K^-1 df/dTa` at both ends (Hermite's).
+//! - Length of the load steps: by the error of that interpolation. Extrapolating the last cubic over the
+//!   new step misses by `x''''/24 (h_1 + h_2)^2 h_2^2`, the new cubic by at most `x''''/24 (h_2/2)^4`;
+//!   the first can be measured, so the second is known.
+//!
+//! Guaranteed: at each load step the stiffness is positive definite, so the equilibrium is stable and
+//! the one that a slow contraction reaches; where that ends (buckling, collapse) an error says so with
+//! the tension. The same input gives the same bits.
+//!
+//! Not covered, and refused with what to use instead: forces without an energy, active loads from
+//! outside, dampings so strong that they delay the shape. Inverted triangles are no error here, since a
+//! path knows no triangles: see [`Path::tensions`].
+
+mod equilibrium;
+mod factor;
+
+use crate::mechanics::stiffness::StiffnessMatrix;
+use crate::mechanics::support::Support;
+use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use equilibrium::{Failure, Rest, Solver, largest};
+
+/// How exact a path is; [`Default`] is far inside what a laboratory can read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Largest error of the interpolated positions, as a part of the body's largest extent; 1e-6.
+    pub interpolation: f64,
+    /// Largest last correction of Newton's method, as a part of the body's largest extent; 1e-9.
+    pub equilibrium: f64,
+    /// Smallest load step, as a part of the tension wanted; 1e-4. A tension at which the path ends is
+    /// found to this.
+    pub smallest_step: f64,
+    /// Longest time by which dampings may delay the shape, ms; 1. Up to here a contraction counts as
+    /// quasi-static.
+    pub longest_delay: f64,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self { interpolation: 1e-6, equilibrium: 1e-9, smallest_step: 1e-4, longest_delay: 1.0 }
+    }
+}
+
+/// Why there is no path, or none so far.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PathError {
+    /// A force has no energy, so the shape depends on how it was reached.
+    #[error(
+        "{force}: this law has no energy, so there is no path of equilibria; use the area law \
+         `gradient`, or integrate in time with Verlet's method"
+    )]
+    NoEnergy {
+        /// The force.
+        force: &'static str,
+    },
+    /// A load from outside turns and pushes a body that nothing but its support holds.
+    #[error(
+        "{force}: loads from outside have no path of equilibria here; use tension along the fibre, or \
+         integrate in time with Verlet's method"
+    )]
+    External {
+        /// The force.
+        force: &'static str,
+    },
+    /// A force does not tell its stiffness.
+    #[error(
+        "{force}: this force has no tangent stiffness, which the path of equilibria needs; implement \
+         `Force::add_stiffness`, or integrate in time with Verlet's method"
+    )]
+    NoStiffness {
+        /// The force.
+        force: &'static str,
+    },
+    /// The dampings delay the shape.
+    #[error(
+        "drag and dashpots delay the shape by {delay:.2} ms, more than {longest} ms, so it is no \
+         function of the tension alone; integrate in time with Verlet's method, or lower \
+         drag and period of the slowest vibration if they are numerical"
+    )]
+    Delayed {
+        /// By how much, ms.
+        delay: f64,
+        /// What is allowed, ms.
+        longest: f64,
+    },
+    /// The equilibrium loses its stability.
+    #[error(
+        "the equilibrium is unstable beyond {tension:.4} kPa (its stiffness is no longer positive \
+         definite at {beyond:.4} kPa): the cell buckles or collapses there; keep the tension below, stiffen \
+         the cell, or integrate in time with Verlet's method to see what follows"
+    )]
+    Unstable {
+        /// The last tension with a stable equilibrium, kPa.
+        tension: f64,
+        /// A tension without, kPa.
+        beyond: f64,
+    },
+    /// No equilibrium was found.
+    #[error(
+        "no equilibrium was found beyond {tension:.4} kPa (tried {beyond:.4} kPa): the forces are too \
+         strong for this lattice; lower the tension or the area modulus, or raise Young's modulus"
+    )]
+    Lost {
+        /// The last tension with a stable equilibrium, kPa.
+        tension: f64,
+        /// The tension tried, kPa.
+        beyond: f64,
+    },
+    /// The matrix does not fit into memory.
+    #[error(
+        "the stiffness of {masses} masses cannot be factorised in this machine's memory; use a coarser mesh, or \
+         integrate in time with Verlet's method"
+    )]
+    TooLarge {
+        /// How many masses there are.
+        masses: usize,
+    },
+    /// The tension asked for is not a number.
+    #[error("a tension of {tension} kPa has no equilibrium; give a finite one")]
+    NotFinite {
+        /// The tension, kPa.
+        tension: f64,
+    },
+}
+
+/// One load step's end.
+#[derive(Debug, Clone, PartialEq)]
+struct Knot {
+    /// kPa.
+    tension: f64,
+    /// um.
+    positions: Vectors,
+    /// um/kPa.
+    slope: Vectors,
+}
+
+/// Equilibria from tension 0 upward, and downward, as far as they were asked for.
+///
+/// # Example
+/// ```
+/// use myospring::integrate::quasi_static::{Path, Tolerance};
+/// use myospring::mechanics::active::ActiveLaw;
+/// use myospring::mechanics::material::{assemble, default_material};
+/// use myospring::mechanics::support::SupportKind;
+/// use myospring::mesh::lattice;
+///
+/// let strip = lattice::rectangle(20, 4, 5.0)?;
+/// let fibres = vec![[1.0, 0.0]; strip.simplices.len()];
+/// let (body, system) = assemble(
+///     &strip, &default_material(), ActiveLaw::Fibre, &fibres, SupportKind::MassCentre, [1.0, 0.0], 100.0,
+/// );
+/// let path = Path::solve(&system, &body, 50.0, Tolerance::default())?;
+/// // Node 0 is the strip's lower left corner, node 20 its lower right one.
+/// let [x, _] = path.positions(35.0).ok_or("35 kPa lies on the way to 50")?;
+/// assert!(((x[20] - x[0]) / 100.0 - 0.915).abs() < 0.002);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Path<'a> {
+    solver: Solver<'a>,
+    tolerance: Tolerance,
+    /// The body's largest extent, um.
+    extent: f64,
+    /// From tension 0 downward, and upward; both begin with the body at rest.
+    branches: [Vec<Knot>; 2],
+    /// Length of the next load step on each branch, kPa; 0 if none was made.
+    steps: [f64; 2],
+    error: f64,
+    delay: f64,
+    newton_iterations: usize,
+}
+
+impl<'a> Path<'a> {
+    /// The path from rest to a largest tension in kPa (negative: the active force pushes).
+    ///
+    /// The body's velocities do not matter; its positions are where mass centre and orientation stay.
+    ///
+    /// # Errors
+    /// Every [`PathError`]: forces for which there is no path, and paths that end before the largest
+    /// tension.
+    pub fn solve(
+        system: &'a System,
+        body: &'a Body,
+        largest_tension: f64,
+        tolerance: Tolerance,
+    ) -> Result<Self, PathError> {
+        let mut path = Self::start(system, body, tolerance)?;
+        path.extend(largest_tension)?;
+        Ok(path)
+    }
+
+    /// The path's first point: the body under no tension; [`Path::extend`] goes on from there.
+    ///
+    /// # Errors
+    /// Forces for which there is no path; a body that is unstable under no tension.
+    pub fn start(
+        system: &'a System,
+        body: &'a Body,
+        tolerance: Tolerance,
+    ) -> Result<Self, PathError> {
+        check_forces(system, body)?;
+        let extent = body
+            .positions
+            .iter()
+            .map(|axis| {
+                axis.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+                    - axis.iter().copied().fold(f64::INFINITY, f64::min)
+            })
+            .fold(0.0, f64::max);
+        let mut solver = Solver::new(system, body);
+        let rest = solver
+            .find(&body.positions, 0.0, tolerance.equilibrium * extent)
+            .map_err(|failure| ending(failure, body, 0.0, 0.0))?;
+        // Power of the dampings when the shape moves at the rate `slope` per kPa and ms, against the
+        // power of its elastic forces: how long a shape takes to follow.
+        let at =
+            Configuration { positions: &rest.positions, velocities: &rest.slope, tension: 0.0 };
+        let delay =
+            if rest.compliance > 0.0 { system.dissipation(&at) / rest.compliance } else { 0.0 };
+        if delay > tolerance.longest_delay {
+            return Err(PathError::Delayed { delay, longest: tolerance.longest_delay });
+        }
+        let newton_iterations = rest.corrections.len();
+        let knot = Knot { tension: 0.0, positions: rest.positions, slope: rest.slope };
+        Ok(Self {
+            solver,
+            tolerance,
+            extent,
+            branches: [vec![knot.clone()], vec![knot]],
+            steps: [0.0; 2],
+            error: 0.0,
+            delay,
+            newton_iterations,
+        })
+    }
+
+    /// Goes on to a tension in kPa; nothing to do if the path has been there.
+    ///
+    /// # Errors
+    /// [`PathError::Unstable`], [`PathError::Lost`] or [`PathError::TooLarge`] if the path ends before;
+    /// it then reaches as far as it goes. [`PathError::NotFinite`] for a tension that is no number.
+    pub fn extend(&mut self, tension: f64) -> Result<(), PathError> {
+        if !tension.is_finite() {
+            return Err(PathError::NotFinite { tension });
+        }
+        let side = usize::from(tension > 0.0);
+        let direction = if tension > 0.0 { 1.0 } else { -1.0 };
+        let smallest = self.tolerance.smallest_step * tension.abs();
+        loop {
+            let branch = &self.branches[side];
+            let last = &branch[branch.len() - 1];
+            let left = tension.abs() - last.tension.abs();
+            if left <= 0.0 {
+                return Ok(());
+            }
+            let first = branch.len() == 1;
+            if self.steps[side] == 0.0 {
+                // The straight line from rest moves no point by more than a twentieth of the body.
+                let rate = largest(&last.slope).max(f64::MIN_POSITIVE);
+                self.steps[side] = (0.05 * self.extent / rate).min(tension.abs());
+            }
+            let planned = self.steps[side].max(smallest);
+            let step = if planned >= left {
+                left
+            } else if 2.0 * planned > left {
+                0.5 * left
+            } else {
+                planned
+            };
+            let tried = if first {
+                self.first_step(side, direction * step)
+            } else {
+                self.next_step(side, direction * step)
+            };
+            match tried {
+                // The new step keeps a margin below what the error allows.
+                Ok(ratio) => {
+                    let change = (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
+                    self.steps[side] = step * change;
+                    if ratio > 1.0 && step <= smallest {
+                        let tension = self.branches[side][self.branches[side].len() - 1].tension;
+                        let beyond = tension + direction * step;
+                        return Err(PathError::Lost { tension, beyond });
+                    }
+                }
+                Err(failure) => {
+                    if step <= smallest || failure == Failure::TooLarge {
+                        let tension = self.branches[side][self.branches[side].len() - 1].tension;
+                        let beyond = tension + direction * step;
+                        return Err(ending(failure, self.solver.body(), tension, beyond));
+                    }
+                    self.steps[side] = 0.5 * step;
+                }
+            }
+        }
+    }
+
+    fn find(&mut self, guess: &Vectors, tension: f64) -> Result<(Knot, f64), Failure> {
+        let tolerance = self.tolerance.equilibrium * self.extent;
+        let found = self.solver.find(guess, tension, tolerance);
+        let Rest { positions, slope, corrections, .. } = found?;
+        self.newton_iterations += corrections.len();
+        let mut missed = 0.0_f64;
+        for axis in 0..2 {
+            for (a, b) in positions[axis].iter().zip(&guess[axis]) {
+                missed = missed.max((a - b).abs());
+            }
+        }
+        Ok((Knot { tension, positions, slope }, missed))
+    }
+
+    /// Error of a step against what is allowed; the knots are kept if it is not above 1.
+    fn judge(&mut self, side: usize, error: f64, knots: Vec<Knot>) -> f64 {
+        let allowed = self.tolerance.interpolation * self.extent;
+        if error <= allowed {
+            self.error = self.error.max(error);
+            self.branches[side].extend(knots);
+        }
+        error / allowed
+    }
+
+    /// Two half steps from rest: nothing lies before it to extrapolate, so the middle is the check.
+    fn first_step(&mut self, side: usize, step: f64) -> Result<f64, Failure> {
+        let rest = self.branches[side][0].clone();
+        let mut guess = rest.positions.clone();
+        for axis in 0..2 {
+            for (x, slope) in guess[axis].iter_mut().zip(&rest.slope[axis]) {
+                *x += step * slope;
+            }
+        }
+        let (end, _) = self.find(&guess, step)?;
+        interpolate(&rest, &end, 0.5 * step, &mut guess);
+        let (middle, missed) = self.find(&guess, 0.5 * step)?;
+        // Half as long, a cubic misses by a sixteenth.
+        Ok(self.judge(side, missed / 16.0, vec![middle, end]))
+    }
+
+    fn next_step(&mut self, side: usize, step: f64) -> Result<f64, Failure> {
+        let branch = &self.branches[side];
+        let (before, last) = (&branch[branch.len() - 2], &branch[branch.len() - 1]);
+        let (done, tension) = (last.tension - before.tension, last.tension + step);
+        let mut guess = zeros(last.positions[0].len());
+        interpolate(before, last, tension, &mut guess);
+        let (knot, missed) = self.find(&guess, tension)?;
+        let error = missed * (step / (4.0 * (done + step))).powi(2);
+        Ok(self.judge(side, error, vec![knot]))
+    }
+
+    /// The lowest and the highest tension of the path, kPa.
+    pub fn range(&self) -> [f64; 2] {
+        [0, 1].map(|side| self.branches[side][self.branches[side].len() - 1].tension)
+    }
+
+    /// Tensions at which the equilibrium was solved, kPa, in ascending order.
+    ///
+    /// Between two of them each coordinate is a cubic polynomial of the tension.
+    pub fn tensions(&self) -> Vec<f64> {
+        let [down, up] = &self.branches;
+        down.iter().rev().chain(&up[1..]).map(|knot| knot.tension).collect()
+    }
+
+    /// Positions under a tension in kPa, um; `None` outside [`Path::range`].
+    pub fn positions(&self, tension: f64) -> Option<Vectors> {
+        let [lowest, highest] = self.range();
+        if !(lowest..=highest).contains(&tension) {
+            return None;
+        }
+        let branch = &self.branches[usize::from(tension > 0.0)];
+        let after = branch.partition_point(|knot| knot.tension.abs() < tension.abs());
+        if branch[after].tension == tension {
+            return Some(branch[after].positions.clone());
+        }
+        let mut positions = zeros(branch[0].positions[0].len());
+        interpolate(&branch[after - 1], &branch[after], tension, &mut positions);
+        Some(positions)
+    }
+
+    /// The largest estimated error of an interpolated position, um.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Time by which drag and dashpots would delay the shape in a motion, ms: what a run in time lags
+    /// behind the path.
+    pub fn delay(&self) -> f64 {
+        self.delay
+    }
+
+    /// Number of load steps.
+    pub fn load_steps(&self) -> usize {
+        self.branches.iter().map(|branch| branch.len() - 1).sum()
+    }
+
+    /// Iterations of Newton's method in all accepted and rejected steps that came to rest; each
+    /// factorises one matrix.
+    pub fn newton_iterations(&self) -> usize {
+        self.newton_iterations
+    }
+}
+
+fn ending(failure: Failure, body: &Body, tension: f64, beyond: f64) -> PathError {
+    match failure {
+        Failure::Indefinite => PathError::Unstable { tension, beyond },
+        Failure::NoRest => PathError::Lost { tension, beyond },
+        Failure::TooLarge => PathError::TooLarge { masses: body.len() },
+    }
+}
+
+/// Whether the forces are such that the shape depends on the tension alone.
+fn check_forces(system: &System, body: &Body) -> Result<(), PathError> {
+    let still = zeros(body.len());
+    let at = Configuration { positions: &body.positions, velocities: &still, tension: 1.0 };
+    let clamped = matches!(system.support, Support::Clamped(_));
+    let mut stiffness = StiffnessMatrix::new(body.len());
+    let passive = system.passive.iter().map(|force| (force, clamped));
+    for (force, may_be_external) in passive.chain(system.active.iter().map(|force| (force, false)))
+    {
+        let name = force.name();
+        if force.energy(&at).is_none() {
+            return Err(PathError::NoEnergy { force: name });
+        }
+        if !force.is_internal() && !may_be_external {
+            return Err(PathError::External { force: name });
+        }
+        if !force.add_stiffness(&at, &mut stiffness) {
+            return Err(PathError::NoStiffness { force: name });
+        }
+    }
+    Ok(())
+}
+
+/// Hermite's cubic through two knots with their slopes, also outside of them.
+fn interpolate(from: &Knot, to: &Knot, tension: f64, positions: &mut Vectors) {
+    let width = to.tension - from.tension;
+    let s = (tension - from.tension) / width;
+    let (start, end) = ((1.0 + 2.0 * s) * (1.0 - s).powi(2), s * s * (3.0 - 2.0 * s));
+    let (leave, arrive) = (width * s * (1.0 - s).powi(2), width * s * s * (s - 1.0));
+    for axis in 0..2 {
+        let (x0, x1) = (&from.positions[axis], &to.positions[axis]);
+        let (d0, d1) = (&from.slope[axis], &to.slope[axis]);
+        for (node, position) in positions[axis].iter_mut().enumerate() {
+            *position = start * x0[node] + end * x1[node] + leave * d0[node] + arrive * d1[node];
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The tangent stiffness: minus the derivative of the forces with respect to the positions.
+//!
+//! Forces with an energy have a symmetric one. It is kept as blocks of 2 x 2, one per pair of nodes
+//! that act on each other, the upper half only. A force adds its part in
+//! [`super::Force::add_stiffness`].
+
+use super::{Vectors, zeros};
+
+/// The part of a stiffness that joins two nodes, nN/um: `block[axis of the first][axis of the second]`.
+pub type Block = [[f64; 2]; 2];
+
+/// A symmetric stiffness matrix in blocks of 2 x 2, nN/um.
+///
+/// # Example
+/// ```
+/// use myospring::mechanics::stiffness::StiffnessMatrix;
+/// // A spring of 3 nN/um along x between nodes 0 and 1.
+/// let mut stiffness = StiffnessMatrix::new(2);
+/// stiffness.add_pair(0, 1, [[3.0, 0.0], [0.0, 0.0]]);
+/// let restoring = stiffness.times(&[vec![0.0, 0.5], vec![0.0, 0.0]]);
+/// assert_eq!(restoring, [vec![-1.5, 1.5], vec![0.0, 0.0]]);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct StiffnessMatrix {
+    /// For each node its partners of equal or higher number, in order, and the block.
+    rows: Vec<Vec<(usize, Block)>>,
+    blocks: usize,
+}
+
+impl StiffnessMatrix {
+    /// No stiffness between `count` nodes.
+    pub fn new(count: usize) -> Self {
+        Self { rows: vec![Vec::new(); count], blocks: 0 }
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there is no node.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Number of blocks kept; it grows only when two nodes meet that did not before.
+    pub fn blocks(&self) -> usize {
+        self.blocks
+    }
+
+    /// Sets all values to zero and keeps the pattern.
+    pub fn clear(&mut self) {
+        for (_, block) in self.rows.iter_mut().flatten() {
+            *block = [[0.0; 2]; 2];
+        }
+    }
+
+    /// Adds a block between nodes `a` and `b`, nN/um, and its mirror image between `b` and `a`.
+    ///
+    /// # Panics
+    /// If a node does not exist.
+    pub fn add(&mut self, a: usize, b: usize, block: Block) {
+        let [[xx, xy], [yx, yy]] = block;
+        let (row, column, block) =
+            if a <= b { (a, b, block) } else { (b, a, [[xx, yx], [xy, yy]]) };
+        assert!(column < self.rows.len(), "node {column} of {}", self.rows.len());
+        let row = &mut self.rows[row];
+        let place = row.iter().position(|(other, _)| *other >= column).unwrap_or(row.len());
+        match row.get_mut(place) {
+            Some((other, sum)) if *other == column => {
+                for i in 0..2 {
+                    for j in 0..2 {
+                        sum[i][j] += block[i][j];
+                    }
+                }
+            }
+            _ => {
+                row.insert(place, (column, block));
+                self.blocks += 1;
+            }
+        }
+    }
+
+    /// Adds a symmetric block that acts on the distance vector of two nodes, nN/um.
+    ///
+    /// # Panics
+    /// If a node does not exist.
+    pub fn add_pair(&mut self, a: usize, b: usize, block: Block) {
+        self.add(a, a, block);
+        self.add(b, b, block);
+        self.add(a, b, block.map(|row| row.map(|value| -value)));
+    }
+
+    /// The partners of a node with equal or higher number, in order, and their blocks.
+    pub fn row(&self, node: usize) -> &[(usize, Block)] {
+        &self.rows[node]
+    }
+
+    /// The product with one vector per node (um gives nN).
+    pub fn times(&self, vectors: &Vectors) -> Vectors {
+        let mut product = zeros(self.len());
+        for (a, row) in self.rows.iter().enumerate() {
+            for &(b, block) in row {
+                for i in 0..2 {
+                    for j in 0..2 {
+                        product[i][a] += block[i][j] * vectors[j][b];
+                        if a != b {
+                            product[j][b] += block[i][j] * vectors[i][a];
+                        }
+                    }
+                }
+            }
+        }
+        product
+    }
+}
