@@ -138,6 +138,18 @@ pub enum PathError {
     },
 }
 
+/// A step as short as allowed that misses by more than this multiple of what is allowed leads to
+/// another path: the cell snaps. A lesser one crosses a bend, and counts in [`Path::error`].
+const TORN: f64 = 100.0;
+
+/// What came of a load step.
+#[derive(Debug, Clone, Copy)]
+struct Judgement {
+    /// Its error against what is allowed.
+    ratio: f64,
+    kept: bool,
+}
+
 /// One load step's end.
 #[derive(Debug, Clone, PartialEq)]
 struct Knot {
@@ -281,30 +293,32 @@ impl<'a> Path<'a> {
             } else {
                 planned
             };
+            let shortest = step <= smallest;
             let tried = if first {
-                self.first_step(side, direction * step)
+                self.first_step(side, direction * step, shortest)
             } else {
-                self.next_step(side, direction * step)
+                self.next_step(side, direction * step, shortest)
             };
-            match tried {
-                // The new step keeps a margin below what the error allows.
-                Ok(ratio) => {
-                    let change = (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
-                    self.steps[side] = step * change;
-                    if ratio > 1.0 && step <= smallest {
-                        let tension = self.branches[side][self.branches[side].len() - 1].tension;
-                        let beyond = tension + direction * step;
-                        return Err(PathError::Lost { tension, beyond });
-                    }
+            let failure = match tried {
+                Ok(Judgement { ratio, kept }) => {
+                    // The next step keeps a margin below what the error allows.
+                    self.steps[side] = step * (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
+                    (shortest && !kept).then_some(Failure::NoRest)
                 }
                 Err(failure) => {
-                    if step <= smallest || failure == Failure::TooLarge {
-                        let tension = self.branches[side][self.branches[side].len() - 1].tension;
-                        let beyond = tension + direction * step;
-                        return Err(ending(failure, self.solver.body(), tension, beyond));
-                    }
                     self.steps[side] = 0.5 * step;
+                    (shortest || failure == Failure::TooLarge).then_some(failure)
                 }
+            };
+            if let Some(failure) = failure {
+                let branch = &self.branches[side];
+                let tension = branch[branch.len() - 1].tension;
+                return Err(ending(
+                    failure,
+                    self.solver.body(),
+                    tension,
+                    tension + direction * step,
+                ));
             }
         }
     }
@@ -323,18 +337,24 @@ impl<'a> Path<'a> {
         Ok((Knot { tension, positions, slope }, missed))
     }
 
-    /// Error of a step against what is allowed; the knots are kept if it is not above 1.
-    fn judge(&mut self, side: usize, error: f64, knots: Vec<Knot>) -> f64 {
-        let allowed = self.tolerance.interpolation * self.extent;
-        if error <= allowed {
-            self.error = self.error.max(error);
+    /// Error of a step against what is allowed; the knots are kept if it is not above 1, or the step
+    /// cannot be shorter and the path is not torn.
+    fn judge(&mut self, side: usize, error: f64, shortest: bool, knots: Vec<Knot>) -> Judgement {
+        let Tolerance { interpolation, equilibrium, .. } = self.tolerance;
+        // What Newton's method leaves is not the interpolation's to blame.
+        let allowed = interpolation.max(10.0 * equilibrium) * self.extent;
+        // Twice, since the fourth derivative is not the same everywhere.
+        let ratio = 2.0 * error / allowed;
+        let kept = ratio <= 1.0 || (shortest && ratio <= TORN);
+        if kept {
+            self.error = self.error.max(2.0 * error);
             self.branches[side].extend(knots);
         }
-        error / allowed
+        Judgement { ratio, kept }
     }
 
     /// Two half steps from rest: nothing lies before it to extrapolate, so the middle is the check.
-    fn first_step(&mut self, side: usize, step: f64) -> Result<f64, Failure> {
+    fn first_step(&mut self, side: usize, step: f64, shortest: bool) -> Result<Judgement, Failure> {
         let rest = self.branches[side][0].clone();
         let mut guess = rest.positions.clone();
         for axis in 0..2 {
@@ -346,10 +366,10 @@ impl<'a> Path<'a> {
         interpolate(&rest, &end, 0.5 * step, &mut guess);
         let (middle, missed) = self.find(&guess, 0.5 * step)?;
         // Half as long, a cubic misses by a sixteenth.
-        Ok(self.judge(side, missed / 16.0, vec![middle, end]))
+        Ok(self.judge(side, missed / 16.0, shortest, vec![middle, end]))
     }
 
-    fn next_step(&mut self, side: usize, step: f64) -> Result<f64, Failure> {
+    fn next_step(&mut self, side: usize, step: f64, shortest: bool) -> Result<Judgement, Failure> {
         let branch = &self.branches[side];
         let (before, last) = (&branch[branch.len() - 2], &branch[branch.len() - 1]);
         let (done, tension) = (last.tension - before.tension, last.tension + step);
@@ -357,7 +377,7 @@ impl<'a> Path<'a> {
         interpolate(before, last, tension, &mut guess);
         let (knot, missed) = self.find(&guess, tension)?;
         let error = missed * (step / (4.0 * (done + step))).powi(2);
-        Ok(self.judge(side, error, vec![knot]))
+        Ok(self.judge(side, error, shortest, vec![knot]))
     }
 
     /// The lowest and the highest tension of the path, kPa.
@@ -447,13 +467,15 @@ fn check_forces(system: &System, body: &Body) -> Result<(), PathError> {
 fn interpolate(from: &Knot, to: &Knot, tension: f64, positions: &mut Vectors) {
     let width = to.tension - from.tension;
     let s = (tension - from.tension) / width;
-    let (start, end) = ((1.0 + 2.0 * s) * (1.0 - s).powi(2), s * s * (3.0 - 2.0 * s));
+    let end = s * s * (3.0 - 2.0 * s);
     let (leave, arrive) = (width * s * (1.0 - s).powi(2), width * s * s * (s - 1.0));
     for axis in 0..2 {
         let (x0, x1) = (&from.positions[axis], &to.positions[axis]);
         let (d0, d1) = (&from.slope[axis], &to.slope[axis]);
         for (node, position) in positions[axis].iter_mut().enumerate() {
-            *position = start * x0[node] + end * x1[node] + leave * d0[node] + arrive * d1[node];
+            // In this order a node that is held stays to the last bit.
+            let moved = end * (x1[node] - x0[node]) + leave * d0[node] + arrive * d1[node];
+            *position = x0[node] + moved;
         }
     }
 }

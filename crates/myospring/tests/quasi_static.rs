@@ -1,0 +1,418 @@
+//! The path of equilibria: closed forms, agreement with motion in time, supports, and where it ends.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use myospring::cell::pacing::Protocol;
+use myospring::cell::{CellModel, toy};
+use myospring::integrate::quasi_static::{Path, PathError, Tolerance};
+use myospring::integrate::verlet::{Integrator, Motion};
+use myospring::mechanics::active::ActiveLaw;
+use myospring::mechanics::area::AreaLaw;
+use myospring::mechanics::material::{Material, Stiffness, assemble, default_material};
+use myospring::mechanics::stability::StabilityLimit;
+use myospring::mechanics::support::{Support, SupportKind};
+use myospring::mechanics::{Body, Configuration, Force, System, Vectors};
+use myospring::mesh::outline::Outline;
+use myospring::mesh::{Mesh, built_in, lattice, quality};
+use myospring::simulation::quasi_static::QuasiStaticOutcome;
+use myospring::simulation::{SetupError, Simulation, StopReason};
+use std::f64::consts::{PI, TAU};
+
+fn built_in_cell(angle: f64, spacing: f64) -> Mesh {
+    let outline = built_in::adult_ventricular().rotated(angle);
+    lattice::from_outline(&outline, Some(spacing)).unwrap().0
+}
+
+/// A tear-drop 100 um long, pointed on the right: no symmetry along its length.
+fn tear_drop(spacing: f64) -> Mesh {
+    let points = (0..90)
+        .map(|k| {
+            let angle = TAU * f64::from(k) / 90.0;
+            [50.0 * angle.cos(), 28.0 * angle.sin() * (0.5 * angle).sin().powi(2)]
+        })
+        .collect();
+    let outline = Outline::new(points, vec![]).unwrap().rotated(20.0);
+    lattice::from_outline(&outline, Some(spacing)).unwrap().0
+}
+
+fn cell(mesh: &Mesh, material: &Material, support: SupportKind) -> (Body, System) {
+    let axis = quality::long_axis(mesh);
+    let fibres = vec![axis; mesh.simplices.len()];
+    let length = quality::extent(mesh, axis);
+    assemble(mesh, material, ActiveLaw::Fibre, &fibres, support, axis, length)
+}
+
+fn largest_difference(a: &Vectors, b: &Vectors) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Where Verlet's method comes to rest, um.
+fn settled(system: &System, body: &Body, tension: f64) -> Vectors {
+    let step = 0.8 * StabilityLimit::of(system, body, tension).time_step;
+    let mut motion = Motion::new(system, body.clone(), Integrator::StoermerVerlet, step);
+    motion.advance((10.0 / step) as usize, [0.0, tension]);
+    motion.advance((50.0 / step) as usize, [tension; 2]);
+    motion.body.positions
+}
+
+const SUPPORTS: [SupportKind; 3] =
+    [SupportKind::MassCentre, SupportKind::ClampedEnd, SupportKind::ClampedEnds];
+
+#[test]
+fn a_block_takes_the_stretches_of_the_homogeneous_lattice_at_every_tension() {
+    let mesh = lattice::rectangle(20, 10, 1.0).unwrap();
+    for area_modulus in [0.0, 175.0, 1600.0] {
+        let material = Material { area_modulus, ..default_material() };
+        let (body, system) = cell(&mesh, &material, SupportKind::MassCentre);
+        let path = Path::solve(&system, &body, 50.0, Tolerance::default()).unwrap();
+        for tension in [0.0, 1.0, 7.3, 22.2, 41.0, 50.0] {
+            let positions = path.positions(tension).unwrap();
+            let exact = homogeneous(material.young_modulus(), area_modulus, tension);
+            // The mass centre stays where it was, at (0, 0) or wherever the lattice lies.
+            for (axis, length) in [(0, 20.0), (1, 10.0)] {
+                let place = |i: usize| (positions[axis][i], mesh.points[axis][i]);
+                let (first, last) = (place(0), place(mesh.len() - 1));
+                let stretch = (last.0 - first.0) / length;
+                // The interpolation's tolerance, 1e-6 of the length.
+                assert!(
+                    (stretch - exact[axis]).abs() < 1e-6,
+                    "{tension} kPa: {stretch}, {exact:?}"
+                );
+                let centre = 0.5 * (first.0 + last.0) - 0.5 * (first.1 + last.1);
+                assert!(centre.abs() < 1e-9, "centre moved by {centre} um");
+            }
+        }
+    }
+}
+
+/// Stretches of a sheet of axial and diagonal springs with an area law under a uniform fibre tension
+/// along x, from the energy per area of the homogeneous lattice (Newton's method):
+/// `W = k1/2 [(a-1)^2 + (b-1)^2] + 2 k2 (d-1)^2 + K/2 (a b - 1)^2 + Ta a^2/2`, `d^2 = (a^2 + b^2)/2`.
+fn homogeneous(young: f64, area: f64, tension: f64) -> [f64; 2] {
+    let (k1, k2) = (0.75 * young, 0.375 * young);
+    let residual = |[a, b]: [f64; 2]| {
+        let d = (0.5 * (a * a + b * b)).sqrt();
+        [
+            k1 * (a - 1.0)
+                + 2.0 * k2 * (1.0 - 1.0 / d) * a
+                + area * (a * b - 1.0) * b
+                + tension * a,
+            k1 * (b - 1.0) + 2.0 * k2 * (1.0 - 1.0 / d) * b + area * (a * b - 1.0) * a,
+        ]
+    };
+    let mut at = [0.95, 1.02];
+    for _ in 0..100 {
+        let (r, e) = (residual(at), 1e-7);
+        let (ra, rb) = (residual([at[0] + e, at[1]]), residual([at[0], at[1] + e]));
+        let jacobian =
+            [[(ra[0] - r[0]) / e, (rb[0] - r[0]) / e], [(ra[1] - r[1]) / e, (rb[1] - r[1]) / e]];
+        let det = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
+        at[0] -= (r[0] * jacobian[1][1] - r[1] * jacobian[0][1]) / det;
+        at[1] -= (jacobian[0][0] * r[1] - jacobian[1][0] * r[0]) / det;
+    }
+    at
+}
+
+#[test]
+fn the_stated_error_bounds_what_a_finer_path_changes() {
+    for mesh in [built_in_cell(35.0, 2.4), tear_drop(3.0)] {
+        for support in SUPPORTS {
+            let (body, system) = cell(&mesh, &default_material(), support);
+            let path = Path::solve(&system, &body, 50.0, Tolerance::default()).unwrap();
+            let finer = Tolerance { interpolation: 1e-8, ..Tolerance::default() };
+            let fine = Path::solve(&system, &body, 50.0, finer).unwrap();
+            assert!(path.load_steps() < 20 && fine.load_steps() < 80);
+            let worst = (0..=100)
+                .map(|k| 0.5 * f64::from(k))
+                .map(|t| {
+                    largest_difference(&path.positions(t).unwrap(), &fine.positions(t).unwrap())
+                })
+                .fold(0.0, f64::max);
+            // An estimate from the last step: half as much again is allowed.
+            assert!(worst < 1.5 * path.error(), "{support:?}: {worst} um, said {}", path.error());
+            assert!(path.error() <= 1e-6 * 150.0, "{support:?}: {} um", path.error());
+        }
+    }
+}
+
+#[test]
+fn the_shape_is_where_verlets_method_comes_to_rest_whatever_the_support() {
+    for mesh in [built_in_cell(35.0, 4.0), tear_drop(4.0)] {
+        for support in SUPPORTS {
+            let material = Material { drag_ratio: 1.0, ..default_material() };
+            let (body, system) = cell(&mesh, &material, support);
+            let tolerance = Tolerance { longest_delay: 10.0, ..Tolerance::default() };
+            let path = Path::solve(&system, &body, 50.0, tolerance).unwrap();
+            let shape = path.positions(50.0).unwrap();
+            let error = largest_difference(&shape, &settled(&system, &body, 50.0));
+            // A clamped cell's bending, period some 20 ms, has not quite come to rest.
+            let bound = if support == SupportKind::ClampedEnd { 0.02 } else { 1e-3 };
+            assert!(error < bound, "{support:?}: {error} um");
+            if let Support::Clamped(nodes) = &system.support {
+                let tensions = [0.0, 3.0, 50.0].map(|t| path.positions(t).unwrap());
+                for positions in &tensions {
+                    for &node in nodes {
+                        for axis in 0..2 {
+                            assert_eq!(positions[axis][node], mesh.points[axis][node]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn negative_tension_lengthens_and_tension_zero_is_the_resting_shape_to_the_last_bit() {
+    let mesh = built_in_cell(0.0, 4.0);
+    let (body, system) = cell(&mesh, &default_material(), SupportKind::MassCentre);
+    let mut path = Path::solve(&system, &body, 20.0, Tolerance::default()).unwrap();
+    assert_eq!(path.range(), [0.0, 20.0]);
+    assert_eq!(path.positions(0.0).unwrap(), mesh.points);
+    assert_eq!(path.positions(-1.0), None);
+    path.extend(-20.0).unwrap();
+    path.extend(10.0).unwrap();
+    assert_eq!(path.range(), [-20.0, 20.0]);
+    let length = |t: f64| quality_extent(&path.positions(t).unwrap());
+    assert!(length(-20.0) > length(0.0) && length(0.0) > length(20.0));
+    assert!(path.tensions().is_sorted());
+    assert!(matches!(path.extend(f64::NAN), Err(PathError::NotFinite { .. })));
+}
+
+/// Extent along x, um.
+fn quality_extent(positions: &Vectors) -> f64 {
+    positions[0].iter().copied().fold(f64::MIN, f64::max)
+        - positions[0].iter().copied().fold(f64::MAX, f64::min)
+}
+
+#[test]
+fn a_clamped_strip_that_is_pushed_buckles_at_eulers_load() {
+    // Both ends clamped, 90 um free: sigma = E (pi^2/3) (w/L)^2. Shear and the lattice's own
+    // bending stiffness, a little above that of a solid strip, move it by some per cent.
+    let material = Material { area_modulus: 0.0, ..default_material() };
+    for rows in [4, 6] {
+        let mesh = lattice::rectangle(100, rows, 1.0).unwrap();
+        let (body, system) = cell(&mesh, &material, SupportKind::ClampedEnds);
+        let mut path = Path::start(&system, &body, Tolerance::default()).unwrap();
+        let error = path.extend(-20.0).unwrap_err();
+        let PathError::Unstable { tension, beyond } = error else { panic!("{error}") };
+        let euler = 308.0 * PI * PI / 3.0 * (rows as f64 / 90.0).powi(2);
+        assert!((-tension / euler - 1.0).abs() < 0.07, "{tension} kPa, Euler {euler}");
+        assert!((beyond - tension).abs() < 0.003, "{tension} and {beyond} kPa");
+        // The path keeps what it has.
+        assert_eq!(path.range(), [tension, 0.0]);
+        let text = error.to_string();
+        assert!(text.contains("kPa") && text.contains("buckles"), "{text}");
+        // A strip with a free end only gets longer.
+        let (body, system) = cell(&mesh, &material, SupportKind::ClampedEnd);
+        assert!(Path::solve(&system, &body, -20.0, Tolerance::default()).is_ok());
+    }
+}
+
+/// A force that hides its stiffness.
+struct Hidden(Box<dyn Force>);
+
+impl Force for Hidden {
+    fn name(&self) -> &'static str {
+        "hidden"
+    }
+    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+        self.0.add_forces(at, forces);
+    }
+    fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
+        self.0.energy(at)
+    }
+    fn is_internal(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn where_there_is_no_path_the_message_names_what_to_use() {
+    let mesh = lattice::rectangle(10, 4, 1.0).unwrap();
+    let message = |system: &System, body: &Body| {
+        let Err(error) = Path::start(system, body, Tolerance::default()) else { panic!("a path") };
+        let text = error.to_string();
+        assert!(text.contains("Verlet"), "{text}");
+        text
+    };
+    for area_law in [AreaLaw::Barycentric, AreaLaw::Printed] {
+        let material = Material { area_law, ..default_material() };
+        let (body, system) = cell(&mesh, &material, SupportKind::MassCentre);
+        let text = message(&system, &body);
+        assert!(text.contains("area preservation") && text.contains("`gradient`"), "{text}");
+    }
+    let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
+    for support in SUPPORTS {
+        let (material, axis) = (default_material(), [1.0, 0.0]);
+        let (body, system) =
+            assemble(&mesh, &material, ActiveLaw::Ends, &fibres, support, axis, 10.0);
+        let text = message(&system, &body);
+        assert!(text.contains("end tension") && text.contains("fibre"), "{text}");
+    }
+    let (body, mut system) = cell(&mesh, &default_material(), SupportKind::MassCentre);
+    system.passive = system
+        .passive
+        .into_iter()
+        .map(|force| -> Box<dyn Force> { Box::new(Hidden(force)) })
+        .collect();
+    assert!(message(&system, &body).contains("add_stiffness"));
+    let (body, mut system) = cell(&mesh, &default_material(), SupportKind::MassCentre);
+    system.drag.rate *= 100.0;
+    let text = message(&system, &body);
+    assert!(text.contains("delay the shape by") && text.contains("1 ms"), "{text}");
+}
+
+/// The default beat's shortening along the path and in time: the largest difference, in parts of the
+/// value where that is above a hundredth of the peak, and of the peak elsewhere.
+fn disagreement(simulation: &Simulation) -> [f64; 2] {
+    let path = along_path(simulation);
+    let motion = simulation.prepare().unwrap().run(|_| true);
+    assert_eq!(motion.stop, None);
+    let pairs: Vec<[f64; 2]> = path
+        .recording
+        .samples
+        .iter()
+        .zip(&motion.recording.samples)
+        .map(|(a, b)| [a.shortening_pct, b.shortening_pct])
+        .collect();
+    let peak = pairs.iter().map(|pair| pair[1]).fold(0.0, f64::max);
+    let mut worst = [0.0_f64; 2];
+    for [a, b] in pairs {
+        let near_zero = usize::from(b < 0.01 * peak);
+        worst[near_zero] = worst[near_zero].max((a - b).abs() / [b, peak][near_zero]);
+    }
+    worst
+}
+
+fn along_path(simulation: &Simulation) -> QuasiStaticOutcome {
+    let outcome = simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap();
+    assert_eq!(outcome.stop, None);
+    outcome
+}
+
+#[test]
+fn a_beat_agrees_with_a_converged_motion_at_every_output_time() {
+    // The motion lags by the path's `delay`, 0.1 ms at the default period of 2 ms; the tension
+    // grows by up to a tenth per ms, so the lag is 0.01 ms here for 0.1 %.
+    let material = Material { slowest_period: 0.2, drag_ratio: 0.3, ..default_material() };
+    for mesh in [built_in_cell(0.0, 5.0), built_in_cell(35.0, 5.0), tear_drop(5.0)] {
+        let simulation = Simulation { material: material.clone(), ..Simulation::coelho_2021(mesh) };
+        let worst = disagreement(&simulation);
+        println!("worst {worst:?}");
+        assert!(worst[0] < 1e-3 && worst[1] < 1e-4, "{worst:?}");
+    }
+}
+
+#[test]
+fn the_work_of_the_active_force_is_the_elastic_energy_and_nothing_else_is_there() {
+    let outcome = along_path(&Simulation::coelho_2021(built_in_cell(0.0, 4.0)));
+    let samples = &outcome.recording.samples;
+    assert_eq!(samples.len(), 1201);
+    let largest = samples.iter().map(|s| s.elastic_energy_fj).fold(0.0, f64::max);
+    for s in samples {
+        assert_eq!((s.kinetic_energy_fj, s.dissipated_energy_fj), (0.0, 0.0));
+        // The trapezoidal error of 1/8 of a load step.
+        let missing = (s.active_work_fj - s.elastic_energy_fj).abs();
+        assert!(missing < 1e-3 * largest, "{missing} fJ of {largest} at {} ms", s.t_ms);
+    }
+    assert!(outcome.load_steps <= 6 && outcome.newton_iterations <= 20);
+    let frames = &outcome.recording.frames;
+    assert!(frames.iter().any(|frame| frame.ta_kpa > 49.9) && frames.len() == 122);
+}
+
+#[test]
+fn interpolated_quantities_are_those_of_the_shapes() {
+    let mesh = built_in_cell(35.0, 4.0);
+    let simulation = Simulation::coelho_2021(mesh);
+    let outcome = along_path(&simulation);
+    let recording = &outcome.recording;
+    for frame in &recording.frames {
+        let sample = recording.samples.iter().find(|s| s.t_ms == frame.t_ms).unwrap();
+        let mesh = &simulation.mesh;
+        let meter = myospring::analysis::shape::ShapeMeter::new(
+            mesh.points.clone(),
+            simulation.long_axis,
+            mesh.areas.clone(),
+        );
+        let extent = meter.measure(&frame.positions);
+        assert!((extent.length - sample.length_um).abs() < 1e-6, "{} ms", frame.t_ms);
+        // The outermost node of the width may change between two measured tensions.
+        assert!((extent.width - sample.width_um).abs() < 1e-4, "{} ms", frame.t_ms);
+    }
+}
+
+/// A quick twitch: tension peaks 12 ms after the start.
+fn quick_twitch(mesh: Mesh) -> Simulation {
+    let mut parameters = toy::parameters();
+    parameters.set("tau", 12.0).unwrap();
+    let toy = toy::ToyModel::new(parameters).unwrap();
+    Simulation {
+        protocol: Protocol { start_ms: 0.0, ..Protocol::once(toy.default_stimulus()) },
+        cell: Box::new(toy),
+        duration: 20.0,
+        ..Simulation::coelho_2021(mesh)
+    }
+}
+
+#[test]
+fn a_run_stops_where_its_path_ends_and_keeps_what_it_has() {
+    // Pushed between two clamps it buckles on the way.
+    let strip = lattice::rectangle(100, 4, 1.0).unwrap();
+    let simulation = Simulation {
+        support: SupportKind::ClampedEnds,
+        peak_tension: -20.0,
+        ..quick_twitch(strip)
+    };
+    let outcome = simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap();
+    let Some(StopReason::NoEquilibrium { time, tension, cause }) = outcome.stop else {
+        panic!("{:?}", outcome.stop)
+    };
+    assert!(time > 0.0 && tension < -2.0 && cause.contains("buckles"), "{time} {tension} {cause}");
+    let samples = &outcome.recording.samples;
+    assert!(samples.len() > 1 && samples.iter().all(|s| s.ta_kpa > tension));
+    // And a caller can stop it.
+    let simulation = quick_twitch(built_in_cell(0.0, 5.0));
+    let outcome = simulation.run_quasi_static(Tolerance::default(), |now| now.time < 5.0).unwrap();
+    assert_eq!(outcome.stop, Some(StopReason::Interrupted { time: 5.0 }));
+}
+
+#[test]
+fn an_inverted_triangle_stops_the_run_with_the_tension() {
+    // Without area law or stiffness across, a skew fibre turns squares inside out.
+    let mesh = built_in_cell(0.0, 4.0);
+    let material = Material {
+        stiffness: Stiffness::YoungModulus(5.0),
+        area_modulus: 0.0,
+        ..default_material()
+    };
+    let simulation = Simulation { material, peak_tension: 500.0, ..quick_twitch(mesh) };
+    let outcome = simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap();
+    println!("{:?}", outcome.stop);
+    assert!(
+        matches!(
+            outcome.stop,
+            Some(StopReason::Inverted { .. } | StopReason::NoEquilibrium { .. })
+        ),
+        "{:?}",
+        outcome.stop
+    );
+}
+
+#[test]
+fn forces_without_a_path_are_refused_before_the_run() {
+    let simulation =
+        Simulation { active: ActiveLaw::Ends, ..quick_twitch(built_in_cell(0.0, 5.0)) };
+    let error = simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap_err();
+    assert!(matches!(error, SetupError::NoPath(PathError::External { .. })), "{error}");
+}
+
+#[test]
+fn the_same_path_has_the_same_bits_from_any_thread() {
+    let beat = || along_path(&quick_twitch(built_in_cell(10.0, 3.0)));
+    let here = beat();
+    let there = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..2).map(|_| scope.spawn(beat)).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect::<Vec<_>>()
+    });
+    assert!(there.iter().all(|outcome| *outcome == here));
+}
