@@ -50,7 +50,7 @@ fn settled(system: &System, body: &Body, tension: f64) -> Vectors {
     let step = 0.8 * StabilityLimit::of(system, body, tension).time_step;
     let mut motion = Motion::new(system, body.clone(), Integrator::StoermerVerlet, step);
     motion.advance((10.0 / step) as usize, [0.0, tension]);
-    motion.advance((50.0 / step) as usize, [tension; 2]);
+    motion.advance((400.0 / step) as usize, [tension; 2]);
     motion.body.positions
 }
 
@@ -138,10 +138,8 @@ fn the_stated_error_bounds_what_a_finer_path_changes() {
 fn the_shape_is_where_verlets_method_comes_to_rest_whatever_the_support() {
     for mesh in [built_in_cell(35.0, 4.0), tear_drop(4.0)] {
         for support in SUPPORTS {
-            let material = Material { drag_ratio: 1.0, ..default_material() };
-            let (body, system) = cell(&mesh, &material, support);
-            let tolerance = Tolerance { longest_delay: 10.0, ..Tolerance::default() };
-            let path = Path::solve(&system, &body, 50.0, tolerance).unwrap();
+            let (body, system) = cell(&mesh, &default_material(), support);
+            let path = Path::solve(&system, &body, 50.0, Tolerance::default()).unwrap();
             let shape = path.positions(50.0).unwrap();
             let error = largest_difference(&shape, &settled(&system, &body, 50.0));
             // A clamped cell's bending, period some 20 ms, has not quite come to rest.
@@ -262,26 +260,13 @@ fn where_there_is_no_path_the_message_names_what_to_use() {
     assert!(text.contains("delay the shape by") && text.contains("1 ms"), "{text}");
 }
 
-/// The default beat's shortening along the path and in time: the largest difference, in parts of the
-/// value where that is above a hundredth of the peak, and of the peak elsewhere.
-fn disagreement(simulation: &Simulation) -> [f64; 2] {
-    let path = along_path(simulation);
-    let motion = simulation.prepare().unwrap().run(|_| true);
-    assert_eq!(motion.stop, None);
-    let pairs: Vec<[f64; 2]> = path
-        .recording
-        .samples
-        .iter()
-        .zip(&motion.recording.samples)
-        .map(|(a, b)| [a.shortening_pct, b.shortening_pct])
-        .collect();
-    let peak = pairs.iter().map(|pair| pair[1]).fold(0.0, f64::max);
-    let mut worst = [0.0_f64; 2];
-    for [a, b] in pairs {
-        let near_zero = usize::from(b < 0.01 * peak);
-        worst[near_zero] = worst[near_zero].max((a - b).abs() / [b, peak][near_zero]);
-    }
-    worst
+/// Shortening in time, %, with a period of the slowest vibration in ms.
+fn in_time(mesh: &Mesh, slowest_period: f64) -> Vec<f64> {
+    let material = Material { slowest_period, ..default_material() };
+    let simulation = Simulation { material, ..Simulation::coelho_2021(mesh.clone()) };
+    let outcome = simulation.prepare().unwrap().run(|_| true);
+    assert_eq!(outcome.stop, None);
+    outcome.recording.samples.iter().map(|s| s.shortening_pct).collect()
 }
 
 fn along_path(simulation: &Simulation) -> QuasiStaticOutcome {
@@ -291,15 +276,29 @@ fn along_path(simulation: &Simulation) -> QuasiStaticOutcome {
 }
 
 #[test]
-fn a_beat_agrees_with_a_converged_motion_at_every_output_time() {
-    // The motion lags by the path's `delay`, 0.1 ms at the default period of 2 ms; the tension
-    // grows by up to a tenth per ms, so the lag is 0.01 ms here for 0.1 %.
-    let material = Material { slowest_period: 0.2, drag_ratio: 0.3, ..default_material() };
+fn a_beat_agrees_with_a_converged_motion_within_a_thousandth_at_every_output_time() {
+    // The drag makes a motion lag by a time in proportion to the period of the slowest vibration:
+    // 0.01 ms at 0.2 ms. Just after its onset the tension doubles within 1.5 ms, so the lag is 0.7 % of
+    // the value there. Two periods and extrapolation to none take it away.
     for mesh in [built_in_cell(0.0, 5.0), built_in_cell(35.0, 5.0), tear_drop(5.0)] {
-        let simulation = Simulation { material: material.clone(), ..Simulation::coelho_2021(mesh) };
-        let worst = disagreement(&simulation);
-        println!("worst {worst:?}");
-        assert!(worst[0] < 1e-3 && worst[1] < 1e-4, "{worst:?}");
+        let path = along_path(&Simulation::coelho_2021(mesh.clone()));
+        let (slow, fast) = (in_time(&mesh, 0.4), in_time(&mesh, 0.2));
+        let peak = fast.iter().copied().fold(0.0, f64::max);
+        let mut lagging = 0.0_f64;
+        for (k, sample) in path.recording.samples.iter().enumerate() {
+            let converged = 2.0 * fast[k] - slow[k];
+            let error = (sample.shortening_pct - converged).abs();
+            // Of the value; below a hundredth of the peak, of that hundredth.
+            assert!(
+                error < 1e-3 * converged.max(0.01 * peak),
+                "{} ms: {} %, in time {converged} %",
+                sample.t_ms,
+                sample.shortening_pct
+            );
+            lagging = lagging.max((sample.shortening_pct - slow[k]).abs());
+        }
+        // Even with the lag: a thousandth of the peak.
+        assert!(lagging < 1e-3 * peak, "{lagging} of {peak} %");
     }
 }
 
@@ -377,8 +376,7 @@ fn a_run_stops_where_its_path_ends_and_keeps_what_it_has() {
 }
 
 #[test]
-fn an_inverted_triangle_stops_the_run_with_the_tension() {
-    // Without area law or stiffness across, a skew fibre turns squares inside out.
+fn a_tension_that_crushes_the_lattice_stops_the_run_with_the_tension() {
     let mesh = built_in_cell(0.0, 4.0);
     let material = Material {
         stiffness: Stiffness::YoungModulus(5.0),
@@ -387,15 +385,12 @@ fn an_inverted_triangle_stops_the_run_with_the_tension() {
     };
     let simulation = Simulation { material, peak_tension: 500.0, ..quick_twitch(mesh) };
     let outcome = simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap();
-    println!("{:?}", outcome.stop);
+    let stop = outcome.stop.unwrap();
     assert!(
-        matches!(
-            outcome.stop,
-            Some(StopReason::Inverted { .. } | StopReason::NoEquilibrium { .. })
-        ),
-        "{:?}",
-        outcome.stop
+        matches!(stop, StopReason::Inverted { .. } | StopReason::NoEquilibrium { .. }),
+        "{stop}"
     );
+    assert!(stop.to_string().contains("kPa"), "{stop}");
 }
 
 #[test]

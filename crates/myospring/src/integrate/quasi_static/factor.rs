@@ -5,10 +5,13 @@
 
 use crate::mechanics::stiffness::StiffnessMatrix;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::llt::factor::LltError;
-use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, factorize_symbolic_cholesky};
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
 use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Conj, MatMut, Par, Side, Spec};
 
 /// Why there is no factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +44,8 @@ pub(super) struct Factor {
     size: usize,
     pattern: Option<Pattern>,
     values: Vec<f64>,
-    factor: Vec<f64>,
+    /// Of the factor.
+    entries: Vec<f64>,
 }
 
 impl Factor {
@@ -57,7 +61,7 @@ impl Factor {
                 }
             }
         }
-        Self { coordinates, size, pattern: None, values: Vec::new(), factor: Vec::new() }
+        Self { coordinates, size, pattern: None, values: Vec::new(), entries: Vec::new() }
     }
 
     /// Calls `entry(row, column, value)` for the lower half, column by column, rows in order.
@@ -86,10 +90,10 @@ impl Factor {
         });
         let shape =
             SymbolicSparseColMatRef::new_checked(self.size, self.size, &columns, None, &rows);
-        let (order, settings) = (Default::default(), Default::default());
+        let (order, settings) = (SymmetricOrdering::default(), CholeskySymbolicParams::default());
         let symbolic = factorize_symbolic_cholesky(shape, Side::Lower, order, settings)?;
         let memory = MemBuffer::try_new(StackReq::any_of(&[
-            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()),
+            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()),
             symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
         ]))
         .map_err(|_| FactorError::TooLarge)?;
@@ -115,20 +119,20 @@ impl Factor {
             return Err(FactorError::TooLarge);
         };
         let shape = SymbolicSparseColMatRef::new_checked(self.size, self.size, columns, None, rows);
-        self.factor.resize(symbolic.len_val(), 0.0);
+        self.entries.resize(symbolic.len_val(), 0.0);
         let done = symbolic
             .factorize_numeric_llt(
-                &mut self.factor,
+                &mut self.entries,
                 SparseColMatRef::new(shape, &self.values),
                 Side::Lower,
-                Default::default(),
+                LltRegularization::default(),
                 Par::Seq,
                 MemStack::new(memory),
-                Default::default(),
+                Spec::default(),
             )
             .map(|_| ());
         match done {
-            Ok(()) if self.factor.iter().all(|value| value.is_finite()) => Ok(()),
+            Ok(()) if self.entries.iter().all(|value| value.is_finite()) => Ok(()),
             Ok(()) | Err(LltError::NonPositivePivot { .. }) => Err(FactorError::Indefinite),
         }
     }
@@ -147,7 +151,7 @@ impl Factor {
         }
         if let Some(Pattern { symbolic, memory, .. }) = &mut self.pattern {
             let column = MatMut::from_column_major_slice_mut(&mut right, self.size, 1);
-            LltRef::new(symbolic, &self.factor).solve_in_place_with_conj(
+            LltRef::new(symbolic, &self.entries).solve_in_place_with_conj(
                 Conj::No,
                 column,
                 Par::Seq,
