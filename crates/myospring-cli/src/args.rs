@@ -21,6 +21,7 @@ const OUTPUT: &str = "Output";
 #[derive(Debug, Parser)]
 #[command(
     name = "myospring", version, styles = STYLES, max_term_width = 100,
+    arg_required_else_help = true,
     after_help = "Examples:\n  \
         myospring run                                     beat the built-in cell\n  \
         myospring run cell.png --pixel-size \"0.27 um\"     beat the cell of a mask\n  \

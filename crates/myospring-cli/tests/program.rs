@@ -1,5 +1,7 @@
 //! The program as people meet it: output, files, exit codes.
 
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
