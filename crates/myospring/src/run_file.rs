@@ -85,7 +85,7 @@ pub struct CellTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::PEAK_TENSION.in_schema())]
     pub peak_tension: Option<Setting>,
-    /// Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); their
+    /// Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
     /// peak tension comes out 4 % low and its onset 20 ms late. Not together with method or step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub authors_step: Option<bool>,

@@ -147,7 +147,7 @@ pub enum StopReason {
     /// A position is not a number.
     #[error(
         "the position of node {node} is not a number at t = {time} ms (it rests at x = {x:.1} um, \
-         y = {y:.1} um); a smaller time step or a softer cell may help"
+         y = {y:.1} um); lower the tension or the area modulus, or take a smaller time step"
     )]
     NotFinite {
         /// Time, ms.
@@ -162,7 +162,8 @@ pub enum StopReason {
     /// A triangle turned inside out.
     #[error(
         "triangle {triangle} is inverted at t = {time} ms under {tension:.1} kPa, near x = {x:.1} um, \
-         y = {y:.1} um; the tension is too large for this stiffness"
+         y = {y:.1} um: the forces are too strong for this lattice; lower the tension or the area modulus, \
+         or raise Young's modulus"
     )]
     Inverted {
         /// Time, ms.
@@ -179,7 +180,8 @@ pub enum StopReason {
     /// Two ends of a spring met.
     #[error(
         "spring {spring} has no length at t = {time} ms under {tension:.1} kPa, at x = {x:.1} um, \
-         y = {y:.1} um; the tension is too large for this stiffness"
+         y = {y:.1} um: the forces are too strong for this lattice; lower the tension or the area modulus, \
+         or raise Young's modulus"
     )]
     ZeroLength {
         /// Time, ms.

@@ -44,6 +44,8 @@ pub struct Motion<'a> {
     /// The body; its velocities belong to the same time as its positions.
     pub body: Body,
     time_step: f64,
+    /// 1/m of each mass: a division in the hot loop costs more than the rest of it.
+    inverse_masses: Vec<f64>,
     forces: Vectors,
     /// Velocities at the last half step; at the start those of the body.
     half_velocities: Vectors,
@@ -60,11 +62,13 @@ impl<'a> Motion<'a> {
         let count = body.len();
         let half_velocities = body.velocities.clone();
         let previous = body.positions.clone();
+        let inverse_masses = body.masses.iter().map(|mass| 1.0 / mass).collect();
         Self {
             system,
             integrator,
             body,
             time_step,
+            inverse_masses,
             forces: zeros(count),
             half_velocities,
             previous,
@@ -116,14 +120,15 @@ impl<'a> Motion<'a> {
 
     fn velocity_verlet_step(&mut self, tension: f64) {
         let (dt, half_drag) = (self.time_step, 0.5 * self.time_step * self.system.drag.rate);
-        let masses = &self.body.masses;
+        let inverse_masses = &self.inverse_masses;
         for axis in 0..2 {
             let force = &self.forces[axis];
             let half = &mut self.half_velocities[axis];
             let velocity = &self.body.velocities[axis];
             let position = &mut self.body.positions[axis];
-            for i in 0..masses.len() {
-                half[i] = velocity[i] + 0.5 * dt * force[i] / masses[i] - half_drag * velocity[i];
+            for i in 0..inverse_masses.len() {
+                half[i] =
+                    velocity[i] + 0.5 * dt * force[i] * inverse_masses[i] - half_drag * velocity[i];
                 position[i] += dt * half[i];
             }
         }
@@ -134,36 +139,38 @@ impl<'a> Motion<'a> {
     /// v_{n+1} = (v_{n+1/2} + dt/2 f_{n+1}/m) / (1 + g)
     fn last_half_kick(&mut self) {
         let (dt, half_drag) = (self.time_step, 0.5 * self.time_step * self.system.drag.rate);
-        let masses = &self.body.masses;
+        let slowing = 1.0 / (1.0 + half_drag);
+        let inverse_masses = &self.inverse_masses;
         for axis in 0..2 {
             let (force, half) = (&self.forces[axis], &self.half_velocities[axis]);
             let velocity = &mut self.body.velocities[axis];
-            for i in 0..masses.len() {
-                velocity[i] = (half[i] + 0.5 * dt * force[i] / masses[i]) / (1.0 + half_drag);
+            for i in 0..inverse_masses.len() {
+                velocity[i] = (half[i] + 0.5 * dt * force[i] * inverse_masses[i]) * slowing;
             }
         }
     }
 
     fn stoermer_verlet_step(&mut self, tension: f64) {
         let (dt, half_drag) = (self.time_step, 0.5 * self.time_step * self.system.drag.rate);
-        let masses = &self.body.masses;
+        let inverse_masses = &self.inverse_masses;
+        let (slowing, per_step) = (1.0 / (1.0 + half_drag), 1.0 / dt);
         let first = self.steps == 0;
         for axis in 0..2 {
             let force = &self.forces[axis];
             let half = &mut self.half_velocities[axis];
             let (position, previous) = (&mut self.body.positions[axis], &mut self.previous[axis]);
             let velocity = &self.body.velocities[axis];
-            for i in 0..masses.len() {
+            for i in 0..inverse_masses.len() {
                 let now = position[i];
-                let kick = dt * dt * force[i] / masses[i];
+                let kick = dt * dt * force[i] * inverse_masses[i];
                 let next = if first {
                     // Taylor's series, Eq. (14), since there is no step before the first.
                     now + dt * (1.0 - half_drag) * velocity[i] + 0.5 * kick
                 } else {
                     // Eq. (16), ordered so that a mass under no force stays put to the last bit
-                    now + ((1.0 - half_drag) * (now - previous[i]) + kick) / (1.0 + half_drag)
+                    now + ((1.0 - half_drag) * (now - previous[i]) + kick) * slowing
                 };
-                half[i] = (next - now) / dt;
+                half[i] = (next - now) * per_step;
                 previous[i] = now;
                 position[i] = next;
             }
