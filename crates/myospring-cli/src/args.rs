@@ -42,7 +42,7 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Beat a cell: curves, figures and numbers
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Reproduce the paper's Figs 3, 5 and 6 and check every number that it states
     Paper(PaperArgs),
     /// Mesh a cell and report; nothing beats
@@ -117,7 +117,7 @@ pub(crate) struct RunArgs {
     /// Time from one stimulus to the next ("1000 ms")
     #[arg(long, value_name = "TIME", help_heading = CELL, allow_hyphen_values = true)]
     pub(crate) cycle_length: Option<String>,
-    /// Integrate the cell model as the authors of coelho_2021 did
+    /// Integrate the cell model as the authors of `coelho_2021` did
     #[arg(long, help_heading = CELL)]
     pub(crate) authors_step: bool,
     /// Young's modulus ("308 kPa")

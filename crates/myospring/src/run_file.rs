@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The tables below are the one list of keys. Their JSON Schema ([`schema`]) finds unknown keys and
-//! names, [`template`] prints it with comments, and each value's bounds stand once, in [`bounds`].
-//! No file is opened here: pictures come through a closure ([`Run::mesh`]).
+//! names, [`template()`] prints it with comments, and each value's bounds stand once, in [`bounds`].
+//! No file is opened here: pictures come through a closure ([`Shape::bytes`]).
 //!
 //! # Example
 //! ```
