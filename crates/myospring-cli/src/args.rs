@@ -144,7 +144,7 @@ pub(crate) struct RunArgs {
     /// stoermer-verlet or velocity-verlet
     #[arg(long, value_name = "NAME", help_heading = NUMERICS)]
     pub(crate) integrator: Option<String>,
-    /// Mechanical time step ("0.004 ms"); by default 0.9 of the stability limit
+    /// Mechanical time step ("0.004 ms"); by default 0.95 of the stability limit
     #[arg(long, value_name = "TIME", help_heading = NUMERICS, allow_hyphen_values = true)]
     pub(crate) time_step: Option<String>,
     /// Check everything, mesh the cell, print the plan; write nothing

@@ -213,9 +213,11 @@ fn list(values: &[f64], decimals: usize) -> String {
             text
         }
     };
-    let mut texts: Vec<String> = values.iter().map(one).collect();
-    texts.dedup();
-    texts.join(", ")
+    let texts: Vec<String> = values.iter().map(one).collect();
+    match texts.split_first() {
+        Some((first, rest)) if rest.iter().all(|text| text == first) => first.clone(),
+        _ => texts.join(", "),
+    }
 }
 
 /// Largest distance of the mass centre from where it began, um.
