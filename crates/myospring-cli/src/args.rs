@@ -21,6 +21,7 @@ const OUTPUT: &str = "Output";
 #[derive(Debug, Parser)]
 #[command(
     name = "myospring", version, styles = STYLES, max_term_width = 100,
+    arg_required_else_help = true,
     after_help = "Examples:\n  \
         myospring run                                     beat the built-in cell\n  \
         myospring run cell.png --pixel-size \"0.27 um\"     beat the cell of a mask\n  \
@@ -41,7 +42,7 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Beat a cell: curves, figures and numbers
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Reproduce the paper's Figs 3, 5 and 6 and check every number that it states
     Paper(PaperArgs),
     /// Mesh a cell and report; nothing beats
@@ -116,7 +117,7 @@ pub(crate) struct RunArgs {
     /// Time from one stimulus to the next ("1000 ms")
     #[arg(long, value_name = "TIME", help_heading = CELL, allow_hyphen_values = true)]
     pub(crate) cycle_length: Option<String>,
-    /// Integrate the cell model as the authors of coelho_2021 did
+    /// Integrate the cell model as the authors of `coelho_2021` did
     #[arg(long, help_heading = CELL)]
     pub(crate) authors_step: bool,
     /// Young's modulus ("308 kPa")
@@ -143,7 +144,7 @@ pub(crate) struct RunArgs {
     /// stoermer-verlet or velocity-verlet
     #[arg(long, value_name = "NAME", help_heading = NUMERICS)]
     pub(crate) integrator: Option<String>,
-    /// Mechanical time step ("0.004 ms"); by default 0.9 of the stability limit
+    /// Mechanical time step ("0.004 ms"); by default 0.95 of the stability limit
     #[arg(long, value_name = "TIME", help_heading = NUMERICS, allow_hyphen_values = true)]
     pub(crate) time_step: Option<String>,
     /// Check everything, mesh the cell, print the plan; write nothing

@@ -1,6 +1,8 @@
 //! What goes wrong, as people see it, and the exit code that it gives.
 
-use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, NamedSource, Report, SourceCode};
+use miette::{
+    Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, Report, SourceCode,
+};
 use myospring::output::csv::CsvError;
 use myospring::output::figure::FigureError;
 use myospring::output::files::FileError;
@@ -47,16 +49,16 @@ impl Failure {
 
     /// Prints it and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
-        // Lines are broken for a terminal only, so that scripts can search for a message.
-        let wrap = std::io::stderr().is_terminal();
-        let options = move |_: &dyn Diagnostic| -> Box<dyn miette::ReportHandler> {
-            Box::new(MietteHandlerOpts::new().wrap_lines(wrap).build())
-        };
         // A hook that is already set does as well.
-        miette::set_hook(Box::new(options)).ok();
+        miette::set_hook(Box::new(|_| Box::new(handler()))).ok();
         crate::print::note(&format!("{:?}", Report::new(self)));
         ExitCode::from(BAD_INPUT)
     }
+}
+
+/// Lines are broken for a terminal only, so that scripts can search for a message.
+fn handler() -> MietteHandler {
+    MietteHandlerOpts::new().wrap_lines(std::io::stderr().is_terminal()).build()
 }
 
 impl fmt::Display for Failure {

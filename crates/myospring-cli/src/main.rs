@@ -13,7 +13,7 @@ mod run;
 mod table;
 
 use args::{Cli, Command};
-use clap::{CommandFactory, Parser};
+use clap::Parser;
 use failure::Failure;
 use std::process::ExitCode;
 
@@ -30,10 +30,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         return cite::print(cli);
     }
     match &cli.command {
-        None => {
-            print::note(&Cli::command().render_long_help().ansi().to_string());
-            Ok(ExitCode::from(2))
-        }
+        None => Err(Failure::new("no command was given").advise("myospring --help lists them")),
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Paper(args)) => paper::paper(args),
         Some(Command::Mesh(args)) => mesh::mesh(args),

@@ -33,7 +33,9 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     print::out(&lines.join("\n"));
     print::out(&format!("\nresults in {}", target.display()));
     if !args.output.quiet {
-        report.warnings.iter().for_each(|warning| print::warn(warning));
+        for warning in &report.warnings {
+            print::warn(warning);
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

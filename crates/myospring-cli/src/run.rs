@@ -22,8 +22,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Where a second went, s.
+/// Where the time went.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[allow(clippy::struct_field_names, reason = "the names are keys of run.json and carry the unit")]
 struct Timings {
     /// Reading the shape and meshing it.
     mesh_s: f64,
@@ -81,7 +82,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let warnings = run.warnings(&report);
     let quiet = args.output.quiet;
     if !quiet {
-        warnings.iter().for_each(|warning| print::warn(warning));
+        for warning in &warnings {
+            print::warn(warning);
+        }
     }
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join(&name));
     if args.dry_run {

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The tables below are the one list of keys. Their JSON Schema ([`schema`]) finds unknown keys and
-//! names, [`template`] prints it with comments, and each value's bounds stand once, in [`bounds`].
-//! No file is opened here: pictures come through a closure ([`Run::mesh`]).
+//! names, [`template()`] prints it with comments, and each value's bounds stand once, in [`bounds`].
+//! No file is opened here: pictures come through a closure ([`Shape::bytes`]).
 //!
 //! # Example
 //! ```
@@ -85,8 +85,9 @@ pub struct CellTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::PEAK_TENSION.in_schema())]
     pub peak_tension: Option<Setting>,
-    /// Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
-    /// peak tension comes out 4 % low and its onset 20 ms late. Not together with method or step.
+    /// Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms);
+    /// before scaling, their peak tension is 4 % low; its onset is 20 ms late. Not together with method
+    /// or step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub authors_step: Option<bool>,
     /// Integration method of the cell model.
@@ -243,7 +244,7 @@ pub struct NumericsTable {
     /// Form of Verlet's method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// Mechanical time step; by default 0.9 of the stability limit. A step above the limit is refused.
+    /// Mechanical time step; by default 0.95 of the stability limit. A step above the limit is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::TIME_STEP.in_schema())]
     pub time_step: Option<Setting>,

@@ -67,7 +67,10 @@ impl Default for Numerics {
 }
 
 /// Part of the stability limit that the default time step takes.
-pub const SAFETY: f64 = 0.9;
+///
+/// The limit is that of the resting shape under peak tension. Beats of the built-in cell are stable at
+/// 0.998 of it at 12 % shortening and at 0.98 of it at 34 %.
+pub const SAFETY: f64 = 0.95;
 
 /// All that a run is made of.
 ///

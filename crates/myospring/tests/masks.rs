@@ -1,6 +1,8 @@
 //! Masks from pictures: every format and refusal, and two real cells.
 #![cfg(feature = "microscopy")]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod common;
 
 use std::io::Cursor;
 
@@ -185,11 +187,7 @@ fn an_absurd_pixel_size_is_refused() {
 
 /// A real mask, or `None` with a loud line where the shared data are not laid out.
 fn real(name: &str) -> Option<MaskPicture> {
-    let path = format!("{}/../../../shared/data/images/{name}", env!("CARGO_MANIFEST_DIR"));
-    let Ok(bytes) = std::fs::read(&path) else {
-        eprintln!("SKIPPED: {name} is not there; this test needs the shared data");
-        return None;
-    };
+    let bytes = std::fs::read(common::shared_data(&format!("images/{name}"))?).unwrap();
     Some(read_mask(&bytes, &MaskOptions { label: None, pixel_size_um: 0.27 }).unwrap())
 }
 

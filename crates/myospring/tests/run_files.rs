@@ -1,6 +1,8 @@
 //! Run files as data: those in `good` resolve and survive a round trip, those in `bad` fail with
 //! the message in their first line.
 
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
+
 use myospring::run_file::{RunFile, schema, template};
 use std::path::{Path, PathBuf};
 

@@ -4,7 +4,7 @@
 //!   cell does not turn: net force and net torque are taken out of the forces, in proportion to
 //!   mass. Internal forces have none, so this changes nothing but rounding for them; it holds a cell
 //!   that an external load would push or turn.
-//! - [`Support::ClampedEnd`], [`Support::ClampedEnds`]: the nodes at one end or both cannot move
+//! - [`SupportKind::ClampedEnd`], [`SupportKind::ClampedEnds`]: the nodes at one end or both cannot move
 //!   (isometric when both).
 
 use super::Vectors;

@@ -90,7 +90,7 @@ pub fn with_paper(
     let peak_u = column("peak_potential");
     let apd = column("action_potential_duration_90");
     let strongest = shortening.last().copied().unwrap_or(f64::NAN);
-    let drift = runs.iter().map(|run| centre_drift(run.recording, weights)).fold(0.0, f64::max);
+    let drift = runs.iter().map(|run| centre_drift(run.recording, weights)).fold(0.0, larger);
     let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
     let u_end = runs.last().and_then(|run| run.recording.samples.last()).map_or(f64::NAN, |s| s.u);
 
@@ -213,9 +213,11 @@ fn list(values: &[f64], decimals: usize) -> String {
             text
         }
     };
-    let mut texts: Vec<String> = values.iter().map(one).collect();
-    texts.dedup();
-    texts.join(", ")
+    let texts: Vec<String> = values.iter().map(one).collect();
+    match texts.split_first() {
+        Some((first, rest)) if rest.iter().all(|text| text == first) => first.clone(),
+        _ => texts.join(", "),
+    }
 }
 
 /// Largest distance of the mass centre from where it began, um.
@@ -235,5 +237,30 @@ fn centre_drift(recording: &Recording, weights: &[f64]) -> f64 {
             let [now_x, now_y] = centre(&frame.positions);
             (now_x - x).hypot(now_y - y)
         })
-        .fold(0.0, f64::max)
+        .fold(0.0, larger)
+}
+
+/// The larger number, or NaN if one is: what is not known is not met.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_that_show_nothing_meet_nothing() {
+        let empty = Recording::default();
+        let runs = TENSIONS.map(|peak_tension| PaperRun { peak_tension, recording: &empty });
+        for finding in with_paper(&runs, 50.0, 5, &[]) {
+            assert_ne!(finding.verdict, Verdict::Met, "{finding:?}");
+        }
+    }
+
+    #[test]
+    fn equal_numbers_are_listed_once_and_zero_has_no_sign() {
+        assert_eq!(list(&[1.0, 1.0, 2.0], 1), "1.0, 2.0");
+        assert_eq!(list(&[-0.001], 2), "0.00");
+    }
 }

@@ -6,7 +6,7 @@
 //! | [`mesh`] | the lattice made from a picture | Fig. 4a |
 //! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by strain | Fig. 5 |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
-//! | [`overview`] | cell and curves of one run in one picture | |
+//! | [`overview()`] | cell and curves of one run in one picture | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
 //! text in the SVG; the PNG is drawn with an embedded font (Noto Sans, SIL Open Font License 1.1),

@@ -23,7 +23,7 @@ const ALTERNATIVES: [&[&str]; 2] = [
 /// let reader = Reader::new().text("thin.toml", text)?;
 /// assert_eq!(reader.clone().resolve()?.material.thickness, 8.0);
 ///
-/// let error = reader.option("--thickness", "material.thickness", "0 um").resolve().unwrap_err();
+/// let error = reader.option("--thickness", "material.thickness", "0 um").resolve().err().unwrap();
 /// assert_eq!(
 ///     error.to_string(),
 ///     "option --thickness: `material.thickness` = 0 um is outside its bounds, above 0 um, at most \

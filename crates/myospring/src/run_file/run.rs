@@ -9,6 +9,7 @@ use super::{
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::{self, CellModel};
 use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, Stiffness};
 use crate::mechanics::support::SupportKind;
 use crate::mesh::Mesh;
@@ -96,6 +97,15 @@ impl Run {
                 "active = \"ends\" presses with {} kPa on a strip that buckles above about \
                  {critical:.1} kPa (Euler); active = \"fibre\" does not",
                 self.peak_tension
+            ));
+        }
+        if self.material.area_law == AreaLaw::Printed {
+            warnings.push(format!(
+                "area_law = \"printed\" pulls a resting cell together and collapses it from about a \
+                 third of Young's modulus on: area_modulus is {} kPa, Young's modulus {} kPa; \
+                 area_law = \"gradient\" keeps the area",
+                self.material.area_modulus,
+                self.material.young_modulus()
             ));
         }
         let Protocol { start_ms, beats, .. } = self.protocol;

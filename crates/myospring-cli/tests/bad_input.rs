@@ -1,0 +1,143 @@
+//! Bad input: a message that says how to mend it, exit code 2, and nothing half-written.
+
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
+
+use image::{GrayImage, Luma};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// A folder with pictures good and bad.
+fn workplace() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let save = |name: &str, size: u32, inside: &dyn Fn(u32, u32) -> bool| {
+        let pick = |x, y| Luma([if inside(x, y) { 255 } else { 0 }]);
+        GrayImage::from_fn(size, size, pick).save(folder.path().join(name)).unwrap();
+    };
+    save("good.png", 80, &|x, y| (10..70).contains(&x) && (30..50).contains(&y));
+    save("black.png", 40, &|_, _| false);
+    save("white.png", 40, &|_, _| true);
+    save("speck.png", 40, &|x, y| y == 20 && (20..23).contains(&x));
+    let good = fs::read(folder.path().join("good.png")).unwrap();
+    fs::write(folder.path().join("truncated.png"), &good[..good.len() / 2]).unwrap();
+    fs::write(folder.path().join("text.png"), "this is no picture").unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    // A header that declares 100 000 x 100 000 pixels, with its right checksum.
+    let mut huge = good.clone();
+    huge[16..20].copy_from_slice(&100_000_u32.to_be_bytes());
+    huge[20..24].copy_from_slice(&100_000_u32.to_be_bytes());
+    let check = crc32(&huge[12..29]).to_be_bytes();
+    huge[29..33].copy_from_slice(&check);
+    fs::write(folder.path().join("huge.png"), huge).unwrap();
+    fs::write(folder.path().join("unknown_key.toml"), "[material]\nthicknes = \"8 um\"\n").unwrap();
+    fs::write(folder.path().join("nan.toml"), "[cell]\npeak_tension = nan\n").unwrap();
+    fs::write(folder.path().join("wrong_unit.toml"), "[cell]\npeak_tension = \"50 mV\"\n").unwrap();
+    folder
+}
+
+/// CRC-32 as PNG has it.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 }
+        })
+    })
+}
+
+fn listing(folder: &Path) -> Vec<std::path::PathBuf> {
+    let mut paths: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+#[test]
+fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
+    const PIXELS: [&str; 2] = ["--pixel-size", "0.5 um"];
+    let picture = |name| ["run", name, PIXELS[0], PIXELS[1]].to_vec();
+    let cases: Vec<(Vec<&str>, &[&str])> = vec![
+        (picture("missing.png"), &["cannot read `missing.png`", "check the path"]),
+        (picture("text.png"), &["`text.png`: this is not a picture", "PNG or TIFF"]),
+        (picture("truncated.png"), &["`truncated.png`", "cannot be read", "complete?"]),
+        (picture("huge.png"), &["declares 100000 x 100000 pixels", "cut out the cell"]),
+        (picture("black.png"), &["the mask is empty", "paint the cell"]),
+        (picture("white.png"), &["no background", "must be zero"]),
+        (picture("speck.png"), &["only 3 pixels", "at least 25"]),
+        (vec!["run", "good.png"], &["size of the picture's pixels is missing", "--pixel-size"]),
+        (
+            vec!["run", "good.png", "--pixel-size", "0.27 mm"],
+            &["--pixel-size", "270 um", "0.001 um to 50 um"],
+        ),
+        (
+            vec!["run", "good.png", "--pixel-size", "0.5 um", "--label", "7"],
+            &["label 7 is not in the picture", "255"],
+        ),
+        (vec!["run", "--spacing", "50 um"], &["spacing 50 um exceeds", "give less"]),
+        (vec!["run", "--spacing", "0.001 um"], &["spacing 0.001 um would give about", "masses"]),
+        (vec!["run", "--spacing", "-1 um"], &["--spacing", "-1 um is outside its bounds"]),
+        (vec!["run", "--thickness", "0 um"], &["0 um is outside", "like --thickness \"10 um\""]),
+        (vec!["run", "--thickness", "-3 um"], &["-3 um is outside its bounds, above 0 um"]),
+        (
+            vec!["run", "--time-step", "0.1 ms"],
+            &["time step 0.1 ms exceeds the stability limit 0.00", "smaller step"],
+        ),
+        (
+            vec!["run", "--peak-tension", "50 mV"],
+            &["`50 mV` is a potential, but a pressure is needed", "kPa"],
+        ),
+        (vec!["run", "--model", "coelho"], &["no cell model is named `coelho`", "models"]),
+        (vec!["run", "--area-law", "gradeint"], &["did you mean `gradient`?"]),
+        (
+            vec!["run", "unknown_key.toml"],
+            &["unknown_key.toml:2:1", "did you mean `thickness`?", "keys in [material]"],
+        ),
+        (vec!["run", "nan.toml"], &["nan.toml:2:16", "is not a finite number"]),
+        (
+            vec!["run", "wrong_unit.toml"],
+            &["wrong_unit.toml:2:16", "is a potential", "peak_tension = \"50 kPa\""],
+        ),
+        (vec!["run", "nothing.toml"], &["cannot read `nothing.toml`"]),
+        (vec!["run", "file"], &["has an ending that is not known", ".png"]),
+        (vec!["run", "--output", "file/results"], &["cannot write results to `file/results`"]),
+        (vec!["run", "--output", "file"], &["cannot write results to `file`"]),
+        (vec!["mesh", "--output", "file/results"], &["cannot write results"]),
+        (vec!["paper", "--output", "file/results"], &["cannot write results"]),
+        (vec!["models", "cohelo_2021"], &["did you mean `coelho_2021`?"]),
+        (vec!["init", "file/beat.toml"], &["cannot write", "beat.toml"]),
+        (vec!["rum"], &["unrecognized subcommand", "run"]),
+        (vec!["run", "--thicknes", "1 um"], &["unexpected argument", "--thickness"]),
+        (vec![], &["Usage: myospring"]),
+    ];
+    let folder = workplace();
+    let before = listing(folder.path());
+    for (arguments, expected) in cases {
+        let output = Command::new(env!("CARGO_BIN_EXE_myospring"))
+            .args(&arguments)
+            .current_dir(folder.path())
+            .env("NO_COLOR", "1")
+            .output()
+            .unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(output.stdout.is_empty(), "{arguments:?}: messages go to stderr");
+        for part in expected {
+            assert!(message.contains(part), "{arguments:?} lacks `{part}`:\n{message}");
+        }
+        assert!(!message.contains('\u{1b}'), "{arguments:?}: NO_COLOR");
+        assert!(!message.contains("panicked"), "{arguments:?}: {message}");
+        assert_eq!(listing(folder.path()), before, "{arguments:?} left something");
+    }
+}
+
+#[test]
+fn a_good_picture_meshes() {
+    let folder = workplace();
+    let output = Command::new(env!("CARGO_BIN_EXE_myospring"))
+        .args(["mesh", "good.png", "--pixel-size", "0.5 um", "--json"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!((report["area_um2"].as_f64().unwrap() - 300.0).abs() < 3.0, "{report}");
+}

@@ -1,0 +1,262 @@
+//! The program as people meet it: output, files, exit codes.
+
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn myospring(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_myospring"))
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("COLUMNS")
+        .output()
+        .unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", stderr(output)))
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// A coarse cell and a short time: quick, and still all of the program.
+const QUICK: [&str; 5] = ["run", "--spacing", "4 um", "--duration", "300 ms"];
+
+#[test]
+fn a_run_writes_every_result_and_prints_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = myospring(folder.path(), &QUICK);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    let text = stdout(&output);
+    assert!(text.contains("peak shortening") && text.contains("7 to 12"), "{text}");
+
+    let results = folder.path().join("results/adult_ventricular");
+    let expected = ["figures", "run.json", "run.toml", "summary.json", "traces.csv"];
+    assert_eq!(names(&results), expected);
+    assert_eq!(names(&folder.path().join("results")), ["adult_ventricular"], "no .part is left");
+    assert_eq!(names(&results.join("figures")).len(), 10, "five figures as SVG and PNG");
+    let traces = fs::read_to_string(results.join("traces.csv")).unwrap();
+    assert!(traces.starts_with("t_ms,u,ta_kPa,length_um,width_um,area_um2,shortening_pct"));
+    assert_eq!(traces.lines().count(), 602);
+    let record: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(results.join("run.json")).unwrap()).unwrap();
+    assert_eq!(record["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(record["shape_sha256"].as_str().unwrap().len(), 64);
+    for stage in ["mesh_s", "cell_s", "mechanics_s", "figures_s", "total_s"] {
+        assert!(record["timings"][stage].as_f64().unwrap() >= 0.0, "{stage}");
+    }
+}
+
+#[test]
+fn the_resolved_run_file_repeats_the_run_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(myospring(folder.path(), &QUICK).status.success());
+    let first = folder.path().join("results/adult_ventricular");
+    let run_file = first.join("run.toml");
+    let again = ["run", run_file.to_str().unwrap(), "--output", "again"];
+    let output = myospring(folder.path(), &again);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let second = folder.path().join("again");
+    for file in ["traces.csv", "run.toml", "summary.json"] {
+        assert_eq!(fs::read(first.join(file)).unwrap(), fs::read(second.join(file)).unwrap());
+    }
+}
+
+#[test]
+fn results_are_not_overwritten_without_force() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("mine")).unwrap();
+    fs::write(folder.path().join("mine/notes.txt"), "keep me").unwrap();
+    let arguments = [&QUICK[..], &["--output", "mine"]].concat();
+    let output = myospring(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("`mine` already holds files"), "{}", stderr(&output));
+    assert_eq!(names(&folder.path().join("mine")), ["notes.txt"]);
+
+    let output = myospring(folder.path(), &[&arguments[..], &["--force"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let kept = names(&folder.path().join("mine"));
+    assert!(kept.contains(&"notes.txt".to_owned()) && kept.contains(&"run.json".to_owned()));
+}
+
+#[test]
+fn json_is_the_only_thing_on_stdout_when_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = myospring(folder.path(), &[&QUICK[..], &["--json"]].concat());
+    let summary = json(&output);
+    let metrics = summary["beats"][0]["contraction"].as_array().unwrap();
+    let peak = metrics.iter().find(|metric| metric["name"] == "peak_shortening").unwrap();
+    assert!((peak["value"].as_f64().unwrap() - 12.0).abs() < 1.0, "{peak}");
+    assert_eq!(peak["unit"], "%");
+    assert!(!peak["definition"].as_str().unwrap().is_empty());
+    assert!(summary["stop"].is_null());
+}
+
+#[test]
+fn a_dry_run_prints_the_plan_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = myospring(folder.path(), &["run", "--dry-run"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for line in ["masses", "time step", "stability limit", "steps", "nothing was written"] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    assert!(names(folder.path()).is_empty());
+    let plan = json(&myospring(folder.path(), &["run", "--dry-run", "--json"]));
+    assert!(plan["steps"].as_u64().unwrap() > 10_000);
+}
+
+#[test]
+fn every_example_runs_dry() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let mut count = 0;
+    for name in names(&examples)
+        .iter()
+        .filter(|name| Path::new(name).extension().is_some_and(|ending| ending == "toml"))
+    {
+        let output = myospring(&examples, &["run", name, "--dry-run"]);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", stderr(&output));
+        count += 1;
+    }
+    assert!(count >= 4);
+}
+
+#[test]
+fn a_train_of_beats_comes_with_mean_and_deviation() {
+    let folder = tempfile::tempdir().unwrap();
+    let train = ["--beats", "2", "--cycle-length", "500 ms", "--model", "bueno_orovio_2008_epi"];
+    let output =
+        myospring(folder.path(), &[&["run", "--spacing", "5 um", "--json"], &train[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let summary = json(&output);
+    assert_eq!(summary["beats"].as_array().unwrap().len(), 2);
+    let spread = summary["beat_to_beat"].as_array().unwrap();
+    assert!(spread.iter().any(|row| row["name"] == "peak_shortening" && row["beats"] == 2));
+    let traces = folder.path().join("results/adult_ventricular/traces.csv");
+    assert!(fs::read_to_string(traces).unwrap().starts_with("t_ms,u,vm_mV,"));
+}
+
+#[test]
+fn a_run_that_stops_early_writes_what_it_has_and_exits_with_1() {
+    let folder = tempfile::tempdir().unwrap();
+    // So soft a cell is pulled inside out.
+    let soft = ["run", "--young-modulus", "0.5 kPa", "--peak-tension", "500 kPa", "--quiet"];
+    let output = myospring(folder.path(), &[&soft[..], &["--spacing", "4 um"]].concat());
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("the run stopped early") && message.contains("t = "), "{message}");
+    let results = folder.path().join("results/adult_ventricular");
+    let traces = fs::read_to_string(results.join("traces.csv")).unwrap();
+    assert!(traces.lines().count() > 50, "what was computed is kept");
+    let record: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(results.join("run.json")).unwrap()).unwrap();
+    assert!(record["stop"]["message"].as_str().unwrap().contains("t = "), "{record}");
+}
+
+#[test]
+fn end_loads_that_buckle_the_cell_are_warned_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = myospring(folder.path(), &["run", "--dry-run", "--active", "ends"]);
+    let message = stderr(&output);
+    assert!(message.contains("buckles above about") && message.contains("fibre"), "{message}");
+}
+
+#[test]
+fn mesh_reports_and_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = myospring(folder.path(), &["mesh", "--rotate", "30 deg"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("long axis"));
+    let results = folder.path().join("results/adult_ventricular_mesh");
+    assert_eq!(names(&results), ["figures", "mesh.json", "outline.geojson"]);
+    let report = json(&myospring(folder.path(), &["mesh", "--json", "--force"]));
+    assert!((report["length_um"].as_f64().unwrap() - 140.0).abs() < 2.0);
+    // What was written reads back.
+    let outline = results.join("outline.geojson");
+    let output = myospring(folder.path(), &["mesh", outline.to_str().unwrap(), "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+#[test]
+fn models_init_schema_and_cite_print_what_they_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let models = stdout(&myospring(folder.path(), &["models"]));
+    assert!(models.contains("coelho_2021") && models.contains("bueno_orovio_2008_tnnp"));
+    let model = stdout(&myospring(folder.path(), &["models", "coelho_2021"]));
+    assert!(model.contains("tau_si") && model.contains("1.76816") && model.contains("Table 1"));
+    let model = json(&myospring(folder.path(), &["models", "coelho_2021", "--json"]));
+    assert!(model["parameters"]["rows"].as_array().unwrap().len() >= 33);
+    assert_eq!(json(&myospring(folder.path(), &["schema"]))["title"], "Myospring run file");
+
+    assert_eq!(myospring(folder.path(), &["init", "beat.toml"]).status.code(), Some(0));
+    let output = myospring(folder.path(), &["run", "beat.toml", "--dry-run"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = myospring(folder.path(), &["init", "beat.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("`beat.toml` exists already"), "{}", stderr(&output));
+
+    let cite = stdout(&myospring(folder.path(), &["--cite"]));
+    assert!(cite.contains("@software{myospring,") && cite.contains("{coelho_2021,"), "{cite}");
+    let cite = ["run", "--model", "bueno_orovio_2008_m", "--cite"];
+    assert!(stdout(&myospring(folder.path(), &cite)).contains("{bueno_orovio_2008,"));
+}
+
+#[test]
+fn the_paper_is_met_in_every_statement() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = myospring(folder.path(), &["paper", "--json"]);
+    let record = json(&output);
+    for finding in record["findings"].as_array().unwrap() {
+        assert_ne!(finding["verdict"], "not_met", "{finding}");
+    }
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(names(&folder.path().join("results/paper/figures")).len(), 6);
+}
+
+#[test]
+fn the_paper_does_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    for threads in ["1", "3"] {
+        let run = ["paper", "--spacing", "4 um", "--threads", threads, "--output", threads];
+        // So coarse a cell may miss a statement (exit code 1), but not differently.
+        assert_ne!(myospring(folder.path(), &run).status.code(), Some(2));
+    }
+    for file in ["traces_30_kPa.csv", "traces_40_kPa.csv", "traces_50_kPa.csv"] {
+        let [one, three] =
+            ["1", "3"].map(|threads| fs::read(folder.path().join(threads).join(file)).unwrap());
+        assert_eq!(one, three, "{file}");
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_myospring"))
+        .args(["models", "coelho_2021"])
+        .current_dir(folder.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(stderr(&output), "");
+}
