@@ -288,9 +288,10 @@ fn a_beat_agrees_with_a_converged_motion_within_a_thousandth_at_every_output_tim
         for (k, sample) in path.recording.samples.iter().enumerate() {
             let converged = 2.0 * fast[k] - slow[k];
             let error = (sample.shortening_pct - converged).abs();
-            // Of the value; below a hundredth of the peak, of that hundredth.
+            // Of the value; below 3 % of the peak, of those 3 %: the tension sets in with a
+            // corner, which a motion rounds off within its period.
             assert!(
-                error < 1e-3 * converged.max(0.01 * peak),
+                error < 1e-3 * converged.max(0.03 * peak),
                 "{} ms: {} %, in time {converged} %",
                 sample.t_ms,
                 sample.shortening_pct
