@@ -1,6 +1,8 @@
 //! Whole beats: the acceptance numbers of the default cell, convergence, and what stops a run.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod common;
+
 use myospring::analysis::{contraction, trace, value};
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::{self, CellModel, Input, ModelError, toy};
@@ -93,6 +95,24 @@ fn a_cell_that_lies_aslant_shortens_along_its_own_axis() {
     let aslant = peak_shortening(&run(&quick_twitch(mesh)));
     let straight = peak_shortening(&run(&quick_twitch(built_in_cell(0.0, Some(2.4)))));
     assert!((aslant.value - straight.value).abs() < 0.3, "{aslant:?}, straight {straight:?}");
+}
+
+#[cfg(feature = "microscopy")]
+#[test]
+fn a_real_tear_drop_cell_beats_along_its_own_axis() {
+    use myospring::microscopy::read::{MaskOptions, read_mask};
+    let Some(path) = common::shared_data("images/sarcgraph_e5_mask.png") else { return };
+    let options = MaskOptions { label: None, pixel_size_um: 0.27 };
+    let picture = read_mask(&std::fs::read(path).unwrap(), &options).unwrap();
+    let (mesh, _) = lattice::from_mask(&picture.mask, Some(3.5)).unwrap();
+    // Measured on the pixels with other software: 57.5 degrees, 110.9 um long.
+    let axis = quality::long_axis(&mesh);
+    assert!((axis[1].atan2(axis[0]).to_degrees() - 57.5).abs() < 1.5, "{axis:?}");
+    assert!((quality::extent(&mesh, axis) - 110.9).abs() < 4.0);
+    let outcome = run(&quick_twitch(mesh));
+    assert_eq!(outcome.stop, None);
+    let peak = peak_shortening(&outcome).value;
+    assert!((peak - 12.0).abs() < 0.5, "{peak} %");
 }
 
 #[test]
