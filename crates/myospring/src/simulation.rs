@@ -410,6 +410,8 @@ impl Prepared<'_> {
     ) -> Sample {
         let extent = self.meter.measure(&body.positions);
         let model = &*self.simulation.cell;
+        let (momentum, centre) = (body.momentum(), body.mass_centre());
+        let orbital = centre[0] * momentum[1] - centre[1] * momentum[0];
         Sample {
             t_ms: time,
             u: model.potential(cell.state()),
@@ -423,6 +425,8 @@ impl Prepared<'_> {
             kinetic_energy_fj: body.kinetic_energy(),
             active_work_fj: ledger.active_work,
             dissipated_energy_fj: ledger.dissipated,
+            momentum_nn_ms: momentum[0].hypot(momentum[1]),
+            angular_momentum_nn_um_ms: body.angular_momentum() - orbital,
         }
     }
 }

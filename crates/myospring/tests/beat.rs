@@ -81,6 +81,17 @@ fn the_default_beat_shortens_by_twelve_per_cent_and_keeps_its_volume() {
             s.t_ms
         );
     }
+    // Internal forces give the free cell no momentum: 1e-9 of what its parts have is rounding.
+    let fastest = column(&outcome, |s| s.kinetic_energy_fj).into_iter().fold(0.0, f64::max);
+    for s in &outcome.recording.samples {
+        assert!(
+            s.momentum_nn_ms < 1e-9 * fastest.sqrt(),
+            "{} nN ms at {} ms",
+            s.momentum_nn_ms,
+            s.t_ms
+        );
+        assert!(s.angular_momentum_nn_um_ms.abs() < 1e-7 * fastest.sqrt());
+    }
     // The shape at the peak is kept.
     let frames = &outcome.recording.frames;
     assert!(frames.iter().any(|frame| (frame.t_ms - tension.time).abs() <= 0.5));
