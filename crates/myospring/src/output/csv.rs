@@ -24,7 +24,7 @@ pub enum CsvError {
 type Column = (&'static str, fn(&Sample) -> Option<f64>);
 
 /// Columns of `traces.csv` in their order.
-const COLUMNS: [Column; 12] = [
+const COLUMNS: [Column; 14] = [
     ("t_ms", |s| Some(s.t_ms)),
     ("u", |s| Some(s.u)),
     ("vm_mV", |s| s.vm_mv),
@@ -37,12 +37,15 @@ const COLUMNS: [Column; 12] = [
     ("kinetic_energy_fJ", |s| Some(s.kinetic_energy_fj)),
     ("active_work_fJ", |s| Some(s.active_work_fj)),
     ("dissipated_energy_fJ", |s| Some(s.dissipated_energy_fj)),
+    ("momentum_nN_ms", |s| Some(s.momentum_nn_ms)),
+    ("angular_momentum_nN_um_ms", |s| Some(s.angular_momentum_nn_um_ms)),
 ];
 
 /// The time series as the text of `traces.csv`.
 ///
 /// Columns: `t_ms, u, vm_mV, ta_kPa, length_um, width_um, area_um2, shortening_pct,
-/// elastic_energy_fJ, kinetic_energy_fJ, active_work_fJ, dissipated_energy_fJ`. A column that no
+/// elastic_energy_fJ, kinetic_energy_fJ, active_work_fJ, dissipated_energy_fJ, momentum_nN_ms,
+/// angular_momentum_nN_um_ms`. A column that no
 /// sample defines (`vm_mV` of a dimensionless cell model) is left out; where only some samples
 /// define it, the others stay empty. Numbers have 9 significant digits.
 ///
@@ -55,7 +58,8 @@ const COLUMNS: [Column; 12] = [
 /// # let sample = Sample {
 /// #     t_ms: 0.5, u: 0.25, vm_mv: None, ta_kpa: 0.0, length_um: 140.0, width_um: 21.0,
 /// #     area_um2: 2940.0, shortening_pct: 0.0, elastic_energy_fj: 0.0, kinetic_energy_fj: 0.0,
-/// #     active_work_fj: 0.0, dissipated_energy_fj: 0.0,
+/// #     active_work_fj: 0.0, dissipated_energy_fj: 0.0, momentum_nn_ms: 0.0,
+/// #     angular_momentum_nn_um_ms: 0.0,
 /// # };
 /// let recording = Recording { samples: vec![sample], frames: vec![] };
 /// let table = myospring::output::csv::traces(&recording)?;
@@ -120,6 +124,8 @@ mod tests {
                 kinetic_energy_fj: f64::MIN_POSITIVE * x,
                 active_work_fj: -x,
                 dissipated_energy_fj: x.sqrt(),
+                momentum_nn_ms: 1e-16 * x,
+                angular_momentum_nn_um_ms: -1e-16 * x,
             }
         };
         Recording { samples: (0..20).map(sample).collect(), frames: Vec::new() }

@@ -277,6 +277,8 @@ mod tests {
                 kinetic_energy_fj: 0.0,
                 active_work_fj: 1000.0 * bell(t) + 0.1 * t,
                 dissipated_energy_fj: 0.1 * t,
+                momentum_nn_ms: 0.0,
+                angular_momentum_nn_um_ms: 0.0,
             }
         };
         (0..2000).map(|i| sample(0.5 * f64::from(i))).collect()

@@ -6,7 +6,7 @@
 //! through four of them: exact for lengths, which are cubic polynomials of the tension as long as the
 //! same nodes are outermost. A frame is the path's own shape.
 //!
-//! Nothing moves, so the kinetic energy is 0, and nothing is dissipated: the work of the active force is
+//! Nothing moves, so momenta and kinetic energy are 0, and nothing is dissipated: the work of the active force is
 //! the elastic energy, added up on its own as in a run in time.
 
 use super::{Observed, Progress, Setup, SetupError, Shaping, Simulation, StopReason};
@@ -245,6 +245,8 @@ impl Shaping for AlongPath<'_> {
             kinetic_energy: 0.0,
             active_work: work - self.offset,
             dissipated_energy: 0.0,
+            momentum: 0.0,
+            angular_momentum: 0.0,
         }
     }
 
