@@ -17,13 +17,15 @@
 //! the time and the place; what was recorded up to there is kept.
 
 pub mod quasi_static;
+mod stop;
+
+pub use stop::{SetupError, StopReason};
 
 use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, Settings, SolveError};
 use crate::cell::{CellModel, coelho_2021};
-use crate::integrate::quasi_static::PathError;
 use crate::integrate::verlet::{Integrator, Motion};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::signed_area;
@@ -33,7 +35,6 @@ use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use crate::mesh::{Mesh, quality};
 use crate::recording::{Frame, Recording, Sample};
-use serde::Serialize;
 
 /// Numerical settings of a run; [`Default`] gives a converged beat.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,118 +118,6 @@ pub struct Simulation {
     pub duration: f64,
     /// Numerical settings.
     pub numerics: Numerics,
-}
-
-/// Why a run cannot start.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SetupError {
-    /// The time step would blow the mesh up.
-    #[error(
-        "time step {time_step} ms exceeds the stability limit {limit:.4} ms of this mesh (stiffest node \
-         {node} at x = {x:.1} um, y = {y:.1} um); use a smaller step, or none for the default"
-    )]
-    UnstableStep {
-        /// What was asked for, ms.
-        time_step: f64,
-        /// The limit, ms.
-        limit: f64,
-        /// The node that moves most in the fastest vibration.
-        node: usize,
-        /// Where it rests, um.
-        x: f64,
-        /// Where it rests, um.
-        y: f64,
-    },
-    /// There is no path of equilibria.
-    #[error("no quasi-static run: {0}")]
-    NoPath(#[from] PathError),
-    /// The cell model cannot start, or makes no tension to scale.
-    #[error("the cell model `{model}` cannot be run: {cause}")]
-    CellModel {
-        /// The model.
-        model: &'static str,
-        /// What went wrong.
-        cause: String,
-    },
-}
-
-/// Why a run stopped before its end.
-#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize)]
-#[serde(tag = "reason", rename_all = "snake_case")]
-pub enum StopReason {
-    /// A position is not a number.
-    #[error(
-        "the position of node {node} is not a number at t = {time} ms (it rests at x = {x:.1} um, \
-         y = {y:.1} um); lower the tension or the area modulus, or take a smaller time step"
-    )]
-    NotFinite {
-        /// Time, ms.
-        time: f64,
-        /// The node.
-        node: usize,
-        /// Where it rests, um.
-        x: f64,
-        /// Where it rests, um.
-        y: f64,
-    },
-    /// A triangle turned inside out.
-    #[error(
-        "triangle {triangle} is inverted at t = {time} ms under {tension:.1} kPa, near x = {x:.1} um, \
-         y = {y:.1} um: the forces are too strong for this lattice; lower the tension or the area modulus, \
-         or raise Young's modulus"
-    )]
-    Inverted {
-        /// Time, ms.
-        time: f64,
-        /// Active tension, kPa.
-        tension: f64,
-        /// The triangle.
-        triangle: usize,
-        /// Where it is, um.
-        x: f64,
-        /// Where it is, um.
-        y: f64,
-    },
-    /// Two ends of a spring met.
-    #[error(
-        "spring {spring} has no length at t = {time} ms under {tension:.1} kPa, at x = {x:.1} um, \
-         y = {y:.1} um: the forces are too strong for this lattice; lower the tension or the area modulus, \
-         or raise Young's modulus"
-    )]
-    ZeroLength {
-        /// Time, ms.
-        time: f64,
-        /// Active tension, kPa.
-        tension: f64,
-        /// The spring.
-        spring: usize,
-        /// Where it is, um.
-        x: f64,
-        /// Where it is, um.
-        y: f64,
-    },
-    /// The path of equilibria ends before this tension.
-    #[error("the tension reaches {tension:.4} kPa at t = {time} ms, but {cause}")]
-    NoEquilibrium {
-        /// Time, ms.
-        time: f64,
-        /// Active tension, kPa.
-        tension: f64,
-        /// Where and why the path ends.
-        cause: String,
-    },
-    /// The cell model failed.
-    #[error("the cell model failed: {cause}")]
-    CellModel {
-        /// What went wrong, with time and state variable.
-        cause: String,
-    },
-    /// The caller asked the run to stop.
-    #[error("stopped by the user at t = {time} ms")]
-    Interrupted {
-        /// Time, ms.
-        time: f64,
-    },
 }
 
 /// What came of a run.
