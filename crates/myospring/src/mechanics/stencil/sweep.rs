@@ -15,6 +15,7 @@
 
 use super::lanes::Lanes;
 use super::plan::{AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, STIFFNESS};
+use std::ops::Range;
 
 /// What a pass over a row does with the forces.
 pub(super) mod purpose {
@@ -22,10 +23,6 @@ pub(super) mod purpose {
     pub(in super::super) const MOVE: u8 = 0;
     /// Writes the velocities at the full step, and moves nothing.
     pub(in super::super) const LOOK: u8 = 1;
-    /// Computes only what is carried to the next row.
-    pub(in super::super) const CARRY: u8 = 2;
-    /// Writes the force from the squares above, for [`finish`], and moves nothing.
-    pub(in super::super) const DEFER: u8 = 3;
 }
 
 /// Whether forces other than springs and dashpots act.
@@ -36,18 +33,26 @@ pub(super) mod laws {
     pub(in super::super) const FIBRE: u8 = 2;
 }
 
-/// Pointers of a pass over one row; all rows have the layout of [`Plan`].
-#[derive(Clone, Copy)]
-pub(super) struct Row {
+/// What a square puts on its right neighbour's corners b and c, x and y each: see [`Row::left`].
+pub(super) type Handover = [f64; 4];
+
+/// A pass over some blocks of a row; all rows have the layout of [`Plan`].
+pub(super) struct Row<'a> {
     /// Number of the row.
     pub(super) index: usize,
+    /// Blocks to visit.
+    pub(super) blocks: Range<usize>,
     /// State of the row: x, y, and velocities at the half step.
     pub(super) lower: *mut f64,
     /// State of the row above.
     pub(super) upper: *const f64,
     /// Force on this row from the squares below on entry, on the next row on return: x, y.
     pub(super) carry: *mut f64,
-    /// Where `LOOK` and `DEFER` write: x, y.
+    /// Forces on b and c by the square to the left of the first block.
+    pub(super) left: Handover,
+    /// The same of the last square visited, on return.
+    pub(super) right: &'a mut Handover,
+    /// Where `LOOK` writes: x, y.
     pub(super) out: *mut f64,
 }
 
@@ -285,45 +290,17 @@ unsafe fn kick_and_drift<L: Lanes>(
     }
 }
 
-/// Moves a row whose force from above a pass with the purpose `DEFER` left in `row.out`.
-///
-/// # Safety
-/// As for [`pass`].
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-pub(super) unsafe fn finish<L: Lanes>(plan: &Plan, row: Row) {
-    // SAFETY: see above.
-    unsafe {
-        let pair = |from: *const f64| Pair { x: L::load(from), y: L::load(from.add(plan.stride)) };
-        let [first, last] = plan.spans[row.index];
-        for block in first..last {
-            let class = plan.classes[row.index * plan.blocks + block];
-            for part in 0..BLOCK / L::N {
-                let at = block * BLOCK + part * L::N;
-                let inverse_mass = match class {
-                    Class::EMPTY => continue,
-                    Class::UNIFORM => L::splat(plan.uniform.inverse_mass),
-                    class => L::load(plan.record(class).add(INVERSE_MASS * BLOCK + part * L::N)),
-                };
-                let (above, below) = (pair(row.out.add(at)), pair(row.carry.add(at)));
-                kick_and_drift::<L>(plan, row.lower.add(at), inverse_mass, above, below);
-            }
-        }
-    }
-}
-
 /// A pass over one row.
 ///
 /// # Safety
-/// The pointers of `row` must be good for the layout of `plan`, `lower` and `carry` (and `out` where
-/// the purpose needs it) not shared with another thread, and the processor must have the features of
+/// The pointers of `row` must be good for the layout of `plan`, `lower`, `carry` and `out` not shared with another thread, and the processor must have the features of
 /// `L`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
     plan: &Plan,
     tension: f64,
-    row: Row,
+    row: Row<'_>,
 ) {
     // SAFETY: see above; every offset below stays within the row or record that it belongs to.
     unsafe {
@@ -353,9 +330,9 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
             L::store(to.add(stride), value.y);
         };
 
-        let [first, last] = plan.spans[row.index];
-        let mut before = (Pair { x: zero, y: zero }, Pair { x: zero, y: zero });
-        for block in first..last {
+        let [bx, by, cx, cy] = row.left.map(|value| L::splat(value));
+        let mut before = (Pair { x: bx, y: by }, Pair { x: cx, y: cy });
+        for block in row.blocks {
             let class = plan.classes[row.index * plan.blocks + block];
             for part in 0..BLOCK / L::N {
                 let at = block * BLOCK + part * L::N;
@@ -390,9 +367,6 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                     x: L::sub(from_left.x, L::add(L::add(b.x, d.x), c.x)),
                     y: L::sub(from_left.y, L::add(L::add(b.y, d.y), c.y)),
                 };
-                if PURPOSE == purpose::DEFER {
-                    store(row.out.add(at), above);
-                }
                 if PURPOSE == purpose::MOVE {
                     kick_and_drift::<L>(plan, lower, inverse_mass, above, pair(carry));
                 }
@@ -409,5 +383,17 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                 store(carry, Pair { x: L::add(d.x, across.x), y: L::add(d.y, across.y) });
             }
         }
+        let (b, c) = before;
+        *row.right = [last::<L>(b.x), last::<L>(b.y), last::<L>(c.x), last::<L>(c.y)];
     }
+}
+
+/// The last lane.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn last<L: Lanes>(value: L::V) -> f64 {
+    let mut lanes = [0.0; BLOCK];
+    // SAFETY: no kind has more lanes than a block; the caller has the features of L.
+    unsafe { L::store(lanes.as_mut_ptr(), value) };
+    lanes[L::N - 1]
 }

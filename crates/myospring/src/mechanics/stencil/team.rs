@@ -1,16 +1,29 @@
-//! Steps on one thread or several, with the same bits.
+//! Many steps in one sweep, on one thread or several, with the same bits.
 //!
-//! Each thread owns consecutive rows. What it needs of its neighbours, the old state of the row
-//! above its last and of the row below its first, they publish in a buffer of two slots after every
-//! step. A thread looks at them only at the end of its next step, so neighbours may drift apart by
-//! most of a step without waiting. The forces that the row below sends up are computed a second
-//! time by the thread above, from the same values in the same order: hence the same bits.
+//! The lattice is cut into **tiles** of some blocks' width over all rows. A tile makes several steps in
+//! one sweep: each step trails the one before it by a row and stands one block further to the left, so
+//! that what it needs of the step before is there and what the step before needs is still old:
+//!
+//! ```text
+//! rows         tile k     tile k+1
+//!  ^       . . . . . . . . . . . .
+//!  |    step 0 |0 0 0 0|0 0 0 0|         front: step 0 in row j,
+//!  |  step 1 |1 1 1 1|1 1 1 1|                  step 1 in row j - 1,
+//!  |step 2 |2 2 2 2|2 2 2 2|                    step 2 in row j - 2
+//! ```
+//!
+//! A tile's window of rows stays in the second-level cache, so a large mesh comes from memory once for
+//! several steps. Tile k + 1 may do a front as soon as tile k has done it, and the next sweep may start
+//! on tile k when tile k + 1 is some rows ahead: threads take the tiles in turns, each counts its fronts
+//! in a number that the others read, and they follow each other without ever stopping together. Every
+//! force is computed once, from the same values in the same order whatever the tiles: hence the same
+//! bits.
 
 use super::lanes::{Lanes, Portable, Units};
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
 use super::plan::{BLOCK, Block, Plan};
-use super::sweep::{Row, finish, laws, pass, purpose};
+use super::sweep::{Handover, Row, laws, pass, purpose};
 use std::cell::UnsafeCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,11 +33,11 @@ use std::thread::JoinHandle;
 /// Turns of a waiting loop before the thread gives its core to others.
 const SPINS: u32 = 4000;
 
-/// Bytes of state and coefficients above which several steps share a sweep: the second-level cache.
-const CACHE: usize = 1 << 20;
+/// Bytes that a tile's window of rows may take: half of a second-level cache of 1 MiB.
+const CACHE: usize = 1 << 19;
 
-/// Steps that share a sweep.
-const SKEW: usize = 4;
+/// Steps that share a sweep of a large mesh.
+const DEEP: usize = 8;
 
 /// What all threads are asked to do.
 #[derive(Debug, Clone, Copy)]
@@ -65,40 +78,65 @@ impl Buffer {
     }
 }
 
-/// Buffers and rows of one thread.
-struct Share {
-    rows: Range<usize>,
-    /// One for each step of a sweep, x and y.
-    carries: Buffer,
-    /// Carried up from the row below the first.
-    from_below: Buffer,
-    /// Force from above on the first row.
-    first_above: Buffer,
-    /// Old states of the first and the last row, two slots each.
-    published: [[Buffer; 2]; 2],
+/// How the lattice is cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Tiling {
+    /// Blocks in a tile.
+    pub(super) width: usize,
+    /// Steps in a sweep.
+    pub(super) depth: usize,
+    /// Number of tiles.
+    pub(super) count: usize,
+}
+
+impl Tiling {
+    /// A mesh that fits the cache is one tile a thread; a larger one has tiles that fit.
+    fn new(plan: &Plan, threads: usize) -> Self {
+        let blocks = plan.blocks;
+        let state = 4 * size_of::<Block>();
+        let records = size_of_val(&plan.records[..]) / (plan.rows * blocks);
+        let fits = plan.rows * blocks * (state + records) <= 2 * CACHE;
+        let depth = match (fits, threads) {
+            (true, 1) => 1,
+            (true, _) => 2,
+            (false, _) => DEEP,
+        };
+        let in_cache = CACHE / ((depth + 2) * (state + records));
+        let widest = (blocks + depth - 1).div_ceil(threads);
+        let width = if fits { widest } else { widest.min(in_cache) }.max(depth);
+        Self { width, depth, count: (blocks + depth - 1).div_ceil(width) }
+    }
 }
 
 /// What the threads share.
 struct Shared {
     plan: Plan,
     units: Units,
+    tiling: Tiling,
     state: Buffer,
     /// Velocities at the full step, x and y by row.
     seen: Buffer,
+    /// Carried forces, by thread and step of a sweep: x and y.
+    carries: Vec<Buffer>,
+    /// By tile, step of a sweep and row.
+    handovers: Vec<UnsafeCell<Handover>>,
     command: UnsafeCell<Command>,
-    shares: Vec<Share>,
     /// Number of the present command.
     epoch: AtomicU64,
     /// Workers that have not yet finished it.
     busy: AtomicUsize,
-    /// States that each thread has published.
-    versions: Vec<AtomicU64>,
+    /// Fronts that each tile has done in the present command, over all sweeps.
+    fronts: Vec<Progress>,
 }
 
-// SAFETY: a thread writes only its own rows of `state` and `seen` and the buffers of its own `Share`.
-// `command` is written by the owner while no worker is busy. Neighbours read the slots of `published` that
-// `versions` (release, acquire) says are complete, and a slot is written again only after the
-// neighbour has published the state that it made from it.
+/// A counter with a cache line of its own.
+#[repr(align(128))]
+struct Progress(AtomicUsize);
+
+// SAFETY: `command` is written by the owner while no worker is busy. A thread writes its own carries.
+// A tile is swept by one thread at a time; it writes its blocks of `state` and `seen` and its
+// `handovers` only when `fronts` (release, acquire) says that the tiles on both sides have read what
+// they need of the old values, and reads theirs only when they are there; see `Worker::sweep`.
 unsafe impl Sync for Shared {}
 // SAFETY: plain data and atomics.
 unsafe impl Send for Shared {}
@@ -113,28 +151,27 @@ impl Team {
     /// The state is that of [`Plan::vacant`] until it is written.
     pub(super) fn new(plan: Plan, units: Units, threads: usize) -> Self {
         assert!(units.available(), "{units:?} is not available on this processor");
-        let ranges = share_out(&plan, threads);
-        let row = || Buffer::zeros(plan.row_len());
-        let shares: Vec<Share> = ranges
-            .into_iter()
-            .map(|rows| Share {
-                rows,
-                carries: Buffer::zeros(SKEW * plan.row_len() / 2),
-                from_below: Buffer::zeros(plan.row_len() / 2),
-                first_above: Buffer::zeros(plan.row_len() / 2),
-                published: [[row(), row()], [row(), row()]],
-            })
-            .collect();
-        let count = shares.len();
+        // A tile narrower than two blocks is more handing over than work.
+        let threads = threads.clamp(1, (plan.blocks / 2).max(1));
+        Self::tiled(plan, units, threads, None)
+    }
+
+    /// As [`Team::new`], cut as asked.
+    pub(super) fn tiled(plan: Plan, units: Units, threads: usize, tiling: Option<Tiling>) -> Self {
+        let tiling = tiling.unwrap_or_else(|| Tiling::new(&plan, threads));
+        let count = threads.min(tiling.count);
+        let handovers = tiling.count * tiling.depth * plan.rows;
         let shared = Arc::new(Shared {
             units,
+            tiling,
             state: Buffer::new(plan.vacant.clone()),
             seen: Buffer::zeros(plan.vacant.len() * BLOCK / 2),
+            carries: (0..count).map(|_| Buffer::zeros(tiling.depth * 2 * plan.stride)).collect(),
+            handovers: (0..handovers).map(|_| UnsafeCell::new([0.0; 4])).collect(),
             command: UnsafeCell::new(Command::Quit),
-            shares,
             epoch: AtomicU64::new(0),
             busy: AtomicUsize::new(0),
-            versions: (0..count).map(|_| AtomicU64::new(0)).collect(),
+            fronts: (0..tiling.count).map(|_| Progress(AtomicUsize::new(0))).collect(),
             plan,
         });
         let workers = (1..count)
@@ -172,6 +209,9 @@ impl Team {
         // SAFETY: `&mut self` and no worker is busy between commands.
         unsafe { *shared.command.get() = command };
         shared.busy.store(self.workers.len(), Ordering::Relaxed);
+        for fronts in &shared.fronts {
+            fronts.0.store(0, Ordering::Relaxed);
+        }
         shared.epoch.fetch_add(1, Ordering::Release);
         for worker in &self.workers {
             worker.thread().unpark();
@@ -189,29 +229,6 @@ impl Drop for Team {
             let _ = worker.join();
         }
     }
-}
-
-/// Rows for each of at most `threads` threads, of about equal numbers of blocks, two rows or more.
-fn share_out(plan: &Plan, threads: usize) -> Vec<Range<usize>> {
-    let threads = threads.clamp(1, (plan.rows / 2).max(1));
-    let work = |row: usize| plan.spans[row][1].saturating_sub(plan.spans[row][0]) + 1;
-    let total: usize = (0..plan.rows).map(work).sum();
-    let mut ranges = Vec::with_capacity(threads);
-    let (mut start, mut done) = (0, 0);
-    for thread in 0..threads {
-        let mut end = start;
-        let last_end = plan.rows - 2 * (threads - 1 - thread);
-        while end < last_end && (end < start + 2 || done * threads < total * (thread + 1)) {
-            done += work(end);
-            end += 1;
-        }
-        if thread + 1 == threads {
-            end = plan.rows;
-        }
-        ranges.push(start..end);
-        start = end;
-    }
-    ranges
 }
 
 fn wait_until(condition: impl Fn() -> bool) {
@@ -303,191 +320,124 @@ unsafe fn obey_with_laws<L: Lanes>(shared: &Shared, index: usize, command: Comma
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 unsafe fn obey<L: Lanes, const LAWS: u8>(shared: &Shared, index: usize, command: Command) {
-    // SAFETY: this thread's rows and share are its own, see `Shared`.
+    let worker = Worker { shared, index };
+    // SAFETY: the caller's.
     unsafe {
         match command {
             Command::Quit => {}
             Command::Advance { steps, tensions } => {
                 let slope = (tensions[1] - tensions[0]) / steps as f64;
                 let tension = |step: usize| tensions[0] + slope * step as f64;
-                let mut lane = Lane::new(shared, index);
-                if shared.shares.len() > 1 {
-                    lane.publish();
-                    for step in 0..steps {
-                        lane.step::<L, LAWS>(tension(step));
-                        lane.publish();
-                    }
-                } else if lane.is_large() {
-                    let mut step = 0;
-                    while step < steps {
-                        let count = SKEW.min(steps - step);
-                        lane.skewed::<L, LAWS>(count, |level| tension(step + level));
-                        step += count;
-                    }
-                } else {
-                    for step in 0..steps {
-                        lane.skewed::<L, LAWS>(1, |_| tension(step));
-                    }
-                }
+                worker.work::<L, LAWS, { purpose::MOVE }>(steps, tension);
             }
-            Command::Look { tension } => Lane::new(shared, index).look::<L, LAWS>(tension),
+            Command::Look { tension } => {
+                worker.work::<L, LAWS, { purpose::LOOK }>(1, |_| tension);
+            }
         }
     }
 }
 
-/// A thread's rows and what it needs to step them.
-struct Lane<'a> {
+/// One of the threads.
+struct Worker<'a> {
     shared: &'a Shared,
-    share: &'a Share,
     index: usize,
-    version: u64,
 }
 
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-impl<'a> Lane<'a> {
-    fn new(shared: &'a Shared, index: usize) -> Self {
-        let version = shared.versions[index].load(Ordering::Relaxed);
-        Self { shared, share: &shared.shares[index], index, version }
-    }
-
-    fn is_large(&self) -> bool {
-        let plan = &self.shared.plan;
-        size_of_val(&plan.vacant[..]) + size_of_val(&plan.records[..]) > CACHE
-    }
-
-    fn rows(&self) -> Range<usize> {
-        self.share.rows.clone()
-    }
-
-    unsafe fn row(&self, index: usize) -> *mut f64 {
-        // SAFETY: the state has `rows + 1` rows.
-        unsafe { self.shared.state.start.add(index * self.shared.plan.row_len()) }
-    }
-
-    /// Lets the neighbours see the first and the last row.
-    unsafe fn publish(&mut self) {
-        // SAFETY: the neighbours read this slot only after the version is stored, and are done with
-        // what it held: they have published what they made from it.
-        unsafe {
-            let (rows, len) = (self.rows(), self.shared.plan.row_len());
-            let slot = (self.version & 1) as usize;
-            for (side, row) in [rows.start, rows.end - 1].into_iter().enumerate() {
-                let to = self.share.published[side][slot].start;
-                std::ptr::copy_nonoverlapping(self.row(row), to, len);
-            }
-        }
-        self.version += 1;
-        self.shared.versions[self.index].store(self.version, Ordering::Release);
-    }
-
-    /// A row that a neighbour has published: side 0 its first, 1 its last. It is complete, and is not
-    /// written again before this thread publishes.
-    fn neighbour(&self, index: usize, side: usize) -> *mut f64 {
-        let versions = &self.shared.versions;
-        wait_until(|| versions[index].load(Ordering::Acquire) >= self.version);
-        let slot = ((self.version - 1) & 1) as usize;
-        self.shared.shares[index].published[side][slot].start
-    }
-
-    /// The row above one of this thread's rows, as it was before the step.
-    unsafe fn above(&self, row: usize) -> *const f64 {
-        // SAFETY: the row on top of all is padding and never moves.
-        unsafe {
-            if row + 1 == self.rows().end && row + 1 < self.shared.plan.rows {
-                self.neighbour(self.index + 1, 0)
-            } else {
-                self.row(row + 1)
-            }
-        }
-    }
-
-    /// One step of rows with neighbours on other threads.
+impl Worker<'_> {
+    /// This thread's tiles of all sweeps.
     #[inline(always)]
-    unsafe fn step<L: Lanes, const LAWS: u8>(&mut self, tension: f64) {
-        // SAFETY: see `Shared`.
-        unsafe {
-            let plan = &self.shared.plan;
-            let carry = self.share.carries.start;
-            let out = self.share.first_above.start;
-            std::ptr::write_bytes(carry, 0, 2 * plan.stride);
-            let rows = self.rows();
-            for index in rows.clone() {
-                let (lower, upper) = (self.row(index), self.above(index));
-                let row = Row { index, lower, upper, carry, out };
-                if index == rows.start && index > 0 {
-                    pass::<L, LAWS, { purpose::DEFER }>(plan, tension, row);
-                } else {
-                    pass::<L, LAWS, { purpose::MOVE }>(plan, tension, row);
-                }
-            }
-            if rows.start > 0 {
-                // The first row has not moved yet.
-                let carry = self.from_below::<L, LAWS>(tension);
-                let lower = self.row(rows.start);
-                finish::<L>(plan, Row { index: rows.start, lower, upper: lower, carry, out });
-            }
-        }
-    }
-
-    /// What the row below the first carries up.
-    #[inline(always)]
-    unsafe fn from_below<L: Lanes, const LAWS: u8>(&mut self, tension: f64) -> *mut f64 {
-        // SAFETY: see `Shared`.
-        unsafe {
-            let start = self.rows().start;
-            let carry = self.share.from_below.start;
-            let (lower, upper) = (self.neighbour(self.index - 1, 1), self.row(start));
-            let row = Row { index: start - 1, lower, upper, carry, out: carry };
-            pass::<L, LAWS, { purpose::CARRY }>(&self.shared.plan, tension, row);
-            carry
-        }
-    }
-
-    /// Several steps in one sweep over all rows: each step trails the one before it by a row.
-    #[inline(always)]
-    unsafe fn skewed<L: Lanes, const LAWS: u8>(
-        &mut self,
+    unsafe fn work<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
+        &self,
         steps: usize,
         tension: impl Fn(usize) -> f64,
     ) {
-        // SAFETY: this thread owns all rows.
-        unsafe {
-            let plan = &self.shared.plan;
-            let carries = self.share.carries.start;
-            std::ptr::write_bytes(carries, 0, 2 * plan.stride * steps);
-            for front in 0..plan.rows + steps - 1 {
-                for step in front.saturating_sub(plan.rows - 1)..steps.min(front + 1) {
-                    let index = front - step;
-                    let carry = carries.add(2 * plan.stride * step);
-                    let (lower, upper) = (self.row(index), self.row(index + 1));
-                    let row = Row { index, lower, upper, carry, out: carry };
-                    pass::<L, LAWS, { purpose::MOVE }>(plan, tension(step), row);
-                }
+        let Tiling { depth, count, .. } = self.shared.tiling;
+        let total = steps.div_ceil(depth) * count;
+        for turn in (self.index..total).step_by(self.shared.carries.len()) {
+            let (sweep, tile) = (turn / count, turn % count);
+            let first = sweep * depth;
+            let steps = depth.min(steps - first);
+            // SAFETY: turns are taken in order, each by one thread.
+            unsafe {
+                self.sweep::<L, LAWS, PURPOSE>(sweep, tile, steps, |step| tension(first + step));
             }
         }
     }
 
-    /// Velocities at the full step.
+    /// One tile of one sweep.
     #[inline(always)]
-    unsafe fn look<L: Lanes, const LAWS: u8>(&mut self, tension: f64) {
-        // SAFETY: see `Shared`; `seen` has half a row for each row.
-        unsafe {
-            let plan = &self.shared.plan;
-            let rows = self.rows();
-            let carry = if rows.start > 0 {
-                self.from_below::<L, LAWS>(tension)
-            } else {
-                let carry = self.share.carries.start;
-                std::ptr::write_bytes(carry, 0, 2 * plan.stride);
-                carry
-            };
-            let seen = self.shared.seen.start;
-            for index in rows {
-                let (lower, upper) = (self.row(index), self.above(index));
-                let out = seen.add(index * plan.row_len() / 2);
-                let row = Row { index, lower, upper, carry, out };
-                pass::<L, LAWS, { purpose::LOOK }>(plan, tension, row);
+    unsafe fn sweep<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
+        &self,
+        sweep: usize,
+        tile: usize,
+        steps: usize,
+        tension: impl Fn(usize) -> f64,
+    ) {
+        let Shared { plan, tiling, fronts, .. } = self.shared;
+        let Tiling { width, depth, count } = *tiling;
+        // All sweeps but the last have `depth` steps.
+        let per_sweep = plan.rows + depth - 1;
+        let before = sweep * per_sweep;
+        let await_front = |tile: usize, done: usize| {
+            wait_until(|| fronts[tile].0.load(Ordering::Acquire) >= done);
+        };
+        // The tile's last sweep is done, so its counter is this sweep's alone.
+        await_front(tile, before);
+        for front in 0..plan.rows + steps - 1 {
+            if tile > 0 {
+                await_front(tile - 1, before + front + 1);
             }
+            if sweep > 0 && tile + 1 < count {
+                // The last step of the sweep before has passed the row above this front.
+                await_front(tile + 1, before - per_sweep + (front + depth + 1).min(per_sweep));
+            }
+            for step in front.saturating_sub(plan.rows - 1)..steps.min(front + 1) {
+                let start = (tile * width).saturating_sub(step);
+                let end = ((tile + 1) * width).saturating_sub(step);
+                // SAFETY: see `Shared`.
+                unsafe {
+                    self.row::<L, LAWS, PURPOSE>(tile, step, front - step, start..end, tension(step));
+                }
+            }
+            fronts[tile].0.store(before + front + 1, Ordering::Release);
+        }
+    }
+
+    /// One row of a tile in one step.
+    #[inline(always)]
+    unsafe fn row<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
+        &self,
+        tile: usize,
+        step: usize,
+        index: usize,
+        blocks: Range<usize>,
+        tension: f64,
+    ) {
+        let Shared { plan, tiling, handovers, .. } = self.shared;
+        let [first, last] = plan.spans[index];
+        let blocks = blocks.start.max(first)..blocks.end.min(last);
+        let handover = |tile: usize| handovers[(tile * tiling.depth + step) * plan.rows + index].get();
+        // SAFETY: offsets stay within the buffers; for the rest see `Shared`.
+        unsafe {
+            let left = if tile > 0 { *handover(tile - 1) } else { [0.0; 4] };
+            let right = &mut *handover(tile);
+            if blocks.is_empty() {
+                *right = left;
+                return;
+            }
+            let carry = self.shared.carries[self.index].start.add(step * 2 * plan.stride);
+            if index == 0 {
+                for axis in 0..2 {
+                    let start = carry.add(axis * plan.stride + blocks.start * BLOCK);
+                    std::ptr::write_bytes(start, 0, blocks.len() * BLOCK);
+                }
+            }
+            let lower = self.shared.state.start.add(index * plan.row_len());
+            let upper = lower.add(plan.row_len());
+            let out = self.shared.seen.start.add(index * plan.row_len() / 2);
+            let row = Row { index, blocks, lower, upper, carry, left, right, out };
+            pass::<L, LAWS, PURPOSE>(plan, tension, row);
         }
     }
 }
