@@ -64,11 +64,11 @@ fn main() {
         start.elapsed().as_secs_f64()
     };
     let mut taken = seconds(&mut motion.stencil, steps);
-    while taken < 0.25 {
+    while taken < 0.1 {
         steps *= 2;
         taken = seconds(&mut motion.stencil, steps);
     }
-    steps = (steps as f64 * 1.5 / taken).ceil() as usize;
+    steps = (steps as f64 * 0.4 / taken).ceil() as usize;
     let mut rates: Vec<f64> = (0..5)
         .map(|_| (springs * steps) as f64 / seconds(&mut motion.stencil, steps))
         .collect();

@@ -13,8 +13,8 @@
 //! row's masses move as soon as their force is complete: squares to the right and above still see
 //! the old positions.
 
-use super::lanes::Lanes;
-use super::plan::{AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, STIFFNESS};
+use super::lanes::{Lanes, prefetch};
+use super::plan::{AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, RECORD, STIFFNESS};
 use std::ops::Range;
 
 /// What a pass over a row does with the forces.
@@ -54,6 +54,8 @@ pub(super) struct Row<'a> {
     pub(super) right: &'a mut Handover,
     /// Where `LOOK` writes: x, y.
     pub(super) out: *mut f64,
+    /// Whether the next row's data are to be asked for.
+    pub(super) fetch: bool,
 }
 
 /// x and y.
@@ -334,6 +336,9 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let mut before = (Pair { x: bx, y: by }, Pair { x: cx, y: cy });
         for block in row.blocks {
             let class = plan.classes[row.index * plan.blocks + block];
+            if row.fetch {
+                fetch_above(plan, row.index, block, row.upper.add(plan.row_len()));
+            }
             for part in 0..BLOCK / L::N {
                 let at = block * BLOCK + part * L::N;
                 let (lower, upper, carry) = (row.lower.add(at), row.upper.add(at), row.carry.add(at));
@@ -385,6 +390,23 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         }
         let (b, c) = before;
         *row.right = [last::<L>(b.x), last::<L>(b.y), last::<L>(c.x), last::<L>(c.y)];
+    }
+}
+
+/// Asks for what the next row's pass reads at a block: coefficients, and the state of the row above it.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+fn fetch_above(plan: &Plan, row: usize, block: usize, state: *const f64) {
+    for component in 0..4 {
+        prefetch(state.wrapping_add(component * plan.stride + block * BLOCK));
+    }
+    if let Some(&class) = plan.classes.get((row + 1) * plan.blocks + block)
+        && class.0 > Class::UNIFORM.0
+    {
+        let record = plan.record(class);
+        for term in 0..RECORD {
+            prefetch(record.wrapping_add(term * BLOCK));
+        }
     }
 }
 

@@ -31,10 +31,10 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 
 /// Turns of a waiting loop before the thread gives its core to others.
-const SPINS: u32 = 4000;
+const SPINS: u32 = 20000;
 
-/// Bytes that a tile's window of rows may take: half of a second-level cache of 1 MiB.
-const CACHE: usize = 1 << 19;
+/// Bytes that a tile's window of rows may take: three quarters of a second-level cache of 1 MiB.
+const CACHE: usize = 3 << 18;
 
 /// Steps that share a sweep of a large mesh.
 const DEEP: usize = 8;
@@ -95,7 +95,7 @@ impl Tiling {
         let blocks = plan.blocks;
         let state = 4 * size_of::<Block>();
         let records = size_of_val(&plan.records[..]) / (plan.rows * blocks);
-        let fits = plan.rows * blocks * (state + records) <= 2 * CACHE;
+        let fits = plan.rows * blocks * (state + records) <= CACHE;
         let depth = match (fits, threads) {
             (true, 1) => 1,
             (true, _) => 2,
@@ -235,9 +235,7 @@ fn wait_until(condition: impl Fn() -> bool) {
     let mut turns = 0;
     while !condition() {
         turns += 1;
-        if turns < SPINS {
-            std::hint::spin_loop();
-        } else {
+        if turns > SPINS {
             std::thread::yield_now();
         }
     }
@@ -436,7 +434,8 @@ impl Worker<'_> {
             let lower = self.shared.state.start.add(index * plan.row_len());
             let upper = lower.add(plan.row_len());
             let out = self.shared.seen.start.add(index * plan.row_len() / 2);
-            let row = Row { index, blocks, lower, upper, carry, left, right, out };
+            let fetch = step == 0 && tiling.depth == DEEP;
+            let row = Row { index, blocks, lower, upper, carry, left, right, out, fetch };
             pass::<L, LAWS, PURPOSE>(plan, tension, row);
         }
     }
