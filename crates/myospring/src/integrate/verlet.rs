@@ -84,8 +84,13 @@ impl<'a> Motion<'a> {
     /// if it knows all forces; otherwise the motion stays with the sum of the forces, which gives the
     /// same to rounding. From the first step on the body is only to be read.
     #[must_use]
-    pub fn on_lattice(mut self, lattice: &Lattice, threads: usize) -> Self {
-        let units = Units::best();
+    pub fn on_lattice(self, lattice: &Lattice, threads: usize) -> Self {
+        self.on_lattice_with(lattice, threads, Units::best())
+    }
+
+    /// As [`Motion::on_lattice`], with vector units of one's choice.
+    #[must_use]
+    pub fn on_lattice_with(mut self, lattice: &Lattice, threads: usize, units: Units) -> Self {
         self.kernel =
             Stencil::new(self.system, &self.body, lattice, self.time_step, threads, units);
         self
@@ -99,6 +104,11 @@ impl<'a> Motion<'a> {
     /// The time step, ms.
     pub fn time_step(&self) -> f64 {
         self.time_step
+    }
+
+    /// Velocities at the last half step, um/ms: those that the dashpots have seen.
+    pub fn half_velocities(&self) -> &Vectors {
+        &self.half_velocities
     }
 
     /// Steps made so far.
@@ -132,7 +142,9 @@ impl<'a> Motion<'a> {
         }
         if let Some(kernel) = &mut self.kernel {
             kernel.advance(steps_left, [start, tensions[1]]);
-            kernel.read(tensions[1], &mut self.body.positions, &mut self.body.velocities);
+            let body = &mut self.body;
+            kernel.read_half_step(&mut body.positions, &mut self.half_velocities);
+            kernel.read_velocities(tensions[1], &mut body.velocities);
             self.steps += steps_left as u64;
         }
     }

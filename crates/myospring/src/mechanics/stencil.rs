@@ -93,17 +93,15 @@ impl Stencil {
         self.team.advance(steps, tensions);
     }
 
-    /// Writes the positions (um) and the velocities at the same time (um/ms) under this tension, kPa.
-    pub fn read(&mut self, tension: f64, positions: &mut Vectors, velocities: &mut Vectors) {
+    /// Writes the velocities at the time of the positions under this tension (kPa), um/ms.
+    pub fn read_velocities(&mut self, tension: f64, velocities: &mut Vectors) {
         self.team.look(tension);
-        let (plan, state, seen) = self.team.parts();
-        let row_len = plan.row_len();
-        for axis in 0..2 {
-            for (node, place) in plan.places.iter().enumerate() {
-                positions[axis][node] = state[place + axis * plan.stride];
-                // A row of `seen` is half as long as one of the state.
-                let seen_place = place - place / row_len * (row_len / 2);
-                velocities[axis][node] = seen[seen_place + axis * plan.stride];
+        let (plan, _, seen) = self.team.parts();
+        // A row of `seen` is half as long as one of the state.
+        let half = plan.row_len() / 2;
+        for (axis, values) in velocities.iter_mut().enumerate() {
+            for (place, value) in plan.places.iter().zip(values) {
+                *value = seen[place - place / plan.row_len() * half + axis * plan.stride];
             }
         }
     }

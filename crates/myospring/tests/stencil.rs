@@ -1,0 +1,249 @@
+//! The fused kernel of a lattice: equal to the sum of the laws to rounding, and to itself to the bit.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use myospring::integrate::verlet::{Integrator, Motion};
+use myospring::mechanics::active::{ActiveLaw, FibreTension};
+use myospring::mechanics::area::{AreaLaw, AreaPreservation};
+use myospring::mechanics::drag::Drag;
+use myospring::mechanics::material::{Material, assemble, default_material};
+use myospring::mechanics::spring::Springs;
+use myospring::mechanics::stability::StabilityLimit;
+use myospring::mechanics::stencil::{Stencil, Units};
+use myospring::mechanics::support::{Support, SupportKind};
+use myospring::mechanics::{Body, System, Vectors, zeros};
+use myospring::mesh::{Mesh, built_in, lattice, quality};
+use proptest::prelude::*;
+
+/// Repeatable numbers in 1/2..3/2.
+fn field(count: usize, seed: usize) -> Vec<f64> {
+    let one = |i: usize| ((i * 7919 + seed * 104_729 + 1) as f64 * 0.618_033_988_75).fract() + 0.5;
+    (0..count).map(one).collect()
+}
+
+/// A mesh whose every mass, spring, dashpot and fibre differs from the next, disturbed and moving.
+fn varied(mesh: &Mesh, support: Support, seed: usize) -> (Body, System) {
+    let count = mesh.springs.len();
+    let masses: Vec<f64> =
+        mesh.areas.iter().zip(field(mesh.len(), seed)).map(|(area, f)| 0.02 * area * f).collect();
+    let springs = default_material().springs(mesh, &masses);
+    let stiffness: Vec<f64> =
+        springs.stiffness().iter().zip(field(count, seed + 1)).map(|(k, f)| k * f).collect();
+    let rest_length = |pair: &[u32; 2]| {
+        let [a, b] = pair.map(|node| mesh.point(node as usize));
+        (b[0] - a[0]).hypot(b[1] - a[1])
+    };
+    let damping = field(count, seed + 2).iter().map(|f| 0.5 * f).collect();
+    let springs = Springs::new(
+        springs.nodes().to_vec(),
+        stiffness,
+        springs.nodes().iter().map(rest_length).collect(),
+        damping,
+    );
+    let fibres: Vec<[f64; 2]> = field(mesh.simplices.len(), seed + 3)
+        .iter()
+        .map(|a| [(6.0 * a).cos(), (6.0 * a).sin()])
+        .collect();
+    let system = System {
+        passive: vec![
+            Box::new(springs),
+            Box::new(AreaPreservation::new(mesh, AreaLaw::Gradient, 1500.0)),
+        ],
+        active: vec![Box::new(FibreTension::new(mesh, &fibres, 10.0))],
+        drag: Drag { rate: 1.3, masses: masses.clone() },
+        support,
+    };
+    let spacing = mesh.lattice.as_ref().unwrap().spacing;
+    let positions = [0, 1].map(|axis| {
+        let shift = field(mesh.len(), seed + 4 + axis);
+        mesh.points[axis].iter().zip(shift).map(|(x, f)| x + 0.1 * spacing * (f - 1.0)).collect()
+    });
+    let velocities = [6, 7].map(|k| field(mesh.len(), seed + k).iter().map(|f| f - 1.0).collect());
+    (Body { positions, velocities, masses }, system)
+}
+
+fn largest_difference(a: &Vectors, b: &Vectors) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).fold(0.0, |worst, (a, b)| worst.max((a - b).abs()))
+}
+
+fn available() -> impl Iterator<Item = Units> {
+    Units::ALL.into_iter().filter(|units| units.available())
+}
+
+/// The same motion by the plain loops and by the kernel.
+fn both_ways(
+    mesh: &Mesh,
+    (body, system): &(Body, System),
+    steps: [usize; 2],
+    threads: usize,
+    units: Units,
+) -> [Body; 2] {
+    let step = 0.5 * StabilityLimit::of(system, body, 50.0).time_step;
+    let plain = Motion::new(system, body.clone(), Integrator::VelocityVerlet, step);
+    let fused = Motion::new(system, body.clone(), Integrator::StoermerVerlet, step)
+        .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
+    assert!(fused.is_fused());
+    [plain, fused].map(|mut motion| {
+        motion.advance(steps[0], [0.0, 40.0]);
+        motion.advance(steps[1], [40.0, 50.0]);
+        motion.body
+    })
+}
+
+/// Rounding of positions of some 100 um and of velocities that forces of 1e3 nN change, over some
+/// tens of steps of a motion that is regular.
+fn assert_same_to_rounding([plain, fused]: &[Body; 2], what: &str) {
+    let positions = largest_difference(&plain.positions, &fused.positions);
+    assert!(positions < 1e-11, "{what}: positions differ by {positions} um");
+    let velocities = largest_difference(&plain.velocities, &fused.velocities);
+    assert!(velocities < 1e-9, "{what}: velocities differ by {velocities} um/ms");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn the_kernel_equals_the_plain_loops_on_any_outline_with_any_fields(
+        angle in 0.0..180.0_f64, spacing in 1.5..4.0_f64, seed in 0..1000_usize,
+        threads in 1..4_usize, held in 0..3_usize,
+    ) {
+        let outline = built_in::adult_ventricular().rotated(angle);
+        let mesh = lattice::from_outline(&outline, Some(spacing)).unwrap().0;
+        let axis = quality::long_axis(&mesh);
+        let support = match held {
+            0 => Support::Free,
+            1 => Support::MassCentre,
+            _ => Support::new(SupportKind::ClampedEnds, &mesh, axis),
+        };
+        let problem = varied(&mesh, support, seed);
+        for units in available() {
+            let bodies = both_ways(&mesh, &problem, [7, 23], threads, units);
+            assert_same_to_rounding(&bodies, &format!("{units:?} on {threads} threads"));
+        }
+    }
+}
+
+#[test]
+fn the_kernel_equals_the_plain_loops_on_a_mesh_larger_than_the_cache() {
+    // 24 321 masses with a record each: 3 MB
+    let mesh = lattice::rectangle(300, 80, 1.0).unwrap();
+    let problem = varied(&mesh, Support::Free, 5);
+    for (threads, steps) in [(1, [9, 20]), (2, [1, 16]), (3, [30, 3])] {
+        let bodies = both_ways(&mesh, &problem, steps, threads, Units::best());
+        assert_same_to_rounding(&bodies, &format!("{threads} threads"));
+    }
+}
+
+#[test]
+fn the_bits_are_the_same_whatever_the_number_of_threads() {
+    for (mesh, most) in [
+        (lattice::rectangle(118, 20, 1.2).unwrap(), 5),
+        (lattice::rectangle(700, 60, 1.0).unwrap(), 4),
+        (
+            lattice::from_outline(&built_in::adult_ventricular().rotated(33.0), Some(0.7))
+                .unwrap()
+                .0,
+            4,
+        ),
+    ] {
+        let problem = varied(&mesh, Support::MassCentre, 11);
+        for units in available() {
+            let [_, one] = both_ways(&mesh, &problem, [5, 40], 1, units);
+            for threads in 2..=most {
+                let [_, many] = both_ways(&mesh, &problem, [5, 40], threads, units);
+                assert!(one == many, "{units:?}, {threads} threads");
+            }
+        }
+    }
+}
+
+#[test]
+fn two_hundred_steps_of_the_peers_lattice_give_the_peers_sums() {
+    // Spacing 1, k = 1 for every spring, dashpots 0.1, masses 1, dt 0.05: sums of squared displacements
+    // and of squared half-step velocities by NumPy, Numba and C++ programs that are not ours.
+    let mesh = lattice::rectangle(99, 19, 1.0).unwrap();
+    let nodes: Vec<[u32; 2]> = mesh.springs.iter().map(|spring| spring.nodes).collect();
+    let rest_length = nodes
+        .iter()
+        .map(|pair| {
+            let [a, b] = pair.map(|node| mesh.point(node as usize));
+            (b[0] - a[0]).hypot(b[1] - a[1])
+        })
+        .collect();
+    let count = nodes.len();
+    let springs = Springs::new(nodes, vec![1.0; count], rest_length, vec![0.1; count]);
+    let masses = vec![1.0; mesh.len()];
+    let mut body = Body {
+        positions: mesh.points.clone(),
+        velocities: zeros(mesh.len()),
+        masses: masses.clone(),
+    };
+    for node in 0..mesh.len() {
+        let [i, j] = mesh.point(node);
+        body.positions[0][node] += 0.05 * (0.37 * i + 0.61 * j).sin();
+        body.positions[1][node] += 0.05 * (0.53 * i - 0.29 * j + 1.0).sin();
+    }
+    let system = System {
+        passive: vec![Box::new(springs)],
+        active: vec![],
+        drag: Drag { rate: 0.0, masses },
+        support: Support::Free,
+    };
+    for units in available() {
+        let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 0.05)
+            .on_lattice_with(mesh.lattice.as_ref().unwrap(), 2, units);
+        motion.advance(200, [0.0; 2]);
+        let displacement: f64 = (0..2)
+            .flat_map(|axis| motion.body.positions[axis].iter().zip(&mesh.points[axis]))
+            .map(|(x, rest)| (x - rest).powi(2))
+            .sum();
+        // As many digits as the peers print.
+        assert!((displacement - 1.222_314_112_97).abs() < 1e-11, "{units:?}: {displacement}");
+        let half: f64 = motion.half_velocities().iter().flatten().map(|v| v * v).sum();
+        assert!((half - 0.657_978_435).abs() < 1e-9, "{units:?}: {half}");
+    }
+}
+
+#[test]
+fn what_the_kernel_does_not_know_stays_with_the_plain_loops() {
+    let mesh = lattice::rectangle(20, 5, 1.0).unwrap();
+    let axis = [1.0, 0.0];
+    let fibres = vec![axis; mesh.simplices.len()];
+    let fused = |material: &Material, active, support| {
+        let (body, system) = assemble(&mesh, material, active, &fibres, support, axis, 20.0);
+        Motion::new(&system, body, Integrator::StoermerVerlet, 1e-3)
+            .on_lattice(mesh.lattice.as_ref().unwrap(), 1)
+            .is_fused()
+    };
+    let usual = default_material();
+    let barycentric = Material { area_law: AreaLaw::Barycentric, ..default_material() };
+    assert!(fused(&usual, ActiveLaw::Fibre, SupportKind::MassCentre));
+    assert!(fused(&usual, ActiveLaw::Fibre, SupportKind::ClampedEnd));
+    assert!(!fused(&usual, ActiveLaw::Ends, SupportKind::MassCentre));
+    assert!(!fused(&barycentric, ActiveLaw::Fibre, SupportKind::MassCentre));
+}
+
+#[test]
+fn springs_off_the_lattice_or_of_another_length_have_no_place_in_the_kernel() {
+    let mesh = lattice::rectangle(3, 3, 1.0).unwrap();
+    let place = |nodes, rest_length| {
+        let masses = vec![1.0; mesh.len()];
+        let body = Body {
+            positions: mesh.points.clone(),
+            velocities: zeros(mesh.len()),
+            masses: masses.clone(),
+        };
+        let springs = Springs::new(vec![nodes], vec![1.0], vec![rest_length], vec![0.0]);
+        let system = System {
+            passive: vec![Box::new(springs)],
+            active: vec![],
+            drag: Drag { rate: 0.0, masses },
+            support: Support::Free,
+        };
+        let lattice = mesh.lattice.as_ref().unwrap();
+        Stencil::new(&system, &body, lattice, 0.1, 1, Units::best()).is_some()
+    };
+    // Nodes 0 to 3 stand in the first row, 4 to 7 in the second.
+    assert!(place([0, 1], 1.0) && place([5, 0], 2.0_f64.sqrt()) && place([4, 1], 2.0_f64.sqrt()));
+    assert!(!place([0, 1], 1.01), "a spring that is not at rest on the lattice");
+    assert!(!place([0, 2], 2.0), "a spring to the neighbour after next");
+    assert!(!place([3, 4], 10.0_f64.sqrt()), "the ends of two rows, next to each other in number");
+}
