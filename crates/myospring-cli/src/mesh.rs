@@ -22,7 +22,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     if let Some(outline) = run.shape.outline(&bytes)? {
         folder.write("outline.geojson", outline.to_geojson())?;
     }
-    folder.figure("mesh", figure::mesh(&mesh))?;
+    folder.figures(&[("mesh", &|| figure::mesh(&mesh))])?;
     let target = folder.finish()?;
     if args.output.json {
         print::out(&json::pretty(&report)?);

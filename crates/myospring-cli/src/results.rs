@@ -3,11 +3,15 @@
 use crate::failure::Failure;
 use myospring::output::figure::{Figure, FigureError};
 use myospring::output::files;
+use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Resolution of the PNG figures, dots per inch.
 const DPI: f64 = 300.0;
+
+/// What draws a figure.
+pub(crate) type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 
 /// A folder under way: files go to a sibling that takes the folder's name in the end.
 pub(crate) struct Folder {
@@ -53,12 +57,13 @@ impl Folder {
         Ok(files::write(&path, content)?)
     }
 
+    /// Draws figures, on all cores, and writes each as SVG and PNG.
+    pub(crate) fn figures(&self, figures: &[(&str, Draw<'_>)]) -> Result<(), Failure> {
+        figures.par_iter().try_for_each(|(name, draw)| self.figure(name, draw()))
+    }
+
     /// Writes a figure as SVG and PNG; one that cannot be drawn becomes a warning.
-    pub(crate) fn figure(
-        &self,
-        name: &str,
-        figure: Result<Figure, FigureError>,
-    ) -> Result<(), Failure> {
+    fn figure(&self, name: &str, figure: Result<Figure, FigureError>) -> Result<(), Failure> {
         match figure.and_then(|figure| Ok((figure.to_png(DPI)?, figure.svg))) {
             Ok((png, svg)) => {
                 self.write(&format!("figures/{name}.svg"), svg)?;

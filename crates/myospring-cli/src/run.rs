@@ -224,18 +224,20 @@ fn write(
     folder.write("traces.csv", csv::traces(recording)?)?;
     folder.write("summary.json", json::pretty(summary)?)?;
     let (mesh, fibre) = (&simulation.mesh, fibre(simulation));
-    let potential = figure::action_potential_and_tension(recording, stimuli);
-    folder.figure("action_potential_and_tension", potential)?;
-    let shapes = figure::key_shapes(recording, stimuli);
-    folder.figure("cell", figure::cell_shapes(mesh, &shapes, fibre))?;
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
     let options =
         ContractionOptions { stimulus_times_ms: stimuli.to_vec(), reference_band: reference };
     let label = format!("{} kPa", run.peak_tension);
-    folder.figure("contraction", figure::contraction(&[(&label, recording)], &options))?;
-    folder.figure("overview", figure::overview(mesh, recording, fibre, stimuli))?;
-    folder.figure("mesh", figure::mesh(mesh))
+    folder.figures(&[
+        ("overview", &|| figure::overview(mesh, recording, fibre, stimuli)),
+        ("cell", &|| figure::cell_shapes(mesh, &figure::key_shapes(recording, stimuli), fibre)),
+        ("mesh", &|| figure::mesh(mesh)),
+        ("action_potential_and_tension", &|| {
+            figure::action_potential_and_tension(recording, stimuli)
+        }),
+        ("contraction", &|| figure::contraction(&[(&label, recording)], &options)),
+    ])
 }
 
 /// Direction along which figures show strain.

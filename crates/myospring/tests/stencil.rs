@@ -134,22 +134,24 @@ fn the_kernel_equals_the_plain_loops_on_a_mesh_larger_than_the_cache() {
 
 #[test]
 fn the_bits_are_the_same_whatever_the_number_of_threads() {
-    for (mesh, most) in [
-        (lattice::rectangle(118, 20, 1.2).unwrap(), 5),
-        (lattice::rectangle(700, 60, 1.0).unwrap(), 4),
-        (
-            lattice::from_outline(&built_in::adult_ventricular().rotated(33.0), Some(0.7))
-                .unwrap()
-                .0,
-            4,
-        ),
-    ] {
-        let problem = varied(&mesh, Support::MassCentre, 11);
+    let cell = |angle, spacing| {
+        let outline = built_in::adult_ventricular().rotated(angle);
+        lattice::from_outline(&outline, Some(spacing)).unwrap().0
+    };
+    for mesh in [cell(0.0, 1.2), cell(33.0, 0.7), lattice::rectangle(700, 40, 1.0).unwrap()] {
+        let (body, system) = varied(&mesh, Support::MassCentre, 11);
         for units in available() {
-            let [_, one] = both_ways(&mesh, &problem, [5, 40], 1, units);
-            for threads in 2..=most {
-                let [_, many] = both_ways(&mesh, &problem, [5, 40], threads, units);
-                assert!(one == many, "{units:?}, {threads} threads");
+            let run = |threads| {
+                let mut motion =
+                    Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-3)
+                        .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
+                motion.advance(5, [0.0, 40.0]);
+                motion.advance(17, [40.0, 50.0]);
+                motion.body
+            };
+            let one = run(1);
+            for threads in 2..=4 {
+                assert!(one == run(threads), "{units:?}, {threads} threads");
             }
         }
     }

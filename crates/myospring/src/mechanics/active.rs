@@ -121,11 +121,26 @@ impl Force for FibreTension {
 
     fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
         // (Ta/2) x.K x = (Ta/2) sum over edges of -K_ij |x_i - x_j|^2
-        let one = |(nodes, weight): (&[u32; 2], &f64)| {
-            let [a, b] = nodes.map(|node| node as usize);
-            weight * at.positions.iter().map(|x| (x[b] - x[a]).powi(2)).sum::<f64>()
-        };
-        Some(0.5 * at.tension * self.edges.iter().zip(&self.weights).map(one).sum::<f64>())
+        let [x, y] = at.positions;
+        let mut total = 0.0;
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut buffer = [0.0; LONGEST];
+                for &Run { nodes: [a, b], first, len } in &self.runs {
+                    let weights = &self.weights[first..first + len];
+                    let (xa, xb) = (&x[a..a + len], &x[b..b + len]);
+                    let (ya, yb) = (&y[a..a + len], &y[b..b + len]);
+                    let values = &mut buffer[..len];
+                    for (k, value) in values.iter_mut().enumerate() {
+                        let (dx, dy) = (xb[k] - xa[k], yb[k] - ya[k]);
+                        *value = weights[k] * (dx * dx + dy * dy);
+                    }
+                    total += runs::sum(values);
+                }
+            },
+        );
+        Some(0.5 * at.tension * total)
     }
 
     fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {

@@ -50,6 +50,21 @@ pub(crate) fn add(forces: &mut [f64], start: usize, buffer: &[f64]) {
     }
 }
 
+/// Sum of the values, in eight partial sums that can be vectorised.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
+pub(crate) fn sum(values: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let chunks = values.chunks_exact(8);
+    let rest: f64 = chunks.remainder().iter().sum();
+    for chunk in chunks {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            *lane += value;
+        }
+    }
+    rest + lanes.iter().sum::<f64>()
+}
+
 /// Subtracts `buffer` from the nodes from `start` on.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]

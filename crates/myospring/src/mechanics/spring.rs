@@ -105,6 +105,33 @@ impl Springs {
         }
     }
 
+    /// Sum over all springs of a function of the spring, its vector from a to b and the relative
+    /// velocity.
+    fn total(&self, at: &Configuration<'_>, one: impl Fn(usize, [f64; 2], [f64; 2]) -> f64) -> f64 {
+        let ([x, y], [vx, vy]) = (at.positions, at.velocities);
+        let mut total = 0.0;
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut buffer = [0.0; LONGEST];
+                for &Run { nodes: [a, b], first, len } in &self.runs {
+                    let (xa, xb) = (&x[a..a + len], &x[b..b + len]);
+                    let (ya, yb) = (&y[a..a + len], &y[b..b + len]);
+                    let (vxa, vxb) = (&vx[a..a + len], &vx[b..b + len]);
+                    let (vya, vyb) = (&vy[a..a + len], &vy[b..b + len]);
+                    let values = &mut buffer[..len];
+                    for (k, value) in values.iter_mut().enumerate() {
+                        let (l, w) =
+                            ([xb[k] - xa[k], yb[k] - ya[k]], [vxb[k] - vxa[k], vyb[k] - vya[k]]);
+                        *value = one(first + k, l, w);
+                    }
+                    total += runs::sum(values);
+                }
+            },
+        );
+        total
+    }
+
     /// Length, and the unit vector from a to b, of a spring.
     fn direction(&self, spring: usize, positions: &Vectors) -> (f64, [f64; 2]) {
         let [a, b] = self.nodes[spring].map(|node| node as usize);
@@ -127,23 +154,19 @@ impl Force for Springs {
     }
 
     fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
-        let one = |spring: usize| {
-            let extension = self.direction(spring, at.positions).0 - self.rest_length[spring];
+        // (k/2)(|l| - r)^2
+        Some(self.total(at, |spring, [lx, ly], _| {
+            let extension = (lx * lx + ly * ly).sqrt() - self.rest_length[spring];
             0.5 * self.stiffness[spring] * extension * extension
-        };
-        Some((0..self.nodes.len()).map(one).sum())
+        }))
     }
 
     fn dissipation(&self, at: &Configuration<'_>) -> f64 {
-        let one = |spring: usize| {
-            let [a, b] = self.nodes[spring].map(|node| node as usize);
-            let (_, unit) = self.direction(spring, at.positions);
-            let rate: f64 = (0..2)
-                .map(|axis| (at.velocities[axis][b] - at.velocities[axis][a]) * unit[axis])
-                .sum();
-            self.damping[spring] * rate * rate
-        };
-        (0..self.nodes.len()).map(one).sum()
+        // c (l'.l / |l|)^2
+        self.total(at, |spring, [lx, ly], [wx, wy]| {
+            let approach = wx * lx + wy * ly;
+            self.damping[spring] * approach * approach / (lx * lx + ly * ly)
+        })
     }
 
     fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
