@@ -20,6 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod adaptive;
 pub mod bueno_orovio_2008;
 pub mod coelho_2021;
 pub mod integrator;

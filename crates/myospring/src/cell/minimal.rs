@@ -84,6 +84,11 @@ impl MinimalModel {
         }
     }
 
+    /// The smooth pieces of the equations.
+    pub(super) fn pieces(&self) -> super::adaptive::Pieces {
+        super::adaptive::Pieces::new(self.electrical, self.tension)
+    }
+
     /// The tension half of the model.
     pub fn tension_constants(&self) -> &Tension {
         &self.tension
