@@ -26,6 +26,7 @@ pub mod coelho_2021;
 pub mod integrator;
 pub mod minimal;
 pub mod pacing;
+pub mod population;
 pub mod solve;
 pub mod tension;
 pub mod toy;

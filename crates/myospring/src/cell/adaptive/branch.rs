@@ -4,6 +4,7 @@
 //! thresholds, and for `V > x_2` two sides of `Ta_i = x_3`. Within a region every step is a constant,
 //! so one formula with the region's [`Branch`] serves all. Switches that cannot act are left out:
 //! `theta_v_minus` above `theta_v` and `theta_o` above `theta_w`.
+#![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::exponential::exp;
 use crate::cell::minimal::Electrical;
@@ -11,7 +12,7 @@ use crate::cell::tension::Tension;
 use std::f64::consts::PI;
 
 /// `u`, `v`, `w`, `s`, `Ta_i`, `Ta`.
-pub(super) type State = [f64; 6];
+pub(in crate::cell) type State = [f64; 6];
 
 /// Arguments of the sigmoids' exponentials are held to this, where the sigmoids are 0 or 1.
 const SATURATED: f64 = 300.0;
@@ -31,14 +32,12 @@ macro_rules! numbers {
 
             /// As an array, in the order of the fields.
             #[inline(always)]
-            #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
             pub(super) fn to_array(self) -> [f64; Self::LEN] {
                 [$(self.$field),*]
             }
 
             /// From such an array.
             #[inline(always)]
-            #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
             pub(super) fn from_array(numbers: [f64; Self::LEN]) -> Self {
                 let [$($field),*] = numbers;
                 Self { $($field),* }
@@ -126,7 +125,6 @@ impl Branch {
     /// The two sigmoids share one division: `1 / tau = (1 + e) / (tau_1 + tau_2 e)` with
     /// `e = exp(2 k (u - u_k))`, because `(1 + tanh(x)) / 2 = e / (1 + e)`, and likewise `s_inf`.
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
     pub(super) fn at(&self, u: f64) -> Side {
         let e_tau = exp(saturated(self.tau_slope * (u - self.tau_middle)));
         let e_s = exp(saturated(self.s_slope * (u - self.s_middle)));
@@ -156,7 +154,6 @@ impl Branch {
 }
 
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 fn saturated(x: f64) -> f64 {
     let x = if x > -SATURATED { x } else { -SATURATED };
     if x < SATURATED { x } else { SATURATED }
@@ -165,7 +162,6 @@ fn saturated(x: f64) -> f64 {
 impl Side {
     /// (18) `du/dt = -(J_fi + J_so + J_si)` and stimulus.
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
     pub(super) fn u_rate(&self, &[_, v, w, s, ..]: &State) -> f64 {
         self.drive + self.drive_v * v + self.drive_ws * (w * s)
     }
@@ -209,7 +205,6 @@ impl Sliding {
     /// How strongly either side holds the state on the switch, 1/ms; it leaves where one is not
     /// above 0: upwards the first, downwards the second.
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
     pub(super) fn holds(&self, state: &State) -> [f64; 2] {
         [-self.above.u_rate(state), self.below.u_rate(state)]
     }

@@ -1,15 +1,18 @@
-//! What happens to one cell between its smooth steps: switches, sliding, stimuli, samples, peaks.
+//! What happens to one cell between its smooth steps: switches, sliding, stimuli.
 
 use super::branch::{Branch, Field, Pieces, Side, Sliding, State};
-use super::lanes::{FLOOR, Lanes, STALLED, repolarised};
+use super::lanes::{FLOOR, LONGEST_MS, Lanes, STALLED};
 use super::piece::{Cubic, Piece, root};
-use super::{Beat, Cell};
+use super::watch::Watch;
+use crate::cell::minimal::MinimalModel;
 use crate::cell::pacing::{Event, Protocol};
+use crate::cell::solve::SolveError;
 
 /// Part of the step that the tolerance would allow for a straight line, taken after a switch.
 const RESTART: f64 = 0.3;
-/// Switches in a row without any progress in time before the cell counts as stuck.
+/// So many switches in a row with less than [`PROGRESS_MS`] between them: the cell is stuck.
 const STANDSTILL: u32 = 50;
+const PROGRESS_MS: f64 = 1e-9;
 
 /// Which smooth field holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,17 +34,39 @@ enum Crossing {
     Onset,
 }
 
-/// Why a cell got stuck.
+/// No step, however small, takes the cell further.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stuck {
+pub(in crate::cell) struct Stuck {
     pub(super) time_ms: f64,
     pub(super) step_ms: f64,
+    /// Where the step would have ended.
     pub(super) state: State,
+}
+
+impl Stuck {
+    /// As an error of a model, with the variable that went astray if one did.
+    pub(in crate::cell) fn error(&self, model: &'static str) -> SolveError {
+        let Self { time_ms, step_ms, state } = *self;
+        let names = MinimalModel::STATE_NAMES;
+        let worst = (0..6).find(|k| !state[*k].is_finite()).unwrap_or(0);
+        let (variable, value) = (names[worst], state[worst]);
+        SolveError::Stalled { model, variable, value, time_ms, step_ms }
+    }
+}
+
+/// A cell that is to be followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::cell) struct Task {
+    pub(in crate::cell) pieces: Pieces,
+    pub(in crate::cell) initial_state: State,
+    pub(in crate::cell) protocol: Protocol,
+    pub(in crate::cell) duration_ms: f64,
+    pub(in crate::cell) sample_interval_ms: Option<f64>,
 }
 
 /// One cell on its way.
 #[derive(Debug, Clone)]
-pub(super) struct Course {
+pub(in crate::cell) struct Course {
     pieces: Pieces,
     protocol: Protocol,
     duration_ms: f64,
@@ -50,61 +75,51 @@ pub(super) struct Course {
     stimulus: f64,
     next_event: u64,
     standstill: u32,
-    beat: Option<Beat>,
-    /// Highest `u` when the beat's end was seen.
-    top_at_end: f64,
-    pub(super) beats: Vec<Beat>,
-    sample_interval_ms: Option<f64>,
-    pub(super) samples: Vec<State>,
-    /// The last step that was taken here.
+    pub(in crate::cell) watch: Watch,
+    /// The last step that was taken here, and how many were.
     pub(super) piece: Piece,
-    pub(super) steps: u64,
+    pub(in crate::cell) steps: u64,
 }
 
 impl Course {
     /// Puts a cell into a lane, at 0 ms, after whatever the protocol does then.
-    pub(super) fn start<const N: usize>(
-        cell: &Cell,
-        sample_interval_ms: Option<f64>,
+    pub(in crate::cell) fn start<const N: usize>(
+        task: &Task,
         lanes: &mut Lanes<N>,
         lane: usize,
     ) -> Self {
         let mut course = Self {
-            pieces: cell.pieces,
-            protocol: cell.protocol,
-            duration_ms: cell.duration_ms,
+            pieces: task.pieces,
+            protocol: task.protocol,
+            duration_ms: task.duration_ms,
             place: Place::Region(0),
             delayed: true,
             stimulus: 0.0,
             next_event: 0,
             standstill: 0,
-            beat: None,
-            top_at_end: f64::NAN,
-            beats: Vec::new(),
-            sample_interval_ms,
-            samples: Vec::new(),
+            watch: Watch::new(task.sample_interval_ms),
             piece: Piece::default(),
             steps: 0,
         };
-        let state = cell.initial_state;
+        let mut state = task.initial_state;
         lanes.time[lane] = 0.0;
         lanes.step[lane] = f64::INFINITY;
         lanes.taken[lane] = 0;
         lanes.refused[lane] = 0;
-        lanes.sample[lane] = f64::INFINITY;
         Lanes::put(&mut lanes.state, lane, state);
-        course.watch_from(lanes, lane, &state);
+        course.watch.reset(lanes, lane, &state);
         course.locate(&state);
-        course.events(lanes, lane, &mut { state });
+        course.events(lanes, lane, &mut state);
         course.enter(lanes, lane);
-        course.piece = Piece { states: [Lanes::get(&lanes.state, lane); 2], ..Piece::default() };
-        course.sample_now(lanes, lane);
+        course.piece.states = [state; 2];
+        lanes.sample[lane] = if task.sample_interval_ms.is_some() { 0.0 } else { f64::INFINITY };
+        course.watch.sample_now(lanes, lane);
         course
     }
 
     /// Takes the step that a lane tried, up to whatever comes first, and does what happens there.
     /// True when the cell has reached its end.
-    pub(super) fn attend<const N: usize>(
+    pub(in crate::cell) fn attend<const N: usize>(
         &mut self,
         lanes: &mut Lanes<N>,
         lane: usize,
@@ -115,7 +130,8 @@ impl Course {
             states: [Lanes::get(&lanes.state, lane), Lanes::get(&lanes.new_state, lane)],
             rates: [Lanes::get(&lanes.rates, lane), Lanes::get(&lanes.new_rates, lane)],
         };
-        let stuck = Stuck { time_ms: piece.start_ms, step_ms: piece.step_ms, state: piece.states[1] };
+        let stuck =
+            Stuck { time_ms: piece.start_ms, step_ms: piece.step_ms, state: piece.states[1] };
         if lanes.attention[lane] & STALLED != 0 {
             return Err(stuck);
         }
@@ -124,15 +140,16 @@ impl Course {
         let (part, crossing) = self.first_crossing(lanes, lane);
         let time_ms =
             if part < 1.0 { piece.start_ms + part * piece.step_ms } else { lanes.new_time[lane] };
-        self.samples_before(lanes, lane, time_ms);
-        self.watch(lanes, lane, part, time_ms);
+        self.watch.sample_before(lanes, lane, &piece, time_ms);
+        self.watch.look(lanes, lane, &piece, part, time_ms);
 
         let mut state = piece.state(part);
         lanes.time[lane] = time_ms;
         Lanes::put(&mut lanes.state, lane, state);
         Lanes::put(&mut lanes.rates, lane, piece.rates[1]);
         if let Some(crossing) = crossing {
-            self.standstill = if time_ms > piece.start_ms { 0 } else { self.standstill + 1 };
+            self.standstill =
+                if time_ms - piece.start_ms > PROGRESS_MS { 0 } else { self.standstill + 1 };
             if self.standstill > STANDSTILL {
                 return Err(stuck);
             }
@@ -145,12 +162,12 @@ impl Course {
                 self.enter(lanes, lane);
             }
             if time_ms >= self.duration_ms {
-                self.end_beat(lanes, lane);
-                self.sample_now(lanes, lane);
+                self.watch.end_beat(lanes, lane);
+                self.watch.sample_now(lanes, lane);
                 return Ok(true);
             }
         }
-        self.sample_now(lanes, lane);
+        self.watch.sample_now(lanes, lane);
         Ok(false)
     }
 
@@ -275,7 +292,8 @@ impl Course {
             }
             Place::Switch(index) => {
                 let [below, above] = [index, index + 1].map(|region| self.side(region, state[0]));
-                for (k, number) in below.to_array().into_iter().chain(above.to_array()).enumerate() {
+                for (k, number) in below.to_array().into_iter().chain(above.to_array()).enumerate()
+                {
                     lanes.sides[k][lane] = number;
                 }
                 // The other loop also runs over this lane; with no field of its own it stays finite.
@@ -292,8 +310,9 @@ impl Course {
             (true, false) => [onset, f64::INFINITY],
         };
         Lanes::put(&mut lanes.ta_i_within, lane, ta_i_within);
-        let speed = (0..6).map(|k| rates[k].abs() / (FLOOR[k] + state[k].abs())).fold(0.0, f64::max);
-        let step_ms = RESTART * lanes.tolerance.cbrt() / speed;
+        let speed =
+            (0..6).map(|k| rates[k].abs() / (FLOOR[k] + state[k].abs())).fold(0.0, f64::max);
+        let step_ms = (RESTART * lanes.tolerance.cbrt() / speed).min(LONGEST_MS);
         lanes.step[lane] = lanes.step[lane].min(step_ms);
     }
 
@@ -315,11 +334,11 @@ impl Course {
             }
             match event {
                 Event::Jump(amplitude) => {
-                    self.begin_beat(lanes, lane, state);
+                    self.watch.begin_beat(lanes, lane, state);
                     state[0] += amplitude;
                 }
                 Event::CurrentOn(rate) => {
-                    self.begin_beat(lanes, lane, state);
+                    self.watch.begin_beat(lanes, lane, state);
                     self.stimulus = rate;
                 }
                 Event::CurrentOff => self.stimulus = 0.0,
@@ -335,93 +354,5 @@ impl Course {
         }
         lanes.stop[lane] = next_ms.min(self.duration_ms);
         any
-    }
-
-    fn begin_beat<const N: usize>(&mut self, lanes: &mut Lanes<N>, lane: usize, state: &State) {
-        self.end_beat(lanes, lane);
-        self.watch_from(lanes, lane, state);
-        self.beat = Some(Beat {
-            stimulus_ms: lanes.time[lane],
-            resting_potential: state[0],
-            peak_potential: state[0],
-            peak_tension: state[5],
-            peak_tension_ms: lanes.time[lane],
-            apd90_ms: None,
-        });
-    }
-
-    fn watch_from<const N: usize>(&mut self, lanes: &mut Lanes<N>, lane: usize, state: &State) {
-        lanes.resting[lane] = state[0];
-        lanes.top_u[lane] = state[0];
-        lanes.top_ta[lane] = state[5];
-        lanes.top_ta_time[lane] = lanes.time[lane];
-        self.top_at_end = f64::NAN;
-    }
-
-    fn end_beat<const N: usize>(&mut self, lanes: &Lanes<N>, lane: usize) {
-        if let Some(beat) = self.beat.take() {
-            let top = lanes.top_u[lane];
-            self.beats.push(Beat {
-                peak_potential: top,
-                peak_tension: lanes.top_ta[lane],
-                peak_tension_ms: lanes.top_ta_time[lane],
-                // An end before the highest point was not the end.
-                apd90_ms: beat.apd90_ms.filter(|_| self.top_at_end == top),
-                ..beat
-            });
-        }
-    }
-
-    /// Peaks and the end of the action potential within the part of the step that was taken.
-    fn watch<const N: usize>(
-        &mut self,
-        lanes: &mut Lanes<N>,
-        lane: usize,
-        part: f64,
-        time_ms: f64,
-    ) {
-        let Piece { start_ms, step_ms, .. } = self.piece;
-        let (u, ta) = (self.piece.cubic(0), self.piece.cubic(5));
-        let u_end = self.piece.state(part)[0];
-        let at = |part: f64| if part < 1.0 { start_ms + part * step_ms } else { time_ms };
-        for x in ta.peak(part).into_iter().chain([part]) {
-            let value = ta.value(x);
-            if value > lanes.top_ta[lane] {
-                lanes.top_ta[lane] = value;
-                lanes.top_ta_time[lane] = at(x);
-            }
-        }
-        let top = u.peak(part).map_or(u_end, |x| u.value(x).max(u_end));
-        lanes.top_u[lane] = lanes.top_u[lane].max(top);
-        let top = lanes.top_u[lane];
-        let level = repolarised(lanes.resting[lane], top);
-        if let Some(beat) = &mut self.beat
-            && self.top_at_end != top
-            && self.piece.states[0][0] > level
-            && u_end <= level
-        {
-            let x = root(|x| u.value(x) - level, part);
-            beat.apd90_ms = Some(at(x) - beat.stimulus_ms);
-            self.top_at_end = top;
-        }
-    }
-
-    fn samples_before<const N: usize>(&mut self, lanes: &mut Lanes<N>, lane: usize, time_ms: f64) {
-        if let Some(interval_ms) = self.sample_interval_ms {
-            while lanes.sample[lane] < time_ms {
-                self.samples.push(self.piece.state_at(lanes.sample[lane]));
-                lanes.sample[lane] = self.samples.len() as f64 * interval_ms;
-            }
-        }
-    }
-
-    /// A sample that falls on the time reached: the state after all that happened.
-    fn sample_now<const N: usize>(&mut self, lanes: &mut Lanes<N>, lane: usize) {
-        if let Some(interval_ms) = self.sample_interval_ms {
-            if self.samples.is_empty() || lanes.sample[lane] <= lanes.time[lane] {
-                self.samples.push(Lanes::get(&lanes.state, lane));
-            }
-            lanes.sample[lane] = self.samples.len() as f64 * interval_ms;
-        }
     }
 }

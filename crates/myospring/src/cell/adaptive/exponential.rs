@@ -1,4 +1,5 @@
 //! The exponential function in a form that the compiler vectorises.
+#![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 /// Arguments are held within these bounds; `exp` of both is a normal number.
 const SMALLEST: f64 = -708.0;
@@ -20,7 +21,6 @@ const BIAS: u64 = 1023;
 /// (`muller_2016`, sections 3 and 11). No branch, no table, no fused operation: it gives the same
 /// bits on every processor, alone and in a vectorised loop.
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 pub(super) fn exp(x: f64) -> f64 {
     let x = if x > SMALLEST { x } else { SMALLEST };
     let x = if x < LARGEST { x } else { LARGEST };

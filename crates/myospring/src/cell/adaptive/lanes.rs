@@ -1,7 +1,10 @@
 //! Many cells side by side: one step of each at once, every cell with its own time and step.
 //!
 //! The loops over lanes hold no branch and call nothing, so the compiler turns them into vector
-//! instructions. Each lane's arithmetic is that of a single cell, operation by operation.
+//! instructions. Each lane's arithmetic is that of a single cell, operation by operation, so the
+//! number of lanes and the vector units change no bit.
+#![allow(clippy::needless_bitwise_bool, reason = "no branches in the vectorised loops")]
+#![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::branch::{Branch, Field, Side, Sliding, State};
 
@@ -13,7 +16,7 @@ const GROW: f64 = 5.0;
 /// Aim below the tolerance by this factor.
 const SAFETY: f64 = 0.9;
 /// The longest step, ms.
-const LONGEST_MS: f64 = 25.0;
+pub(super) const LONGEST_MS: f64 = 25.0;
 
 /// A step refused below this, ms, will never be taken.
 const SHORTEST_MS: f64 = 1e-11;
@@ -21,14 +24,14 @@ const SHORTEST_MS: f64 = 1e-11;
 /// What the error of one step is measured against: `tolerance (FLOOR + |value|)`.
 pub(super) const FLOOR: State = [0.1, 0.1, 0.1, 0.1, 0.01, 0.01];
 
-/// Something about a lane that single-cell code must look at before the step counts.
-pub(super) type Attention = u64;
+/// What single-cell code must look at: 0 nothing, 1 a good step within which something happens.
+pub(in crate::cell) type Attention = u64;
 /// The step cannot be made small enough.
 pub(super) const STALLED: Attention = 2;
 
 /// Cells side by side; everything is stored by quantity, then by lane.
 #[derive(Debug, Clone)]
-pub(super) struct Lanes<const N: usize> {
+pub(in crate::cell) struct Lanes<const N: usize> {
     pub(super) tolerance: f64,
     /// Time reached, ms.
     pub(super) time: [f64; N],
@@ -51,7 +54,7 @@ pub(super) struct Lanes<const N: usize> {
     pub(super) top_u: [f64; N],
     pub(super) top_ta: [f64; N],
     pub(super) top_ta_time: [f64; N],
-    /// `u` of 90 % repolarisation is `level_0 + level_1 top_u`.
+    /// `u` just before the stimulus of this beat.
     pub(super) resting: [f64; N],
     /// The step that was tried, ms, and where it ended.
     pub(super) tried: [f64; N],
@@ -59,17 +62,17 @@ pub(super) struct Lanes<const N: usize> {
     pub(super) new_state: [[f64; N]; 6],
     pub(super) new_rates: [[f64; N]; 6],
     /// Not 0: the step is good but for something that happens within it; nothing was moved yet.
-    pub(super) attention: [Attention; N],
-    /// Steps taken, steps refused.
-    pub(super) taken: [u64; N],
-    pub(super) refused: [u64; N],
+    pub(in crate::cell) attention: [Attention; N],
+    /// Steps taken without attention, and steps whose error was too large.
+    pub(in crate::cell) taken: [u64; N],
+    pub(in crate::cell) refused: [u64; N],
 }
 
 impl<const N: usize> Lanes<N> {
     /// All lanes asleep.
-    pub(super) fn new(tolerance: f64) -> Self {
+    pub(in crate::cell) fn new(tolerance: f64) -> Self {
         let zero = [0.0; N];
-        Self {
+        let mut lanes = Self {
             tolerance,
             time: zero,
             step: zero,
@@ -93,12 +96,30 @@ impl<const N: usize> Lanes<N> {
             attention: [0; N],
             taken: [0; N],
             refused: [0; N],
+        };
+        for lane in 0..N {
+            lanes.sleep(lane);
         }
+        lanes
+    }
+
+    /// Puts a lane to sleep: its steps are 0 ms and need no attention.
+    pub(in crate::cell) fn sleep(&mut self, lane: usize) {
+        self.step[lane] = 0.0;
+        self.stop[lane] = f64::INFINITY;
+        self.sample[lane] = f64::INFINITY;
+        self.sliding[lane] = 0.0;
+        Self::put(&mut self.branch, lane, Branch::asleep().to_array());
+        Self::put(&mut self.state, lane, [0.0; 6]);
+        Self::put(&mut self.rates, lane, [0.0; 6]);
+        Self::put(&mut self.u_within, lane, [f64::NEG_INFINITY, f64::INFINITY]);
+        Self::put(&mut self.ta_i_within, lane, [f64::NEG_INFINITY, f64::INFINITY]);
+        self.resting[lane] = 0.0;
+        self.top_u[lane] = 0.0;
     }
 
     /// The numbers of one lane.
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
     pub(super) fn get<const K: usize>(numbers: &[[f64; N]; K], lane: usize) -> [f64; K] {
         std::array::from_fn(|k| numbers[k][lane])
     }
@@ -111,7 +132,6 @@ impl<const N: usize> Lanes<N> {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
     pub(super) fn sides(&self, lane: usize) -> Sliding {
         let numbers = Self::get(&self.sides, lane);
         Sliding {
@@ -126,8 +146,7 @@ impl<const N: usize> Lanes<N> {
     /// a switch is crossed, a sample falls, a peak is passed or the stop is reached sets
     /// [`Self::attention`] and is left to be taken by single-cell code.
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "it is compiled for several vector units")]
-    pub(super) fn try_step(&mut self) {
+    pub(in crate::cell) fn try_step(&mut self) {
         let mut error = [0.0; N];
         let mut outside = [0; N];
         for i in 0..N {
@@ -147,8 +166,7 @@ impl<const N: usize> Lanes<N> {
                 self.new_rates[k][i] = trial.rates[k];
             }
             // The cubic through both ends tells of an excursion that ends within the step.
-            let middle =
-                0.5 * (y[0] + trial.state[0]) + 0.125 * h * (f[0] - trial.rates[0]);
+            let middle = 0.5 * (y[0] + trial.state[0]) + 0.125 * h * (f[0] - trial.rates[0]);
             let [low, high] = Self::get(&self.u_within, i);
             let leaves = flag(trial.state[0] < low)
                 | flag(trial.state[0] > high)
@@ -207,7 +225,7 @@ impl<const N: usize> Lanes<N> {
             self.refused[i] += flag(!good);
 
             // Error per step is of order 3; the fourth root damps the changes of the step.
-            let ratio = if scaled > 1e-12 { scaled } else { 1e-12 };
+            let ratio = if scaled < 1e-12 { 1e-12 } else { scaled };
             let root = (1.0 / ratio).sqrt().sqrt();
             let factor = SAFETY * if good { root } else { root * root.sqrt() };
             let factor = if factor > SHRINK { factor } else { SHRINK };
@@ -226,15 +244,13 @@ impl<const N: usize> Lanes<N> {
 
 /// `u` of 90 % repolarisation.
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 pub(super) fn repolarised(resting: f64, top: f64) -> f64 {
     resting + 0.1 * (top - resting)
 }
 
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 fn flag(condition: bool) -> Attention {
-    u64::from(condition)
+    Attention::from(condition)
 }
 
 /// One step: where it ends, the rates there, and the error over its scale.
@@ -247,21 +263,17 @@ pub(super) struct Trial {
 /// The pair 3(2) of `bogacki_shampine_1989`: third order, the error by a second-order companion; the
 /// last evaluation is the first of the next step.
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 pub(super) fn bogacki_shampine(field: &impl Field, y: &State, k1: &State, h: f64) -> Trial {
-    let stage = |weights: [(f64, &State); 3]| -> State {
-        std::array::from_fn(|i| {
-            y[i] + h * (weights[0].0 * weights[0].1[i] + weights[1].0 * weights[1].1[i] + weights[2].0 * weights[2].1[i])
-        })
-    };
-    let k2 = &field.rates(&std::array::from_fn(|i| y[i] + h * (0.5 * k1[i])));
-    let k3 = &field.rates(&std::array::from_fn(|i| y[i] + h * (0.75 * k2[i])));
-    let state = stage([(2.0 / 9.0, k1), (3.0 / 9.0, k2), (4.0 / 9.0, k3)]);
+    let k2 = &field.rates(&std::array::from_fn(|i| y[i] + h * (1.0 / 2.0 * k1[i])));
+    let k3 = &field.rates(&std::array::from_fn(|i| y[i] + h * (3.0 / 4.0 * k2[i])));
+    let state = std::array::from_fn(|i| {
+        y[i] + h * (2.0 / 9.0 * k1[i] + 3.0 / 9.0 * k2[i] + 4.0 / 9.0 * k3[i])
+    });
     let rates = field.rates(&state);
     let mut error = 0.0;
     for i in 0..6 {
-        let difference = -5.0 / 72.0 * k1[i] + 1.0 / 12.0 * k2[i] + 1.0 / 9.0 * k3[i]
-            - 1.0 / 8.0 * rates[i];
+        let difference =
+            -5.0 / 72.0 * k1[i] + 1.0 / 12.0 * k2[i] + 1.0 / 9.0 * k3[i] - 1.0 / 8.0 * rates[i];
         let (before, after) = (y[i].abs(), state[i].abs());
         let size = FLOOR[i] + if after > before { after } else { before };
         let part = (h * difference).abs() / size;

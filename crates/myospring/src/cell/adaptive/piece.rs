@@ -71,7 +71,7 @@ pub(super) fn root(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     high
 }
 
-/// A step that was taken, or its first part.
+/// A step that was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Piece {
     /// When it began, ms, and how long the whole step is, ms.
@@ -86,15 +86,16 @@ impl Piece {
     /// The course of one variable.
     pub(super) fn cubic(&self, k: usize) -> Cubic {
         let Self { step_ms, states, rates, .. } = self;
-        Cubic::new(
-            [states[0][k], states[1][k]],
-            [step_ms * rates[0][k], step_ms * rates[1][k]],
-        )
+        Cubic::new([states[0][k], states[1][k]], [step_ms * rates[0][k], step_ms * rates[1][k]])
     }
 
     /// The state after a part of the step.
     pub(super) fn state(&self, part: f64) -> State {
-        if part >= 1.0 { self.states[1] } else { std::array::from_fn(|k| self.cubic(k).value(part)) }
+        if part >= 1.0 {
+            self.states[1]
+        } else {
+            std::array::from_fn(|k| self.cubic(k).value(part))
+        }
     }
 
     /// The state at a time within the step.
