@@ -192,7 +192,7 @@ impl Field for Side {
 
 /// Sliding along a switch at fixed `u`: `du/dt` points to the switch from both sides.
 ///
-/// `filippov_1988`, section 4: the rates are the mixture of both sides' that keeps `u` on the
+/// `filippov_1988`: the rates are the mixture of both sides' that keeps `u` on the
 /// switch, `f = f_below + lambda (f_above - f_below)` with `lambda = f_below,u / (f_below,u -
 /// f_above,u)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -326,5 +326,70 @@ impl Pieces {
             bell_scale: 1.0 / (std::f64::consts::SQRT_2 * t.sigma * (t.u_peak - t.u_rest)),
             epsilon_1: if delayed { t.x_1 } else { t.c_0 },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::bueno_orovio_2008::{self, Variant};
+    use crate::cell::minimal::MinimalModel;
+    use crate::cell::{CellModel as _, Input, coelho_2021};
+
+    fn models() -> Vec<MinimalModel> {
+        let sets = [Variant::Epi, Variant::Endo, Variant::M, Variant::Pb, Variant::Tnnp];
+        sets.map(bueno_orovio_2008::model).into_iter().chain([coelho_2021::model()]).collect()
+    }
+
+    #[test]
+    fn every_branch_has_the_rates_of_the_equations_inside_its_region() {
+        for model in models() {
+            let pieces = model.pieces();
+            for step in 0..4000_u32 {
+                // Weyl sequences: evenly spread, the same everywhere.
+                let x = |golden: f64| (f64::from(step) * golden).fract();
+                let u = 1.9 * x(0.618_033_988_7) - 0.3;
+                let state = [u, x(0.754_877_666), x(0.569_840_29), x(0.819_172_5), x(0.671_043), x(0.55)];
+                let stimulus = 0.5 * x(0.31);
+                let region = pieces.thresholds().iter().filter(|theta| **theta < u).count();
+                let delayed = state[4] < pieces.onset();
+                let rates = pieces.branch(region, delayed, stimulus).rates(&state);
+                let mut expected = [0.0; 6];
+                model.derivatives(&state, &Input { stimulus, ..Input::REST }, &mut expected);
+                for k in 0..6 {
+                    // Rounding of the terms, of which the fast inward current is the largest.
+                    let bound = 1e-13 * (1.0 + expected[k].abs());
+                    let difference = (rates[k] - expected[k]).abs();
+                    assert!(difference < bound, "{} {k} at {u}: {difference:e}", model.name());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn switches_that_cannot_act_are_left_out() {
+        let count = |model: MinimalModel| model.pieces().thresholds().len();
+        // coelho_2021: theta_v, theta_w and V = x_2; theta_o and theta_v_minus lie too high.
+        assert_eq!(count(coelho_2021::model()), 3);
+        assert_eq!(count(bueno_orovio_2008::model(Variant::Endo)), 5);
+        // tnnp: theta_v_minus = theta_w.
+        assert_eq!(count(bueno_orovio_2008::model(Variant::Tnnp)), 4);
+        // epi: theta_v_minus = theta_o.
+        assert_eq!(count(bueno_orovio_2008::model(Variant::Epi)), 4);
+    }
+
+    #[test]
+    fn sliding_is_the_mixture_that_keeps_the_potential() {
+        let model = coelho_2021::model();
+        let u = model.pieces().thresholds()[0];
+        let [below, above] = [0, 1].map(|region| model.pieces().branch(region, true, 0.0).at(u));
+        let sliding = Sliding { below, above };
+        let state = [u, 0.9, 0.8, 0.02, 0.01, 0.005];
+        let (f_below, f_above, mixed) =
+            (below.rates(&state), above.rates(&state), sliding.rates(&state));
+        assert!(sliding.holds(&state).iter().all(|held| *held > 0.0));
+        let lambda = (mixed[2] - f_below[2]) / (f_above[2] - f_below[2]);
+        assert!((f_below[0] + lambda * (f_above[0] - f_below[0])).abs() < 1e-14);
+        assert_eq!(mixed[0], 0.0);
     }
 }

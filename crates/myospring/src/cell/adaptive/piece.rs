@@ -107,3 +107,54 @@ impl Piece {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x^3 - 1.5 x^2 + 0.56 x has its roots at 0, 0.7 and 0.8.
+    fn cubic() -> Cubic {
+        Cubic::new([0.0, 0.06], [0.56, 0.56])
+    }
+
+    #[test]
+    fn hermites_cubic_is_the_polynomial_with_these_ends() {
+        for x in [0.0, 0.3, 0.75, 1.0] {
+            let exact = ((x - 1.5) * x + 0.56) * x;
+            assert!((cubic().value(x) - exact).abs() < 1e-15);
+            assert!((cubic().slope(x) - ((3.0 * x - 3.0) * x + 0.56)).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn roots_and_peaks_are_found() {
+        let falls = Cubic::new([0.3, -0.1], [0.0, -0.4]);
+        let root = falls.first_root().unwrap();
+        assert!(falls.value(root).abs() < 1e-14 && falls.value(root) <= 0.0);
+        assert_eq!(cubic().inside(-0.1, 1.0).first_root(), None);
+        let peak = cubic().peak(0.7).unwrap();
+        // 3 x^2 - 3 x + 0.56 = 0.
+        let exact = (3.0 - (9.0_f64 - 6.72).sqrt()) / 6.0;
+        assert!((peak - exact).abs() < 1e-13, "{peak}");
+        assert!(cubic().slope(peak).abs() < 1e-12);
+        assert_eq!(cubic().peak(0.1), None);
+    }
+
+    #[test]
+    fn a_start_on_the_bound_is_no_root_unless_the_curve_leaves_at_once() {
+        let inwards = Cubic::new([0.0, 1.0], [1.0, 1.0]);
+        assert_eq!(inwards.first_root(), None);
+        let there_and_back = Cubic::new([0.0, -0.5], [1.0, -2.0]);
+        let root = there_and_back.first_root().unwrap();
+        assert!(root > 0.3 && there_and_back.value(root).abs() < 1e-13);
+        let outwards = Cubic::new([0.0, -1.0], [-1.0, -1.0]);
+        assert_eq!(outwards.first_root(), Some(0.0));
+    }
+
+    #[test]
+    fn an_excursion_within_the_first_half_is_seen_at_the_middle() {
+        let dips = Cubic::new([0.1, 0.1], [-1.0, 1.0]);
+        let root = dips.first_root().unwrap();
+        assert!(root < 0.5 && dips.value(root).abs() < 1e-14);
+    }
+}
