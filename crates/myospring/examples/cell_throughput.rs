@@ -61,7 +61,8 @@ fn population(identity: Identity, parameters: &ParameterSet) -> Result<Vec<Cell>
     for index in 0..512_u32 {
         let mut own = parameters.clone();
         for (name, golden) in [("tau_si", 0.618_033_988_7), ("tau_so1", 0.754_877_666_2)] {
-            let factor = if index == 0 { 1.0 } else { 0.8 + 0.4 * (f64::from(index) * golden).fract() };
+            let factor =
+                if index == 0 { 1.0 } else { 0.8 + 0.4 * (f64::from(index) * golden).fract() };
             let value = parameters.get(name).ok_or("no such parameter")?;
             own.set(name, factor * value)?;
         }

@@ -24,9 +24,10 @@
 //!   the step size begins from the rates. The state at the time of an event includes the event.
 //!
 //! # Guarantees
-//! Error of the default tolerance 1e-5 for the published sets, trains of beats at 500, 1000 and 2000 ms
-//! against independent converged solutions: peak tension below 0.01 %, APD90 below 0.01 ms. The error
-//! falls with the tolerance. Results do not depend on the times at which the state is asked for.
+//! Error of the default tolerance 1e-5 for the published sets, trains of five beats at 500, 1000 and
+//! 2000 ms against converged solutions of another program: peak tension below 0.03 %, its time below
+//! 0.02 ms, APD90 below 0.01 ms; in proportion to the tolerance. The times at which the state is asked
+//! for change nothing.
 //! A cell that no step takes further is an error with its time, never an endless loop.
 //!
 //! # Example
@@ -222,7 +223,8 @@ pub fn solve(
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
-    let mut cell = AdaptiveIntegrator::new(model, protocol, settings)?;
+    solve::validate_time("duration", duration_ms)?;
+    let mut cell = AdaptiveIntegrator::until(model, protocol, settings, duration_ms)?;
     solve::sample(model, duration_ms, sample_interval_ms, |time_ms| {
         cell.advance_to(time_ms)?;
         Ok(cell.state)

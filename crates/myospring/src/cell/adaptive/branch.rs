@@ -349,7 +349,8 @@ mod tests {
                 // Weyl sequences: evenly spread, the same everywhere.
                 let x = |golden: f64| (f64::from(step) * golden).fract();
                 let u = 1.9 * x(0.618_033_988_7) - 0.3;
-                let state = [u, x(0.754_877_666), x(0.569_840_29), x(0.819_172_5), x(0.671_043), x(0.55)];
+                let state =
+                    [u, x(0.754_877_666), x(0.569_840_29), x(0.819_172_5), x(0.671_043), x(0.55)];
                 let stimulus = 0.5 * x(0.31);
                 let region = pieces.thresholds().iter().filter(|theta| **theta < u).count();
                 let delayed = state[4] < pieces.onset();
