@@ -3,20 +3,23 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
-use myospring::cell::minimal::MinimalModel;
+use myospring::cell::minimal::{Identity, MinimalModel};
 use myospring::cell::pacing::Protocol;
 use myospring::cell::population::{self, Cell};
 use myospring::cell::{CellModel, adaptive, coelho_2021, solve};
 use std::hint::black_box;
 
-fn models() -> [MinimalModel; 2] {
-    [bueno_orovio_2008::model(Variant::Epi), coelho_2021::model()]
+fn models() -> [(Identity, MinimalModel); 2] {
+    [
+        (bueno_orovio_2008::identity(Variant::Epi), bueno_orovio_2008::model(Variant::Epi)),
+        (coelho_2021::IDENTITY, coelho_2021::model()),
+    ]
 }
 
 fn beats_at_1_hz(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("cell_beats");
     group.sample_size(20);
-    for model in models() {
+    for (identity, model) in models() {
         let train = |beats| Protocol { beats, ..Protocol::once(model.default_stimulus()) };
         group.throughput(Throughput::Elements(1));
         group.bench_function(BenchmarkId::new("fixed_steps", model.name()), |bencher| {
@@ -34,7 +37,7 @@ fn beats_at_1_hz(criterion: &mut Criterion) {
                 let mut parameters = model.parameters().clone();
                 let tau_si = parameters.get("tau_si")?;
                 parameters.set("tau_si", tau_si * (0.8 + 0.4 * f64::from(k) / 63.0)).ok()?;
-                let cell = MinimalModel::new(coelho_2021::IDENTITY, parameters).ok()?;
+                let cell = MinimalModel::new(identity, parameters).ok()?;
                 Cell::new(&cell, train(20), 20_050.0).ok()
             })
             .collect();

@@ -74,7 +74,7 @@ pub struct Outcome {
     pub beats: Vec<Beat>,
     /// The sampled states `u, v, w, s, Ta_i, Ta`; sample `k` at `k` times the interval.
     pub samples: Vec<[f64; 6]>,
-    /// Steps taken, and steps tried whose error was too large.
+    /// Steps taken.
     pub steps: u64,
     /// Steps tried whose error was too large.
     pub refused: u64,
@@ -94,14 +94,16 @@ pub fn run(
     if let Some(interval_ms) = settings.sample_interval_ms {
         solve::validate_time("sample interval", interval_ms)?;
     }
-    Ok(side_by_side::<LANES>(cells, settings))
+    let arch = pulp::Arch::new();
+    let step = |lanes: &mut Lanes<LANES>| arch.dispatch(TryStep(lanes));
+    Ok(side_by_side(cells, settings, step))
 }
 
 fn side_by_side<const N: usize>(
     cells: &[Cell],
     settings: &Settings,
+    try_step: impl Fn(&mut Lanes<N>),
 ) -> Vec<Result<Outcome, SolveError>> {
-    let arch = pulp::Arch::new();
     let mut lanes = Lanes::<N>::new(settings.method.tolerance);
     let mut outcomes: Vec<Option<Result<Outcome, SolveError>>> = vec![None; cells.len()];
     let mut queue = 0..cells.len();
@@ -113,7 +115,7 @@ fn side_by_side<const N: usize>(
     let mut courses: [Option<(usize, Course)>; N] =
         std::array::from_fn(|lane| next(&mut lanes, lane));
     while courses.iter().any(Option::is_some) {
-        arch.dispatch(TryStep(&mut lanes));
+        try_step(&mut lanes);
         for lane in 0..N {
             if lanes.attention[lane] == 0 {
                 continue;
@@ -149,5 +151,40 @@ impl<const N: usize> pulp::WithSimd for TryStep<'_, N> {
     #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         self.0.try_step();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::{bueno_orovio_2008, coelho_2021};
+
+    #[test]
+    fn any_number_of_lanes_and_any_vector_units_give_the_same_bits() {
+        let models =
+            [coelho_2021::model(), bueno_orovio_2008::model(bueno_orovio_2008::Variant::M)];
+        let cells: Vec<Cell> = (0..11)
+            .map(|k| {
+                let model = &models[k % 2];
+                let protocol = Protocol {
+                    start_ms: 3.7 * k as f64,
+                    cycle_length_ms: 350.0 + 10.0 * k as f64,
+                    beats: 2,
+                    ..Protocol::once(model.default_stimulus())
+                };
+                Cell::new(model, protocol, 900.0).unwrap()
+            })
+            .collect();
+        let settings = Settings { sample_interval_ms: Some(3.0), ..Settings::default() };
+        let expected = run(&cells, &settings).unwrap();
+        assert!(expected.iter().all(Result::is_ok));
+        assert_eq!(side_by_side::<1>(&cells, &settings, Lanes::try_step), expected);
+        assert_eq!(side_by_side::<5>(&cells, &settings, Lanes::try_step), expected);
+        assert_eq!(side_by_side::<8>(&cells, &settings, Lanes::try_step), expected);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = pulp::x86::V3::try_new() {
+            let step = |lanes: &mut Lanes<8>| pulp::Simd::vectorize(avx2, TryStep(lanes));
+            assert_eq!(side_by_side(&cells, &settings, step), expected);
+        }
     }
 }

@@ -253,7 +253,8 @@ impl Course {
     fn settle(&self, index: usize, state: &State, from_below: Option<bool>) -> Place {
         let rate = |region| self.side(region, state[0]).u_rate(state);
         let (below, above) = (rate(index), rate(index + 1));
-        if below > 0.0 && above < 0.0 {
+        // One side may just graze the threshold: then du/dt vanishes there, and so it does in the mixture.
+        if (below > 0.0 && above <= 0.0) || (below >= 0.0 && above < 0.0) {
             Place::Switch(index)
         } else if below >= 0.0 && above >= 0.0 {
             Place::Region(index + 1)
