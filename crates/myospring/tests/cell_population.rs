@@ -120,7 +120,7 @@ fn impossible_cells_and_settings_are_refused() {
     assert!(matches!(Cell::new(&model, late, 1.0), Err(SolveError::Protocol(_))));
     let cell = Cell::new(&model, good, 1.0).unwrap();
     let never = Settings { sample_interval_ms: Some(0.0), ..Settings::default() };
-    assert!(matches!(run(&[cell.clone()], &never), Err(SolveError::Time { .. })));
+    assert!(matches!(run(std::slice::from_ref(&cell), &never), Err(SolveError::Time { .. })));
     let loose = Settings { method: adaptive::Settings { tolerance: 1.0 }, ..Settings::default() };
     assert!(matches!(run(&[cell], &loose), Err(SolveError::Tolerance { .. })));
 }
