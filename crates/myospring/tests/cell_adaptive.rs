@@ -30,7 +30,7 @@ fn five_beats(model: &MinimalModel, cycle_length_ms: f64, tolerance: f64) -> Vec
     beats(model, protocol, Settings { tolerance }, 50.0 + 5.0 * cycle_length_ms).unwrap()
 }
 
-/// Five beats of every set at 500, 1000 and 2000 ms by SciPy; see `reference/cell_converged.py`.
+/// Five beats of every set at 500, 1000 and 2000 ms by `SciPy`; see `reference/cell_converged.py`.
 #[derive(serde::Deserialize)]
 struct Converged {
     model: String,
@@ -225,7 +225,7 @@ fn sliding_has_the_equilibrium_of_filippovs_mixture() {
     let &[u, v, w, s, ..] = cell.state() else { unreachable!() };
     // By hand from Eqs. (18)-(31) at u = theta_w: du/dt on both sides, the mixture's lambda, and the
     // gates' rates, which must vanish.
-    let sigmoid = |slope: f64, middle: f64| (1.0 + (slope * (u - middle)).tanh()) / 2.0;
+    let sigmoid = |slope: f64, middle: f64| 0.5 + 0.5 * (slope * (u - middle)).tanh();
     let below = (0.529297 - u) / 477.344;
     let tau_so = 25.4492 + (0.253711 - 25.4492) * sigmoid(2.49609, 0.657227);
     let above = w * s / 1.76816 - 1.0 / tau_so;

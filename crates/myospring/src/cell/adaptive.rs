@@ -1,7 +1,7 @@
 //! The minimal model with steps as long as the accuracy allows: one cell.
 //!
-//! For many cells at once see [`population`](super::population), which has the same bits. The fixed
-//! steps of [`solve`](super::solve) remain the default of a run and the check on this module.
+//! For many cells at once see [`population`](super::population), which has the same bits. The
+//! [fixed steps](super::solve) remain the default of a run and the check on this module.
 //!
 //! # Method
 //! The pair 3(2) of Bogacki and Shampine (`bogacki_shampine_1989`): three evaluations a step, each step
