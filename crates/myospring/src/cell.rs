@@ -20,11 +20,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod adaptive;
 pub mod bueno_orovio_2008;
 pub mod coelho_2021;
 pub mod integrator;
 pub mod minimal;
 pub mod pacing;
+pub mod population;
 pub mod solve;
 pub mod tension;
 pub mod toy;

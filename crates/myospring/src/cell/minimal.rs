@@ -10,7 +10,8 @@
 //! `u = theta_w` with a mixture of both sides' rates. A fixed step hops across the threshold every
 //! few steps: `u` jitters by at most one step's fall, `step / tau_so1` (0.0002 at 0.005 ms), while
 //! the time spent on either side, and with it every gate, is right to first order in the step. The
-//! jitter is harmless and is left as it is; an adaptive solver would stall on it, so none is offered.
+//! jitter is harmless and is left as it is. [`adaptive`](super::adaptive) holds `u` on the threshold
+//! instead, in a few long steps.
 //!
 //! # Parameters that cannot act
 //! `tau_o1`, `tau_o2` count only below `theta_w` and `theta_o` decides between them, so in
@@ -84,6 +85,14 @@ impl MinimalModel {
         }
     }
 
+    pub(super) const STATE_NAMES: &'static [&'static str; 6] = &["u", "v", "w", "s", "Ta_i", "Ta"];
+    pub(super) const INITIAL_STATE: [f64; 6] = [0.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+
+    /// The smooth pieces of the equations.
+    pub(super) fn pieces(&self) -> super::adaptive::Pieces {
+        super::adaptive::Pieces::new(self.electrical, self.tension)
+    }
+
     /// The tension half of the model.
     pub fn tension_constants(&self) -> &Tension {
         &self.tension
@@ -112,11 +121,11 @@ impl CellModel for MinimalModel {
     }
 
     fn state_names(&self) -> &'static [&'static str] {
-        &["u", "v", "w", "s", "Ta_i", "Ta"]
+        Self::STATE_NAMES
     }
 
     fn initial_state(&self) -> Vec<f64> {
-        vec![0.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+        Self::INITIAL_STATE.to_vec()
     }
 
     fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {

@@ -6,7 +6,8 @@
 //! chosen by measured error. Peak of tension against 0.0002 ms: `coelho_2021` +0.02 %,
 //! `bueno_orovio_2008` epi +0.03 %, endo +0.001 %, m +0.10 %, pb -0.01 %, tnnp -0.34 % (its V barely
 //! reaches the narrow bell of Eq. (34), so tension is small and follows the height of the upstroke
-//! steeply); APD90 within 0.015 ms, time of the peak of tension within 0.15 ms (`coelho_2021`: 0.003).
+//! steeply; [`adaptive`](super::adaptive) steps have 0.02 %); APD90 within 0.015 ms, time of the peak
+//! of tension within 0.15 ms (`coelho_2021`: 0.003).
 
 use super::CellModel;
 use super::integrator::CellIntegrator;
@@ -110,6 +111,34 @@ pub enum SolveError {
         /// The step, ms.
         step_ms: f64,
     },
+    /// No possible tolerance.
+    #[error("tolerance {value} must be between {minimum} and {maximum}")]
+    Tolerance {
+        /// What was given.
+        value: f64,
+        /// Smallest.
+        minimum: f64,
+        /// Largest.
+        maximum: f64,
+    },
+    /// Adaptive steps no longer get on.
+    #[error(
+        "cell model `{model}` does not get beyond {time_ms} ms: a step of {step_ms} ms still misses \
+         the tolerance, and takes `{variable}` to {value}; a smaller stimulus or other parameters \
+         may help"
+    )]
+    Stalled {
+        /// The model.
+        model: &'static str,
+        /// The state variable that is no longer finite, or the first.
+        variable: &'static str,
+        /// What it became.
+        value: f64,
+        /// Time reached, ms.
+        time_ms: f64,
+        /// The step tried, ms.
+        step_ms: f64,
+    },
     /// One default beat raises no tension that peaks within the reference time.
     #[error(
         "cell model `{model}` has no peak of tension within {duration_ms} ms of one default beat: \
@@ -151,33 +180,53 @@ pub fn solve(
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
-    for (name, value) in [("duration", duration_ms), ("sample interval", sample_interval_ms)] {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(SolveError::Time { name, value });
-        }
-    }
     let mut cell = CellIntegrator::new(model, protocol, settings)?;
+    sample(model, duration_ms, sample_interval_ms, |time_ms| {
+        cell.advance_to(time_ms, 1.0)?;
+        Ok(cell.state().to_vec())
+    })
+}
+
+/// Refuses what is not a positive finite time.
+pub(super) fn validate_time(name: &'static str, value: f64) -> Result<(), SolveError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(SolveError::Time { name, value })
+}
+
+/// Samples `state_at` from 0 ms to `duration_ms`, asked for rising times.
+pub(super) fn sample<S: AsRef<[f64]>>(
+    model: &dyn CellModel,
+    duration_ms: f64,
+    sample_interval_ms: f64,
+    mut state_at: impl FnMut(f64) -> Result<S, SolveError>,
+) -> Result<CellTrace, SolveError> {
+    validate_time("duration", duration_ms)?;
+    validate_time("sample interval", sample_interval_ms)?;
+    let has_millivolts = model.membrane_potential_mv(&model.initial_state()).is_some();
     let mut trace = CellTrace {
         time_ms: Vec::new(),
         state_names: model.state_names(),
         states: vec![Vec::new(); model.state_names().len()],
         potential: Vec::new(),
-        membrane_potential_mv: model.membrane_potential_mv(cell.state()).map(|_| Vec::new()),
+        membrane_potential_mv: has_millivolts.then(Vec::new),
         tension: Vec::new(),
     };
     // A duration that is a multiple of the interval but for rounding keeps its last sample.
     let samples = (duration_ms / sample_interval_ms * (1.0 + 1e-12)).floor() as u64;
     for sample in 0..=samples {
         let time_ms = sample as f64 * sample_interval_ms;
-        cell.advance_to(time_ms, 1.0)?;
+        let state = state_at(time_ms)?;
+        let state = state.as_ref();
         trace.time_ms.push(time_ms);
-        for (column, value) in trace.states.iter_mut().zip(cell.state()) {
+        for (column, value) in trace.states.iter_mut().zip(state) {
             column.push(*value);
         }
-        trace.potential.push(model.potential(cell.state()));
-        trace.tension.push(model.tension(cell.state()));
+        trace.potential.push(model.potential(state));
+        trace.tension.push(model.tension(state));
         if let Some(column) = &mut trace.membrane_potential_mv {
-            column.extend(model.membrane_potential_mv(cell.state()));
+            column.extend(model.membrane_potential_mv(state));
         }
     }
     Ok(trace)
@@ -206,15 +255,24 @@ pub fn reference_beat(
     let protocol = Protocol::once(model.default_stimulus());
     let trace = solve(model, protocol, settings, REFERENCE_BEAT_MS, 0.1)?;
     let last_ms = trace.time_ms.last().copied().unwrap_or_default();
-    match trace.peak_tension() {
-        Some(peak) if peak.value > 0.0 && peak.time < last_ms => {
-            Ok(ReferenceBeat { peak_tension: peak.value, peak_time_ms: peak.time })
+    reference_of(model, trace.peak_tension().map(|peak| (peak.value, peak.time)), last_ms)
+}
+
+/// A peak of tension (value, time in ms) as the reference, if it is one and lies before `last_ms`.
+pub(super) fn reference_of(
+    model: &dyn CellModel,
+    peak: Option<(f64, f64)>,
+    last_ms: f64,
+) -> Result<ReferenceBeat, SolveError> {
+    match peak {
+        Some((peak_tension, peak_time_ms)) if peak_tension > 0.0 && peak_time_ms < last_ms => {
+            Ok(ReferenceBeat { peak_tension, peak_time_ms })
         }
         other => Err(SolveError::NoPeak {
             model: model.name(),
             duration_ms: REFERENCE_BEAT_MS,
-            value: other.map_or(f64::NAN, |peak| peak.value),
-            time_ms: other.map_or(f64::NAN, |peak| peak.time),
+            value: other.map_or(f64::NAN, |(value, _)| value),
+            time_ms: other.map_or(f64::NAN, |(_, time_ms)| time_ms),
         }),
     }
 }

@@ -54,13 +54,13 @@ pub(super) fn rows(u_rest: f64, u_peak: f64, source: &'static str) -> Vec<Parame
 /// The constants of Eqs. (32)-(35), read once from a parameter set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tension {
-    c_0: f64,
-    x_1: f64,
-    x_2: f64,
-    x_3: f64,
-    sigma: f64,
-    u_rest: f64,
-    u_peak: f64,
+    pub(super) c_0: f64,
+    pub(super) x_1: f64,
+    pub(super) x_2: f64,
+    pub(super) x_3: f64,
+    pub(super) sigma: f64,
+    pub(super) u_rest: f64,
+    pub(super) u_peak: f64,
 }
 
 impl Tension {

@@ -44,7 +44,7 @@ macro_rules! electrical {
         /// The constants of Eqs. (18)-(31), read once from a parameter set.
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct Electrical {
-            $($name: f64,)*
+            $(pub(in crate::cell) $name: f64,)*
         }
 
         const ROWS: &[(&str, Kind, &str)] = &[$((stringify!($name), Kind::$kind, $meaning),)*];

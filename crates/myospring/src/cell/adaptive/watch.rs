@@ -1,0 +1,154 @@
+//! What is noted of a cell on its way: its beats, and samples of its state.
+
+use super::branch::State;
+use super::lanes::{Lanes, repolarised};
+use super::piece::{Piece, root};
+
+/// Whether two times, ms, differ by rounding only.
+pub(super) fn same_instant(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+}
+
+/// One beat of a cell, from its stimulus to the next or to the end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beat {
+    /// Time of the stimulus, ms.
+    pub stimulus_ms: f64,
+    /// Potential variable just before the stimulus, dimensionless.
+    pub resting_potential: f64,
+    /// Highest potential variable, dimensionless.
+    pub peak_potential: f64,
+    /// Highest active tension, dimensionless.
+    pub peak_tension: f64,
+    /// When tension is highest, ms; the clock is that of the run, not of the beat.
+    pub peak_tension_ms: f64,
+    /// From the stimulus to 90 % repolarisation, ms: when the potential, after its highest point,
+    /// has come 90 % of the way back to that before the stimulus. `None` if it does not within the
+    /// beat.
+    pub apd90_ms: Option<f64>,
+}
+
+/// Notes the beats and the samples of one cell; the running maxima are kept by its lane.
+#[derive(Debug, Clone, Default)]
+pub(in crate::cell) struct Watch {
+    beat: Option<Beat>,
+    /// Highest `u` when the end of the action potential was seen.
+    top_at_end: Option<f64>,
+    pub(in crate::cell) beats: Vec<Beat>,
+    sample_interval_ms: Option<f64>,
+    pub(in crate::cell) samples: Vec<State>,
+}
+
+impl Watch {
+    pub(super) fn new(sample_interval_ms: Option<f64>) -> Self {
+        Self { sample_interval_ms, ..Self::default() }
+    }
+
+    /// Begins to look for maxima.
+    pub(super) fn reset<const N: usize>(
+        &mut self,
+        lanes: &mut Lanes<N>,
+        lane: usize,
+        state: &State,
+    ) {
+        lanes.resting[lane] = state[0];
+        lanes.top_u[lane] = state[0];
+        lanes.top_ta[lane] = state[5];
+        lanes.top_ta_time[lane] = lanes.time[lane];
+        self.top_at_end = None;
+    }
+
+    /// A stimulus meets this state.
+    pub(super) fn begin_beat<const N: usize>(
+        &mut self,
+        lanes: &mut Lanes<N>,
+        lane: usize,
+        state: &State,
+    ) {
+        self.end_beat(lanes, lane);
+        self.reset(lanes, lane, state);
+        self.beat = Some(Beat {
+            stimulus_ms: lanes.time[lane],
+            resting_potential: state[0],
+            peak_potential: state[0],
+            peak_tension: state[5],
+            peak_tension_ms: lanes.time[lane],
+            apd90_ms: None,
+        });
+    }
+
+    /// The next stimulus or the end of the run is reached.
+    pub(super) fn end_beat<const N: usize>(&mut self, lanes: &Lanes<N>, lane: usize) {
+        if let Some(beat) = self.beat.take() {
+            let top = lanes.top_u[lane];
+            self.beats.push(Beat {
+                peak_potential: top,
+                peak_tension: lanes.top_ta[lane],
+                peak_tension_ms: lanes.top_ta_time[lane],
+                // An end before the highest point was none.
+                apd90_ms: beat.apd90_ms.filter(|_| self.top_at_end == Some(top)),
+                ..beat
+            });
+        }
+    }
+
+    /// Peaks and the end of the action potential within the first part of a step, which ends at
+    /// `time_ms`.
+    pub(super) fn look<const N: usize>(
+        &mut self,
+        lanes: &mut Lanes<N>,
+        lane: usize,
+        piece: &Piece,
+        part: f64,
+        time_ms: f64,
+    ) {
+        let (u, ta) = (piece.cubic(0), piece.cubic(5));
+        let at = |x: f64| if x < part { piece.start_ms + x * piece.step_ms } else { time_ms };
+        for x in ta.peak(part).into_iter().chain([part]) {
+            let value = ta.value(x);
+            if value > lanes.top_ta[lane] {
+                lanes.top_ta[lane] = value;
+                lanes.top_ta_time[lane] = at(x);
+            }
+        }
+        let u_end = u.value(part);
+        let top = u.peak(part).map_or(u_end, |x| u.value(x).max(u_end)).max(lanes.top_u[lane]);
+        lanes.top_u[lane] = top;
+        let level = repolarised(lanes.resting[lane], top);
+        if let Some(beat) = &mut self.beat
+            && self.top_at_end != Some(top)
+            && piece.states[0][0] > level
+            && u_end <= level
+        {
+            beat.apd90_ms = Some(at(root(|x| u.value(x) - level, part)) - beat.stimulus_ms);
+            self.top_at_end = Some(top);
+        }
+    }
+
+    /// The samples that fall within a step before `time_ms`.
+    pub(super) fn sample_before<const N: usize>(
+        &mut self,
+        lanes: &mut Lanes<N>,
+        lane: usize,
+        piece: &Piece,
+        time_ms: f64,
+    ) {
+        if let Some(interval_ms) = self.sample_interval_ms {
+            while lanes.sample[lane] < time_ms && !same_instant(lanes.sample[lane], time_ms) {
+                self.samples.push(piece.state_at(lanes.sample[lane]));
+                lanes.sample[lane] = self.samples.len() as f64 * interval_ms;
+            }
+        }
+    }
+
+    /// A sample that falls on the time reached: the state after all that happened then.
+    pub(super) fn sample_now<const N: usize>(&mut self, lanes: &mut Lanes<N>, lane: usize) {
+        if let Some(interval_ms) = self.sample_interval_ms {
+            let (sample_ms, time_ms) = (lanes.sample[lane], lanes.time[lane]);
+            if sample_ms <= time_ms || same_instant(sample_ms, time_ms) {
+                self.samples.push(Lanes::get(&lanes.state, lane));
+            }
+            lanes.sample[lane] = self.samples.len() as f64 * interval_ms;
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Many cells at once: the adaptive method side by side in vector registers.
+//!
+//! [`LANES`] cells move together, each with parameters, pacing, time and step of its own; a cell that
+//! has reached its end makes room for the next, so none waits for another. The arithmetic of a lane is
+//! that of [`adaptive`], operation by operation without fused ones: **a cell has the same
+//! bits** alone, in any company, in any order and with any vector units (AVX-512, AVX2 or none, chosen
+//! when the program runs). Threads: call [`run`] on parts of the list; it uses the caller's only.
+//!
+//! # Example
+//! Tension of cells whose slow inward current differs:
+//! ```
+//! use myospring::cell::population::{Cell, Settings, run};
+//! use myospring::cell::{CellModel, coelho_2021, minimal::MinimalModel, pacing::Protocol};
+//!
+//! let mut cells = Vec::new();
+//! for percent in [90.0, 100.0, 110.0] {
+//!     let mut parameters = coelho_2021::parameters();
+//!     parameters.set("tau_si", 1.76816 * percent / 100.0)?;
+//!     let model = MinimalModel::new(coelho_2021::IDENTITY, parameters)?;
+//!     cells.push(Cell::new(&model, Protocol::once(model.default_stimulus()), 600.0)?);
+//! }
+//! let outcomes = run(&cells, &Settings::default())?;
+//! let apd: Vec<f64> =
+//!     outcomes.iter().filter_map(|cell| cell.as_ref().ok()?.beats.last()?.apd90_ms).collect();
+//! assert!(apd[0] > apd[1] && apd[1] > apd[2]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use super::CellModel as _;
+use super::adaptive::{self, Beat, Course, Lanes, Task};
+use super::minimal::MinimalModel;
+use super::pacing::Protocol;
+use super::solve::{self, SolveError};
+
+/// Cells that move together.
+pub const LANES: usize = 16;
+
+/// One cell of a population: its constants, its pacing, and how long it is followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    model: &'static str,
+    task: Task,
+}
+
+impl Cell {
+    /// A cell in its initial state at 0 ms.
+    ///
+    /// # Errors
+    /// A protocol that cannot be followed, or a duration that is not a positive finite time.
+    pub fn new(
+        model: &MinimalModel,
+        protocol: Protocol,
+        duration_ms: f64,
+    ) -> Result<Self, SolveError> {
+        protocol.validate()?;
+        solve::validate_time("duration", duration_ms)?;
+        Ok(Self { model: model.name(), task: model.task(protocol, duration_ms, None) })
+    }
+}
+
+/// Settings of a population.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// Settings of the method; default tolerance 1e-5.
+    pub method: adaptive::Settings,
+    /// Time between samples of the state, ms, first at 0 ms; default none, no samples.
+    pub sample_interval_ms: Option<f64>,
+}
+
+/// What one cell did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Its beats, one per stimulus, in order.
+    pub beats: Vec<Beat>,
+    /// The sampled states `u, v, w, s, Ta_i, Ta`; sample `k` at `k` times the interval.
+    pub samples: Vec<[f64; 6]>,
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps tried whose error was too large.
+    pub refused: u64,
+}
+
+/// Runs every cell to its end, on the caller's thread; outcomes in the order of the cells.
+///
+/// A cell that fails has its error in its place and does not disturb the others.
+///
+/// # Errors
+/// A tolerance or sample interval that is not possible.
+pub fn run(
+    cells: &[Cell],
+    settings: &Settings,
+) -> Result<Vec<Result<Outcome, SolveError>>, SolveError> {
+    settings.method.validate()?;
+    if let Some(interval_ms) = settings.sample_interval_ms {
+        solve::validate_time("sample interval", interval_ms)?;
+    }
+    let arch = pulp::Arch::new();
+    let step = |lanes: &mut Lanes<LANES>| arch.dispatch(TryStep(lanes));
+    Ok(side_by_side(cells, settings, step))
+}
+
+fn side_by_side<const N: usize>(
+    cells: &[Cell],
+    settings: &Settings,
+    try_step: impl Fn(&mut Lanes<N>),
+) -> Vec<Result<Outcome, SolveError>> {
+    let mut lanes = Lanes::<N>::new(settings.method.tolerance);
+    let mut outcomes: Vec<Option<Result<Outcome, SolveError>>> = vec![None; cells.len()];
+    let mut queue = 0..cells.len();
+    let mut next = |lanes: &mut Lanes<N>, lane| {
+        let index = queue.next()?;
+        let task = Task { sample_interval_ms: settings.sample_interval_ms, ..cells[index].task };
+        Some((index, Course::start(&task, lanes, lane)))
+    };
+    let mut courses: [Option<(usize, Course)>; N] =
+        std::array::from_fn(|lane| next(&mut lanes, lane));
+    while courses.iter().any(Option::is_some) {
+        try_step(&mut lanes);
+        for lane in 0..N {
+            if lanes.attention[lane] == 0 {
+                continue;
+            }
+            let Some((index, course)) = &mut courses[lane] else { continue };
+            let outcome = match course.attend(&mut lanes, lane) {
+                Ok(false) => continue,
+                Ok(true) => Ok(Outcome {
+                    beats: std::mem::take(&mut course.watch.beats),
+                    samples: std::mem::take(&mut course.watch.samples),
+                    steps: lanes.taken[lane] + course.steps,
+                    refused: lanes.refused[lane],
+                }),
+                Err(stuck) => Err(stuck.error(cells[*index].model)),
+            };
+            outcomes[*index] = Some(outcome);
+            courses[lane] = next(&mut lanes, lane);
+            if courses[lane].is_none() {
+                lanes.sleep(lane);
+            }
+        }
+    }
+    outcomes.into_iter().flatten().collect()
+}
+
+/// One step of all lanes, compiled for each kind of vector unit.
+struct TryStep<'a, const N: usize>(&'a mut Lanes<N>);
+
+impl<const N: usize> pulp::WithSimd for TryStep<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.0.try_step();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::{bueno_orovio_2008, coelho_2021};
+
+    #[test]
+    fn any_number_of_lanes_and_any_vector_units_give_the_same_bits() {
+        let models =
+            [coelho_2021::model(), bueno_orovio_2008::model(bueno_orovio_2008::Variant::M)];
+        let cells: Vec<Cell> = (0..11)
+            .map(|k| {
+                let model = &models[k % 2];
+                let protocol = Protocol {
+                    start_ms: 3.7 * k as f64,
+                    cycle_length_ms: 350.0 + 10.0 * k as f64,
+                    beats: 2,
+                    ..Protocol::once(model.default_stimulus())
+                };
+                Cell::new(model, protocol, 900.0).unwrap()
+            })
+            .collect();
+        let settings = Settings { sample_interval_ms: Some(3.0), ..Settings::default() };
+        let expected = run(&cells, &settings).unwrap();
+        assert!(expected.iter().all(Result::is_ok));
+        assert_eq!(side_by_side::<1>(&cells, &settings, Lanes::try_step), expected);
+        assert_eq!(side_by_side::<5>(&cells, &settings, Lanes::try_step), expected);
+        assert_eq!(side_by_side::<8>(&cells, &settings, Lanes::try_step), expected);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = pulp::x86::V3::try_new() {
+            let step = |lanes: &mut Lanes<8>| pulp::Simd::vectorize(avx2, TryStep(lanes));
+            assert_eq!(side_by_side(&cells, &settings, step), expected);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! A population gives each cell the bits that it has alone.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use myospring::cell::adaptive::{self, beats};
+use myospring::cell::bueno_orovio_2008::{self, Variant};
+use myospring::cell::minimal::MinimalModel;
+use myospring::cell::pacing::{Protocol, Stimulus};
+use myospring::cell::population::{Cell, LANES, Outcome, Settings, run};
+use myospring::cell::solve::SolveError;
+use myospring::cell::{CellModel, coelho_2021};
+
+/// More cells than lanes: all sets, two parameters varied, cycle lengths from 250 to 2000 ms, jumps and
+/// pulses, runs of 0.3 to 4 s.
+fn motley() -> Vec<(MinimalModel, Protocol, f64)> {
+    let mut cells = Vec::new();
+    for index in 0..3 * LANES + 5 {
+        let vary = |row: f64, k: usize| row * (0.7 + 0.6 * ((index * k) % 11) as f64 / 10.0);
+        let (identity, mut parameters) = match index % 6 {
+            0 => (coelho_2021::IDENTITY, coelho_2021::parameters()),
+            k => {
+                let set =
+                    [Variant::Epi, Variant::Endo, Variant::M, Variant::Pb, Variant::Tnnp][k - 1];
+                (bueno_orovio_2008::identity(set), bueno_orovio_2008::parameters(set))
+            }
+        };
+        for (k, name) in ["tau_si", "tau_so1"].into_iter().enumerate() {
+            parameters.set(name, vary(parameters.get(name).unwrap(), 3 + 4 * k)).unwrap();
+        }
+        let model = MinimalModel::new(identity, parameters).unwrap();
+        let protocol = Protocol {
+            stimulus: model.default_stimulus(),
+            start_ms: (index % 4) as f64 * 12.5,
+            cycle_length_ms: [250.0, 400.0, 1000.0, 2000.0][index % 4],
+            beats: 1 + (index % 3) as u32,
+        };
+        cells.push((model, protocol, 300.0 + 61.7 * (index % 60) as f64));
+    }
+    cells
+}
+
+fn run_all(cells: &[(MinimalModel, Protocol, f64)], settings: &Settings) -> Vec<Outcome> {
+    let cells: Vec<Cell> =
+        cells.iter().map(|(model, pacing, ms)| Cell::new(model, *pacing, *ms).unwrap()).collect();
+    run(&cells, settings).unwrap().into_iter().map(Result::unwrap).collect()
+}
+
+#[test]
+fn a_cell_has_the_same_bits_alone_and_in_any_company() {
+    let cells = motley();
+    let together = run_all(&cells, &Settings::default());
+    assert_eq!(together.len(), cells.len());
+    for ((model, protocol, duration), outcome) in cells.iter().zip(&together) {
+        let alone = beats(model, *protocol, adaptive::Settings::default(), *duration).unwrap();
+        assert_eq!(outcome.beats, alone, "{}", model.name());
+    }
+    let mut backwards = cells.clone();
+    backwards.reverse();
+    let mut reversed = run_all(&backwards, &Settings::default());
+    reversed.reverse();
+    assert_eq!(together, reversed);
+}
+
+#[test]
+fn sampled_states_are_those_of_one_cell_alone() {
+    let cells = motley();
+    let settings = Settings { sample_interval_ms: Some(0.7), ..Settings::default() };
+    for ((model, protocol, duration), outcome) in cells.iter().zip(run_all(&cells, &settings)) {
+        let alone =
+            adaptive::solve(model, *protocol, adaptive::Settings::default(), *duration, 0.7)
+                .unwrap();
+        assert_eq!(outcome.samples.len(), alone.time_ms.len());
+        for (sample, k) in outcome.samples.iter().zip(0..) {
+            let expected: Vec<f64> = alone.states.iter().map(|column| column[k]).collect();
+            assert_eq!(sample[..], expected, "{} sample {k}", model.name());
+        }
+    }
+}
+
+#[test]
+fn samples_do_not_change_the_beats() {
+    let cells = motley();
+    let often = Settings { sample_interval_ms: Some(0.25), ..Settings::default() };
+    let (with, without) = (run_all(&cells, &often), run_all(&cells, &Settings::default()));
+    for (with, without) in with.iter().zip(&without) {
+        for (a, b) in with.beats.iter().zip(&without.beats) {
+            // The peak of tension is that of the same cubics: equal but for where it was looked for.
+            assert_eq!((a.stimulus_ms, a.apd90_ms), (b.stimulus_ms, b.apd90_ms));
+            assert!((a.peak_tension / b.peak_tension - 1.0).abs() < 1e-12);
+            assert!((a.peak_potential - b.peak_potential).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_cell_that_fails_has_its_error_and_leaves_the_others_alone() {
+    let model = coelho_2021::model();
+    let good = Protocol::once(model.default_stimulus());
+    let bad = Protocol::once(Stimulus::Jump { amplitude: 1e200 });
+    let cells: Vec<Cell> = (0..20)
+        .map(|k| Cell::new(&model, if k == 7 { bad } else { good }, 600.0).unwrap())
+        .collect();
+    let outcomes = run(&cells, &Settings::default()).unwrap();
+    let expected = outcomes[0].as_ref().unwrap();
+    for (k, outcome) in outcomes.iter().enumerate() {
+        if k == 7 {
+            assert!(matches!(outcome, Err(SolveError::Stalled { model: "coelho_2021", .. })));
+        } else {
+            assert_eq!(outcome.as_ref().unwrap(), expected);
+        }
+    }
+}
+
+#[test]
+fn impossible_cells_and_settings_are_refused() {
+    let model = coelho_2021::model();
+    let good = Protocol::once(model.default_stimulus());
+    assert!(run(&[], &Settings::default()).unwrap().is_empty());
+    assert!(matches!(Cell::new(&model, good, 0.0), Err(SolveError::Time { .. })));
+    let late = Protocol { start_ms: -1.0, ..good };
+    assert!(matches!(Cell::new(&model, late, 1.0), Err(SolveError::Protocol(_))));
+    let cell = Cell::new(&model, good, 1.0).unwrap();
+    let never = Settings { sample_interval_ms: Some(0.0), ..Settings::default() };
+    assert!(matches!(run(std::slice::from_ref(&cell), &never), Err(SolveError::Time { .. })));
+    let loose = Settings { method: adaptive::Settings { tolerance: 1.0 }, ..Settings::default() };
+    assert!(matches!(run(&[cell], &loose), Err(SolveError::Tolerance { .. })));
+}
