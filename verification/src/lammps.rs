@@ -129,9 +129,9 @@ pub fn write(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let steps = if setting.quick { 500 } else { 5000 };
     let cases = [
         case("undamped", 0.0, 0.0, &[1], steps)?,
-        case("drag", 0.0, 0.3, &[1], steps)?,
+        case("drag", 0.0, 0.05, &[1], steps)?,
         case("drag, order", 0.0, 0.3, &[1, 2, 4], 200)?,
-        case("dashpots", 0.05, 0.0, &[1], steps)?,
+        case("dashpots", 0.01, 0.0, &[1], steps)?,
     ];
     let file = std::fs::File::create(setting.folder.join("lammps-ours.json"))?;
     serde_json::to_writer(std::io::BufWriter::new(file), &cases)?;
