@@ -109,16 +109,16 @@ fn closed_form(links: usize) -> Vectors {
 /// height, at the middle.
 fn catenary_sag() -> f64 {
     let rigidity = STIFFNESS * LENGTH;
-    let span = |h: f64| {
-        h * LENGTH / rigidity + 2.0 * h * LENGTH / WEIGHT * (0.5 * WEIGHT / h).asinh()
-    };
+    let span =
+        |h: f64| h * LENGTH / rigidity + 2.0 * h * LENGTH / WEIGHT * (0.5 * WEIGHT / h).asinh();
     let (mut low, mut high) = (1e-6, 1e3);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if span(middle) < SPAN { low = middle } else { high = middle }
     }
     let steep = 0.5 * WEIGHT / low;
-    WEIGHT * LENGTH / (8.0 * rigidity) + low * LENGTH / WEIGHT * ((1.0 + steep * steep).sqrt() - 1.0)
+    WEIGHT * LENGTH / (8.0 * rigidity)
+        + low * LENGTH / WEIGHT * ((1.0 + steep * steep).sqrt() - 1.0)
 }
 
 /// Rest shape against the closed form, and the approach to the continuous catenary.

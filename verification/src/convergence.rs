@@ -40,7 +40,9 @@ fn strip(across: usize) -> Result<f64, Failure> {
     let fibres: Vec<[f64; 2]> = mesh
         .simplices
         .iter()
-        .map(|simplex| (0.5 * (std::f64::consts::TAU * middle(simplex.nodes) / 40.0).sin()).sin_cos())
+        .map(|simplex| {
+            (0.5 * (std::f64::consts::TAU * middle(simplex.nodes) / 40.0).sin()).sin_cos()
+        })
         .map(|(sine, cosine)| [cosine, sine])
         .collect();
     let shape = contracted(&mesh, &fibres, [1.0, 0.0])?;

@@ -70,8 +70,7 @@ fn case(
 ) -> Result<Case, Failure> {
     let spacing = 1.5;
     let mesh = lattice::rectangle(100, 20, spacing)?;
-    let material =
-        Material { area_modulus: 0.0, damping_ratio, drag_ratio, ..default_material() };
+    let material = Material { area_modulus: 0.0, damping_ratio, drag_ratio, ..default_material() };
     let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
     let kind = SupportKind::MassCentre;
     let (mut body, mut system) =
@@ -102,8 +101,7 @@ fn case(
     for (engine, form) in ENGINES {
         for &finer in finer {
             let steps = steps * finer as usize;
-            let mut motion =
-                Motion::new(&system, body.clone(), form, time_step / f64::from(finer));
+            let mut motion = Motion::new(&system, body.clone(), form, time_step / f64::from(finer));
             motion.advance(steps, [0.0, 0.0]);
             runs.push(Run { engine, finer, steps, positions: motion.body.positions });
         }

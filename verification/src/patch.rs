@@ -113,7 +113,12 @@ const EXACT: Tolerance = Tolerance {
     longest_delay: f64::INFINITY,
 };
 
-fn at_rest(mesh: &Mesh, material: &Material, fibre: [f64; 2], tension: f64) -> Result<Vectors, Failure> {
+fn at_rest(
+    mesh: &Mesh,
+    material: &Material,
+    fibre: [f64; 2],
+    tension: f64,
+) -> Result<Vectors, Failure> {
     let (body, system) = made(mesh, material, fibre);
     let path = Path::solve(&system, &body, tension, EXACT)?;
     Ok(path.positions(tension).ok_or("the path has no shape at its last tension")?)
