@@ -50,7 +50,7 @@ impl Row {
             if expected == 0.0 { format!("{value:.1e}") } else { format!("{value:.4}") }
         };
         let allowed = match self.tolerance {
-            Some(tolerance) if expected == 0.0 => format!("{tolerance:.0e}"),
+            Some(tolerance) if expected == 0.0 => format!("{tolerance:.1e}").replace(".0e", "e"),
             Some(tolerance) => format!("{expected} ± {tolerance}"),
             None if expected == 0.0 => String::new(),
             None => format!("{expected:.4}"),
@@ -69,8 +69,8 @@ pub(crate) fn count(sections: &[Section], verdict: &str) -> usize {
 pub(crate) fn line(row: &Row) -> String {
     let [measured, allowed] = row.numbers();
     let verdict = row.verdict.to_uppercase();
-    let unit = if measured.is_empty() { "" } else { &row.unit };
-    let mut line = format!("{verdict:8}{measured:>9}  {allowed:>12}  {} {unit}\n", row.what);
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" ({})", row.unit) };
+    let mut line = format!("{verdict:8}{measured:>9}  {allowed:>12}  {}{unit}\n", row.what);
     if row.verdict != "pass" {
         _ = writeln!(line, "{:33}{}", "", row.reason);
     }
