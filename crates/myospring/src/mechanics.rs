@@ -10,10 +10,12 @@
 //! | [`active`] | active tension along the fibre or at the ends | `coelho_2021`, section 3 |
 //! | [`drag`] | viscous drag | `coelho_2021`, Eq. (10) |
 //! | [`support`] | what holds the cell | `coelho_2021`, section 2.1 |
+//! | [`anchor`] | supports that give way: elastic bed, spring-held ends | `edwards_schwarz_2011` |
 //! | [`stability`] | the largest stable time step | |
 //! | [`stiffness`] | the tangent stiffness, for equilibria | |
 
 pub mod active;
+pub mod anchor;
 pub mod area;
 pub mod drag;
 pub mod material;
