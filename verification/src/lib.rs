@@ -21,7 +21,7 @@ pub mod time_order;
 pub mod wave;
 
 use row::Row;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Whatever stops a check from being made; it is told and counts as a failure.
 pub type Failure = Box<dyn std::error::Error>;
@@ -33,6 +33,8 @@ pub struct Setting<'a> {
     pub quick: bool,
     /// Folder for what other programs read.
     pub folder: &'a Path,
+    /// Folder with published data, which may be missing.
+    pub data: &'a Path,
 }
 
 /// A check by name.
@@ -58,4 +60,13 @@ pub fn checks() -> Vec<Check> {
         Check { name: "myokit", run: myokit::write },
         Check { name: "finite-elements", run: finite_elements::rows },
     ]
+}
+
+/// The folder with published data that the project does not carry: the one that `VERIFICATION_DATA`
+/// names, or `shared/data` beside the project.
+pub fn published_data() -> PathBuf {
+    std::env::var_os("VERIFICATION_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
+        PathBuf::from,
+    )
 }

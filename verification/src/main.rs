@@ -1,8 +1,8 @@
 //! `verification CHECK FOLDER [--quick]`: makes one check and writes its rows to `FOLDER/CHECK.json`.
 //!
-//! `cargo xtask verify` calls it; so can you.
+//! `cargo xtask verify` calls it; so can you. VERIFICATION_DATA names the folder with published data.
 
-use myospring_verification::{Failure, Setting, checks};
+use myospring_verification::{Failure, Setting, checks, published_data};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -35,7 +35,8 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
     };
     std::fs::create_dir_all(folder)
         .map_err(|error| format!("the folder {} cannot be made: {error}", folder.display()))?;
-    let rows = (check.run)(&Setting { quick, folder })?;
+    let data = published_data();
+    let rows = (check.run)(&Setting { quick, folder, data: &data })?;
     let file = folder.join(format!("{name}.json"));
     let text = serde_json::to_string_pretty(&rows)?;
     std::fs::write(&file, text)
