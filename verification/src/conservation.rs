@@ -1,9 +1,10 @@
 //! What a free, undamped lattice keeps: momentum, angular momentum, energy.
 
+use crate::engine::Engine;
 use crate::fit::slope;
 use crate::row::Row;
 use crate::{Failure, Setting};
-use myospring::integrate::verlet::{Integrator, Motion};
+use myospring::integrate::verlet::Integrator;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};
 use myospring::mechanics::stability::StabilityLimit;
@@ -15,7 +16,7 @@ const BLOCKS: usize = 1000;
 
 /// Changes over the run: momentum and angular momentum against the sum of the parts' own, the largest
 /// departure of the energy, and the slope of the energy times the duration, both against the energy.
-fn changes(integrator: Integrator, steps: usize) -> Result<[f64; 4], Failure> {
+fn changes(engine: Engine, steps: usize) -> Result<[f64; 4], Failure> {
     let mesh = lattice::rectangle(12, 5, 1.0)?;
     let material = Material { damping_ratio: 0.0, drag_ratio: 0.0, ..default_material() };
     let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
@@ -39,7 +40,7 @@ fn changes(integrator: Integrator, steps: usize) -> Result<[f64; 4], Failure> {
         linear += body.masses[node] * speed;
         angular += body.masses[node] * speed * arm;
     }
-    let mut motion = Motion::new(&system, body, integrator, step);
+    let mut motion = engine.motion(&mesh, &system, body, step)?;
     let (mut blocks, mut energies) = (Vec::new(), Vec::new());
     for block in 0..BLOCKS {
         let now = &motion.body;
@@ -68,23 +69,22 @@ fn changes(integrator: Integrator, steps: usize) -> Result<[f64; 4], Failure> {
 pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let steps = if setting.quick { 20_000 } else { 1_000_000 };
     let mut rows = Vec::new();
-    for (integrator, name, rounding, reason) in [
-        (
-            Integrator::VelocityVerlet,
-            "velocity Verlet",
-            1e-12,
-            "rounding of the velocities, 1e-16 a step, adds up as the square root of the steps",
-        ),
-        (
-            Integrator::StoermerVerlet,
-            "Stoermer-Verlet",
-            1e-9,
-            "velocities are differences of positions over the step: rounding of the positions, 1e-15 um, \
-             over 1e-3 ms, adds up as the square root of the steps",
-        ),
+    for engine in [
+        Engine::Plain(Integrator::VelocityVerlet),
+        Engine::Plain(Integrator::StoermerVerlet),
+        Engine::Fused(1),
     ] {
-        let [momentum, angular_momentum, wander, drift] = changes(integrator, steps)?;
-        let name = format!("{steps} undamped steps of a free lattice, {name}");
+        let (rounding, reason) = if engine == Engine::Plain(Integrator::StoermerVerlet) {
+            let reason = "velocities are differences of positions over the step: rounding of the \
+                          positions, 1e-15 um, over 1e-3 ms, adds up as the square root of the steps";
+            (1e-9, reason)
+        } else {
+            let reason =
+                "rounding of the velocities, 1e-16 a step, adds up as the square root of the steps";
+            (1e-12, reason)
+        };
+        let [momentum, angular_momentum, wander, drift] = changes(engine, steps)?;
+        let name = format!("{steps} undamped steps of a free lattice, {}", engine.name());
         rows.push(Row::difference(
             format!("{name}: change of momentum"),
             "conservation law",

@@ -244,11 +244,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let theirs = shortening(&lines.iter().map(|line| line.strain).collect::<Vec<_>>());
     let ours = shortening(&strip.twitch(&lines));
     let law = shortening(&exponential(&lines));
-    draw(
-        setting,
-        &times,
-        &[("finite elements", &theirs), ("Myospring", &ours), ("exponential fibre", &law)],
-    )?;
+    draw(setting, &times, &[("finite elements", &theirs), ("Myospring", &ours)])?;
 
     let (them, us) = (timing(&times, &theirs)?, timing(&times, &ours)?);
     let fitted = format!(

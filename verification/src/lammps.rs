@@ -4,9 +4,9 @@
 //! Everything LAMMPS needs is computed here from the mesh and the material's stated constants, not
 //! taken from our force laws.
 
+use crate::engine::Engine;
 use crate::row::Row;
 use crate::{Failure, Setting};
-use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::Vectors;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};
@@ -14,12 +14,6 @@ use myospring::mechanics::stability::StabilityLimit;
 use myospring::mechanics::support::{Support, SupportKind};
 use myospring::mesh::lattice;
 use serde::Serialize;
-
-/// Names of the ways in which our side is computed, each with its form of Verlet's method.
-const ENGINES: [(&str, Integrator); 2] = [
-    ("Stoermer-Verlet", Integrator::StoermerVerlet),
-    ("velocity Verlet", Integrator::VelocityVerlet),
-];
 
 /// A motion that LAMMPS can repeat.
 #[derive(Serialize)]
@@ -54,7 +48,7 @@ struct Link {
 /// Our positions after a number of steps, um.
 #[derive(Serialize)]
 struct Run {
-    engine: &'static str,
+    engine: String,
     /// Part of the case's time step.
     finer: u32,
     steps: usize,
@@ -98,12 +92,14 @@ fn case(
         })
         .collect();
     let mut runs = Vec::new();
-    for (engine, form) in ENGINES {
+    for engine in Engine::ALL {
         for &finer in finer {
             let steps = steps * finer as usize;
-            let mut motion = Motion::new(&system, body.clone(), form, time_step / f64::from(finer));
+            let step = time_step / f64::from(finer);
+            let mut motion = engine.motion(&mesh, &system, body.clone(), step)?;
             motion.advance(steps, [0.0, 0.0]);
-            runs.push(Run { engine, finer, steps, positions: motion.body.positions });
+            let positions = motion.body.positions;
+            runs.push(Run { engine: engine.name(), finer, steps, positions });
         }
     }
     Ok(Case {

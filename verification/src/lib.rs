@@ -10,6 +10,7 @@ pub mod beat;
 pub mod chain;
 pub mod conservation;
 pub mod convergence;
+pub mod engine;
 pub mod finite_elements;
 pub mod fit;
 pub mod lammps;

@@ -3,10 +3,10 @@
 //! A strip with all forces of a cell is set moving by a tension that rises within one vibration; its
 //! positions are compared at time steps h, h/2 and h/4.
 
+use crate::engine::Engine;
 use crate::fit::farthest;
 use crate::row::Row;
 use crate::{Failure, Setting};
-use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::Vectors;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};
@@ -16,7 +16,7 @@ use myospring::mesh::lattice;
 
 const DURATION: f64 = 3.0;
 
-fn order(integrator: Integrator, damping_ratio: f64, drag_ratio: f64) -> Result<f64, Failure> {
+fn order(engine: Engine, damping_ratio: f64, drag_ratio: f64) -> Result<f64, Failure> {
     let mesh = lattice::rectangle(16, 4, 2.0)?;
     let material = Material { damping_ratio, drag_ratio, ..default_material() };
     let fibres: Vec<[f64; 2]> = mesh
@@ -30,16 +30,16 @@ fn order(integrator: Integrator, damping_ratio: f64, drag_ratio: f64) -> Result<
         assemble(&mesh, &material, ActiveLaw::Fibre, &fibres, support, [1.0, 0.0], 32.0);
     let limit = StabilityLimit::of(&system, &body, 50.0).time_step;
     let steps = (DURATION / (0.05 * limit)).ceil() as usize;
-    let after = |steps: usize| -> Vectors {
-        let mut motion = Motion::new(&system, body.clone(), integrator, DURATION / steps as f64);
+    let after = |steps: usize| -> Result<Vectors, Failure> {
+        let mut motion = engine.motion(&mesh, &system, body.clone(), DURATION / steps as f64)?;
         motion.advance(steps, [0.0, 50.0]);
-        motion.body.positions
+        Ok(motion.body.positions)
     };
-    let shapes = [1, 2, 4].map(|finer| after(finer * steps));
+    let shapes = [after(steps)?, after(2 * steps)?, after(4 * steps)?];
     Ok((farthest(&shapes[0], &shapes[1]) / farthest(&shapes[1], &shapes[2])).log2())
 }
 
-/// The order without damping, with drag and with dashpots; the worst of both forms of Verlet's method.
+/// The order without damping, with drag and with dashpots; the worst of all engines.
 ///
 /// # Errors
 /// A mesh that cannot be made.
@@ -51,8 +51,8 @@ pub fn rows(_: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         ("axial dashpots", 0.05, 0.0, 1.0, "dashpots see the velocity of half a step before"),
     ] {
         let mut worst = expected;
-        for form in Integrator::ALL {
-            let measured = order(form, damping, drag)?;
+        for engine in Engine::ALL {
+            let measured = order(engine, damping, drag)?;
             if (measured - expected).abs() >= f64::abs(worst - expected) || measured.is_nan() {
                 worst = measured;
             }

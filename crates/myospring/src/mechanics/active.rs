@@ -139,7 +139,10 @@ impl Force for FibreTension {
     }
 
     fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
-        self.edges.iter().zip(&self.weights).all(|(&nodes, &weight)| terms.add_tension(nodes, weight))
+        self.edges
+            .iter()
+            .zip(&self.weights)
+            .all(|(&nodes, &weight)| terms.add_tension(nodes, weight))
     }
 
     fn is_internal(&self) -> bool {

@@ -26,7 +26,8 @@ impl Units {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
-                std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512dq")
+                std::is_x86_feature_detected!("avx512f")
+                    && std::is_x86_feature_detected!("avx512dq")
             }
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => {

@@ -212,8 +212,7 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
     // SAFETY: rows are `4 stride` long and have a block of padding on the right; the caller has
     // the features of L.
     unsafe {
-        let position =
-            |row: *const f64| Pair { x: L::load(row), y: L::load(row.add(stride)) };
+        let position = |row: *const f64| Pair { x: L::load(row), y: L::load(row.add(stride)) };
         let velocity = |row: *const f64| Pair {
             x: L::load(row.add(2 * stride)),
             y: L::load(row.add(3 * stride)),
@@ -281,8 +280,11 @@ unsafe fn kick_and_drift<L: Lanes>(
     // SAFETY: `state` points into a row of the plan's layout; the caller has the features of L.
     unsafe {
         let (keep, time_step) = (L::splat(plan.keep), L::splat(plan.time_step));
-        for (axis, force) in [L::add(above.x, below.x), L::add(above.y, below.y)].into_iter().enumerate() {
-            let (position, velocity) = (state.add(axis * plan.stride), state.add((axis + 2) * plan.stride));
+        for (axis, force) in
+            [L::add(above.x, below.x), L::add(above.y, below.y)].into_iter().enumerate()
+        {
+            let (position, velocity) =
+                (state.add(axis * plan.stride), state.add((axis + 2) * plan.stride));
             let moved = L::mul_add(inverse_mass, force, L::mul(keep, L::load(velocity)));
             L::store(velocity, moved);
             L::store(position, L::mul_add(time_step, moved, L::load(position)));
@@ -307,7 +309,8 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let stride = plan.stride;
         let common = &plan.uniform;
         let stiffness = |direction: usize| {
-            let fibre = if LAWS & laws::FIBRE == 0 { 0.0 } else { tension * common.fibre[direction] };
+            let fibre =
+                if LAWS & laws::FIBRE == 0 { 0.0 } else { tension * common.fibre[direction] };
             L::splat(common.stiffness[direction] + fibre)
         };
         let load = |direction: usize| {
@@ -336,7 +339,8 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
             let class = plan.classes[row.index * plan.blocks + block];
             for part in 0..BLOCK / L::N {
                 let at = block * BLOCK + part * L::N;
-                let (lower, upper, carry) = (row.lower.add(at), row.upper.add(at), row.carry.add(at));
+                let (lower, upper, carry) =
+                    (row.lower.add(at), row.upper.add(at), row.carry.add(at));
                 let (corners, inverse_mass) = match class {
                     Class::EMPTY => {
                         let on_c = before.1;

@@ -19,9 +19,9 @@
 //! force is computed once, from the same values in the same order whatever the tiles: hence the same
 //! bits.
 
-use super::lanes::{Lanes, Portable, Units};
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
+use super::lanes::{Lanes, Portable, Units};
 use super::plan::{BLOCK, Block, Plan};
 use super::sweep::{Handover, Row, laws, pass, purpose};
 use std::cell::UnsafeCell;
@@ -44,9 +44,14 @@ const DEEP: usize = 8;
 enum Command {
     /// Steps under a tension that goes linearly from the first to the second value, kPa; the forces
     /// of the last step are not at the second value but one step before.
-    Advance { steps: usize, tensions: [f64; 2] },
+    Advance {
+        steps: usize,
+        tensions: [f64; 2],
+    },
     /// Velocities at the full step under this tension, kPa.
-    Look { tension: f64 },
+    Look {
+        tension: f64,
+    },
     Quit,
 }
 
@@ -71,7 +76,10 @@ impl Buffer {
     ///
     /// # Safety
     /// Nobody else reads or writes it meanwhile.
-    #[allow(clippy::mut_from_ref, reason = "the owner of the team vouches that no thread is at work")]
+    #[allow(
+        clippy::mut_from_ref,
+        reason = "the owner of the team vouches that no thread is at work"
+    )]
     unsafe fn values(&self) -> &mut [f64] {
         // SAFETY: the owner lives as long as this, and a Block is BLOCK values without padding.
         unsafe { std::slice::from_raw_parts_mut(self.start, self.len) }
@@ -397,7 +405,13 @@ impl Worker<'_> {
                 let end = ((tile + 1) * width).saturating_sub(step);
                 // SAFETY: see `Shared`.
                 unsafe {
-                    self.row::<L, LAWS, PURPOSE>(tile, step, front - step, start..end, tension(step));
+                    self.row::<L, LAWS, PURPOSE>(
+                        tile,
+                        step,
+                        front - step,
+                        start..end,
+                        tension(step),
+                    );
                 }
             }
             fronts[tile].0.store(before + front + 1, Ordering::Release);
@@ -417,7 +431,8 @@ impl Worker<'_> {
         let Shared { plan, tiling, handovers, .. } = self.shared;
         let [first, last] = plan.spans[index];
         let blocks = blocks.start.max(first)..blocks.end.min(last);
-        let handover = |tile: usize| handovers[(tile * tiling.depth + step) * plan.rows + index].get();
+        let handover =
+            |tile: usize| handovers[(tile * tiling.depth + step) * plan.rows + index].get();
         // SAFETY: offsets stay within the buffers; for the rest see `Shared`.
         unsafe {
             let left = if tile > 0 { *handover(tile - 1) } else { [0.0; 4] };
