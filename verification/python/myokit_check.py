@@ -1,6 +1,9 @@
 """Repeats in Myokit (CVODE) the beats that `verification myokit FOLDER` wrote, and compares all states.
 
-usage: myokit_check.py FOLDER      SUNDIALS_PREFIX names where SUNDIALS is, if not in a usual place.
+usage: myokit_check.py FOLDER [REFERENCE]
+
+SUNDIALS_PREFIX names where SUNDIALS is, if not in a usual place. REFERENCE names a file to write CVODE's
+states every 10 ms of one beat to; the Rust tests compare with verification/reference/myokit.csv, made so.
 
 The equations are in minimal_model.mmt, written from the papers; parameters come from our listing.
 CVODE runs at tolerance 1e-10. Steps of the right-hand side (Heaviside's H) are met by its error test,
@@ -108,7 +111,7 @@ def worst(a, b, size):
     return float(by_state[place]), STATES[place]
 
 
-def main(folder):
+def main(folder, reference_file=None):
     what = "six sets of the minimal model, all states, one beat and trains at 1 Hz"
     try:
         import myokit
@@ -129,9 +132,14 @@ def main(folder):
     myokit.SUNDIALS_INC, myokit.SUNDIALS_LIB = [str(found[0])], [str(found[1])]
     warnings.simplefilter("ignore")
     table = []
+    lines = ["model,t_ms,u,v,w,s,Ta_i,Ta"]
     for case in json.loads(pathlib.Path(folder, "myokit-ours.json").read_text()):
         exact, coarse = reference(case)
         size = np.abs(exact).max(axis=1)
+        if case["beats"] == 1:
+            for place in range(0, len(case["time_ms"]), 10):
+                values = ",".join(f"{value:.9g}" for value in exact[:, place])
+                lines.append(f"{case['model']},{case['time_ms'][place]},{values}")
         own, _ = worst(coarse, exact, size)
         kind = "one beat" if case["beats"] == 1 else f"{case['beats']} beats at 1 Hz"
         rate = STEEP.get(case["model"], ERROR_PER_MS)
@@ -149,8 +157,10 @@ def main(folder):
                     "with tolerance 1e-8 and a wider ramp",
                 )
             )
+    if reference_file:
+        pathlib.Path(reference_file).write_text("\n".join(lines) + "\n")
     return table
 
 
 if __name__ == "__main__":
-    rows.write(sys.argv[1], "myokit", main(sys.argv[1]))
+    rows.write(sys.argv[1], "myokit", main(*sys.argv[1:3]))

@@ -29,7 +29,7 @@ impl Engine {
             Self::Plain(Integrator::StoermerVerlet) => "Stoermer-Verlet, plain loops".to_owned(),
             Self::Plain(Integrator::VelocityVerlet) => "velocity Verlet, plain loops".to_owned(),
             Self::Fused(1) => "fused kernel, 1 thread".to_owned(),
-            Self::Fused(threads) => format!("fused kernel, {threads} threads"),
+            Self::Fused(threads) => format!("fused kernel, at most {threads} threads"),
         }
     }
 

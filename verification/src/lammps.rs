@@ -17,8 +17,9 @@ use serde::Serialize;
 
 /// A motion that LAMMPS can repeat.
 #[derive(Serialize)]
-struct Case {
-    name: &'static str,
+pub struct Case {
+    /// Which forces act.
+    pub name: &'static str,
     /// um.
     spacing: f64,
     /// ug.
@@ -31,7 +32,8 @@ struct Case {
     drag_rate: f64,
     /// ms.
     time_step: f64,
-    runs: Vec<Run>,
+    /// Ours.
+    pub runs: Vec<Run>,
 }
 
 #[derive(Serialize)]
@@ -47,28 +49,39 @@ struct Link {
 
 /// Our positions after a number of steps, um.
 #[derive(Serialize)]
-struct Run {
-    engine: String,
-    /// Part of the case's time step.
-    finer: u32,
-    steps: usize,
-    positions: Vectors,
+pub struct Run {
+    /// What made the steps.
+    pub engine: String,
+    /// The case's time step over that of this run.
+    pub finer: u32,
+    /// How many there were.
+    pub steps: usize,
+    /// um, by axis.
+    pub positions: Vectors,
 }
 
 fn case(
     name: &'static str,
+    [columns, rows]: [usize; 2],
     damping_ratio: f64,
     drag_ratio: f64,
     finer: &[u32],
     steps: usize,
 ) -> Result<Case, Failure> {
     let spacing = 1.5;
-    let mesh = lattice::rectangle(100, 20, spacing)?;
+    let mesh = lattice::rectangle(columns, rows, spacing)?;
     let material = Material { area_modulus: 0.0, damping_ratio, drag_ratio, ..default_material() };
     let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
     let kind = SupportKind::MassCentre;
-    let (mut body, mut system) =
-        assemble(&mesh, &material, ActiveLaw::Fibre, &fibres, kind, [1.0, 0.0], 100.0 * spacing);
+    let (mut body, mut system) = assemble(
+        &mesh,
+        &material,
+        ActiveLaw::Fibre,
+        &fibres,
+        kind,
+        [1.0, 0.0],
+        columns as f64 * spacing,
+    );
     system.support = Support::Free;
     let time_step = 0.25 * StabilityLimit::of(&system, &body, 0.0).time_step;
     // A smooth start, so that the motion stays regular.
@@ -115,18 +128,33 @@ fn case(
     })
 }
 
+/// The motions of a small lattice, whose positions by LAMMPS stand in `verification/reference`.
+///
+/// # Errors
+/// A mesh that cannot be made, forces that an engine does not take.
+pub fn small_cases() -> Result<Vec<Case>, Failure> {
+    let size = [14, 6];
+    Ok(vec![
+        case("small, undamped", size, 0.0, 0.0, &[1], 500)?,
+        case("small, drag", size, 0.0, 0.05, &[1], 500)?,
+        case("small, dashpots", size, 0.01, 0.0, &[1], 500)?,
+    ])
+}
+
 /// Writes `lammps-ours.json` for the script; gives no rows itself.
 ///
 /// # Errors
-/// A mesh that cannot be made, a file that cannot be written.
+/// A mesh that cannot be made, forces that an engine does not take, a file that cannot be written.
 pub fn write(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let steps = if setting.quick { 500 } else { 5000 };
-    let cases = [
-        case("undamped", 0.0, 0.0, &[1], steps)?,
-        case("drag", 0.0, 0.05, &[1], steps)?,
-        case("drag, order", 0.0, 0.3, &[1, 2, 4], 200)?,
-        case("dashpots", 0.01, 0.0, &[1], steps)?,
+    let size = [100, 20];
+    let mut cases = vec![
+        case("undamped", size, 0.0, 0.0, &[1], steps)?,
+        case("drag", size, 0.0, 0.05, &[1], steps)?,
+        case("drag, order", size, 0.0, 0.3, &[1, 2, 4], 200)?,
+        case("dashpots", size, 0.01, 0.0, &[1], steps)?,
     ];
+    cases.extend(small_cases()?);
     let file = std::fs::File::create(setting.folder.join("lammps-ours.json"))?;
     serde_json::to_writer(std::io::BufWriter::new(file), &cases)?;
     Ok(Vec::new())

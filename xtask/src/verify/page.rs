@@ -51,7 +51,11 @@ impl Row {
         };
         let allowed = match self.tolerance {
             Some(tolerance) if expected == 0.0 => format!("{tolerance:.1e}").replace(".0e", "e"),
-            Some(tolerance) => format!("{expected} ± {tolerance}"),
+            Some(tolerance) => {
+                // No more digits than the tolerance has use for.
+                let digits = format!("{expected:.4}");
+                format!("{} ± {tolerance}", digits.trim_end_matches('0').trim_end_matches('.'))
+            }
             None if expected == 0.0 => String::new(),
             None => format!("{expected:.4}"),
         };
