@@ -3,9 +3,9 @@
 //! `cargo xtask verify` makes the checks at full length and lets the other programs run.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use myospring::cell;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{Settings, solve};
-use myospring::cell::{self, CellModel};
 use myospring_verification::row::Verdict;
 use myospring_verification::{Setting, checks, lammps, published_data};
 use std::collections::BTreeMap;
