@@ -7,7 +7,7 @@ use myospring::cell;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{Settings, solve};
 use myospring_verification::row::Verdict;
-use myospring_verification::{Setting, checks, lammps, published_data};
+use myospring_verification::{Setting, checks, lammps, myokit, published_data};
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
@@ -122,8 +122,7 @@ fn every_state_of_every_set_follows_the_solution_by_cvode() {
         for (state, column) in ours.states.iter().enumerate() {
             let size = theirs.iter().map(|row| row[1 + state].abs()).fold(0.0, f64::max);
             for (value, row) in column.iter().zip(theirs) {
-                // As in `cargo xtask verify`: 0.5 per ms of step at the thresholds, twice for tnnp.
-                let bound = if name.ends_with("tnnp") { 5e-3 } else { 2.5e-3 };
+                let bound = myokit::error_per_ms(name) * Settings::default().step_ms;
                 let off = (value - row[1 + state]) / size;
                 let variable = model.state_names()[state];
                 assert!(
