@@ -64,13 +64,14 @@ fn main() {
         start.elapsed().as_secs_f64()
     };
     let mut taken = seconds(&mut motion.stencil, steps);
-    while taken < 0.25 {
+    while taken < 0.1 {
         steps *= 2;
         taken = seconds(&mut motion.stencil, steps);
     }
-    steps = (steps as f64 * 1.5 / taken).ceil() as usize;
-    let mut rates: Vec<f64> =
-        (0..5).map(|_| (springs * steps) as f64 / seconds(&mut motion.stencil, steps)).collect();
+    steps = (steps as f64 * 0.4 / taken).ceil() as usize;
+    let mut rates: Vec<f64> = (0..5)
+        .map(|_| (springs * steps) as f64 / seconds(&mut motion.stencil, steps))
+        .collect();
     rates.sort_by(f64::total_cmp);
     println!(
         "{{\"peer\": \"myospring-{forces}\", \"units\": \"{units:?}\", \"nx\": {columns}, \"ny\": {rows}, \
@@ -161,11 +162,7 @@ impl Start {
         let (mut positions, mut velocities) = (zeros(self.count), zeros(self.count));
         self.stencil.read_half_step(&mut positions, &mut velocities);
         let displacement = |axis: usize| {
-            positions[axis]
-                .iter()
-                .zip(&mesh.points[axis])
-                .map(|(x, r)| (x - r).powi(2))
-                .sum::<f64>()
+            positions[axis].iter().zip(&mesh.points[axis]).map(|(x, r)| (x - r).powi(2)).sum::<f64>()
         };
         let square = |axis: usize| velocities[axis].iter().map(|v| v * v).sum::<f64>();
         [displacement(0) + displacement(1), square(0) + square(1)]

@@ -26,8 +26,7 @@ impl Units {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
-                std::is_x86_feature_detected!("avx512f")
-                    && std::is_x86_feature_detected!("avx512dq")
+                std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512dq")
             }
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => {
@@ -43,6 +42,19 @@ impl Units {
     pub fn best() -> Self {
         Self::ALL.into_iter().find(|units| units.available()).unwrap_or(Self::Portable)
     }
+}
+
+/// Asks for the cache line at an address, which need not be readable.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one instruction")]
+pub(super) fn prefetch(address: *const f64) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: every x86-64 has SSE, and a prefetch of any address does no harm.
+    unsafe {
+        arch::_mm_prefetch::<{ arch::_MM_HINT_T0 }>(address.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
 }
 
 /// Arithmetic on `N` lanes.

@@ -151,8 +151,7 @@ impl LatticeTerms {
     fn edge(&self, nodes: [u32; 2]) -> Option<(usize, usize)> {
         let [a, b] = nodes.map(|node| self.places[node as usize]);
         let (a, b) = (a.min(b), a.max(b));
-        let (column, along) =
-            (a % self.columns, (b % self.columns) as isize - (a % self.columns) as isize);
+        let (column, along) = (a % self.columns, (b % self.columns) as isize - (a % self.columns) as isize);
         let up = b / self.columns - a / self.columns;
         match (along, up) {
             (1, 0) => Some((0, a)),
@@ -165,13 +164,7 @@ impl LatticeTerms {
 
     /// Adds a spring with stiffness (nN/um), rest length (um) and dashpot coefficient (nN ms/um);
     /// returns whether it fits the lattice.
-    pub fn add_spring(
-        &mut self,
-        nodes: [u32; 2],
-        stiffness: f64,
-        rest_length: f64,
-        damping: f64,
-    ) -> bool {
+    pub fn add_spring(&mut self, nodes: [u32; 2], stiffness: f64, rest_length: f64, damping: f64) -> bool {
         let Some((direction, square)) = self.edge(nodes) else { return false };
         let length = self.spacing * if direction < 2 { 1.0 } else { SQRT_2 };
         self.stiffness[direction][square] += stiffness;
@@ -286,25 +279,24 @@ impl LatticeTerms {
                 let vacant = lanes.iter().all(|lane| lane.is_none_or(|place| !occupied[place]));
                 let class = if vacant && values.iter().all(|all| all.iter().all(|c| *c == 0.0)) {
                     Class::EMPTY
-                } else if values
-                    .iter()
-                    .all(|all| all.iter().zip(&common).all(|(a, b)| same(*a, *b)))
-                {
+                } else if values.iter().all(|all| all.iter().zip(&common).all(|(a, b)| same(*a, *b))) {
                     Class::UNIFORM
                 } else {
                     let class = Class((records.len() / RECORD) as u32 + 2);
-                    records.extend(
-                        (0..RECORD)
-                            .map(|term| Block(std::array::from_fn(|lane| values[lane][term]))),
-                    );
+                    records.extend((0..RECORD).map(|term| {
+                        Block(std::array::from_fn(|lane| values[lane][term]))
+                    }));
                     class
                 };
                 classes.push(class);
             }
         }
         let row_len = 4 * stride;
-        let places: Vec<usize> =
-            self.places.iter().map(|place| place / columns * row_len + place % columns).collect();
+        let places: Vec<usize> = self
+            .places
+            .iter()
+            .map(|place| place / columns * row_len + place % columns)
+            .collect();
         let any = |values: &[Vec<f64>; 4]| values.iter().flatten().any(|value| *value != 0.0);
         let laws = if area.iter().any(|value| *value != 0.0) { laws::AREA } else { 0 }
             | if any(&self.fibre) { laws::FIBRE } else { 0 };

@@ -13,8 +13,8 @@
 //! row's masses move as soon as their force is complete: squares to the right and above still see
 //! the old positions.
 
-use super::lanes::Lanes;
-use super::plan::{AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, STIFFNESS};
+use super::lanes::{Lanes, prefetch};
+use super::plan::{AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, RECORD, STIFFNESS};
 use std::ops::Range;
 
 /// What a pass over a row does with the forces.
@@ -54,6 +54,8 @@ pub(super) struct Row<'a> {
     pub(super) right: &'a mut Handover,
     /// Where `LOOK` writes: x, y.
     pub(super) out: *mut f64,
+    /// Whether the next row's data are to be asked for.
+    pub(super) fetch: bool,
 }
 
 /// x and y.
@@ -212,7 +214,8 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
     // SAFETY: rows are `4 stride` long and have a block of padding on the right; the caller has
     // the features of L.
     unsafe {
-        let position = |row: *const f64| Pair { x: L::load(row), y: L::load(row.add(stride)) };
+        let position =
+            |row: *const f64| Pair { x: L::load(row), y: L::load(row.add(stride)) };
         let velocity = |row: *const f64| Pair {
             x: L::load(row.add(2 * stride)),
             y: L::load(row.add(3 * stride)),
@@ -280,11 +283,8 @@ unsafe fn kick_and_drift<L: Lanes>(
     // SAFETY: `state` points into a row of the plan's layout; the caller has the features of L.
     unsafe {
         let (keep, time_step) = (L::splat(plan.keep), L::splat(plan.time_step));
-        for (axis, force) in
-            [L::add(above.x, below.x), L::add(above.y, below.y)].into_iter().enumerate()
-        {
-            let (position, velocity) =
-                (state.add(axis * plan.stride), state.add((axis + 2) * plan.stride));
+        for (axis, force) in [L::add(above.x, below.x), L::add(above.y, below.y)].into_iter().enumerate() {
+            let (position, velocity) = (state.add(axis * plan.stride), state.add((axis + 2) * plan.stride));
             let moved = L::mul_add(inverse_mass, force, L::mul(keep, L::load(velocity)));
             L::store(velocity, moved);
             L::store(position, L::mul_add(time_step, moved, L::load(position)));
@@ -309,8 +309,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let stride = plan.stride;
         let common = &plan.uniform;
         let stiffness = |direction: usize| {
-            let fibre =
-                if LAWS & laws::FIBRE == 0 { 0.0 } else { tension * common.fibre[direction] };
+            let fibre = if LAWS & laws::FIBRE == 0 { 0.0 } else { tension * common.fibre[direction] };
             L::splat(common.stiffness[direction] + fibre)
         };
         let load = |direction: usize| {
@@ -337,10 +336,12 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let mut before = (Pair { x: bx, y: by }, Pair { x: cx, y: cy });
         for block in row.blocks {
             let class = plan.classes[row.index * plan.blocks + block];
+            if row.fetch {
+                fetch_above(plan, row.index, block, row.upper.add(plan.row_len()));
+            }
             for part in 0..BLOCK / L::N {
                 let at = block * BLOCK + part * L::N;
-                let (lower, upper, carry) =
-                    (row.lower.add(at), row.upper.add(at), row.carry.add(at));
+                let (lower, upper, carry) = (row.lower.add(at), row.upper.add(at), row.carry.add(at));
                 let (corners, inverse_mass) = match class {
                     Class::EMPTY => {
                         let on_c = before.1;
@@ -389,6 +390,23 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         }
         let (b, c) = before;
         *row.right = [last::<L>(b.x), last::<L>(b.y), last::<L>(c.x), last::<L>(c.y)];
+    }
+}
+
+/// Asks for what the next row's pass reads at a block: coefficients, and the state of the row above it.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+fn fetch_above(plan: &Plan, row: usize, block: usize, state: *const f64) {
+    for component in 0..4 {
+        prefetch(state.wrapping_add(component * plan.stride + block * BLOCK));
+    }
+    if let Some(&class) = plan.classes.get((row + 1) * plan.blocks + block)
+        && class.0 > Class::UNIFORM.0
+    {
+        let record = plan.record(class);
+        for term in 0..RECORD {
+            prefetch(record.wrapping_add(term * BLOCK));
+        }
     }
 }
 

@@ -19,9 +19,9 @@
 //! force is computed once, from the same values in the same order whatever the tiles: hence the same
 //! bits.
 
+use super::lanes::{Lanes, Portable, Units};
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
-use super::lanes::{Lanes, Portable, Units};
 use super::plan::{BLOCK, Block, Plan};
 use super::sweep::{Handover, Row, laws, pass, purpose};
 use std::cell::UnsafeCell;
@@ -31,10 +31,10 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 
 /// Turns of a waiting loop before the thread gives its core to others.
-const SPINS: u32 = 4000;
+const SPINS: u32 = 20000;
 
-/// Bytes that a tile's window of rows may take: half of a second-level cache of 1 MiB.
-const CACHE: usize = 1 << 19;
+/// Bytes that a tile's window of rows may take: three quarters of a second-level cache of 1 MiB.
+const CACHE: usize = 3 << 18;
 
 /// Steps that share a sweep of a large mesh.
 const DEEP: usize = 8;
@@ -44,14 +44,9 @@ const DEEP: usize = 8;
 enum Command {
     /// Steps under a tension that goes linearly from the first to the second value, kPa; the forces
     /// of the last step are not at the second value but one step before.
-    Advance {
-        steps: usize,
-        tensions: [f64; 2],
-    },
+    Advance { steps: usize, tensions: [f64; 2] },
     /// Velocities at the full step under this tension, kPa.
-    Look {
-        tension: f64,
-    },
+    Look { tension: f64 },
     Quit,
 }
 
@@ -76,10 +71,7 @@ impl Buffer {
     ///
     /// # Safety
     /// Nobody else reads or writes it meanwhile.
-    #[allow(
-        clippy::mut_from_ref,
-        reason = "the owner of the team vouches that no thread is at work"
-    )]
+    #[allow(clippy::mut_from_ref, reason = "the owner of the team vouches that no thread is at work")]
     unsafe fn values(&self) -> &mut [f64] {
         // SAFETY: the owner lives as long as this, and a Block is BLOCK values without padding.
         unsafe { std::slice::from_raw_parts_mut(self.start, self.len) }
@@ -103,7 +95,7 @@ impl Tiling {
         let blocks = plan.blocks;
         let state = 4 * size_of::<Block>();
         let records = size_of_val(&plan.records[..]) / (plan.rows * blocks);
-        let fits = plan.rows * blocks * (state + records) <= 2 * CACHE;
+        let fits = plan.rows * blocks * (state + records) <= CACHE;
         let depth = match (fits, threads) {
             (true, 1) => 1,
             (true, _) => 2,
@@ -243,9 +235,7 @@ fn wait_until(condition: impl Fn() -> bool) {
     let mut turns = 0;
     while !condition() {
         turns += 1;
-        if turns < SPINS {
-            std::hint::spin_loop();
-        } else {
+        if turns > SPINS {
             std::thread::yield_now();
         }
     }
@@ -405,13 +395,7 @@ impl Worker<'_> {
                 let end = ((tile + 1) * width).saturating_sub(step);
                 // SAFETY: see `Shared`.
                 unsafe {
-                    self.row::<L, LAWS, PURPOSE>(
-                        tile,
-                        step,
-                        front - step,
-                        start..end,
-                        tension(step),
-                    );
+                    self.row::<L, LAWS, PURPOSE>(tile, step, front - step, start..end, tension(step));
                 }
             }
             fronts[tile].0.store(before + front + 1, Ordering::Release);
@@ -431,8 +415,7 @@ impl Worker<'_> {
         let Shared { plan, tiling, handovers, .. } = self.shared;
         let [first, last] = plan.spans[index];
         let blocks = blocks.start.max(first)..blocks.end.min(last);
-        let handover =
-            |tile: usize| handovers[(tile * tiling.depth + step) * plan.rows + index].get();
+        let handover = |tile: usize| handovers[(tile * tiling.depth + step) * plan.rows + index].get();
         // SAFETY: offsets stay within the buffers; for the rest see `Shared`.
         unsafe {
             let left = if tile > 0 { *handover(tile - 1) } else { [0.0; 4] };
@@ -451,7 +434,8 @@ impl Worker<'_> {
             let lower = self.shared.state.start.add(index * plan.row_len());
             let upper = lower.add(plan.row_len());
             let out = self.shared.seen.start.add(index * plan.row_len() / 2);
-            let row = Row { index, blocks, lower, upper, carry, left, right, out };
+            let fetch = step == 0 && tiling.depth == DEEP;
+            let row = Row { index, blocks, lower, upper, carry, left, right, out, fetch };
             pass::<L, LAWS, PURPOSE>(plan, tension, row);
         }
     }
