@@ -2,6 +2,8 @@
 //!
 //! `cargo xtask test` checks everything; `cargo xtask help` lists the rest.
 
+mod verify;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
@@ -13,6 +15,7 @@ Usage: cargo xtask COMMAND
 
 Commands:
   test     Format, lints, tests, documentation and the example run files: all that must pass
+  verify   Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   figures  Make the README's figure anew with the program itself
   help     This text
 ";
@@ -21,6 +24,7 @@ fn main() -> ExitCode {
     let command = std::env::args().nth(1);
     let result = match command.as_deref() {
         Some("test") => test(),
+        Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {
             say(HELP);

@@ -135,9 +135,15 @@ pub(crate) struct RunArgs {
     /// Fibre direction: "long axis" or an angle ("15 deg")
     #[arg(long, value_name = "DIRECTION", help_heading = MATERIAL, allow_hyphen_values = true)]
     pub(crate) fibre: Option<String>,
-    /// What holds the cell: mass-centre, clamped-end, clamped-ends
+    /// What holds the cell: mass-centre, clamped-end, clamped-ends, spring-held-ends, elastic-bed
     #[arg(long, value_name = "KIND", help_heading = MATERIAL)]
     pub(crate) support: Option<String>,
+    /// Stiffness of each spring of spring-held-ends, such as a carbon fibre ("100 nN/um")
+    #[arg(long, value_name = "STIFFNESS", help_heading = MATERIAL, allow_hyphen_values = true)]
+    pub(crate) end_stiffness: Option<String>,
+    /// Stiffness of an elastic-bed, such as a gel, traction per displacement ("0.5 kPa/um")
+    #[arg(long, value_name = "STIFFNESS", help_heading = MATERIAL, allow_hyphen_values = true)]
+    pub(crate) bed_stiffness: Option<String>,
     /// Time simulated ("600 ms"); by default 550 ms after the last stimulus
     #[arg(long, value_name = "TIME", help_heading = NUMERICS, allow_hyphen_values = true)]
     pub(crate) duration: Option<String>,
@@ -179,6 +185,8 @@ impl RunArgs {
             ("--active", "mechanics.active", text(&self.active)),
             ("--fibre", "mechanics.fibre", text(&self.fibre)),
             ("--support", "mechanics.support", text(&self.support)),
+            ("--end-stiffness", "mechanics.end_stiffness", text(&self.end_stiffness)),
+            ("--bed-stiffness", "mechanics.bed_stiffness", text(&self.bed_stiffness)),
             ("--integrator", "numerics.integrator", text(&self.integrator)),
             ("--time-step", "numerics.time_step", text(&self.time_step)),
             ("--duration", "run.duration", text(&self.duration)),

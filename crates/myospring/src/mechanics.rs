@@ -10,11 +10,13 @@
 //! | [`active`] | active tension along the fibre or at the ends | `coelho_2021`, section 3 |
 //! | [`drag`] | viscous drag | `coelho_2021`, Eq. (10) |
 //! | [`support`] | what holds the cell | `coelho_2021`, section 2.1 |
+//! | [`anchor`] | supports that give way: elastic bed, spring-held ends | `edwards_schwarz_2011` |
 //! | [`stability`] | the largest stable time step | |
 //! | [`stiffness`] | the tangent stiffness, for equilibria | |
 //! | [`stencil`] | all forces of a lattice and their steps at once, fast | |
 
 pub mod active;
+pub mod anchor;
 pub mod area;
 pub mod drag;
 pub mod material;

@@ -44,7 +44,6 @@ use crate::cell::solve::Method;
 use crate::integrate::verlet::Integrator;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
-use crate::mechanics::support::SupportKind;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -219,6 +218,23 @@ pub struct MaterialTable {
     pub drag_ratio: Option<Setting>,
 }
 
+/// Which support holds the cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum SupportName {
+    /// Mass centre and orientation fixed; otherwise free.
+    MassCentre,
+    /// The end where the long axis starts is clamped.
+    ClampedEnd,
+    /// Both ends are clamped: an isometric contraction.
+    ClampedEnds,
+    /// A spring at either end, such as a carbon fibre: an auxotonic contraction; needs `end_stiffness`.
+    SpringHeldEnds,
+    /// Every point is tied to its resting place, as on a gel; needs `bed_stiffness`.
+    ElasticBed,
+}
+
 /// `[mechanics]`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -233,7 +249,16 @@ pub struct MechanicsTable {
     pub fibre: Option<Setting>,
     /// What holds the cell.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub support: Option<SupportKind>,
+    pub support: Option<SupportName>,
+    /// Stiffness of each of the two springs of "spring-held-ends", such as carbon fibres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = bounds::END_STIFFNESS.in_schema())]
+    pub end_stiffness: Option<Setting>,
+    /// Stiffness of an "elastic-bed", traction per displacement: of a thin layer its shear modulus over its
+    /// thickness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = bounds::BED_STIFFNESS.in_schema())]
+    pub bed_stiffness: Option<Setting>,
 }
 
 /// `[numerics]`.

@@ -21,6 +21,8 @@ pub enum Dimension {
     Force,
     /// Spring stiffness, nN/um.
     Stiffness,
+    /// Stiffness of an elastic bed, traction per displacement, kPa/um.
+    BedStiffness,
     /// Dashpot coefficient, nN ms/um.
     Damping,
     /// Mass, ug.
@@ -57,6 +59,9 @@ impl Dimension {
             Self::Stiffness => {
                 &[("nN/um", 1.0), ("nN/µm", 1.0), ("mN/m", 1.0), ("N/m", 1e3), ("pN/nm", 1.0)]
             }
+            Self::BedStiffness => {
+                &[("kPa/um", 1.0), ("kPa/µm", 1.0), ("Pa/um", 1e-3), ("nN/um^3", 1.0)]
+            }
             Self::Damping => &[("nN ms/um", 1.0), ("nN s/um", 1e3)],
             Self::Mass => &[("ug", 1.0), ("µg", 1.0), ("ng", 1e-3), ("mg", 1e3)],
             Self::Density => &[("ug/um^3", 1.0), ("kg/m^3", 1e-9), ("g/cm^3", 1e-6)],
@@ -84,6 +89,7 @@ impl Dimension {
             Self::Pressure => "a pressure",
             Self::Force => "a force",
             Self::Stiffness => "a stiffness",
+            Self::BedStiffness => "a bed stiffness",
             Self::Damping => "a dashpot coefficient",
             Self::Mass => "a mass",
             Self::Density => "a density",
@@ -95,13 +101,14 @@ impl Dimension {
         }
     }
 
-    const ALL: [Self; 14] = [
+    const ALL: [Self; 15] = [
         Self::Time,
         Self::Length,
         Self::Area,
         Self::Pressure,
         Self::Force,
         Self::Stiffness,
+        Self::BedStiffness,
         Self::Damping,
         Self::Mass,
         Self::Density,

@@ -3,6 +3,7 @@
 
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::{ActiveLaw, EndTension, FibreTension};
+use myospring::mechanics::anchor::Anchors;
 use myospring::mechanics::area::{AreaLaw, AreaPreservation};
 use myospring::mechanics::drag::Drag;
 use myospring::mechanics::material::{Material, Stiffness, assemble, default_material};
@@ -43,6 +44,8 @@ fn all_forces(mesh: &Mesh) -> Vec<Box<dyn Force>> {
         Box::new(FibreTension::new(mesh, &fibres, 10.0)),
         Box::new(EndTension::new(mesh, [1.0, 0.0], 10.0)),
         Box::new(Drag { rate: 0.7, masses }),
+        Box::new(Anchors::elastic_bed(mesh, 0.8)),
+        Box::new(Anchors::spring_held_ends(mesh, [0.6, 0.8], 150.0)),
     ];
     for law in AreaLaw::ALL {
         forces.push(Box::new(AreaPreservation::new(mesh, law, 1800.0)));

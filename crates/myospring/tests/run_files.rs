@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
+use myospring::mechanics::support::SupportKind;
 use myospring::run_file::{RunFile, schema, template};
 use std::path::{Path, PathBuf};
 
@@ -86,7 +87,15 @@ fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
 #[test]
 fn every_commented_key_of_the_template_is_valid_where_it_stands() {
     let text = template().unwrap();
-    let alternatives = ["spring_stiffness", "picture", "pixel_size", "label", "outline"];
+    let alternatives = [
+        "spring_stiffness",
+        "picture",
+        "pixel_size",
+        "label",
+        "outline",
+        "end_stiffness",
+        "bed_stiffness",
+    ];
     let mut table = String::new();
     for line in text.lines() {
         if line.starts_with('[') {
@@ -100,7 +109,7 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         };
         let file = RunFile::from_text(&format!("{table}\n{example}")).unwrap();
         let key = example.split(" = ").next().unwrap();
-        // A picture needs its pixel size, a pulse its kind; the rest stands alone.
+        // A picture needs its pixel size, a pulse its kind, a spring its support; the rest stands alone.
         if !alternatives.contains(&key) && key != "duration" {
             file.resolve().map_err(|error| format!("{example}: {error}")).unwrap();
         }
@@ -123,6 +132,23 @@ fn the_authors_step_takes_their_step_stimulus_and_normalisation() {
     assert_eq!(run.protocol, myospring::cell::coelho_2021::authors_protocol());
     assert_eq!(run.cell.parameters().get("u_peak"), Some(1.135211));
     assert_eq!(run.duration, 600.0);
+}
+
+#[test]
+fn another_support_on_the_command_line_drops_the_stiffness_of_the_old_one() {
+    let text = "[mechanics]\nsupport = \"elastic-bed\"\nbed_stiffness = \"0.5 kPa/um\"";
+    let reader = myospring::run_file::Reader::new().text("gel.toml", text).unwrap();
+    let support = |word: &str| {
+        reader.clone().option("--support", "mechanics.support", word).resolve().unwrap().support
+    };
+    assert_eq!(support("elastic-bed"), SupportKind::ElasticBed { stiffness: 0.5 });
+    assert_eq!(support("mass-centre"), SupportKind::MassCentre);
+    let held = reader.option("--support", "mechanics.support", "spring-held-ends");
+    let error = held.clone().resolve().err().unwrap();
+    assert!(error.to_string().contains("--end-stiffness"), "{error}");
+    let held = held.option("--end-stiffness", "mechanics.end_stiffness", "0.1 N/m");
+    let support = held.resolve().unwrap().support;
+    assert_eq!(support, SupportKind::SpringHeldEnds { stiffness: 100.0 });
 }
 
 #[test]

@@ -68,7 +68,7 @@ pub enum PathError {
         /// The force.
         force: &'static str,
     },
-    /// A load from outside turns and pushes a body that nothing but its support holds.
+    /// A load from outside turns and pushes the body; its work depends on how the body is held.
     #[error(
         "{force}: loads from outside have no path of equilibria here; use tension along the fibre, or \
          integrate in time with Verlet's method"
@@ -444,9 +444,10 @@ fn ending(failure: Failure, body: &Body, tension: f64, beyond: f64) -> PathError
 fn check_forces(system: &System, body: &Body) -> Result<(), PathError> {
     let still = zeros(body.len());
     let at = Configuration { positions: &body.positions, velocities: &still, tension: 1.0 };
-    let clamped = matches!(system.support, Support::Clamped(_));
+    // A mass centre at rest takes from outer forces what moves the body, and that has no energy.
+    let held = system.support != Support::MassCentre;
     let mut stiffness = StiffnessMatrix::new(body.len());
-    let passive = system.passive.iter().map(|force| (force, clamped));
+    let passive = system.passive.iter().map(|force| (force, held));
     for (force, may_be_external) in passive.chain(system.active.iter().map(|force| (force, false)))
     {
         let name = force.name();

@@ -151,11 +151,11 @@ pub fn assemble(
         ActiveLaw::Ends => Box::new(EndTension::new(mesh, axis, material.thickness)),
     };
     let drag = Drag::of_slowest_mode(material.slowest_period, material.drag_ratio, &body.masses);
-    let system = System {
-        passive: vec![Box::new(springs), Box::new(area)],
-        active: vec![active],
-        drag,
-        support: Support::new(support, mesh, axis),
-    };
+    let mut passive: Vec<Box<dyn super::Force>> = vec![Box::new(springs), Box::new(area)];
+    if let Some(anchors) = support.anchors(mesh, axis) {
+        passive.push(Box::new(anchors));
+    }
+    let system =
+        System { passive, active: vec![active], drag, support: Support::new(support, mesh, axis) };
     (body, system)
 }

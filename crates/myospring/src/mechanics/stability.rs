@@ -137,7 +137,10 @@ fn largest_eigenvalue(apply: &dyn Fn(&Vectors) -> Vectors, masses: &[f64]) -> (f
             }
         }
         diagonal.push(inner(&next, current));
-        for vector in &basis {
+        // The latest vector first: its part is the largest, and what it carries of the others goes with
+        // them. The other way round that would grow from step to step where all eigenvalues are near
+        // each other, as those of a stiff elastic bed.
+        for vector in basis.iter().rev() {
             let part = inner(&next, vector);
             for axis in 0..2 {
                 for node in 0..count {

@@ -6,14 +6,16 @@
 //!   that an external load would push or turn.
 //! - [`SupportKind::ClampedEnd`], [`SupportKind::ClampedEnds`]: the nodes at one end or both cannot move
 //!   (isometric when both).
+//! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are forces
+//!   with an energy ([`super::anchor`]); no node is constrained besides.
 
 use super::Vectors;
+use super::anchor::Anchors;
 use crate::mesh::Mesh;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Which support holds the cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SupportKind {
     /// Mass centre and orientation fixed; otherwise free.
@@ -22,12 +24,35 @@ pub enum SupportKind {
     ClampedEnd,
     /// Both ends are clamped: an isometric contraction.
     ClampedEnds,
+    /// A spring at either end, such as a carbon fibre: an auxotonic contraction.
+    SpringHeldEnds {
+        /// Of each of the two springs, nN/um.
+        stiffness: f64,
+    },
+    /// Every point is tied to its resting place: a cell that adheres to a gel.
+    ElasticBed {
+        /// Traction per displacement, kPa/um.
+        stiffness: f64,
+    },
 }
 
-/// A support made for one mesh.
+impl SupportKind {
+    /// The springs of a support that gives way, on a mesh whose long axis is the unit vector `axis`.
+    pub fn anchors(self, mesh: &Mesh, axis: [f64; 2]) -> Option<Anchors> {
+        match self {
+            Self::MassCentre | Self::ClampedEnd | Self::ClampedEnds => None,
+            Self::SpringHeldEnds { stiffness } => {
+                Some(Anchors::spring_held_ends(mesh, axis, stiffness))
+            }
+            Self::ElasticBed { stiffness } => Some(Anchors::elastic_bed(mesh, stiffness)),
+        }
+    }
+}
+
+/// What a support takes from the forces, made for one mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Support {
-    /// Nothing holds the body.
+    /// Nothing: the body is free, or forces hold it.
     Free,
     /// Net force and torque are taken out.
     MassCentre,
@@ -35,28 +60,41 @@ pub enum Support {
     Clamped(Vec<usize>),
 }
 
-/// Part of the length at an end that a clamp holds.
-pub const CLAMPED_PART: f64 = 0.05;
+/// Part of the length at an end that a clamp or spring holds.
+pub const END_PART: f64 = 0.05;
+
+/// The nodes in the outer [`END_PART`] of the length at the lower and at the upper end of a mesh whose
+/// long axis is the unit vector `axis`.
+pub fn end_nodes(mesh: &Mesh, axis: [f64; 2]) -> [Vec<usize>; 2] {
+    let along: Vec<f64> = mesh.points[0]
+        .iter()
+        .zip(&mesh.points[1])
+        .map(|(x, y)| x * axis[0] + y * axis[1])
+        .collect();
+    let lowest = along.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let zone = END_PART * (highest - lowest);
+    let nodes = |held: &dyn Fn(f64) -> bool| -> Vec<usize> {
+        (0..along.len()).filter(|&node| held(along[node])).collect()
+    };
+    [nodes(&|s| s <= lowest + zone), nodes(&|s| s >= highest - zone)]
+}
 
 impl Support {
     /// The support of a kind on a mesh whose long axis is the unit vector `axis`; clamps hold the
-    /// outer twentieth of the length.
+    /// [`end_nodes`].
     pub fn new(kind: SupportKind, mesh: &Mesh, axis: [f64; 2]) -> Self {
-        if kind == SupportKind::MassCentre {
-            return Self::MassCentre;
+        let [mut lower, upper] = end_nodes(mesh, axis);
+        match kind {
+            SupportKind::MassCentre => Self::MassCentre,
+            SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. } => Self::Free,
+            SupportKind::ClampedEnd => Self::Clamped(lower),
+            SupportKind::ClampedEnds => {
+                lower.extend(upper);
+                lower.sort_unstable();
+                Self::Clamped(lower)
+            }
         }
-        let along: Vec<f64> = mesh.points[0]
-            .iter()
-            .zip(&mesh.points[1])
-            .map(|(x, y)| x * axis[0] + y * axis[1])
-            .collect();
-        let lowest = along.iter().copied().fold(f64::INFINITY, f64::min);
-        let highest = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let zone = CLAMPED_PART * (highest - lowest);
-        let held = |s: f64| {
-            s <= lowest + zone || (kind == SupportKind::ClampedEnds && s >= highest - zone)
-        };
-        Self::Clamped((0..along.len()).filter(|&node| held(along[node])).collect())
     }
 
     /// Takes from the forces what the support bears.

@@ -154,7 +154,7 @@ impl Transform for Bounds {
     }
 }
 
-use Dimension::{Angle, Length, Number, Pressure, Rate, Stiffness, Time};
+use Dimension::{Angle, BedStiffness, Length, Number, Pressure, Rate, Stiffness, Time};
 
 /// `cell.peak_tension`.
 pub const PEAK_TENSION: Bounds =
@@ -204,6 +204,12 @@ pub const DRAG_RATIO: Bounds =
     Bounds::new("material.drag_ratio", Number, "0.3").from(0.0).to(100.0);
 /// `mechanics.fibre`, as an angle.
 pub const FIBRE: Bounds = Bounds::new("mechanics.fibre", Angle, "15 deg").from(-360.0).to(360.0);
+/// `mechanics.end_stiffness`.
+pub const END_STIFFNESS: Bounds =
+    Bounds::new("mechanics.end_stiffness", Stiffness, "100 nN/um").above(0.0).to(1e8);
+/// `mechanics.bed_stiffness`.
+pub const BED_STIFFNESS: Bounds =
+    Bounds::new("mechanics.bed_stiffness", BedStiffness, "0.5 kPa/um").above(0.0).to(1e6);
 /// `numerics.time_step`; the simulation checks it against the stability limit.
 pub const TIME_STEP: Bounds =
     Bounds::new("numerics.time_step", Time, "0.004 ms").from(1e-7).to(10.0);

@@ -14,6 +14,10 @@ const ALTERNATIVES: [&[&str]; 2] = [
     &["material.young_modulus", "material.spring_stiffness"],
 ];
 
+/// Keys that say something about one support only, and which.
+const OF_ONE_SUPPORT: [(&str, &str); 2] =
+    [("mechanics.end_stiffness", "spring-held-ends"), ("mechanics.bed_stiffness", "elastic-bed")];
+
 /// Gathers a run file from a text and from options, which override it.
 ///
 /// # Example
@@ -86,15 +90,21 @@ impl Reader {
                 self.remove(other);
             }
         }
+        let value = value.into();
+        if key == "mechanics.support" {
+            for (other, _) in OF_ONE_SUPPORT.iter().filter(|row| value.as_str() != Some(row.1)) {
+                self.remove(other);
+            }
+        }
         let origin = Origin::Option(option.to_owned());
         self.origins.insert(key.to_owned(), Place { key: origin.clone(), value: origin });
         if let Some((table, name)) = key.split_once('.') {
             let table = self.table.entry(table).or_insert_with(|| Table::new().into());
             if let Value::Table(table) = table {
-                table.insert(name.to_owned(), value.into());
+                table.insert(name.to_owned(), value);
             }
         } else {
-            self.table.insert(key.to_owned(), value.into());
+            self.table.insert(key.to_owned(), value);
         }
         self
     }

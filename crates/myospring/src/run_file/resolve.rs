@@ -5,8 +5,8 @@ use super::check::nearest;
 use super::error::Problem;
 use super::shape::{Shape, Source};
 use super::{
-    CellTable, Fibre, MaterialTable, NumericsTable, Run, RunFile, ShapeTable, StimulusKind,
-    StimulusTable,
+    CellTable, Fibre, MaterialTable, MechanicsTable, NumericsTable, Run, RunFile, ShapeTable,
+    StimulusKind, StimulusTable, SupportName,
 };
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::solve::Settings;
@@ -58,7 +58,7 @@ pub(super) fn resolve(file: &RunFile) -> Checked<Run> {
         material: material(&file.material)?,
         active: file.mechanics.active.unwrap_or(ActiveLaw::Fibre),
         fibre: fibre(file.mechanics.fibre.as_ref())?,
-        support: file.mechanics.support.unwrap_or(SupportKind::MassCentre),
+        support: support(&file.mechanics)?,
         numerics,
         duration,
     })
@@ -282,6 +282,50 @@ fn fibre(setting: Option<&Setting>) -> Checked<Fibre> {
         }
         Some(angle) => Ok(Fibre::Angle(bounds::FIBRE.read(angle)?)),
     }
+}
+
+fn support(table: &MechanicsTable) -> Checked<SupportKind> {
+    let name = table.support.unwrap_or(SupportName::MassCentre);
+    let springs = [
+        (
+            SupportName::SpringHeldEnds,
+            bounds::END_STIFFNESS,
+            &table.end_stiffness,
+            "the springs at the ends need their stiffness: give it like end_stiffness = \
+             \"100 nN/um\", or --end-stiffness \"100 nN/um\"",
+            "only support = \"spring-held-ends\" has it; choose that support or leave it out",
+        ),
+        (
+            SupportName::ElasticBed,
+            bounds::BED_STIFFNESS,
+            &table.bed_stiffness,
+            "an elastic bed needs its stiffness: give it like bed_stiffness = \"0.5 kPa/um\", or \
+             --bed-stiffness \"0.5 kPa/um\"",
+            "only support = \"elastic-bed\" has it; choose that support or leave it out",
+        ),
+    ];
+    let mut stiffness = 0.0;
+    for (holder, bounds, setting, reason, advice) in springs {
+        match (name == holder, setting) {
+            (true, Some(setting)) => stiffness = bounds.read(setting)?,
+            (true, None) => {
+                let problem = Problem::Missing { key: bounds.key, reason };
+                return fail("mechanics.support", problem);
+            }
+            (false, Some(_)) => {
+                let (first, second) = ("mechanics.support", bounds.key);
+                return fail(second, Problem::Conflict { first, second, advice });
+            }
+            (false, None) => {}
+        }
+    }
+    Ok(match name {
+        SupportName::MassCentre => SupportKind::MassCentre,
+        SupportName::ClampedEnd => SupportKind::ClampedEnd,
+        SupportName::ClampedEnds => SupportKind::ClampedEnds,
+        SupportName::SpringHeldEnds => SupportKind::SpringHeldEnds { stiffness },
+        SupportName::ElasticBed => SupportKind::ElasticBed { stiffness },
+    })
 }
 
 fn numerics(table: &NumericsTable, cell: Settings) -> Checked<Numerics> {

@@ -4,7 +4,7 @@ use super::bounds::{self, Setting};
 use super::shape::{Shape, Source};
 use super::{
     CellTable, MaterialTable, MechanicsTable, NumericsTable, RunFile, RunTable, ShapeTable,
-    StimulusKind, StimulusTable,
+    StimulusKind, StimulusTable, SupportName,
 };
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::{self, CellModel};
@@ -142,14 +142,7 @@ impl Run {
             stimulus: self.stimulus_table(),
             shape: self.shape_table(),
             material: self.material_table(),
-            mechanics: MechanicsTable {
-                active: Some(self.active),
-                fibre: Some(match self.fibre {
-                    Fibre::LongAxis => Setting::Text("long axis".to_owned()),
-                    Fibre::Angle(degrees) => bounds::FIBRE.write(degrees),
-                }),
-                support: Some(self.support),
-            },
+            mechanics: self.mechanics_table(),
             numerics: self.numerics_table(),
             run: RunTable { duration: Some(bounds::DURATION.write(self.duration)) },
         }
@@ -237,6 +230,32 @@ impl Run {
             damping_ratio: Some(bounds::DAMPING_RATIO.write(damping_ratio)),
             slowest_period: Some(bounds::SLOWEST_PERIOD.write(slowest_period)),
             drag_ratio: Some(bounds::DRAG_RATIO.write(drag_ratio)),
+        }
+    }
+
+    fn mechanics_table(&self) -> MechanicsTable {
+        let (support, end_stiffness, bed_stiffness) = match self.support {
+            SupportKind::MassCentre => (SupportName::MassCentre, None, None),
+            SupportKind::ClampedEnd => (SupportName::ClampedEnd, None, None),
+            SupportKind::ClampedEnds => (SupportName::ClampedEnds, None, None),
+            SupportKind::SpringHeldEnds { stiffness } => {
+                let stiffness = bounds::END_STIFFNESS.write(stiffness);
+                (SupportName::SpringHeldEnds, Some(stiffness), None)
+            }
+            SupportKind::ElasticBed { stiffness } => {
+                let stiffness = bounds::BED_STIFFNESS.write(stiffness);
+                (SupportName::ElasticBed, None, Some(stiffness))
+            }
+        };
+        MechanicsTable {
+            active: Some(self.active),
+            fibre: Some(match self.fibre {
+                Fibre::LongAxis => Setting::Text("long axis".to_owned()),
+                Fibre::Angle(degrees) => bounds::FIBRE.write(degrees),
+            }),
+            support: Some(support),
+            end_stiffness,
+            bed_stiffness,
         }
     }
 

@@ -8,7 +8,8 @@
 //! are held instead: internal forces have no resultant, so the holds bear nothing and the shape is
 //! that of the free body. It is then put where a free body would be: the mass centre at its place, no
 //! rotation against the start in the sense of least squares weighted by mass (what
-//! `analysis::shape::ShapeMeter` takes out).
+//! `analysis::shape::ShapeMeter` takes out). A body that outer forces hold, such as an elastic bed, has
+//! a place of its own and nothing of this is needed.
 
 use super::factor::{Factor, FactorError};
 use crate::mechanics::stiffness::StiffnessMatrix;
@@ -71,7 +72,10 @@ impl<'a> Solver<'a> {
                     }
                 }
             }
-            Support::MassCentre | Support::Free => hold_three(&body.positions, &mut free),
+            Support::MassCentre | Support::Free if adrift(system) => {
+                hold_three(&body.positions, &mut free);
+            }
+            Support::MassCentre | Support::Free => {}
         }
         Self {
             system,
@@ -183,8 +187,10 @@ impl<'a> Solver<'a> {
         let slope = self.factor.solve(&load);
         let compliance = dot(&slope, &load);
         let (positions, slope) = match self.system.support {
-            Support::Clamped(_) => (positions, slope),
-            Support::MassCentre | Support::Free => self.in_place(positions, slope),
+            Support::MassCentre | Support::Free if adrift(self.system) => {
+                self.in_place(positions, slope)
+            }
+            _ => (positions, slope),
         };
         Rest { positions, slope, corrections, compliance }
     }
@@ -230,6 +236,11 @@ impl<'a> Solver<'a> {
         }
         (positions, slope)
     }
+}
+
+/// Whether no force has a hold on the body as a whole.
+fn adrift(system: &System) -> bool {
+    system.passive.iter().all(|force| force.is_internal())
 }
 
 /// Holds one node, and another far from it across the line between them.

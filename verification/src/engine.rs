@@ -1,0 +1,61 @@
+//! The ways in which a lattice can be moved; every check of motions runs over all of them.
+
+use crate::Failure;
+use myospring::integrate::verlet::{Integrator, Motion};
+use myospring::mechanics::{Body, System};
+use myospring::mesh::Mesh;
+
+/// What makes the steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Engine {
+    /// The sum of the forces, one law after the other.
+    Plain(Integrator),
+    /// The fused kernel of lattices, on so many threads.
+    Fused(usize),
+}
+
+impl Engine {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::Plain(Integrator::StoermerVerlet),
+        Self::Plain(Integrator::VelocityVerlet),
+        Self::Fused(1),
+        Self::Fused(2),
+    ];
+
+    /// Its name in the table.
+    pub fn name(self) -> String {
+        match self {
+            Self::Plain(Integrator::StoermerVerlet) => "Stoermer-Verlet, plain loops".to_owned(),
+            Self::Plain(Integrator::VelocityVerlet) => "velocity Verlet, plain loops".to_owned(),
+            Self::Fused(1) => "fused kernel, 1 thread".to_owned(),
+            Self::Fused(threads) => format!("fused kernel, at most {threads} threads"),
+        }
+    }
+
+    /// A body about to move.
+    ///
+    /// # Errors
+    /// The fused kernel does not take this mesh or these forces.
+    pub fn motion<'a>(
+        self,
+        mesh: &Mesh,
+        system: &'a System,
+        body: Body,
+        step: f64,
+    ) -> Result<Motion<'a>, Failure> {
+        match self {
+            Self::Plain(integrator) => Ok(Motion::new(system, body, integrator, step)),
+            Self::Fused(threads) => {
+                let lattice = mesh.lattice.as_ref().ok_or("the mesh is no lattice")?;
+                let plain = Motion::new(system, body, Integrator::StoermerVerlet, step);
+                let motion = plain.on_lattice(lattice, threads);
+                if motion.is_fused() {
+                    Ok(motion)
+                } else {
+                    Err("the fused kernel does not take these forces".into())
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Our side of the comparisons of Myospring with closed forms and with programs we did not write.
+//!
+//! Each file holds one check: what is computed, the closed form or the other program, the tolerance
+//! and its reason. A check gives [`row::Row`]s; `cargo xtask verify` runs all of them, lets the Python
+//! scripts in `verification/python` run the other programs, and makes `docs/verification.md`.
+//! The checks use the public interface of the library only, so they hold for whatever computes behind
+//! it.
+
+pub mod beat;
+pub mod chain;
+pub mod conservation;
+pub mod convergence;
+pub mod engine;
+pub mod finite_elements;
+pub mod fit;
+pub mod lammps;
+pub mod myokit;
+pub mod oscillator;
+pub mod patch;
+pub mod row;
+pub mod time_order;
+pub mod wave;
+
+use row::Row;
+use std::path::{Path, PathBuf};
+
+/// Whatever stops a check from being made; it is told and counts as a failure.
+pub type Failure = Box<dyn std::error::Error>;
+
+/// How a check is run.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting<'a> {
+    /// Fewer steps, coarser meshes: seconds instead of minutes, the same tolerances.
+    pub quick: bool,
+    /// Folder for what other programs read.
+    pub folder: &'a Path,
+    /// Folder with published data, which may be missing.
+    pub data: &'a Path,
+}
+
+/// A check by name.
+pub struct Check {
+    /// As chosen on the command line.
+    pub name: &'static str,
+    /// Makes the rows, or writes what another program compares.
+    pub run: fn(&Setting<'_>) -> Result<Vec<Row>, Failure>,
+}
+
+/// Every check, in the order of the table.
+pub fn checks() -> Vec<Check> {
+    vec![
+        Check { name: "oscillator", run: oscillator::rows },
+        Check { name: "time-order", run: time_order::rows },
+        Check { name: "chain", run: chain::rows },
+        Check { name: "wave", run: wave::rows },
+        Check { name: "patch", run: patch::rows },
+        Check { name: "conservation", run: conservation::rows },
+        Check { name: "beat", run: beat::rows },
+        Check { name: "convergence", run: convergence::rows },
+        Check { name: "lammps", run: lammps::write },
+        Check { name: "myokit", run: myokit::write },
+        Check { name: "finite-elements", run: finite_elements::rows },
+    ]
+}
+
+/// The folder with published data that the project does not carry: the one that `VERIFICATION_DATA`
+/// names, or `shared/data` beside the project.
+pub fn published_data() -> PathBuf {
+    std::env::var_os("VERIFICATION_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
+        PathBuf::from,
+    )
+}

@@ -1,0 +1,136 @@
+//! Every check in its quick form, and our side against numbers that LAMMPS and Myokit computed.
+//!
+//! `cargo xtask verify` makes the checks at full length and lets the other programs run.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use myospring::cell;
+use myospring::cell::pacing::Protocol;
+use myospring::cell::solve::{Settings, solve};
+use myospring_verification::row::Verdict;
+use myospring_verification::{Setting, checks, lammps, myokit, published_data};
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::Path;
+
+fn passes(name: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let data = published_data();
+    let setting = Setting { quick: true, folder: folder.path(), data: &data };
+    let check = checks().into_iter().find(|check| check.name == name).unwrap();
+    let rows = (check.run)(&setting).unwrap();
+    assert!(!rows.is_empty());
+    for row in rows {
+        if row.verdict == Verdict::Skipped {
+            // Past the test harness, which would hide it.
+            let line = format!("SKIPPED: {}: {}\n", row.what, row.reason);
+            std::io::stderr().write_all(line.as_bytes()).ok();
+        }
+        assert_ne!(row.verdict, Verdict::Fail, "{row:#?}");
+    }
+}
+
+#[test]
+fn an_oscillator_has_its_closed_form() {
+    passes("oscillator");
+}
+
+#[test]
+fn a_strip_in_motion_converges_at_the_order_of_the_method() {
+    passes("time-order");
+}
+
+#[test]
+fn a_hanging_chain_takes_the_shape_of_the_catenary() {
+    passes("chain");
+}
+
+#[test]
+fn a_wave_runs_along_a_strip_at_its_speed() {
+    passes("wave");
+}
+
+#[test]
+fn a_block_deforms_homogeneously_whichever_way_it_lies() {
+    passes("patch");
+}
+
+#[test]
+fn a_free_lattice_conserves_what_it_must() {
+    passes("conservation");
+}
+
+#[test]
+fn a_beat_balances_its_energy_and_feels_neither_mass_nor_step() {
+    passes("beat");
+}
+
+#[test]
+fn shortening_converges_with_the_lattice() {
+    passes("convergence");
+}
+
+#[test]
+fn a_finite_element_twitch_is_met_in_time_and_explained_in_shape() {
+    passes("finite-elements");
+}
+
+fn reference(name: &str) -> csv::Reader<std::fs::File> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
+    csv::Reader::from_path(folder.join(name)).unwrap()
+}
+
+#[test]
+fn a_small_lattice_moves_as_in_lammps_whatever_the_engine() {
+    let mut positions: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
+    for row in reference("lammps.csv").deserialize() {
+        let (case, _, x, y): (String, usize, f64, f64) = row.unwrap();
+        positions.entry(format!("small, {case}")).or_default().push([x, y]);
+    }
+    for case in lammps::small_cases().unwrap() {
+        let theirs = &positions[case.name];
+        assert_eq!(theirs.len(), 15 * 7);
+        for run in &case.runs {
+            for (node, at) in theirs.iter().enumerate() {
+                for axis in 0..2 {
+                    let off = run.positions[axis][node] - at[axis];
+                    // Spacing 1.5 um; rounding after 500 steps.
+                    assert!(
+                        off.abs() < 1.5e-9,
+                        "{}, {}: node {node} off by {off} um",
+                        case.name,
+                        run.engine
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_state_of_every_set_follows_the_solution_by_cvode() {
+    let mut courses: BTreeMap<String, Vec<[f64; 7]>> = BTreeMap::new();
+    for row in reference("myokit.csv").deserialize() {
+        let (model, values): (String, [f64; 7]) = row.unwrap();
+        courses.entry(model).or_default().push(values);
+    }
+    assert_eq!(courses.len(), 6);
+    for (name, theirs) in &courses {
+        let model = cell::model(name).unwrap();
+        let protocol = Protocol::once(model.default_stimulus());
+        let ours = solve(&*model, protocol, Settings::default(), 600.0, 10.0).unwrap();
+        assert_eq!(ours.time_ms.len(), theirs.len());
+        for (state, column) in ours.states.iter().enumerate() {
+            let size = theirs.iter().map(|row| row[1 + state].abs()).fold(0.0, f64::max);
+            for (value, row) in column.iter().zip(theirs) {
+                let bound = myokit::error_per_ms(name) * Settings::default().step_ms;
+                let off = (value - row[1 + state]) / size;
+                let variable = model.state_names()[state];
+                assert!(
+                    off.abs() < bound,
+                    "{name}: {variable} at {} ms off by {off} of its size",
+                    row[0]
+                );
+            }
+        }
+    }
+}

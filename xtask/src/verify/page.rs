@@ -1,0 +1,156 @@
+//! The rows as lines on the terminal and as a page.
+
+use super::Section;
+use serde::Deserialize;
+use std::fmt::Write as _;
+
+/// The finite-element twitch beside ours, in `docs`.
+pub(crate) const FIGURE: &str = "verification_twitch.svg";
+
+/// One comparison, as both sides write it (`verification/src/row.rs`).
+#[derive(Debug, Clone, Deserialize)]
+pub(crate) struct Row {
+    what: String,
+    against: String,
+    /// None for what is not a number.
+    measured: Option<f64>,
+    expected: Option<f64>,
+    tolerance: Option<f64>,
+    unit: String,
+    reason: String,
+    verdict: String,
+}
+
+impl Row {
+    fn without_numbers(what: &str, against: &str, reason: &str, verdict: &str) -> Self {
+        Self {
+            what: what.to_owned(),
+            against: against.to_owned(),
+            measured: None,
+            expected: None,
+            tolerance: None,
+            unit: String::new(),
+            reason: reason.to_owned(),
+            verdict: verdict.to_owned(),
+        }
+    }
+
+    /// A check that broke.
+    pub(crate) fn failed(what: &str, error: &str) -> Self {
+        Self::without_numbers(what, "", error, "fail")
+    }
+
+    /// A check whose program is missing.
+    pub(crate) fn skipped(what: &str, against: &str, missing: &str) -> Self {
+        Self::without_numbers(what, against, missing, "skipped")
+    }
+
+    fn numbers(&self) -> [String; 2] {
+        let Some(measured) = self.measured else { return [String::new(), String::new()] };
+        let expected = self.expected.unwrap_or_default();
+        // What should vanish is a size, what should be a number is shown beside it.
+        let shown = |value: f64| {
+            if expected == 0.0 { format!("{value:.1e}") } else { format!("{value:.4}") }
+        };
+        let allowed = match self.tolerance {
+            Some(tolerance) if expected == 0.0 => format!("{tolerance:.1e}").replace(".0e", "e"),
+            Some(tolerance) => {
+                // No more digits than the tolerance has use for.
+                let digits = format!("{expected:.4}");
+                format!("{} ± {tolerance}", digits.trim_end_matches('0').trim_end_matches('.'))
+            }
+            None if expected == 0.0 => String::new(),
+            None => format!("{expected:.4}"),
+        };
+        [shown(measured), allowed]
+    }
+}
+
+/// Rows with a verdict.
+pub(crate) fn count(sections: &[Section], verdict: &str) -> usize {
+    let rows = sections.iter().flat_map(|section| &section.rows);
+    rows.filter(|row| row.verdict == verdict).count()
+}
+
+/// A row on the terminal.
+pub(crate) fn line(row: &Row) -> String {
+    let [measured, allowed] = row.numbers();
+    let verdict = row.verdict.to_uppercase();
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" ({})", row.unit) };
+    let mut line = format!("{verdict:8}{measured:>9}  {allowed:>12}  {}{unit}\n", row.what);
+    if row.verdict != "pass" {
+        _ = writeln!(line, "{:33}{}", "", row.reason);
+    }
+    line
+}
+
+/// The last words on the terminal.
+pub(crate) fn summary(sections: &[Section]) -> String {
+    let mut text = String::from("\n");
+    for section in sections {
+        _ = writeln!(
+            text,
+            "{:40}{:>3} rows {:>6.1} s",
+            section.title,
+            section.rows.len(),
+            section.seconds
+        );
+    }
+    let [pass, fail, noted, skipped] =
+        ["pass", "fail", "noted", "skipped"].map(|verdict| count(sections, verdict));
+    _ = writeln!(
+        text,
+        "\n{pass} passed, {fail} FAILED, {skipped} SKIPPED, {noted} noted without a verdict"
+    );
+    text
+}
+
+/// The page.
+pub(crate) fn page(sections: &[Section], machine: &str, figure: bool) -> String {
+    let mut text = String::from(
+        "# Verification\n\n\
+         Made by `cargo xtask verify`; do not edit. Each row compares Myospring with a closed form or with a \
+         program we did not write. *Measured* is the difference, or the number beside what it should be; \
+         PASS means within the tolerance, whose reason stands in the row. NOTED rows have no tolerance, \
+         because the two are not the same model: the difference is told and explained. SKIPPED rows \
+         lacked a program.\n\n\
+         The sources of the checks are in `verification/`; quick forms of them run in `cargo xtask test`.\n\n",
+    );
+    let [pass, fail, noted, skipped] =
+        ["pass", "fail", "noted", "skipped"].map(|verdict| count(sections, verdict));
+    _ = writeln!(
+        text,
+        "{pass} passed, {fail} failed, {skipped} skipped, {noted} noted. Measured on {machine}."
+    );
+    for Section { title, rows, .. } in sections {
+        _ = writeln!(text, "\n## {title}\n");
+        text.push_str("| what | with what | measured | should be, or at most | | verdict | why this tolerance |\n");
+        text.push_str("|---|---|---|---|---|---|---|\n");
+        for row in rows {
+            let [measured, allowed] = row.numbers();
+            let verdict = row.verdict.to_uppercase();
+            let [what, against, reason] =
+                [&row.what, &row.against, &row.reason].map(|text| cell(text));
+            let unit = cell(&row.unit);
+            _ = writeln!(
+                text,
+                "| {what} | {against} | {measured} | {allowed} | {unit} | {verdict} | {reason} |"
+            );
+        }
+    }
+    if figure {
+        _ = write!(
+            text,
+            "\n![Shortening over time of the finite elements and of Myospring, equal at the peak]({FIGURE})\n\n\
+             *One cell of finite elements in a matrix and our strip in an elastic bed under the same tension. One \
+             incompressible exponential fibre lies on the curve of the finite elements: the law of the \
+             material makes the difference.*\n"
+        );
+    }
+    text
+}
+
+/// Text that does not break a table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}
