@@ -322,7 +322,9 @@ impl Curve {
         let first = part - part % PARTS;
         let start = (part.max(first + 1) - 1).min(first + PARTS - 3);
         let nodes = &self.tensions[start..start + 4];
-        let mut sum = [0.0; 5];
+        // From the first value on, so that what does not change stays the same to the last bit.
+        let base = self.values[start];
+        let mut sum = base;
         for (k, values) in self.values[start..start + 4].iter().enumerate() {
             let mut weight = 1.0;
             for (j, node) in nodes.iter().enumerate() {
@@ -330,8 +332,8 @@ impl Curve {
                     weight *= (tension - node) / (nodes[k] - node);
                 }
             }
-            for (total, value) in sum.iter_mut().zip(values) {
-                *total += weight * value;
+            for ((total, value), base) in sum.iter_mut().zip(values).zip(base) {
+                *total += weight * (value - base);
             }
         }
         sum
