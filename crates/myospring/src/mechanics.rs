@@ -13,6 +13,7 @@
 //! | [`anchor`] | supports that give way: elastic bed, spring-held ends | `edwards_schwarz_2011` |
 //! | [`stability`] | the largest stable time step | |
 //! | [`stiffness`] | the tangent stiffness, for equilibria | |
+//! | [`stencil`] | all forces of a lattice and their steps at once, fast | |
 
 pub mod active;
 pub mod anchor;
@@ -22,10 +23,12 @@ pub mod material;
 mod runs;
 pub mod spring;
 pub mod stability;
+pub mod stencil;
 pub mod stiffness;
 pub mod support;
 
 use crate::mesh::Mesh;
+use stencil::LatticeTerms;
 use stiffness::StiffnessMatrix;
 
 /// One vector per node, by axis: `vectors[axis][node]`.
@@ -130,6 +133,14 @@ pub trait Force: Send + Sync {
     /// Optional: returns whether the force has one, and adds nothing if not. Equilibria are solved
     /// with it (`integrate::quasi_static`); motion in time does without.
     fn add_stiffness(&self, _at: &Configuration<'_>, _stiffness: &mut StiffnessMatrix) -> bool {
+        false
+    }
+
+    /// Adds the law's coefficients to those of a lattice, for the fused kernel ([`stencil`]).
+    ///
+    /// Optional: returns whether the law has its place there; if not, plain loops do the work and
+    /// what was added is not used.
+    fn add_to_lattice(&self, _terms: &mut LatticeTerms) -> bool {
         false
     }
 

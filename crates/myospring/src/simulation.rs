@@ -56,6 +56,9 @@ pub struct Numerics {
     pub frame_interval: f64,
     /// Integration of the cell model.
     pub cell: Settings,
+    /// Threads that move the masses of a lattice, 1. The result is the same to the last bit; more than
+    /// one pays from some thousands of masses on, when the processor has nothing else to do.
+    pub threads: usize,
 }
 
 impl Default for Numerics {
@@ -67,6 +70,7 @@ impl Default for Numerics {
             output_interval: 0.5,
             frame_interval: 5.0,
             cell: Settings::default(),
+            threads: 1,
         }
     }
 }
@@ -292,9 +296,13 @@ impl Prepared<'_> {
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         let Setup { simulation, body, system, .. } = &self.setup;
         let integrator = simulation.numerics.method.in_time();
+        let mut motion = Motion::new(system, body.clone(), integrator, self.time_step());
+        if let Some(lattice) = &simulation.mesh.lattice {
+            motion = motion.on_lattice(lattice, simulation.numerics.threads);
+        }
         let mut shaping = InTime {
             setup: &self.setup,
-            motion: Motion::new(system, body.clone(), integrator, self.time_step()),
+            motion,
             steps: self.steps_per_exchange,
             ledger: Ledger::new(body, self.setup.tension_at_start()),
         };

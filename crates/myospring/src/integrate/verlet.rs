@@ -18,7 +18,9 @@
 //! see the half-step velocity `(x_{n+1} - x_n)/dt`, the last one known when `f_{n+1}` is computed.
 //! One force evaluation a step; the first half-kick uses the force at the start.
 
+use crate::mechanics::stencil::{Stencil, Units};
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use crate::mesh::Lattice;
 use serde::{Deserialize, Serialize};
 
 /// Which form of Verlet's method moves the masses.
@@ -53,6 +55,7 @@ pub struct Motion<'a> {
     previous: Vectors,
     /// Steps made so far.
     steps: u64,
+    kernel: Option<Stencil>,
 }
 
 impl<'a> Motion<'a> {
@@ -73,7 +76,24 @@ impl<'a> Motion<'a> {
             half_velocities,
             previous,
             steps: 0,
+            kernel: None,
         }
+    }
+
+    /// Lets the fused kernel ([`crate::mechanics::stencil`]) make the steps on at most so many threads,
+    /// if it knows all forces; otherwise the motion stays with the sum of the forces, which gives the
+    /// same to rounding. From the first step on the body is only to be read.
+    #[must_use]
+    pub fn on_lattice(mut self, lattice: &Lattice, threads: usize) -> Self {
+        let units = Units::best();
+        self.kernel =
+            Stencil::new(self.system, &self.body, lattice, self.time_step, threads, units);
+        self
+    }
+
+    /// Whether the fused kernel makes the steps.
+    pub fn is_fused(&self) -> bool {
+        self.kernel.is_some()
     }
 
     /// The time step, ms.
@@ -89,6 +109,35 @@ impl<'a> Motion<'a> {
     /// Moves `steps` steps on, while the tension (kPa) goes linearly from `tensions[0]` to
     /// `tensions[1]`.
     pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) {
+        if self.kernel.is_some() {
+            self.advance_fused(steps, tensions);
+        } else {
+            self.advance_plainly(steps, tensions);
+        }
+    }
+
+    fn advance_fused(&mut self, steps: usize, tensions: [f64; 2]) {
+        let mut start = tensions[0];
+        let mut steps_left = steps;
+        if self.steps == 0 && steps > 0 {
+            // The first step of all starts from velocities at the full step.
+            let kernel = self.kernel.take();
+            start += (tensions[1] - tensions[0]) / steps as f64;
+            self.advance_plainly(1, [tensions[0], start]);
+            self.kernel = kernel;
+            steps_left -= 1;
+            if let Some(kernel) = &mut self.kernel {
+                kernel.put(&self.body.positions, &self.half_velocities);
+            }
+        }
+        if let Some(kernel) = &mut self.kernel {
+            kernel.advance(steps_left, [start, tensions[1]]);
+            kernel.read(tensions[1], &mut self.body.positions, &mut self.body.velocities);
+            self.steps += steps_left as u64;
+        }
+    }
+
+    fn advance_plainly(&mut self, steps: usize, tensions: [f64; 2]) {
         if self.steps == 0 {
             self.evaluate(tensions[0]);
         }

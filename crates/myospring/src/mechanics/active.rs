@@ -16,6 +16,7 @@
 //! the triangles: on each edge a weight, as cheap as a spring without its square root.
 
 use super::runs::{self, LONGEST, Run, vectorised};
+use super::stencil::LatticeTerms;
 use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
@@ -135,6 +136,10 @@ impl Force for FibreTension {
             stiffness.add_pair(a, b, [[value, 0.0], [0.0, value]]);
         }
         true
+    }
+
+    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
+        self.edges.iter().zip(&self.weights).all(|(&nodes, &weight)| terms.add_tension(nodes, weight))
     }
 
     fn is_internal(&self) -> bool {

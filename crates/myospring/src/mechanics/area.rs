@@ -14,6 +14,7 @@
 //! three laws the same `k` in nN/um.
 
 use super::runs::{self, LONGEST, Run, vectorised};
+use super::stencil::LatticeTerms;
 use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
@@ -194,6 +195,12 @@ impl Force for AreaPreservation {
             }
         }
         true
+    }
+
+    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
+        let mut triangles = self.nodes.iter().zip(self.stiffness.iter().zip(&self.rest_area));
+        self.law == AreaLaw::Gradient
+            && triangles.all(|(&nodes, (&stiffness, &rest))| terms.add_area(nodes, stiffness, rest))
     }
 
     fn is_internal(&self) -> bool {

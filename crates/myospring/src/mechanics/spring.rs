@@ -14,6 +14,7 @@
 //! lattice and hardly touches the slow ones of a long cell; see [`super::drag`] for those.
 
 use super::runs::{self, LONGEST, Run, vectorised};
+use super::stencil::LatticeTerms;
 use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 
@@ -159,6 +160,13 @@ impl Force for Springs {
             stiffness.add_pair(a, b, block);
         }
         true
+    }
+
+    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
+        self.nodes.iter().enumerate().all(|(spring, &nodes)| {
+            let stiffness = self.stiffness[spring];
+            terms.add_spring(nodes, stiffness, self.rest_length[spring], self.damping[spring])
+        })
     }
 
     fn is_internal(&self) -> bool {

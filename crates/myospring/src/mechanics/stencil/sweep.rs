@@ -1,0 +1,421 @@
+//! One row of the lattice: forces, kick and drift in a single pass.
+//!
+//! A lattice square stands at its lower left corner a; b is to its right, d above, c across:
+//!
+//! ```text
+//! d --- c        east a-b, north a-d, rising diagonal a-c, falling diagonal b-d
+//! |  X  |
+//! a --- b
+//! ```
+//!
+//! Each square's four springs are evaluated once. What they and the area law put on c and d is
+//! carried to the next row's pass; the sum over a square is nothing, so a takes minus the rest. A
+//! row's masses move as soon as their force is complete: squares to the right and above still see
+//! the old positions.
+
+use super::lanes::{Lanes, prefetch};
+use super::plan::{AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, RECORD, STIFFNESS};
+use std::ops::Range;
+
+/// What a pass over a row does with the forces.
+pub(super) mod purpose {
+    /// Kicks and drifts the row's masses.
+    pub(in super::super) const MOVE: u8 = 0;
+    /// Writes the velocities at the full step, and moves nothing.
+    pub(in super::super) const LOOK: u8 = 1;
+}
+
+/// Whether forces other than springs and dashpots act.
+pub(super) mod laws {
+    /// The area law.
+    pub(in super::super) const AREA: u8 = 1;
+    /// The fibre tension.
+    pub(in super::super) const FIBRE: u8 = 2;
+}
+
+/// What a square puts on its right neighbour's corners b and c, x and y each: see [`Row::left`].
+pub(super) type Handover = [f64; 4];
+
+/// A pass over some blocks of a row; all rows have the layout of [`Plan`].
+pub(super) struct Row<'a> {
+    /// Number of the row.
+    pub(super) index: usize,
+    /// Blocks to visit.
+    pub(super) blocks: Range<usize>,
+    /// State of the row: x, y, and velocities at the half step.
+    pub(super) lower: *mut f64,
+    /// State of the row above.
+    pub(super) upper: *const f64,
+    /// Force on this row from the squares below on entry, on the next row on return: x, y.
+    pub(super) carry: *mut f64,
+    /// Forces on b and c by the square to the left of the first block.
+    pub(super) left: Handover,
+    /// The same of the last square visited, on return.
+    pub(super) right: &'a mut Handover,
+    /// Where `LOOK` writes: x, y.
+    pub(super) out: *mut f64,
+    /// Whether the next row's data are to be asked for.
+    pub(super) fetch: bool,
+}
+
+/// x and y.
+#[derive(Clone, Copy)]
+struct Pair<V> {
+    x: V,
+    y: V,
+}
+
+/// Coefficients of eight squares.
+trait Terms<L: Lanes> {
+    /// `k + Ta w` of a spring direction, nN/um.
+    unsafe fn stiffness(&self, direction: usize) -> L::V;
+    /// `k r`, nN.
+    unsafe fn rest_load(&self, direction: usize) -> L::V;
+    /// Dashpot coefficient, nN ms/um.
+    unsafe fn damping(&self, direction: usize) -> L::V;
+    /// `-kappa/4` of the area law, nN/um^3.
+    unsafe fn area(&self) -> L::V;
+    /// `dt / (m (1 + g))`, ms/ug.
+    unsafe fn inverse_mass(&self) -> L::V;
+}
+
+/// The same everywhere.
+struct Uniform<L: Lanes> {
+    stiffness: [L::V; 4],
+    load: [L::V; 4],
+    damping: [L::V; 4],
+    area: L::V,
+    inverse_mass: L::V,
+}
+
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+impl<L: Lanes> Terms<L> for Uniform<L> {
+    #[inline(always)]
+    unsafe fn stiffness(&self, direction: usize) -> L::V {
+        self.stiffness[direction]
+    }
+    #[inline(always)]
+    unsafe fn rest_load(&self, direction: usize) -> L::V {
+        self.load[direction]
+    }
+    #[inline(always)]
+    unsafe fn damping(&self, direction: usize) -> L::V {
+        self.damping[direction]
+    }
+    #[inline(always)]
+    unsafe fn area(&self) -> L::V {
+        self.area
+    }
+    #[inline(always)]
+    unsafe fn inverse_mass(&self) -> L::V {
+        self.inverse_mass
+    }
+}
+
+/// One value per square, read from a record of the plan.
+struct Field<L: Lanes, const LAWS: u8> {
+    record: *const f64,
+    tension: L::V,
+    rest_length: [L::V; 2],
+}
+
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+impl<L: Lanes, const LAWS: u8> Terms<L> for Field<L, LAWS> {
+    #[inline(always)]
+    unsafe fn stiffness(&self, direction: usize) -> L::V {
+        // SAFETY: a record has RECORD blocks; the caller has the features of L.
+        unsafe {
+            let passive = L::load(self.record.add((STIFFNESS + direction) * BLOCK));
+            if LAWS & laws::FIBRE == 0 {
+                return passive;
+            }
+            L::mul_add(self.tension, L::load(self.record.add((FIBRE + direction) * BLOCK)), passive)
+        }
+    }
+    #[inline(always)]
+    unsafe fn rest_load(&self, direction: usize) -> L::V {
+        // SAFETY: as above.
+        unsafe {
+            let passive = L::load(self.record.add((STIFFNESS + direction) * BLOCK));
+            L::mul(passive, self.rest_length[direction / 2])
+        }
+    }
+    #[inline(always)]
+    unsafe fn damping(&self, direction: usize) -> L::V {
+        // SAFETY: as above.
+        unsafe { L::load(self.record.add((DAMPING + direction) * BLOCK)) }
+    }
+    #[inline(always)]
+    unsafe fn area(&self) -> L::V {
+        // SAFETY: as above.
+        unsafe { L::load(self.record.add(AREA * BLOCK)) }
+    }
+    #[inline(always)]
+    unsafe fn inverse_mass(&self) -> L::V {
+        // SAFETY: as above.
+        unsafe { L::load(self.record.add(INVERSE_MASS * BLOCK)) }
+    }
+}
+
+/// Forces on the corners b, c and d of squares; a takes minus their sum.
+struct Corners<V> {
+    b: Pair<V>,
+    c: Pair<V>,
+    d: Pair<V>,
+}
+
+/// `s` such that the force on the spring's first end is `s l`, with `l` and the relative velocity
+/// `w` from the first end to the second:
+/// `s = k (1 - r/|l|) + c (w.l)/|l|^2 + Ta w_fibre`, `coelho_2021`, Eqs (7) and (8).
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn pull<L: Lanes, T: Terms<L>>(
+    terms: &T,
+    direction: usize,
+    l: Pair<L::V>,
+    w: Pair<L::V>,
+) -> L::V {
+    // SAFETY: the caller has the features of L.
+    unsafe {
+        let square = L::mul_add(l.y, l.y, L::mul(l.x, l.x));
+        let approach = L::mul_add(l.y, w.y, L::mul(l.x, w.x));
+        let inverse = L::inverse_sqrt(square);
+        let elastic =
+            L::mul_sub_from(terms.rest_load(direction), inverse, terms.stiffness(direction));
+        let rate = L::mul(approach, L::mul(inverse, inverse));
+        L::mul_add(terms.damping(direction), rate, elastic)
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn difference<L: Lanes>(to: Pair<L::V>, from: Pair<L::V>) -> Pair<L::V> {
+    // SAFETY: the caller has the features of L.
+    unsafe { Pair { x: L::sub(to.x, from.x), y: L::sub(to.y, from.y) } }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn cross<L: Lanes>(a: Pair<L::V>, b: Pair<L::V>) -> L::V {
+    // SAFETY: the caller has the features of L.
+    unsafe { L::mul_sub_from(a.y, b.x, L::mul(a.x, b.y)) }
+}
+
+/// Forces of `N` squares from `lower` and `upper` on.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
+    terms: &T,
+    lower: *const f64,
+    upper: *const f64,
+    stride: usize,
+    rest: L::V,
+) -> Corners<L::V> {
+    // SAFETY: rows are `4 stride` long and have a block of padding on the right; the caller has
+    // the features of L.
+    unsafe {
+        let position =
+            |row: *const f64| Pair { x: L::load(row), y: L::load(row.add(stride)) };
+        let velocity = |row: *const f64| Pair {
+            x: L::load(row.add(2 * stride)),
+            y: L::load(row.add(3 * stride)),
+        };
+        let (a, va) = (position(lower), velocity(lower));
+        let (b, vb) = (position(lower.add(1)), velocity(lower.add(1)));
+        let (c, vc) = (position(upper.add(1)), velocity(upper.add(1)));
+        let (d, vd) = (position(upper), velocity(upper));
+
+        let (east, north) = (difference::<L>(b, a), difference::<L>(d, a));
+        let (rising, falling) = (difference::<L>(c, a), difference::<L>(d, b));
+        let to_b = pull::<L, T>(terms, 0, east, difference::<L>(vb, va));
+        let to_d = pull::<L, T>(terms, 1, north, difference::<L>(vd, va));
+        let to_c = pull::<L, T>(terms, 2, rising, difference::<L>(vc, va));
+        let across = pull::<L, T>(terms, 3, falling, difference::<L>(vd, vb));
+
+        let minus = |s: L::V, l: L::V, f: L::V| L::mul_sub_from(s, l, f);
+        let zero = L::splat(0.0);
+        let mut on_b = Pair {
+            x: minus(to_b, east.x, L::mul(across, falling.x)),
+            y: minus(to_b, east.y, L::mul(across, falling.y)),
+        };
+        let mut on_c = Pair { x: minus(to_c, rising.x, zero), y: minus(to_c, rising.y, zero) };
+        let mut on_d = Pair {
+            x: minus(to_d, north.x, minus(across, falling.x, zero)),
+            y: minus(to_d, north.y, minus(across, falling.y, zero)),
+        };
+        if LAWS & laws::AREA != 0 {
+            // Energy w (k/2)(A - A0)^2/A0 on the triangles abc, acd, abd, bcd, each with w = 1/2.
+            // Twice their areas:
+            let abc = cross::<L>(east, rising);
+            let abd = cross::<L>(east, north);
+            let both = cross::<L>(rising, falling);
+            let (acd, bcd) = (L::sub(both, abc), L::sub(both, abd));
+            // With q = -(kappa/4)(2A - 2A0) per triangle, the pairs of corners interact by
+            // q_abc + q_bcd (b, c), q_abd - q_bcd (b, d), q_acd + q_bcd (c, d).
+            let g = terms.area();
+            let spare = L::sub(bcd, rest);
+            let bc = L::mul(g, L::add(abc, spare));
+            let bd = L::mul(g, L::sub(abd, bcd));
+            let cd = L::mul(g, L::add(acd, spare));
+            // f_b = bc R(c - a) + bd R(d - a) and so on, with R(e) = (e_y, -e_x)
+            on_b.x = L::mul_add(bc, rising.y, L::mul_add(bd, north.y, on_b.x));
+            on_b.y = minus(bc, rising.x, minus(bd, north.x, on_b.y));
+            on_c.x = minus(bc, east.y, L::mul_add(cd, north.y, on_c.x));
+            on_c.y = L::mul_add(bc, east.x, minus(cd, north.x, on_c.y));
+            on_d.x = minus(bd, east.y, minus(cd, rising.y, on_d.x));
+            on_d.y = L::mul_add(bd, east.x, L::mul_add(cd, rising.x, on_d.y));
+        }
+        Corners { b: on_b, c: on_c, d: on_d }
+    }
+}
+
+/// `v_{n+1/2} = [(1 - g) v_{n-1/2} + dt f_n/m] / (1 + g)` and `x_{n+1} = x_n + dt v_{n+1/2}`:
+/// `coelho_2021`, Eq. (16), with `g = gamma dt/2`.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn kick_and_drift<L: Lanes>(
+    plan: &Plan,
+    state: *mut f64,
+    inverse_mass: L::V,
+    above: Pair<L::V>,
+    below: Pair<L::V>,
+) {
+    // SAFETY: `state` points into a row of the plan's layout; the caller has the features of L.
+    unsafe {
+        let (keep, time_step) = (L::splat(plan.keep), L::splat(plan.time_step));
+        for (axis, force) in [L::add(above.x, below.x), L::add(above.y, below.y)].into_iter().enumerate() {
+            let (position, velocity) = (state.add(axis * plan.stride), state.add((axis + 2) * plan.stride));
+            let moved = L::mul_add(inverse_mass, force, L::mul(keep, L::load(velocity)));
+            L::store(velocity, moved);
+            L::store(position, L::mul_add(time_step, moved, L::load(position)));
+        }
+    }
+}
+
+/// A pass over one row.
+///
+/// # Safety
+/// The pointers of `row` must be good for the layout of `plan`, `lower`, `carry` and `out` not shared with another thread, and the processor must have the features of
+/// `L`.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
+    plan: &Plan,
+    tension: f64,
+    row: Row<'_>,
+) {
+    // SAFETY: see above; every offset below stays within the row or record that it belongs to.
+    unsafe {
+        let stride = plan.stride;
+        let common = &plan.uniform;
+        let stiffness = |direction: usize| {
+            let fibre = if LAWS & laws::FIBRE == 0 { 0.0 } else { tension * common.fibre[direction] };
+            L::splat(common.stiffness[direction] + fibre)
+        };
+        let load = |direction: usize| {
+            L::splat(common.stiffness[direction] * plan.rest_length[direction / 2])
+        };
+        let uniform = Uniform::<L> {
+            stiffness: [stiffness(0), stiffness(1), stiffness(2), stiffness(3)],
+            load: [load(0), load(1), load(2), load(3)],
+            damping: common.damping.map(|value| L::splat(value)),
+            area: L::splat(common.area),
+            inverse_mass: L::splat(common.inverse_mass),
+        };
+        let rest_length = plan.rest_length.map(|value| L::splat(value));
+        let rest = L::splat(plan.rest_area);
+        let zero = L::splat(0.0);
+        let (half, slowing) = (L::splat(0.5), L::splat(plan.slowing));
+        let pair = |from: *const f64| Pair { x: L::load(from), y: L::load(from.add(stride)) };
+        let store = |to: *mut f64, value: Pair<L::V>| {
+            L::store(to, value.x);
+            L::store(to.add(stride), value.y);
+        };
+
+        let [bx, by, cx, cy] = row.left.map(|value| L::splat(value));
+        let mut before = (Pair { x: bx, y: by }, Pair { x: cx, y: cy });
+        for block in row.blocks {
+            let class = plan.classes[row.index * plan.blocks + block];
+            if row.fetch {
+                fetch_above(plan, row.index, block, row.upper.add(plan.row_len()));
+            }
+            for part in 0..BLOCK / L::N {
+                let at = block * BLOCK + part * L::N;
+                let (lower, upper, carry) = (row.lower.add(at), row.upper.add(at), row.carry.add(at));
+                let (corners, inverse_mass) = match class {
+                    Class::EMPTY => {
+                        let on_c = before.1;
+                        store(carry, Pair { x: L::shift(zero, on_c.x), y: L::shift(zero, on_c.y) });
+                        before = (Pair { x: zero, y: zero }, Pair { x: zero, y: zero });
+                        continue;
+                    }
+                    Class::UNIFORM => (
+                        squares::<L, _, LAWS>(&uniform, lower, upper, stride, rest),
+                        uniform.inverse_mass,
+                    ),
+                    class => {
+                        let field = Field::<L, LAWS> {
+                            record: plan.record(class).add(part * L::N),
+                            tension: L::splat(tension),
+                            rest_length,
+                        };
+                        let inverse_mass = Terms::<L>::inverse_mass(&field);
+                        (squares::<L, _, LAWS>(&field, lower, upper, stride, rest), inverse_mass)
+                    }
+                };
+                let Corners { b, c, d } = corners;
+                let from_left = Pair { x: L::shift(b.x, before.0.x), y: L::shift(b.y, before.0.y) };
+                let across = Pair { x: L::shift(c.x, before.1.x), y: L::shift(c.y, before.1.y) };
+                before = (b, c);
+                // Force from the squares above: from the one on the left, minus the sum over the own.
+                let above = Pair {
+                    x: L::sub(from_left.x, L::add(L::add(b.x, d.x), c.x)),
+                    y: L::sub(from_left.y, L::add(L::add(b.y, d.y), c.y)),
+                };
+                if PURPOSE == purpose::MOVE {
+                    kick_and_drift::<L>(plan, lower, inverse_mass, above, pair(carry));
+                }
+                if PURPOSE == purpose::LOOK {
+                    // v_n = (v_{n-1/2} + dt/2 f_n/m) / (1 + g)
+                    let (below, kick) = (pair(carry), L::mul(half, inverse_mass));
+                    let velocity = pair(lower.add(2 * stride));
+                    let seen = Pair {
+                        x: L::mul_add(kick, L::add(above.x, below.x), L::mul(slowing, velocity.x)),
+                        y: L::mul_add(kick, L::add(above.y, below.y), L::mul(slowing, velocity.y)),
+                    };
+                    store(row.out.add(at), seen);
+                }
+                store(carry, Pair { x: L::add(d.x, across.x), y: L::add(d.y, across.y) });
+            }
+        }
+        let (b, c) = before;
+        *row.right = [last::<L>(b.x), last::<L>(b.y), last::<L>(c.x), last::<L>(c.y)];
+    }
+}
+
+/// Asks for what the next row's pass reads at a block: coefficients, and the state of the row above it.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+fn fetch_above(plan: &Plan, row: usize, block: usize, state: *const f64) {
+    for component in 0..4 {
+        prefetch(state.wrapping_add(component * plan.stride + block * BLOCK));
+    }
+    if let Some(&class) = plan.classes.get((row + 1) * plan.blocks + block)
+        && class.0 > Class::UNIFORM.0
+    {
+        let record = plan.record(class);
+        for term in 0..RECORD {
+            prefetch(record.wrapping_add(term * BLOCK));
+        }
+    }
+}
+
+/// The last lane.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn last<L: Lanes>(value: L::V) -> f64 {
+    let mut lanes = [0.0; BLOCK];
+    // SAFETY: no kind has more lanes than a block; the caller has the features of L.
+    unsafe { L::store(lanes.as_mut_ptr(), value) };
+    lanes[L::N - 1]
+}
