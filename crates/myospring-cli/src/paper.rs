@@ -11,7 +11,7 @@ use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
-use myospring::simulation::Outcome;
+use myospring::simulation::{Effort, Finished};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
@@ -22,14 +22,22 @@ use std::time::Instant;
 struct Record<'a> {
     version: &'static str,
     findings: &'a [Finding],
+    /// What each run took, in the order of the tensions.
+    integration: Vec<Effort>,
     stopped_early: Vec<String>,
     total_s: f64,
 }
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
-    let spacing = args.spacing.clone().map(|text| ("--spacing", "shape.spacing", text.into()));
-    let Input { run, mesh, .. } = input::read(None, spacing.into_iter().collect())?;
+    let rows = [
+        ("--spacing", "shape.spacing", &args.spacing),
+        ("--integrator", "numerics.integrator", &args.integrator),
+    ];
+    let overrides = rows.into_iter().filter_map(|(option, key, value)| {
+        Some((option, key, toml::Value::String(value.clone()?)))
+    });
+    let Input { run, mesh, .. } = input::read(None, overrides.collect())?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
@@ -39,18 +47,18 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::new(format!("no threads: {error}")))?;
     let bar = progress_bar(args.output.quiet);
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
-    let one = |peak_tension: f64| -> Result<Outcome, Failure> {
+    let one = |peak_tension: f64| -> Result<Finished, Failure> {
         let mut simulation = run.simulation(mesh.clone())?;
         simulation.peak_tension = peak_tension;
         let mut before = 0.0;
-        Ok(simulation.prepare()?.run(|progress| {
+        Ok(simulation.ready()?.run(|progress| {
             bar.inc((progress.time - before).round() as u64);
             before += (progress.time - before).round();
             true
         }))
     };
     // Kept in the order of the tensions, whichever run ends first.
-    let outcomes: Result<Vec<Outcome>, Failure> =
+    let outcomes: Result<Vec<Finished>, Failure> =
         pool.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
     bar.finish_and_clear();
     let outcomes = outcomes?;
@@ -66,8 +74,13 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         outcomes.iter().filter_map(|outcome| Some(outcome.stop.as_ref()?.to_string())).collect();
     figures(&folder, &mesh, &runs, &run.stimulus_times())?;
     let total_s = start.elapsed().as_secs_f64();
-    let record =
-        Record { version: env!("CARGO_PKG_VERSION"), findings: &findings, stopped_early, total_s };
+    let record = Record {
+        version: env!("CARGO_PKG_VERSION"),
+        findings: &findings,
+        integration: outcomes.iter().map(|outcome| outcome.effort).collect(),
+        stopped_early,
+        total_s,
+    };
     let record_text = json::pretty(&record)?;
     folder.write("paper.json", &record_text)?;
     let target = folder.finish()?;

@@ -9,12 +9,11 @@ use crate::table::{aligned, number};
 use indicatif::{ProgressBar, ProgressStyle};
 use myospring::analysis::Metric;
 use myospring::cell::solve::solve;
-use myospring::mesh::Mesh;
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::report::{Band, Summary, band};
 use myospring::output::{csv, json};
 use myospring::run_file::Run;
-use myospring::simulation::{Outcome, Prepared, Progress, Simulation, StopReason};
+use myospring::simulation::{Effort, Finished, Progress, Ready, Simulation, StopReason};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::io::IsTerminal;
@@ -28,7 +27,7 @@ use std::time::Instant;
 struct Timings {
     /// Reading the shape and meshing it.
     mesh_s: f64,
-    /// Scaling the tension and finding the stable time step.
+    /// Scaling the tension; finding the stable time step, or solving the path of equilibria.
     preparation_s: f64,
     /// The cell model, measured on a run of its own.
     cell_s: f64,
@@ -48,9 +47,8 @@ struct Record<'a> {
     shape_sha256: String,
     run_file_sha256: String,
     stop: Option<Stop<'a>>,
-    time_step_ms: f64,
-    stability_limit_ms: f64,
-    steps: u64,
+    #[serde(flatten)]
+    effort: Effort,
     machine_threads: usize,
     timings: Timings,
 }
@@ -63,9 +61,17 @@ struct Stop<'a> {
 }
 
 impl<'a> Stop<'a> {
-    fn of(outcome: &'a Outcome) -> Option<Self> {
+    fn of(outcome: &'a Finished) -> Option<Self> {
         outcome.stop.as_ref().map(|reason| Self { reason, message: reason.to_string() })
     }
+}
+
+/// summary.json.
+#[derive(Serialize)]
+struct Numbers<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    integration: Effort,
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
@@ -77,7 +83,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 
     let stage = Instant::now();
     let simulation = run.simulation(mesh)?;
-    let prepared = simulation.prepare()?;
+    let prepared = simulation.ready()?;
     timings.preparation_s = stage.elapsed().as_secs_f64();
     let warnings = run.warnings(&report);
     let quiet = args.output.quiet;
@@ -105,7 +111,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     write(&folder, &run, &simulation, &outcome, &summary, &stimuli)?;
     timings.figures_s = stage.elapsed().as_secs_f64();
     timings.total_s = start.elapsed().as_secs_f64();
-    let run_file = resolved(&run, &simulation, report.spacing_um, outcome.time_step)?;
+    let run_file = resolved(&run, &simulation, report.spacing_um, outcome.effort.time_step())?;
     let record = Record {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
@@ -113,9 +119,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         shape_sha256: hash(&bytes),
         run_file_sha256: hash(run_file.as_bytes()),
         stop: Stop::of(&outcome),
-        time_step_ms: outcome.time_step,
-        stability_limit_ms: outcome.limit.time_step,
-        steps: outcome.steps,
+        effort: outcome.effort,
         machine_threads: std::thread::available_parallelism().map_or(1, usize::from),
         timings,
     };
@@ -130,13 +134,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             stop: Option<Stop<'a>>,
             timings: Timings,
             #[serde(flatten)]
-            summary: &'a Summary,
+            numbers: Numbers<'a>,
         }
         let stop = Stop::of(&outcome);
-        let printed = Printed { results: &target, stop, timings, summary: &summary };
+        let numbers = Numbers { summary: &summary, integration: outcome.effort };
+        let printed = Printed { results: &target, stop, timings, numbers };
         print::out(&json::pretty(&printed)?);
     } else {
         print::out(&for_people(&name, &run, &summary));
+        print::out(&in_words(&outcome.effort));
         print::out(&format!("\nresults in {} ({:.2} s)", target.display(), timings.total_s));
     }
     if let Some(stop) = &outcome.stop {
@@ -148,7 +154,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Runs with a progress bar where there is a terminal to show it.
-fn beat(prepared: &Prepared<'_>, quiet: bool) -> Outcome {
+fn beat(prepared: &Ready<'_>, quiet: bool) -> Finished {
     let bar = progress_bar(quiet);
     let outcome = prepared.run(|Progress { time, duration }| {
         bar.set_length(duration as u64);
@@ -196,7 +202,7 @@ fn resolved(
     run: &Run,
     simulation: &Simulation,
     spacing: f64,
-    time_step: f64,
+    time_step: Option<f64>,
 ) -> Result<String, Failure> {
     let mut file = run.settled(spacing, time_step);
     for path in [&mut file.shape.picture, &mut file.shape.outline].into_iter().flatten() {
@@ -216,13 +222,13 @@ fn write(
     folder: &Folder,
     run: &Run,
     simulation: &Simulation,
-    outcome: &Outcome,
+    outcome: &Finished,
     summary: &Summary,
     stimuli: &[f64],
 ) -> Result<(), Failure> {
-    let Outcome { recording, .. } = outcome;
+    let Finished { recording, effort, .. } = outcome;
     folder.write("traces.csv", csv::traces(recording)?)?;
-    folder.write("summary.json", json::pretty(summary)?)?;
+    folder.write("summary.json", json::pretty(&Numbers { summary, integration: *effort })?)?;
     let (mesh, fibre) = (&simulation.mesh, fibre(simulation));
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
@@ -304,15 +310,35 @@ fn for_people(name: &str, run: &Run, summary: &Summary) -> String {
     text
 }
 
+/// What the run took, in a line.
+fn in_words(effort: &Effort) -> String {
+    match *effort {
+        Effort::Verlet { time_step_ms, stability_limit_ms, steps } => format!(
+            "Verlet: {steps} steps of {time_step_ms:.4} ms, stable up to {stability_limit_ms:.4} ms"
+        ),
+        Effort::QuasiStatic {
+            load_steps,
+            newton_iterations,
+            factorisations,
+            interpolation_error_um,
+            delay_ms,
+        } => format!(
+            "quasi-static: {load_steps} load steps, {newton_iterations} Newton iterations, \
+             {factorisations} factorisations\n\
+             positions to {interpolation_error_um:.1e} um; a motion with the same dampings lags {delay_ms:.2} ms"
+        ),
+    }
+}
+
 #[derive(Serialize)]
 struct Plan<'a> {
     name: &'a str,
     model: &'a str,
     results: &'a Path,
-    time_step_ms: f64,
-    stability_limit_ms: f64,
-    steps: u64,
-    spring_updates: f64,
+    #[serde(flatten)]
+    effort: Effort,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    spring_updates: Option<f64>,
     estimated_s: f64,
     run_file: String,
     mesh: &'a myospring::mesh::quality::MeshReport,
@@ -322,45 +348,75 @@ fn plan(
     args: &RunArgs,
     run: &Run,
     simulation: &Simulation,
-    prepared: &Prepared<'_>,
+    prepared: &Ready<'_>,
     report: &myospring::mesh::quality::MeshReport,
     target: &PathBuf,
 ) -> Result<(), Failure> {
-    let exchanges = (run.duration / run.numerics.exchange_interval).round();
-    let steps = exchanges * prepared.steps_per_exchange as f64;
-    // The first interval of output tells how long the rest will take.
+    // The first interval of output tells how long the rest of a motion will take; a path is solved.
     let start = Instant::now();
-    prepared.run(|progress| progress.time <= 0.0);
-    let estimate =
-        start.elapsed().as_secs_f64() * run.duration / run.numerics.output_interval.max(1e-9);
-    let Mesh { springs, .. } = &simulation.mesh;
+    let first = prepared.run(|progress| progress.time <= 0.0);
+    let intervals = match prepared {
+        Ready::InTime(_) => run.duration / run.numerics.output_interval.max(1e-9),
+        Ready::AlongPath(_) => 1.0,
+    };
+    let estimate = start.elapsed().as_secs_f64() * intervals;
+    let mut effort = first.effort;
+    let mut spring_updates = None;
+    if let (Ready::InTime(prepared), Effort::Verlet { steps, .. }) = (prepared, &mut effort) {
+        let exchanges = (run.duration / run.numerics.exchange_interval).round();
+        let whole = exchanges * prepared.steps_per_exchange as f64;
+        *steps = whole as u64;
+        spring_updates = Some(whole * simulation.mesh.springs.len() as f64);
+    }
+    if let Ready::AlongPath(path) = prepared
+        && let Some(end) = &path.end
+    {
+        print::warn(&format!("the run will stop early: {end}"));
+    }
     let plan = Plan {
         name: run.shape.name(),
         model: run.cell.name(),
         results: target,
-        time_step_ms: prepared.time_step(),
-        stability_limit_ms: prepared.limit.time_step,
-        steps: steps as u64,
-        spring_updates: steps * springs.len() as f64,
+        effort,
+        spring_updates,
         estimated_s: estimate,
-        run_file: resolved(run, simulation, report.spacing_um, prepared.time_step())?,
+        run_file: resolved(run, simulation, report.spacing_um, effort.time_step())?,
         mesh: report,
     };
     if args.output.json {
         print::out(&json::pretty(&plan)?);
         return Ok(());
     }
-    let rows = [
+    let mut rows = vec![
         ("cell model", plan.model.to_owned()),
         ("beats", format!("{} in {} ms", run.protocol.beats, run.duration)),
         ("peak tension", format!("{} kPa", run.peak_tension)),
-        ("time step", format!("{:.4} ms", plan.time_step_ms)),
-        ("stability limit", format!("{:.4} ms", plan.stability_limit_ms)),
-        ("steps", plan.steps.to_string()),
-        ("spring updates", format!("{:.2e}", plan.spring_updates)),
-        ("estimated time", format!("{:.1} s", plan.estimated_s)),
-        ("results would go to", target.display().to_string()),
     ];
+    match effort {
+        Effort::Verlet { time_step_ms, stability_limit_ms, steps } => rows.extend([
+            ("integrator", "Verlet, in time".to_owned()),
+            ("time step", format!("{time_step_ms:.4} ms")),
+            ("stability limit", format!("{stability_limit_ms:.4} ms")),
+            ("steps", steps.to_string()),
+        ]),
+        Effort::QuasiStatic {
+            load_steps,
+            newton_iterations,
+            interpolation_error_um,
+            delay_ms,
+            ..
+        } => rows.extend([
+            ("integrator", "quasi-static, along the path of equilibria".to_owned()),
+            ("load steps", format!("{load_steps}, {newton_iterations} Newton iterations")),
+            ("error of positions", format!("{interpolation_error_um:.1e} um")),
+            ("lag of a motion", format!("{delay_ms:.2} ms")),
+        ]),
+    }
+    if let Some(updates) = spring_updates {
+        rows.push(("spring updates", format!("{updates:.2e}")));
+    }
+    rows.push(("estimated time", format!("{:.1} s", plan.estimated_s)));
+    rows.push(("results would go to", target.display().to_string()));
     let rows: Vec<Vec<String>> =
         rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
     // Warnings have gone to stderr.

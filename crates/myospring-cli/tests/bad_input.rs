@@ -30,6 +30,8 @@ fn workplace() -> tempfile::TempDir {
     huge[29..33].copy_from_slice(&check);
     fs::write(folder.path().join("huge.png"), huge).unwrap();
     fs::write(folder.path().join("unknown_key.toml"), "[material]\nthicknes = \"8 um\"\n").unwrap();
+    let slow = "[material]\ndrag_ratio = 20\n[numerics]\nintegrator = \"quasi-static\"\n";
+    fs::write(folder.path().join("slow.toml"), slow).unwrap();
     fs::write(folder.path().join("nan.toml"), "[cell]\npeak_tension = nan\n").unwrap();
     fs::write(folder.path().join("wrong_unit.toml"), "[cell]\npeak_tension = \"50 mV\"\n").unwrap();
     folder
@@ -86,6 +88,32 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
             &["`50 mV` is a potential, but a pressure is needed", "kPa"],
         ),
         (vec!["run", "--model", "coelho"], &["no cell model is named `coelho`", "models"]),
+        (
+            vec!["run", "--integrator", "quasi-static", "--area-law", "printed"],
+            &["--area-law", "no energy", "area_law = \"gradient\"", "integrator = \"verlet\""],
+        ),
+        (
+            vec!["run", "--integrator", "quasi-static", "--area-law", "barycentric"],
+            &["--area-law", "no energy", "area_law = \"gradient\""],
+        ),
+        (
+            vec!["run", "--integrator", "quasi-static", "--active", "ends"],
+            &["--active", "active = \"fibre\"", "integrator = \"verlet\""],
+        ),
+        (
+            vec!["run", "--integrator", "quasi-static", "--time-step", "0.001 ms"],
+            &["--time-step", "no time step", "leave it out"],
+        ),
+        (
+            vec!["run", "slow.toml"],
+            &["delay the shape by", "drag_ratio", "Verlet", "more than 1 ms"],
+        ),
+        (vec!["run", "--integrator", "quasistatic"], &["did you mean `quasi-static`?"]),
+        (vec!["run", "--support", "elastic-bed"], &["bed_stiffness` is missing", "kPa/um"]),
+        (
+            vec!["run", "--bed-stiffness", "1 kPa/um"],
+            &["--bed-stiffness", "support = \"elastic-bed\""],
+        ),
         (vec!["run", "--area-law", "gradeint"], &["did you mean `gradient`?"]),
         (
             vec!["run", "unknown_key.toml"],

@@ -2,3 +2,26 @@
 
 pub mod quasi_static;
 pub mod verlet;
+
+use serde::Serialize;
+use verlet::Integrator;
+
+/// How the mesh follows the tension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// In time, by a form of Verlet's method, as in `coelho_2021`.
+    Verlet(Integrator),
+    /// Along its path of equilibria, where time does not matter ([`quasi_static`]).
+    QuasiStatic,
+}
+
+impl Method {
+    /// The form of Verlet's method for a motion in time; for a method that has none, the paper's.
+    pub fn in_time(self) -> Integrator {
+        match self {
+            Self::Verlet(form) => form,
+            Self::QuasiStatic => Integrator::StoermerVerlet,
+        }
+    }
+}

@@ -41,7 +41,6 @@ pub use shape::{Shape, ShapeError, Source};
 pub use template::template;
 
 use crate::cell::solve::Method;
-use crate::integrate::verlet::Integrator;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use schemars::JsonSchema;
@@ -261,15 +260,32 @@ pub struct MechanicsTable {
     pub bed_stiffness: Option<Setting>,
 }
 
+/// How the mesh follows the tension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum IntegratorName {
+    /// In time, by the paper's form of Verlet's method: the same as "stoermer-verlet".
+    Verlet,
+    /// Stoermer-Verlet, the paper's Eq. (16).
+    StoermerVerlet,
+    /// Velocity Verlet: the same positions to rounding.
+    VelocityVerlet,
+    /// Along the path of equilibria: fast, for tension along the fibre and the area law "gradient".
+    QuasiStatic,
+}
+
 /// `[numerics]`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 #[schemars(inline)]
 pub struct NumericsTable {
-    /// Form of Verlet's method.
+    /// How the mesh follows the tension: in time by Verlet's method, of which "verlet" is the paper's form,
+    /// or along its equilibria.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub integrator: Option<Integrator>,
+    pub integrator: Option<IntegratorName>,
     /// Mechanical time step; by default 0.95 of the stability limit. A step above the limit is refused.
+    /// Not for "quasi-static".
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::TIME_STEP.in_schema())]
     pub time_step: Option<Setting>,

@@ -10,15 +10,18 @@
 //! |-|-|-|-|-|   masses: n equal Verlet steps, tension linear in between
 //! ```
 //!
-//! [`Prepared::run`] moves the masses in time, [`Simulation::run_quasi_static`] puts them along their path of
-//! equilibria; the loop is the same.
+//! [`Prepared::run`] moves the masses in time, [`PreparedPath::run`] puts them along their path of
+//! equilibria; the loop is the same. [`Simulation::ready`] takes the one that the settings ask for.
 //!
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
 
 pub mod quasi_static;
+mod ready;
 mod stop;
 
+pub use quasi_static::PreparedPath;
+pub use ready::{Effort, Finished, Ready};
 pub use stop::{SetupError, StopReason};
 
 use crate::analysis::shape::{self, ShapeMeter};
@@ -26,6 +29,7 @@ use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, Settings, SolveError};
 use crate::cell::{CellModel, coelho_2021};
+use crate::integrate::Method;
 use crate::integrate::verlet::{Integrator, Motion};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::signed_area;
@@ -39,9 +43,9 @@ use crate::recording::{Frame, Recording, Sample};
 /// Numerical settings of a run; [`Default`] gives a converged beat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Numerics {
-    /// Form of Verlet's method; Stoermer-Verlet, the paper's.
-    pub integrator: Integrator,
-    /// Mechanical time step, ms; `None` takes [`SAFETY`] of the stability limit.
+    /// How the mesh follows the tension; by Stoermer-Verlet, as in the paper.
+    pub method: Method,
+    /// Mechanical time step of a motion in time, ms; `None` takes [`SAFETY`] of the stability limit.
     pub time_step: Option<f64>,
     /// Interval at which cell model and mesh exchange tension and stretch, ms; 0.25.
     pub exchange_interval: f64,
@@ -60,7 +64,7 @@ pub struct Numerics {
 impl Default for Numerics {
     fn default() -> Self {
         Self {
-            integrator: Integrator::StoermerVerlet,
+            method: Method::Verlet(Integrator::StoermerVerlet),
             time_step: None,
             exchange_interval: 0.25,
             output_interval: 0.5,
@@ -160,6 +164,14 @@ struct Setup<'a> {
     resting_length: f64,
 }
 
+/// The mesh with its forces, and what measures it.
+struct Assembly {
+    body: Body,
+    system: System,
+    meter: ShapeMeter,
+    resting_length: f64,
+}
+
 /// What a shape is recorded by; units as in [`Sample`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Observed {
@@ -216,7 +228,8 @@ impl Simulation {
         }
     }
 
-    /// Assembles the forces and chooses the time step.
+    /// Assembles the forces and chooses the time step of a motion in time, whatever method the
+    /// numerical settings name.
     ///
     /// # Errors
     /// A time step above the stability limit, or a cell model without tension.
@@ -243,6 +256,12 @@ impl Simulation {
         let settings = self.numerics.cell;
         let peak = solve::reference_beat(&*self.cell, settings).map_err(failed)?.peak_tension;
         let cell = CellIntegrator::new(&*self.cell, self.protocol, settings).map_err(failed)?;
+        let Assembly { body, system, meter, resting_length } = self.assembled();
+        let tension_scale = self.peak_tension / peak;
+        Ok(Setup { simulation: self, cell, body, system, meter, tension_scale, resting_length })
+    }
+
+    fn assembled(&self) -> Assembly {
         let resting_length = shape::extent(&self.mesh.points, self.long_axis);
         let (body, system) = assemble(
             &self.mesh,
@@ -262,8 +281,7 @@ impl Simulation {
             }
         }
         let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
-        let tension_scale = self.peak_tension / peak;
-        Ok(Setup { simulation: self, cell, body, system, meter, tension_scale, resting_length })
+        Assembly { body, system, meter, resting_length }
     }
 }
 
@@ -277,7 +295,7 @@ impl Prepared<'_> {
     /// sample and stops the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         let Setup { simulation, body, system, .. } = &self.setup;
-        let integrator = simulation.numerics.integrator;
+        let integrator = simulation.numerics.method.in_time();
         let mut motion = Motion::new(system, body.clone(), integrator, self.time_step());
         if let Some(lattice) = &simulation.mesh.lattice {
             motion = motion.on_lattice(lattice, simulation.numerics.threads);

@@ -6,6 +6,7 @@ mod common;
 use myospring::analysis::{contraction, trace, value};
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::{self, CellModel, Input, ModelError, toy};
+use myospring::integrate::Method;
 use myospring::integrate::verlet::Integrator;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, Stiffness, default_material};
@@ -157,7 +158,7 @@ fn a_smaller_step_or_the_other_form_of_verlet_gives_the_same_beat() {
     let mut finer = quick_twitch(built_in_cell(0.0, Some(2.4)));
     finer.numerics.time_step = Some(0.5 * default.prepare().unwrap().time_step());
     let mut other = quick_twitch(built_in_cell(0.0, Some(2.4)));
-    other.numerics.integrator = Integrator::VelocityVerlet;
+    other.numerics.method = Method::Verlet(Integrator::VelocityVerlet);
     for (name, simulation) in [("half the step", finer), ("velocity Verlet", other)] {
         let peak = peak_shortening(&run(&simulation));
         assert!(

@@ -3,7 +3,7 @@
 
 use myospring::cell::pacing::Protocol;
 use myospring::cell::{CellModel, toy};
-use myospring::integrate::quasi_static::{Path, PathError, Tolerance};
+use myospring::integrate::quasi_static::{Path, PathError, Place, Tolerance};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::area::AreaLaw;
@@ -192,7 +192,10 @@ fn a_clamped_strip_that_is_pushed_buckles_at_eulers_load() {
         let (body, system) = cell(&mesh, &material, SupportKind::ClampedEnds);
         let mut path = Path::start(&system, &body, Tolerance::default()).unwrap();
         let error = path.extend(-20.0).unwrap_err();
-        let PathError::Unstable { tension, beyond } = error else { panic!("{error}") };
+        let PathError::Unstable { tension, beyond, place } = error else { panic!("{error}") };
+        // Both ends are held, so the middle gives way.
+        let Place { x, .. } = place.unwrap();
+        assert!((x - 50.0).abs() < 5.0, "x = {x} um of 100 um");
         let euler = 308.0 * PI * PI / 3.0 * (rows as f64 / 90.0).powi(2);
         assert!((-tension / euler - 1.0).abs() < 0.07, "{tension} kPa, Euler {euler}");
         assert!((beyond - tension).abs() < 0.003, "{tension} and {beyond} kPa");
@@ -391,6 +394,114 @@ fn a_tension_that_crushes_the_lattice_stops_the_run_with_the_tension() {
         "{stop}"
     );
     assert!(stop.to_string().contains("kPa"), "{stop}");
+}
+
+#[test]
+fn ten_beats_and_any_course_of_tension_solve_no_more_load_steps_than_one() {
+    let beats = |beats: u32| {
+        let mut simulation = Simulation::coelho_2021(built_in_cell(0.0, 4.0));
+        simulation.protocol.beats = beats;
+        simulation.duration = 1000.0 * f64::from(beats);
+        along_path(&simulation)
+    };
+    let (one, ten) = (beats(1), beats(10));
+    assert_eq!(
+        (one.load_steps, one.newton_iterations, one.factorisations),
+        (ten.load_steps, ten.newton_iterations, ten.factorisations)
+    );
+    let largest = |outcome: &QuasiStaticOutcome| {
+        outcome.recording.samples.iter().map(|s| s.shortening_pct).fold(0.0, f64::max)
+    };
+    assert!((largest(&ten) / largest(&one) - 1.0).abs() < 0.01, "the later beats are there");
+
+    // The tension of that beat as a bare series gives the same curve; a made-up one runs as well.
+    let simulation = Simulation::coelho_2021(built_in_cell(0.0, 4.0));
+    let equilibria = simulation.equilibria(&[50.1, -5.0], Tolerance::default()).unwrap();
+    let solved = equilibria.shapes.load_steps();
+    let series: Vec<[f64; 2]> = one.recording.samples.iter().map(|s| [s.t_ms, s.ta_kpa]).collect();
+    let curve = equilibria.follow(&series).unwrap();
+    for (response, sample) in curve.iter().zip(&one.recording.samples) {
+        // Twice the interpolation's error, 1e-6 of the length.
+        assert!((response.length_um - sample.length_um).abs() < 2.8e-4, "{} ms", sample.t_ms);
+        assert_eq!((response.t_ms, response.ta_kpa), (sample.t_ms, sample.ta_kpa));
+    }
+    let wave: Vec<[f64; 2]> =
+        (0..5000).map(|k| [f64::from(k), 20.0 + 24.0 * (0.01 * f64::from(k)).sin()]).collect();
+    assert_eq!(equilibria.follow(&wave).unwrap().len(), wave.len());
+    assert_eq!(equilibria.shapes.load_steps(), solved);
+    let shape = equilibria.positions(44.0).unwrap();
+    assert_eq!(shape[0].len(), simulation.mesh.len());
+    for tension in [60.0, f64::NAN] {
+        let error = equilibria.follow(&[[0.0, 1.0], [7.0, tension]]).unwrap_err().to_string();
+        assert!(error.contains("entry 1") && error.contains("-5 to 50.1 kPa"), "{error}");
+    }
+}
+
+#[test]
+fn a_cell_between_clamps_keeps_its_length_to_the_last_bit() {
+    let cell = Simulation::coelho_2021(built_in_cell(0.0, 5.0));
+    let simulation = Simulation { support: SupportKind::ClampedEnds, ..cell };
+    let samples = along_path(&simulation).recording.samples;
+    assert!(samples.iter().all(|sample| sample.shortening_pct == 0.0));
+    let inside = samples.iter().map(|sample| sample.elastic_energy_fj).fold(0.0, f64::max);
+    assert!(inside > 1.0, "but it deforms inside: {inside} fJ");
+}
+
+/// Distances of all nodes from the first and from the last, um.
+fn distances(positions: &Vectors) -> Vectors {
+    let [x, y] = positions;
+    [0, x.len() - 1]
+        .map(|from| (0..x.len()).map(|node| (x[node] - x[from]).hypot(y[node] - y[from])).collect())
+}
+
+#[test]
+fn every_support_with_fibres_at_any_angle_has_the_path_on_which_a_motion_comes_to_rest() {
+    let mesh = tear_drop(5.0);
+    let axis = quality::long_axis(&mesh);
+    let length = quality::extent(&mesh, axis);
+    // A field as well: fibres that turn by 60 degrees from one end to the other.
+    let field = |angle: f64, turn: f64| -> Vec<[f64; 2]> {
+        let direction = |simplex: &myospring::mesh::Simplex<3>| {
+            let x: f64 =
+                simplex.nodes.iter().map(|&n| mesh.points[0][n as usize]).sum::<f64>() / 3.0;
+            let (sine, cosine) = (angle + turn * x / length).sin_cos();
+            [cosine, sine]
+        };
+        mesh.simplices.iter().map(direction).collect()
+    };
+    for support in [
+        SupportKind::MassCentre,
+        SupportKind::ClampedEnd,
+        SupportKind::ClampedEnds,
+        SupportKind::SpringHeldEnds { stiffness: 300.0 },
+        SupportKind::ElasticBed { stiffness: 0.5 },
+    ] {
+        for (angle, turn) in [(0.35, 0.0), (0.8, 0.0), (1.6, 0.0), (-0.2, 1.05)] {
+            let fibres = field(angle, turn);
+            let (body, system) = assemble(
+                &mesh,
+                &default_material(),
+                ActiveLaw::Fibre,
+                &fibres,
+                support,
+                axis,
+                length,
+            );
+            let path = Path::solve(&system, &body, 30.0, Tolerance::default()).unwrap();
+            let shape = path.positions(30.0).unwrap();
+            let rest = settled(&system, &body, 30.0);
+            // A free body may turn a little while its shape changes, without angular momentum, like a
+            // falling cat; only its shape is the same.
+            let error = if support == SupportKind::MassCentre {
+                largest_difference(&distances(&shape), &distances(&rest))
+            } else {
+                largest_difference(&shape, &rest)
+            };
+            // Held at one end, bending with a period of 20 ms has not quite come to rest.
+            let bound = if support == SupportKind::ClampedEnd { 0.02 } else { 1e-3 };
+            assert!(error < bound, "{support:?}, {angle} rad + {turn}: {error} um");
+        }
+    }
 }
 
 #[test]

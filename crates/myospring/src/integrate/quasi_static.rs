@@ -25,15 +25,22 @@
 //!
 //! Not covered, and refused with what to use instead: forces without an energy, active loads from
 //! outside, dampings so strong that they delay the shape. Inverted triangles are no error here, since a
-//! path knows no triangles: see [`Path::tensions`].
+//! path knows no triangles: see [`Shapes::tensions`].
 
 mod equilibrium;
+mod error;
 mod factor;
+mod shapes;
+
+pub use error::{PathError, Place};
+pub use shapes::Shapes;
 
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use equilibrium::{Failure, Rest, Solver, largest};
+use shapes::{Knot, interpolate};
+use std::ops::Deref;
 
 /// How exact a path is; [`Default`] is far inside what a laboratory can read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,90 +63,8 @@ impl Default for Tolerance {
     }
 }
 
-/// Why there is no path, or none so far.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PathError {
-    /// A force has no energy, so the shape depends on how it was reached.
-    #[error(
-        "{force}: this law has no energy, so there is no path of equilibria; use the area law \
-         `gradient`, or integrate in time with Verlet's method"
-    )]
-    NoEnergy {
-        /// The force.
-        force: &'static str,
-    },
-    /// A load from outside turns and pushes the body; its work depends on how the body is held.
-    #[error(
-        "{force}: loads from outside have no path of equilibria here; use tension along the fibre, or \
-         integrate in time with Verlet's method"
-    )]
-    External {
-        /// The force.
-        force: &'static str,
-    },
-    /// A force does not tell its stiffness.
-    #[error(
-        "{force}: this force has no tangent stiffness, which the path of equilibria needs; implement \
-         `Force::add_stiffness`, or integrate in time with Verlet's method"
-    )]
-    NoStiffness {
-        /// The force.
-        force: &'static str,
-    },
-    /// The dampings delay the shape.
-    #[error(
-        "drag and dashpots delay the shape by {delay:.2} ms, more than {longest} ms, so it is no \
-         function of the tension alone; integrate in time with Verlet's method, or lower \
-         drag and period of the slowest vibration if they are numerical"
-    )]
-    Delayed {
-        /// By how much, ms.
-        delay: f64,
-        /// What is allowed, ms.
-        longest: f64,
-    },
-    /// The equilibrium loses its stability.
-    #[error(
-        "the equilibrium is unstable beyond {tension:.4} kPa (its stiffness is no longer positive \
-         definite at {beyond:.4} kPa): the cell buckles or collapses there; keep the tension below, stiffen \
-         the cell, or integrate in time with Verlet's method to see what follows"
-    )]
-    Unstable {
-        /// The last tension with a stable equilibrium, kPa.
-        tension: f64,
-        /// A tension without, kPa.
-        beyond: f64,
-    },
-    /// No equilibrium was found.
-    #[error(
-        "no equilibrium was found beyond {tension:.4} kPa (tried {beyond:.4} kPa): the forces are too \
-         strong for this lattice; lower the tension or the area modulus, or raise Young's modulus"
-    )]
-    Lost {
-        /// The last tension with a stable equilibrium, kPa.
-        tension: f64,
-        /// The tension tried, kPa.
-        beyond: f64,
-    },
-    /// The matrix does not fit into memory.
-    #[error(
-        "the stiffness of {masses} masses cannot be factorised in this machine's memory; use a coarser mesh, or \
-         integrate in time with Verlet's method"
-    )]
-    TooLarge {
-        /// How many masses there are.
-        masses: usize,
-    },
-    /// The tension asked for is not a number.
-    #[error("a tension of {tension} kPa has no equilibrium; give a finite one")]
-    NotFinite {
-        /// The tension, kPa.
-        tension: f64,
-    },
-}
-
 /// A step as short as allowed that misses by more than this multiple of what is allowed leads to
-/// another path: the cell snaps. A lesser one crosses a bend, and counts in [`Path::error`].
+/// another path: the cell snaps. A lesser one crosses a bend, and counts in [`Shapes::error`].
 const TORN: f64 = 100.0;
 
 /// What came of a load step.
@@ -148,17 +73,6 @@ struct Judgement {
     /// Its error against what is allowed.
     ratio: f64,
     kept: bool,
-}
-
-/// One load step's end.
-#[derive(Debug, Clone, PartialEq)]
-struct Knot {
-    /// kPa.
-    tension: f64,
-    /// um.
-    positions: Vectors,
-    /// um/kPa.
-    slope: Vectors,
 }
 
 /// Equilibria from tension 0 upward, and downward, as far as they were asked for.
@@ -184,16 +98,16 @@ struct Knot {
 /// ```
 pub struct Path<'a> {
     solver: Solver<'a>,
-    tolerance: Tolerance,
-    /// The body's largest extent, um.
-    extent: f64,
-    /// From tension 0 downward, and upward; both begin with the body at rest.
-    branches: [Vec<Knot>; 2],
-    /// Length of the next load step on each branch, kPa; 0 if none was made.
-    steps: [f64; 2],
-    error: f64,
-    delay: f64,
-    newton_iterations: usize,
+    shapes: Shapes,
+}
+
+/// A path is read as its shapes so far are.
+impl Deref for Path<'_> {
+    type Target = Shapes;
+
+    fn deref(&self) -> &Shapes {
+        &self.shapes
+    }
 }
 
 impl<'a> Path<'a> {
@@ -236,7 +150,7 @@ impl<'a> Path<'a> {
         let mut solver = Solver::new(system, body);
         let rest = solver
             .find(&body.positions, 0.0, tolerance.equilibrium * extent)
-            .map_err(|failure| ending(failure, body, 0.0, 0.0))?;
+            .map_err(|failure| ending(failure, body, [0.0; 2], None))?;
         // Power of the dampings when the shape moves at the rate `slope` per kPa and ms, against the
         // power of its elastic forces: how long a shape takes to follow.
         let at =
@@ -248,8 +162,7 @@ impl<'a> Path<'a> {
         }
         let newton_iterations = rest.corrections.len();
         let knot = Knot { tension: 0.0, positions: rest.positions, slope: rest.slope };
-        Ok(Self {
-            solver,
+        let shapes = Shapes {
             tolerance,
             extent,
             branches: [vec![knot.clone()], vec![knot]],
@@ -257,7 +170,19 @@ impl<'a> Path<'a> {
             error: 0.0,
             delay,
             newton_iterations,
-        })
+            factorisations: solver.factorisations,
+        };
+        Ok(Self { solver, shapes })
+    }
+
+    /// A path that goes on from shapes found before for the same forces and body.
+    pub fn resume(system: &'a System, body: &'a Body, shapes: Shapes) -> Self {
+        Self { solver: Solver::new(system, body), shapes }
+    }
+
+    /// The shapes, without the body and its forces.
+    pub fn into_shapes(self) -> Shapes {
+        self.shapes
     }
 
     /// Goes on to a tension in kPa; nothing to do if the path has been there.
@@ -272,18 +197,30 @@ impl<'a> Path<'a> {
         let side = usize::from(tension > 0.0);
         let direction = if tension > 0.0 { 1.0 } else { -1.0 };
         let smallest = self.tolerance.smallest_step * tension.abs();
+        let before = self.solver.factorisations;
+        let reached = self.extend_branch(side, direction, tension.abs(), smallest);
+        self.shapes.factorisations += self.solver.factorisations - before;
+        reached
+    }
+
+    fn extend_branch(
+        &mut self,
+        side: usize,
+        direction: f64,
+        tension: f64,
+        smallest: f64,
+    ) -> Result<(), PathError> {
         loop {
-            let branch = &self.branches[side];
-            let last = &branch[branch.len() - 1];
-            let left = tension.abs() - last.tension.abs();
+            let last = self.last(side);
+            let left = tension - last.tension.abs();
             if left <= 0.0 {
                 return Ok(());
             }
-            let first = branch.len() == 1;
+            let first = self.branches[side].len() == 1;
             if self.steps[side] == 0.0 {
                 // The straight line from rest moves no point by more than a twentieth of the body.
                 let rate = largest(&last.slope).max(f64::MIN_POSITIVE);
-                self.steps[side] = (0.05 * self.extent / rate).min(tension.abs());
+                self.shapes.steps[side] = (0.05 * self.extent / rate).min(tension);
             }
             let planned = self.steps[side].max(smallest);
             let step = if planned >= left {
@@ -302,32 +239,37 @@ impl<'a> Path<'a> {
             let failure = match tried {
                 Ok(Judgement { ratio, kept }) => {
                     // The next step keeps a margin below what the error allows.
-                    self.steps[side] = step * (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
+                    self.shapes.steps[side] = step * (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
                     (shortest && !kept).then_some(Failure::NoRest)
                 }
                 Err(failure) => {
-                    self.steps[side] = 0.5 * step;
+                    self.shapes.steps[side] = 0.5 * step;
                     (shortest || failure == Failure::TooLarge).then_some(failure)
                 }
             };
             if let Some(failure) = failure {
-                let branch = &self.branches[side];
-                let tension = branch[branch.len() - 1].tension;
-                return Err(ending(
-                    failure,
-                    self.solver.body(),
-                    tension,
-                    tension + direction * step,
-                ));
+                let Knot { tension, positions, .. } = self.last(side).clone();
+                let place = self.solver.softest_node(&positions, tension).map(|node| {
+                    let [x, y] = [0, 1].map(|axis| positions[axis][node]);
+                    Place { node, x, y }
+                });
+                let tensions = [tension, tension + direction * step];
+                return Err(ending(failure, self.solver.body(), tensions, place));
             }
         }
+    }
+
+    /// The farthest equilibrium of a branch.
+    fn last(&self, side: usize) -> &Knot {
+        let branch = &self.branches[side];
+        &branch[branch.len() - 1]
     }
 
     fn find(&mut self, guess: &Vectors, tension: f64) -> Result<(Knot, f64), Failure> {
         let tolerance = self.tolerance.equilibrium * self.extent;
         let found = self.solver.find(guess, tension, tolerance);
         let Rest { positions, slope, corrections, .. } = found?;
-        self.newton_iterations += corrections.len();
+        self.shapes.newton_iterations += corrections.len();
         let mut missed = 0.0_f64;
         for axis in 0..2 {
             for (a, b) in positions[axis].iter().zip(&guess[axis]) {
@@ -347,8 +289,8 @@ impl<'a> Path<'a> {
         let ratio = 2.0 * error / allowed;
         let kept = ratio <= 1.0 || (shortest && ratio <= TORN);
         if kept {
-            self.error = self.error.max(2.0 * error);
-            self.branches[side].extend(knots);
+            self.shapes.error = self.error.max(2.0 * error);
+            self.shapes.branches[side].extend(knots);
         }
         Judgement { ratio, kept }
     }
@@ -379,63 +321,17 @@ impl<'a> Path<'a> {
         let error = missed * (step / (4.0 * (done + step))).powi(2);
         Ok(self.judge(side, error, shortest, vec![knot]))
     }
-
-    /// The lowest and the highest tension of the path, kPa.
-    pub fn range(&self) -> [f64; 2] {
-        [0, 1].map(|side| self.branches[side][self.branches[side].len() - 1].tension)
-    }
-
-    /// Tensions at which the equilibrium was solved, kPa, in ascending order.
-    ///
-    /// Between two of them each coordinate is a cubic polynomial of the tension.
-    pub fn tensions(&self) -> Vec<f64> {
-        let [down, up] = &self.branches;
-        down.iter().rev().chain(&up[1..]).map(|knot| knot.tension).collect()
-    }
-
-    /// Positions under a tension in kPa, um; `None` outside [`Path::range`].
-    pub fn positions(&self, tension: f64) -> Option<Vectors> {
-        let [lowest, highest] = self.range();
-        if !(lowest..=highest).contains(&tension) {
-            return None;
-        }
-        let branch = &self.branches[usize::from(tension > 0.0)];
-        let after = branch.partition_point(|knot| knot.tension.abs() < tension.abs());
-        if branch[after].tension == tension {
-            return Some(branch[after].positions.clone());
-        }
-        let mut positions = zeros(branch[0].positions[0].len());
-        interpolate(&branch[after - 1], &branch[after], tension, &mut positions);
-        Some(positions)
-    }
-
-    /// The largest estimated error of an interpolated position, um.
-    pub fn error(&self) -> f64 {
-        self.error
-    }
-
-    /// Time by which drag and dashpots would delay the shape in a motion, ms: what a run in time lags
-    /// behind the path.
-    pub fn delay(&self) -> f64 {
-        self.delay
-    }
-
-    /// Number of load steps.
-    pub fn load_steps(&self) -> usize {
-        self.branches.iter().map(|branch| branch.len() - 1).sum()
-    }
-
-    /// Iterations of Newton's method in all accepted and rejected steps that came to rest; each
-    /// factorises one matrix.
-    pub fn newton_iterations(&self) -> usize {
-        self.newton_iterations
-    }
 }
 
-fn ending(failure: Failure, body: &Body, tension: f64, beyond: f64) -> PathError {
+fn ending(
+    failure: Failure,
+    body: &Body,
+    [tension, beyond]: [f64; 2],
+    place: Option<Place>,
+) -> PathError {
     match failure {
-        Failure::Indefinite => PathError::Unstable { tension, beyond },
-        Failure::NoRest => PathError::Lost { tension, beyond },
+        Failure::Indefinite => PathError::Unstable { tension, beyond, place },
+        Failure::NoRest => PathError::Lost { tension, beyond, place },
         Failure::TooLarge => PathError::TooLarge { masses: body.len() },
     }
 }
@@ -462,21 +358,4 @@ fn check_forces(system: &System, body: &Body) -> Result<(), PathError> {
         }
     }
     Ok(())
-}
-
-/// Hermite's cubic through two knots with their slopes, also outside of them.
-fn interpolate(from: &Knot, to: &Knot, tension: f64, positions: &mut Vectors) {
-    let width = to.tension - from.tension;
-    let s = (tension - from.tension) / width;
-    let end = s * s * (3.0 - 2.0 * s);
-    let (leave, arrive) = (width * s * (1.0 - s).powi(2), width * s * s * (s - 1.0));
-    for axis in 0..2 {
-        let (x0, x1) = (&from.positions[axis], &to.positions[axis]);
-        let (d0, d1) = (&from.slope[axis], &to.slope[axis]);
-        for (node, position) in positions[axis].iter_mut().enumerate() {
-            // In this order a node that is held stays to the last bit.
-            let moved = end * (x1[node] - x0[node]) + leave * d0[node] + arrive * d1[node];
-            *position = x0[node] + moved;
-        }
-    }
 }

@@ -96,6 +96,9 @@ impl Reader {
                 self.remove(other);
             }
         }
+        if key == "numerics.integrator" && value.as_str() == Some("quasi-static") {
+            self.remove("numerics.time_step");
+        }
         let origin = Origin::Option(option.to_owned());
         self.origins.insert(key.to_owned(), Place { key: origin.clone(), value: origin });
         if let Some((table, name)) = key.split_once('.') {

@@ -5,13 +5,16 @@ use super::check::nearest;
 use super::error::Problem;
 use super::shape::{Shape, Source};
 use super::{
-    CellTable, Fibre, MaterialTable, MechanicsTable, NumericsTable, Run, RunFile, ShapeTable,
-    StimulusKind, StimulusTable, SupportName,
+    CellTable, Fibre, IntegratorName, MaterialTable, MechanicsTable, NumericsTable, Run, RunFile,
+    ShapeTable, StimulusKind, StimulusTable, SupportName,
 };
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::solve::Settings;
 use crate::cell::{self, CellModel, coelho_2021};
+use crate::integrate::Method;
+use crate::integrate::verlet::Integrator;
 use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, Stiffness, default_material};
 use crate::mechanics::support::SupportKind;
 use crate::mesh::built_in;
@@ -43,6 +46,7 @@ pub(super) fn resolve(file: &RunFile) -> Checked<Run> {
     let protocol = protocol(&file.stimulus, &*cell, as_authors)?;
     let last = f64::from(protocol.beats.saturating_sub(1)) * protocol.cycle_length_ms;
     let numerics = numerics(&file.numerics, settings)?;
+    check_method(file, numerics.method)?;
     let exchange = numerics.exchange_interval;
     // The authors' stimulus falls one of their steps before 50 ms; the run still lasts 600 ms.
     let enough = ((protocol.start_ms + last + AFTER_LAST_STIMULUS) / exchange).ceil() * exchange;
@@ -334,7 +338,7 @@ fn numerics(table: &NumericsTable, cell: Settings) -> Checked<Numerics> {
     let output = table.output_interval.as_ref();
     let frame = table.frame_interval.as_ref();
     Ok(Numerics {
-        integrator: table.integrator.unwrap_or(default.integrator),
+        method: table.integrator.map_or(default.method, method),
         time_step: table.time_step.as_ref().map(|step| bounds::TIME_STEP.read(step)).transpose()?,
         exchange_interval: bounds::EXCHANGE_INTERVAL
             .read_or(exchange, default.exchange_interval)?,
@@ -343,6 +347,49 @@ fn numerics(table: &NumericsTable, cell: Settings) -> Checked<Numerics> {
         cell,
         threads: 1,
     })
+}
+
+fn method(name: IntegratorName) -> Method {
+    match name {
+        IntegratorName::Verlet | IntegratorName::StoermerVerlet => {
+            Method::Verlet(Integrator::StoermerVerlet)
+        }
+        IntegratorName::VelocityVerlet => Method::Verlet(Integrator::VelocityVerlet),
+        IntegratorName::QuasiStatic => Method::QuasiStatic,
+    }
+}
+
+/// Settings without a path of equilibria stand in the way of a quasi-static run.
+fn check_method(file: &RunFile, method: Method) -> Checked<()> {
+    if method != Method::QuasiStatic {
+        return Ok(());
+    }
+    let hindrances = [
+        (
+            matches!(file.material.area_law, Some(AreaLaw::Barycentric | AreaLaw::Printed)),
+            "material.area_law",
+            "this area law has no energy, so the shape is no function of the tension; use area_law = \
+             \"gradient\", or integrator = \"verlet\"",
+        ),
+        (
+            file.mechanics.active == Some(ActiveLaw::Ends),
+            "mechanics.active",
+            "loads on the ends push the cell from outside and have no path of equilibria; use active \
+             = \"fibre\", or integrator = \"verlet\"",
+        ),
+        (
+            file.numerics.time_step.is_some(),
+            "numerics.time_step",
+            "equilibria know no time step; leave it out, or use integrator = \"verlet\"",
+        ),
+    ];
+    match hindrances.into_iter().find(|(stands, ..)| *stands) {
+        None => Ok(()),
+        Some((_, second, advice)) => {
+            let first = "integrator = \"quasi-static\"";
+            fail(second, Problem::Conflict { first, second, advice })
+        }
+    }
 }
 
 /// Intervals must divide each other, and there must be room for what they record.

@@ -3,11 +3,13 @@
 use super::bounds::{self, Setting};
 use super::shape::{Shape, Source};
 use super::{
-    CellTable, MaterialTable, MechanicsTable, NumericsTable, RunFile, RunTable, ShapeTable,
-    StimulusKind, StimulusTable, SupportName,
+    CellTable, IntegratorName, MaterialTable, MechanicsTable, NumericsTable, RunFile, RunTable,
+    ShapeTable, StimulusKind, StimulusTable, SupportName,
 };
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::{self, CellModel};
+use crate::integrate::Method;
+use crate::integrate::verlet::Integrator;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, Stiffness};
@@ -116,7 +118,7 @@ impl Run {
                 self.duration
             ));
         }
-        if self.material.slowest_period > 2.0 {
+        if self.material.slowest_period > 2.0 && self.numerics.method != Method::QuasiStatic {
             warnings.push(format!(
                 "slowest_period = {} ms is above 2 ms: inertia may be seen in the contraction",
                 self.material.slowest_period
@@ -148,11 +150,12 @@ impl Run {
         }
     }
 
-    /// The run file that repeats this run, with the spacing (um) and time step (ms) that it took.
-    pub fn settled(&self, spacing: f64, time_step: f64) -> RunFile {
+    /// The run file that repeats this run, with the spacing (um) and time step (ms) that it took;
+    /// a quasi-static run takes none.
+    pub fn settled(&self, spacing: f64, time_step: Option<f64>) -> RunFile {
         let mut file = self.to_run_file();
         file.shape.spacing = Some(bounds::SPACING.write(spacing));
-        file.numerics.time_step = Some(bounds::TIME_STEP.write(time_step));
+        file.numerics.time_step = time_step.map(|step| bounds::TIME_STEP.write(step));
         file
     }
 
@@ -262,7 +265,11 @@ impl Run {
     fn numerics_table(&self) -> NumericsTable {
         let numerics = &self.numerics;
         NumericsTable {
-            integrator: Some(numerics.integrator),
+            integrator: Some(match numerics.method {
+                Method::Verlet(Integrator::StoermerVerlet) => IntegratorName::Verlet,
+                Method::Verlet(Integrator::VelocityVerlet) => IntegratorName::VelocityVerlet,
+                Method::QuasiStatic => IntegratorName::QuasiStatic,
+            }),
             time_step: numerics.time_step.map(|step| bounds::TIME_STEP.write(step)),
             exchange_interval: Some(bounds::EXCHANGE_INTERVAL.write(numerics.exchange_interval)),
             output_interval: Some(bounds::OUTPUT_INTERVAL.write(numerics.output_interval)),

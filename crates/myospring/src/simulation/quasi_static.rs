@@ -6,13 +6,16 @@
 //! through four of them: exact for lengths, which are cubic polynomials of the tension as long as the
 //! same nodes are outermost. A frame is the path's own shape.
 //!
-//! Nothing moves, so momenta and kinetic energy are 0, and nothing is dissipated: the work of the active force is
-//! the elastic energy, added up on its own as in a run in time.
+//! Nothing moves, so momenta and kinetic energy are 0, and nothing is dissipated: these are the limits of
+//! a slow contraction, not unknowns. The work of the active force is the elastic energy, added up on its
+//! own as in a run in time.
 
-use super::{Observed, Progress, Setup, SetupError, Shaping, Simulation, StopReason};
+use super::{Assembly, Observed, Progress, Setup, SetupError, Shaping, Simulation, StopReason};
 use super::{fault, projected_area};
-use crate::integrate::quasi_static::{Path, PathError, Tolerance};
-use crate::mechanics::{Configuration, Vectors, zeros};
+use crate::analysis::shape::ShapeMeter;
+use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
+use crate::mechanics::{Configuration, System, Vectors, zeros};
+use crate::mesh::Mesh;
 use crate::recording::Recording;
 
 /// Intervals at whose ends a load step is measured.
@@ -31,22 +34,49 @@ pub struct QuasiStaticOutcome {
     pub stop: Option<StopReason>,
     /// Load steps of the path.
     pub load_steps: usize,
-    /// Iterations of Newton's method; each factorises one matrix.
+    /// Iterations of Newton's method.
     pub newton_iterations: usize,
+    /// Matrices factorised: one for each iteration, those of steps that found no rest included.
+    pub factorisations: usize,
     /// Largest estimated error of a position, um.
     pub error: f64,
     /// Time by which a run in time with the same dampings lags behind, ms.
     pub delay: f64,
 }
 
+/// A quasi-static run made ready: its path is solved up to the peak of tension.
+pub struct PreparedPath<'a> {
+    setup: Setup<'a>,
+    /// The shapes at every tension.
+    pub shapes: Shapes,
+    /// Why the path ends before the peak of tension, if it does.
+    pub end: Option<PathError>,
+}
+
 impl Simulation {
-    /// Runs along the path of equilibria, to the end or to the first thing that goes wrong; time step
-    /// and integrator of the numerical settings do not matter. `observe` is called at each recorded
-    /// sample and stops the run by returning `false`.
+    /// Solves the path of equilibria up to the peak of tension; time step and method of the numerical
+    /// settings do not matter.
     ///
     /// # Errors
     /// Forces for which there is no such path, or a cell model without tension. A path that ends
-    /// before the largest tension of the run is no error but a [`StopReason`].
+    /// before the peak is no error but [`PreparedPath::end`].
+    pub fn prepare_quasi_static(
+        &self,
+        tolerance: Tolerance,
+    ) -> Result<PreparedPath<'_>, SetupError> {
+        let setup = self.set_up()?;
+        let mut path = Path::start(&setup.system, &setup.body, tolerance)?;
+        let end = path.extend((1.0 + MARGIN) * self.peak_tension).err();
+        let shapes = path.into_shapes();
+        Ok(PreparedPath { setup, shapes, end })
+    }
+
+    /// Runs along the path of equilibria, to the end or to the first thing that goes wrong. `observe` is
+    /// called at each recorded sample and stops the run by returning `false`.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::prepare_quasi_static`]. A path that ends before the largest tension of
+    /// the run is no error but a [`StopReason`].
     ///
     /// # Example
     /// ```
@@ -66,13 +96,54 @@ impl Simulation {
         tolerance: Tolerance,
         observe: impl FnMut(Progress) -> bool,
     ) -> Result<QuasiStaticOutcome, SetupError> {
-        let setup = self.set_up()?;
-        let path = Path::start(&setup.system, &setup.body, tolerance)?;
+        Ok(self.prepare_quasi_static(tolerance)?.run(observe))
+    }
+
+    /// The mesh's equilibria at every tension from 0 to those in kPa, without a cell model: for any
+    /// course of tension ([`Equilibria::follow`]).
+    ///
+    /// # Errors
+    /// Forces for which there is no path of equilibria, and a path that ends before a tension.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::integrate::quasi_static::Tolerance;
+    /// use myospring::mesh::lattice;
+    /// use myospring::simulation::Simulation;
+    ///
+    /// let simulation = Simulation::coelho_2021(lattice::rectangle(20, 4, 5.0)?);
+    /// let equilibria = simulation.equilibria(&[50.0], Tolerance::default())?;
+    /// // A transient that was measured: time (ms) and tension (kPa).
+    /// let curve = equilibria.follow(&[[0.0, 0.0], [80.0, 31.0], [120.0, 50.0], [300.0, 4.0]])?;
+    /// assert!((curve[2].shortening_pct - 12.0).abs() < 0.1);
+    /// let shape = equilibria.positions(31.0).ok_or("31 kPa lies on the way to 50")?;
+    /// assert_eq!(shape[0].len(), simulation.mesh.len());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn equilibria(
+        &self,
+        tensions: &[f64],
+        tolerance: Tolerance,
+    ) -> Result<Equilibria, SetupError> {
+        let Assembly { body, system, meter, resting_length } = self.assembled();
+        let mut path = Path::start(&system, &body, tolerance)?;
+        for &tension in tensions {
+            path.extend(tension)?;
+        }
+        let curve = Curve::of(&path, &self.mesh, &system, &meter);
+        Ok(Equilibria { shapes: path.into_shapes(), curve, resting_length })
+    }
+}
+
+impl PreparedPath<'_> {
+    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
+    /// sample and stops the run by returning `false`.
+    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> QuasiStaticOutcome {
+        let setup = &self.setup;
+        let path = Path::resume(&setup.system, &setup.body, self.shapes.clone());
         let start = setup.tension_at_start();
-        let mut shaping =
-            AlongPath { setup: &setup, path, curve: Curve::default(), tension: start, offset: 0.0 };
-        // Should the path end before the peak, the run goes as far as it can and tells then.
-        let _ = shaping.extend((1.0 + MARGIN) * self.peak_tension);
+        let curve = Curve::along(&path, setup);
+        let mut shaping = AlongPath { setup, path, curve, tension: start, offset: 0.0 };
         let (recording, stop) = match shaping.follow(0.0, [start; 2]) {
             Ok(()) => {
                 shaping.offset = shaping.curve.at(start)[WORK];
@@ -80,14 +151,93 @@ impl Simulation {
             }
             Err(reason) => (Recording::default(), Some(reason)),
         };
-        Ok(QuasiStaticOutcome {
+        QuasiStaticOutcome {
             recording,
             stop,
             load_steps: shaping.path.load_steps(),
             newton_iterations: shaping.path.newton_iterations(),
+            factorisations: shaping.path.factorisations(),
             error: shaping.path.error(),
             delay: shaping.path.delay(),
-        })
+        }
+    }
+}
+
+/// One mesh at rest under every tension of a range.
+pub struct Equilibria {
+    /// The shapes and what they took.
+    pub shapes: Shapes,
+    curve: Curve,
+    resting_length: f64,
+}
+
+/// The answer of a mesh to one tension.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Time, ms.
+    pub t_ms: f64,
+    /// Active tension, kPa.
+    pub ta_kpa: f64,
+    /// End-to-end length along the reference long axis, um.
+    pub length_um: f64,
+    /// Width across the long axis, um.
+    pub width_um: f64,
+    /// Projected area, um^2.
+    pub area_um2: f64,
+    /// Shortening, per cent of the resting length.
+    pub shortening_pct: f64,
+    /// Energy of the passive forces, fJ.
+    pub elastic_energy_fj: f64,
+}
+
+/// A tension for which no equilibrium was asked.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "entry {index}, {tension} kPa at t = {time} ms, lies outside the equilibria that were solved, \
+     {lowest} to {highest} kPa; ask for the lowest and the highest tension of the series"
+)]
+pub struct OutOfRange {
+    /// Which entry of the series, the first is 0.
+    pub index: usize,
+    /// Time, ms.
+    pub time: f64,
+    /// Tension, kPa.
+    pub tension: f64,
+    /// Lowest tension solved, kPa.
+    pub lowest: f64,
+    /// Highest tension solved, kPa.
+    pub highest: f64,
+}
+
+impl Equilibria {
+    /// The answer to a series of tensions, `[time (ms), tension (kPa)]` each: as many entries, in the same
+    /// order. Nothing is solved for it.
+    ///
+    /// # Errors
+    /// A tension outside the range that was solved, or that is no number.
+    pub fn follow(&self, series: &[[f64; 2]]) -> Result<Vec<Response>, OutOfRange> {
+        let [lowest, highest] = self.shapes.range();
+        let one = |(index, &[time, tension]): (usize, &[f64; 2])| {
+            if !(lowest..=highest).contains(&tension) {
+                return Err(OutOfRange { index, time, tension, lowest, highest });
+            }
+            let [length, width, area, elastic_energy, _] = self.curve.at(tension);
+            Ok(Response {
+                t_ms: time,
+                ta_kpa: tension,
+                length_um: length,
+                width_um: width,
+                area_um2: area,
+                shortening_pct: 100.0 * (1.0 - length / self.resting_length),
+                elastic_energy_fj: elastic_energy,
+            })
+        };
+        series.iter().enumerate().map(one).collect()
+    }
+
+    /// Positions under a tension in kPa, um; `None` outside the range that was solved.
+    pub fn positions(&self, tension: f64) -> Option<Vectors> {
+        self.shapes.positions(tension)
     }
 }
 
@@ -106,8 +256,12 @@ struct Curve {
 }
 
 impl Curve {
-    fn of(path: &Path<'_>, setup: &Setup<'_>) -> Self {
-        let knots = path.tensions();
+    fn along(shapes: &Shapes, setup: &Setup<'_>) -> Self {
+        Self::of(shapes, &setup.simulation.mesh, &setup.system, &setup.meter)
+    }
+
+    fn of(shapes: &Shapes, mesh: &Mesh, system: &System, meter: &ShapeMeter) -> Self {
+        let knots = shapes.tensions();
         let mut tensions: Vec<f64> = knots
             .windows(2)
             .flat_map(|pair| {
@@ -117,15 +271,13 @@ impl Curve {
             })
             .collect();
         tensions.extend(knots.last());
-        let Setup { simulation, system, meter, body, .. } = setup;
-        let mesh = &simulation.mesh;
-        let still = zeros(body.len());
+        let still = zeros(mesh.len());
         let mut curve = Self { tensions, ..Self::default() };
         let mut sound = Vec::new();
         let mut before: Option<(f64, Vectors)> = None;
         let mut work = 0.0;
         for &tension in &curve.tensions {
-            let Some(positions) = path.positions(tension) else { break };
+            let Some(positions) = shapes.positions(tension) else { break };
             let energy = |positions: &Vectors, tension: f64| {
                 let at = Configuration { positions, velocities: &still, tension };
                 system.active_energy(&at)
@@ -170,7 +322,9 @@ impl Curve {
         let first = part - part % PARTS;
         let start = (part.max(first + 1) - 1).min(first + PARTS - 3);
         let nodes = &self.tensions[start..start + 4];
-        let mut sum = [0.0; 5];
+        // From the first value on, so that what does not change stays the same to the last bit.
+        let base = self.values[start];
+        let mut sum = base;
         for (k, values) in self.values[start..start + 4].iter().enumerate() {
             let mut weight = 1.0;
             for (j, node) in nodes.iter().enumerate() {
@@ -178,8 +332,8 @@ impl Curve {
                     weight *= (tension - node) / (nodes[k] - node);
                 }
             }
-            for (total, value) in sum.iter_mut().zip(values) {
-                *total += weight * value;
+            for ((total, value), base) in sum.iter_mut().zip(values).zip(base) {
+                *total += weight * (value - base);
             }
         }
         sum
@@ -200,7 +354,7 @@ struct AlongPath<'a> {
 impl AlongPath<'_> {
     fn extend(&mut self, tension: f64) -> Result<(), PathError> {
         let reached = self.path.extend(tension);
-        self.curve = Curve::of(&self.path, self.setup);
+        self.curve = Curve::along(&self.path, self.setup);
         reached
     }
 

@@ -58,6 +58,8 @@ pub(super) struct Solver<'a> {
     still: Vectors,
     factor: Factor,
     stiffness: StiffnessMatrix,
+    /// Matrices factorised so far.
+    pub(super) factorisations: usize,
 }
 
 impl<'a> Solver<'a> {
@@ -83,6 +85,7 @@ impl<'a> Solver<'a> {
             still: zeros(count),
             factor: Factor::new(&free),
             stiffness: StiffnessMatrix::new(count),
+            factorisations: 0,
         }
     }
 
@@ -130,6 +133,7 @@ impl<'a> Solver<'a> {
         for force in self.system.passive.iter().chain(&self.system.active) {
             force.add_stiffness(&at, &mut self.stiffness);
         }
+        self.factorisations += 1;
         Ok(self.factor.factorise(&self.stiffness)?)
     }
 
@@ -178,6 +182,34 @@ impl<'a> Solver<'a> {
             }
         }
         Err(Failure::NoRest)
+    }
+
+    /// The node that moves most in the softest deformation of a stable equilibrium: the eigenvector of
+    /// `K v = lambda M v` with the smallest `lambda`, by inverse iteration. Near the end of a path this is
+    /// how the cell buckles.
+    pub(super) fn softest_node(&mut self, positions: &Vectors, tension: f64) -> Option<usize> {
+        const ROUNDS: usize = 20;
+        self.factorise(positions, tension).ok()?;
+        let count = self.body.len();
+        // A fixed, irregular start: fractional parts of multiples of the golden ratio.
+        let mut mode: Vectors = [0, 1].map(|axis| {
+            (0..count)
+                .map(|i| ((2 * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
+                .collect()
+        });
+        for _ in 0..ROUNDS {
+            for axis in &mut mode {
+                axis.iter_mut().zip(&self.body.masses).for_each(|(x, mass)| *x *= mass);
+            }
+            mode = self.factor.solve(&mode);
+            if adrift(self.system) && !matches!(self.system.support, Support::Clamped(_)) {
+                mode = self.in_place(positions.clone(), mode).1;
+            }
+            let size = largest(&mode);
+            mode.iter_mut().flatten().for_each(|x| *x /= size);
+        }
+        let square = |node: usize| mode[0][node].powi(2) + mode[1][node].powi(2);
+        (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b)))
     }
 
     /// Puts the body in its place and adds the slope, from the last factor.

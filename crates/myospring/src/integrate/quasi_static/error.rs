@@ -1,0 +1,105 @@
+//! Why a path of equilibria cannot start, and why it ends.
+
+/// Where a cell gives way: the node that moves most in its softest deformation at the end of the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// The node.
+    pub node: usize,
+    /// Where it is at the last equilibrium, um.
+    pub x: f64,
+    /// Where it is at the last equilibrium, um.
+    pub y: f64,
+}
+
+fn words(place: Option<&Place>) -> String {
+    place.map_or_else(String::new, |Place { node, x, y }| {
+        format!(" near x = {x:.1} um, y = {y:.1} um (node {node})")
+    })
+}
+
+/// Why there is no path, or none so far.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PathError {
+    /// A force has no energy, so the shape depends on how it was reached.
+    #[error(
+        "{force}: this law has no energy, so there is no path of equilibria; use the area law \
+         `gradient`, or integrate in time with Verlet's method"
+    )]
+    NoEnergy {
+        /// The force.
+        force: &'static str,
+    },
+    /// A load from outside turns and pushes the body; its work depends on how the body is held.
+    #[error(
+        "{force}: loads from outside have no path of equilibria here; use tension along the fibre, or \
+         integrate in time with Verlet's method"
+    )]
+    External {
+        /// The force.
+        force: &'static str,
+    },
+    /// A force does not tell its stiffness.
+    #[error(
+        "{force}: this force has no tangent stiffness, which the path of equilibria needs; implement \
+         `Force::add_stiffness`, or integrate in time with Verlet's method"
+    )]
+    NoStiffness {
+        /// The force.
+        force: &'static str,
+    },
+    /// The dampings delay the shape.
+    #[error(
+        "drag and dashpots delay the shape by {delay:.2} ms, more than {longest} ms, so it is no \
+         function of the tension alone; integrate in time with Verlet's method, or, if they are \
+         numerical, lower drag_ratio, damping_ratio or slowest_period, which no equilibrium depends on"
+    )]
+    Delayed {
+        /// By how much, ms.
+        delay: f64,
+        /// What is allowed, ms.
+        longest: f64,
+    },
+    /// The equilibrium loses its stability.
+    #[error(
+        "the equilibrium is unstable beyond {tension:.4} kPa (its stiffness is no longer positive \
+         definite at {beyond:.4} kPa): the cell buckles or collapses{}; keep the tension below, stiffen \
+         the cell, or integrate in time with Verlet's method to see what follows", words(place.as_ref())
+    )]
+    Unstable {
+        /// The last tension with a stable equilibrium, kPa.
+        tension: f64,
+        /// A tension without, kPa.
+        beyond: f64,
+        /// Where the cell gives way.
+        place: Option<Place>,
+    },
+    /// No equilibrium was found.
+    #[error(
+        "no equilibrium was found beyond {tension:.4} kPa (tried {beyond:.4} kPa): the forces are too \
+         strong for this lattice, which gives way{}; lower the tension or the area modulus, or raise \
+         Young's modulus", words(place.as_ref())
+    )]
+    Lost {
+        /// The last tension with a stable equilibrium, kPa.
+        tension: f64,
+        /// The tension tried, kPa.
+        beyond: f64,
+        /// Where the cell gives way.
+        place: Option<Place>,
+    },
+    /// The matrix does not fit into memory.
+    #[error(
+        "the stiffness of {masses} masses cannot be factorised in this machine's memory; use a coarser mesh, or \
+         integrate in time with Verlet's method"
+    )]
+    TooLarge {
+        /// How many masses there are.
+        masses: usize,
+    },
+    /// The tension asked for is not a number.
+    #[error("a tension of {tension} kPa has no equilibrium; give a finite one")]
+    NotFinite {
+        /// The tension, kPa.
+        tension: f64,
+    },
+}

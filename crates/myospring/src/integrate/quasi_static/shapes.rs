@@ -1,0 +1,105 @@
+//! Shapes as functions of the tension: what a path has found.
+
+use super::Tolerance;
+use crate::mechanics::{Vectors, zeros};
+
+/// One load step's end.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Knot {
+    /// kPa.
+    pub(super) tension: f64,
+    /// um.
+    pub(super) positions: Vectors,
+    /// um/kPa.
+    pub(super) slope: Vectors,
+}
+
+/// Equilibria of one body at every tension between two ends, without the body: what [`super::Path`] finds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shapes {
+    pub(super) tolerance: Tolerance,
+    /// The body's largest extent, um.
+    pub(super) extent: f64,
+    /// From tension 0 downward, and upward; both begin with the body at rest.
+    pub(super) branches: [Vec<Knot>; 2],
+    /// Length of the next load step on each branch, kPa; 0 if none was made.
+    pub(super) steps: [f64; 2],
+    pub(super) error: f64,
+    pub(super) delay: f64,
+    pub(super) newton_iterations: usize,
+    pub(super) factorisations: usize,
+}
+
+impl Shapes {
+    /// The lowest and the highest tension of the path, kPa.
+    pub fn range(&self) -> [f64; 2] {
+        [0, 1].map(|side| self.branches[side][self.branches[side].len() - 1].tension)
+    }
+
+    /// Tensions at which the equilibrium was solved, kPa, in ascending order.
+    ///
+    /// Between two of them each coordinate is a cubic polynomial of the tension.
+    pub fn tensions(&self) -> Vec<f64> {
+        let [down, up] = &self.branches;
+        down.iter().rev().chain(&up[1..]).map(|knot| knot.tension).collect()
+    }
+
+    /// Positions under a tension in kPa, um; `None` outside [`Shapes::range`].
+    pub fn positions(&self, tension: f64) -> Option<Vectors> {
+        let [lowest, highest] = self.range();
+        if !(lowest..=highest).contains(&tension) {
+            return None;
+        }
+        let branch = &self.branches[usize::from(tension > 0.0)];
+        let after = branch.partition_point(|knot| knot.tension.abs() < tension.abs());
+        if branch[after].tension == tension {
+            return Some(branch[after].positions.clone());
+        }
+        let mut positions = zeros(branch[0].positions[0].len());
+        interpolate(&branch[after - 1], &branch[after], tension, &mut positions);
+        Some(positions)
+    }
+
+    /// The largest estimated error of an interpolated position, um.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Time by which drag and dashpots would delay the shape in a motion, ms: what a run in time lags
+    /// behind the path.
+    pub fn delay(&self) -> f64 {
+        self.delay
+    }
+
+    /// Number of load steps.
+    pub fn load_steps(&self) -> usize {
+        self.branches.iter().map(|branch| branch.len() - 1).sum()
+    }
+
+    /// Iterations of Newton's method in all accepted and rejected steps that came to rest.
+    pub fn newton_iterations(&self) -> usize {
+        self.newton_iterations
+    }
+
+    /// Matrices factorised: one for each iteration, those of steps that found no rest included.
+    pub fn factorisations(&self) -> usize {
+        self.factorisations
+    }
+}
+
+/// Hermite's cubic through two knots with their slopes, also outside of them.
+pub(super) fn interpolate(from: &Knot, to: &Knot, tension: f64, positions: &mut Vectors) {
+    let width = to.tension - from.tension;
+    let s = (tension - from.tension) / width;
+    let end = s * s * (3.0 - 2.0 * s);
+    let (leave, arrive) = (width * s * (1.0 - s).powi(2), width * s * s * (s - 1.0));
+    for axis in 0..2 {
+        let (x0, x1) = (&from.positions[axis], &to.positions[axis]);
+        let (d0, d1) = (&from.slope[axis], &to.slope[axis]);
+        for (node, position) in positions[axis].iter_mut().enumerate() {
+            // In this order a node that is held stays to the last bit.
+            let moved = end * (x1[node] - x0[node]) + leave * d0[node] + arrive * d1[node];
+            *position = x0[node] + moved;
+        }
+    }
+}
