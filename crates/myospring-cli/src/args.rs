@@ -3,6 +3,7 @@
 use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 const STYLES: Styles = Styles::styled()
@@ -153,6 +154,10 @@ pub(crate) struct RunArgs {
     /// also stoermer-verlet, velocity-verlet [default: verlet]
     #[arg(long, value_name = "NAME", help_heading = NUMERICS)]
     pub(crate) integrator: Option<String>,
+    /// Threads that move the masses; the numbers do not depend on it [default: a core for every 900
+    /// masses, as far as there are cores]
+    #[arg(long, value_name = "N", help_heading = NUMERICS)]
+    pub(crate) threads: Option<NonZeroUsize>,
     /// Mechanical time step of Verlet's method ("0.004 ms"); by default 0.95 of the stability limit
     #[arg(long, value_name = "TIME", help_heading = NUMERICS, allow_hyphen_values = true)]
     pub(crate) time_step: Option<String>,

@@ -17,6 +17,7 @@ use myospring::simulation::{Effort, Finished, Progress, Ready, Simulation, StopR
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::io::IsTerminal;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -82,7 +83,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     timings.mesh_s = start.elapsed().as_secs_f64();
 
     let stage = Instant::now();
-    let simulation = run.simulation(mesh)?;
+    let mut simulation = run.simulation(mesh)?;
+    simulation.numerics.threads = threads(args.threads, simulation.mesh.len());
     let prepared = simulation.ready()?;
     timings.preparation_s = stage.elapsed().as_secs_f64();
     let warnings = run.warnings(&report);
@@ -102,13 +104,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let stage = Instant::now();
     let outcome = beat(&prepared, quiet);
     let beat_s = stage.elapsed().as_secs_f64();
-    timings.cell_s = cell_alone(&run);
-    timings.mechanics_s = (beat_s - timings.cell_s).max(0.0);
 
     let stage = Instant::now();
     let stimuli = run.stimulus_times();
     let summary = Summary::new(&outcome.recording, &stimuli, report.clone(), warnings);
-    write(&folder, &run, &simulation, &outcome, &summary, &stimuli)?;
+    let (written, cell_s) = rayon::join(
+        || write(&folder, &run, &simulation, &outcome, &summary, &stimuli),
+        || cell_alone(&run),
+    );
+    written?;
+    timings.cell_s = cell_s;
+    timings.mechanics_s = (beat_s - cell_s).max(0.0);
     timings.figures_s = stage.elapsed().as_secs_f64();
     timings.total_s = start.elapsed().as_secs_f64();
     let run_file = resolved(&run, &simulation, report.spacing_um, outcome.effort.time_step())?;
@@ -176,6 +182,12 @@ pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+/// Threads that move so many masses: below some hundred a thread they only wait for each other.
+fn threads(asked: Option<NonZeroUsize>, masses: usize) -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    asked.map_or_else(|| (masses / 900).clamp(1, cores), usize::from)
 }
 
 /// Time that the cell model takes by itself, s.

@@ -27,8 +27,12 @@ pub struct StabilityLimit {
     pub stiffest_node: usize,
 }
 
-/// Steps of the Lanczos iteration; the largest eigenvalue of a lattice is found to 0.1 %.
+/// Most steps of the Lanczos iteration; the largest eigenvalue of a lattice is found to 0.1 %.
 const ITERATIONS: usize = 120;
+
+/// Steps between looks at the largest eigenvalue, which comes from below, and the relative rise between
+/// two looks at which it is taken as found.
+const LOOK: (usize, f64) = (15, 1e-5);
 
 impl StabilityLimit {
     /// The limit of a system about the body's positions, under an active tension in kPa.
@@ -128,7 +132,8 @@ fn largest_eigenvalue(apply: &dyn Fn(&Vectors) -> Vectors, masses: &[f64]) -> (f
     scale(&mut start, 1.0 / norm);
     let mut basis = vec![start];
     let (mut diagonal, mut off) = (Vec::new(), Vec::new());
-    for _ in 0..ITERATIONS.min(2 * count) {
+    let mut seen = 0.0;
+    for step in 1..=ITERATIONS.min(2 * count) {
         let Some(current) = basis.last() else { break };
         let mut next = apply(current);
         for axis in &mut next {
@@ -152,6 +157,13 @@ fn largest_eigenvalue(apply: &dyn Fn(&Vectors) -> Vectors, masses: &[f64]) -> (f
         let size = diagonal.iter().fold(f64::MIN_POSITIVE, |a: f64, b: &f64| a.max(b.abs()));
         if norm.is_nan() || norm <= 1e-7 * size {
             break;
+        }
+        if step % LOOK.0 == 0 {
+            let now = largest_of_tridiagonal(&diagonal, &off);
+            if now - seen < LOOK.1 * now {
+                break;
+            }
+            seen = now;
         }
         off.push(norm);
         scale(&mut next, 1.0 / norm);

@@ -151,14 +151,12 @@ impl LatticeTerms {
     fn edge(&self, nodes: [u32; 2]) -> Option<(usize, usize)> {
         let [a, b] = nodes.map(|node| self.places[node as usize]);
         let (a, b) = (a.min(b), a.max(b));
-        let (column, along) =
-            (a % self.columns, (b % self.columns) as isize - (a % self.columns) as isize);
-        let up = b / self.columns - a / self.columns;
-        match (along, up) {
-            (1, 0) => Some((0, a)),
-            (0, 1) => Some((1, a)),
-            (1, 1) => Some((2, a)),
-            (-1, 1) if column > 0 => Some((3, a - 1)),
+        let (column, other) = (a % self.columns, b % self.columns);
+        match b / self.columns - a / self.columns {
+            0 if other == column + 1 => Some((0, a)),
+            1 if other == column => Some((1, a)),
+            1 if other == column + 1 => Some((2, a)),
+            1 if other + 1 == column => Some((3, a - 1)),
             _ => None,
         }
     }
