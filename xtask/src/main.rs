@@ -2,6 +2,7 @@
 //!
 //! `cargo xtask test` checks everything; `cargo xtask help` lists the rest.
 
+mod bench;
 mod verify;
 
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ Usage: cargo xtask COMMAND
 Commands:
   test     Format, lints, tests, documentation and the example run files: all that must pass
   verify   Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
+  bench    Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
   figures  Make the README's figure anew with the program itself
   help     This text
 ";
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
     let result = match command.as_deref() {
         Some("test") => test(),
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
+        Some("bench") => bench::run(std::env::args().skip(2).collect()),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {
             say(HELP);
