@@ -21,6 +21,7 @@
 //! Soft springs let the whole cell swing slowly on them: by numerical mass and drag its place, not its
 //! shape, lags in a run in time. A path of equilibria knows no such lag.
 
+use super::stencil::LatticeTerms;
 use super::stiffness::StiffnessMatrix;
 use super::support::end_nodes;
 use super::{Configuration, Force, Vectors};
@@ -116,6 +117,12 @@ impl Force for Anchors {
             stiffness.add(node, node, [[k, 0.0], [0.0, k]]);
         }
         true
+    }
+
+    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
+        self.springs
+            .iter()
+            .all(|anchor| terms.add_anchor(anchor.node, anchor.stiffness, anchor.place))
     }
 
     fn is_internal(&self) -> bool {

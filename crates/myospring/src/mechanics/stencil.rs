@@ -2,8 +2,9 @@
 //!
 //! It makes the steps that [`crate::integrate::verlet`] makes with the sum of the laws, several
 //! times faster, and agrees with it to rounding. What it can do: springs with axial dashpots, the
-//! `gradient` area law, fibre tension in any directions, drag and clamped nodes, on any outline,
-//! with any mass, stiffness, dashpot, area stiffness and fibre weight per place. Everything else
+//! `gradient` area law, fibre tension in any directions, drag, clamped nodes, elastic beds and
+//! spring-held ends, on any outline, with any mass, stiffness, dashpot, area stiffness and fibre weight
+//! per place. Everything else
 //! stays with the plain loops.
 //!
 //! # How
@@ -14,7 +15,8 @@
 //! - Each spring is evaluated once; see `sweep.rs`. On AVX-512 the inverse length is an estimate and
 //!   a series, at a third of the cost of root and division.
 //! - A mesh larger than the cache is swept once for several steps, each a row behind the last.
-//! - Several threads share the rows; see `team.rs`. One thread or many, the bits are the same.
+//! - Several threads follow each other over the mesh; see `team.rs`. One thread or many, the bits are
+//!   the same.
 //!   They are not the same for other vector units (FMA rounds once where the others round twice).
 //!
 //! # Unsafe

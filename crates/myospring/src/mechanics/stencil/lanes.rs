@@ -241,7 +241,7 @@ unsafe impl Lanes for Avx512 {
             let e = Self::mul_sub_from(a, Self::mul(y, y), Self::splat(1.0));
             let series = Self::mul_add(Self::splat(0.3125), e, Self::splat(0.375));
             let series = Self::mul_add(series, e, Self::splat(0.5));
-            Self::mul_add(Self::mul(series, e), y, y)
+            Self::mul_add(series, Self::mul(y, e), y)
         }
     }
     #[inline(always)]

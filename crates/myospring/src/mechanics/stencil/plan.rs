@@ -87,6 +87,9 @@ pub(super) struct Plan {
     pub(super) keep: f64,
     /// `1/(1 + g)`
     pub(super) slowing: f64,
+    /// Springs from the places to where they rest, if any: stiffness (nN/um) and the two coordinates of
+    /// rest (um), three strides for each row.
+    pub(super) anchors: Vec<Block>,
     /// Which of [`laws`] act.
     pub(super) laws: u8,
     /// Offset of each node's x in the state.
@@ -124,6 +127,8 @@ pub struct LatticeTerms {
     fibre: [Vec<f64>; 4],
     /// Stiffness of the four triangles of a square, by the corner that they leave out.
     area: Vec<[f64; 4]>,
+    /// Stiffness of the springs that tie the places to the lattice.
+    anchors: Vec<f64>,
 }
 
 impl LatticeTerms {
@@ -144,6 +149,7 @@ impl LatticeTerms {
             damping: none(),
             fibre: none(),
             area: vec![[0.0; 4]; count],
+            anchors: vec![0.0; count],
         }
     }
 
@@ -209,6 +215,20 @@ impl LatticeTerms {
         self.area[bottom * self.columns + left][6 - first - second - third] += stiffness;
         let expected = 0.5 * self.spacing * self.spacing;
         (rest_area - expected).abs() <= ON_LATTICE * expected
+    }
+
+    /// Adds a spring of no length from a node to a place of rest (um), stiffness in nN/um; returns
+    /// whether the node's place on the lattice is that place.
+    pub fn add_anchor(&mut self, node: usize, stiffness: f64, rest: [f64; 2]) -> bool {
+        let place = self.places[node];
+        self.anchors[place] += stiffness;
+        let on_lattice = self.point(place % self.columns, place / self.columns);
+        (0..2).all(|axis| (rest[axis] - on_lattice[axis]).abs() <= ON_LATTICE * self.spacing)
+    }
+
+    /// Position of a place, um.
+    fn point(&self, column: usize, row: usize) -> [f64; 2] {
+        [0, 1].map(|axis| self.origin[axis] + self.spacing * [column, row][axis] as f64)
     }
 
     /// Lays the coefficients out for a sweep; `None` if the four triangles of some square differ or a
@@ -304,8 +324,10 @@ impl LatticeTerms {
         let places: Vec<usize> =
             self.places.iter().map(|place| place / columns * row_len + place % columns).collect();
         let any = |values: &[Vec<f64>; 4]| values.iter().flatten().any(|value| *value != 0.0);
+        let anchored = self.anchors.iter().any(|stiffness| *stiffness != 0.0);
         let laws = if area.iter().any(|value| *value != 0.0) { laws::AREA } else { 0 }
-            | if any(&self.fibre) { laws::FIBRE } else { 0 };
+            | if any(&self.fibre) { laws::FIBRE } else { 0 }
+            | if anchored { laws::ANCHORS } else { 0 };
         Some(Plan {
             rows,
             blocks,
@@ -319,10 +341,25 @@ impl LatticeTerms {
             time_step,
             keep: (1.0 - g) * slowing,
             slowing,
+            anchors: if anchored { self.anchor_rows(stride) } else { Vec::new() },
             laws,
             places,
             vacant: self.vacant(stride),
         })
+    }
+
+    /// Stiffness and place of rest of all anchors, in rows.
+    fn anchor_rows(&self, stride: usize) -> Vec<Block> {
+        let mut rows = vec![Block::ZERO; self.rows * 3 * stride / BLOCK];
+        for (place, stiffness) in self.anchors.iter().enumerate() {
+            let (column, row) = (place % self.columns, place / self.columns);
+            let [x, y] = self.point(column, row);
+            for (component, value) in [*stiffness, x, y].into_iter().enumerate() {
+                let at = (3 * row + component) * stride + column;
+                rows[at / BLOCK].0[at % BLOCK] = value;
+            }
+        }
+        rows
     }
 
     /// Rows of a state without masses: every place at rest, far away.

@@ -31,9 +31,11 @@ pub(super) mod laws {
     pub(in super::super) const AREA: u8 = 1;
     /// The fibre tension.
     pub(in super::super) const FIBRE: u8 = 2;
+    /// Springs to places of rest.
+    pub(in super::super) const ANCHORS: u8 = 4;
 }
 
-/// What a square puts on its right neighbour's corners b and c, x and y each: see [`Row::left`].
+/// Forces on the corner b and by the corner c of a square, x and y each: see [`Row::left`].
 pub(super) type Handover = [f64; 4];
 
 /// A pass over some blocks of a row; all rows have the layout of [`Plan`].
@@ -46,9 +48,9 @@ pub(super) struct Row<'a> {
     pub(super) lower: *mut f64,
     /// State of the row above.
     pub(super) upper: *const f64,
-    /// Force on this row from the squares below on entry, on the next row on return: x, y.
+    /// Force by this row on the squares below on entry, by the next row on return: x, y.
     pub(super) carry: *mut f64,
-    /// Forces on b and c by the square to the left of the first block.
+    /// Those of the square to the left of the first block.
     pub(super) left: Handover,
     /// The same of the last square visited, on return.
     pub(super) right: &'a mut Handover,
@@ -69,8 +71,8 @@ struct Pair<V> {
 trait Terms<L: Lanes> {
     /// `k + Ta w` of a spring direction, nN/um.
     unsafe fn stiffness(&self, direction: usize) -> L::V;
-    /// `k r`, nN.
-    unsafe fn rest_load(&self, direction: usize) -> L::V;
+    /// `-k r`, nN.
+    unsafe fn minus_rest_load(&self, direction: usize) -> L::V;
     /// Dashpot coefficient, nN ms/um.
     unsafe fn damping(&self, direction: usize) -> L::V;
     /// `-kappa/4` of the area law, nN/um^3.
@@ -95,7 +97,7 @@ impl<L: Lanes> Terms<L> for Uniform<L> {
         self.stiffness[direction]
     }
     #[inline(always)]
-    unsafe fn rest_load(&self, direction: usize) -> L::V {
+    unsafe fn minus_rest_load(&self, direction: usize) -> L::V {
         self.load[direction]
     }
     #[inline(always)]
@@ -116,7 +118,7 @@ impl<L: Lanes> Terms<L> for Uniform<L> {
 struct Field<L: Lanes, const LAWS: u8> {
     record: *const f64,
     tension: L::V,
-    rest_length: [L::V; 2],
+    minus_rest_length: [L::V; 2],
 }
 
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
@@ -133,11 +135,11 @@ impl<L: Lanes, const LAWS: u8> Terms<L> for Field<L, LAWS> {
         }
     }
     #[inline(always)]
-    unsafe fn rest_load(&self, direction: usize) -> L::V {
+    unsafe fn minus_rest_load(&self, direction: usize) -> L::V {
         // SAFETY: as above.
         unsafe {
             let passive = L::load(self.record.add((STIFFNESS + direction) * BLOCK));
-            L::mul(passive, self.rest_length[direction / 2])
+            L::mul(passive, self.minus_rest_length[direction / 2])
         }
     }
     #[inline(always)]
@@ -157,11 +159,14 @@ impl<L: Lanes, const LAWS: u8> Terms<L> for Field<L, LAWS> {
     }
 }
 
-/// Forces on the corners b, c and d of squares; a takes minus their sum.
+/// Forces on the corner b of squares and by the corners c and d; a bears the sum of these minus that
+/// on b. And the state of a.
 struct Corners<V> {
-    b: Pair<V>,
-    c: Pair<V>,
-    d: Pair<V>,
+    on_b: Pair<V>,
+    by_c: Pair<V>,
+    by_d: Pair<V>,
+    a: Pair<V>,
+    va: Pair<V>,
 }
 
 /// `s` such that the force on the spring's first end is `s l`, with `l` and the relative velocity
@@ -180,10 +185,10 @@ unsafe fn pull<L: Lanes, T: Terms<L>>(
         let square = L::mul_add(l.y, l.y, L::mul(l.x, l.x));
         let approach = L::mul_add(l.y, w.y, L::mul(l.x, w.x));
         let inverse = L::inverse_sqrt(square);
-        let elastic =
-            L::mul_sub_from(terms.rest_load(direction), inverse, terms.stiffness(direction));
-        let rate = L::mul(approach, L::mul(inverse, inverse));
-        L::mul_add(terms.damping(direction), rate, elastic)
+        // s = (k + Ta w) + (c w.l/|l| - k r)/|l|
+        let damping = L::mul(terms.damping(direction), approach);
+        let slope = L::mul_add(damping, inverse, terms.minus_rest_load(direction));
+        L::mul_add(slope, inverse, terms.stiffness(direction))
     }
 }
 
@@ -232,15 +237,13 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
         let across = pull::<L, T>(terms, 3, falling, difference::<L>(vd, vb));
 
         let minus = |s: L::V, l: L::V, f: L::V| L::mul_sub_from(s, l, f);
-        let zero = L::splat(0.0);
-        let mut on_b = Pair {
-            x: minus(to_b, east.x, L::mul(across, falling.x)),
-            y: minus(to_b, east.y, L::mul(across, falling.y)),
-        };
-        let mut on_c = Pair { x: minus(to_c, rising.x, zero), y: minus(to_c, rising.y, zero) };
-        let mut on_d = Pair {
-            x: minus(to_d, north.x, minus(across, falling.x, zero)),
-            y: minus(to_d, north.y, minus(across, falling.y, zero)),
+        let cross_pull = Pair { x: L::mul(across, falling.x), y: L::mul(across, falling.y) };
+        let mut on_b =
+            Pair { x: minus(to_b, east.x, cross_pull.x), y: minus(to_b, east.y, cross_pull.y) };
+        let mut by_c = Pair { x: L::mul(to_c, rising.x), y: L::mul(to_c, rising.y) };
+        let mut by_d = Pair {
+            x: L::mul_add(to_d, north.x, cross_pull.x),
+            y: L::mul_add(to_d, north.y, cross_pull.y),
         };
         if LAWS & laws::AREA != 0 {
             // Energy w (k/2)(A - A0)^2/A0 on the triangles abc, acd, abd, bcd, each with w = 1/2.
@@ -259,38 +262,12 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
             // f_b = bc R(c - a) + bd R(d - a) and so on, with R(e) = (e_y, -e_x)
             on_b.x = L::mul_add(bc, rising.y, L::mul_add(bd, north.y, on_b.x));
             on_b.y = minus(bc, rising.x, minus(bd, north.x, on_b.y));
-            on_c.x = minus(bc, east.y, L::mul_add(cd, north.y, on_c.x));
-            on_c.y = L::mul_add(bc, east.x, minus(cd, north.x, on_c.y));
-            on_d.x = minus(bd, east.y, minus(cd, rising.y, on_d.x));
-            on_d.y = L::mul_add(bd, east.x, L::mul_add(cd, rising.x, on_d.y));
+            by_c.x = L::mul_add(bc, east.y, minus(cd, north.y, by_c.x));
+            by_c.y = minus(bc, east.x, L::mul_add(cd, north.x, by_c.y));
+            by_d.x = L::mul_add(bd, east.y, L::mul_add(cd, rising.y, by_d.x));
+            by_d.y = minus(bd, east.x, minus(cd, rising.x, by_d.y));
         }
-        Corners { b: on_b, c: on_c, d: on_d }
-    }
-}
-
-/// `v_{n+1/2} = [(1 - g) v_{n-1/2} + dt f_n/m] / (1 + g)` and `x_{n+1} = x_n + dt v_{n+1/2}`:
-/// `coelho_2021`, Eq. (16), with `g = gamma dt/2`.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn kick_and_drift<L: Lanes>(
-    plan: &Plan,
-    state: *mut f64,
-    inverse_mass: L::V,
-    above: Pair<L::V>,
-    below: Pair<L::V>,
-) {
-    // SAFETY: `state` points into a row of the plan's layout; the caller has the features of L.
-    unsafe {
-        let (keep, time_step) = (L::splat(plan.keep), L::splat(plan.time_step));
-        for (axis, force) in
-            [L::add(above.x, below.x), L::add(above.y, below.y)].into_iter().enumerate()
-        {
-            let (position, velocity) =
-                (state.add(axis * plan.stride), state.add((axis + 2) * plan.stride));
-            let moved = L::mul_add(inverse_mass, force, L::mul(keep, L::load(velocity)));
-            L::store(velocity, moved);
-            L::store(position, L::mul_add(time_step, moved, L::load(position)));
-        }
+        Corners { on_b, by_c, by_d, a, va }
     }
 }
 
@@ -316,7 +293,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
             L::splat(common.stiffness[direction] + fibre)
         };
         let load = |direction: usize| {
-            L::splat(common.stiffness[direction] * plan.rest_length[direction / 2])
+            L::splat(-common.stiffness[direction] * plan.rest_length[direction / 2])
         };
         let uniform = Uniform::<L> {
             stiffness: [stiffness(0), stiffness(1), stiffness(2), stiffness(3)],
@@ -325,10 +302,11 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
             area: L::splat(common.area),
             inverse_mass: L::splat(common.inverse_mass),
         };
-        let rest_length = plan.rest_length.map(|value| L::splat(value));
+        let minus_rest_length = plan.rest_length.map(|value| L::splat(-value));
         let rest = L::splat(plan.rest_area);
         let zero = L::splat(0.0);
         let (half, slowing) = (L::splat(0.5), L::splat(plan.slowing));
+        let (keep, time_step) = (L::splat(plan.keep), L::splat(plan.time_step));
         let pair = |from: *const f64| Pair { x: L::load(from), y: L::load(from.add(stride)) };
         let store = |to: *mut f64, value: Pair<L::V>| {
             L::store(to, value.x);
@@ -348,8 +326,8 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                     (row.lower.add(at), row.upper.add(at), row.carry.add(at));
                 let (corners, inverse_mass) = match class {
                     Class::EMPTY => {
-                        let on_c = before.1;
-                        store(carry, Pair { x: L::shift(zero, on_c.x), y: L::shift(zero, on_c.y) });
+                        let by_c = before.1;
+                        store(carry, Pair { x: L::shift(zero, by_c.x), y: L::shift(zero, by_c.y) });
                         before = (Pair { x: zero, y: zero }, Pair { x: zero, y: zero });
                         continue;
                     }
@@ -361,35 +339,55 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                         let field = Field::<L, LAWS> {
                             record: plan.record(class).add(part * L::N),
                             tension: L::splat(tension),
-                            rest_length,
+                            minus_rest_length,
                         };
                         let inverse_mass = Terms::<L>::inverse_mass(&field);
                         (squares::<L, _, LAWS>(&field, lower, upper, stride, rest), inverse_mass)
                     }
                 };
-                let Corners { b, c, d } = corners;
-                let from_left = Pair { x: L::shift(b.x, before.0.x), y: L::shift(b.y, before.0.y) };
-                let across = Pair { x: L::shift(c.x, before.1.x), y: L::shift(c.y, before.1.y) };
-                before = (b, c);
-                // Force from the squares above: from the one on the left, minus the sum over the own.
-                let above = Pair {
-                    x: L::sub(from_left.x, L::add(L::add(b.x, d.x), c.x)),
-                    y: L::sub(from_left.y, L::add(L::add(b.y, d.y), c.y)),
+                let Corners { on_b, by_c, by_d, a, va } = corners;
+                let from_left =
+                    Pair { x: L::shift(on_b.x, before.0.x), y: L::shift(on_b.y, before.0.y) };
+                let across =
+                    Pair { x: L::shift(by_c.x, before.1.x), y: L::shift(by_c.y, before.1.y) };
+                before = (on_b, by_c);
+                // Force from the squares above, then from those below, which carry its opposite.
+                let below = pair(carry);
+                let mut force = Pair {
+                    x: L::sub(L::add(L::sub(from_left.x, on_b.x), L::add(by_c.x, by_d.x)), below.x),
+                    y: L::sub(L::add(L::sub(from_left.y, on_b.y), L::add(by_c.y, by_d.y)), below.y),
                 };
+                if LAWS & laws::ANCHORS != 0 {
+                    let anchor =
+                        plan.anchors.as_ptr().cast::<f64>().add(row.index * 3 * stride + at);
+                    let (k, rest) = (L::load(anchor), pair(anchor.add(stride)));
+                    force.x = L::mul_sub_from(k, L::sub(a.x, rest.x), force.x);
+                    force.y = L::mul_sub_from(k, L::sub(a.y, rest.y), force.y);
+                }
                 if PURPOSE == purpose::MOVE {
-                    kick_and_drift::<L>(plan, lower, inverse_mass, above, pair(carry));
+                    // v_{n+1/2} = [(1 - g) v_{n-1/2} + dt f_n/m] / (1 + g) and
+                    // x_{n+1} = x_n + dt v_{n+1/2}: coelho_2021, Eq. (16), with g = gamma dt/2
+                    let v = Pair {
+                        x: L::mul_add(inverse_mass, force.x, L::mul(keep, va.x)),
+                        y: L::mul_add(inverse_mass, force.y, L::mul(keep, va.y)),
+                    };
+                    store(lower.add(2 * stride), v);
+                    let moved = Pair {
+                        x: L::mul_add(time_step, v.x, a.x),
+                        y: L::mul_add(time_step, v.y, a.y),
+                    };
+                    store(lower, moved);
                 }
                 if PURPOSE == purpose::LOOK {
                     // v_n = (v_{n-1/2} + dt/2 f_n/m) / (1 + g)
-                    let (below, kick) = (pair(carry), L::mul(half, inverse_mass));
-                    let velocity = pair(lower.add(2 * stride));
+                    let kick = L::mul(half, inverse_mass);
                     let seen = Pair {
-                        x: L::mul_add(kick, L::add(above.x, below.x), L::mul(slowing, velocity.x)),
-                        y: L::mul_add(kick, L::add(above.y, below.y), L::mul(slowing, velocity.y)),
+                        x: L::mul_add(kick, force.x, L::mul(slowing, va.x)),
+                        y: L::mul_add(kick, force.y, L::mul(slowing, va.y)),
                     };
                     store(row.out.add(at), seen);
                 }
-                store(carry, Pair { x: L::add(d.x, across.x), y: L::add(d.y, across.y) });
+                store(carry, Pair { x: L::add(by_d.x, across.x), y: L::add(by_d.y, across.y) });
             }
         }
         let (b, c) = before;

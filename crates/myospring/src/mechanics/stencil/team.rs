@@ -104,11 +104,7 @@ impl Tiling {
         let state = 4 * size_of::<Block>();
         let records = size_of_val(&plan.records[..]) / (plan.rows * blocks);
         let fits = plan.rows * blocks * (state + records) <= CACHE;
-        let depth = match (fits, threads) {
-            (true, 1) => 1,
-            (true, _) => 2,
-            (false, _) => DEEP,
-        };
+        let depth = if fits { 2 } else { DEEP };
         let in_cache = CACHE / ((depth + 2) * (state + records));
         let widest = (blocks + depth - 1).div_ceil(threads);
         let width = if fits { widest } else { widest.min(in_cache) }.max(depth);
@@ -307,14 +303,18 @@ unsafe fn obey_avx2(shared: &Shared, index: usize, command: Command) {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 unsafe fn obey_with_laws<L: Lanes>(shared: &Shared, index: usize, command: Command) {
-    const BOTH: u8 = laws::AREA | laws::FIBRE;
+    const A: u8 = laws::AREA;
+    const F: u8 = laws::FIBRE;
+    const N: u8 = laws::ANCHORS;
     // SAFETY: the caller's.
     unsafe {
         match shared.plan.laws {
             0 => obey::<L, 0>(shared, index, command),
-            laws::AREA => obey::<L, { laws::AREA }>(shared, index, command),
-            laws::FIBRE => obey::<L, { laws::FIBRE }>(shared, index, command),
-            _ => obey::<L, BOTH>(shared, index, command),
+            A => obey::<L, A>(shared, index, command),
+            F => obey::<L, F>(shared, index, command),
+            3 => obey::<L, { A | F }>(shared, index, command),
+            // With anchors the rare combinations share a kernel; absent laws have no coefficients.
+            _ => obey::<L, { A | F | N }>(shared, index, command),
         }
     }
 }
