@@ -110,7 +110,6 @@ proptest! {
         let mesh = lattice::from_outline(&outline, Some(spacing)).unwrap().0;
         let axis = quality::long_axis(&mesh);
         let support = match held {
-            0 => Support::Free,
             1 => Support::MassCentre,
             2 => Support::new(SupportKind::ClampedEnds, &mesh, axis),
             _ => Support::Free,
