@@ -13,6 +13,7 @@ const STYLES: Styles = Styles::styled()
     .placeholder(AnsiColor::Cyan.on_default());
 
 const SHAPING: &str = "Shape";
+const SEGMENTATION: &str = "Finding the cell in a picture";
 const CELL: &str = "Cell model and stimulus";
 const MATERIAL: &str = "Material and mechanics";
 const NUMERICS: &str = "Numerics";
@@ -25,7 +26,9 @@ const OUTPUT: &str = "Output";
     arg_required_else_help = true,
     after_help = "Examples:\n  \
         myospring run                                     beat the built-in cell\n  \
-        myospring run cell.png --pixel-size \"0.27 um\"     beat the cell of a mask\n  \
+        myospring run cell.tif --pixel-size \"0.27 um\"     beat the cell of a picture\n  \
+        myospring segment cell.tif                        only find its outline\n  \
+        myospring batch pictures                          beat the cells of a whole folder\n  \
         myospring init beat.toml && myospring run beat.toml\n  \
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
         Values carry their unit: \"50 kPa\", \"1.1 um\", \"600 ms\", \"30 deg\".\n\
@@ -46,6 +49,10 @@ pub(crate) enum Command {
     Run(Box<RunArgs>),
     /// Reproduce the paper's Figs 3, 5 and 6 and check every number that it states
     Paper(PaperArgs),
+    /// Find the cells of a picture: outlines, their shapes and how sure they are; nothing beats
+    Segment(SegmentArgs),
+    /// Beat the cells of a whole folder of pictures: one row a cell
+    Batch(Box<BatchArgs>),
     /// Mesh a cell and report; nothing beats
     Mesh(MeshArgs),
     /// List the cell models, or the parameters of one
@@ -59,10 +66,10 @@ pub(crate) enum Command {
 /// Where the cell's shape comes from.
 #[derive(Debug, Args)]
 pub(crate) struct ShapeArgs {
-    /// Side of one pixel of a picture ("0.27 um"); never guessed
+    /// Side of one pixel of a picture ("0.27 um") [default: what the picture says of itself]
     #[arg(long, value_name = "LENGTH", help_heading = SHAPING, allow_hyphen_values = true)]
     pub(crate) pixel_size: Option<String>,
-    /// In a label picture, the grey value of the cell
+    /// In a label mask, the grey value of the cell
     #[arg(long, value_name = "N", help_heading = SHAPING, allow_hyphen_values = true)]
     pub(crate) label: Option<i64>,
     /// Distance of neighbouring masses ("1.1 um"); by default about 2000 masses
@@ -71,6 +78,102 @@ pub(crate) struct ShapeArgs {
     /// Turn an outline or the built-in cell counter-clockwise ("30 deg")
     #[arg(long, value_name = "ANGLE", help_heading = SHAPING, allow_hyphen_values = true)]
     pub(crate) rotate: Option<String>,
+}
+
+/// How the cell of a picture is found.
+#[derive(Debug, Args)]
+pub(crate) struct SegmentationArgs {
+    /// How the picture was taken: auto, fluorescence, brightfield, mask [default: auto]
+    #[arg(long, value_name = "NAME", help_heading = SEGMENTATION)]
+    pub(crate) modality: Option<String>,
+    /// Channel of the picture, from 0 [default: the first; of a colour picture its luminance]
+    #[arg(long, value_name = "N", help_heading = SEGMENTATION, allow_hyphen_values = true)]
+    pub(crate) channel: Option<i64>,
+    /// Frame (time point) of the picture, from 0 [default: 0]
+    #[arg(long, value_name = "N", help_heading = SEGMENTATION, allow_hyphen_values = true)]
+    pub(crate) frame: Option<i64>,
+    /// Of a stack in depth: max, mean, or the number of a slice, from 0 [default: max]
+    #[arg(long, value_name = "max|mean|N", help_heading = SEGMENTATION)]
+    pub(crate) z: Option<String>,
+    /// Less takes in more. Fluorescence: grey value above which a pixel is cell; brightfield: least relative
+    /// change of brightness per um that is an edge [default: found from the picture, and printed]
+    #[arg(long, value_name = "NUMBER", help_heading = SEGMENTATION, allow_hyphen_values = true)]
+    pub(crate) threshold: Option<f64>,
+    /// Scale of smoothing [default: "0.5 um" for fluorescence, "0.8 um" for brightfield]
+    #[arg(long, value_name = "LENGTH", help_heading = SEGMENTATION, allow_hyphen_values = true)]
+    pub(crate) smooth: Option<String>,
+    /// Take the cell at this place: column and row in pixels from the top left ("120,85")
+    #[arg(long, value_name = "X,Y", help_heading = SEGMENTATION, allow_hyphen_values = true)]
+    pub(crate) seed: Option<String>,
+    /// Which cell: largest, or a number by size, 1 being the largest; segment and batch also take all
+    /// [default: largest; batch: all]
+    #[arg(long, value_name = "all|largest|N", help_heading = SEGMENTATION)]
+    pub(crate) cell: Option<String>,
+    /// Take a cell although the frame of the picture cuts it
+    #[arg(long, help_heading = SEGMENTATION)]
+    pub(crate) allow_cut: bool,
+    /// Outline drawn on the picture elsewhere, instead of finding it (.geojson, .roi, .zip, Cellpose's .txt)
+    #[arg(long, value_name = "FILE", help_heading = SEGMENTATION)]
+    pub(crate) outline: Option<String>,
+}
+
+impl ShapeArgs {
+    /// Options that stand for a key of the run file: option, key, value.
+    fn rows(&self) -> Rows {
+        vec![
+            ("--pixel-size", "shape.pixel_size", text(self.pixel_size.as_ref())),
+            ("--label", "shape.label", number(self.label)),
+            ("--spacing", "shape.spacing", text(self.spacing.as_ref())),
+            ("--rotate", "shape.rotate", text(self.rotate.as_ref())),
+        ]
+    }
+}
+
+impl SegmentationArgs {
+    /// Whether every cell was asked for.
+    pub(crate) fn all(&self) -> bool {
+        self.cell.as_deref() == Some("all")
+    }
+
+    /// Options that stand for a key of the run file: option, key, value. `--cell all` is none.
+    fn rows(&self) -> Rows {
+        let cell = self.cell.as_ref().filter(|_| !self.all());
+        vec![
+            ("--modality", "segmentation.modality", text(self.modality.as_ref())),
+            ("--channel", "segmentation.channel", number(self.channel)),
+            ("--frame", "segmentation.frame", number(self.frame)),
+            ("--z", "segmentation.z", text(self.z.as_ref())),
+            ("--threshold", "segmentation.threshold", self.threshold.map(toml::Value::Float)),
+            ("--smooth", "segmentation.smooth", text(self.smooth.as_ref())),
+            ("--seed", "segmentation.seed", text(self.seed.as_ref())),
+            ("--cell", "segmentation.cell", text(cell)),
+            ("--allow-cut", "segmentation.allow_cut", yes(self.allow_cut)),
+            ("--outline", "segmentation.outline", text(self.outline.as_ref())),
+        ]
+    }
+}
+
+/// An option that stands for a key of the run file: option, key, value.
+type Row = (&'static str, &'static str, Option<toml::Value>);
+type Rows = Vec<Row>;
+
+/// What overrides a run file: option, key, value.
+pub(crate) type Overrides = Vec<(&'static str, &'static str, toml::Value)>;
+
+fn text(value: Option<&String>) -> Option<toml::Value> {
+    value.cloned().map(toml::Value::String)
+}
+
+fn number(value: Option<i64>) -> Option<toml::Value> {
+    value.map(toml::Value::Integer)
+}
+
+fn yes(flag: bool) -> Option<toml::Value> {
+    flag.then_some(toml::Value::Boolean(true))
+}
+
+fn given(rows: impl IntoIterator<Item = Row>) -> Overrides {
+    rows.into_iter().filter_map(|(name, key, value)| Some((name, key, value?))).collect()
 }
 
 /// Where results go and what is printed.
@@ -95,19 +198,46 @@ pub(crate) struct OutputArgs {
 #[command(after_help = "Examples:\n  \
     myospring run\n  \
     myospring run --peak-tension \"40 kPa\" --beats 3 --output three-beats\n  \
-    myospring run cell.png --pixel-size \"0.27 um\" --spacing \"1 um\"\n  \
-    myospring run cell.png --pixel-size \"0.27 um\" --integrator quasi-static\n  \
+    myospring run cell.tif --pixel-size \"0.27 um\" --spacing \"1 um\"\n  \
+    myospring run cell.tif --fibre picture --stain z-disc --integrator quasi-static\n  \
+    myospring run cell.tif --outline mended.roi\n  \
     myospring run --support elastic-bed --bed-stiffness \"0.5 kPa/um\"\n  \
     myospring run beat.toml --dry-run\n\n\
     Results: traces.csv, summary.json, figures/ (SVG and PNG), run.toml (every setting), run.json\n\
     (version, hashes, timings).")]
 pub(crate) struct RunArgs {
-    /// Mask (.png, .tif), outline in um (.geojson, .json, .csv) or run file (.toml); without it,
-    /// the built-in adult ventricular cell
+    /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
+    /// without it, the built-in adult ventricular cell
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) segmentation: SegmentationArgs,
+    #[command(flatten)]
+    pub(crate) simulation: SimulationArgs,
+    /// Threads that move the masses; the numbers do not depend on it [default: a core for every 900
+    /// masses, as far as there are cores]
+    #[arg(long, value_name = "N", help_heading = NUMERICS)]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Check everything, mesh the cell, print the plan; write nothing
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) dry_run: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+impl RunArgs {
+    /// Options that stand for a key of the run file.
+    pub(crate) fn overrides(&self) -> Overrides {
+        let shape = self.shape.rows().into_iter().chain(self.segmentation.rows());
+        given(shape.chain(self.simulation.rows()))
+    }
+}
+
+/// What beats, and how.
+#[derive(Debug, Args)]
+pub(crate) struct SimulationArgs {
     /// Cell model; `myospring models` lists them
     #[arg(long, value_name = "NAME", help_heading = CELL)]
     pub(crate) model: Option<String>,
@@ -135,9 +265,17 @@ pub(crate) struct RunArgs {
     /// How the tension acts: fibre, ends
     #[arg(long, value_name = "LAW", help_heading = MATERIAL)]
     pub(crate) active: Option<String>,
-    /// Fibre direction: "long axis" or an angle ("15 deg")
+    /// Fibre direction: "long axis", an angle ("15 deg"), or picture, which reads it from stripes or filaments
+    /// [default: long axis]
     #[arg(long, value_name = "DIRECTION", help_heading = MATERIAL, allow_hyphen_values = true)]
     pub(crate) fibre: Option<String>,
+    /// What the picture shows, for --fibre picture: z-disc (stripes across the fibre, such as alpha-actinin) or
+    /// filament (along it, such as phalloidin) [default: z-disc]
+    #[arg(long, value_name = "NAME", help_heading = MATERIAL)]
+    pub(crate) stain: Option<String>,
+    /// Scale over which --fibre picture averages directions [default: "3 um"]
+    #[arg(long, value_name = "LENGTH", help_heading = MATERIAL, allow_hyphen_values = true)]
+    pub(crate) fibre_smoothing: Option<String>,
     /// What holds the cell: mass-centre, clamped-end, clamped-ends, spring-held-ends, elastic-bed
     #[arg(long, value_name = "KIND", help_heading = MATERIAL)]
     pub(crate) support: Option<String>,
@@ -154,52 +292,33 @@ pub(crate) struct RunArgs {
     /// also stoermer-verlet, velocity-verlet [default: verlet]
     #[arg(long, value_name = "NAME", help_heading = NUMERICS)]
     pub(crate) integrator: Option<String>,
-    /// Threads that move the masses; the numbers do not depend on it [default: a core for every 900
-    /// masses, as far as there are cores]
-    #[arg(long, value_name = "N", help_heading = NUMERICS)]
-    pub(crate) threads: Option<NonZeroUsize>,
     /// Mechanical time step of Verlet's method ("0.004 ms"); by default 0.95 of the stability limit
     #[arg(long, value_name = "TIME", help_heading = NUMERICS, allow_hyphen_values = true)]
     pub(crate) time_step: Option<String>,
-    /// Check everything, mesh the cell, print the plan; write nothing
-    #[arg(long, help_heading = OUTPUT)]
-    pub(crate) dry_run: bool,
-    #[command(flatten)]
-    pub(crate) output: OutputArgs,
 }
 
-impl RunArgs {
-    /// Options that stand for a key of the run file: option, key, value.
-    pub(crate) fn overrides(&self) -> Vec<(&'static str, &'static str, toml::Value)> {
-        let text = |value: &Option<String>| value.clone().map(toml::Value::String);
-        let number = |value: Option<i64>| value.map(toml::Value::Integer);
-        let rows = [
-            ("--pixel-size", "shape.pixel_size", text(&self.shape.pixel_size)),
-            ("--label", "shape.label", number(self.shape.label)),
-            ("--spacing", "shape.spacing", text(&self.shape.spacing)),
-            ("--rotate", "shape.rotate", text(&self.shape.rotate)),
-            ("--model", "cell.model", text(&self.model)),
-            ("--peak-tension", "cell.peak_tension", text(&self.peak_tension)),
-            (
-                "--authors-step",
-                "cell.authors_step",
-                self.authors_step.then_some(toml::Value::Boolean(true)),
-            ),
+impl SimulationArgs {
+    fn rows(&self) -> Rows {
+        vec![
+            ("--model", "cell.model", text(self.model.as_ref())),
+            ("--peak-tension", "cell.peak_tension", text(self.peak_tension.as_ref())),
+            ("--authors-step", "cell.authors_step", yes(self.authors_step)),
             ("--beats", "stimulus.beats", number(self.beats)),
-            ("--cycle-length", "stimulus.cycle_length", text(&self.cycle_length)),
-            ("--young-modulus", "material.young_modulus", text(&self.young_modulus)),
-            ("--thickness", "material.thickness", text(&self.thickness)),
-            ("--area-law", "material.area_law", text(&self.area_law)),
-            ("--active", "mechanics.active", text(&self.active)),
-            ("--fibre", "mechanics.fibre", text(&self.fibre)),
-            ("--support", "mechanics.support", text(&self.support)),
-            ("--end-stiffness", "mechanics.end_stiffness", text(&self.end_stiffness)),
-            ("--bed-stiffness", "mechanics.bed_stiffness", text(&self.bed_stiffness)),
-            ("--integrator", "numerics.integrator", text(&self.integrator)),
-            ("--time-step", "numerics.time_step", text(&self.time_step)),
-            ("--duration", "run.duration", text(&self.duration)),
-        ];
-        rows.into_iter().filter_map(|(name, key, value)| Some((name, key, value?))).collect()
+            ("--cycle-length", "stimulus.cycle_length", text(self.cycle_length.as_ref())),
+            ("--young-modulus", "material.young_modulus", text(self.young_modulus.as_ref())),
+            ("--thickness", "material.thickness", text(self.thickness.as_ref())),
+            ("--area-law", "material.area_law", text(self.area_law.as_ref())),
+            ("--active", "mechanics.active", text(self.active.as_ref())),
+            ("--fibre", "mechanics.fibre", text(self.fibre.as_ref())),
+            ("--stain", "mechanics.stain", text(self.stain.as_ref())),
+            ("--fibre-smoothing", "mechanics.fibre_smoothing", text(self.fibre_smoothing.as_ref())),
+            ("--support", "mechanics.support", text(self.support.as_ref())),
+            ("--end-stiffness", "mechanics.end_stiffness", text(self.end_stiffness.as_ref())),
+            ("--bed-stiffness", "mechanics.bed_stiffness", text(self.bed_stiffness.as_ref())),
+            ("--integrator", "numerics.integrator", text(self.integrator.as_ref())),
+            ("--time-step", "numerics.time_step", text(self.time_step.as_ref())),
+            ("--duration", "run.duration", text(self.duration.as_ref())),
+        ]
     }
 }
 
@@ -229,27 +348,99 @@ pub(crate) struct PaperArgs {
     myospring mesh cell.png --pixel-size \"0.27 um\"\n  \
     myospring mesh cell.geojson --spacing \"0.8 um\" --output mesh")]
 pub(crate) struct MeshArgs {
-    /// Mask (.png, .tif), outline in um (.geojson, .json, .csv) or run file (.toml); without it,
-    /// the built-in cell
+    /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
+    /// without it, the built-in cell
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) segmentation: SegmentationArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
 
 impl MeshArgs {
     /// Options that stand for a key of the run file.
-    pub(crate) fn overrides(&self) -> Vec<(&'static str, &'static str, toml::Value)> {
-        let text = |value: &Option<String>| value.clone().map(toml::Value::String);
-        let rows = [
-            ("--pixel-size", "shape.pixel_size", text(&self.shape.pixel_size)),
-            ("--label", "shape.label", self.shape.label.map(toml::Value::Integer)),
-            ("--spacing", "shape.spacing", text(&self.shape.spacing)),
-            ("--rotate", "shape.rotate", text(&self.shape.rotate)),
-        ];
-        rows.into_iter().filter_map(|(name, key, value)| Some((name, key, value?))).collect()
+    pub(crate) fn overrides(&self) -> Overrides {
+        given(self.shape.rows().into_iter().chain(self.segmentation.rows()))
+    }
+}
+
+/// `myospring segment`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring segment cell.tif                                 look at results/cell_outline/overlay.png\n  \
+    myospring segment cell.tif --pixel-size \"0.27 um\" --output cell.roi      mend it in Fiji, then\n  \
+    myospring run cell.tif --pixel-size \"0.27 um\" --outline cell.roi         come back\n  \
+    myospring segment dish.tif --cell all -o cells.zip -o cells_mask.png\n\n\
+    The ending of each --output says what it holds: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
+    .png (mask; with --cell all a label mask). An overlay is written beside the first of them.")]
+pub(crate) struct SegmentArgs {
+    /// Picture (.png, .tif)
+    #[arg(value_name = "PICTURE")]
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) segmentation: SegmentationArgs,
+    /// File for the outline; may be given several times [default: a folder `results/NAME_outline` with all]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) output: Vec<PathBuf>,
+    /// Replace files that are already there
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) force: bool,
+    /// Print the report as JSON
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) json: bool,
+    /// No notes
+    #[arg(short, long, help_heading = OUTPUT)]
+    pub(crate) quiet: bool,
+}
+
+impl SegmentArgs {
+    /// Options that stand for a key of the run file.
+    pub(crate) fn overrides(&self) -> Overrides {
+        given(self.shape.rows().into_iter().chain(self.segmentation.rows()))
+    }
+}
+
+/// `myospring batch`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring batch pictures --pixel-size \"0.27 um\" --output beats\n  \
+    myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n\n\
+    Results: cells.csv, one row a cell, failed pictures with their reason; cells.parquet, the same; overlays/;\n\
+    with --figures a folder for each cell. Interrupted, the same command goes on where it was.\n\
+    Exit codes: 0 all pictures gave a cell that beat, 1 some failed, 2 bad input or usage.")]
+pub(crate) struct BatchArgs {
+    /// Folder of pictures (.png, .tif), searched with all folders in it
+    #[arg(value_name = "FOLDER")]
+    pub(crate) folder: PathBuf,
+    /// Only files whose name matches (* and ? stand for anything) [default: *.png, *.tif, *.tiff]
+    #[arg(long, value_name = "PATTERN")]
+    pub(crate) pattern: Option<String>,
+    /// Pictures at a time [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub(crate) jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) segmentation: SegmentationArgs,
+    #[command(flatten)]
+    pub(crate) simulation: SimulationArgs,
+    /// Write curves and figures of each cell, in a folder of its own
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) figures: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+impl BatchArgs {
+    /// Options that stand for a key of the run file.
+    pub(crate) fn overrides(&self) -> Overrides {
+        let shape = self.shape.rows().into_iter().chain(self.segmentation.rows());
+        given(shape.chain(self.simulation.rows()))
     }
 }
 

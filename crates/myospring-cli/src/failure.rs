@@ -3,6 +3,7 @@
 use miette::{
     Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, Report, SourceCode,
 };
+use myospring::microscopy::fibres::FibreError;
 use myospring::output::csv::CsvError;
 use myospring::output::figure::FigureError;
 use myospring::output::files::FileError;
@@ -106,4 +107,12 @@ macro_rules! plain {
     )*};
 }
 
-plain!(FileError, SetupError, CsvError, JsonError, FigureError, myospring::cell::ModelError);
+plain!(
+    FileError,
+    SetupError,
+    CsvError,
+    JsonError,
+    FigureError,
+    FibreError,
+    myospring::cell::ModelError
+);

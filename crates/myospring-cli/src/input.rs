@@ -1,13 +1,10 @@
 //! From what stands on the command line to a run and the bytes of its shape.
 
+use crate::args::Overrides;
 use crate::failure::Failure;
-use myospring::mesh::Mesh;
-use myospring::mesh::quality::MeshReport;
-use myospring::run_file::{Reader, Run};
+use myospring::run_file::{Reader, Run, ShapeBytes, Shaped};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-type Overrides = Vec<(&'static str, &'static str, toml::Value)>;
 
 /// A run that was resolved, with its shape meshed.
 pub(crate) struct Input {
@@ -15,13 +12,20 @@ pub(crate) struct Input {
     pub(crate) name: String,
     pub(crate) run: Run,
     /// The bytes of the picture or outline.
-    pub(crate) bytes: Vec<u8>,
-    pub(crate) mesh: Mesh,
-    pub(crate) report: MeshReport,
+    pub(crate) bytes: ShapeBytes,
+    pub(crate) shaped: Shaped,
 }
 
 /// Reads and checks everything and meshes the shape.
 pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, Failure> {
+    let (name, run) = settle(path, overrides)?;
+    let bytes = run.shape.bytes(|file| fs::read(file))?;
+    let shaped = run.shape.mesh(&bytes)?;
+    Ok(Input { name, run, bytes, shaped })
+}
+
+/// Reads and checks every setting; the name of the results, and the run.
+pub(crate) fn settle(path: Option<&Path>, overrides: Overrides) -> Result<(String, Run), Failure> {
     let mut reader = Reader::new();
     let mut text = None;
     let mut base = PathBuf::new();
@@ -36,7 +40,8 @@ pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, F
                     .map_err(|error| Failure::of_run_file(&error, Some(&content)))?;
                 text = Some(content);
             }
-            kind @ ("png" | "tif" | "tiff" | "geojson" | "json" | "csv") => {
+            kind
+            @ ("png" | "tif" | "tiff" | "geojson" | "json" | "csv" | "roi" | "zip" | "txt") => {
                 // Before anything else is said about the picture.
                 fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
                 let is_picture = matches!(kind, "png" | "tif" | "tiff");
@@ -45,19 +50,12 @@ pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, F
                     return Err(Failure::new(format!("`{}` is not UTF-8", path.display())));
                 };
                 reader = reader.option(name, key, name);
-                if is_picture && !overrides.iter().any(|row| row.1 == "shape.pixel_size") {
-                    let message = format!("`{name}`: the size of the picture's pixels is missing");
-                    return Err(Failure::new(message).advise(
-                        "say how wide one pixel is, like --pixel-size \"0.27 um\"; it is never \
-                         guessed",
-                    ));
-                }
             }
             _ => {
                 let message = format!("`{}` has an ending that is not known", path.display());
                 return Err(Failure::new(message).advise(
-                    "give a mask (.png, .tif, .tiff), an outline (.geojson, .json, .csv) or a run \
-                     file (.toml)",
+                    "give a picture or mask (.png, .tif, .tiff), an outline (.geojson, .json, .csv, .roi, .zip, \
+                     .txt) or a run file (.toml)",
                 ));
             }
         }
@@ -68,12 +66,21 @@ pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, F
     let mut run =
         reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
     run.shape.resolve_path(&base);
-    let bytes = run.shape.bytes(|file| fs::read(file))?;
-    let (mesh, report) = run.shape.mesh(&bytes)?;
     let name = path
         .and_then(Path::file_stem)
         .map_or_else(|| run.shape.name().to_owned(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Input { name, run, bytes, mesh, report })
+    Ok((name, run))
+}
+
+/// Refuses `--cell all` where one cell is needed.
+pub(crate) fn one_cell(all: bool) -> Result<(), Failure> {
+    if !all {
+        return Ok(());
+    }
+    let advice =
+        "give --cell largest or a number, or beat every cell of a folder with myospring batch";
+    Err(Failure::new("--cell all names several cells, but one is wanted here".to_owned())
+        .advise(advice))
 }
 
 fn ending(path: &Path) -> String {

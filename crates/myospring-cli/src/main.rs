@@ -1,15 +1,18 @@
 //! The program `myospring`: arguments, progress, file names. What is computed is in the library.
 
 mod args;
+mod batch;
 mod cite;
 mod failure;
 mod input;
 mod lists;
 mod mesh;
+mod overlay;
 mod paper;
 mod print;
 mod results;
 mod run;
+mod segment;
 mod table;
 
 use args::{Cli, Command};
@@ -33,6 +36,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         None => Err(Failure::new("no command was given").advise("myospring --help lists them")),
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Paper(args)) => paper::paper(args),
+        Some(Command::Segment(args)) => segment::segment(args),
+        Some(Command::Batch(args)) => batch::batch(args),
         Some(Command::Mesh(args)) => mesh::mesh(args),
         Some(Command::Models(args)) => lists::models(args),
         Some(Command::Init(args)) => lists::init(args),

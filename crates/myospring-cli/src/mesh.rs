@@ -3,14 +3,17 @@
 use crate::args::MeshArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::overlay;
 use crate::print;
 use crate::results::Folder;
 use myospring::output::{figure, json};
+use myospring::run_file::Shaped;
 use std::path::Path;
 use std::process::ExitCode;
 
 pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
-    let Input { name, run, bytes, mesh, report } =
+    input::one_cell(args.segmentation.all())?;
+    let Input { name, shaped: Shaped { mesh, report, outline, picture }, .. } =
         input::read(args.input.as_deref(), args.overrides())?;
     let target = args
         .output
@@ -19,10 +22,12 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
         .unwrap_or_else(|| Path::new("results").join(format!("{name}_mesh")));
     let folder = Folder::claim(&target, args.output.force)?;
     folder.write("mesh.json", json::pretty(&report)?)?;
-    if let Some(outline) = run.shape.outline(&bytes)? {
-        folder.write("outline.geojson", outline.to_geojson())?;
-    }
+    folder.write("outline.geojson", outline.to_geojson())?;
     folder.figures(&[("mesh", &|| figure::mesh(&mesh))])?;
+    if let Some((cells, cell)) = &picture {
+        let draw = || overlay::draw(&name, cells, &[cell], Some(&mesh), None, &report.warnings);
+        folder.figures(&[("overlay", &draw)])?;
+    }
     let target = folder.finish()?;
     if args.output.json {
         print::out(&json::pretty(&report)?);

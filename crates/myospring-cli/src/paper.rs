@@ -11,6 +11,7 @@ use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
+use myospring::run_file::Shaped;
 use myospring::simulation::{Effort, Finished};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -37,7 +38,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let overrides = rows.into_iter().filter_map(|(option, key, value)| {
         Some((option, key, toml::Value::String(value.clone()?)))
     });
-    let Input { run, mesh, .. } = input::read(None, overrides.collect())?;
+    let Input { run, shaped: Shaped { mesh, .. }, .. } = input::read(None, overrides.collect())?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
@@ -48,7 +49,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let bar = progress_bar(args.output.quiet);
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
     let one = |peak_tension: f64| -> Result<Finished, Failure> {
-        let mut simulation = run.simulation(mesh.clone())?;
+        let mut simulation = run.simulation(mesh.clone(), None)?;
         simulation.peak_tension = peak_tension;
         let mut before = 0.0;
         Ok(simulation.ready()?.run(|progress| {

@@ -3,6 +3,7 @@
 use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::overlay;
 use crate::print;
 use crate::results::Folder;
 use crate::table::{aligned, number};
@@ -12,7 +13,7 @@ use myospring::cell::solve::solve;
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::report::{Band, Summary, band};
 use myospring::output::{csv, json};
-use myospring::run_file::Run;
+use myospring::run_file::{Run, Shaped};
 use myospring::simulation::{Effort, Finished, Progress, Ready, Simulation, StopReason};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -78,12 +79,14 @@ struct Numbers<'a> {
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     let mut timings = Timings::default();
-    let Input { name, run, bytes, mesh, report } =
-        input::read(args.input.as_deref(), args.overrides())?;
+    input::one_cell(args.segmentation.all())?;
+    let Input { name, run, bytes, shaped } = input::read(args.input.as_deref(), args.overrides())?;
+    let field = run.fibre_field(&shaped)?;
+    let Shaped { mesh, report, picture, .. } = shaped;
     timings.mesh_s = start.elapsed().as_secs_f64();
 
     let stage = Instant::now();
-    let mut simulation = run.simulation(mesh)?;
+    let mut simulation = run.simulation(mesh, field.as_ref())?;
     simulation.numerics.threads = threads(args.threads, simulation.mesh.len());
     let prepared = simulation.ready()?;
     timings.preparation_s = stage.elapsed().as_secs_f64();
@@ -109,7 +112,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let stimuli = run.stimulus_times();
     let summary = Summary::new(&outcome.recording, &stimuli, report.clone(), warnings);
     let (written, cell_s) = rayon::join(
-        || write(&folder, &run, &simulation, &outcome, &summary, &stimuli),
+        || {
+            if let Some((cells, cell)) = &picture {
+                let (mesh, fibres) = (Some(&simulation.mesh), field.as_ref());
+                let draw = || overlay::draw(&name, cells, &[cell], mesh, fibres, &summary.warnings);
+                folder.figures(&[("overlay", &draw)])?;
+            }
+            write(&folder, &run, &simulation, &outcome, &summary, &stimuli)
+        },
         || cell_alone(&run),
     );
     written?;
@@ -122,7 +132,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
         input: run.shape.file(),
-        shape_sha256: hash(&bytes),
+        shape_sha256: hash(&bytes.shape),
         run_file_sha256: hash(run_file.as_bytes()),
         stop: Stop::of(&outcome),
         effort: outcome.effort,
@@ -200,7 +210,7 @@ fn cell_alone(run: &Run) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-fn hash(bytes: &[u8]) -> String {
+pub(crate) fn hash(bytes: &[u8]) -> String {
     use std::fmt::Write;
     Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
         // Writing to a string does not fail.
@@ -230,7 +240,7 @@ fn resolved(
     ))
 }
 
-fn write(
+pub(crate) fn write(
     folder: &Folder,
     run: &Run,
     simulation: &Simulation,

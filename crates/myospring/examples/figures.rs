@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use myospring::output::figure::{
-    ContractionOptions, Figure, action_potential_and_tension, cell_shapes, contraction, key_shapes,
-    mesh, overview,
+    Contour, ContractionOptions, Figure, Overlay, Tick, action_potential_and_tension, cell_shapes,
+    contraction, key_shapes, mesh, overlay, overview,
 };
 use myospring::output::files;
 
@@ -48,5 +48,70 @@ fn main() -> Outcome {
     save(&folder, "cell-round", &cell_shapes(&round, &key_shapes(&beat, &stimuli), axis)?, 300.0)?;
     save(&folder, "mesh-round", &mesh(&round)?, 300.0)?;
     save(&folder, "overview-round", &overview(&round, &beat, axis, &stimuli)?, 200.0)?;
+    save(&folder, "overlay", &striped_picture()?, 200.0)?;
     Ok(())
+}
+
+/// A round cell with stripes across its fibres, which turn, and a smaller one beside it.
+fn striped_picture() -> Result<Figure, Box<dyn std::error::Error>> {
+    let (columns, rows, pixel) = (600, 440, 0.25);
+    let centre = [68.0, 55.0];
+    let (mut mesh, _) = synthetic::roundish(2.0);
+    for (axis, points) in mesh.points.iter_mut().enumerate() {
+        for x in points {
+            *x += centre[axis];
+        }
+    }
+    let (sin, cos) = 25f64.to_radians().sin_cos();
+    // As `synthetic::roundish` has it.
+    let bulge = |a: f64, b: f64| 1.0 + 0.05 * (3.0 * b.atan2(a)).cos();
+    let ring = |centre: [f64; 2], half: [f64; 2]| -> Vec<[f64; 2]> {
+        let point = |k: i32| {
+            let (b, a) = f64::from(k).to_radians().sin_cos();
+            let [a, b] = [half[0] * a, half[1] * b];
+            let [a, b] = [a, b].map(|x| x * bulge(a, b));
+            [centre[0] + cos * a - sin * b, centre[1] + sin * a + cos * b]
+        };
+        (0..360).map(point).collect()
+    };
+    let within = |[x, y]: [f64; 2], half: [f64; 2]| {
+        let (a, b) = (cos * x + sin * y, cos * y - sin * x);
+        (a / half[0]).hypot(b / half[1]) < bulge(a, b)
+    };
+    // Rings around a point far below: fibres run along them, z-discs across.
+    let angle = |[x, y]: [f64; 2]| (y + 90.0).atan2(x - 110.0);
+    let grey = |at: usize| {
+        let point = [(at % columns) as f64 * pixel, (rows - at / columns) as f64 * pixel];
+        let from = [point[0] - centre[0], point[1] - centre[1]];
+        let other = within([point[0] - 136.0, point[1] - 22.0], [13.0, 7.0]);
+        let stripes = 0.15 * (440.0 * angle(point)).cos();
+        let cell = if from[0] < 20.0 { 0.3 + stripes } else { 0.3 };
+        (if within(from, [57.0, 34.0]) || other { cell } else { 0.05 }) as f32
+    };
+    let values: Vec<f32> = (0..columns * rows).map(grey).collect();
+    let fibres: Vec<Tick> = (0..mesh.len())
+        .map(|node| {
+            let point_um = mesh.point(node);
+            let from_picture = point_um[0] < centre[0] + 20.0;
+            let (sin, cos) = if from_picture { angle(point_um).sin_cos() } else { (-cos, sin) };
+            Tick { point_um, direction: [-sin, cos], coherency: 0.6, from_picture }
+        })
+        .collect();
+    let [chosen, other] = [ring(centre, [57.0, 34.0]), ring([136.0, 22.0], [13.0, 7.0])];
+    let cells = [
+        Contour { name: "1", rings: vec![&chosen], chosen: true },
+        Contour { name: "2", rings: vec![&other], chosen: false },
+    ];
+    let figure = overlay(&Overlay {
+        title: "A made-up cell",
+        width: columns,
+        height: rows,
+        values: &values,
+        pixel_size_um: pixel,
+        cells: &cells,
+        mesh: Some(&mesh),
+        fibres: &fibres,
+        warnings: &["2 cells were found; the largest was taken".to_owned()],
+    })?;
+    Ok(figure)
 }

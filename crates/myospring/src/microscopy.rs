@@ -1,6 +1,17 @@
-//! Pictures to masks: bytes in, pixels out; no file is opened here.
+//! Pictures to cells: bytes in, outlines, masks and fibre directions out; no file is opened here.
 //!
-//! [`read::read_mask`] takes the bytes of a PNG or TIFF in which a person or a program has marked
-//! the cell, and gives a [`crate::mesh::mask::Mask`].
+//! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`segment`] finds the cells
+//! in the plane; [`outlines`] reads those that were drawn elsewhere, and writes ours; [`report`] says what shape
+//! a cell has; [`fibres`] reads the direction of its myofibrils. [`cells`] strings these together.
 
+pub mod cells;
+pub mod fibres;
+pub mod filter;
+pub mod mask;
+pub mod outlines;
+pub mod picture;
+pub mod plane;
 pub mod read;
+mod region;
+pub mod report;
+pub mod segment;

@@ -10,6 +10,7 @@
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
 //! | [`report`] | the numbers of a run with units, definitions and reference bands |
 //! | [`comparison`] | the paper's numbers beside ours |
+//! | [`table`] | a row for each of many runs, as CSV and Parquet |
 //! | [`files`] | whole files or none |
 
 pub mod comparison;
@@ -18,3 +19,4 @@ pub mod figure;
 pub mod files;
 pub mod json;
 pub mod report;
+pub mod table;

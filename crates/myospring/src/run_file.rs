@@ -27,6 +27,7 @@
 pub mod bounds;
 mod check;
 mod error;
+mod picture;
 mod reading;
 mod resolve;
 mod run;
@@ -37,12 +38,14 @@ pub use bounds::{Bounds, Setting};
 pub use error::{Origin, Problem, RunFileError};
 pub use reading::Reader;
 pub use run::{Fibre, Run};
-pub use shape::{Shape, ShapeError, Source};
+pub use shape::{PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source};
 pub use template::template;
 
 use crate::cell::solve::Method;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
+use crate::microscopy::fibres::Stain;
+use crate::microscopy::segment::Modality;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -61,6 +64,8 @@ pub struct RunFile {
     pub stimulus: StimulusTable,
     /// The cell's shape: one of `built_in`, `picture`, `outline`.
     pub shape: ShapeTable,
+    /// How the cell is found in a picture; of no use without one.
+    pub segmentation: SegmentationTable,
     /// What the cell is made of, at rest and passive.
     pub material: MaterialTable,
     /// How the tension acts and what holds the cell.
@@ -151,19 +156,21 @@ pub struct ShapeTable {
     /// A cell that comes with the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub built_in: Option<String>,
-    /// Mask of the cell, PNG or TIFF, non-zero where the cell is; relative to this file.
+    /// Picture of the cell from a microscope, or its mask: PNG, TIFF or OME-TIFF; relative to this file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(example = "cell.png")]
     pub picture: Option<String>,
-    /// Side of one pixel of the picture; needed with a picture, never guessed.
+    /// Side of one pixel of the picture; by default what the picture says of itself. Never guessed. Also for
+    /// an outline in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::PIXEL_SIZE.in_schema())]
     pub pixel_size: Option<Setting>,
-    /// In a label picture, the grey value of the cell; without it every non-zero pixel counts.
+    /// In a label mask, the grey value of the cell; without it the largest cell is taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 65535), example = 3)]
     pub label: Option<i64>,
-    /// Outline of the cell in um, GeoJSON (.geojson, .json) or points (.csv); relative to this file.
+    /// Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or RoiSet .zip,
+    /// Cellpose's _outlines.txt; relative to this file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(example = "cell.geojson")]
     pub outline: Option<String>,
@@ -175,6 +182,55 @@ pub struct ShapeTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::SPACING.in_schema())]
     pub spacing: Option<Setting>,
+}
+
+/// `[segmentation]`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+#[schemars(inline)]
+pub struct SegmentationTable {
+    /// How the picture was taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = Modality::Auto)]
+    pub modality: Option<Modality>,
+    /// Channel of the picture, from 0; by default the first, of a colour picture its luminance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 10000), example = 0)]
+    pub channel: Option<i64>,
+    /// Frame (time point) of the picture, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 1000000), example = 0)]
+    pub frame: Option<i64>,
+    /// Of a stack in depth: "max", "mean", or the number of a slice, from 0; by default the maximum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = &"max")]
+    pub z: Option<Setting>,
+    /// Threshold. Fluorescence: grey value above which a pixel is cell. Brightfield: least relative change of
+    /// brightness per um that is an edge. By default found from the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = 120.5)]
+    pub threshold: Option<f64>,
+    /// Scale of smoothing; by default 0.5 um for fluorescence, 0.8 um for brightfield.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = bounds::SMOOTH.in_schema())]
+    pub smooth: Option<Setting>,
+    /// Takes the cell at this place: column and row in pixels from the top left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = "120, 85")]
+    pub seed: Option<String>,
+    /// Which cell: "largest", or its number by size, 1 being the largest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = "2")]
+    pub cell: Option<Setting>,
+    /// Takes a cell although the frame of the picture cuts it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = true)]
+    pub allow_cut: Option<bool>,
+    /// Outline of the cell drawn on the picture elsewhere, instead of finding it: GeoJSON, ImageJ's .roi or
+    /// RoiSet .zip, Cellpose's _outlines.txt; relative to this file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = "cell.roi")]
+    pub outline: Option<String>,
 }
 
 /// `[material]`.
@@ -242,10 +298,19 @@ pub struct MechanicsTable {
     /// How the tension acts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active: Option<ActiveLaw>,
-    /// Direction of the fibres: "long axis" of the cell, or an angle counter-clockwise from x.
+    /// Direction of the fibres: "long axis" of the cell, an angle counter-clockwise from x, or "picture",
+    /// which reads it from the stripes or filaments of the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::FIBRE.in_schema())]
     pub fibre: Option<Setting>,
+    /// What the picture shows, for fibre = "picture": stripes across the fibre, or filaments along it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = Stain::ZDisc)]
+    pub stain: Option<Stain>,
+    /// Scale over which directions from the picture are averaged; by default 3 um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = bounds::FIBRE_SMOOTHING.in_schema())]
+    pub fibre_smoothing: Option<Setting>,
     /// What holds the cell.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<SupportName>,

@@ -112,7 +112,7 @@ fn a_cell_that_lies_aslant_shortens_along_its_own_axis() {
 #[cfg(feature = "microscopy")]
 #[test]
 fn a_real_tear_drop_cell_beats_along_its_own_axis() {
-    use myospring::microscopy::read::{MaskOptions, read_mask};
+    use myospring::microscopy::mask::{MaskOptions, read_mask};
     let Some(path) = common::shared_data("images/sarcgraph_e5_mask.png") else { return };
     let options = MaskOptions { label: None, pixel_size_um: 0.27 };
     let picture = read_mask(&std::fs::read(path).unwrap(), &options).unwrap();

@@ -9,7 +9,8 @@ use std::io::Cursor;
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 use myospring::mesh::lattice;
 use myospring::mesh::mask::Mask;
-use myospring::microscopy::read::{MaskOptions, MaskPicture, PictureError, read_mask};
+use myospring::microscopy::mask::{MaskOptions, MaskPicture, MaskPictureError, read_mask};
+use myospring::microscopy::read::PictureError;
 
 const ANY: MaskOptions = MaskOptions { label: None, pixel_size_um: 0.5 };
 
@@ -126,8 +127,7 @@ fn what_is_not_a_picture_is_refused() {
     );
     assert_eq!(
         error(b"\xff\xd8\xff\xe0\0\x10JFIF\0", &ANY),
-        "this is a JPEG picture, which is not read here; save the mask as PNG or TIFF without lossy \
-         compression"
+        "this is a JPEG picture, which is not read here; save it as PNG or TIFF without lossy compression"
     );
 }
 
@@ -140,9 +140,11 @@ fn a_truncated_picture_is_refused_at_every_length() {
             let error = read_mask(&whole[..length], &ANY).unwrap_err();
             let known = matches!(
                 error,
-                PictureError::Unreadable { .. }
-                    | PictureError::Pixels { .. }
-                    | PictureError::TooLarge { .. }
+                MaskPictureError::Picture(
+                    PictureError::Unreadable { .. }
+                        | PictureError::Pixels { .. }
+                        | PictureError::TooLarge { .. }
+                )
             );
             assert!(known, "{format:?} cut to {length} bytes: {error}");
         }

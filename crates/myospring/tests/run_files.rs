@@ -107,10 +107,22 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         }) else {
             continue;
         };
-        let file = RunFile::from_text(&format!("{table}\n{example}")).unwrap();
+        // How a cell is found, and the fibre in a picture, have a meaning with a picture only.
+        let fibre = if example.starts_with("stain") || example.starts_with("fibre_smoothing") {
+            "fibre = \"picture\"\n"
+        } else {
+            ""
+        };
+        let picture = if table == "[segmentation]" || !fibre.is_empty() {
+            "[shape]\npicture = \"cell.tif\"\n"
+        } else {
+            ""
+        };
+        let text = format!("{picture}{table}\n{fibre}{example}");
+        let file = RunFile::from_text(&text).unwrap();
         let key = example.split(" = ").next().unwrap();
         // A picture needs its pixel size, a pulse its kind, a spring its support; the rest stands alone.
-        if !alternatives.contains(&key) && key != "duration" {
+        if (table == "[segmentation]" || !alternatives.contains(&key)) && key != "duration" {
             file.resolve().map_err(|error| format!("{example}: {error}")).unwrap();
         }
     }

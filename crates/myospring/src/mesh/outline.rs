@@ -1,9 +1,7 @@
 //! The outline of a cell: a polygon in micrometres, from GeoJSON or a list of points, and back.
 
+mod simple;
 mod text;
-
-use geo::algorithm::Validation;
-use geo::line_intersection::{LineIntersection, line_intersection};
 
 /// Smallest area that an outline may have, um^2.
 pub const SMALLEST_AREA_UM2: f64 = 1.0;
@@ -139,7 +137,7 @@ impl Outline {
         if extent * extent < SMALLEST_AREA_UM2 || outline.is_flat() {
             return Err(OutlineError::TooSmall { area: outline.area() });
         }
-        outline.check_simple()?;
+        simple::check(&outline)?;
         if outline.area() < SMALLEST_AREA_UM2 {
             return Err(OutlineError::TooSmall { area: outline.area() });
         }
@@ -265,51 +263,6 @@ impl Outline {
             (x * far[1] - y * far[0]).abs() <= 1e-12 * reach * reach
         })
     }
-
-    fn check_simple(&self) -> Result<(), OutlineError> {
-        use geo::algorithm::validation::InvalidPolygon as Invalid;
-        let ring = |points: &[[f64; 2]]| points.iter().copied().collect::<geo::LineString>();
-        let polygon = geo::Polygon::new(
-            ring(&self.exterior),
-            self.holes.iter().map(|hole| ring(hole)).collect(),
-        );
-        match polygon.check_validation() {
-            Ok(()) => Ok(()),
-            Err(Invalid::SelfIntersection(_)) => {
-                let place = self.rings().find_map(crossing).map_or_else(String::new, |[x, y]| {
-                    format!(" at ({}, {}) um", (x * 1e3).round() / 1e3, (y * 1e3).round() / 1e3)
-                });
-                Err(OutlineError::SelfIntersecting { place })
-            }
-            Err(error) => Err(OutlineError::Holes { reason: error.to_string() }),
-        }
-    }
-}
-
-/// Where two edges of a ring meet that are not neighbours; not looked for in very long rings.
-fn crossing(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
-    const LONGEST: usize = 5_000;
-    if ring.len() > LONGEST {
-        return None;
-    }
-    let lines: Vec<geo::Line> = edges(ring).map(|(p, q)| geo::Line::new(p, q)).collect();
-    for first in 0..lines.len() {
-        for second in first + 2..lines.len() {
-            if first == 0 && second + 1 == lines.len() {
-                continue;
-            }
-            match line_intersection(lines[first], lines[second]) {
-                Some(LineIntersection::SinglePoint { intersection, .. }) => {
-                    return Some([intersection.x, intersection.y]);
-                }
-                Some(LineIntersection::Collinear { intersection }) => {
-                    return Some([intersection.start.x, intersection.start.y]);
-                }
-                None => {}
-            }
-        }
-    }
-    None
 }
 
 /// Drops repeated points, checks the rest and turns the ring to the wanted direction.

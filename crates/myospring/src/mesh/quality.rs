@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::Mesh;
+use super::outline::Outline;
 
 /// The long axis of a cell: the unit vector along which its area spreads most.
 ///
@@ -95,6 +96,29 @@ pub fn dimensions(mesh: &Mesh) -> Dimensions {
     Dimensions {
         length_um,
         width_um: extent(mesh, [-axis[1], axis[0]]),
+        mean_width_um,
+        aspect_ratio: length_um / mean_width_um,
+        long_axis_deg: axis[1].atan2(axis[0]).to_degrees(),
+    }
+}
+
+/// Measures an outline along and across the principal axis of its area, as [`dimensions`] does a mesh.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::{built_in, quality};
+/// let size = quality::outline_dimensions(&built_in::adult_ventricular());
+/// assert_eq!(size.length_um.round(), 140.0);
+/// ```
+pub fn outline_dimensions(outline: &Outline) -> Dimensions {
+    let [xx, yy, xy] = outline.second_moments();
+    let axis = principal_axis(xx, yy, xy);
+    let along = |axis| extent_along(outline.exterior().iter().copied(), axis);
+    let length_um = along(axis);
+    let mean_width_um = outline.area() / length_um;
+    Dimensions {
+        length_um,
+        width_um: along([-axis[1], axis[0]]),
         mean_width_um,
         aspect_ratio: length_um / mean_width_um,
         long_axis_deg: axis[1].atan2(axis[0]).to_degrees(),

@@ -7,6 +7,7 @@
 //! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by strain | Fig. 5 |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`overview()`] | cell and curves of one run in one picture | |
+//! | [`overlay()`] | the picture with outline, lattice and fibres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
 //! text in the SVG; the PNG is drawn with an embedded font (Noto Sans, SIL Open Font License 1.1),
@@ -16,6 +17,7 @@
 mod chart;
 mod lattice;
 mod moments;
+mod overlay;
 mod overview;
 mod raster;
 mod shapes;
@@ -26,6 +28,7 @@ mod traces;
 
 pub use lattice::mesh;
 pub use moments::{Shape, key_shapes};
+pub use overlay::{Contour, Overlay, Tick, overlay};
 pub use overview::overview;
 pub use shapes::cell_shapes;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
@@ -121,6 +124,24 @@ pub enum FigureError {
         x: f64,
         /// Component along y.
         y: f64,
+    },
+    /// A picture with another number of pixels than it says.
+    #[error("a picture of {width} x {height} pixels needs {} values, but {found} were given", width.saturating_mul(*height))]
+    PictureShape {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Values given.
+        found: usize,
+    },
+    /// A pixel size that is no length.
+    #[error(
+        "pixel size {pixel_size} um is not a length above 0; give the width of one pixel in um"
+    )]
+    PixelSize {
+        /// What was given, um.
+        pixel_size: f64,
     },
     /// A resolution that no printer has.
     #[error("a resolution of {dpi} dpi is outside 10 to 2400 dpi; 300 dpi suits a journal")]

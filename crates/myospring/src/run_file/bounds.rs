@@ -177,6 +177,11 @@ pub const CYCLE_LENGTH: Bounds =
 /// `shape.pixel_size`.
 pub const PIXEL_SIZE: Bounds =
     Bounds::new("shape.pixel_size", Length, "0.27 um").from(0.001).to(50.0);
+/// `segmentation.smooth`.
+pub const SMOOTH: Bounds = Bounds::new("segmentation.smooth", Length, "0.5 um").from(0.0).to(20.0);
+/// `mechanics.fibre_smoothing`.
+pub const FIBRE_SMOOTHING: Bounds =
+    Bounds::new("mechanics.fibre_smoothing", Length, "3 um").from(0.1).to(20.0);
 /// `shape.rotate`.
 pub const ROTATE: Bounds = Bounds::new("shape.rotate", Angle, "30 deg").from(-360.0).to(360.0);
 /// `shape.spacing`; the mesh checks it against the shape.

@@ -204,7 +204,7 @@ pub enum Problem {
         /// The file.
         path: String,
         /// Endings that are known.
-        known: &'static str,
+        known: String,
     },
     /// No cell model of that name.
     #[error("`cell.model`: {0}")]

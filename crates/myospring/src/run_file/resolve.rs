@@ -6,7 +6,7 @@ use super::error::Problem;
 use super::shape::{Shape, Source};
 use super::{
     CellTable, Fibre, IntegratorName, MaterialTable, MechanicsTable, NumericsTable, Run, RunFile,
-    ShapeTable, StimulusKind, StimulusTable, SupportName,
+    SegmentationTable, ShapeTable, StimulusKind, StimulusTable, SupportName, picture,
 };
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::solve::Settings;
@@ -18,11 +18,12 @@ use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, Stiffness, default_material};
 use crate::mechanics::support::SupportKind;
 use crate::mesh::built_in;
+use crate::microscopy::fibres::{FibreSettings, Stain};
 use crate::parameter::ParameterError;
 use crate::simulation::Numerics;
 use crate::units::{self, Dimension};
 
-type Checked<T> = Result<T, (String, Problem)>;
+pub(super) type Checked<T> = Result<T, (String, Problem)>;
 
 /// Peak tension unless stated, kPa: the largest of `coelho_2021`, Fig. 6.
 const PEAK_TENSION: f64 = 50.0;
@@ -36,7 +37,7 @@ const AFTER_LAST_STIMULUS: f64 = 550.0;
 const MOST_SAMPLES: f64 = 5e6;
 const MOST_FRAMES: f64 = 1e5;
 
-fn fail<T>(key: &str, problem: Problem) -> Checked<T> {
+pub(super) fn fail<T>(key: &str, problem: Problem) -> Checked<T> {
     Err((key.to_owned(), problem))
 }
 
@@ -58,10 +59,10 @@ pub(super) fn resolve(file: &RunFile) -> Checked<Run> {
         cell,
         peak_tension: bounds::PEAK_TENSION.read_or(tension, PEAK_TENSION)?,
         protocol,
-        shape: shape(&file.shape)?,
+        shape: shape(&file.shape, &file.segmentation)?,
         material: material(&file.material)?,
         active: file.mechanics.active.unwrap_or(ActiveLaw::Fibre),
-        fibre: fibre(file.mechanics.fibre.as_ref())?,
+        fibre: fibre(&file.mechanics, &file.shape)?,
         support: support(&file.mechanics)?,
         numerics,
         duration,
@@ -176,7 +177,7 @@ fn protocol(table: &StimulusTable, cell: &dyn CellModel, as_authors: bool) -> Ch
     Ok(protocol)
 }
 
-fn shape(table: &ShapeTable) -> Checked<Shape> {
+fn shape(table: &ShapeTable, segmentation: &SegmentationTable) -> Checked<Shape> {
     let given: Vec<&'static str> = [
         ("shape.built_in", table.built_in.is_some()),
         ("shape.picture", table.picture.is_some()),
@@ -192,32 +193,31 @@ fn shape(table: &ShapeTable) -> Checked<Shape> {
     }
     let exclude = |first, second, advice| fail(second, Problem::Conflict { first, second, advice });
     let source = if let Some(path) = &table.picture {
-        let Some(pixel_size) = &table.pixel_size else {
-            let reason = "a picture needs the size of its pixels, which is never guessed: give it \
-                          like pixel_size = \"0.27 um\", or --pixel-size \"0.27 um\"";
-            return fail("shape.picture", Problem::Missing { key: "shape.pixel_size", reason });
-        };
         if table.rotate.is_some() {
             let advice = "a picture is not turned; the fibre follows the cell's long axis anyway";
             return exclude("shape.picture", "shape.rotate", advice);
         }
-        Source::Picture {
-            path: with_ending("shape.picture", path, &["png", "tif", "tiff"])?,
-            pixel_size: bounds::PIXEL_SIZE.read(pixel_size)?,
-            label: table.label.and_then(|label| u32::try_from(label).ok()),
-        }
+        Source::Picture(Box::new(picture::resolve(path, table, segmentation)?))
     } else {
         let other = *given.first().unwrap_or(&"shape.built_in");
         let advice = "only a picture has it; leave it out";
-        if table.pixel_size.is_some() {
-            return exclude(other, "shape.pixel_size", advice);
-        }
-        if table.label.is_some() {
-            return exclude(other, "shape.label", advice);
+        if let Some(key) = of_pictures(segmentation) {
+            return exclude(other, key, advice);
         }
         if let Some(path) = &table.outline {
-            Source::Outline(with_ending("shape.outline", path, &["geojson", "json", "csv"])?)
+            let path = with_ending("shape.outline", path, picture::OUTLINES)?;
+            let pixel_size = table.pixel_size.as_ref();
+            let pixel_size = pixel_size.map(|size| bounds::PIXEL_SIZE.read(size)).transpose()?;
+            Source::Outline { path, pixel_size, choice: picture::choice(table, segmentation)? }
         } else {
+            let keys = [
+                ("shape.pixel_size", table.pixel_size.is_some()),
+                ("shape.label", table.label.is_some()),
+                ("segmentation.cell", segmentation.cell.is_some()),
+            ];
+            if let Some((key, _)) = keys.into_iter().find(|(_, given)| *given) {
+                return exclude(other, key, advice);
+            }
             let name = table.built_in.as_deref().unwrap_or(BUILT_IN);
             let Some(cell) = built_in::find(name) else {
                 let known: Vec<String> =
@@ -239,12 +239,28 @@ fn shape(table: &ShapeTable) -> Checked<Shape> {
     })
 }
 
-fn with_ending(key: &'static str, path: &str, endings: &[&str]) -> Checked<String> {
+/// A key of `[segmentation]` that only a picture has, if there is one.
+fn of_pictures(table: &SegmentationTable) -> Option<&'static str> {
+    let keys = [
+        ("segmentation.modality", table.modality.is_some()),
+        ("segmentation.channel", table.channel.is_some()),
+        ("segmentation.frame", table.frame.is_some()),
+        ("segmentation.z", table.z.is_some()),
+        ("segmentation.threshold", table.threshold.is_some()),
+        ("segmentation.smooth", table.smooth.is_some()),
+        ("segmentation.seed", table.seed.is_some()),
+        ("segmentation.allow_cut", table.allow_cut.is_some()),
+        ("segmentation.outline", table.outline.is_some()),
+    ];
+    keys.into_iter().find_map(|(key, given)| given.then_some(key))
+}
+
+pub(super) fn with_ending(key: &'static str, path: &str, endings: &[&str]) -> Checked<String> {
     let lower = path.to_lowercase();
     if endings.iter().any(|ending| lower.ends_with(&format!(".{ending}"))) {
         return Ok(path.to_owned());
     }
-    let known = if key == "shape.picture" { ".png, .tif, .tiff" } else { ".geojson, .json, .csv" };
+    let known = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ");
     fail(key, Problem::Ending { key, path: path.to_owned(), known })
 }
 
@@ -274,18 +290,41 @@ fn material(table: &MaterialTable) -> Checked<Material> {
     })
 }
 
-fn fibre(setting: Option<&Setting>) -> Checked<Fibre> {
-    match setting {
-        None => Ok(Fibre::LongAxis),
-        Some(Setting::Text(words)) if words.trim() == "long axis" => Ok(Fibre::LongAxis),
-        Some(Setting::Text(words)) if !words.contains(|c: char| c.is_ascii_digit()) => {
-            let known = vec!["long axis".to_owned(), "an angle like 15 deg".to_owned()];
-            let suggestion = nearest(words, ["long axis"].into_iter()).map(str::to_owned);
-            let (key, word) = (bounds::FIBRE.key.to_owned(), words.clone());
-            fail(bounds::FIBRE.key, Problem::UnknownWord { key, word, suggestion, known })
+fn fibre(table: &MechanicsTable, shape: &ShapeTable) -> Checked<Fibre> {
+    const WORDS: [&str; 2] = ["long axis", "picture"];
+    let of_picture = [
+        ("mechanics.stain", table.stain.is_some()),
+        ("mechanics.fibre_smoothing", table.fibre_smoothing.is_some()),
+    ];
+    let fibre = match &table.fibre {
+        None => Fibre::LongAxis,
+        Some(Setting::Text(words)) if words.trim() == WORDS[0] => Fibre::LongAxis,
+        Some(Setting::Text(words)) if words.trim() == WORDS[1] => {
+            if shape.picture.is_none() {
+                let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \
+                              \"long axis\" or an angle";
+                return fail("mechanics.fibre", Problem::Missing { key: "shape.picture", reason });
+            }
+            let mut settings = FibreSettings::of(table.stain.unwrap_or(Stain::ZDisc));
+            let smoothing = table.fibre_smoothing.as_ref();
+            settings.smoothing_um =
+                bounds::FIBRE_SMOOTHING.read_or(smoothing, settings.smoothing_um)?;
+            return Ok(Fibre::Picture(settings));
         }
-        Some(angle) => Ok(Fibre::Angle(bounds::FIBRE.read(angle)?)),
+        Some(Setting::Text(words)) if !words.contains(|c: char| c.is_ascii_digit()) => {
+            let mut known: Vec<String> = WORDS.map(str::to_owned).to_vec();
+            known.push("an angle like 15 deg".to_owned());
+            let suggestion = nearest(words, WORDS.into_iter()).map(str::to_owned);
+            let (key, word) = (bounds::FIBRE.key.to_owned(), words.clone());
+            return fail(bounds::FIBRE.key, Problem::UnknownWord { key, word, suggestion, known });
+        }
+        Some(angle) => Fibre::Angle(bounds::FIBRE.read(angle)?),
+    };
+    if let Some((second, _)) = of_picture.into_iter().find(|(_, given)| *given) {
+        let advice = "only fibre = \"picture\" has it; choose that or leave it out";
+        return fail(second, Problem::Conflict { first: "mechanics.fibre", second, advice });
     }
+    Ok(fibre)
 }
 
 fn support(table: &MechanicsTable) -> Checked<SupportKind> {

@@ -1,10 +1,10 @@
 //! A run: everything checked, in internal units, every default filled in.
 
 use super::bounds::{self, Setting};
-use super::shape::{Shape, Source};
+use super::shape::{Shape, Shaped, Source};
 use super::{
     CellTable, IntegratorName, MaterialTable, MechanicsTable, NumericsTable, RunFile, RunTable,
-    ShapeTable, StimulusKind, StimulusTable, SupportName,
+    SegmentationTable, ShapeTable, StimulusKind, StimulusTable, SupportName, picture,
 };
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::{self, CellModel};
@@ -16,6 +16,8 @@ use crate::mechanics::material::{Material, Stiffness};
 use crate::mechanics::support::SupportKind;
 use crate::mesh::Mesh;
 use crate::mesh::quality::{MeshReport, long_axis};
+use crate::microscopy::fibres::{FibreError, FibreField, FibreSettings};
+use crate::microscopy::segment::Choice;
 use crate::simulation::{Numerics, Simulation};
 use std::collections::BTreeMap;
 
@@ -26,6 +28,8 @@ pub enum Fibre {
     LongAxis,
     /// At an angle counter-clockwise from x, degrees.
     Angle(f64),
+    /// As the picture shows it; along the long axis where it shows nothing.
+    Picture(FibreSettings),
 }
 
 /// A run ready to be meshed and simulated.
@@ -55,25 +59,46 @@ pub struct Run {
 }
 
 impl Run {
-    /// The simulation of this run on a mesh.
+    /// The direction of the fibres in a picture, if that is where this run takes them from.
+    ///
+    /// # Errors
+    /// A picture in which no myofibrils can be seen: its pixels are too coarse.
+    pub fn fibre_field(&self, shaped: &Shaped) -> Result<Option<FibreField>, FibreError> {
+        match (self.fibre, &shaped.picture) {
+            (Fibre::Picture(settings), Some((cells, cell))) => {
+                cells.fibres(cell, long_axis(&shaped.mesh), &settings).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The simulation of this run on a mesh, with the direction of its fibres where a picture gave it.
     ///
     /// # Errors
     /// None that a resolved run can cause: the cell model is made from parameters that were checked.
-    pub fn simulation(&self, mesh: Mesh) -> Result<Simulation, crate::cell::ModelError> {
+    pub fn simulation(
+        &self,
+        mesh: Mesh,
+        field: Option<&FibreField>,
+    ) -> Result<Simulation, crate::cell::ModelError> {
         let axis = long_axis(&mesh);
         let fibre = match self.fibre {
-            Fibre::LongAxis => axis,
+            Fibre::LongAxis | Fibre::Picture(_) => axis,
             Fibre::Angle(degrees) => {
                 let (sine, cosine) = degrees.to_radians().sin_cos();
                 [cosine, sine]
             }
+        };
+        let fibres = match field {
+            Some(field) => field.on_mesh(&mesh),
+            None => vec![fibre; mesh.simplices.len()],
         };
         Ok(Simulation {
             cell: self.cell.with_parameters(self.cell.parameters().clone())?,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
             long_axis: axis,
-            fibres: vec![fibre; mesh.simplices.len()],
+            fibres,
             mesh,
             material: self.material.clone(),
             active: self.active,
@@ -131,6 +156,7 @@ impl Run {
     ///
     /// Spacing and time step stay absent where the shape and the stability limit decide them.
     pub fn to_run_file(&self) -> RunFile {
+        let (shape, segmentation) = self.shape_tables();
         RunFile {
             title: Some(self.title.clone()),
             cell: CellTable {
@@ -142,7 +168,8 @@ impl Run {
                 parameters: self.changed_parameters(),
             },
             stimulus: self.stimulus_table(),
-            shape: self.shape_table(),
+            shape,
+            segmentation,
             material: self.material_table(),
             mechanics: self.mechanics_table(),
             numerics: self.numerics_table(),
@@ -189,25 +216,32 @@ impl Run {
         }
     }
 
-    fn shape_table(&self) -> ShapeTable {
+    fn shape_tables(&self) -> (ShapeTable, SegmentationTable) {
         let Shape { source, rotate, spacing } = &self.shape;
         let mut table = ShapeTable {
             spacing: spacing.map(|spacing| bounds::SPACING.write(spacing)),
             ..ShapeTable::default()
         };
+        let mut segmentation = SegmentationTable::default();
         if !matches!(source, Source::Picture { .. }) {
             table.rotate = Some(bounds::ROTATE.write(*rotate));
         }
         match source {
             Source::BuiltIn(cell) => table.built_in = Some(cell.name.to_owned()),
-            Source::Outline(path) => table.outline = Some(path.clone()),
-            Source::Picture { path, pixel_size, label } => {
-                table.picture = Some(path.clone());
-                table.pixel_size = Some(bounds::PIXEL_SIZE.write(*pixel_size));
-                table.label = label.map(i64::from);
+            Source::Outline { path, pixel_size, choice } => {
+                table.outline = Some(path.clone());
+                table.pixel_size = pixel_size.map(|size| bounds::PIXEL_SIZE.write(size));
+                match choice {
+                    Choice::Number(number) => {
+                        segmentation.cell = Some(Setting::Text(number.to_string()));
+                    }
+                    Choice::Label(label) => table.label = Some(i64::from(*label)),
+                    Choice::Largest | Choice::At(_) => {}
+                }
             }
+            Source::Picture(source) => segmentation = picture::write(source, &mut table),
         }
-        table
+        (table, segmentation)
     }
 
     fn material_table(&self) -> MaterialTable {
@@ -250,12 +284,21 @@ impl Run {
                 (SupportName::ElasticBed, None, Some(stiffness))
             }
         };
+        let (stain, fibre_smoothing) = match self.fibre {
+            Fibre::Picture(FibreSettings { stain, smoothing_um, .. }) => {
+                (Some(stain), Some(bounds::FIBRE_SMOOTHING.write(smoothing_um)))
+            }
+            _ => (None, None),
+        };
         MechanicsTable {
             active: Some(self.active),
             fibre: Some(match self.fibre {
                 Fibre::LongAxis => Setting::Text("long axis".to_owned()),
                 Fibre::Angle(degrees) => bounds::FIBRE.write(degrees),
+                Fibre::Picture(_) => Setting::Text("picture".to_owned()),
             }),
+            stain,
+            fibre_smoothing,
             support: Some(support),
             end_stiffness,
             bed_stiffness,

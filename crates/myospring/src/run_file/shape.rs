@@ -5,25 +5,67 @@ use crate::mesh::built_in::BuiltIn;
 use crate::mesh::lattice::{self, LatticeError};
 use crate::mesh::outline::{Outline, OutlineError};
 use crate::mesh::quality::MeshReport;
+use crate::microscopy::cells::{CellError, Options, PictureCell, PictureCells};
+use crate::microscopy::outlines::{
+    CoordinateUnit, OutlineFileError, Placement, ReadOptions, read_outlines,
+};
+use crate::microscopy::segment::Choice;
 use std::io;
 use std::path::Path;
+
+/// A picture, and how its cell is found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureSource {
+    /// The file, as written.
+    pub path: String,
+    /// A file of outlines drawn on the picture, as written; `None` segments it.
+    pub outline: Option<String>,
+    /// Plane, pixel size and segmentation.
+    pub options: Options,
+    /// Which cell.
+    pub choice: Choice,
+    /// Whether a cell may be cut by the frame.
+    pub allow_cut: bool,
+}
 
 /// Where the shape comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// A cell that comes with the program.
     BuiltIn(&'static BuiltIn),
-    /// A mask.
-    Picture {
+    /// A picture from a microscope, or its mask.
+    Picture(Box<PictureSource>),
+    /// A file of outlines.
+    Outline {
         /// The file, as written.
         path: String,
-        /// Side of one pixel, um.
-        pixel_size: f64,
-        /// Grey value of the cell; `None` takes every non-zero pixel.
-        label: Option<u32>,
+        /// Side of one pixel, um, of outlines in pixels.
+        pixel_size: Option<f64>,
+        /// Which of several outlines.
+        choice: Choice,
     },
-    /// An outline, GeoJSON or CSV by its ending.
-    Outline(String),
+}
+
+/// The bytes of the files that hold the shape.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ShapeBytes {
+    /// The picture, the outline, or the built-in cell's outline.
+    pub shape: Vec<u8>,
+    /// The outline drawn on the picture.
+    pub outline: Option<Vec<u8>>,
+}
+
+/// A shape that was meshed.
+#[derive(Debug, Clone)]
+pub struct Shaped {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What the mesh is like, with warnings of all that came before it.
+    pub report: MeshReport,
+    /// The outline that was meshed, um; turned, where that was asked for.
+    pub outline: Outline,
+    /// The picture with its cells, and the one that was taken.
+    pub picture: Option<(PictureCells, PictureCell)>,
 }
 
 /// The cell's shape.
@@ -48,23 +90,39 @@ pub enum ShapeError {
         /// What the system says.
         cause: io::Error,
     },
-    /// The file is not a mask.
-    #[cfg(feature = "microscopy")]
+    /// The picture gives no cell.
     #[error("`{path}`: {cause}")]
     Picture {
         /// The file.
         path: String,
         /// What is wrong with it.
-        cause: crate::microscopy::read::PictureError,
+        cause: Box<CellError>,
     },
-    /// Built without pictures.
-    #[cfg(not(feature = "microscopy"))]
-    #[error(
-        "`{path}`: this program was built without the feature `microscopy`, which reads pictures"
-    )]
-    NoPictures {
+    /// The file holds no usable outlines.
+    #[error("`{path}`: {cause}")]
+    OutlineFile {
         /// The file.
         path: String,
+        /// What is wrong with it.
+        cause: OutlineFileError,
+    },
+    /// Outlines in pixels of unknown size.
+    #[error(
+        "`{path}` holds outlines in pixels; give the side of one pixel, like --pixel-size \"0.27 um\""
+    )]
+    NoPixelSize {
+        /// The file.
+        path: String,
+    },
+    /// There is no such outline.
+    #[error("`{path}` has no outline {wanted}; it holds {held}")]
+    NoSuchOutline {
+        /// The file.
+        path: String,
+        /// The one that was asked for.
+        wanted: String,
+        /// Those that there are.
+        held: String,
     },
     /// The file is not text.
     #[error("`{path}` is not UTF-8 text; an outline is GeoJSON or a list of points")]
@@ -95,24 +153,32 @@ impl Shape {
     pub fn file(&self) -> Option<&str> {
         match &self.source {
             Source::BuiltIn(_) => None,
-            Source::Picture { path, .. } | Source::Outline(path) => Some(path),
+            Source::Picture(picture) => Some(&picture.path),
+            Source::Outline { path, .. } => Some(path),
         }
     }
 
     /// A name for people and folders: the built-in cell's or the file's without its ending.
     pub fn name(&self) -> &str {
-        match &self.source {
-            Source::BuiltIn(cell) => cell.name,
-            Source::Picture { path, .. } | Source::Outline(path) => {
-                Path::new(path).file_stem().and_then(|stem| stem.to_str()).unwrap_or("cell")
+        match (&self.source, self.file()) {
+            (Source::BuiltIn(cell), _) => cell.name,
+            (_, path) => {
+                let stem = Path::new(path.unwrap_or_default()).file_stem();
+                stem.and_then(|stem| stem.to_str()).unwrap_or("cell")
             }
         }
     }
 
-    /// Takes a relative file name as relative to the folder `base`.
+    /// Takes relative file names as relative to the folder `base`.
     pub fn resolve_path(&mut self, base: &Path) {
-        if let Source::Picture { path, .. } | Source::Outline(path) = &mut self.source {
-            *path = base.join(&*path).to_string_lossy().into_owned();
+        let resolve = |path: &mut String| *path = base.join(&*path).to_string_lossy().into_owned();
+        match &mut self.source {
+            Source::BuiltIn(_) => {}
+            Source::Outline { path, .. } => resolve(path),
+            Source::Picture(picture) => {
+                resolve(&mut picture.path);
+                picture.outline.iter_mut().for_each(resolve);
+            }
         }
     }
 
@@ -122,68 +188,158 @@ impl Shape {
     /// What `read` says.
     pub fn bytes(
         &self,
-        read: impl FnOnce(&str) -> io::Result<Vec<u8>>,
-    ) -> Result<Vec<u8>, ShapeError> {
-        match &self.source {
-            Source::BuiltIn(cell) => Ok(cell.geojson.as_bytes().to_vec()),
-            Source::Picture { path, .. } | Source::Outline(path) => {
-                read(path).map_err(|cause| ShapeError::Read { path: path.clone(), cause })
-            }
-        }
-    }
-
-    /// The outline, turned; `None` for a picture.
-    ///
-    /// # Errors
-    /// Bytes that are no outline.
-    pub fn outline(&self, bytes: &[u8]) -> Result<Option<Outline>, ShapeError> {
-        let path = self.file().unwrap_or("built-in cell").to_owned();
-        if matches!(self.source, Source::Picture { .. }) {
-            return Ok(None);
-        }
-        let Ok(text) = std::str::from_utf8(bytes) else {
-            return Err(ShapeError::NotText { path });
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<ShapeBytes, ShapeError> {
+        let read = |path: &str| {
+            read(path).map_err(|cause| ShapeError::Read { path: path.to_owned(), cause })
         };
-        let is_csv = path.to_lowercase().ends_with(".csv");
-        let outline = if is_csv { Outline::from_csv(text) } else { Outline::from_geojson(text) };
-        let outline = outline.map_err(|cause| ShapeError::Outline { path, cause })?;
-        Ok(Some(if self.rotate == 0.0 { outline } else { outline.rotated(self.rotate) }))
+        let (shape, outline) = match &self.source {
+            Source::BuiltIn(cell) => (cell.geojson.as_bytes().to_vec(), None),
+            Source::Outline { path, .. } => (read(path)?, None),
+            Source::Picture(picture) => {
+                (read(&picture.path)?, picture.outline.as_deref().map(read).transpose()?)
+            }
+        };
+        Ok(ShapeBytes { shape, outline })
     }
 
     /// Meshes the shape that `bytes` hold.
     ///
     /// # Errors
-    /// Bytes that are no mask or outline, or a spacing that does not fit the shape.
-    pub fn mesh(&self, bytes: &[u8]) -> Result<(Mesh, MeshReport), ShapeError> {
-        let place = self.file().map(|path| format!("`{path}`: ")).unwrap_or_default();
-        let failed = |cause| ShapeError::Lattice { place, cause };
-        if let Some(outline) = self.outline(bytes)? {
-            return lattice::from_outline(&outline, self.spacing).map_err(failed);
-        }
-        let Source::Picture { path, pixel_size, label } = &self.source else {
-            unreachable!("every other source has an outline")
+    /// Bytes that hold no cell, or a spacing that does not fit the shape.
+    pub fn mesh(&self, bytes: &ShapeBytes) -> Result<Shaped, ShapeError> {
+        let Source::Picture(picture) = &self.source else {
+            let (outline, notes) = self.outline(&bytes.shape)?;
+            let (mesh, mut report) = lattice::from_outline(&outline, self.spacing)
+                .map_err(|cause| self.unmeshed(cause))?;
+            report.warnings.extend(notes);
+            return Ok(Shaped { mesh, report, outline, picture: None });
         };
-        #[cfg(feature = "microscopy")]
-        {
-            use crate::microscopy::read::{MaskOptions, read_mask};
-            let options = MaskOptions { label: *label, pixel_size_um: *pixel_size };
-            let picture = read_mask(bytes, &options)
-                .map_err(|cause| ShapeError::Picture { path: path.clone(), cause })?;
-            let (mesh, mut report) =
-                lattice::from_mask(&picture.mask, self.spacing).map_err(failed)?;
-            if label.is_none() && picture.values.len() > 1 {
-                report.warnings.push(format!(
-                    "the picture holds {} different non-zero values; all count as one cell unless a \
-                     label is given",
-                    picture.values.len()
-                ));
-            }
-            Ok((mesh, report))
-        }
-        #[cfg(not(feature = "microscopy"))]
-        {
-            let _ = (pixel_size, label, failed);
-            Err(ShapeError::NoPictures { path: path.clone() })
-        }
+        let cells = picture.cells(bytes)?;
+        let cell =
+            cells.cell(picture.choice, picture.allow_cut).map_err(|cause| picture.failed(cause))?;
+        self.mesh_cell(cells, cell)
     }
+
+    /// Meshes one cell of a picture.
+    ///
+    /// # Errors
+    /// A spacing that does not fit the cell.
+    pub fn mesh_cell(&self, cells: PictureCells, cell: PictureCell) -> Result<Shaped, ShapeError> {
+        // The pixels themselves, where they were found; the line, where one was drawn.
+        let meshed = match cells.segmentation() {
+            Some(_) => lattice::from_mask(&cell.mask, self.spacing),
+            None => lattice::from_outline(&cell.outline, self.spacing),
+        };
+        let (mesh, mut report) = meshed.map_err(|cause| self.unmeshed(cause))?;
+        report.warnings.extend(cells.notes.iter().cloned());
+        if cells.len() > 1 {
+            report.warnings.push(format!(
+                "the picture has {} cells; cell {} was taken, {:.0} um^2 (--cell N or --seed X,Y takes another)",
+                cells.len(),
+                cell.number,
+                cell.outline.area()
+            ));
+        }
+        if cell.confidence.is_doubtful() {
+            report.warnings.push(format!(
+                "the outline is doubtful (confidence {:.2} of 1): {}; look at the overlay",
+                cell.confidence.score,
+                cell.confidence.reasons.join("; ")
+            ));
+        }
+        report.warnings.extend(cell.shape.warnings.iter().cloned());
+        let outline = cell.outline.clone();
+        Ok(Shaped { mesh, report, outline, picture: Some((cells, cell)) })
+    }
+
+    fn unmeshed(&self, cause: LatticeError) -> ShapeError {
+        let place = self.file().map(|path| format!("`{path}`: ")).unwrap_or_default();
+        ShapeError::Lattice { place, cause }
+    }
+
+    /// The outline of a file or built-in cell, turned, and what a person should know about it.
+    fn outline(&self, bytes: &[u8]) -> Result<(Outline, Vec<String>), ShapeError> {
+        let path = self.file().unwrap_or("built-in cell").to_owned();
+        let ending = path.rsplit('.').next().unwrap_or_default().to_lowercase();
+        let (pixel_size, choice) = match &self.source {
+            Source::Outline { pixel_size, choice, .. } => (*pixel_size, *choice),
+            _ => (None, Choice::Largest),
+        };
+        let drawn = matches!(ending.as_str(), "roi" | "zip" | "txt");
+        let several = pixel_size.is_some() || choice != Choice::Largest;
+        let (outline, notes) = if drawn || (several && ending != "csv") {
+            let Some(pixel_size_um) = pixel_size.or((!drawn).then_some(1.0)) else {
+                return Err(ShapeError::NoPixelSize { path });
+            };
+            chosen(&path, bytes, pixel_size_um, choice)?
+        } else {
+            let Ok(text) = std::str::from_utf8(bytes) else {
+                return Err(ShapeError::NotText { path });
+            };
+            let outline =
+                if ending == "csv" { Outline::from_csv(text) } else { Outline::from_geojson(text) };
+            (outline.map_err(|cause| ShapeError::Outline { path, cause })?, Vec::new())
+        };
+        Ok((if self.rotate == 0.0 { outline } else { outline.rotated(self.rotate) }, notes))
+    }
+}
+
+impl PictureSource {
+    /// Reads the picture and finds its cells, or lays the given outlines over it.
+    ///
+    /// # Errors
+    /// A picture or outlines that cannot be read, no pixel size, or no cell.
+    pub fn cells(&self, bytes: &ShapeBytes) -> Result<PictureCells, ShapeError> {
+        let cells = match (&bytes.outline, &self.outline) {
+            (Some(outline), Some(name)) => {
+                PictureCells::given(&bytes.shape, outline, name, &self.options)
+            }
+            _ => PictureCells::find(&bytes.shape, &self.options),
+        };
+        cells.map_err(|cause| self.failed(cause))
+    }
+
+    /// An error with the name of the file that caused it.
+    pub fn failed(&self, cause: CellError) -> ShapeError {
+        let path = match (&cause, &self.outline) {
+            (CellError::Outlines(_), Some(outline)) => outline,
+            _ => &self.path,
+        };
+        ShapeError::Picture { path: path.clone(), cause: Box::new(cause) }
+    }
+}
+
+/// One outline of a file that may hold several, and what a person should know about it.
+fn chosen(
+    path: &str,
+    bytes: &[u8],
+    pixel_size_um: f64,
+    choice: Choice,
+) -> Result<(Outline, Vec<String>), ShapeError> {
+    let placement = Placement::Bounds { pixel_size_um };
+    let options = ReadOptions { placement, silent_unit: CoordinateUnit::default() };
+    let mut given = read_outlines(bytes, path, &options)
+        .map_err(|cause| ShapeError::OutlineFile { path: path.to_owned(), cause })?;
+    let count = given.outlines.len();
+    given.outlines.sort_by(|a, b| b.outline.area().total_cmp(&a.outline.area()));
+    let (at, wanted) = match choice {
+        Choice::Number(number) => ((number as usize).checked_sub(1), number.to_string()),
+        Choice::Label(label) => {
+            let named = given.outlines.iter().position(|cell| cell.name == label.to_string());
+            (named, format!("named {label}"))
+        }
+        Choice::Largest | Choice::At(_) => (Some(0), "at all".to_owned()),
+    };
+    let names: Vec<String> =
+        given.outlines.iter().take(12).map(|cell| format!("`{}`", cell.name)).collect();
+    let Some(cell) = at.filter(|&at| at < count).map(|at| given.outlines.swap_remove(at)) else {
+        let held = format!("{count}: {}", names.join(", "));
+        return Err(ShapeError::NoSuchOutline { path: path.to_owned(), wanted, held });
+    };
+    let mut notes = given.notes;
+    if count > 1 {
+        notes.push(format!("the file holds {count} outlines; `{}` was taken", cell.name));
+    }
+    Ok((cell.outline, notes))
 }

@@ -2,6 +2,7 @@
 #![cfg(feature = "output")]
 #![allow(clippy::unwrap_used)] // In tests a panic is the message.
 
+mod overlay;
 mod synthetic;
 
 use myospring::mesh::Mesh;

@@ -1,0 +1,221 @@
+//! `myospring batch`: every picture of a folder, one row a cell.
+
+mod journal;
+mod row;
+mod work;
+
+use crate::args::BatchArgs;
+use crate::failure::Failure;
+use crate::{input, print};
+use indicatif::{ProgressBar, ProgressStyle};
+use journal::Journal;
+use myospring::output::files;
+use myospring::output::json;
+use rayon::prelude::*;
+use row::{Row, Status, table};
+use serde::Serialize;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+use work::Work;
+
+/// How often the table is written while pictures are under way.
+const TABLE_EVERY: Duration = Duration::from_secs(5);
+
+/// What happened, for machines.
+#[derive(Serialize)]
+struct Outcome {
+    results: PathBuf,
+    pictures: usize,
+    resumed: usize,
+    cells: usize,
+    left_out: usize,
+    failed: usize,
+    seconds: f64,
+}
+
+pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
+    let start = Instant::now();
+    let target = target(args);
+    let pictures = pictures(args, &target)?;
+    // Every setting is checked once, before any picture is opened.
+    let (_, run) = input::settle(Some(&pictures[0]), args.overrides())?;
+    let settings = settings(args, &run)?;
+    let journal = Journal::open(&target, &settings, args.output.force)?;
+    let work = Work { args, target: &target };
+
+    let done = journal.done(&args.folder, &pictures);
+    let left: Vec<&PathBuf> =
+        pictures.iter().filter(|&picture| !done.contains(&name(args, picture))).collect();
+    if !args.output.quiet && !done.is_empty() {
+        print::note(&format!("going on: {} of {} pictures are done", done.len(), pictures.len()));
+    }
+    let bar = progress_bar(args.output.quiet, pictures.len());
+    bar.inc(done.len() as u64);
+    let last_table = Mutex::new(Instant::now());
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.jobs.map_or(0, usize::from))
+        .build()
+        .map_err(Failure::new)?;
+    pool.install(|| {
+        left.par_iter().try_for_each(|picture| {
+            let name = name(args, picture);
+            let (hash, rows) = work.picture(picture, &name);
+            for row in rows.iter().filter(|row| row.status == Status::Failed) {
+                bar.suspend(|| {
+                    if !args.output.quiet {
+                        print::warn(&format!("{name}: {}", row.reason));
+                    }
+                });
+            }
+            journal.add(&name, &hash, rows)?;
+            bar.inc(1);
+            let mut last = last_table.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            if last.elapsed() > TABLE_EVERY {
+                *last = Instant::now();
+                write_table(&target, &journal.rows(&pictures_named(args, &pictures)))?;
+            }
+            Ok::<(), Failure>(())
+        })
+    })?;
+    bar.finish_and_clear();
+
+    let rows = journal.rows(&pictures_named(args, &pictures));
+    write_table(&target, &rows)?;
+    let count = |status: Status| rows.iter().filter(|row| row.status == status).count();
+    let outcome = Outcome {
+        results: target.clone(),
+        pictures: pictures.len(),
+        resumed: done.len(),
+        cells: count(Status::Ok),
+        left_out: count(Status::LeftOut),
+        failed: count(Status::Failed),
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    if args.output.json {
+        print::out(&json::pretty(&outcome)?);
+    } else {
+        print::out(&summary(&outcome));
+    }
+    Ok(ExitCode::from(u8::from(outcome.failed > 0)))
+}
+
+fn summary(outcome: &Outcome) -> String {
+    let Outcome { pictures, cells, left_out, failed, seconds, .. } = outcome;
+    let count = |count: &usize, words: &str| match count {
+        0 => String::new(),
+        count => format!(", {count} {words}"),
+    };
+    format!(
+        "{pictures} pictures: {cells} cells beat{}{}\nresults in {} ({seconds:.1} s)",
+        count(left_out, "left out (cut by the frame or doubtful)"),
+        count(failed, "failed (the column reason says why)"),
+        outcome.results.display()
+    )
+}
+
+/// The folder for the results.
+fn target(args: &BatchArgs) -> PathBuf {
+    args.output.output.clone().unwrap_or_else(|| {
+        let folder = std::path::absolute(&args.folder).unwrap_or_else(|_| args.folder.clone());
+        let name =
+            folder.file_name().map_or_else(|| "folder".into(), |name| name.to_string_lossy());
+        Path::new("results").join(format!("{name}_batch"))
+    })
+}
+
+/// The pictures of the folder and all folders in it, by name.
+fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let pattern = args
+        .pattern
+        .as_deref()
+        .map(|text| {
+            glob::Pattern::new(text).map_err(|error| {
+                Failure::new(format!("--pattern \"{text}\": {error}"))
+                    .advise("write something like --pattern \"*_actinin.tif\"")
+            })
+        })
+        .transpose()?;
+    let own = std::path::absolute(target).ok();
+    let mut found = Vec::new();
+    let mut folders = vec![args.folder.clone()];
+    while let Some(folder) = folders.pop() {
+        let failed = |error: std::io::Error| {
+            Failure::new(format!("cannot read the folder `{}`: {error}", folder.display()))
+                .advise("give a folder that holds pictures")
+        };
+        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
+            let file_name = entry.file_name().to_string_lossy().into_owned();
+            if file_name.starts_with('.') {
+                continue;
+            }
+            // A link to a folder could lead in a circle.
+            if kind.is_dir() {
+                if std::path::absolute(&path).ok() != own {
+                    folders.push(path);
+                }
+            } else if is_wanted(&file_name, pattern.as_ref()) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    if found.is_empty() {
+        let wanted = args.pattern.as_deref().unwrap_or("*.png, *.tif, *.tiff");
+        let message = format!("`{}` holds no file like {wanted}", args.folder.display());
+        return Err(Failure::new(message).advise("give another folder or --pattern"));
+    }
+    Ok(found)
+}
+
+fn is_wanted(file_name: &str, pattern: Option<&glob::Pattern>) -> bool {
+    let lower = file_name.to_lowercase();
+    let picture = ["png", "tif", "tiff"].iter().any(|end| lower.ends_with(&format!(".{end}")));
+    picture && pattern.is_none_or(|pattern| pattern.matches(file_name))
+}
+
+/// A picture's name within the folder, with `/` on every system.
+fn name(args: &BatchArgs, picture: &Path) -> String {
+    let within = picture.strip_prefix(&args.folder).unwrap_or(picture);
+    let parts: Vec<_> =
+        within.components().map(|part| part.as_os_str().to_string_lossy()).collect();
+    parts.join("/")
+}
+
+fn pictures_named(args: &BatchArgs, pictures: &[PathBuf]) -> Vec<String> {
+    pictures.iter().map(|picture| name(args, picture)).collect()
+}
+
+/// Every setting that results depend on, as text.
+fn settings(args: &BatchArgs, run: &myospring::run_file::Run) -> Result<String, Failure> {
+    let mut file = run.to_run_file();
+    file.shape.picture = None;
+    let text = file.to_toml().map_err(|error| Failure::of_run_file(&error, None))?;
+    let cells = args.segmentation.cell.as_deref().unwrap_or("all");
+    let (version, figures) = (env!("CARGO_PKG_VERSION"), args.figures);
+    Ok(format!("version {version}, cells {cells}, figures {figures}\n{text}"))
+}
+
+fn write_table(target: &Path, rows: &[Row]) -> Result<(), Failure> {
+    let table = table(rows);
+    files::write(&target.join("cells.csv"), table.to_csv()?)?;
+    let parquet = table.to_parquet().map_err(Failure::new)?;
+    Ok(files::write(&target.join("cells.parquet"), parquet)?)
+}
+
+fn progress_bar(quiet: bool, pictures: usize) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(pictures as u64);
+    let form = "{wide_bar:.cyan} {pos}/{len} pictures, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(form) {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(500));
+    bar
+}

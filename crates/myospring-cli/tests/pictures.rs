@@ -1,0 +1,133 @@
+//! Pictures on the command line: outline, beat, a whole folder.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// A bright ellipse of 80 x 24 um with stripes on a dark ground, 240 x 120 pixels of 0.5 um.
+fn cell(file: &Path) {
+    let value = |x: u32, y: u32| {
+        let (u, v) = ((f64::from(x) - 120.0) / 80.0, (f64::from(y) - 60.0) / 24.0);
+        let stripes = 0.6 + 0.4 * (f64::from(x) * 0.5 * std::f64::consts::TAU / 1.9).cos();
+        let light = if u * u + v * v < 1.0 { 200.0 * stripes } else { 0.0 };
+        // Noise enough for a scatter to be seen.
+        image::Luma([(20.0 + light) as u8 + ((x * 7 + y * 13) % 5) as u8])
+    };
+    image::GrayImage::from_fn(240, 120, value).save(file).unwrap();
+}
+
+fn myospring(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_myospring"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn an_outline_goes_out_as_a_roi_and_comes_back_over_its_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    cell(&folder.path().join("cell.png"));
+    let pixels = ["--pixel-size", "0.5 um"];
+    let segmented = myospring(
+        folder.path(),
+        &[&["segment", "cell.png", "-o", "cell.roi"], &pixels[..]].concat(),
+    );
+    assert!(segmented.status.success(), "{}", text(&segmented.stderr));
+    let report = text(&segmented.stdout);
+    assert!(report.contains("fluorescence picture") && report.contains("um^2"), "{report}");
+    assert!(folder.path().join("cell_overlay.png").exists());
+
+    let mesh = |arguments: &[&str]| {
+        let meshed = myospring(folder.path(), arguments);
+        assert!(meshed.status.success(), "{}", text(&meshed.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&meshed.stdout).unwrap();
+        report["area_um2"].as_f64().unwrap()
+    };
+    let found = mesh(&["mesh", "cell.png", "--pixel-size", "0.5 um", "--json", "-o", "found"]);
+    let drawn = mesh(&[
+        "mesh",
+        "cell.png",
+        "--pixel-size",
+        "0.5 um",
+        "--outline",
+        "cell.roi",
+        "--json",
+        "-o",
+        "drawn",
+    ]);
+    let alone = mesh(&["mesh", "cell.roi", "--pixel-size", "0.5 um", "--json", "-o", "alone"]);
+    // The smooth outline keeps the area of the pixels to half a per cent; a mesh to 1 %.
+    assert!((drawn / found - 1.0).abs() < 0.015, "{drawn} {found}");
+    assert!((alone / drawn - 1.0).abs() < 0.015, "{alone} {drawn}");
+    // An ellipse with half axes of 40 and 12 um.
+    assert!((found / 1508.0 - 1.0).abs() < 0.06, "{found}");
+
+    // Nothing is overwritten unasked.
+    let again = myospring(
+        folder.path(),
+        &[&["segment", "cell.png", "-o", "cell.roi"], &pixels[..]].concat(),
+    );
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("already exists"));
+}
+
+#[test]
+fn a_folder_of_good_and_broken_pictures_gives_a_row_each_and_goes_on_where_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("pictures");
+    std::fs::create_dir_all(pictures.join("second dish")).unwrap();
+    cell(&pictures.join("a.png"));
+    cell(&pictures.join("second dish/b.png"));
+    std::fs::write(pictures.join("broken.tif"), "II*\0 and nothing more").unwrap();
+    std::fs::write(pictures.join("notes.txt"), "no picture, not looked at").unwrap();
+    let batch = [
+        "batch",
+        "pictures",
+        "--pixel-size",
+        "0.5 um",
+        "--integrator",
+        "quasi-static",
+        "-o",
+        "out",
+        "--json",
+    ];
+    let first = myospring(folder.path(), &batch);
+    assert_eq!(first.status.code(), Some(1), "{}", text(&first.stderr));
+    let outcome: serde_json::Value = serde_json::from_slice(&first.stdout).unwrap();
+    assert_eq!((&outcome["cells"], &outcome["failed"]), (&2.into(), &1.into()), "{outcome}");
+    let table = std::fs::read_to_string(folder.path().join("out/cells.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().collect();
+    assert_eq!(rows.len(), 4);
+    assert!(
+        rows[0].starts_with("picture,cell,status,reason,modality,pixel_size_um"),
+        "{}",
+        rows[0]
+    );
+    assert!(rows[1].starts_with("a.png,1,ok,,fluorescence,0.5"), "{}", rows[1]);
+    assert!(rows[2].starts_with("broken.tif,,failed,") && rows[2].contains("TIFF"), "{}", rows[2]);
+    assert!(rows[3].starts_with("second dish/b.png,1,ok"), "{}", rows[3]);
+    let parquet = std::fs::read(folder.path().join("out/cells.parquet")).unwrap();
+    assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
+    assert!(folder.path().join("out/overlays/a.png").exists());
+
+    // Interrupted after the first picture, with a line cut off; and a picture mended meanwhile.
+    let journal = folder.path().join("out/progress.jsonl");
+    let lines = std::fs::read_to_string(&journal).unwrap();
+    let kept: Vec<&str> = lines.lines().filter(|line| !line.contains("second dish")).collect();
+    std::fs::write(&journal, format!("{}\n{{\"picture\":\"second", kept.join("\n"))).unwrap();
+    cell(&pictures.join("c.png"));
+    std::fs::remove_file(pictures.join("broken.tif")).unwrap();
+    let second = myospring(folder.path(), &batch);
+    assert_eq!(second.status.code(), Some(0), "{}", text(&second.stderr));
+    let outcome: serde_json::Value = serde_json::from_slice(&second.stdout).unwrap();
+    assert_eq!((&outcome["resumed"], &outcome["cells"]), (&1.into(), &3.into()), "{outcome}");
+
+    let other = myospring(folder.path(), &[&batch[..], &["--beats", "2"]].concat());
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other.stderr).contains("results of other settings"), "{}", text(&other.stderr));
+}

@@ -1,0 +1,51 @@
+//! From the bytes of a picture to a mesh, on one core: `cargo bench -p myospring --bench picture`.
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark of a picture of its own")]
+
+#[path = "../tests/common/synthetic_cell.rs"]
+mod synthetic_cell;
+
+use std::hint::black_box;
+use std::io::Cursor;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use myospring::mesh::lattice;
+use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::segment::Choice;
+use synthetic_cell::{Scene, Truth};
+
+/// 2048 x 2048 pixels of 16 bits, as a camera gives them.
+fn tiff(truth: &Truth) -> Vec<u8> {
+    let side = truth.plane.width() as u32;
+    let values = truth.plane.values().iter().map(|&value| value as u16).collect();
+    let picture = image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::from_raw(side, side, values);
+    let mut bytes = Cursor::new(Vec::new());
+    picture.unwrap().write_to(&mut bytes, image::ImageFormat::Tiff).unwrap();
+    bytes.into_inner()
+}
+
+fn picture_to_mesh(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("picture of 2048 x 2048, 16 bit, to mesh");
+    group.sample_size(10);
+    for (name, pixel_um, contrast, draw) in [
+        ("fluorescence, pixels of 0.1 um", 0.1, 1.0, Scene::fluorescence as fn(&Scene) -> Truth),
+        ("fluorescence, pixels of 0.27 um", 0.27, 1.0, Scene::fluorescence),
+        ("brightfield, pixels of 0.1 um", 0.1, 0.25, Scene::brightfield),
+        ("brightfield, pixels of 0.27 um", 0.27, 0.25, Scene::brightfield),
+    ] {
+        let field_um = 2048.0 * pixel_um;
+        let scene = Scene { pixel_um, field_um, contrast, beads: 2.0, ..Scene::default() };
+        let bytes = tiff(&draw(&scene));
+        let options = Options { pixel_size_um: Some(pixel_um), ..Options::default() };
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                let cells = PictureCells::find(black_box(&bytes), &options).unwrap();
+                let cell = cells.cell(Choice::Largest, true).unwrap();
+                lattice::from_mask(&cell.mask, None).unwrap()
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, picture_to_mesh);
+criterion_main!(benches);

@@ -1,0 +1,197 @@
+//! The part of a picture that holds the cell, its light evened out, at the pixels that gradients need.
+
+use imageproc::distance_transform::Norm;
+use imageproc::image::GrayImage;
+use imageproc::morphology::erode;
+
+use super::super::plane::Plane;
+use super::FibreSettings;
+use super::grid::{Grid, Lines};
+
+/// Pixels are put together until the gradient scale has no more than about twice this many.
+const ENOUGH_PIXELS: f64 = 1.25;
+
+/// Reach of a Gaussian, in standard deviations: what lies beyond is a part in 3000 of its height.
+const REACH: f64 = 4.0;
+
+/// So many standard deviations of the gradient's Gaussian into the rim the picture is looked at: a step
+/// there weighs a part in 90 of one in the middle.
+const SEEN: f64 = 3.0;
+
+/// Grey values less their local mean within the cell, zero elsewhere, with an empty frame around it as
+/// wide as the gradient's reach.
+pub(super) struct Window {
+    /// Pixels along a row, and rows.
+    pub(super) size: [usize; 2],
+    /// Values less their local mean, row by row from the top.
+    pub(super) values: Vec<f32>,
+    /// Whether a pixel lies in the cell.
+    pub(super) inside: Vec<bool>,
+    /// Whether a pixel lies in the cell and not in its rim, so that its gradient counts.
+    pub(super) counted: Vec<bool>,
+    /// Side of a pixel here, um.
+    pub(super) pixel_um: f64,
+    /// Upper left corner, um, y upward.
+    pub(super) corner_um: [f64; 2],
+    /// Standard deviation of the gradient's Gaussian, pixels of the window.
+    pub(super) sigma: f64,
+    /// Reach of the gradient, pixels of the window, and width of the empty frame.
+    pub(super) reach: usize,
+    /// Smallest difference of grey values that the picture can show.
+    pub(super) grey_step: f64,
+}
+
+impl Window {
+    /// Cuts out the cell; `None` where no pixel is the cell.
+    pub(super) fn cut(
+        plane: &Plane,
+        inside: &[bool],
+        pixel_size_um: f64,
+        settings: &FibreSettings,
+    ) -> Option<Self> {
+        let (width, height) = (plane.width(), plane.height());
+        let [left, right, top, bottom] = bounds(inside, width)?;
+        let side = ((settings.gradient_scale_um / pixel_size_um / ENOUGH_PIXELS) as usize).max(1);
+        let pixel_um = pixel_size_um * side as f64;
+        let sigma = (settings.gradient_scale_um / pixel_um).max(1.0);
+        let reach = (REACH * sigma).ceil() as usize;
+        let size = [(right - left).div_ceil(side), (bottom - top).div_ceil(side)]
+            .map(|length| length + 2 * reach);
+        let mut window = Self {
+            size,
+            values: vec![0.0; size[0] * size[1]],
+            inside: vec![false; size[0] * size[1]],
+            counted: Vec::new(),
+            pixel_um,
+            corner_um: [
+                pixel_size_um * left as f64 - pixel_um * reach as f64,
+                pixel_size_um * (height as f64 - top as f64) + pixel_um * reach as f64,
+            ],
+            sigma,
+            reach,
+            grey_step: 0.0,
+        };
+        // Counted from one of the cell's own values, small numbers are left to add up.
+        let mut cell = plane.values().iter().zip(inside);
+        let level = cell.find(|(value, inside)| **inside && value.is_finite());
+        let level = level.map_or(0.0, |(value, _)| *value);
+        let columns = size[0] - 2 * reach;
+        let (mut sums, mut counts) = (vec![0.0_f32; columns], vec![[0_u32; 2]; columns]);
+        for row in 0..size[1] - 2 * reach {
+            sums.fill(0.0);
+            counts.fill([0; 2]);
+            for y in (top + row * side)..(top + (row + 1) * side).min(height) {
+                let line = y * width + left..y * width + right;
+                let values = plane.values()[line.clone()].chunks(side);
+                let pixels = values.zip(inside[line].chunks(side));
+                for ((values, inside), (sum, count)) in pixels.zip(sums.iter_mut().zip(&mut counts))
+                {
+                    for (value, &inside) in values.iter().zip(inside) {
+                        let known = inside && value.is_finite();
+                        *sum += if known { value - level } else { 0.0 };
+                        *count = [count[0] + u32::from(inside), count[1] + u32::from(known)];
+                    }
+                }
+            }
+            let start = (row + reach) * size[0] + reach;
+            for (column, (sum, [of_cell, known])) in sums.iter().zip(&counts).enumerate() {
+                // A pixel that is partly outside would carry the step at the outline.
+                if *of_cell as usize == side * side {
+                    // Not a number where no value is known.
+                    window.values[start + column] = sum / *known as f32;
+                    window.inside[start + column] = true;
+                }
+            }
+        }
+        window.grey_step = grey_step(plane, inside);
+        // The brightness of the membrane, and its blur, must not reach the gradients that count; what
+        // lies deeper than the gradient's reach must, for they are made of it.
+        let rim = settings.rim_um / pixel_um;
+        let seen = window.without_rim(rim - SEEN * sigma);
+        window.take_off_local_mean(settings.background_scale_um, &seen);
+        window.counted = window.without_rim(rim);
+        Some(window)
+    }
+
+    /// Takes off the mean around each pixel over the pixels that are seen: normalised convolution with
+    /// a Gaussian. What is not seen or not known becomes the mean, zero.
+    fn take_off_local_mean(&mut self, scale_um: f64, seen: &[bool]) {
+        let columns = self.size[0];
+        let sigma = scale_um / self.pixel_um;
+        // Half of the Gaussian's width is fine enough to draw it straight in between.
+        let grid = Grid::over(self.size, ((sigma / 2.0) as usize).max(1));
+        let (mut sums, mut counts) = (grid.zeros(), grid.zeros());
+        let (mut known, mut weights) = (vec![0.0; columns], vec![0.0; columns]);
+        let rows = self.values.chunks_exact(columns).zip(seen.chunks_exact(columns));
+        for (row, (values, seen)) in rows.enumerate() {
+            let out = known.iter_mut().zip(&mut weights);
+            for ((value, &seen), (known, weight)) in values.iter().zip(seen).zip(out) {
+                let counts = seen && value.is_finite();
+                *known = if counts { *value } else { 0.0 };
+                *weight = if counts { 1.0 } else { 0.0 };
+            }
+            grid.add_row(&mut sums, row, &known);
+            grid.add_row(&mut counts, row, &weights);
+        }
+        let sigma = sigma / grid.block as f64;
+        grid.blur(&mut sums, sigma);
+        grid.blur(&mut counts, sigma);
+        for (sum, count) in sums.iter_mut().zip(&counts) {
+            *sum = if *count > f32::MIN_POSITIVE { *sum / count } else { 0.0 };
+        }
+        let mut lines = Lines::new(&grid, columns);
+        let rows = self.values.chunks_exact_mut(columns).zip(seen.chunks_exact(columns));
+        for (row, (values, seen)) in rows.enumerate() {
+            let means = lines.at(&grid, &sums, row);
+            for ((value, &seen), mean) in values.iter_mut().zip(seen).zip(means) {
+                *value = if seen && value.is_finite() { *value - mean } else { 0.0 };
+            }
+        }
+    }
+
+    /// The pixels of the cell further than `rim` pixels from its outline (along rows, columns or
+    /// diagonals).
+    fn without_rim(&self, rim: f64) -> Vec<bool> {
+        // The gradient scale has at most a few pixels, so a rim of a few um has at most some dozens.
+        let rim = rim.round().clamp(0.0, 255.0) as u8;
+        if rim == 0 {
+            return self.inside.clone();
+        }
+        let [columns, rows] = self.size.map(|length| length as u32);
+        let mask = self.inside.iter().map(|&inside| u8::from(inside) * 255).collect();
+        GrayImage::from_raw(columns, rows, mask).map_or_else(Vec::new, |mask| {
+            erode(&mask, Norm::LInf, rim).as_raw().iter().map(|&value| value > 0).collect()
+        })
+    }
+}
+
+/// First column, column behind the last, first row, row behind the last of the cell.
+fn bounds(inside: &[bool], width: usize) -> Option<[usize; 4]> {
+    let mut bounds: Option<[usize; 4]> = None;
+    for (row, line) in inside.chunks_exact(width).enumerate() {
+        let Some(first) = line.iter().position(|&inside| inside) else { continue };
+        let behind = line.iter().rposition(|&inside| inside).map_or(first, |last| last + 1);
+        let [left, right, top, _] = bounds.unwrap_or([first, behind, row, row]);
+        bounds = Some([left.min(first), right.max(behind), top, row + 1]);
+    }
+    bounds
+}
+
+/// The smallest difference of neighbours in a row of the cell, at least what single precision resolves.
+fn grey_step(plane: &Plane, inside: &[bool]) -> f64 {
+    let (mut step, mut largest) = (f32::INFINITY, 0.0_f32);
+    let rows = plane.values().chunks_exact(plane.width());
+    for (values, inside) in rows.zip(inside.chunks_exact(plane.width())) {
+        for (two, _) in values.windows(2).zip(inside).filter(|(_, inside)| **inside) {
+            let difference = (two[1] - two[0]).abs();
+            if difference > 0.0 {
+                step = step.min(difference);
+            }
+            if two[0].is_finite() {
+                largest = largest.max(two[0].abs());
+            }
+        }
+    }
+    let step = if step.is_finite() { step } else { 0.0 };
+    f64::from(step.max(4.0 * f32::EPSILON * largest))
+}

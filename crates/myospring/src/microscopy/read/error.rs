@@ -1,0 +1,158 @@
+//! Why bytes are not a picture, or not the plane that was asked for.
+
+use super::{LONGEST_SIDE, MOST_PIXELS};
+
+/// Why bytes are not a picture, or not the plane that was asked for.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PictureError {
+    /// The bytes are no picture at all.
+    #[error(
+        "this is not a picture ({bytes} bytes that start with {start}); give a PNG or TIFF file"
+    )]
+    NotAPicture {
+        /// Size of the file, bytes.
+        bytes: usize,
+        /// Its first bytes.
+        start: String,
+    },
+    /// A picture of another kind.
+    #[error(
+        "this is a {format} picture, which is not read here; save it as PNG or TIFF without lossy \
+         compression"
+    )]
+    Format {
+        /// What it is.
+        format: String,
+    },
+    /// A microscope's own file.
+    #[error(
+        "this is a {format} file, which is not read here; export it as OME-TIFF (from the \
+         microscope's program, or Fiji: Plugins > Bio-Formats > Bio-Formats Exporter)"
+    )]
+    Container {
+        /// What it is.
+        format: &'static str,
+    },
+    /// A PNG or TIFF that is damaged.
+    #[error("the {format} picture cannot be read: {reason}; is the file complete?")]
+    Unreadable {
+        /// PNG or TIFF.
+        format: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Pixels of a kind that cannot be read.
+    #[error(
+        "the {format} picture has pixels of a kind that is not read ({reason}); save it with 8 or 16 \
+         bits per pixel"
+    )]
+    Pixels {
+        /// PNG or TIFF.
+        format: &'static str,
+        /// Which kind.
+        reason: String,
+    },
+    /// A compression that cannot be read.
+    #[error(
+        "the TIFF picture is compressed with {method}, which is not read; save it without \
+         compression, or with LZW or deflate"
+    )]
+    Compression {
+        /// Its name, or its number in the file.
+        method: String,
+    },
+    /// The header declares more pixels than a picture may have.
+    #[error(
+        "the picture declares {width} x {height} pixels; at most {LONGEST_SIDE} per side and \
+         {MOST_PIXELS} in all are read: cut out the cell"
+    )]
+    TooLarge {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// Decoding would take too much memory or time.
+    #[error("reading this picture would take {what}, and at most {most}; {mend}")]
+    TooMuch {
+        /// How much of what.
+        what: String,
+        /// The bound.
+        most: String,
+        /// What to do.
+        mend: &'static str,
+    },
+    /// The picture has fewer channels, frames or slices.
+    #[error("{what} {asked} was asked for, but the picture has {}", numbered(what, *count))]
+    OutOfRange {
+        /// `channel`, `frame` or `slice`.
+        what: &'static str,
+        /// What was asked for.
+        asked: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The file says that there is a plane, but holds no page for it.
+    #[error(
+        "the file declares channel {channel}, frame {frame}, slice {slice}, but none of its {pages} \
+         pages holds them; was the recording cut off? save it again from Fiji"
+    )]
+    MissingPlane {
+        /// Channel.
+        channel: usize,
+        /// Frame.
+        frame: usize,
+        /// Slice.
+        slice: usize,
+        /// Pages in the file.
+        pages: usize,
+    },
+    /// The plane is in another file of a set.
+    #[error(
+        "the plane that was asked for is in another file of the set, `{file}`; give that file, or \
+         export all as one OME-TIFF"
+    )]
+    Elsewhere {
+        /// Its name, as the set has it.
+        file: String,
+    },
+    /// The slices of a stack differ.
+    #[error("the pages of one stack differ: {expected} and {found}; choose one slice")]
+    PagesDiffer {
+        /// The first page.
+        expected: String,
+        /// Another.
+        found: String,
+    },
+    /// Pixels that are no number.
+    #[error(
+        "{count} pixels are infinite or not a number, the first at column {column}, row {row}; give \
+         them a value (Fiji: Process > Filters > Remove NaNs)"
+    )]
+    NotFinite {
+        /// How many, over all slices.
+        count: u64,
+        /// Column of the first, from 0.
+        column: usize,
+        /// Row of the first, from 0 at the top.
+        row: usize,
+    },
+    /// Pixels that are not square.
+    #[error(
+        "the pixels are {x_um} um wide and {y_um} um high, but the mesh needs square ones: resample the \
+         picture (Fiji: Image > Scale)"
+    )]
+    NotSquare {
+        /// Width of a pixel, um.
+        x_um: f64,
+        /// Height of a pixel, um.
+        y_um: f64,
+    },
+}
+
+fn numbered(what: &str, count: usize) -> String {
+    match count {
+        1 => format!("only {what} 0"),
+        count => format!("{count} {what}s, 0 to {}", count.saturating_sub(1)),
+    }
+}

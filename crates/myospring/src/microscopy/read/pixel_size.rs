@@ -1,0 +1,116 @@
+//! Whether a pixel size makes sense under a microscope.
+
+use std::ops::RangeInclusive;
+
+use super::super::picture::{PixelSize, PixelSizeSource};
+use super::PictureError;
+
+/// Pixel sizes that a file is believed, um: from beyond the resolution of light to a macro lens.
+const BELIEVED_UM: RangeInclusive<f64> = 0.01..=20.0;
+
+/// Most by which the sides of a pixel may differ, as a fraction.
+const SQUARE: f64 = 0.01;
+
+/// Finest print and scan, pixels per inch.
+const FINEST_PRINT: f64 = 9600.0;
+
+/// Micrometres in an inch.
+const INCH_UM: f64 = 25_400.0;
+
+/// Sides of a pixel as a file states them, um.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stated {
+    pub(super) x_um: f64,
+    pub(super) y_um: f64,
+    pub(super) source: PixelSizeSource,
+}
+
+/// The first of several statements that is believed; the others that came before it become notes.
+pub(super) fn choose(
+    stated: impl IntoIterator<Item = Stated>,
+    notes: &mut Vec<String>,
+) -> Result<Option<PixelSize>, PictureError> {
+    for size in stated {
+        let Stated { x_um, y_um, source } = size;
+        if let Some(reason) = doubt(size) {
+            notes.push(format!("{} says {x_um:.4} um per pixel: {reason}", name(source)));
+            continue;
+        }
+        if (x_um - y_um).abs() > SQUARE * x_um.min(y_um) {
+            return Err(PictureError::NotSquare { x_um, y_um });
+        }
+        return Ok(Some(PixelSize { um: x_um, source }));
+    }
+    Ok(None)
+}
+
+/// Why a statement is not believed.
+fn doubt(size: Stated) -> Option<String> {
+    if !BELIEVED_UM.contains(&size.x_um) || !BELIEVED_UM.contains(&size.y_um) {
+        let [least, most] = [BELIEVED_UM.start(), BELIEVED_UM.end()];
+        return Some(format!("outside {least} to {most} um, not believed"));
+    }
+    let per_inch = INCH_UM / size.x_um;
+    let from_resolution =
+        matches!(size.source, PixelSizeSource::TiffResolution | PixelSizeSource::PngResolution);
+    (from_resolution && is_print(per_inch))
+        .then(|| format!("a print setting of {per_inch:.0} dpi, not believed"))
+}
+
+/// Whether a resolution is one of printers, screens and scanners: round in pixels per inch, as near as
+/// whole pixels per metre allow.
+fn is_print(per_inch: f64) -> bool {
+    let near = |step: f64| (per_inch - (per_inch / step).round() * step).abs() < 0.02;
+    per_inch <= FINEST_PRINT && [72.0, 96.0, 100.0].into_iter().any(near)
+}
+
+fn name(source: PixelSizeSource) -> &'static str {
+    match source {
+        PixelSizeSource::OmeXml => "the OME-XML",
+        PixelSizeSource::ImageJ => "ImageJ's description",
+        PixelSizeSource::TiffResolution => "the TIFF resolution",
+        PixelSizeSource::PngResolution => "the PNG resolution",
+    }
+}
+
+/// Micrometres in a unit of length as OME-XML, ImageJ and people write it; `None` for `pixel` and the
+/// unknown.
+pub(super) fn unit_um(unit: &str) -> Option<f64> {
+    // Both the micro sign and the Greek letter stand in files, and ImageJ's escape of the first.
+    let unit = unit.trim().replace("\\u00B5", "u").replace(['\u{b5}', '\u{3bc}'], "u");
+    Some(match unit.as_str() {
+        "um" | "micron" | "microns" | "micrometer" | "micrometre" | "micrometers" => 1.0,
+        "nm" | "nanometer" | "nanometre" => 1e-3,
+        "\u{c5}" | "A" | "angstrom" => 1e-4,
+        "pm" => 1e-6,
+        "mm" | "millimeter" | "millimetre" => 1e3,
+        "cm" | "centimeter" | "centimetre" => 1e4,
+        "m" | "meter" | "metre" => 1e6,
+        "in" | "inch" | "inches" => INCH_UM,
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn print_settings_are_no_pixel_sizes() {
+        for per_inch in [1200.0, 2400.0, 4800.0, 9600.0, 2400.013] {
+            assert!(is_print(per_inch), "{per_inch}");
+        }
+        // 0.27 um, 1 um, 6.45 um (a camera without lens).
+        for um in [0.27, 1.0, 6.45] {
+            assert!(!is_print(INCH_UM / um), "{um}");
+        }
+    }
+
+    #[test]
+    fn micrometres_are_known_in_every_spelling() {
+        for unit in ["um", "micron", "\u{b5}m", "\u{3bc}m", "\\u00B5m", " micron "] {
+            assert_eq!(unit_um(unit), Some(1.0), "{unit}");
+        }
+        assert_eq!(unit_um("pixel"), None);
+    }
+}

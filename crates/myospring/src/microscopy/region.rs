@@ -1,0 +1,201 @@
+//! Sets of pixels: gaps closed, holes filled, islands numbered, rims smoothed.
+
+use image::{GrayImage, Luma};
+use imageproc::distance_transform::Norm;
+use imageproc::morphology;
+use imageproc::region_labelling::{Connectivity, connected_components};
+
+use super::filter;
+use super::plane::Plane;
+
+/// A set of pixels of a picture, row by row from the top left.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Region {
+    pixels: GrayImage,
+}
+
+/// Islands of a region, each with its number from 1 on; 0 lies outside.
+pub(super) struct Islands {
+    /// Number of each pixel.
+    pub(super) numbers: Vec<u32>,
+    /// What is known of each; island n stands at n - 1.
+    pub(super) list: Vec<Island>,
+}
+
+/// One island.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Island {
+    pub(super) pixels: usize,
+    /// First and last column and row.
+    pub(super) columns: [usize; 2],
+    pub(super) rows: [usize; 2],
+}
+
+impl Island {
+    /// Length of the diagonal of its box, pixels.
+    pub(super) fn extent(&self) -> f64 {
+        let side = |[first, last]: [usize; 2]| (last - first + 1) as f64;
+        side(self.columns).hypot(side(self.rows))
+    }
+
+    /// How many of the four sides of the picture it reaches.
+    pub(super) fn sides(&self, width: usize, height: usize) -> usize {
+        let reach = |[first, last]: [usize; 2], count: usize| {
+            usize::from(first == 0) + usize::from(last + 1 == count)
+        };
+        reach(self.columns, width) + reach(self.rows, height)
+    }
+}
+
+const IN: u8 = 255;
+
+impl Region {
+    /// The pixels for which `inside` says so.
+    pub(super) fn new(width: usize, height: usize, inside: impl Iterator<Item = bool>) -> Self {
+        let mut values: Vec<u8> =
+            inside.take(width * height).map(|is| if is { IN } else { 0 }).collect();
+        values.resize(width * height, 0);
+        let pixels = GrayImage::from_raw(width as u32, height as u32, values);
+        Self { pixels: pixels.unwrap_or_else(|| GrayImage::new(width as u32, height as u32)) }
+    }
+
+    pub(super) fn width(&self) -> usize {
+        self.pixels.width() as usize
+    }
+
+    pub(super) fn height(&self) -> usize {
+        self.pixels.height() as usize
+    }
+
+    pub(super) fn inside(&self) -> impl Iterator<Item = bool> + '_ {
+        self.pixels.as_raw().iter().map(|&value| value != 0)
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.inside().filter(|&is| is).count()
+    }
+
+    /// Without gaps and bays narrower than `2 radius` pixels; the picture's rim counts as neither.
+    pub(super) fn closed(&self, radius: f64) -> Self {
+        match steps(radius) {
+            0 => self.clone(),
+            steps => Self { pixels: morphology::close(&self.pixels, Norm::L2, steps) },
+        }
+    }
+
+    /// Without necks and points narrower than `2 radius` pixels.
+    pub(super) fn opened(&self, radius: f64) -> Self {
+        match steps(radius) {
+            0 => self.clone(),
+            steps => Self { pixels: morphology::open(&self.pixels, Norm::L2, steps) },
+        }
+    }
+
+    /// With everything that lies within `radius` pixels.
+    pub(super) fn grown(&self, radius: f64) -> Self {
+        match steps(radius) {
+            0 => self.clone(),
+            steps => Self { pixels: morphology::dilate(&self.pixels, Norm::L2, steps) },
+        }
+    }
+
+    /// Without everything that lies within `radius` pixels of the outside.
+    pub(super) fn shrunk(&self, radius: f64) -> Self {
+        match steps(radius) {
+            0 => self.clone(),
+            steps => Self { pixels: morphology::erode(&self.pixels, Norm::L2, steps) },
+        }
+    }
+
+    /// On a grid of blocks of `factor` x `factor` pixels: those blocks that hold a pixel of the region.
+    pub(super) fn coarse(&self, factor: usize) -> Self {
+        let (width, height) = (self.width().div_ceil(factor), self.height().div_ceil(factor));
+        let mut blocks = vec![false; width * height];
+        for (at, inside) in self.inside().enumerate() {
+            blocks[at / self.width() / factor * width + at % self.width() / factor] |= inside;
+        }
+        Self::new(width, height, blocks.into_iter())
+    }
+
+    /// On a grid of pixels of which `factor` x `factor` make one of this region's.
+    pub(super) fn spread(&self, factor: usize, width: usize, height: usize) -> Self {
+        let blocks: Vec<bool> = self.inside().collect();
+        let at =
+            |pixel: usize| blocks[pixel / width / factor * self.width() + pixel % width / factor];
+        Self::new(width, height, (0..width * height).map(at))
+    }
+
+    /// Number of pixels of the picture.
+    pub(super) fn pixels(&self) -> usize {
+        self.pixels.as_raw().len()
+    }
+
+    /// Whether the pixel at this place is in the region.
+    pub(super) fn contains(&self, at: usize) -> bool {
+        self.pixels.as_raw()[at] != 0
+    }
+
+    /// Every hole of at most `most` pixels filled: what is outside and does not reach the picture's rim.
+    pub(super) fn filled(&self, most: usize) -> Self {
+        let outside = Self::new(self.width(), self.height(), self.inside().map(|is| !is));
+        let islands = outside.islands(Connectivity::Four);
+        let (width, height) = (self.width(), self.height());
+        let fill: Vec<bool> = islands
+            .list
+            .iter()
+            .map(|island| island.sides(width, height) == 0 && island.pixels <= most)
+            .collect();
+        let inside = islands.numbers.iter().map(|&n| n == 0 || fill[n as usize - 1]);
+        Self::new(width, height, inside)
+    }
+
+    /// The rim smoothed: where a Gaussian of `sigma` pixels over the region exceeds one half.
+    pub(super) fn smoothed(&self, sigma: f64) -> Self {
+        let values = self.inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
+        match Plane::new(self.width(), self.height(), values) {
+            Some(plane) if sigma >= 0.3 => {
+                let smooth = filter::gaussian(&plane, sigma);
+                Self::new(self.width(), self.height(), smooth.values().iter().map(|&v| v > 0.5))
+            }
+            _ => self.clone(),
+        }
+    }
+
+    /// Numbers the islands.
+    pub(super) fn islands(&self, connectivity: Connectivity) -> Islands {
+        // A row of background below, since the library fails where there is no background at all.
+        let mut padded = GrayImage::new(self.pixels.width(), self.pixels.height() + 1);
+        padded.iter_mut().zip(self.pixels.as_raw()).for_each(|(to, from)| *to = *from);
+        let mut numbers = connected_components(&padded, connectivity, Luma([0])).into_raw();
+        numbers.truncate(self.pixels());
+        let count = numbers.iter().copied().max().unwrap_or(0) as usize;
+        let none = Island { pixels: 0, columns: [usize::MAX, 0], rows: [usize::MAX, 0] };
+        let mut list = vec![none; count];
+        for (row, numbers) in numbers.chunks_exact(self.width()).enumerate() {
+            for (column, &number) in numbers.iter().enumerate() {
+                if number == 0 {
+                    continue;
+                }
+                let island = &mut list[number as usize - 1];
+                island.pixels += 1;
+                let widen = |[first, last]: [usize; 2], at: usize| [first.min(at), last.max(at)];
+                island.columns = widen(island.columns, column);
+                island.rows = widen(island.rows, row);
+            }
+        }
+        Islands { numbers, list }
+    }
+
+    /// The islands for which `keep` says so.
+    pub(super) fn kept(&self, connectivity: Connectivity, keep: impl Fn(&Island) -> bool) -> Self {
+        let islands = self.islands(connectivity);
+        let kept: Vec<bool> = islands.list.iter().map(keep).collect();
+        let inside = islands.numbers.iter().map(|&n| n != 0 && kept[n as usize - 1]);
+        Self::new(self.width(), self.height(), inside)
+    }
+}
+
+/// Radius in whole pixels, as far as the library's distances go.
+fn steps(radius: f64) -> u8 {
+    radius.round().clamp(0.0, 254.0) as u8
+}

@@ -1,0 +1,153 @@
+//! A table of many runs, one row each: CSV for people, Parquet for programs.
+
+#[cfg(feature = "parquet")]
+use std::sync::Arc;
+
+#[cfg(feature = "parquet")]
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+#[cfg(feature = "parquet")]
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
+#[cfg(feature = "parquet")]
+use parquet::errors::ParquetError;
+#[cfg(feature = "parquet")]
+use parquet::file::properties::WriterProperties;
+#[cfg(feature = "parquet")]
+use parquet::file::writer::SerializedFileWriter;
+#[cfg(feature = "parquet")]
+use parquet::schema::types::Type;
+
+use super::csv::CsvError;
+
+/// One column: its name, with the unit in it, and a value or none for each row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Column {
+    /// Words.
+    Text {
+        /// Name.
+        name: String,
+        /// One for each row.
+        values: Vec<Option<String>>,
+    },
+    /// Numbers.
+    Number {
+        /// Name.
+        name: String,
+        /// One for each row; a value that is not finite counts as none.
+        values: Vec<Option<f64>>,
+    },
+}
+
+/// Columns of equal length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// In the order of reading.
+    pub columns: Vec<Column>,
+}
+
+impl Column {
+    fn name(&self) -> &str {
+        let (Self::Text { name, .. } | Self::Number { name, .. }) = self;
+        name
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Text { values, .. } => values.len(),
+            Self::Number { values, .. } => values.len(),
+        }
+    }
+
+    /// What stands in a row of a CSV; nothing for none.
+    fn field(&self, row: usize) -> String {
+        match self {
+            Self::Text { values, .. } => values.get(row).cloned().flatten().unwrap_or_default(),
+            Self::Number { values, .. } => {
+                let value = values.get(row).copied().flatten().filter(|value| value.is_finite());
+                value.map(|value| value.to_string()).unwrap_or_default()
+            }
+        }
+    }
+}
+
+impl Table {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.iter().map(Column::len).max().unwrap_or(0)
+    }
+
+    /// The table as CSV: a line of names, then a line for each row.
+    ///
+    /// # Errors
+    /// None that a table can cause; the writer's signature has one.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::output::table::{Column, Table};
+    /// let cell = Column::Text { name: "cell".into(), values: vec![Some("1".into()), None] };
+    /// let area = Column::Number { name: "area_um2".into(), values: vec![None, Some(2.5)] };
+    /// let table = Table { columns: vec![cell, area] };
+    /// assert_eq!(String::from_utf8(table.to_csv()?).unwrap(), "cell,area_um2\n1,\n,2.5\n");
+    /// # Ok::<(), myospring::output::csv::CsvError>(())
+    /// ```
+    pub fn to_csv(&self) -> Result<Vec<u8>, CsvError> {
+        let failed = |row, source| CsvError::Row { row, source };
+        let mut writer = ::csv::Writer::from_writer(Vec::new());
+        writer
+            .write_record(self.columns.iter().map(Column::name))
+            .map_err(|error| failed(0, error))?;
+        for row in 0..self.rows() {
+            writer
+                .write_record(self.columns.iter().map(|column| column.field(row)))
+                .map_err(|error| failed(row, error))?;
+        }
+        writer.into_inner().map_err(|error| failed(self.rows(), error.into_error().into()))
+    }
+
+    /// The table as Apache Parquet: text as UTF-8 strings, numbers as doubles, none as null.
+    ///
+    /// # Errors
+    /// Columns of different lengths.
+    #[cfg(feature = "parquet")]
+    pub fn to_parquet(&self) -> Result<Vec<u8>, ParquetError> {
+        let fields = self.columns.iter().map(|column| {
+            let field = match column {
+                Column::Text { name, .. } => {
+                    Type::primitive_type_builder(name, Physical::BYTE_ARRAY)
+                        .with_logical_type(Some(LogicalType::String))
+                }
+                Column::Number { name, .. } => Type::primitive_type_builder(name, Physical::DOUBLE),
+            };
+            field.with_repetition(Repetition::OPTIONAL).build().map(Arc::new)
+        });
+        let fields = fields.collect::<Result<Vec<_>, _>>()?;
+        let schema = Type::group_type_builder("cells").with_fields(fields).build()?;
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let mut bytes = Vec::new();
+        let mut file =
+            SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties))?;
+        let mut group = file.next_row_group()?;
+        for column in &self.columns {
+            let Some(mut writer) = group.next_column()? else { break };
+            match column {
+                Column::Text { values, .. } => {
+                    let there: Vec<ByteArray> =
+                        values.iter().flatten().map(|text| text.as_str().into()).collect();
+                    let levels: Vec<i16> =
+                        values.iter().map(|value| i16::from(value.is_some())).collect();
+                    writer.typed::<ByteArrayType>().write_batch(&there, Some(&levels), None)?;
+                }
+                Column::Number { values, .. } => {
+                    let finite = |value: &Option<f64>| value.filter(|value| value.is_finite());
+                    let there: Vec<f64> = values.iter().filter_map(finite).collect();
+                    let levels: Vec<i16> =
+                        values.iter().map(|value| i16::from(finite(value).is_some())).collect();
+                    writer.typed::<DoubleType>().write_batch(&there, Some(&levels), None)?;
+                }
+            }
+            writer.close()?;
+        }
+        group.close()?;
+        file.close()?;
+        Ok(bytes)
+    }
+}

@@ -1,0 +1,232 @@
+//! The overlay: a made-up picture with lines over it.
+
+use image::RgbImage;
+use myospring::mesh::Mesh;
+use myospring::output::figure::{Contour, Figure, FigureError, Overlay, Tick, overlay};
+
+use super::synthetic::lattice;
+
+const PIXEL: f64 = 0.5;
+const SIZE: [usize; 2] = [120, 100];
+/// Corners of a cell in the upper left of the picture, um, y upward.
+const CELL: [[f64; 2]; 4] = [[6.0, 26.0], [36.0, 26.0], [36.0, 44.0], [6.0, 44.0]];
+
+/// Grey, with a bright block where [`CELL`] is.
+fn picture() -> Vec<f32> {
+    let bright = |at: usize| {
+        let [x, y] = [at % SIZE[0], SIZE[1] - 1 - at / SIZE[0]].map(|i| (i as f64 + 0.5) * PIXEL);
+        (6.0..36.0).contains(&x) && (26.0..44.0).contains(&y)
+    };
+    (0..SIZE[0] * SIZE[1]).map(|at| if bright(at) { 900.0 } else { 300.0 }).collect()
+}
+
+fn plain(values: &[f32]) -> Overlay<'_> {
+    Overlay {
+        title: "picture.tif",
+        width: SIZE[0],
+        height: SIZE[1],
+        values,
+        pixel_size_um: PIXEL,
+        cells: &[],
+        mesh: None,
+        fibres: &[],
+        warnings: &[],
+    }
+}
+
+/// The lattice of [`CELL`], there.
+fn mesh() -> Mesh {
+    let mut mesh = lattice([30.0, 18.0], 2.0, |_, _| true);
+    for (axis, shift) in [21.0, 35.0].into_iter().enumerate() {
+        mesh.points[axis].iter_mut().for_each(|x| *x += shift);
+    }
+    mesh
+}
+
+/// Pixels per px of the drawing.
+const SCALE: f64 = 3.0;
+
+fn drawn(figure: &Figure) -> RgbImage {
+    image::load_from_memory(&figure.to_png(96.0 * SCALE).unwrap()).unwrap().to_rgb8()
+}
+
+/// Left, top, width and height of a panel, px, if the figure has it.
+fn panel(figure: &Figure, name: &str) -> Option<[f64; 4]> {
+    let (_, rest) = figure.svg.split_once(&format!(r#"<clipPath id="panel-{name}"><rect "#))?;
+    Some(["x", "y", "width", "height"].map(|key| {
+        let (_, value) = rest.split_once(&format!(r#"{key}=""#)).unwrap();
+        value.split_once('"').unwrap().0.parse().unwrap()
+    }))
+}
+
+/// The colour at a point of panel A, which shows the whole picture.
+fn colour(figure: &Figure, png: &RgbImage, [x, y]: [f64; 2]) -> [u8; 3] {
+    let [left, top, width, height] = panel(figure, "A").unwrap();
+    let full = SIZE.map(|length| length as f64 * PIXEL);
+    let at = [left + width * x / full[0], top + height * (1.0 - y / full[1])];
+    let [column, row] = at.map(|at| (SCALE * at) as u32);
+    png.get_pixel(column, row).0
+}
+
+fn is_yellow([red, green, blue]: [u8; 3]) -> bool {
+    red > 190 && green > 180 && blue < 150
+}
+
+#[test]
+fn the_outline_lies_on_the_edge_that_the_picture_shows() {
+    let values = picture();
+    let cell = Contour { name: "1", rings: vec![&CELL], chosen: true };
+    let figure = overlay(&Overlay { cells: &[cell], ..plain(&values) }).unwrap();
+    let png = drawn(&figure);
+    for on in [[6.0, 35.0], [36.0, 30.0], [20.0, 44.0], [20.0, 26.0]] {
+        let found = colour(&figure, &png, on);
+        assert!(is_yellow(found), "{on:?}: {found:?}");
+        // 1 um is some ten px of the drawing, the line one.
+        for near in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]] {
+            let off = colour(&figure, &png, [on[0] + near[0], on[1] + near[1]]);
+            assert!(!is_yellow(off), "{on:?} + {near:?}: {off:?}");
+        }
+    }
+    // The block is white and its surroundings black, after stretching.
+    assert_eq!(colour(&figure, &png, [10.0, 40.0]), [255; 3]);
+    assert_eq!(colour(&figure, &png, [50.0, 10.0]), [0; 3]);
+    assert_eq!(colour(&figure, &png, [10.0, 10.0]), [0; 3]);
+}
+
+#[test]
+fn a_line_stays_readable_on_white_and_on_black() {
+    for level in [0.0, 255.0] {
+        // Two grey values, so that the picture is stretched from black to white.
+        let mut values = vec![level; SIZE[0] * SIZE[1]];
+        values[..600].fill(255.0 - level);
+        let cell = Contour { name: "1", rings: vec![&CELL], chosen: true };
+        let figure = overlay(&Overlay { cells: &[cell], ..plain(&values) }).unwrap();
+        let png = drawn(&figure);
+        let across: Vec<[u8; 3]> =
+            (-40..40).map(|k| colour(&figure, &png, [6.0 + 0.02 * f64::from(k), 35.0])).collect();
+        assert!(across.iter().any(|&found| is_yellow(found)), "{across:?}");
+        // Beside the line it is dark, on white too.
+        assert!(across.iter().any(|found| found.iter().all(|&level| level < 140)), "{across:?}");
+    }
+}
+
+#[test]
+fn fibres_point_up_where_they_should() {
+    let values = picture();
+    let cell = Contour { name: "1", rings: vec![&CELL], chosen: true };
+    let half = 0.5_f64.sqrt();
+    let tick = |from_picture| Tick {
+        point_um: [21.0, 35.0],
+        direction: [half, half],
+        coherency: 0.9,
+        from_picture,
+    };
+    for (from_picture, label) in [(true, "fibre (faint"), (false, "no fibre seen")] {
+        let fibres = [tick(from_picture)];
+        let cells = [cell.clone()];
+        let figure =
+            overlay(&Overlay { cells: &cells, fibres: &fibres, ..plain(&values) }).unwrap();
+        assert!(figure.svg.contains(label), "{label}");
+        // Panel B is centred on the cell, and so is the tick; the block behind is white.
+        let [left, top, width, height] = panel(&figure, "B").unwrap();
+        let png = drawn(&figure);
+        let near = |dx: f64, dy: f64| {
+            let at = [left + 0.5 * width + dx, top + 0.5 * height + dy];
+            let [column, row] = at.map(|at| (SCALE * at) as u32);
+            png.get_pixel(column, row).0
+        };
+        assert_eq!(near(2.0, 2.0), [255; 3]);
+        assert_ne!(near(1.6, -1.6), [255; 3]);
+        assert_ne!(near(-1.6, 1.6), [255; 3]);
+    }
+}
+
+#[test]
+fn lattice_and_fibres_get_a_panel_of_their_own() {
+    let values = picture();
+    let mesh = mesh();
+    let cells = [
+        Contour { name: "7", rings: vec![&CELL], chosen: true },
+        Contour {
+            name: "8",
+            rings: vec![&[[50.0, 5.0], [58.0, 5.0], [54.0, 12.0]]],
+            chosen: false,
+        },
+    ];
+    let warnings = ["the cell touches the frame".to_owned(), "two <cells> & more".to_owned()];
+    let whole = Overlay { cells: &cells, mesh: Some(&mesh), warnings: &warnings, ..plain(&values) };
+    let figure = overlay(&whole).unwrap();
+    assert!(panel(&figure, "A").is_some() && panel(&figure, "B").is_some());
+    for words in [
+        "picture.tif",
+        "Picture and outline",
+        "Lattice",
+        "other cells",
+        ">8<",
+        "10 \u{b5}m",
+        "the cell touches the frame",
+        "two &lt;cells&gt; &amp; more",
+    ] {
+        assert!(figure.svg.contains(words), "{words} is missing");
+    }
+    let [width, _] = super::size(&figure);
+    assert!((width * 25.4 / 96.0 - 178.0).abs() < 0.01, "{width} px");
+    assert_eq!(overlay(&whole).unwrap(), figure);
+    // With neither, and the cell nearly as large as the picture, one panel is enough.
+    let large = [[2.0, 2.0], [58.0, 2.0], [58.0, 48.0], [2.0, 48.0]];
+    let cells = [Contour { name: "1", rings: vec![&large], chosen: true }];
+    let figure = overlay(&Overlay { cells: &cells, ..plain(&values) }).unwrap();
+    assert!(panel(&figure, "B").is_none());
+}
+
+#[test]
+fn a_large_picture_is_embedded_small() {
+    let values: Vec<f32> = (0..4000 * 1000).map(|at| (at % 977) as f32).collect();
+    let figure = overlay(&Overlay { width: 4000, height: 1000, ..plain(&values) }).unwrap();
+    // 1600 x 400 pixels, a byte each at most, and a third more as text.
+    assert!(figure.svg.len() < 900_000, "{}", figure.svg.len());
+}
+
+#[test]
+fn odd_pictures_are_drawn() {
+    for (width, height) in [(1, 1), (1, 900), (900, 1), (30, 20)] {
+        for value in [0.0, 7.0, f32::NAN, f32::INFINITY, f32::MAX] {
+            let mut values = vec![value; width * height];
+            values[0] = -f32::MAX;
+            let ring = [[0.0, 0.0], [1e9, 0.0], [0.0, -1e9]];
+            let cells =
+                [Contour { name: "1", rings: vec![&ring, &[], &[[0.1, 0.1]]], chosen: true }];
+            let odd = Overlay { width, height, cells: &cells, ..plain(&values) };
+            let figure = overlay(&odd).unwrap();
+            assert!(!figure.svg.contains("NaN") && !figure.svg.contains("inf"));
+            figure.to_png(96.0).unwrap();
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_an_error_that_names_it() {
+    let values = picture();
+    let nowhere = [[1.0, 1.0], [f64::NAN, 2.0], [3.0, 1.0]];
+    let broken = [Contour { name: "5", rings: vec![&nowhere], chosen: false }];
+    let tick =
+        Tick { point_um: [1.0, 1.0], direction: [0.0, 0.0], coherency: 1.0, from_picture: true };
+    let lost = [Tick { point_um: [f64::INFINITY, 0.0], direction: [1.0, 0.0], ..tick }];
+    let mut mesh = mesh();
+    mesh.points[1][3] = f64::NAN;
+    let full = plain(&values);
+    for (wrong, message) in [
+        (Overlay { width: 0, ..full.clone() }, "given 0 pixels"),
+        (Overlay { height: 99, ..full.clone() }, "120 x 99 pixels needs 11880 values, but 12000"),
+        (Overlay { width: usize::MAX, ..full.clone() }, "but 12000 were given"),
+        (Overlay { pixel_size_um: 0.0, ..full.clone() }, "pixel size 0 um"),
+        (Overlay { pixel_size_um: f64::NAN, ..full.clone() }, "pixel size NaN um"),
+        (Overlay { cells: &broken, ..full.clone() }, "the outline of cell \"5\" puts point 1 at"),
+        (Overlay { fibres: &[tick], ..full.clone() }, "fibre direction (0, 0)"),
+        (Overlay { fibres: &lost, ..full.clone() }, "the fibre field puts point 0 at (inf, 0)"),
+        (Overlay { mesh: Some(&mesh), ..full.clone() }, "the mesh puts point 3"),
+    ] {
+        let error: FigureError = overlay(&wrong).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+}
