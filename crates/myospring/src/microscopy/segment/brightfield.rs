@@ -26,7 +26,7 @@ const LEVELS: [[f32; 2]; 5] = [[1.5, 4.0], [2.0, 4.0], [2.0, 5.0], [2.5, 4.0], [
 /// How many of them must agree: fewer than half, for a faint tip shows at some levels only.
 const AGREEING: usize = 2;
 /// Coarsest pixel of the grid on which gaps are closed, um; the outline is found anew on the finer one.
-const CLOSING_PIXEL_UM: f64 = 0.6;
+const CLOSING_PIXEL_UM: f64 = 1.1;
 /// Radii by which gaps in the outline are closed, um; the least is taken that encloses enough.
 const CLOSING_UM: [f64; 5] = [1.0, 1.6, 2.5, 4.0, 6.0];
 /// Part of the largest area over all radii that is enough: what is missing then are bays of the outline, not
