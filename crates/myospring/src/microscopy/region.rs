@@ -1,5 +1,7 @@
 //! Sets of pixels: gaps closed, holes filled, islands numbered, rims smoothed.
 
+use std::ops::Range;
+
 use image::{GrayImage, Luma};
 use imageproc::distance_transform::Norm;
 use imageproc::morphology;
@@ -44,6 +46,28 @@ impl Island {
             usize::from(first == 0) + usize::from(last + 1 == count)
         };
         reach(self.columns, width) + reach(self.rows, height)
+    }
+}
+
+/// A rectangle of pixels.
+pub(super) struct Window {
+    columns: Range<usize>,
+    rows: Range<usize>,
+}
+
+impl Window {
+    pub(super) fn width(&self) -> usize {
+        self.columns.len()
+    }
+
+    pub(super) fn height(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The values within, of a picture of so many columns.
+    pub(super) fn cut<T: Copy>(&self, values: &[T], width: usize) -> Vec<T> {
+        let row = |row: usize| &values[row * width..][self.columns.clone()];
+        self.rows.clone().flat_map(row).copied().collect()
     }
 }
 
@@ -123,6 +147,41 @@ impl Region {
         let at =
             |pixel: usize| blocks[pixel / width / factor * self.width() + pixel % width / factor];
         Self::new(width, height, (0..width * height).map(at))
+    }
+
+    /// The least window that holds the region and `margin` pixels around it, as far as there are any; the
+    /// whole picture if the region is empty.
+    pub(super) fn window(&self, margin: usize) -> Window {
+        let (width, height) = (self.width(), self.height());
+        let (mut columns, mut rows) = ([width, 0], [height, 0]);
+        for (at, _) in self.inside().enumerate().filter(|(_, inside)| *inside) {
+            let (column, row) = (at % width, at / width);
+            columns = [columns[0].min(column), columns[1].max(column)];
+            rows = [rows[0].min(row), rows[1].max(row)];
+        }
+        if columns[0] > columns[1] {
+            return Window { columns: 0..width, rows: 0..height };
+        }
+        let widened = |[first, last]: [usize; 2], count: usize| {
+            first.saturating_sub(margin)..(last + margin + 1).min(count)
+        };
+        Window { columns: widened(columns, width), rows: widened(rows, height) }
+    }
+
+    /// The part within a window.
+    pub(super) fn cut(&self, window: &Window) -> Self {
+        let inside = window.cut(self.pixels.as_raw(), self.width());
+        Self::new(window.width(), window.height(), inside.into_iter().map(|value| value != 0))
+    }
+
+    /// Put back where a window was cut out of a picture of this size.
+    pub(super) fn pasted(&self, window: &Window, width: usize, height: usize) -> Self {
+        let mut inside = vec![false; width * height];
+        let own: Vec<bool> = self.inside().collect();
+        for (row, values) in window.rows.clone().zip(own.chunks_exact(window.width())) {
+            inside[row * width..][window.columns.clone()].copy_from_slice(values);
+        }
+        Self::new(width, height, inside.into_iter())
     }
 
     /// Number of pixels of the picture.

@@ -8,7 +8,7 @@ use imageproc::region_labelling::Connectivity;
 use super::{Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings};
 use crate::microscopy::filter::{self, otsu, quantile, sample};
 use crate::microscopy::plane::Plane;
-use crate::microscopy::region::Region;
+use crate::microscopy::region::{Region, Window};
 
 /// Scale of smoothing unless stated, um: beads and grains of a micrometre lose most of their edges, the rim
 /// of a cell, which runs straight over many, loses none.
@@ -85,11 +85,15 @@ pub(super) fn segment(
     }
     let guess = agreed.spread(coarse, working.width(), working.height());
     let band = BAND_UM.map(|um| um / pixel);
-    let region = flooded(&gradient.towards_the_light(&guess, band), &guess, band)
+    // Only around the cells: distances over a whole field of view cost more than all the rest.
+    let window = guess.window((2.0 * BAY_UM / pixel).ceil() as usize);
+    let (near, close) = (guess.cut(&window), gradient.cut(&window));
+    let region = flooded(&close.towards_the_light(&near, band), &near, band)
         .opened(OPENING_UM / pixel)
         .closed(BAY_UM / pixel)
         .filled(usize::MAX)
-        .smoothed(OUTLINE_UM / pixel);
+        .smoothed(OUTLINE_UM / pixel)
+        .pasted(&window, guess.width(), guess.height());
     let Guess { edges, closing_um, .. } = &tries[2];
     let (edges, closing_um) = (edges, *closing_um);
     let near_edges = edges.grown(1.0 / pixel);
@@ -162,6 +166,15 @@ impl Gradient {
         let strength = along.iter().zip(&down).map(|(x, y): (&f32, &f32)| x.hypot(*y)).collect();
         let strength = Plane::new(width, height, strength).unwrap_or(smooth);
         Self { along, down, strength }
+    }
+
+    /// The part within a window.
+    fn cut(&self, window: &Window) -> Self {
+        let width = self.strength.width();
+        let (along, down) = (window.cut(&self.along, width), window.cut(&self.down, width));
+        let strength = window.cut(self.strength.values(), width);
+        let strength = Plane::new(window.width(), window.height(), strength);
+        Self { along, down, strength: strength.unwrap_or_else(|| self.strength.clone()) }
     }
 
     /// Standard deviation of one component where there is no edge. The strength of isotropic noise follows a
