@@ -8,7 +8,7 @@ use imageproc::region_labelling::Connectivity;
 use super::{Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings};
 use crate::microscopy::filter::{self, otsu, quantile, sample};
 use crate::microscopy::plane::Plane;
-use crate::microscopy::region::{Region, Window};
+use crate::microscopy::region::{Islands, Region, Window};
 
 /// Scale of smoothing unless stated, um: beads and grains of a micrometre lose most of their edges, the rim
 /// of a cell, which runs straight over many, loses none.
@@ -19,9 +19,9 @@ const WORKING_PIXEL_UM: f64 = 0.3;
 const LIGHT_UM: f64 = 15.0;
 /// A connected edge must extend over so much, um; that of a bead or speck does not.
 const LEAST_EDGE_UM: f64 = 6.0;
-/// Least gradient of an edge, and its least mean along the edge, in standard deviations of the picture's noise.
-/// A mean over the whole edge, not its strongest place (Canny 1986), since grains are strong but short. Several
-/// pairs, of which the cell is what some agree on, so that it does not hang on one choice.
+/// Least gradient of an edge, and the gradient that it must have over the length of an edge, in standard
+/// deviations of the picture's noise. Over a length, not at one place (Canny 1986), since grains are strong but
+/// short. Several pairs, of which the cell is what some agree on, so that it does not hang on one choice.
 const LEVELS: [[f32; 2]; 5] = [[1.5, 4.0], [2.0, 4.0], [2.0, 5.0], [2.5, 4.0], [2.5, 5.0]];
 /// How many of them must agree: fewer than half, for a faint tip shows at some levels only.
 const AGREEING: usize = 2;
@@ -57,10 +57,17 @@ pub(super) fn segment(
     let unit =
         settings.threshold.map_or(noise, |threshold| (threshold * pixel) as f32 / LEVELS[2][0]);
     let threshold = f64::from(LEVELS[2][0] * unit) / pixel;
+    // Levels with the same lower bound follow each other and share their crests.
+    let mut crests: Option<(f32, Islands)> = None;
     let tries: Vec<Guess> = LEVELS
         .iter()
         .map(|&[weak, strong]| {
-            let edges = gradient.edges(weak * unit, strong * unit, LEAST_EDGE_UM / pixel);
+            let islands = match crests.take() {
+                Some((last, islands)) if last == weak => islands,
+                _ => gradient.crests(weak * unit),
+            };
+            let edges = gradient.edges(&islands, strong * unit, LEAST_EDGE_UM / pixel);
+            crests = Some((weak, islands));
             Guess::within(edges, pixel, settings.smallest_cell_um2)
         })
         .collect();
@@ -226,9 +233,8 @@ impl Gradient {
         strongest
     }
 
-    /// Crests of the gradient of at least `weak` everywhere and `strong` in the mean that hang together over
-    /// `extent` pixels.
-    fn edges(&self, weak: f32, strong: f32, extent: f64) -> Region {
+    /// Crests of the gradient of at least `weak`, numbered where they hang together.
+    fn crests(&self, weak: f32) -> Islands {
         let (width, height) = (self.strength.width(), self.strength.height());
         let strength = self.strength.values();
         let crest = |at: usize| {
@@ -242,7 +248,13 @@ impl Gradient {
             }
         };
         let crests = Region::new(width, height, (0..strength.len()).map(crest));
-        let islands = crests.islands(Connectivity::Eight);
+        crests.islands(Connectivity::Eight)
+    }
+
+    /// Those crests that reach over `extent` pixels and are `strong` in as many.
+    fn edges(&self, islands: &Islands, strong: f32, extent: f64) -> Region {
+        let (width, height) = (self.strength.width(), self.strength.height());
+        let strength = self.strength.values();
         let mut strong_pixels = vec![0_usize; islands.list.len() + 1];
         for (&number, &value) in islands.numbers.iter().zip(strength) {
             strong_pixels[number as usize] += usize::from(value >= strong);
