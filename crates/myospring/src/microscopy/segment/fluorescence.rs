@@ -58,13 +58,17 @@ pub(super) fn segment(
     let smallest = settings.smallest_cell_um2 / pixel.powi(2);
     // Specks first: they would be joined to the cell or each other.
     let speck = std::f64::consts::PI * (CLOSING_UM / 2.0 / pixel).powi(2);
+    let region = region.kept(Connectivity::Eight, |island| island.pixels as f64 > speck);
+    // Only around what is left: distances over a whole field of view cost more than all the rest.
+    let window = region.window((2.0 * CLOSING_UM / pixel).ceil() as usize);
     let region = region
-        .kept(Connectivity::Eight, |island| island.pixels as f64 > speck)
+        .cut(&window)
         .closed(CLOSING_UM / pixel)
         .filled(usize::MAX)
         .opened(smooth_um / pixel)
         .kept(Connectivity::Four, |island| island.pixels as f64 >= smallest)
-        .smoothed(smooth_um / pixel);
+        .smoothed(smooth_um / pixel)
+        .pasted(&window, working.width(), working.height());
     let middle = ground.middle();
     let threshold = settings.threshold.unwrap_or(f64::from(middle + unit * level.sinh()));
     if region.count() == 0 {
