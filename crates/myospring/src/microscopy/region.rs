@@ -103,7 +103,7 @@ impl Region {
     pub(super) fn closed(&self, radius: f64) -> Self {
         match steps(radius) {
             0 => self.clone(),
-            steps => Self { pixels: morphology::close(&self.pixels, Norm::L2, steps) },
+            steps => Self { pixels: morphology::close(&self.pixels, norm(steps), steps) },
         }
     }
 
@@ -111,7 +111,7 @@ impl Region {
     pub(super) fn opened(&self, radius: f64) -> Self {
         match steps(radius) {
             0 => self.clone(),
-            steps => Self { pixels: morphology::open(&self.pixels, Norm::L2, steps) },
+            steps => Self { pixels: morphology::open(&self.pixels, norm(steps), steps) },
         }
     }
 
@@ -119,7 +119,7 @@ impl Region {
     pub(super) fn grown(&self, radius: f64) -> Self {
         match steps(radius) {
             0 => self.clone(),
-            steps => Self { pixels: morphology::dilate(&self.pixels, Norm::L2, steps) },
+            steps => Self { pixels: morphology::dilate(&self.pixels, norm(steps), steps) },
         }
     }
 
@@ -127,7 +127,7 @@ impl Region {
     pub(super) fn shrunk(&self, radius: f64) -> Self {
         match steps(radius) {
             0 => self.clone(),
-            steps => Self { pixels: morphology::erode(&self.pixels, Norm::L2, steps) },
+            steps => Self { pixels: morphology::erode(&self.pixels, norm(steps), steps) },
         }
     }
 
@@ -149,9 +149,9 @@ impl Region {
         Self::new(width, height, (0..width * height).map(at))
     }
 
-    /// The least window that holds the region and `margin` pixels around it, as far as there are any; the
-    /// whole picture if the region is empty.
-    pub(super) fn window(&self, margin: usize) -> Window {
+    /// The least window that holds the region and `margin` pixels around it, as far as there are any, and begins
+    /// with a block of `block` x `block` pixels; the whole picture if the region is empty.
+    pub(super) fn window(&self, margin: usize, block: usize) -> Window {
         let (width, height) = (self.width(), self.height());
         let (mut columns, mut rows) = ([width, 0], [height, 0]);
         for (at, _) in self.inside().enumerate().filter(|(_, inside)| *inside) {
@@ -163,7 +163,7 @@ impl Region {
             return Window { columns: 0..width, rows: 0..height };
         }
         let widened = |[first, last]: [usize; 2], count: usize| {
-            first.saturating_sub(margin)..(last + margin + 1).min(count)
+            first.saturating_sub(margin) / block * block..(last + margin + 1).min(count)
         };
         Window { columns: widened(columns, width), rows: widened(rows, height) }
     }
@@ -257,4 +257,10 @@ impl Region {
 /// Radius in whole pixels, as far as the library's distances go.
 fn steps(radius: f64) -> u8 {
     radius.round().clamp(0.0, 254.0) as u8
+}
+
+/// The norm of distances: Euclid's, but over one pixel the sum of both directions has the same neighbours and is
+/// found faster.
+fn norm(steps: u8) -> Norm {
+    if steps == 1 { Norm::L1 } else { Norm::L2 }
 }

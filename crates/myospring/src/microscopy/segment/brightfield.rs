@@ -8,7 +8,7 @@ use imageproc::region_labelling::Connectivity;
 use super::{Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings};
 use crate::microscopy::filter::{self, otsu, quantile, sample};
 use crate::microscopy::plane::Plane;
-use crate::microscopy::region::{Islands, Region, Window};
+use crate::microscopy::region::{Region, Window};
 
 /// Scale of smoothing unless stated, um: beads and grains of a micrometre lose most of their edges, the rim
 /// of a cell, which runs straight over many, loses none.
@@ -57,21 +57,23 @@ pub(super) fn segment(
     let unit =
         settings.threshold.map_or(noise, |threshold| (threshold * pixel) as f32 / LEVELS[2][0]);
     let threshold = f64::from(LEVELS[2][0] * unit) / pixel;
-    // Levels with the same lower bound follow each other and share their crests.
-    let mut crests: Option<(f32, Islands)> = None;
+    // The first level has the edges of all others. Only around them: distances and islands of a whole field of
+    // view cost more than all the rest.
+    let least_edge = LEAST_EDGE_UM / pixel;
+    let [weak, strong] = LEVELS[0].map(|level| level * unit);
+    let edges = gradient.edges(&gradient.crests(weak), weak, strong, least_edge);
+    let coarse = closing_factor(pixel);
+    let margin = 2.0 * CLOSING_UM[CLOSING_UM.len() - 1] / pixel;
+    let seen = edges.window(margin.ceil() as usize, coarse);
+    let (edges, around) = (edges.cut(&seen), gradient.cut(&seen));
     let tries: Vec<Guess> = LEVELS
         .iter()
-        .map(|&[weak, strong]| {
-            let islands = match crests.take() {
-                Some((last, islands)) if last == weak => islands,
-                _ => gradient.crests(weak * unit),
-            };
-            let edges = gradient.edges(&islands, strong * unit, LEAST_EDGE_UM / pixel);
-            crests = Some((weak, islands));
+        .map(|level| {
+            let [weak, strong] = level.map(|level| level * unit);
+            let edges = around.edges(&edges, weak, strong, least_edge);
             Guess::within(edges, pixel, settings.smallest_cell_um2)
         })
         .collect();
-    let coarse = ((CLOSING_PIXEL_UM / pixel) as usize).max(1);
     let votes: Vec<usize> = (0..tries[0].region.pixels())
         .map(|at| tries.iter().filter(|guess| guess.region.contains(at)).count())
         .collect();
@@ -90,26 +92,27 @@ pub(super) fn segment(
             pixel_size_um,
         });
     }
-    let guess = agreed.spread(coarse, working.width(), working.height());
+    let guess = agreed.spread(coarse, seen.width(), seen.height());
     let band = BAND_UM.map(|um| um / pixel);
-    // Only around the cells: distances over a whole field of view cost more than all the rest.
-    let window = guess.window((2.0 * BAY_UM / pixel).ceil() as usize);
-    let (near, close) = (guess.cut(&window), gradient.cut(&window));
+    // And only around those edges that enclose something.
+    let window = guess.window((2.0 * BAY_UM / pixel).ceil() as usize, 1);
+    let (near, close) = (guess.cut(&window), around.cut(&window));
     let region = flooded(&close.towards_the_light(&near, band), &near, band)
         .opened(OPENING_UM / pixel)
         .closed(BAY_UM / pixel)
         .filled(usize::MAX)
         .smoothed(OUTLINE_UM / pixel)
-        .pasted(&window, guess.width(), guess.height());
+        .pasted(&window, seen.width(), seen.height())
+        .pasted(&seen, working.width(), working.height());
     let Guess { edges, closing_um, .. } = &tries[2];
-    let (edges, closing_um) = (edges, *closing_um);
-    let near_edges = edges.grown(1.0 / pixel);
+    let closing_um = *closing_um;
+    let near_edges = edges.grown(1.0 / pixel).pasted(&seen, working.width(), working.height());
     let found = Found { region, factor, modality: Modality::Brightfield, threshold, notes };
     let judge = |candidate: &Candidate<'_>| {
         let place = |&pixel: &u32| {
             let at = pixel as usize;
             let (column, row) = (at % plane.width() / factor, at / plane.width() / factor);
-            row * edges.width() + column
+            row * near_edges.width() + column
         };
         let mut confidence = Confidence::full();
         let rim: Vec<usize> = candidate.rim.iter().map(place).collect();
@@ -135,6 +138,11 @@ pub(super) fn segment(
         confidence
     };
     Ok(found.finish(plane, pixel_size_um, settings.smallest_cell_um2, judge))
+}
+
+/// Pixels along the side of a block of the grid on which gaps are closed.
+fn closing_factor(pixel_um: f64) -> usize {
+    ((CLOSING_PIXEL_UM / pixel_um) as usize).max(1)
 }
 
 /// Brightness relative to that of the surroundings.
@@ -233,8 +241,8 @@ impl Gradient {
         strongest
     }
 
-    /// Crests of the gradient of at least `weak`, numbered where they hang together.
-    fn crests(&self, weak: f32) -> Islands {
+    /// Crests of the gradient of more than `weak`.
+    fn crests(&self, weak: f32) -> Region {
         let (width, height) = (self.strength.width(), self.strength.height());
         let strength = self.strength.values();
         let crest = |at: usize| {
@@ -247,14 +255,16 @@ impl Gradient {
                     && value >= self.between(column, row, -u, -v)
             }
         };
-        let crests = Region::new(width, height, (0..strength.len()).map(crest));
-        crests.islands(Connectivity::Eight)
+        Region::new(width, height, (0..strength.len()).map(crest))
     }
 
-    /// Those crests that reach over `extent` pixels and are `strong` in as many.
-    fn edges(&self, islands: &Islands, strong: f32, extent: f64) -> Region {
+    /// Those crests that, where they are above `weak`, hang together over `extent` pixels and are `strong` in as
+    /// many.
+    fn edges(&self, crests: &Region, weak: f32, strong: f32, extent: f64) -> Region {
         let (width, height) = (self.strength.width(), self.strength.height());
         let strength = self.strength.values();
+        let above = crests.inside().zip(strength).map(|(crest, &value)| crest && value > weak);
+        let islands = Region::new(width, height, above).islands(Connectivity::Eight);
         let mut strong_pixels = vec![0_usize; islands.list.len() + 1];
         for (&number, &value) in islands.numbers.iter().zip(strength) {
             strong_pixels[number as usize] += usize::from(value >= strong);
@@ -295,7 +305,7 @@ impl Guess {
     /// What edges enclose once gaps are closed by the least radius after which a larger one adds little more
     /// than bays.
     fn within(edges: Region, pixel_um: f64, smallest_um2: f64) -> Self {
-        let factor = ((CLOSING_PIXEL_UM / pixel_um) as usize).max(1);
+        let factor = closing_factor(pixel_um);
         let pixel_um = pixel_um * factor as f64;
         let coarse = edges.coarse(factor);
         let smallest = smallest_um2 / pixel_um.powi(2);

@@ -60,7 +60,7 @@ pub(super) fn segment(
     let speck = std::f64::consts::PI * (CLOSING_UM / 2.0 / pixel).powi(2);
     let region = region.kept(Connectivity::Eight, |island| island.pixels as f64 > speck);
     // Only around what is left: distances over a whole field of view cost more than all the rest.
-    let window = region.window((2.0 * CLOSING_UM / pixel).ceil() as usize);
+    let window = region.window((2.0 * CLOSING_UM / pixel).ceil() as usize, 1);
     let region = region
         .cut(&window)
         .closed(CLOSING_UM / pixel)

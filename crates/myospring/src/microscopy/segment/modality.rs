@@ -25,7 +25,7 @@ pub(super) fn guess(plane: &Plane, pixel_size_um: f64, notes: &mut Vec<String>) 
     if is_mask(plane) {
         return Modality::Mask;
     }
-    let factor = ((SMOOTH_UM / 2.0 / pixel_size_um) as usize).max(1);
+    let factor = ((SMOOTH_UM / 2.0 / pixel_size_um).round() as usize).max(1);
     let coarse = filter::coarse(plane, factor);
     let smooth = filter::gaussian(&coarse, SMOOTH_UM / (pixel_size_um * factor as f64));
     let lifted = Ground::under(&smooth).taken_off(&smooth);
