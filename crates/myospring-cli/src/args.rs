@@ -78,6 +78,8 @@ pub(crate) struct ShapeArgs {
     /// Turn an outline or the built-in cell counter-clockwise ("30 deg")
     #[arg(long, value_name = "ANGLE", help_heading = SHAPING, allow_hyphen_values = true)]
     pub(crate) rotate: Option<String>,
+    #[command(flatten)]
+    pub(crate) segmentation: SegmentationArgs,
 }
 
 /// How the cell of a picture is found.
@@ -117,15 +119,37 @@ pub(crate) struct SegmentationArgs {
     pub(crate) outline: Option<String>,
 }
 
+/// What beats, and where its shape comes from.
+#[derive(Debug, Args)]
+pub(crate) struct BeatArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) simulation: SimulationArgs,
+}
+
+impl BeatArgs {
+    /// Options that stand for a key of the run file.
+    pub(crate) fn overrides(&self) -> Overrides {
+        given(self.shape.rows().into_iter().chain(self.simulation.rows()))
+    }
+}
+
 impl ShapeArgs {
-    /// Options that stand for a key of the run file: option, key, value.
+    /// Options that stand for a key of the run file.
+    pub(crate) fn overrides(&self) -> Overrides {
+        given(self.rows())
+    }
+
     fn rows(&self) -> Rows {
-        vec![
+        let mut rows = vec![
             ("--pixel-size", "shape.pixel_size", text(self.pixel_size.as_ref())),
             ("--label", "shape.label", number(self.label)),
             ("--spacing", "shape.spacing", text(self.spacing.as_ref())),
             ("--rotate", "shape.rotate", text(self.rotate.as_ref())),
-        ]
+        ];
+        rows.extend(self.segmentation.rows());
+        rows
     }
 }
 
@@ -211,11 +235,7 @@ pub(crate) struct RunArgs {
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) shape: ShapeArgs,
-    #[command(flatten)]
-    pub(crate) segmentation: SegmentationArgs,
-    #[command(flatten)]
-    pub(crate) simulation: SimulationArgs,
+    pub(crate) beat: BeatArgs,
     /// Threads that move the masses; the numbers do not depend on it [default: a core for every 900
     /// masses, as far as there are cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
@@ -225,14 +245,6 @@ pub(crate) struct RunArgs {
     pub(crate) dry_run: bool,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
-}
-
-impl RunArgs {
-    /// Options that stand for a key of the run file.
-    pub(crate) fn overrides(&self) -> Overrides {
-        let shape = self.shape.rows().into_iter().chain(self.segmentation.rows());
-        given(shape.chain(self.simulation.rows()))
-    }
 }
 
 /// What beats, and how.
@@ -355,16 +367,7 @@ pub(crate) struct MeshArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     #[command(flatten)]
-    pub(crate) segmentation: SegmentationArgs,
-    #[command(flatten)]
     pub(crate) output: OutputArgs,
-}
-
-impl MeshArgs {
-    /// Options that stand for a key of the run file.
-    pub(crate) fn overrides(&self) -> Overrides {
-        given(self.shape.rows().into_iter().chain(self.segmentation.rows()))
-    }
 }
 
 /// `myospring segment`.
@@ -382,8 +385,6 @@ pub(crate) struct SegmentArgs {
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    #[command(flatten)]
-    pub(crate) segmentation: SegmentationArgs,
     /// File for the outline; may be given several times [default: a folder `results/NAME_outline` with all]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Vec<PathBuf>,
@@ -396,13 +397,6 @@ pub(crate) struct SegmentArgs {
     /// No notes
     #[arg(short, long, help_heading = OUTPUT)]
     pub(crate) quiet: bool,
-}
-
-impl SegmentArgs {
-    /// Options that stand for a key of the run file.
-    pub(crate) fn overrides(&self) -> Overrides {
-        given(self.shape.rows().into_iter().chain(self.segmentation.rows()))
-    }
 }
 
 /// `myospring batch`.
@@ -424,24 +418,12 @@ pub(crate) struct BatchArgs {
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
     #[command(flatten)]
-    pub(crate) shape: ShapeArgs,
-    #[command(flatten)]
-    pub(crate) segmentation: SegmentationArgs,
-    #[command(flatten)]
-    pub(crate) simulation: SimulationArgs,
+    pub(crate) beat: BeatArgs,
     /// Write curves and figures of each cell, in a folder of its own
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) figures: bool,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
-}
-
-impl BatchArgs {
-    /// Options that stand for a key of the run file.
-    pub(crate) fn overrides(&self) -> Overrides {
-        let shape = self.shape.rows().into_iter().chain(self.segmentation.rows());
-        given(shape.chain(self.simulation.rows()))
-    }
 }
 
 /// `myospring models`.

@@ -41,7 +41,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let target = target(args);
     let pictures = pictures(args, &target)?;
     // Every setting is checked once, before any picture is opened.
-    let (_, run) = input::settle(Some(&pictures[0]), args.overrides())?;
+    let (_, run) = input::settle(Some(&pictures[0]), args.beat.overrides())?;
     let settings = settings(args, &run)?;
     let journal = Journal::open(&target, &settings, args.output.force)?;
     let work = Work { args, target: &target };
@@ -195,7 +195,7 @@ fn settings(args: &BatchArgs, run: &myospring::run_file::Run) -> Result<String, 
     let mut file = run.to_run_file();
     file.shape.picture = None;
     let text = file.to_toml().map_err(|error| Failure::of_run_file(&error, None))?;
-    let cells = args.segmentation.cell.as_deref().unwrap_or("all");
+    let cells = args.beat.shape.segmentation.cell.as_deref().unwrap_or("all");
     let (version, figures) = (env!("CARGO_PKG_VERSION"), args.figures);
     Ok(format!("version {version}, cells {cells}, figures {figures}\n{text}"))
 }

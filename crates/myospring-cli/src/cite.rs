@@ -11,8 +11,8 @@ const REFERENCES: &str = include_str!("../../../references.bib");
 /// Prints what to cite: this program, the paper behind it, and the papers of the cell model.
 pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
     let chosen = match &cli.command {
-        Some(Command::Run(args)) => args.simulation.model.as_deref(),
-        Some(Command::Batch(args)) => args.simulation.model.as_deref(),
+        Some(Command::Run(args)) => args.beat.simulation.model.as_deref(),
+        Some(Command::Batch(args)) => args.beat.simulation.model.as_deref(),
         Some(Command::Models(args)) => args.name.as_deref(),
         _ => None,
     };

@@ -3,7 +3,7 @@
 use crate::args::MeshArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
-use crate::overlay;
+use crate::overlay::{self, Lattice};
 use crate::print;
 use crate::results::Folder;
 use myospring::output::{figure, json};
@@ -12,9 +12,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
-    input::one_cell(args.segmentation.all())?;
-    let Input { name, shaped: Shaped { mesh, report, outline, picture }, .. } =
-        input::read(args.input.as_deref(), args.overrides())?;
+    input::one_cell(args.shape.segmentation.all())?;
+    let Input { name, run, shaped, .. } =
+        input::read(args.input.as_deref(), args.shape.overrides())?;
+    let field = run.fibre_field(&shaped)?;
+    let Shaped { mesh, report, outline, picture } = shaped;
     let target = args
         .output
         .output
@@ -25,7 +27,9 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     folder.write("outline.geojson", outline.to_geojson())?;
     folder.figures(&[("mesh", &|| figure::mesh(&mesh))])?;
     if let Some((cells, cell)) = &picture {
-        let draw = || overlay::draw(&name, cells, &[cell], Some(&mesh), None, &report.warnings);
+        let fibres = run.fibres(&mesh, field.as_ref());
+        let lattice = Some(Lattice { mesh: &mesh, fibres: &fibres, field: field.as_ref() });
+        let draw = || overlay::draw(&name, cells, &[cell], lattice, &report.warnings);
         folder.figures(&[("overlay", &draw)])?;
     }
     let target = folder.finish()?;

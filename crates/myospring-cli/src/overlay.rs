@@ -1,21 +1,52 @@
 //! The picture with what was made of it, drawn.
 
-use myospring::mesh::Mesh;
+use myospring::mesh::{Mesh, Simplex};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::microscopy::fibres::FibreField;
+use myospring::microscopy::fibres::{Fibre, FibreField};
 use myospring::microscopy::outlines::NamedOutline;
 use myospring::output::figure::{self, Contour, Figure, FigureError, Overlay, Tick};
 
 /// Distance of the fibre ticks handed to the figure, um; it draws as many as can be told apart.
 const TICKS_UM: f64 = 1.0;
 
+/// The lattice of a cell, with its fibres.
+#[derive(Clone, Copy)]
+pub(crate) struct Lattice<'a> {
+    pub(crate) mesh: &'a Mesh,
+    /// One direction for each triangle.
+    pub(crate) fibres: &'a [[f64; 2]],
+    /// As the picture shows them, where they come from it.
+    pub(crate) field: Option<&'a FibreField>,
+}
+
+impl Lattice<'_> {
+    fn ticks(&self) -> Vec<Tick> {
+        let Some(field) = self.field else {
+            let tick = |(triangle, &direction): (&Simplex<3>, &[f64; 2])| {
+                let corners = triangle.nodes.map(|node| self.mesh.point(node as usize));
+                let middle =
+                    |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0;
+                let point_um = [middle(0), middle(1)];
+                Tick { point_um, direction, coherency: 0.0, from_picture: false }
+            };
+            return self.mesh.simplices.iter().zip(self.fibres).map(tick).collect();
+        };
+        let tick = |(point_um, fibre): ([f64; 2], Fibre)| Tick {
+            point_um,
+            direction: fibre.direction,
+            coherency: fibre.coherency,
+            from_picture: fibre.from_picture,
+        };
+        field.on_grid(TICKS_UM).into_iter().map(tick).collect()
+    }
+}
+
 /// Draws a picture with its outlines, and of the chosen cell its lattice and fibres.
 pub(crate) fn draw(
     title: &str,
     cells: &PictureCells,
     chosen: &[&PictureCell],
-    mesh: Option<&Mesh>,
-    fibres: Option<&FibreField>,
+    lattice: Option<Lattice<'_>>,
     warnings: &[String],
 ) -> Result<Figure, FigureError> {
     let others: Vec<NamedOutline> = cells
@@ -29,17 +60,7 @@ pub(crate) fn draw(
         .chain(others.iter().map(|cell| (cell.name.as_str(), &cell.outline, false)))
         .map(|(name, outline, chosen)| Contour { name, rings: outline.rings().collect(), chosen })
         .collect();
-    let ticks: Vec<Tick> = fibres
-        .map(|field| field.on_grid(TICKS_UM))
-        .unwrap_or_default()
-        .into_iter()
-        .map(|(point_um, fibre)| Tick {
-            point_um,
-            direction: fibre.direction,
-            coherency: fibre.coherency,
-            from_picture: fibre.from_picture,
-        })
-        .collect();
+    let ticks = lattice.map(|lattice| lattice.ticks()).unwrap_or_default();
     figure::overlay(&Overlay {
         title,
         width: cells.plane.width(),
@@ -47,7 +68,7 @@ pub(crate) fn draw(
         values: cells.plane.values(),
         pixel_size_um: cells.pixel_size_um,
         cells: &contours,
-        mesh,
+        mesh: lattice.map(|lattice| lattice.mesh),
         fibres: &ticks,
         warnings,
     })

@@ -120,9 +120,11 @@ fn figures(
     folder.figures(&[("fig6_contraction", &|| figure::contraction(&curves, &options))])?;
     let Some(strongest) = runs.last() else { return Ok(()) };
     let recording = strongest.recording;
-    let axis = myospring::mesh::quality::long_axis(mesh);
+    let fibres = vec![myospring::mesh::quality::long_axis(mesh); mesh.simplices.len()];
     folder.figures(&[
-        ("fig5_cell", &|| figure::cell_shapes(mesh, &figure::key_shapes(recording, stimuli), axis)),
+        ("fig5_cell", &|| {
+            figure::cell_shapes(mesh, &figure::key_shapes(recording, stimuli), &fibres)
+        }),
         ("fig3_action_potential_and_tension", &|| {
             figure::action_potential_and_tension(recording, stimuli)
         }),

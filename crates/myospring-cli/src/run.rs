@@ -3,7 +3,7 @@
 use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
-use crate::overlay;
+use crate::overlay::{self, Lattice};
 use crate::print;
 use crate::results::Folder;
 use crate::table::{aligned, number};
@@ -79,10 +79,14 @@ struct Numbers<'a> {
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     let mut timings = Timings::default();
-    input::one_cell(args.segmentation.all())?;
-    let Input { name, run, bytes, shaped } = input::read(args.input.as_deref(), args.overrides())?;
+    input::one_cell(args.beat.shape.segmentation.all())?;
+    let Input { name, run, bytes, shaped } =
+        input::read(args.input.as_deref(), args.beat.overrides())?;
     let field = run.fibre_field(&shaped)?;
-    let Shaped { mesh, report, picture, .. } = shaped;
+    let Shaped { mesh, mut report, picture, .. } = shaped;
+    if let (Some((cells, _)), Some(field)) = (&picture, &field) {
+        report.warnings.extend(cells.fibre_warnings(field));
+    }
     timings.mesh_s = start.elapsed().as_secs_f64();
 
     let stage = Instant::now();
@@ -114,8 +118,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let (written, cell_s) = rayon::join(
         || {
             if let Some((cells, cell)) = &picture {
-                let (mesh, fibres) = (Some(&simulation.mesh), field.as_ref());
-                let draw = || overlay::draw(&name, cells, &[cell], mesh, fibres, &summary.warnings);
+                let (mesh, fibres) = (&simulation.mesh, simulation.fibres.as_slice());
+                let lattice = Some(Lattice { mesh, fibres, field: field.as_ref() });
+                let draw = || overlay::draw(&name, cells, &[cell], lattice, &summary.warnings);
                 folder.figures(&[("overlay", &draw)])?;
             }
             write(&folder, &run, &simulation, &outcome, &summary, &stimuli)
@@ -251,26 +256,21 @@ pub(crate) fn write(
     let Finished { recording, effort, .. } = outcome;
     folder.write("traces.csv", csv::traces(recording)?)?;
     folder.write("summary.json", json::pretty(&Numbers { summary, integration: *effort })?)?;
-    let (mesh, fibre) = (&simulation.mesh, fibre(simulation));
+    let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
     let options =
         ContractionOptions { stimulus_times_ms: stimuli.to_vec(), reference_band: reference };
     let label = format!("{} kPa", run.peak_tension);
     folder.figures(&[
-        ("overview", &|| figure::overview(mesh, recording, fibre, stimuli)),
-        ("cell", &|| figure::cell_shapes(mesh, &figure::key_shapes(recording, stimuli), fibre)),
+        ("overview", &|| figure::overview(mesh, recording, fibres, stimuli)),
+        ("cell", &|| figure::cell_shapes(mesh, &figure::key_shapes(recording, stimuli), fibres)),
         ("mesh", &|| figure::mesh(mesh)),
         ("action_potential_and_tension", &|| {
             figure::action_potential_and_tension(recording, stimuli)
         }),
         ("contraction", &|| figure::contraction(&[(&label, recording)], &options)),
     ])
-}
-
-/// Direction along which figures show strain.
-fn fibre(simulation: &Simulation) -> [f64; 2] {
-    simulation.fibres.first().copied().unwrap_or(simulation.long_axis)
 }
 
 /// Rows of the table after a run: metric and what people call it.

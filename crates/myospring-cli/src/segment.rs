@@ -2,8 +2,11 @@
 
 use crate::args::SegmentArgs;
 use crate::failure::Failure;
+use crate::overlay::{self, Lattice};
 use crate::results::Folder;
-use crate::{input, overlay, print};
+use crate::{input, print};
+use myospring::mesh::Mesh;
+use myospring::mesh::quality::MeshReport;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::microscopy::outlines::raster::{write_labels_png, write_mask_png};
 use myospring::microscopy::outlines::{
@@ -11,8 +14,9 @@ use myospring::microscopy::outlines::{
 };
 use myospring::microscopy::report::ShapeReport;
 use myospring::microscopy::segment::{Choice, Confidence};
+use myospring::output::figure::Figure;
 use myospring::output::{files, json};
-use myospring::run_file::Source;
+use myospring::run_file::{Run, ShapeError, Source};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,6 +46,22 @@ struct CellReport<'a> {
     confidence: &'a Confidence,
     #[serde(flatten)]
     shape: &'a ShapeReport,
+    lattice: Option<LatticeReport>,
+}
+
+/// The lattice that `myospring run` would take, with the same --spacing.
+#[derive(Serialize)]
+struct LatticeReport {
+    spacing_um: f64,
+    masses: usize,
+    springs: usize,
+    triangles: usize,
+}
+
+/// A cell with its lattice, where the pixels give one.
+struct Chosen {
+    cell: PictureCell,
+    lattice: Result<(Mesh, MeshReport), ShapeError>,
 }
 
 pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
@@ -52,14 +72,14 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
                 .advise("write .geojson, .roi, .zip (RoiSet), .txt (Cellpose) or .png (mask)"));
         }
     }
-    let (name, run) = input::settle(Some(&args.input), args.overrides())?;
+    let (name, run) = input::settle(Some(&args.input), args.shape.overrides())?;
     let Source::Picture(source) = &run.shape.source else {
         let message = format!("`{}` is not a picture", args.input.display());
         return Err(Failure::new(message).advise("give a picture (.png, .tif, .tiff)"));
     };
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let cells = source.cells(&bytes)?;
-    let chosen = if args.segmentation.all() {
+    let chosen = if args.shape.segmentation.all() {
         (1..=cells.len() as u32)
             .map(|number| cells.cell(Choice::Number(number), true))
             .collect::<Result<Vec<_>, _>>()
@@ -67,10 +87,13 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         cells.cell(source.choice, source.allow_cut).map(|cell| vec![cell])
     }
     .map_err(|cause| source.failed(cause))?;
+    let meshed = |cell| Chosen { lattice: run.shape.lattice(&cells, &cell), cell };
+    let chosen: Vec<Chosen> = chosen.into_iter().map(meshed).collect();
 
     let report = report(args, &cells, &chosen);
     let notes = notes(&cells, &chosen);
-    let written = write(args, &name, &cells, &chosen, &report, &notes)?;
+    let figure = draw(&report, &run, &cells, &chosen, &notes)?;
+    let written = write(args, &name, &cells, &chosen, &report, &figure)?;
     if args.json {
         print::out(&json::pretty(&report)?);
     } else {
@@ -85,17 +108,19 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn report<'a>(
-    args: &SegmentArgs,
-    cells: &'a PictureCells,
-    chosen: &'a [PictureCell],
-) -> Report<'a> {
+fn report<'a>(args: &SegmentArgs, cells: &'a PictureCells, chosen: &'a [Chosen]) -> Report<'a> {
     let threshold = cells.segmentation().map(|found| found.threshold);
-    let cell = |cell: &'a PictureCell| CellReport {
+    let cell = |Chosen { cell, lattice }: &'a Chosen| CellReport {
         number: cell.number,
         name: &cell.name,
         confidence: &cell.confidence,
         shape: &cell.shape,
+        lattice: lattice.as_ref().ok().map(|(mesh, report)| LatticeReport {
+            spacing_um: report.spacing_um,
+            masses: mesh.len(),
+            springs: mesh.springs.len(),
+            triangles: mesh.simplices.len(),
+        }),
     };
     Report {
         picture: args.input.display().to_string(),
@@ -109,7 +134,7 @@ fn report<'a>(
 }
 
 /// What a person should look at.
-fn notes(cells: &PictureCells, chosen: &[PictureCell]) -> Vec<String> {
+fn notes(cells: &PictureCells, chosen: &[Chosen]) -> Vec<String> {
     let mut notes = cells.notes.clone();
     if chosen.len() < cells.len() {
         notes.push(format!(
@@ -117,18 +142,31 @@ fn notes(cells: &PictureCells, chosen: &[PictureCell]) -> Vec<String> {
             cells.len()
         ));
     }
-    for cell in chosen {
+    for Chosen { cell, lattice } in chosen {
         let who = if chosen.len() > 1 { format!("cell {}: ", cell.name) } else { String::new() };
-        if cell.confidence.is_doubtful() {
-            notes.push(format!(
-                "{who}the outline is doubtful (confidence {:.2} of 1): {}; look at the overlay",
-                cell.confidence.score,
-                cell.confidence.reasons.join("; ")
-            ));
-        }
-        notes.extend(cell.shape.warnings.iter().map(|warning| format!("{who}{warning}")));
+        let warnings = cell.confidence.warning().into_iter().chain(cell.shape.warnings.clone());
+        notes.extend(warnings.map(|warning| format!("{who}{warning}")));
+        notes.extend(lattice.as_ref().err().map(|error| format!("{who}no lattice: {error}")));
     }
     notes
+}
+
+/// The overlay; with lattice and fibres where there is one cell.
+fn draw(
+    report: &Report<'_>,
+    run: &Run,
+    cells: &PictureCells,
+    chosen: &[Chosen],
+    notes: &[String],
+) -> Result<Figure, Failure> {
+    let all: Vec<&PictureCell> = chosen.iter().map(|chosen| &chosen.cell).collect();
+    let mesh = match chosen {
+        [Chosen { lattice: Ok((mesh, _)), .. }] => Some(mesh),
+        _ => None,
+    };
+    let fibres = mesh.map(|mesh| run.fibres(mesh, None)).unwrap_or_default();
+    let lattice = mesh.map(|mesh| Lattice { mesh, fibres: &fibres, field: None });
+    Ok(overlay::draw(&report.picture, cells, &all, lattice, notes)?)
 }
 
 /// Writes what was asked for and the overlay; the names of the files or of their folder.
@@ -136,17 +174,18 @@ fn write(
     args: &SegmentArgs,
     name: &str,
     cells: &PictureCells,
-    chosen: &[PictureCell],
+    chosen: &[Chosen],
     report: &Report<'_>,
-    notes: &[String],
+    figure: &Figure,
 ) -> Result<Vec<String>, Failure> {
     let frame = cells.frame().map_err(Failure::new)?;
     let named: Vec<NamedOutline> = chosen
         .iter()
-        .map(|cell| NamedOutline { name: cell.name.clone(), outline: cell.outline.clone() })
+        .map(|Chosen { cell, .. }| NamedOutline {
+            name: cell.name.clone(),
+            outline: cell.outline.clone(),
+        })
         .collect();
-    let all: Vec<&PictureCell> = chosen.iter().collect();
-    let figure = overlay::draw(&report.picture, cells, &all, None, None, notes)?;
     if args.output.is_empty() {
         let target = Path::new("results").join(format!("{name}_outline"));
         let folder = Folder::claim(&target, args.force)?;
@@ -225,11 +264,17 @@ fn for_people(report: &Report<'_>) -> String {
             cell.confidence.score,
             contrast.unwrap_or_default()
         ));
-        parts.extend(cell.confidence.reasons.iter().map(|reason| format!("  {reason}")));
         // Warnings go to stderr.
         let shape = cell.shape.to_string();
         let lines: Vec<&str> = shape.lines().filter(|line| !line.starts_with("warning")).collect();
-        parts.push(lines.join("\n") + "\n");
+        parts.push(lines.join("\n"));
+        if let Some(LatticeReport { spacing_um, masses, springs, triangles }) = &cell.lattice {
+            parts.push(format!(
+                "{:<20} {masses} masses, {springs} springs, {triangles} triangles, spacing {spacing_um} um",
+                "lattice"
+            ));
+        }
+        parts.push(String::new());
     }
     parts.join("\n")
 }

@@ -40,6 +40,7 @@ fn an_outline_goes_out_as_a_roi_and_comes_back_over_its_picture() {
     assert!(segmented.status.success(), "{}", text(&segmented.stderr));
     let report = text(&segmented.stdout);
     assert!(report.contains("fluorescence picture") && report.contains("um^2"), "{report}");
+    assert!(report.contains(" masses, ") && report.contains("confidence "), "{report}");
     assert!(folder.path().join("cell_overlay.png").exists());
 
     let mesh = |arguments: &[&str]| {
@@ -74,6 +75,24 @@ fn an_outline_goes_out_as_a_roi_and_comes_back_over_its_picture() {
     );
     assert_eq!(again.status.code(), Some(2));
     assert!(text(&again.stderr).contains("already exists"));
+}
+
+#[test]
+fn what_speaks_against_outline_and_fibres_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    cell(&folder.path().join("cell.png"));
+    let warned = |arguments: &[&str]| {
+        let common = ["run", "cell.png", "--pixel-size", "0.5 um", "--dry-run"];
+        let plan = myospring(folder.path(), &[&common[..], arguments].concat());
+        assert!(plan.status.success(), "{}", text(&plan.stderr));
+        text(&plan.stderr)
+    };
+    // The stripes stand across the long axis: z-discs of fibres along it, or filaments across it.
+    assert_eq!(warned(&["--fibre", "picture", "--stain", "z-disc"]), "");
+    let across = warned(&["--fibre", "picture", "--stain", "filament"]);
+    assert!(across.contains("the fibres lie across the cell"), "{across}");
+    let unsure = warned(&["--fibre", "picture", "--modality", "brightfield"]);
+    assert!(unsure.contains("were read from a brightfield picture"), "{unsure}");
 }
 
 #[test]

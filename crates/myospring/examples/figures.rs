@@ -25,11 +25,11 @@ fn main() -> Outcome {
     let stimuli = [synthetic::STIMULUS];
 
     let long = synthetic::elongated(1.0);
-    let axis = [1.0, 0.0];
-    let beats = [30.0, 40.0, 50.0].map(|kpa| synthetic::recording(&long, axis, kpa, false));
+    let along = vec![[1.0, 0.0]; long.simplices.len()];
+    let beats = [30.0, 40.0, 50.0].map(|kpa| synthetic::recording(&long, along[0], kpa, false));
     let strongest = &beats[2];
     save(&folder, "action-potential", &action_potential_and_tension(strongest, &stimuli)?, 300.0)?;
-    save(&folder, "cell", &cell_shapes(&long, &key_shapes(strongest, &stimuli), axis)?, 300.0)?;
+    save(&folder, "cell", &cell_shapes(&long, &key_shapes(strongest, &stimuli), &along)?, 300.0)?;
     let curves = [("30 kPa", &beats[0]), ("40 kPa", &beats[1]), ("50 kPa", &beats[2])];
     let plain = ContractionOptions::default();
     save(&folder, "contraction", &contraction(&curves, &plain)?, 300.0)?;
@@ -39,15 +39,21 @@ fn main() -> Outcome {
     };
     save(&folder, "contraction-band", &contraction(&curves, &band)?, 300.0)?;
     save(&folder, "mesh", &mesh(&synthetic::elongated(2.0))?, 300.0)?;
-    save(&folder, "overview", &overview(&long, strongest, axis, &stimuli)?, 200.0)?;
+    save(&folder, "overview", &overview(&long, strongest, &along, &stimuli)?, 200.0)?;
 
     let (round, axis) = synthetic::roundish(2.0);
+    let along = vec![axis; round.simplices.len()];
     let beat = synthetic::recording(&round, axis, 50.0, true);
     let potential = action_potential_and_tension(&beat, &stimuli)?;
     save(&folder, "action-potential-mv", &potential, 300.0)?;
-    save(&folder, "cell-round", &cell_shapes(&round, &key_shapes(&beat, &stimuli), axis)?, 300.0)?;
+    save(
+        &folder,
+        "cell-round",
+        &cell_shapes(&round, &key_shapes(&beat, &stimuli), &along)?,
+        300.0,
+    )?;
     save(&folder, "mesh-round", &mesh(&round)?, 300.0)?;
-    save(&folder, "overview-round", &overview(&round, &beat, axis, &stimuli)?, 200.0)?;
+    save(&folder, "overview-round", &overview(&round, &beat, &along, &stimuli)?, 200.0)?;
     save(&folder, "overlay", &striped_picture()?, 200.0)?;
     Ok(())
 }

@@ -7,7 +7,6 @@
 pub mod cells;
 pub mod fibres;
 pub mod filter;
-pub mod mask;
 pub mod outlines;
 pub mod picture;
 pub mod plane;

@@ -112,11 +112,8 @@ fn a_cell_that_lies_aslant_shortens_along_its_own_axis() {
 #[cfg(feature = "microscopy")]
 #[test]
 fn a_real_tear_drop_cell_beats_along_its_own_axis() {
-    use myospring::microscopy::mask::{MaskOptions, read_mask};
     let Some(path) = common::shared_data("images/sarcgraph_e5_mask.png") else { return };
-    let options = MaskOptions { label: None, pixel_size_um: 0.27 };
-    let picture = read_mask(&std::fs::read(path).unwrap(), &options).unwrap();
-    let (mesh, _) = lattice::from_mask(&picture.mask, Some(3.5)).unwrap();
+    let (mesh, _) = lattice::from_mask(&common::mask(path), Some(3.5)).unwrap();
     // Measured on the pixels with other software: 57.5 degrees, 110.9 um long.
     let axis = quality::long_axis(&mesh);
     assert!((axis[1].atan2(axis[0]).to_degrees() - 57.5).abs() < 1.5, "{axis:?}");

@@ -355,7 +355,7 @@ fn what_cannot_be_used_is_an_error_that_says_how_to_mend_it() {
     assert!(matches!(run(&all[..11], 0.2, x, &plain), FibreError::MaskShape { found: 11, .. }));
     assert_eq!(run(&[false; 12], 0.2, x, &plain), FibreError::EmptyMask);
     for pixel in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(run(&all, pixel, x, &plain), FibreError::PixelSize { .. }));
+        assert!(matches!(run(&all, pixel, x, &plain), FibreError::PixelSize(_)));
     }
     let coarse = run(&all, 0.8, x, &plain).to_string();
     assert!(coarse.contains("0.8 um") && coarse.contains("at most 0.7 um"), "{coarse}");

@@ -4,11 +4,10 @@
 #![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::path::{Path, PathBuf};
+#[path = "common/picture_bytes.rs"]
+mod picture_bytes;
 
-use myospring::microscopy::mask::{MaskOptions, read_mask};
-use myospring::microscopy::picture::{Depth, Selection};
-use myospring::microscopy::read::read_picture;
+use std::path::{Path, PathBuf};
 
 /// Name and bytes of the files of a target, those that once failed among them.
 fn files(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
@@ -27,12 +26,7 @@ fn no_file_of_the_corpus_makes_the_reader_of_pictures_panic() {
     for (path, bytes) in files("picture") {
         // Shown where a panic follows.
         println!("{}", path.display());
-        let maximum = Selection { depth: Some(Depth::Maximum), ..Selection::default() };
-        let inner = Selection { channel: Some(1), frame: 1, depth: Some(Depth::Slice(1)) };
-        for selection in [Selection::default(), maximum, inner] {
-            read += usize::from(read_picture(&bytes, &selection).is_ok());
-        }
-        let _ = read_mask(&bytes, &MaskOptions { label: None, pixel_size_um: 0.27 });
+        read += picture_bytes::exercise(&bytes);
     }
     assert!(read > 0, "a corpus without any picture that can be read tests little");
 }

@@ -8,14 +8,22 @@ use std::io::Cursor;
 
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 use myospring::mesh::lattice;
-use myospring::mesh::mask::Mask;
-use myospring::microscopy::mask::{MaskOptions, MaskPicture, MaskPictureError, read_mask};
+use myospring::microscopy::cells::{CellError, Options, PictureCells};
 use myospring::microscopy::read::PictureError;
+use myospring::microscopy::segment::{Choice, Modality, Segmentation, Settings};
 
-const ANY: MaskOptions = MaskOptions { label: None, pixel_size_um: 0.5 };
+fn options(pixel_size_um: f64) -> Options {
+    let segmentation = Settings { modality: Modality::Mask, ..Settings::default() };
+    Options { pixel_size_um: Some(pixel_size_um), segmentation, ..Options::default() }
+}
 
-fn labelled(label: u32) -> MaskOptions {
-    MaskOptions { label: Some(label), ..ANY }
+fn cells(bytes: &[u8]) -> Segmentation {
+    let found = PictureCells::find(bytes, &options(0.5)).unwrap();
+    found.segmentation().unwrap().clone()
+}
+
+fn labels(found: &Segmentation) -> Vec<Option<u32>> {
+    found.cells.iter().map(|cell| cell.label).collect()
 }
 
 fn encode(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
@@ -35,8 +43,12 @@ fn two_cells() -> GrayImage {
     })
 }
 
-fn error(bytes: &[u8], options: &MaskOptions) -> String {
-    read_mask(bytes, options).unwrap_err().to_string()
+fn error(bytes: &[u8]) -> String {
+    PictureCells::find(bytes, &options(0.5)).unwrap_err().to_string()
+}
+
+fn no_such(found: &Segmentation, label: u32) -> String {
+    found.choose(Choice::Label(label), true).unwrap_err().to_string()
 }
 
 #[test]
@@ -47,17 +59,41 @@ fn non_zero_pixels_are_the_cell_in_every_kind_of_picture() {
     let blue = RgbImage::from_fn(20, 10, |x, y| Rgb([0, 0, grey[(x, y)].0[0]]));
     let expected: Vec<bool> = grey.as_raw().iter().map(|&value| value != 0).collect();
     for format in [ImageFormat::Png, ImageFormat::Tiff] {
-        for bytes in [
-            encode(grey.clone(), format),
-            encode(DynamicImage::ImageLuma16(wide.clone()), format),
-            encode(blue.clone(), format),
-            encode(DynamicImage::ImageLuma8(grey.clone()).to_rgba8(), format),
+        for (bytes, expected_labels) in [
+            (encode(grey.clone(), format), [Some(3), Some(7)]),
+            (encode(DynamicImage::ImageLuma16(wide.clone()), format), [Some(900), Some(2100)]),
+            // The luminance of dark blue is below one, and no label.
+            (encode(blue.clone(), format), [None, None]),
+            (encode(DynamicImage::ImageLuma8(grey.clone()).to_rgba8(), format), [Some(3), Some(7)]),
         ] {
-            let read = read_mask(&bytes, &ANY).unwrap();
-            assert_eq!(read.mask, Mask::new(20, 10, 0.5, expected.clone()).unwrap());
-            assert_eq!(read.values.len(), 2, "{:?}", read.values);
+            let found = cells(&bytes);
+            let inside: Vec<bool> = found.numbers.iter().map(|&number| number != 0).collect();
+            assert_eq!((inside, labels(&found)), (expected.clone(), expected_labels.to_vec()));
         }
     }
+}
+
+#[test]
+fn a_mask_in_dark_colours_is_known_for_one() {
+    let grey = two_cells();
+    let painted = RgbImage::from_fn(120, 60, |x, y| Rgb([0, 0, grey[(x / 6, y / 6)].0[0]]));
+    let unasked = Options { pixel_size_um: Some(0.5), ..Options::default() };
+    let found = PictureCells::find(&encode(painted, ImageFormat::Png), &unasked).unwrap();
+    assert_eq!((found.modality(), found.len()), ("mask", 2));
+}
+
+#[test]
+fn the_soft_edge_of_a_mask_is_no_label() {
+    // A square whose rim of two pixels fades.
+    let depth = |at: u32| at.min(59 - at);
+    let soft = GrayImage::from_fn(60, 60, |x, y| match depth(x).min(depth(y)) {
+        0..10 => Luma([0]),
+        10 => Luma([85]),
+        11 => Luma([170]),
+        _ => Luma([255]),
+    });
+    let found = cells(&encode(soft, ImageFormat::Png));
+    assert_eq!((found.cells[0].pixels, labels(&found)), (1600, vec![None]));
 }
 
 #[test]
@@ -66,67 +102,76 @@ fn transparent_pixels_are_background() {
     for pixel in picture.pixels_mut().filter(|pixel| pixel.0[0] == 7) {
         pixel.0[3] = 0;
     }
-    let read = read_mask(&encode(picture, ImageFormat::Png), &ANY).unwrap();
-    assert_eq!((read.mask.cell_pixels(), read.values), (60, vec![3]));
+    let found = cells(&encode(picture, ImageFormat::Png));
+    assert_eq!((found.cells[0].pixels, labels(&found)), (60, vec![Some(3)]));
 }
 
 #[test]
 fn one_label_of_a_label_picture_is_one_cell() {
-    let bytes = encode(two_cells(), ImageFormat::Tiff);
-    let MaskPicture { mask, values } = read_mask(&bytes, &labelled(7)).unwrap();
-    assert_eq!((mask.cell_pixels(), values), (6, vec![3, 7]));
-    assert_eq!(read_mask(&bytes, &labelled(3)).unwrap().mask.cell_pixels(), 60);
+    let found = cells(&encode(two_cells(), ImageFormat::Tiff));
+    let pixels = |label| found.choose(Choice::Label(label), false).unwrap().pixels;
+    assert_eq!([pixels(7), pixels(3)], [6, 60]);
 }
 
 #[test]
 fn labels_in_fewer_than_eight_bits_keep_their_value() {
     // PNG of 2 x 1 pixels in 4-bit grey with the values 0 and 5, written byte by byte.
-    let bytes = png(2, 1, 4, 0, &[0x05]);
-    assert_eq!(read_mask(&bytes, &labelled(5)).unwrap().values, vec![5]);
-    let bytes = png(2, 1, 1, 0, &[0b0100_0000]);
-    assert_eq!(read_mask(&bytes, &labelled(1)).unwrap().mask.inside(), [false, true]);
+    assert_eq!(labels(&cells(&png(2, 1, 4, 0, &[0x05]))), [Some(5)]);
+    let found = cells(&png(2, 1, 1, 0, &[0b0100_0000]));
+    assert_eq!((labels(&found), found.numbers), (vec![Some(1)], vec![0, 1]));
 }
 
 #[test]
 fn a_label_that_is_not_there_lists_those_that_are() {
-    let bytes = encode(two_cells(), ImageFormat::Png);
+    let found = cells(&encode(two_cells(), ImageFormat::Png));
+    let there = "is not in the picture, which holds 3, 7; 0 is the background";
+    assert_eq!(no_such(&found, 4), format!("label 4 {there}"));
+    assert_eq!(no_such(&found, 0), format!("label 0 {there}"));
+    let many = GrayImage::from_fn(20, 84, |_, y| Luma([y as u8 / 3]));
     assert_eq!(
-        error(&bytes, &labelled(4)),
-        "label 4 is not in the picture, which holds the labels 3, 7"
+        no_such(&cells(&encode(many, ImageFormat::Png)), 200),
+        "label 200 is not in the picture, which holds 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, ...; \
+         0 is the background"
     );
+    let colour = RgbImage::from_fn(20, 30, |_, y| Rgb([y as u8 / 5, 0, 9]));
     assert_eq!(
-        error(&bytes, &labelled(0)),
-        "label 0 is the background; choose one of the cells: the labels 3, 7"
+        no_such(&cells(&encode(colour, ImageFormat::Png)), 1),
+        "label 1 is not in the picture, which holds no label; 0 is the background"
     );
-    let many = GrayImage::from_fn(20, 10, |x, y| Luma([(x + y) as u8]));
-    assert_eq!(
-        error(&encode(many, ImageFormat::Png), &labelled(200)),
-        "label 200 is not in the picture, which holds 28 labels: 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, \
-         12, ..."
-    );
-    let colour = RgbImage::from_fn(20, 10, |x, _| Rgb([x as u8, 0, 9]));
-    assert!(error(&encode(colour, ImageFormat::Png), &labelled(1)).contains("is in colour"));
+}
+
+#[test]
+fn values_that_mark_no_cell_are_refused() {
+    let refused = |value: f32| {
+        let mut picture = image::Rgb32FImage::from_pixel(20, 10, Rgb([0.0; 3]));
+        picture.put_pixel(3, 2, Rgb([value; 3]));
+        error(&encode(DynamicImage::ImageRgb32F(picture), ImageFormat::Tiff))
+    };
+    for value in [-1.0, 16_777_216.0] {
+        let start = format!("the pixel in column 3, row 2 is {value}, but a mask holds values");
+        assert!(refused(value).starts_with(&start), "{}", refused(value));
+    }
 }
 
 #[test]
 fn an_empty_and_a_full_mask_are_refused() {
     let plain = |value| encode(GrayImage::from_pixel(8, 4, Luma([value])), ImageFormat::Png);
-    assert!(error(&plain(0), &ANY).starts_with("the mask is empty: none of its 8 x 4 pixels"));
-    assert!(error(&plain(255), &ANY).starts_with("the mask has no background: all of its 8 x 4"));
+    assert!(error(&plain(0)).starts_with("all 8 x 4 pixels have the same value, 0: there is no"));
+    assert!(error(&plain(255)).starts_with("all 8 x 4 pixels have the same value, 255"));
 }
 
 #[test]
 fn what_is_not_a_picture_is_refused() {
     assert_eq!(
-        error(b"hello, world", &ANY),
+        error(b"hello, world"),
         "this is not a picture (12 bytes that start with \"hello, w\"); give a PNG or TIFF file"
     );
     assert_eq!(
-        error(b"", &ANY),
+        error(b""),
         "this is not a picture (0 bytes that start with \"\"); give a PNG or TIFF file"
     );
     assert_eq!(
-        error(b"\xff\xd8\xff\xe0\0\x10JFIF\0", &ANY),
+        error(b"\xff\xd8\xff\xe0\0\x10JFIF\0"),
         "this is a JPEG picture, which is not read here; save it as PNG or TIFF without lossy compression"
     );
 }
@@ -137,10 +182,10 @@ fn a_truncated_picture_is_refused_at_every_length() {
         let whole = encode(two_cells(), format);
         // The last bytes of a PNG are its end mark, of a TIFF its directory.
         for length in 16..whole.len() - 16 {
-            let error = read_mask(&whole[..length], &ANY).unwrap_err();
+            let error = PictureCells::find(&whole[..length], &options(0.5)).unwrap_err();
             let known = matches!(
                 error,
-                MaskPictureError::Picture(
+                CellError::Picture(
                     PictureError::Unreadable { .. }
                         | PictureError::Pixels { .. }
                         | PictureError::TooLarge { .. }
@@ -150,7 +195,7 @@ fn a_truncated_picture_is_refused_at_every_length() {
         }
     }
     let png = encode(two_cells(), ImageFormat::Png);
-    let text = error(&png[..45], &ANY);
+    let text = error(&png[..45]);
     assert!(text.starts_with("the PNG picture cannot be read: "), "{text}");
     assert!(text.ends_with("; is the file complete?"), "{text}");
 }
@@ -158,11 +203,11 @@ fn a_truncated_picture_is_refused_at_every_length() {
 #[test]
 fn a_header_that_declares_too_many_pixels_is_refused_before_they_take_memory() {
     assert_eq!(
-        error(&png(100_000, 100_000, 8, 0, &[0]), &ANY),
+        error(&png(100_000, 100_000, 8, 0, &[0])),
         "the picture declares 100000 x 100000 pixels; at most 32768 per side and 100000000 in all \
          are read: cut out the cell"
     );
-    let text = error(&png(20_000, 20_000, 8, 0, &[0]), &ANY);
+    let text = error(&png(20_000, 20_000, 8, 0, &[0]));
     assert!(text.starts_with("the picture declares 20000 x 20000 pixels"), "{text}");
 
     // A TIFF of 20 x 10 whose directory is changed to claim 100000 columns, rows and rows per strip.
@@ -173,7 +218,7 @@ fn a_header_that_declares_too_many_pixels_is_refused_before_they_take_memory() {
             entry[2..12].copy_from_slice(&[4, 0, 1, 0, 0, 0, 0xa0, 0x86, 1, 0]);
         }
     }
-    let text = error(&bytes, &ANY);
+    let text = error(&bytes);
     assert!(text.starts_with("the picture declares 100000 x 100000 pixels"), "{text}");
 }
 
@@ -181,23 +226,16 @@ fn a_header_that_declares_too_many_pixels_is_refused_before_they_take_memory() {
 fn an_absurd_pixel_size_is_refused() {
     let bytes = encode(two_cells(), ImageFormat::Png);
     for pixel_size_um in [0.0, -0.27, f64::NAN, 100.0, 1e-6] {
-        let text = error(&bytes, &MaskOptions { label: None, pixel_size_um });
+        let text = PictureCells::find(&bytes, &options(pixel_size_um)).unwrap_err().to_string();
         let start = format!("pixel size {pixel_size_um} um is outside 0.001 to 50 um");
         assert!(text.starts_with(&start), "{text}");
     }
 }
 
-/// A real mask, or `None` with a loud line where the shared data are not laid out.
-fn real(name: &str) -> Option<MaskPicture> {
-    let bytes = std::fs::read(common::shared_data(&format!("images/{name}"))?).unwrap();
-    Some(read_mask(&bytes, &MaskOptions { label: None, pixel_size_um: 0.27 }).unwrap())
-}
-
 #[test]
 fn the_long_axis_of_a_real_tear_drop_cell_is_found() {
-    let Some(picture) = real("sarcgraph_e5_mask.png") else { return };
-    assert_eq!(picture.values, [255]);
-    let (_, report) = lattice::from_mask(&picture.mask, None).unwrap();
+    let Some(file) = common::shared_data("images/sarcgraph_e5_mask.png") else { return };
+    let (_, report) = lattice::from_mask(&common::mask(file), None).unwrap();
     eprintln!("{report}");
     let size = report.dimensions;
     // From lower left to upper right in the picture; 110 x 77 um by hand.
@@ -210,8 +248,8 @@ fn the_long_axis_of_a_real_tear_drop_cell_is_found() {
 
 #[test]
 fn a_real_rod_shaped_cell_has_its_measured_size() {
-    let Some(picture) = real("contrax_brightfield_mask.png") else { return };
-    let (_, report) = lattice::from_mask(&picture.mask, None).unwrap();
+    let Some(file) = common::shared_data("images/contrax_brightfield_mask.png") else { return };
+    let (_, report) = lattice::from_mask(&common::mask(file), None).unwrap();
     eprintln!("{report}");
     let size = report.dimensions;
     assert!((size.length_um - 94.0).abs() < 2.0, "{report}");
@@ -244,17 +282,7 @@ fn png(width: u32, height: u32, depth: u8, colour: u8, row: &[u8]) -> Vec<u8> {
         let body: Vec<u8> = name.iter().chain(content).copied().collect();
         bytes.extend((content.len() as u32).to_be_bytes());
         bytes.extend(&body);
-        bytes.extend(crc(&body).to_be_bytes());
+        bytes.extend(common::png_checksum(&body).to_be_bytes());
     }
     bytes
-}
-
-/// The checksum of PNG chunks (PNG specification, annex D).
-fn crc(bytes: &[u8]) -> u32 {
-    let fold = |crc: u32, byte: &u8| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-            if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 }
-        })
-    };
-    !bytes.iter().fold(!0, fold)
 }

@@ -8,7 +8,6 @@ mod outline_files;
 
 use myospring::mesh::lattice;
 use myospring::mesh::mask::Mask;
-use myospring::microscopy::mask::{MaskOptions, read_mask};
 use myospring::microscopy::outlines::PixelFrame;
 use myospring::microscopy::outlines::raster::rasterise;
 use myospring::microscopy::outlines::trace::{Edge, trace_labels, trace_mask, trace_parts};
@@ -35,8 +34,7 @@ fn a_mask_and_its_exact_outline_give_the_same_mesh() {
     let mut masks = vec![rod(180, 160, 0.0), rod(180, 160, 33.0)];
     for file in ["images/contrax_brightfield_mask.png", "images/sarcgraph_e5_mask.png"] {
         if let Some(path) = common::shared_data(file) {
-            let options = MaskOptions { label: None, pixel_size_um: 0.27 };
-            masks.push(read_mask(&std::fs::read(path).unwrap(), &options).unwrap().mask);
+            masks.push(common::mask(path));
         }
     }
     for mask in masks {

@@ -11,7 +11,6 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage};
-use myospring::microscopy::mask::{MaskOptions, read_mask};
 use myospring::microscopy::picture::{
     Depth, Picture, PixelSize, PixelSizeSource, Samples, Selection,
 };
@@ -302,7 +301,9 @@ fn the_pixel_size_of_a_png_is_believed_unless_it_is_a_print_setting() {
         body.extend(per_metre.map(u32::to_be_bytes).concat());
         body.push(1);
         // Signature and header chunk are 33 bytes.
-        let chunk = [&9_u32.to_be_bytes(), body.as_slice(), &crc(&body).to_be_bytes()].concat();
+        let chunk =
+            [&9_u32.to_be_bytes(), body.as_slice(), &common::png_checksum(&body).to_be_bytes()]
+                .concat();
         [&png[..33], &chunk, &png[33..]].concat()
     };
     let picture = read_picture(&with_size([4_000_000; 2]), &FIRST).unwrap();
@@ -349,19 +350,9 @@ fn pixels_that_are_no_number_are_refused_with_their_place() {
 }
 
 #[test]
-fn large_labels_are_noted_in_a_picture_and_refused_in_a_mask() {
+fn values_that_are_rounded_are_noted() {
     let note = &read("big_labels.tif", &FIRST).notes[0];
     assert!(note.starts_with("values above 16777216 are rounded to 24 bits"), "{note}");
-    let options = MaskOptions { label: None, pixel_size_um: 0.27 };
-    let text = read_mask(&file("big_labels.tif"), &options).unwrap_err().to_string();
-    assert!(text.contains("but a mask holds whole numbers from 0 to 16777216"), "{text}");
-    let options = MaskOptions { label: Some(35), ..options };
-    for name in ["uint32.tif", "uint64.tif"] {
-        assert_eq!(read_mask(&file(name), &options).unwrap().mask.cell_pixels(), 1, "{name}");
-    }
-    let options = MaskOptions { label: Some(3), ..options };
-    let picture = read_mask(&file("palette.tif"), &options).unwrap();
-    assert_eq!((picture.mask.cell_pixels(), picture.values), (12, vec![1, 2, 3]));
 }
 
 #[test]
@@ -534,14 +525,4 @@ fn tiff(tags: &[(u16, u32)], data: &[u8]) -> Vec<u8> {
     }
     bytes.extend(0_u32.to_le_bytes());
     bytes
-}
-
-/// The checksum of PNG chunks (PNG specification, annex D).
-fn crc(bytes: &[u8]) -> u32 {
-    let fold = |crc: u32, byte: &u8| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-            if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 }
-        })
-    };
-    !bytes.iter().fold(!0, fold)
 }

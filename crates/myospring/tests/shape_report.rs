@@ -8,7 +8,6 @@ use std::f64::consts::{PI, TAU};
 
 use myospring::mesh::outline::Outline;
 use myospring::mesh::{lattice, quality};
-use myospring::microscopy::mask::{MaskOptions, read_mask};
 use myospring::microscopy::outlines::PixelFrame;
 use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 use myospring::microscopy::report::{ShapeReport, shape_report};
@@ -91,8 +90,7 @@ fn it_prints_as_a_table_with_units() {
 fn two_real_cells_give_no_warning() {
     for file in ["images/contrax_brightfield_mask.png", "images/sarcgraph_e5_mask.png"] {
         let Some(path) = common::shared_data(file) else { continue };
-        let options = MaskOptions { label: None, pixel_size_um: 0.27 };
-        let mask = read_mask(&std::fs::read(path).unwrap(), &options).unwrap().mask;
+        let mask = common::mask(path);
         let outline = trace_mask(&mask, Edge::Smooth).unwrap();
         let found = shape_report(&outline, Some(&PixelFrame::of(&mask)));
         assert_eq!(found.warnings, Vec::<String>::new(), "{file}\n{found}");

@@ -43,7 +43,7 @@ impl Work<'_> {
 
     fn rows(&self, path: &Path, name: &str) -> Result<Vec<Row>, Failure> {
         let start = Instant::now();
-        let (_, run) = input::settle(Some(path), self.args.overrides())?;
+        let (_, run) = input::settle(Some(path), self.args.beat.overrides())?;
         let Source::Picture(source) = &run.shape.source else {
             return Err(Failure::new("this is not a picture"));
         };
@@ -52,7 +52,7 @@ impl Work<'_> {
         let segment_s = start.elapsed().as_secs_f64();
         let (chosen, mut rows) = self.chosen(source, &cells, name)?;
         let all: Vec<&PictureCell> = chosen.iter().collect();
-        let figure = overlay::draw(name, &cells, &all, None, None, &cells.notes)?;
+        let figure = overlay::draw(name, &cells, &all, None, &cells.notes)?;
         let file = self.target.join("overlays").join(format!("{}.png", flat(name)));
         if let Some(folder) = file.parent() {
             files::create_folder(folder)?;
@@ -86,8 +86,8 @@ impl Work<'_> {
     }
 
     fn every_cell(&self) -> bool {
-        let shape = &self.args.shape;
-        let segmentation = &self.args.segmentation;
+        let shape = &self.args.beat.shape;
+        let segmentation = &shape.segmentation;
         let one =
             segmentation.cell.is_some() || segmentation.seed.is_some() || shape.label.is_some();
         segmentation.all() || !one
@@ -130,12 +130,13 @@ impl Work<'_> {
         let name = cell.name.clone();
         let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
         let field = run.fibre_field(&shaped)?;
-        let report = shaped.report;
+        let mut report = shaped.report;
         row.number("spacing_um", report.spacing_um);
         row.number("masses", shaped.mesh.len() as f64);
         row.number("springs", shaped.mesh.springs.len() as f64);
         row.number("triangles", shaped.mesh.simplices.len() as f64);
         if let Some(field) = &field {
+            report.warnings.extend(cells.fibre_warnings(field));
             let fibres = field.summary();
             row.number("fibres_from_picture_pct", 100.0 * fibres.share_from_picture);
             row.number("fibre_angle_to_axis_deg", fibres.mean_angle_deg);

@@ -5,18 +5,39 @@ use std::ops::RangeInclusive;
 /// Pixel sizes that make sense under a microscope, um.
 pub const PIXEL_SIZES_UM: RangeInclusive<f64> = 0.001..=50.0;
 
+/// A pixel size, um, that is not a length that a microscope gives.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "pixel size {pixel_size_um} um is outside {} to {} um: give the width of one pixel in micrometres",
+    PIXEL_SIZES_UM.start(), PIXEL_SIZES_UM.end()
+)]
+pub struct PixelSizeError {
+    /// What was given, um.
+    pub pixel_size_um: f64,
+}
+
+/// The pixel size, um, where it is one of [`PIXEL_SIZES_UM`].
+///
+/// # Errors
+/// Any other length, or no number.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::mask::checked_pixel_size;
+/// assert_eq!(checked_pixel_size(0.27), Ok(0.27));
+/// assert!(checked_pixel_size(0.0).is_err());
+/// ```
+pub fn checked_pixel_size(pixel_size_um: f64) -> Result<f64, PixelSizeError> {
+    let known = PIXEL_SIZES_UM.contains(&pixel_size_um);
+    known.then_some(pixel_size_um).ok_or(PixelSizeError { pixel_size_um })
+}
+
 /// Why a list of pixels is not a usable mask.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MaskError {
     /// The pixel size is not a length that a microscope gives.
-    #[error(
-        "pixel size {pixel_size} um is outside {} to {} um: give the width of one pixel in \
-         micrometres", PIXEL_SIZES_UM.start(), PIXEL_SIZES_UM.end()
-    )]
-    PixelSize {
-        /// What was given, um.
-        pixel_size: f64,
-    },
+    #[error(transparent)]
+    PixelSize(#[from] PixelSizeError),
     /// The list of pixels does not fill the picture.
     #[error("a mask of {width} x {height} pixels needs {} values, but {found} were given", width * height)]
     Shape {
@@ -91,9 +112,7 @@ impl Mask {
         pixel_size_um: f64,
         inside: Vec<bool>,
     ) -> Result<Self, MaskError> {
-        if !PIXEL_SIZES_UM.contains(&pixel_size_um) {
-            return Err(MaskError::PixelSize { pixel_size: pixel_size_um });
-        }
+        checked_pixel_size(pixel_size_um)?;
         if width.checked_mul(height) != Some(inside.len()) {
             return Err(MaskError::Shape { width, height, found: inside.len() });
         }

@@ -159,21 +159,51 @@ pub struct MeshReport {
     pub warnings: Vec<String>,
 }
 
-impl fmt::Display for MeshReport {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Dimensions { length_um, width_um, mean_width_um, aspect_ratio, long_axis_deg } =
-            self.dimensions;
-        let rows = [
-            ("masses", self.masses.to_string(), ""),
-            ("springs", self.springs.to_string(), ""),
-            ("triangles", self.triangles.to_string(), ""),
-            ("squares", self.squares.to_string(), ""),
-            ("spacing", self.spacing_um.to_string(), "um"),
+/// A line of a report: what, its value, its unit.
+pub(crate) type ReportRow = (&'static str, String, &'static str);
+
+impl Dimensions {
+    pub(crate) fn rows(&self) -> [ReportRow; 5] {
+        let Self { length_um, width_um, mean_width_um, aspect_ratio, long_axis_deg } = self;
+        [
             ("length", format!("{length_um:.1}"), "um"),
             ("width, largest", format!("{width_um:.1}"), "um"),
             ("width, mean", format!("{mean_width_um:.1}"), "um"),
             ("length / mean width", format!("{aspect_ratio:.2}"), ""),
             ("long axis", format!("{:.1}", long_axis_deg + 0.0), "deg"),
+        ]
+    }
+}
+
+/// Writes rows under each other, values to the right, and the warnings below.
+pub(crate) fn write_report(
+    out: &mut fmt::Formatter<'_>,
+    rows: impl IntoIterator<Item = ReportRow>,
+    warnings: &[String],
+) -> fmt::Result {
+    let rows: Vec<ReportRow> = rows.into_iter().collect();
+    let widest = rows.iter().map(|row| row.1.len()).max().unwrap_or(0);
+    for (index, (name, value, unit)) in rows.iter().enumerate() {
+        let line = format!("{name:<20} {value:>widest$} {unit}");
+        let end = if index + 1 < rows.len() { "\n" } else { "" };
+        write!(out, "{}{end}", line.trim_end())?;
+    }
+    for warning in warnings {
+        write!(out, "\nwarning: {warning}")?;
+    }
+    Ok(())
+}
+
+impl fmt::Display for MeshReport {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let before = [
+            ("masses", self.masses.to_string(), ""),
+            ("springs", self.springs.to_string(), ""),
+            ("triangles", self.triangles.to_string(), ""),
+            ("squares", self.squares.to_string(), ""),
+            ("spacing", self.spacing_um.to_string(), "um"),
+        ];
+        let after = [
             ("area", format!("{:.1}", self.area_um2), "um^2"),
             ("area of the source", format!("{:.1}", self.source_area_um2), "um^2"),
             ("area error", format!("{:+.2}", self.area_error_pct + 0.0), "%"),
@@ -182,15 +212,10 @@ impl fmt::Display for MeshReport {
             ("dropped squares", self.dropped_squares.to_string(), ""),
             ("touches the frame", if self.touches_frame { "yes" } else { "no" }.to_owned(), ""),
         ];
-        let widest = rows.iter().map(|row| row.1.len()).max().unwrap_or(0);
-        for (index, (name, value, unit)) in rows.iter().enumerate() {
-            let line = format!("{name:<20} {value:>widest$} {unit}");
-            let end = if index + 1 < rows.len() { "\n" } else { "" };
-            write!(out, "{}{end}", line.trim_end())?;
-        }
-        for warning in &self.warnings {
-            write!(out, "\nwarning: {warning}")?;
-        }
-        Ok(())
+        write_report(
+            out,
+            before.into_iter().chain(self.dimensions.rows()).chain(after),
+            &self.warnings,
+        )
     }
 }

@@ -309,6 +309,20 @@ impl PictureCells {
         }
     }
 
+    /// What a person should know before they trust the direction of the fibres, a sentence each.
+    pub fn fibre_warnings(&self, field: &FibreField) -> Vec<String> {
+        let mut warnings = field.summary().warnings();
+        let modality = self.segmentation().map(|found| found.modality);
+        if modality == Some(Modality::Brightfield) {
+            warnings.push(
+                "the fibres were read from a brightfield picture, where rows of organelles and folds count as stripes \
+                 too; compare them with the overlay, or take a stain of z-discs or filaments"
+                    .to_owned(),
+            );
+        }
+        warnings
+    }
+
     /// The direction of the fibres in one cell, as the picture shows it; `long_axis` stands in where it shows
     /// none.
     ///

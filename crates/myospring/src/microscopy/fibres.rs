@@ -28,7 +28,7 @@ mod window;
 use std::ops::RangeInclusive;
 
 use super::plane::Plane;
-use crate::mesh::mask::PIXEL_SIZES_UM;
+use crate::mesh::mask::{PixelSizeError, checked_pixel_size};
 pub use field::{Fibre, FibreField, FibreSummary};
 
 /// Largest pixel, um: sarcomeres are 1.6 to 2.2 um long, and their stripes need more than two pixels.
@@ -124,14 +124,8 @@ pub enum FibreError {
     #[error("the mask is empty: fibres are sought within the cell, and no pixel belongs to it")]
     EmptyMask,
     /// The pixel size is not a length that a microscope gives.
-    #[error(
-        "pixel size {pixel_size} um is outside {} to {} um: give the width of one pixel in \
-         micrometres", PIXEL_SIZES_UM.start(), PIXEL_SIZES_UM.end()
-    )]
-    PixelSize {
-        /// What was given, um.
-        pixel_size: f64,
-    },
+    #[error(transparent)]
+    PixelSize(#[from] PixelSizeError),
     /// The pixels are too large to show myofibrils.
     #[error(
         "pixels of {pixel_size} um are too coarse for myofibrils: stripes 1.6 to 2.2 um apart need \
@@ -203,9 +197,7 @@ pub fn fibres(
     if inside.len() != width * height {
         return Err(FibreError::MaskShape { width, height, found: inside.len() });
     }
-    if !PIXEL_SIZES_UM.contains(&pixel_size_um) {
-        return Err(FibreError::PixelSize { pixel_size: pixel_size_um });
-    }
+    checked_pixel_size(pixel_size_um)?;
     if pixel_size_um > COARSEST_PIXEL_UM {
         return Err(FibreError::TooCoarse { pixel_size: pixel_size_um });
     }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::outlines::PixelFrame;
 use super::outlines::raster::pixels;
 use crate::mesh::outline::Outline;
-use crate::mesh::quality::{Dimensions, outline_dimensions};
+use crate::mesh::quality::{Dimensions, outline_dimensions, write_report};
 
 /// Solidity below which the report warns. Rod-shaped and spindle-shaped cells have 0.85 and more, also
 /// with the steps of their intercalated discs; two rods of 5:1 in an L have 0.53, in a T 0.60.
@@ -137,30 +137,20 @@ fn warnings(report: &ShapeReport, holes_pct: f64) -> Vec<String> {
 
 impl fmt::Display for ShapeReport {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Dimensions { length_um, width_um, mean_width_um, aspect_ratio, long_axis_deg } =
-            self.dimensions;
-        let rows = [
+        let before = [
             ("area", format!("{:.1}", self.area_um2), "um^2"),
             ("perimeter", format!("{:.1}", self.perimeter_um), "um"),
-            ("length", format!("{length_um:.1}"), "um"),
-            ("width, largest", format!("{width_um:.1}"), "um"),
-            ("width, mean", format!("{mean_width_um:.1}"), "um"),
-            ("length / mean width", format!("{aspect_ratio:.2}"), ""),
-            ("long axis", format!("{:.1}", long_axis_deg + 0.0), "deg"),
+        ];
+        let after = [
             ("solidity", format!("{:.3}", self.solidity), ""),
             ("circularity", format!("{:.3}", self.circularity), ""),
             ("holes", self.holes.to_string(), ""),
             ("pixels on the frame", self.pixels_on_frame.to_string(), ""),
         ];
-        let widest = rows.iter().map(|row| row.1.len()).max().unwrap_or(0);
-        for (index, (name, value, unit)) in rows.iter().enumerate() {
-            let line = format!("{name:<20} {value:>widest$} {unit}");
-            let end = if index + 1 < rows.len() { "\n" } else { "" };
-            write!(out, "{}{end}", line.trim_end())?;
-        }
-        for warning in &self.warnings {
-            write!(out, "\nwarning: {warning}")?;
-        }
-        Ok(())
+        write_report(
+            out,
+            before.into_iter().chain(self.dimensions.rows()).chain(after),
+            &self.warnings,
+        )
     }
 }

@@ -23,9 +23,10 @@ use serde::Serialize;
 
 pub use confidence::Confidence;
 
+use super::filter;
 use super::plane::Plane;
 use super::region::Region;
-use crate::mesh::mask::{Mask, MaskError, PIXEL_SIZES_UM};
+use crate::mesh::mask::{Mask, MaskError, checked_pixel_size};
 
 /// How the picture was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, serde::Deserialize)]
@@ -191,6 +192,19 @@ pub enum SegmentError {
         /// How many there are, in words.
         cells: String,
     },
+    /// A value that marks no cell.
+    #[error(
+        "the pixel in column {column}, row {row} is {value}, but a mask holds values from 0 to 16777216; is this the \
+         picture itself, not its mask?"
+    )]
+    NoLabel {
+        /// Column.
+        column: usize,
+        /// Row.
+        row: usize,
+        /// The value.
+        value: f32,
+    },
     /// There is no such label.
     #[error("label {label} is not in the picture, which holds {labels}; 0 is the background")]
     NoSuchLabel {
@@ -201,7 +215,8 @@ pub enum SegmentError {
     },
     /// A label was asked for, but the picture is no mask.
     #[error(
-        "label {label} was asked for, but the picture is not a label mask; choose a cell with --cell or --seed, or          say --modality mask if it is one"
+        "label {label} was asked for, but the picture is not a label mask; choose a cell with --cell or --seed, or \
+         say --modality mask if it is one"
     )]
     NotAMask {
         /// The label.
@@ -280,10 +295,8 @@ pub fn segment(
     }
 }
 
-fn check(plane: &Plane, pixel_size: f64, settings: &Settings) -> Result<(), SegmentError> {
-    if !PIXEL_SIZES_UM.contains(&pixel_size) {
-        return Err(MaskError::PixelSize { pixel_size }.into());
-    }
+fn check(plane: &Plane, pixel_size_um: f64, settings: &Settings) -> Result<(), SegmentError> {
+    checked_pixel_size(pixel_size_um).map_err(MaskError::from)?;
     if let Some(at) = plane.values().iter().position(|value| !value.is_finite()) {
         let (column, row) = (at % plane.width(), at / plane.width());
         return Err(SegmentError::NotFinite { column, row, value: plane.values()[at] });
@@ -299,6 +312,24 @@ fn check(plane: &Plane, pixel_size: f64, settings: &Settings) -> Result<(), Segm
     range("the scale of smoothing", smooth, "um", low, high)?;
     range("the smallest cell", settings.smallest_cell_um2, "um^2", 0.0, 1e6)?;
     range("the threshold", settings.threshold.unwrap_or(0.0), "", -1e12, 1e12)
+}
+
+/// The plane at the pixels that a method works with.
+struct Working {
+    plane: Plane,
+    /// Pixels of the picture along the side of one of these.
+    factor: usize,
+    /// Side of one of these, um.
+    pixel_um: f64,
+}
+
+impl Working {
+    /// Pixels are averaged as long as they stay as fine as `coarsest_um`.
+    fn of(plane: &Plane, pixel_size_um: f64, coarsest_um: f64) -> Self {
+        let factor = ((coarsest_um / pixel_size_um) as usize).max(1);
+        let pixel_um = pixel_size_um * factor as f64;
+        Self { plane: filter::coarse(plane, factor), factor, pixel_um }
+    }
 }
 
 /// What a method of segmentation hands on: the cells on a grid whose pixels have `factor` of the picture's.
@@ -358,7 +389,8 @@ impl Segmentation {
             labels.dedup();
             let more = if labels.len() > 12 { ", ..." } else { "" };
             let labels: Vec<String> = labels.iter().take(12).map(u32::to_string).collect();
-            SegmentError::NoSuchLabel { label, labels: format!("{}{more}", labels.join(", ")) }
+            let labels = if labels.is_empty() { "no label".to_owned() } else { labels.join(", ") };
+            SegmentError::NoSuchLabel { label, labels: format!("{labels}{more}") }
         })
     }
 

@@ -117,6 +117,16 @@ pub enum FigureError {
         /// Points in the mesh.
         points: usize,
     },
+    /// Fibres of another mesh.
+    #[error(
+        "{found} fibre directions were given for {triangles} triangles; give one for each triangle of this mesh"
+    )]
+    FibreCount {
+        /// How many were given.
+        found: usize,
+        /// How many triangles the mesh has.
+        triangles: usize,
+    },
     /// A fibre direction without a direction.
     #[error("the fibre direction ({x}, {y}) has no finite length above 0; give one like (1, 0)")]
     Fibre {

@@ -72,6 +72,19 @@ impl Run {
         }
     }
 
+    /// The direction of the fibres in each triangle of a mesh, unit vectors: from the picture where it gave them.
+    pub fn fibres(&self, mesh: &Mesh, field: Option<&FibreField>) -> Vec<[f64; 2]> {
+        let everywhere = match (field, self.fibre) {
+            (Some(field), _) => return field.on_mesh(mesh),
+            (None, Fibre::Angle(degrees)) => {
+                let (sine, cosine) = degrees.to_radians().sin_cos();
+                [cosine, sine]
+            }
+            (None, Fibre::LongAxis | Fibre::Picture(_)) => long_axis(mesh),
+        };
+        vec![everywhere; mesh.simplices.len()]
+    }
+
     /// The simulation of this run on a mesh, with the direction of its fibres where a picture gave it.
     ///
     /// # Errors
@@ -81,23 +94,12 @@ impl Run {
         mesh: Mesh,
         field: Option<&FibreField>,
     ) -> Result<Simulation, crate::cell::ModelError> {
-        let axis = long_axis(&mesh);
-        let fibre = match self.fibre {
-            Fibre::LongAxis | Fibre::Picture(_) => axis,
-            Fibre::Angle(degrees) => {
-                let (sine, cosine) = degrees.to_radians().sin_cos();
-                [cosine, sine]
-            }
-        };
-        let fibres = match field {
-            Some(field) => field.on_mesh(&mesh),
-            None => vec![fibre; mesh.simplices.len()],
-        };
+        let (long_axis, fibres) = (long_axis(&mesh), self.fibres(&mesh, field));
         Ok(Simulation {
             cell: self.cell.with_parameters(self.cell.parameters().clone())?,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
-            long_axis: axis,
+            long_axis,
             fibres,
             mesh,
             material: self.material.clone(),

@@ -226,12 +226,7 @@ impl Shape {
     /// # Errors
     /// A spacing that does not fit the cell.
     pub fn mesh_cell(&self, cells: PictureCells, cell: PictureCell) -> Result<Shaped, ShapeError> {
-        // The pixels themselves, where they were found; the line, where one was drawn.
-        let meshed = match cells.segmentation() {
-            Some(_) => lattice::from_mask(&cell.mask, self.spacing),
-            None => lattice::from_outline(&cell.outline, self.spacing),
-        };
-        let (mesh, mut report) = meshed.map_err(|cause| self.unmeshed(cause))?;
+        let (mesh, mut report) = self.lattice(&cells, &cell)?;
         report.warnings.extend(cells.notes.iter().cloned());
         if cells.len() > 1 {
             report.warnings.push(format!(
@@ -241,16 +236,27 @@ impl Shape {
                 cell.outline.area()
             ));
         }
-        if cell.confidence.is_doubtful() {
-            report.warnings.push(format!(
-                "the outline is doubtful (confidence {:.2} of 1): {}; look at the overlay",
-                cell.confidence.score,
-                cell.confidence.reasons.join("; ")
-            ));
-        }
+        report.warnings.extend(cell.confidence.warning());
         report.warnings.extend(cell.shape.warnings.iter().cloned());
         let outline = cell.outline.clone();
         Ok(Shaped { mesh, report, outline, picture: Some((cells, cell)) })
+    }
+
+    /// The lattice of one cell of a picture, without what there is to say about the picture.
+    ///
+    /// # Errors
+    /// A spacing that does not fit the cell.
+    pub fn lattice(
+        &self,
+        cells: &PictureCells,
+        cell: &PictureCell,
+    ) -> Result<(Mesh, MeshReport), ShapeError> {
+        // The pixels themselves, where they were found; the line, where one was drawn.
+        let meshed = match cells.segmentation() {
+            Some(_) => lattice::from_mask(&cell.mask, self.spacing),
+            None => lattice::from_outline(&cell.outline, self.spacing),
+        };
+        meshed.map_err(|cause| self.unmeshed(cause))
     }
 
     fn unmeshed(&self, cause: LatticeError) -> ShapeError {

@@ -1,5 +1,5 @@
 //! What several tests share.
-#![allow(dead_code, reason = "no test uses all of it")]
+#![allow(dead_code, clippy::expect_used, reason = "no test uses all of it, and tests may fail")]
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -20,6 +20,18 @@ pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
     None
 }
 
+/// The largest cell of a mask, whose pixels are 0.27 um wide.
+#[cfg(feature = "microscopy")]
+pub(crate) fn mask(file: PathBuf) -> myospring::mesh::mask::Mask {
+    use myospring::microscopy::cells::{Options, PictureCells};
+    use myospring::microscopy::segment::Choice;
+    let bytes = std::fs::read(file).expect("the file is there");
+    let options = Options { pixel_size_um: Some(0.27), ..Options::default() };
+    let cells = PictureCells::find(&bytes, &options).expect("a mask has a cell");
+    assert_eq!(cells.modality(), "mask");
+    cells.cell(Choice::Largest, false).expect("the largest cell is whole").mask
+}
+
 /// As in the library, NaN where the curve does not fall through the level.
 pub(crate) fn falls_through(times: &[f64], values: &[f64], level: f64, from: f64) -> f64 {
     trace::falls_through(times, values, level, from).unwrap_or(f64::NAN)
@@ -28,4 +40,14 @@ pub(crate) fn falls_through(times: &[f64], values: &[f64], level: f64, from: f64
 /// As in the library, NaN where the curve does not rise through the level.
 pub(crate) fn rises_through(times: &[f64], values: &[f64], level: f64, from: f64) -> f64 {
     trace::rises_through(times, values, level, from).unwrap_or(f64::NAN)
+}
+
+/// The checksum of PNG chunks (PNG specification, annex D).
+pub(crate) fn png_checksum(bytes: &[u8]) -> u32 {
+    let fold = |crc: u32, byte: &u8| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 }
+        })
+    };
+    !bytes.iter().fold(!0, fold)
 }

@@ -27,6 +27,11 @@ fn size(figure: &Figure) -> [f64; 2] {
     [f64::from(size.width()), f64::from(size.height())]
 }
 
+/// One fibre direction everywhere.
+fn along(mesh: &Mesh, fibre: [f64; 2]) -> Vec<[f64; 2]> {
+    vec![fibre; mesh.simplices.len()]
+}
+
 fn all_figures(mesh_of_run: &Mesh, run: &Recording, fibre: [f64; 2]) -> Vec<Figure> {
     let options = ContractionOptions {
         stimulus_times_ms: vec![STIMULUS],
@@ -34,10 +39,11 @@ fn all_figures(mesh_of_run: &Mesh, run: &Recording, fibre: [f64; 2]) -> Vec<Figu
     };
     vec![
         action_potential_and_tension(run, &[STIMULUS]).unwrap(),
-        cell_shapes(mesh_of_run, &key_shapes(run, &[STIMULUS]), fibre).unwrap(),
+        cell_shapes(mesh_of_run, &key_shapes(run, &[STIMULUS]), &along(mesh_of_run, fibre))
+            .unwrap(),
         contraction(&[("50 kPa", run)], &options).unwrap(),
         mesh(mesh_of_run).unwrap(),
-        overview(mesh_of_run, run, fibre, &[STIMULUS]).unwrap(),
+        overview(mesh_of_run, run, &along(mesh_of_run, fibre), &[STIMULUS]).unwrap(),
     ]
 }
 
@@ -77,6 +83,7 @@ fn text_becomes_ink_without_fonts_of_the_system() {
 fn labels_carry_their_units() {
     let long = elongated(2.0);
     let run = beat(&long);
+    let x = along(&long, X);
     let mv = recording(&long, X, 50.0, true);
     let shapes = key_shapes(&run, &[STIMULUS]);
     let curves = [("30 kPa", &run), ("50 kPa", &run)];
@@ -97,7 +104,7 @@ fn labels_carry_their_units() {
         ),
         (action_potential_and_tension(&mv, &[]).unwrap(), vec!["Potential (mV)", "\u{2212}80"]),
         (
-            cell_shapes(&long, &shapes, X).unwrap(),
+            cell_shapes(&long, &shapes, &x).unwrap(),
             vec![
                 "Fibre strain (%)",
                 "20 \u{b5}m",
@@ -112,7 +119,7 @@ fn labels_carry_their_units() {
         ),
         (mesh(&long).unwrap(), vec!["20 \u{b5}m", "points", "springs", "spacing 2 \u{b5}m"]),
         (
-            overview(&long, &run, X, &[STIMULUS]).unwrap(),
+            overview(&long, &run, &x, &[STIMULUS]).unwrap(),
             vec!["Tension (kPa)", "Shortening (%)", "Time (ms)", "Fibre strain (%)", "peak"],
         ),
     ];
@@ -196,7 +203,7 @@ fn nothing_to_draw_is_an_error_and_not_a_panic() {
     let run = beat(&long);
     let empty = Recording::default();
     let plain = ContractionOptions::default();
-    let frame = &run.frames[0];
+    let (frame, x) = (&run.frames[0], along(&long, X));
     let shape = |frame| vec![Shape { name: "x".to_owned(), frame, shortening_pct: None }];
     let wrong = Frame { positions: [vec![], vec![]], ..frame.clone() };
     let hollow = Mesh { simplices: vec![], ..long.clone() };
@@ -206,12 +213,13 @@ fn nothing_to_draw_is_an_error_and_not_a_panic() {
         (action_potential_and_tension(&empty, &[]), "0 samples with finite numbers"),
         (contraction(&[], &plain), "given 0 recordings"),
         (contraction(&[("40 kPa", &empty)], &plain), "the recording \"40 kPa\" has 0 samples"),
-        (cell_shapes(&long, &[], X), "given 0 frames"),
-        (cell_shapes(&long, &shape(frame), [0.0, 0.0]), "fibre direction (0, 0)"),
-        (cell_shapes(&long, &shape(&wrong), X), "has 0 positions along axis 0"),
-        (cell_shapes(&hollow, &shape(frame), X), "given 0 triangles"),
+        (cell_shapes(&long, &[], &x), "given 0 frames"),
+        (cell_shapes(&long, &shape(frame), &along(&long, [0.0, 0.0])), "fibre direction (0, 0)"),
+        (cell_shapes(&long, &shape(&wrong), &x), "has 0 positions along axis 0"),
+        (cell_shapes(&long, &shape(frame), &x[1..]), "one for each triangle"),
+        (cell_shapes(&hollow, &shape(frame), &[]), "given 0 triangles"),
         (mesh(&nowhere), "given 0 points"),
-        (overview(&long, &empty, X, &[]), "given 0 frames"),
+        (overview(&long, &empty, &x, &[]), "given 0 frames"),
     ] {
         let error: FigureError = result.unwrap_err();
         assert!(error.to_string().contains(message), "{error}");

@@ -121,7 +121,7 @@ fn fibres_point_up_where_they_should() {
         coherency: 0.9,
         from_picture,
     };
-    for (from_picture, label) in [(true, "fibre (faint"), (false, "no fibre seen")] {
+    for (from_picture, label) in [(true, "fibre (faint"), (false, "fibre assumed")] {
         let fibres = [tick(from_picture)];
         let cells = [cell.clone()];
         let figure =

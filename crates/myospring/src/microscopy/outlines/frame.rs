@@ -1,6 +1,6 @@
 //! How the pixels of a picture lie in um.
 
-use crate::mesh::mask::{Mask, PIXEL_SIZES_UM};
+use crate::mesh::mask::{Mask, PixelSizeError, checked_pixel_size};
 
 /// Longest side that a frame may have, pixels.
 const LONGEST_SIDE: usize = 65_536;
@@ -12,14 +12,8 @@ const MOST_PIXELS: usize = 100_000_000;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FrameError {
     /// The pixel size is not a length that a microscope gives.
-    #[error(
-        "pixel size {pixel_size} um is outside {} to {} um: give the width of one pixel in \
-         micrometres", PIXEL_SIZES_UM.start(), PIXEL_SIZES_UM.end()
-    )]
-    PixelSize {
-        /// What was given, um.
-        pixel_size: f64,
-    },
+    #[error(transparent)]
+    PixelSize(#[from] PixelSizeError),
     /// No pixel, or too many.
     #[error(
         "a picture of {width} x {height} pixels is not possible: 1 to {LONGEST_SIDE} per side and at \
@@ -50,7 +44,7 @@ impl PixelFrame {
     ///
     /// # Errors
     /// No pixel, more than 65536 per side or 100 million in all, a pixel size outside
-    /// [`PIXEL_SIZES_UM`].
+    /// [`crate::mesh::mask::PIXEL_SIZES_UM`].
     ///
     /// # Example
     /// ```
@@ -60,9 +54,7 @@ impl PixelFrame {
     /// assert_eq!(frame.to_pixels([50.0, 30.0]), [100.0, 0.0]);
     /// ```
     pub fn new(width: usize, height: usize, pixel_size_um: f64) -> Result<Self, FrameError> {
-        if !PIXEL_SIZES_UM.contains(&pixel_size_um) {
-            return Err(FrameError::PixelSize { pixel_size: pixel_size_um });
-        }
+        checked_pixel_size(pixel_size_um)?;
         let sides = 1..=LONGEST_SIDE;
         if !sides.contains(&width) || !sides.contains(&height) || width * height > MOST_PIXELS {
             return Err(FrameError::Size { width, height });

@@ -99,12 +99,12 @@ pub(super) fn fill(rings: &[Vec<[f64; 2]>], width: usize, height: usize) -> Vec<
 /// ```
 /// use myospring::mesh::outline::Outline;
 /// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, raster::write_mask_png};
-/// use myospring::microscopy::mask::{MaskOptions, read_mask};
+/// use myospring::microscopy::{picture::Selection, read::read_picture};
 /// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
 /// let cell = NamedOutline { name: "a".to_owned(), outline: Outline::new(corners, vec![])? };
 /// let png = write_mask_png(&cell, &PixelFrame::new(10, 8, 0.5)?)?;
-/// let read = read_mask(&png, &MaskOptions { label: None, pixel_size_um: 0.5 })?;
-/// assert_eq!(read.mask.cell_pixels(), 24);
+/// let read = read_picture(&png, &Selection::default())?.plane;
+/// assert_eq!(read.values().iter().filter(|&&value| value == 255.0).count(), 24);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_mask_png(

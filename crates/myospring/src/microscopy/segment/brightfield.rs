@@ -5,7 +5,9 @@ use std::collections::BinaryHeap;
 
 use imageproc::region_labelling::Connectivity;
 
-use super::{Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings};
+use super::{
+    Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
+};
 use crate::microscopy::filter::{self, otsu, quantile, sample};
 use crate::microscopy::plane::Plane;
 use crate::microscopy::region::{Region, Window};
@@ -48,9 +50,8 @@ pub(super) fn segment(
     settings: &Settings,
     notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
-    let factor = ((WORKING_PIXEL_UM / pixel_size_um) as usize).max(1);
-    let pixel = pixel_size_um * factor as f64;
-    let working = filter::coarse(plane, factor);
+    let Working { plane: working, factor, pixel_um: pixel } =
+        Working::of(plane, pixel_size_um, WORKING_PIXEL_UM);
     let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
     let gradient = Gradient::of(&relative(&working, pixel), smooth_um / pixel);
     let noise = gradient.noise();

@@ -33,6 +33,26 @@ impl Confidence {
         self.score < DOUBTFUL
     }
 
+    /// What a person should know before they trust the outline; `None` where nothing speaks against it.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::microscopy::segment::Confidence;
+    /// let reasons = vec!["the frame cuts it".to_owned()];
+    /// let sure = Confidence { score: 0.5, reasons, contrast: None };
+    /// assert_eq!(
+    ///     sure.warning().unwrap(),
+    ///     "look at the outline (confidence 0.50 of 1): the frame cuts it"
+    /// );
+    /// ```
+    pub fn warning(&self) -> Option<String> {
+        let what =
+            if self.is_doubtful() { "the outline is doubtful" } else { "look at the outline" };
+        let reasons = self.reasons.join("; ");
+        (!reasons.is_empty())
+            .then(|| format!("{what} (confidence {:.2} of 1): {reasons}", self.score))
+    }
+
     /// Multiplies a factor in: 1 where `value` reaches `good`, 0 where it is at `bad`, linear between. Below
     /// 0.8 the reason is kept.
     pub(super) fn weigh(

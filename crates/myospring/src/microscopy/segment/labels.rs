@@ -11,15 +11,27 @@ use crate::microscopy::region::Region;
 /// An island of which so many make the largest is a speck of the mask, not a cell.
 const SPECKS_IN_A_CELL: usize = 50;
 
+/// Above this, `f32` no longer tells all whole numbers apart.
+const LARGEST_LABEL: f32 = 16_777_216.0;
+
 /// Cells of a picture in which every value that is not zero marks one. Where there is one such value, or so many
-/// that they are no labels but soft edges, the islands of all together are the cells.
+/// that they are no labels but soft edges, the islands of all together are the cells. Values that are not whole,
+/// such as the luminance of colours, tell cells apart but are no labels.
 pub(super) fn segment(
     plane: &Plane,
     pixel_size_um: f64,
     mut notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
     let (width, height) = (plane.width(), plane.height());
-    let values: Vec<u32> = plane.values().iter().map(|value| value.abs().round() as u32).collect();
+    let no_label = |value: &f32| !(0.0..LARGEST_LABEL).contains(value);
+    if let Some(at) = plane.values().iter().position(no_label) {
+        let (column, row, value) = (at % width, at / width, plane.values()[at]);
+        return Err(SegmentError::NoLabel { column, row, value });
+    }
+    let whole = plane.values().iter().all(|value| value.fract() == 0.0);
+    // Adding zero takes the sign off a zero.
+    let mark = |value: &f32| if whole { *value as u32 } else { (value + 0.0).to_bits() };
+    let values: Vec<u32> = plane.values().iter().map(mark).collect();
     let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
     for &value in values.iter().filter(|&&value| value != 0) {
         *sizes.entry(value).or_default() += 1;
@@ -71,7 +83,7 @@ pub(super) fn segment(
     }
     let cell = |(number, &(mark, pixels)): (u32, &(u32, usize))| Cell {
         number,
-        label: if by_value { Some(mark) } else { only },
+        label: if by_value { Some(mark) } else { only }.filter(|_| whole),
         pixels,
         area_um2: pixels as f64 * pixel_size_um.powi(2),
         pixels_on_the_frame: on_frame[number as usize],

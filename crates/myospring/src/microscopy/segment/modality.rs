@@ -1,6 +1,6 @@
 //! How a picture was taken, told from its grey values.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use super::Modality;
 use super::ground::Ground;
@@ -19,6 +19,9 @@ const TAIL: f64 = 0.005;
 
 /// Most values of a mask with labels of its own.
 const MOST_LABELS: usize = 4096;
+
+/// A label borders on itself so many times as often as on other labels.
+const FLAT: u64 = 3;
 
 /// Tells a mask, a fluorescence picture and a brightfield picture from each other.
 pub(super) fn guess(plane: &Plane, pixel_size_um: f64, notes: &mut Vec<String>) -> Modality {
@@ -43,14 +46,14 @@ pub(super) fn guess(plane: &Plane, pixel_size_um: f64, notes: &mut Vec<String>) 
     modality
 }
 
-/// Whether the values are labels: whole, few, 0 among them, and neighbours mostly equal.
+/// Whether the values are those of a mask: few, none below 0, 0 among them, and neighbours mostly equal.
 fn is_mask(plane: &Plane) -> bool {
     let mut values = BTreeSet::new();
     let mut changes = 0;
     let mut last = f32::NAN;
     for &value in plane.values() {
         if value != last {
-            if value < 0.0 || value.fract() != 0.0 {
+            if value < 0.0 {
                 return false;
             }
             changes += 1;
@@ -66,17 +69,34 @@ fn is_mask(plane: &Plane) -> bool {
     zero && (values.len() == 2 || changes * 12 < plane.values().len() && has_flat_labels(plane))
 }
 
-/// Whether each value that is not 0 mostly borders on itself, as the inside of a label does.
+/// Whether most values that are not 0 border on themselves wherever they do not border on 0, as the inside of a
+/// label does; those of a soft edge do not.
 pub(super) fn has_flat_labels(plane: &Plane) -> bool {
     let width = plane.width();
-    let (mut same, mut all) = (0_usize, 0_usize);
-    for row in plane.values().chunks_exact(width) {
-        for pair in row.windows(2) {
-            if pair[0] != 0.0 {
-                all += 1;
-                same += usize::from(pair[0] == pair[1]);
+    let values = plane.values();
+    let mut pairs: HashMap<u32, [u64; 2]> = HashMap::new();
+    let mut count = |of: f32, same: bool, by: u64| {
+        pairs.entry(of.to_bits()).or_default()[usize::from(same)] += by;
+    };
+    // Equal pairs in a row come after each other and are counted together.
+    let (mut run, mut equal) = (0.0, 0);
+    for (at, &value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+        if value != run {
+            count(run, true, std::mem::take(&mut equal));
+            run = value;
+        }
+        let right = ((at + 1) % width != 0).then(|| values[at + 1]);
+        for other in right.into_iter().chain(values.get(at + width).copied()) {
+            if other == value {
+                equal += 2;
+            } else if other != 0.0 {
+                count(value, false, 1);
+                count(other, false, 1);
             }
         }
     }
-    same * 10 > all * 9
+    count(run, true, equal);
+    let seen = pairs.values().filter(|[other, same]| other + same > 0);
+    let flat = seen.clone().filter(|[other, same]| *same >= FLAT * other).count();
+    2 * flat > seen.count() || pairs.values().all(|[other, _]| *other == 0)
 }

@@ -18,8 +18,8 @@ const CHOSEN: &str = "#f0e442";
 const OTHER: &str = "#cc79a7";
 /// Fibres that the picture shows (Okabe-Ito sky blue).
 const FIBRE: &str = "#56b4e9";
-/// The long axis where it stands in for a fibre.
-const STAND_IN: &str = "#d9d9d9";
+/// Fibres that the picture does not show.
+const STAND_IN: &str = "#e6e6e6";
 
 /// Space around the panels and between them, px.
 const MARGIN: f64 = 8.0;
@@ -54,7 +54,7 @@ pub struct Tick {
     pub direction: [f64; 2],
     /// How certain the picture is of it, 0 to 1.
     pub coherency: f64,
-    /// Whether it comes from the picture; otherwise the long axis stands in.
+    /// Whether it comes from the picture; otherwise it is assumed, along the long axis or as set.
     pub from_picture: bool,
 }
 
@@ -243,7 +243,7 @@ fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
         (any(false), OTHER, 1.6, "other cells"),
         (overlay.mesh.is_some(), "#a6a6a6", 0.8, "lattice"),
         (tick(true), FIBRE, 1.8, "fibre (faint: less certain)"),
-        (tick(false), STAND_IN, 0.8, "no fibre seen: long axis"),
+        (tick(false), STAND_IN, 1.4, "fibre assumed, not from the picture"),
     ];
     let (mut x, mut y) = (MARGIN, top + 8.0);
     for (_, colour, thick, words) in entries.into_iter().filter(|entry| entry.0) {

@@ -11,7 +11,7 @@ use crate::recording::Recording;
 
 /// The cell from rest to its peak beside potential, active tension and shortening.
 ///
-/// `fibre` as in [`cell_shapes`](super::cell_shapes). Width: two columns, 178 mm; at 200 dpi the
+/// `fibres` as in [`cell_shapes`](super::cell_shapes). Width: two columns, 178 mm; at 200 dpi the
 /// PNG is 1402 pixels wide.
 ///
 /// # Errors
@@ -20,15 +20,15 @@ use crate::recording::Recording;
 pub fn overview(
     mesh: &Mesh,
     recording: &Recording,
-    fibre: [f64; 2],
+    fibres: &[[f64; 2]],
     stimulus_times_ms: &[f64],
 ) -> Result<Figure, FigureError> {
     let mut shapes = key_shapes(recording, stimulus_times_ms);
-    if !Gallery::new(mesh, &shapes, fibre)?.is_elongated() {
+    if !Gallery::new(mesh, &shapes, fibres)?.is_elongated() {
         // Two shapes of a roundish cell fill the room of four of a long one.
         shapes.retain(|shape| matches!(shape.name.as_str(), "at rest" | "peak" | "end of record"));
     }
-    let gallery = Gallery::new(mesh, &shapes, fibre)?;
+    let gallery = Gallery::new(mesh, &shapes, fibres)?;
     let tension = Quantity { label: "Tension (kPa)", ..ACTIVE_TENSION };
     let shortening = Quantity {
         label: "Shortening (%)",

@@ -36,7 +36,7 @@ impl<'a> Gallery<'a> {
     pub(super) fn new(
         mesh: &'a Mesh,
         shapes: &'a [Shape<'a>],
-        fibre: [f64; 2],
+        fibres: &[[f64; 2]],
     ) -> Result<Self, FigureError> {
         check_mesh(mesh)?;
         if mesh.simplices.is_empty() {
@@ -45,11 +45,16 @@ impl<'a> Gallery<'a> {
         if shapes.is_empty() {
             return Err(FigureError::Nothing { what: "frames" });
         }
-        let length = fibre[0].hypot(fibre[1]);
-        if !(length.is_finite() && length > 0.0) {
-            return Err(FigureError::Fibre { x: fibre[0], y: fibre[1] });
+        let (found, triangles) = (fibres.len(), mesh.simplices.len());
+        if found != triangles {
+            return Err(FigureError::FibreCount { found, triangles });
         }
-        let fibre = fibre.map(|x| x / length);
+        let unit = |&[x, y]: &[f64; 2]| {
+            let length = x.hypot(y);
+            let direction = length.is_finite() && length > 0.0;
+            direction.then_some([x / length, y / length]).ok_or(FigureError::Fibre { x, y })
+        };
+        let fibres = fibres.iter().map(unit).collect::<Result<Vec<_>, _>>()?;
         let facets = facets(mesh);
         let mut strains = Vec::new();
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -65,7 +70,7 @@ impl<'a> Gallery<'a> {
         for shape in shapes {
             check_frame(mesh, shape.frame)?;
             enclose(&shape.frame.positions);
-            strains.push(fibre_strain_pct(mesh, &facets, shape.frame, fibre));
+            strains.push(fibre_strain_pct(mesh, &facets, shape.frame, &fibres));
         }
         // The scale always holds 0, the colour of rest, and is never narrower than 1 %.
         let all = || strains.iter().flatten().copied();
@@ -214,19 +219,20 @@ pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, ex
 
 /// The cell at several times with colours for the strain along its fibre (the paper's Fig. 5).
 ///
-/// All shapes share one scale and one colour scale; strain is the engineering strain along `fibre`
-/// (the reference long axis, of any length), per cent, negative where the cell is shorter than at
+/// All shapes share one scale and one colour scale; strain is the engineering strain along `fibres`
+/// (one direction for each triangle, of any length), per cent, negative where the cell is shorter than at
 /// rest. The dashed line is the resting outline. Shapes stand as in the picture, y upward: long
 /// cells one above the other (one column, 85 mm), others side by side (two columns, 178 mm).
 ///
 /// # Errors
-/// No shape, a frame of another mesh or with positions that are not finite, a fibre of no length.
+/// No shape, a frame of another mesh or with positions that are not finite, fibres of another mesh or of no
+/// length.
 pub fn cell_shapes(
     mesh: &Mesh,
     shapes: &[Shape<'_>],
-    fibre: [f64; 2],
+    fibres: &[[f64; 2]],
 ) -> Result<Figure, FigureError> {
-    let gallery = Gallery::new(mesh, shapes, fibre)?;
+    let gallery = Gallery::new(mesh, shapes, fibres)?;
     Ok(if gallery.is_elongated() { stacked(&gallery) } else { side_by_side(&gallery) })
 }
 

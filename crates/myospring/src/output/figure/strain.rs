@@ -11,8 +11,8 @@ use crate::recording::Frame;
 pub(super) struct Facet {
     /// Corners, counter-clockwise.
     pub(super) corners: Vec<u32>,
-    /// The triangles that cover it.
-    triangles: Vec<Simplex<3>>,
+    /// Which triangles of the mesh cover it.
+    triangles: Vec<usize>,
 }
 
 /// Fails where triangles or springs name points that are not there, or rest points are not finite.
@@ -56,19 +56,23 @@ pub(super) fn facets(mesh: &Mesh) -> Vec<Facet> {
     let columns_and_rows =
         mesh.lattice.as_ref().filter(|lattice| lattice.cells.len() == mesh.points[0].len());
     let Some(lattice) = columns_and_rows else {
-        let triangle = |s: &Simplex<3>| Facet { corners: s.nodes.to_vec(), triangles: vec![*s] };
-        return mesh.simplices.iter().map(triangle).collect();
+        let triangle = |(index, s): (usize, &Simplex<3>)| Facet {
+            corners: s.nodes.to_vec(),
+            triangles: vec![index],
+        };
+        return mesh.simplices.iter().enumerate().map(triangle).collect();
     };
-    let mut squares: BTreeMap<[u32; 2], Vec<Simplex<3>>> = BTreeMap::new();
-    for simplex in &mesh.simplices {
+    let mut squares: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+    for (index, simplex) in mesh.simplices.iter().enumerate() {
         let corner = |axis: usize| simplex.nodes.map(|node| lattice.cells[node as usize][axis]);
         let lowest = |[a, b, c]: [u32; 3]| a.min(b).min(c);
-        squares.entry([lowest(corner(1)), lowest(corner(0))]).or_default().push(*simplex);
+        squares.entry([lowest(corner(1)), lowest(corner(0))]).or_default().push(index);
     }
     squares
         .into_values()
         .map(|triangles| {
-            let mut corners: Vec<u32> = triangles.iter().flat_map(|s| s.nodes).collect();
+            let nodes = triangles.iter().flat_map(|&index| mesh.simplices[index].nodes);
+            let mut corners: Vec<u32> = nodes.collect();
             corners.sort_unstable();
             corners.dedup();
             let at = |node: u32| [0, 1].map(|axis: usize| mesh.points[axis][node as usize]);
@@ -86,20 +90,21 @@ pub(super) fn facets(mesh: &Mesh) -> Vec<Facet> {
 }
 
 /// Engineering strain along the fibre, per cent, of each facet: 100 (|F f0| - 1), the mean over its
-/// triangles weighted by resting area, with F the deformation gradient and f0 a unit vector.
+/// triangles weighted by resting area, with F the deformation gradient and f0 the unit vector of each triangle.
 ///
 /// Shortening is negative. Turning the cell as a whole gives no strain.
 pub(super) fn fibre_strain_pct(
     mesh: &Mesh,
     facets: &[Facet],
     frame: &Frame,
-    fibre: [f64; 2],
+    fibres: &[[f64; 2]],
 ) -> Vec<f64> {
     facets
         .iter()
         .map(|facet| {
             let (mut sum, mut weights) = (0.0, 0.0);
-            for triangle in &facet.triangles {
+            for &index in &facet.triangles {
+                let (triangle, fibre) = (&mesh.simplices[index], fibres[index]);
                 let rest = edges(&mesh.points, triangle);
                 let now = edges(&frame.positions, triangle);
                 // F f0 = D_s D_m^-1 f0, the columns of D being two edges.
@@ -211,10 +216,25 @@ mod tests {
         let facets = facets(&mesh);
         let frame = moved(&mesh, |x, y| [0.88 * x, 1.066 * y]);
         for (fibre, strain) in [([1.0, 0.0], -12.0), ([0.0, 1.0], 6.6)] {
-            for found in fibre_strain_pct(&mesh, &facets, &frame, fibre) {
+            for found in
+                fibre_strain_pct(&mesh, &facets, &frame, &vec![fibre; mesh.simplices.len()])
+            {
                 assert!((found - strain).abs() < 1e-12, "{found}");
             }
         }
+    }
+
+    #[test]
+    fn each_triangle_has_a_fibre_of_its_own() {
+        let mesh = mesh();
+        let facets = facets(&mesh);
+        let frame = moved(&mesh, |x, y| [0.88 * x, 1.066 * y]);
+        let upright = |index: &usize| facets[1].triangles.contains(index);
+        let fibres: Vec<[f64; 2]> = (0..mesh.simplices.len())
+            .map(|index| if upright(&index) { [0.0, 1.0] } else { [1.0, 0.0] })
+            .collect();
+        let found = fibre_strain_pct(&mesh, &facets, &frame, &fibres);
+        assert!((found[0] + 12.0).abs() < 1e-12 && (found[1] - 6.6).abs() < 1e-12, "{found:?}");
     }
 
     #[test]
@@ -223,7 +243,8 @@ mod tests {
         let facets = facets(&mesh);
         let (sin, cos) = 0.7f64.sin_cos();
         let frame = moved(&mesh, |x, y| [cos * x - sin * y + 3.0, sin * x + cos * y - 1.0]);
-        for found in fibre_strain_pct(&mesh, &facets, &frame, [0.6, 0.8]) {
+        let fibres = vec![[0.6, 0.8]; mesh.simplices.len()];
+        for found in fibre_strain_pct(&mesh, &facets, &frame, &fibres) {
             assert!(found.abs() < 1e-12, "{found}");
         }
     }

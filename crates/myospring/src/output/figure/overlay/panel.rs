@@ -250,7 +250,7 @@ impl Panel {
         }
         if !stand_in.is_empty() {
             sheet.raw(&format!(
-                r##"<path stroke="#000000" stroke-opacity=".4" stroke-width="1.8" d="{stand_in}"/><path stroke="{STAND_IN}" stroke-opacity=".8" stroke-width=".8" d="{stand_in}"/>"##
+                r##"<path stroke="#000000" stroke-opacity=".6" stroke-width="2.2" d="{stand_in}"/><path stroke="{STAND_IN}" stroke-width="1.1" d="{stand_in}"/>"##
             ));
         }
     }
