@@ -6,12 +6,14 @@
 //!                                                      └─▶ .fibres(long axis) ─▶ one direction per triangle
 //! ```
 
+use geo::Distance;
+
 use super::fibres::{FibreError, FibreField, FibreSettings, fibres};
 use super::outlines::raster::rasterise;
 use super::outlines::trace::{Edge, TraceError, trace_mask};
 use super::outlines::{
-    CoordinateUnit, FrameError, NamedOutline, OutlineFileError, PixelFrame, Placement, ReadOptions,
-    read_outlines,
+    CoordinateUnit, FrameError, GivenOutlines, NamedOutline, OutlineFileError, PixelFrame,
+    Placement, ReadOptions, read_outlines,
 };
 use super::picture::{PixelSizeSource, Selection};
 use super::plane::Plane;
@@ -104,7 +106,7 @@ pub struct PictureCells {
 enum Cells {
     Found(Segmentation),
     /// Largest first.
-    Given(Vec<NamedOutline>),
+    Given(GivenOutlines),
 }
 
 /// One cell of a picture.
@@ -158,9 +160,9 @@ impl PictureCells {
         let placement = Placement::Picture(seen.frame()?);
         let reading = ReadOptions { placement, silent_unit: CoordinateUnit::default() };
         let mut given = read_outlines(outlines, file_name, &reading)?;
-        given.outlines.sort_by(|a, b| b.outline.area().total_cmp(&a.outline.area()));
+        given.sort_by_area();
         seen.notes.append(&mut given.notes);
-        seen.cells = Cells::Given(given.outlines);
+        seen.cells = Cells::Given(given);
         Ok(seen)
     }
 
@@ -183,7 +185,7 @@ impl PictureCells {
             (None, Some(own)) => (own.um, words(own.source)),
             (None, None) => return Err(CellError::NoPixelSize),
         };
-        let cells = Cells::Given(Vec::new());
+        let cells = Cells::Given(GivenOutlines { outlines: Vec::new(), notes: Vec::new() });
         Ok(Self { plane: picture.plane, pixel_size_um, pixel_size_source, notes, cells })
     }
 
@@ -199,7 +201,7 @@ impl PictureCells {
     pub fn len(&self) -> usize {
         match &self.cells {
             Cells::Found(found) => found.cells.len(),
-            Cells::Given(given) => given.len(),
+            Cells::Given(given) => given.outlines.len(),
         }
     }
 
@@ -250,7 +252,7 @@ impl PictureCells {
             }
             Cells::Given(given) => {
                 let at = self.given_at(given, choice, frame)?;
-                let NamedOutline { name, outline } = given[at].clone();
+                let NamedOutline { name, outline } = given.outlines[at].clone();
                 let mask = rasterise(&outline, &frame)
                     .map_err(|cause| CellError::Rasterise { name: name.clone(), cause })?;
                 let shape = shape_report(&outline, Some(&frame));
@@ -263,35 +265,39 @@ impl PictureCells {
 
     fn given_at(
         &self,
-        given: &[NamedOutline],
+        given: &GivenOutlines,
         choice: Choice,
         frame: PixelFrame,
-    ) -> Result<usize, CellError> {
-        let none = |number| SegmentError::NoSuchCell { number, cells: counted(given.len()) };
+    ) -> Result<usize, SegmentError> {
+        let count = given.outlines.len();
+        let numbered = |number| {
+            let none = SegmentError::NoSuchCell { number, cells: counted(count) };
+            given.numbered(number).ok_or(none)
+        };
         match choice {
-            Choice::Largest => Ok(0),
-            Choice::Number(number) if (1..=given.len()).contains(&(number as usize)) => {
-                Ok(number as usize - 1)
-            }
-            Choice::Number(number) => Err(none(number).into()),
+            Choice::Largest => numbered(1),
+            Choice::Number(number) => numbered(number),
             Choice::Label(label) => {
-                let named = given.iter().position(|cell| cell.name == label.to_string());
-                named.ok_or(SegmentError::NoSuchLabel { label, labels: names(given) }.into())
+                let none = SegmentError::NoSuchLabel { label, labels: given.names() };
+                given.labelled(label).ok_or(none)
             }
             Choice::At(place) => {
                 let point = geo::Point::from(frame.to_um(place));
-                let holds = |cell: &NamedOutline| {
-                    use geo::Contains;
+                // 0 within.
+                let distance = |cell: &NamedOutline| {
                     let ring: geo::LineString = cell.outline.exterior().iter().copied().collect();
-                    geo::Polygon::new(ring, Vec::new()).contains(&point)
+                    geo::Euclidean.distance(&point, &geo::Polygon::new(ring, Vec::new()))
                 };
+                let distances = given.outlines.iter().map(distance).enumerate();
+                let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+                if let Some((at, 0.0)) = nearest {
+                    return Ok(at);
+                }
+                let name = |(at, _): (usize, f64)| format!("`{}`", given.outlines[at].name);
+                let nearest = nearest.map(name).unwrap_or_default();
                 let (width, height) = (self.plane.width(), self.plane.height());
                 let [x, y] = place;
-                let nearest = names(given);
-                given
-                    .iter()
-                    .position(holds)
-                    .ok_or(SegmentError::NotThere { x, y, width, height, nearest }.into())
+                Err(SegmentError::NotThere { x, y, width, height, nearest })
             }
         }
     }
@@ -299,7 +305,7 @@ impl PictureCells {
     /// The outlines of all cells, largest first, each with its name; those that make no outline are left out.
     pub fn outlines(&self) -> Vec<NamedOutline> {
         match &self.cells {
-            Cells::Given(given) => given.clone(),
+            Cells::Given(given) => given.outlines.clone(),
             Cells::Found(found) => found
                 .cells
                 .iter()
@@ -336,14 +342,6 @@ impl PictureCells {
     ) -> Result<FibreField, FibreError> {
         fibres(&self.plane, cell.mask.inside(), self.pixel_size_um, long_axis, settings)
     }
-}
-
-fn names(given: &[NamedOutline]) -> String {
-    const SHOWN: usize = 12;
-    let shown: Vec<String> =
-        given.iter().take(SHOWN).map(|cell| format!("`{}`", cell.name)).collect();
-    let more = if given.len() > SHOWN { ", ..." } else { "" };
-    format!("{}{more}", shown.join(", "))
 }
 
 fn words(source: PixelSizeSource) -> &'static str {

@@ -71,6 +71,31 @@ pub struct GivenOutlines {
     pub notes: Vec<String>,
 }
 
+impl GivenOutlines {
+    /// Puts the largest first, as the cells of a picture are numbered.
+    pub(crate) fn sort_by_area(&mut self) {
+        self.outlines.sort_by(|a, b| b.outline.area().total_cmp(&a.outline.area()));
+    }
+
+    /// Place of the outline with this number, 1 being the first.
+    pub(crate) fn numbered(&self, number: u32) -> Option<usize> {
+        (number as usize).checked_sub(1).filter(|&at| at < self.outlines.len())
+    }
+
+    /// Place of the outline whose name is this label.
+    pub(crate) fn labelled(&self, label: u32) -> Option<usize> {
+        self.outlines.iter().position(|cell| cell.name == label.to_string())
+    }
+
+    /// The first names in words.
+    pub(crate) fn names(&self) -> String {
+        const SHOWN: usize = 12;
+        let names = self.outlines.iter().take(SHOWN).map(|cell| format!("`{}`", cell.name));
+        let more = if self.outlines.len() > SHOWN { ", ..." } else { "" };
+        format!("{}{more}", names.collect::<Vec<_>>().join(", "))
+    }
+}
+
 /// Formats of outline files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutlineFormat {

@@ -328,19 +328,14 @@ fn chosen(
     let mut given = read_outlines(bytes, path, &options)
         .map_err(|cause| ShapeError::OutlineFile { path: path.to_owned(), cause })?;
     let count = given.outlines.len();
-    given.outlines.sort_by(|a, b| b.outline.area().total_cmp(&a.outline.area()));
+    given.sort_by_area();
     let (at, wanted) = match choice {
-        Choice::Number(number) => ((number as usize).checked_sub(1), number.to_string()),
-        Choice::Label(label) => {
-            let named = given.outlines.iter().position(|cell| cell.name == label.to_string());
-            (named, format!("named {label}"))
-        }
-        Choice::Largest | Choice::At(_) => (Some(0), "at all".to_owned()),
+        Choice::Number(number) => (given.numbered(number), number.to_string()),
+        Choice::Label(label) => (given.labelled(label), format!("named {label}")),
+        Choice::Largest | Choice::At(_) => (given.numbered(1), "at all".to_owned()),
     };
-    let names: Vec<String> =
-        given.outlines.iter().take(12).map(|cell| format!("`{}`", cell.name)).collect();
-    let Some(cell) = at.filter(|&at| at < count).map(|at| given.outlines.swap_remove(at)) else {
-        let held = format!("{count}: {}", names.join(", "));
+    let Some(cell) = at.map(|at| given.outlines.swap_remove(at)) else {
+        let held = format!("{count}: {}", given.names());
         return Err(ShapeError::NoSuchOutline { path: path.to_owned(), wanted, held });
     };
     let mut notes = given.notes;
