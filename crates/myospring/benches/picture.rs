@@ -13,26 +13,35 @@ use myospring::microscopy::cells::{Options, PictureCells};
 use myospring::microscopy::segment::Choice;
 use synthetic_cell::{Scene, Truth};
 
-/// 2048 x 2048 pixels of 16 bits, as a camera gives them.
+/// Pixels along a side.
+const SIDE: usize = 2048;
+
+/// 2048 x 2048 pixels of 16 bits, as a camera gives them: the scene, over and over.
 fn tiff(truth: &Truth) -> Vec<u8> {
-    let side = truth.plane.width() as u32;
-    let values = truth.plane.values().iter().map(|&value| value as u16).collect();
-    let picture = image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::from_raw(side, side, values);
+    let tile = truth.plane.width();
+    let at = |x: u32, y: u32| truth.plane.at(x as usize % tile, y as usize % tile) as u16;
+    let side = SIDE as u32;
+    let picture = image::ImageBuffer::from_fn(side, side, |x, y| image::Luma([at(x, y)]));
     let mut bytes = Cursor::new(Vec::new());
-    picture.unwrap().write_to(&mut bytes, image::ImageFormat::Tiff).unwrap();
+    picture.write_to(&mut bytes, image::ImageFormat::Tiff).unwrap();
     bytes.into_inner()
 }
 
 fn picture_to_mesh(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("picture of 2048 x 2048, 16 bit, to mesh");
     group.sample_size(10);
-    for (name, pixel_um, contrast, draw) in [
-        ("fluorescence, pixels of 0.1 um", 0.1, 1.0, Scene::fluorescence as fn(&Scene) -> Truth),
-        ("fluorescence, pixels of 0.27 um", 0.27, 1.0, Scene::fluorescence),
-        ("brightfield, pixels of 0.1 um", 0.1, 0.25, Scene::brightfield),
-        ("brightfield, pixels of 0.27 um", 0.27, 0.25, Scene::brightfield),
+    // Contrasts that the two kinds of picture have.
+    let fluorescence = (1.0, Scene::fluorescence as fn(&Scene) -> Truth);
+    let brightfield = (0.25, Scene::brightfield as fn(&Scene) -> Truth);
+    for (name, pixel_um, cells_along_a_side, (contrast, draw)) in [
+        ("fluorescence, pixels of 0.1 um", 0.1, 1, fluorescence),
+        ("fluorescence, pixels of 0.27 um", 0.27, 1, fluorescence),
+        ("fluorescence, pixels of 0.27 um, 16 cells", 0.27, 4, fluorescence),
+        ("brightfield, pixels of 0.1 um", 0.1, 1, brightfield),
+        ("brightfield, pixels of 0.27 um", 0.27, 1, brightfield),
+        ("brightfield, pixels of 0.27 um, 16 cells", 0.27, 4, brightfield),
     ] {
-        let field_um = 2048.0 * pixel_um;
+        let field_um = (SIDE / cells_along_a_side) as f64 * pixel_um;
         let scene = Scene { pixel_um, field_um, contrast, beads: 2.0, ..Scene::default() };
         let bytes = tiff(&draw(&scene));
         let options = Options { pixel_size_um: Some(pixel_um), ..Options::default() };
