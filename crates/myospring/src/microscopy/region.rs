@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use image::{GrayImage, Luma};
+use image::GrayImage;
 use imageproc::distance_transform::Norm;
 use imageproc::morphology;
-use imageproc::region_labelling::{Connectivity, connected_components};
+use imageproc::region_labelling::Connectivity;
 
 use super::filter;
 use super::plane::Plane;
@@ -135,8 +135,11 @@ impl Region {
     pub(super) fn coarse(&self, factor: usize) -> Self {
         let (width, height) = (self.width().div_ceil(factor), self.height().div_ceil(factor));
         let mut blocks = vec![false; width * height];
-        for (at, inside) in self.inside().enumerate() {
-            blocks[at / self.width() / factor * width + at % self.width() / factor] |= inside;
+        for (row, pixels) in self.pixels.as_raw().chunks_exact(self.width()).enumerate() {
+            let blocks = &mut blocks[row / factor * width..][..width];
+            for (block, pixels) in blocks.iter_mut().zip(pixels.chunks(factor)) {
+                *block |= pixels.contains(&IN);
+            }
         }
         Self::new(width, height, blocks.into_iter())
     }
@@ -220,27 +223,44 @@ impl Region {
         }
     }
 
-    /// Numbers the islands.
+    /// Numbers the islands, in the order of their first pixels.
+    ///
+    /// Pixel by pixel from one to its neighbours: crests are few, and a forest of all pixels of a picture takes
+    /// longer than they do.
     pub(super) fn islands(&self, connectivity: Connectivity) -> Islands {
-        // A row of background below, since the library fails where there is no background at all.
-        let mut padded = GrayImage::new(self.pixels.width(), self.pixels.height() + 1);
-        padded.iter_mut().zip(self.pixels.as_raw()).for_each(|(to, from)| *to = *from);
-        let mut numbers = connected_components(&padded, connectivity, Luma([0])).into_raw();
-        numbers.truncate(self.pixels());
-        let count = numbers.iter().copied().max().unwrap_or(0) as usize;
-        let none = Island { pixels: 0, columns: [usize::MAX, 0], rows: [usize::MAX, 0] };
-        let mut list = vec![none; count];
-        for (row, numbers) in numbers.chunks_exact(self.width()).enumerate() {
-            for (column, &number) in numbers.iter().enumerate() {
-                if number == 0 {
-                    continue;
-                }
-                let island = &mut list[number as usize - 1];
-                island.pixels += 1;
-                let widen = |[first, last]: [usize; 2], at: usize| [first.min(at), last.max(at)];
-                island.columns = widen(island.columns, column);
-                island.rows = widen(island.rows, row);
+        let (width, height) = (self.width(), self.height());
+        let sides: &[[isize; 2]] = &[[-1, 0], [1, 0], [0, -1], [0, 1]];
+        let corners: &[[isize; 2]] = &[[-1, -1], [1, -1], [-1, 1], [1, 1]];
+        let around = match connectivity {
+            Connectivity::Four => sides.to_vec(),
+            Connectivity::Eight => [sides, corners].concat(),
+        };
+        let mut numbers = vec![0_u32; self.pixels()];
+        let mut list: Vec<Island> = Vec::new();
+        let mut open = Vec::new();
+        for first in 0..self.pixels() {
+            if !self.contains(first) || numbers[first] != 0 {
+                continue;
             }
+            let number = list.len() as u32 + 1;
+            let mut island = Island { pixels: 0, columns: [width, 0], rows: [height, 0] };
+            numbers[first] = number;
+            open.push([first % width, first / width]);
+            while let Some([column, row]) = open.pop() {
+                island.pixels += 1;
+                island.columns = [island.columns[0].min(column), island.columns[1].max(column)];
+                island.rows = [island.rows[0].min(row), island.rows[1].max(row)];
+                for [right, down] in &around {
+                    let (x, y) =
+                        (column.wrapping_add_signed(*right), row.wrapping_add_signed(*down));
+                    let at = y.wrapping_mul(width).wrapping_add(x);
+                    if x < width && y < height && numbers[at] == 0 && self.contains(at) {
+                        numbers[at] = number;
+                        open.push([x, y]);
+                    }
+                }
+            }
+            list.push(island);
         }
         Islands { numbers, list }
     }

@@ -333,7 +333,8 @@ fn flooded(strength: &Plane, guess: &Region, [within, without]: [f64; 2]) -> Reg
     const INSIDE: u8 = 1;
     const OUTSIDE: u8 = 2;
     let (width, height) = (guess.width(), guess.height());
-    let (core, thick, reach) = (guess.shrunk(within), guess.opened(within), guess.grown(without));
+    let (core, reach) = (guess.shrunk(within), guess.grown(without));
+    let thick = core.grown(within);
     // Necks and tips that are thinner than the band keep a core of their own.
     let thin_core = guess.shrunk(within / 3.0);
     let mut owner: Vec<u8> = (0..guess.pixels())
