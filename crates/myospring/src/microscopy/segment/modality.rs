@@ -8,8 +8,8 @@ use crate::microscopy::filter::{self, quantile, sample};
 use crate::microscopy::plane::Plane;
 
 /// A fluorescent cell is brighter than the background by so many times what anything is darker; in brightfield
-/// a cell has darker places as well as brighter ones.
-const BRIGHTER: f32 = 3.0;
+/// a cell has darker places as well as brighter ones, and noise has as much of both.
+const BRIGHTER: f32 = 2.0;
 
 /// Scale of smoothing before that is asked, um: noise is as often darker as brighter.
 const SMOOTH_UM: f64 = 1.0;
