@@ -132,7 +132,9 @@ fn a_folder_of_good_and_broken_pictures_gives_a_row_each_and_goes_on_where_it_wa
     assert!(rows[3].starts_with("second dish/b.png,1,ok"), "{}", rows[3]);
     let parquet = std::fs::read(folder.path().join("out/cells.parquet")).unwrap();
     assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
-    assert!(folder.path().join("out/overlays/a.png").exists());
+    for overlay in ["a_png.png", "second dish/b_png.png"] {
+        assert!(folder.path().join("out/overlays").join(overlay).exists(), "{overlay}");
+    }
 
     // Interrupted after the first picture, with a line cut off; and a picture mended meanwhile.
     let journal = folder.path().join("out/progress.jsonl");

@@ -53,7 +53,7 @@ impl Work<'_> {
         let (chosen, mut rows) = self.chosen(source, &cells, name)?;
         let all: Vec<&PictureCell> = chosen.iter().collect();
         let figure = overlay::draw(name, &cells, &all, None, &cells.notes)?;
-        let file = self.target.join("overlays").join(format!("{}.png", flat(name)));
+        let file = self.target.join("overlays").join(format!("{}.png", own(name)));
         if let Some(folder) = file.parent() {
             files::create_folder(folder)?;
         }
@@ -127,7 +127,7 @@ impl Work<'_> {
         row: &mut Row,
     ) -> Result<(), Failure> {
         let start = Instant::now();
-        let name = cell.name.clone();
+        let name = cell.name.replace('/', "_");
         let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
         let field = run.fibre_field(&shaped)?;
         let mut report = shaped.report;
@@ -156,7 +156,7 @@ impl Work<'_> {
             }
         }
         if self.args.figures {
-            let target = self.target.join("cells").join(format!("{}_{name}", flat(&row.picture)));
+            let target = self.target.join("cells").join(format!("{}_{name}", own(&row.picture)));
             let folder = Folder::claim(&target, true)?;
             run::write(&folder, run, &simulation, &outcome, &summary, &stimuli)?;
             folder.finish()?;
@@ -226,8 +226,7 @@ fn column(name: &str, unit: &str) -> String {
     }
 }
 
-/// A name that can be one file's: `a/b.tif` gives `a_b`.
-fn flat(name: &str) -> String {
-    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-    stem.replace('/', "_")
+/// A name without ending that no other picture has: `a/b.tif` gives `a/b_tif`, for there may be an `a/b.png`.
+fn own(name: &str) -> String {
+    name.rsplit_once('.').map_or(name.to_owned(), |(stem, ending)| format!("{stem}_{ending}"))
 }
