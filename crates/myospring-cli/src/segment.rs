@@ -7,13 +7,13 @@ use crate::results::Folder;
 use crate::{input, print};
 use myospring::mesh::Mesh;
 use myospring::mesh::quality::MeshReport;
-use myospring::microscopy::cells::{PictureCell, PictureCells};
+use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
 use myospring::microscopy::outlines::raster::{write_labels_png, write_mask_png};
 use myospring::microscopy::outlines::{
     NamedOutline, PixelFrame, write_cellpose, write_geojson, write_roi, write_roi_set,
 };
 use myospring::microscopy::report::ShapeReport;
-use myospring::microscopy::segment::{Choice, Confidence};
+use myospring::microscopy::segment::{Choice, Confidence, SegmentError};
 use myospring::output::figure::Figure;
 use myospring::output::{files, json};
 use myospring::run_file::{Run, ShapeError, Source};
@@ -79,10 +79,9 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     };
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let cells = source.cells(&bytes)?;
-    let chosen = if args.shape.segmentation.all() {
-        (1..=cells.len() as u32)
-            .map(|number| cells.cell(Choice::Number(number), true))
-            .collect::<Result<Vec<_>, _>>()
+    let all = args.shape.segmentation.all();
+    let chosen = if all {
+        every_cell(&cells, source.allow_cut)
     } else {
         cells.cell(source.choice, source.allow_cut).map(|cell| vec![cell])
     }
@@ -91,7 +90,7 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     let chosen: Vec<Chosen> = chosen.into_iter().map(meshed).collect();
 
     let report = report(args, &cells, &chosen);
-    let notes = notes(&cells, &chosen);
+    let notes = notes(&cells, &chosen, all);
     let figure = draw(&report, &run, &cells, &chosen, &notes)?;
     let written = write(args, &name, &cells, &chosen, &report, &figure)?;
     if args.json {
@@ -106,6 +105,25 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Every cell; those that the frame cuts only where that is allowed, or if there are no others an error.
+fn every_cell(cells: &PictureCells, allow_cut: bool) -> Result<Vec<PictureCell>, CellError> {
+    let mut cut = None;
+    let mut every = Vec::new();
+    for number in 1..=cells.len() as u32 {
+        match cells.cell(Choice::Number(number), allow_cut) {
+            Ok(cell) => every.push(cell),
+            Err(CellError::Segment(error @ SegmentError::Cut { .. })) => {
+                cut.get_or_insert(error);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    match cut {
+        Some(error) if every.is_empty() => Err(error.into()),
+        _ => Ok(every),
+    }
 }
 
 fn report<'a>(args: &SegmentArgs, cells: &'a PictureCells, chosen: &'a [Chosen]) -> Report<'a> {
@@ -134,9 +152,15 @@ fn report<'a>(args: &SegmentArgs, cells: &'a PictureCells, chosen: &'a [Chosen])
 }
 
 /// What a person should look at.
-fn notes(cells: &PictureCells, chosen: &[Chosen]) -> Vec<String> {
+fn notes(cells: &PictureCells, chosen: &[Chosen], all: bool) -> Vec<String> {
     let mut notes = cells.notes.clone();
-    if chosen.len() < cells.len() {
+    let left_out = cells.len() - chosen.len();
+    if all && left_out > 0 {
+        notes.push(format!(
+            "{left_out} of {} cells are cut by the frame and were left out; --allow-cut takes them",
+            cells.len()
+        ));
+    } else if left_out > 0 {
         notes.push(format!(
             "the picture has {} cells; --cell all writes all of them, --cell N or --seed X,Y another",
             cells.len()
