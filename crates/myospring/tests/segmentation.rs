@@ -63,6 +63,62 @@ fn the_brightfield_cell_is_found_with_defaults() {
     assert!(dice >= 0.90, "Dice {dice}");
 }
 
+/// From the place and value of a pixel to its new value.
+type Change<'a> = &'a dyn Fn(usize, f32) -> f32;
+
+#[test]
+fn a_real_cell_is_found_however_its_picture_is_turned_scaled_lit_or_blurred_by_noise() {
+    for (picture, mask, least) in [
+        ("images/sarcgraph_e5_fluorescence.png", "images/sarcgraph_e5_mask.png", 0.96),
+        ("images/contrax_brightfield.tif", "images/contrax_brightfield_mask.png", 0.90),
+    ] {
+        let (Some(picture), Some(mask)) = (shared_data(picture), shared_data(mask)) else { return };
+        let read = |file: std::path::PathBuf| {
+            read_picture(&std::fs::read(file).unwrap(), &Selection::default()).unwrap().plane
+        };
+        let (picture, mask) = (read(picture), read(mask));
+        let (width, height) = (picture.width(), picture.height());
+        // From -1 at the left to 1 at the right.
+        let across = |at: usize| 2.0 * (at % width) as f32 / width as f32 - 1.0;
+        // About normal, of standard deviation 10 grey values; SplitMix64 (Steele, Lea and Flood 2014).
+        let uniform = |at: usize| {
+            let mut z = (at as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32 - 0.5
+        };
+        let noise = |at: usize| 10.0 * (1..=12).map(|k| uniform(12 * at + k)).sum::<f32>();
+        let changed: [(&str, Change<'_>); 4] = [
+            ("as 16 bits above an offset", &|_, value| 257.0 * value + 500.0),
+            ("at half the contrast", &|_, value| 60.0 + 0.5 * value),
+            ("lit from one side", &|at, value| value * (1.0 + 0.4 * across(at))),
+            ("under noise", &|at, value| value + noise(at)),
+        ];
+        let mut ways: Vec<(&str, Plane, Plane)> = Vec::new();
+        for (name, change) in changed {
+            let values = picture.values().iter().enumerate();
+            let values = values.map(|(at, &value)| change(at, value)).collect();
+            ways.push((name, Plane::new(width, height, values).unwrap(), mask.clone()));
+        }
+        let turned = |plane: &Plane| {
+            let at = |at: usize| plane.at(at / height, at % height);
+            Plane::new(height, width, (0..width * height).map(at).collect()).unwrap()
+        };
+        let mirrored = |plane: &Plane| {
+            let at = |at: usize| plane.at(width - 1 - at % width, at / width);
+            Plane::new(width, height, (0..width * height).map(at).collect()).unwrap()
+        };
+        ways.push(("transposed", turned(&picture), turned(&mask)));
+        ways.push(("mirrored", mirrored(&picture), mirrored(&mask)));
+        for (name, plane, mask) in ways {
+            let found = segment(&plane, 0.27, &Settings::default()).unwrap();
+            let inside = mask.values().iter().map(|&value| value > 0.0).collect();
+            let dice = dice(&Truth { plane: mask, inside }, &found);
+            assert!(dice >= least, "{name}: Dice {dice}");
+        }
+    }
+}
+
 #[test]
 fn a_known_cell_is_found_at_any_turn_magnification_and_unevenness() {
     let clear = Scene::default();
