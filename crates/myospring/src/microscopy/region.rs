@@ -64,6 +64,17 @@ impl Window {
         self.rows.len()
     }
 
+    fn overlaps(&self, other: &Self) -> bool {
+        let meet = |a: &Range<usize>, b: &Range<usize>| a.start < b.end && b.start < a.end;
+        meet(&self.columns, &other.columns) && meet(&self.rows, &other.rows)
+    }
+
+    fn join(&mut self, other: &Self) {
+        let both = |a: &Range<usize>, b: &Range<usize>| a.start.min(b.start)..a.end.max(b.end);
+        self.columns = both(&self.columns, &other.columns);
+        self.rows = both(&self.rows, &other.rows);
+    }
+
     /// The values within, of a picture of so many columns.
     pub(super) fn cut<T: Copy>(&self, values: &[T], width: usize) -> Vec<T> {
         let row = |row: usize| &values[row * width..][self.columns.clone()];
@@ -171,6 +182,35 @@ impl Region {
         Window { columns: widened(columns, width), rows: widened(rows, height) }
     }
 
+    /// A window for each island, with `margin` pixels around it as far as there are any; windows that overlap are
+    /// one.
+    pub(super) fn windows(&self, margin: usize) -> Vec<Window> {
+        let (width, height) = (self.width(), self.height());
+        let widened = |[first, last]: [usize; 2], count: usize| {
+            first.saturating_sub(margin)..(last + margin + 1).min(count)
+        };
+        let islands = self.islands(Connectivity::Eight).list;
+        let around = |island: &Island| Window {
+            columns: widened(island.columns, width),
+            rows: widened(island.rows, height),
+        };
+        let mut windows: Vec<Window> = islands.iter().map(around).collect();
+        loop {
+            let before = windows.len();
+            let mut apart: Vec<Window> = Vec::new();
+            for window in windows {
+                match apart.iter_mut().find(|other| other.overlaps(&window)) {
+                    Some(other) => other.join(&window),
+                    None => apart.push(window),
+                }
+            }
+            windows = apart;
+            if windows.len() == before {
+                return windows;
+            }
+        }
+    }
+
     /// The part within a window.
     pub(super) fn cut(&self, window: &Window) -> Self {
         let inside = window.cut(self.pixels.as_raw(), self.width());
@@ -179,12 +219,19 @@ impl Region {
 
     /// Put back where a window was cut out of a picture of this size.
     pub(super) fn pasted(&self, window: &Window, width: usize, height: usize) -> Self {
-        let mut inside = vec![false; width * height];
-        let own: Vec<bool> = self.inside().collect();
-        for (row, values) in window.rows.clone().zip(own.chunks_exact(window.width())) {
-            inside[row * width..][window.columns.clone()].copy_from_slice(values);
+        let mut whole = Self { pixels: GrayImage::new(width as u32, height as u32) };
+        whole.put(self, window);
+        whole
+    }
+
+    /// Puts a part back where a window was cut out.
+    pub(super) fn put(&mut self, part: &Self, window: &Window) {
+        let width = self.width();
+        let pixels: &mut [u8] = &mut self.pixels;
+        let rows = part.pixels.as_raw().chunks_exact(window.width());
+        for (row, values) in window.rows.clone().zip(rows) {
+            pixels[row * width..][window.columns.clone()].copy_from_slice(values);
         }
-        Self::new(width, height, inside.into_iter())
     }
 
     /// Number of pixels of the picture.

@@ -67,13 +67,13 @@ pub(super) fn segment(
     let margin = 2.0 * CLOSING_UM[CLOSING_UM.len() - 1] / pixel;
     let seen = edges.window(margin.ceil() as usize, coarse);
     let (edges, around) = (edges.cut(&seen), gradient.cut(&seen));
-    let tries: Vec<Guess> = LEVELS
-        .iter()
-        .map(|level| {
-            let [weak, strong] = level.map(|level| level * unit);
-            let edges = around.edges(&edges, weak, strong, least_edge);
-            Guess::within(edges, pixel, settings.smallest_cell_um2)
-        })
+    let stricter = LEVELS[1..].iter().map(|level| {
+        let [weak, strong] = level.map(|level| level * unit);
+        around.edges(&edges, weak, strong, least_edge)
+    });
+    let tries: Vec<Guess> = std::iter::once(edges.clone())
+        .chain(stricter)
+        .map(|edges| Guess::within(edges, pixel, settings.smallest_cell_um2))
         .collect();
     let votes: Vec<usize> = (0..tries[0].region.pixels())
         .map(|at| tries.iter().filter(|guess| guess.region.contains(at)).count())
@@ -95,19 +95,23 @@ pub(super) fn segment(
     }
     let guess = agreed.spread(coarse, seen.width(), seen.height());
     let band = BAND_UM.map(|um| um / pixel);
-    // And only around those edges that enclose something.
-    let window = guess.window((2.0 * BAY_UM / pixel).ceil() as usize, 1);
-    let (near, close) = (guess.cut(&window), around.cut(&window));
-    let region = flooded(&close.towards_the_light(&near, band), &near, band)
-        .opened(OPENING_UM / pixel)
-        .closed(BAY_UM / pixel)
-        .filled(usize::MAX)
-        .smoothed(OUTLINE_UM / pixel)
-        .pasted(&window, seen.width(), seen.height())
-        .pasted(&seen, working.width(), working.height());
+    // And only around those edges that enclose something, cells that are apart each by itself.
     let Guess { edges, closing_um, .. } = &tries[2];
     let closing_um = *closing_um;
-    let near_edges = edges.grown(1.0 / pixel).pasted(&seen, working.width(), working.height());
+    let nothing = Region::new(seen.width(), seen.height(), std::iter::empty());
+    let (mut region, mut near_edges) = (nothing.clone(), nothing);
+    for window in guess.windows((2.0 * BAY_UM / pixel).ceil() as usize) {
+        let (near, close) = (guess.cut(&window), around.cut(&window));
+        let refined = flooded(&close.towards_the_light(&near, band), &near, band)
+            .opened(OPENING_UM / pixel)
+            .closed(BAY_UM / pixel)
+            .filled(usize::MAX)
+            .smoothed(OUTLINE_UM / pixel);
+        region.put(&refined, &window);
+        near_edges.put(&edges.cut(&window).grown(1.0 / pixel), &window);
+    }
+    let [region, near_edges] =
+        [region, near_edges].map(|part| part.pasted(&seen, working.width(), working.height()));
     let found = Found { region, factor, modality: Modality::Brightfield, threshold, notes };
     let judge = |candidate: &Candidate<'_>| {
         let place = |&pixel: &u32| {

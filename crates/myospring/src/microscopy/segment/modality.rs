@@ -23,6 +23,9 @@ const MOST_LABELS: usize = 4096;
 /// A label borders on itself so many times as often as on other labels.
 const FLAT: u64 = 3;
 
+/// A picture changes from pixel to pixel; the rows of a mask do so in one pixel of so many at the most.
+const CHANGES: usize = 12;
+
 /// Tells a mask, a fluorescence picture and a brightfield picture from each other.
 pub(super) fn guess(plane: &Plane, pixel_size_um: f64, notes: &mut Vec<String>) -> Modality {
     if is_mask(plane) {
@@ -58,15 +61,15 @@ fn is_mask(plane: &Plane) -> bool {
             }
             changes += 1;
             values.insert(value.to_bits());
-            if values.len() > MOST_LABELS {
+            let changes_often = changes * CHANGES >= plane.values().len();
+            if values.len() > MOST_LABELS || values.len() > 2 && changes_often {
                 return false;
             }
         }
         last = value;
     }
     let zero = values.contains(&0.0_f32.to_bits());
-    // A picture changes from pixel to pixel; the rows of a mask do so some times each, per label.
-    zero && (values.len() == 2 || changes * 12 < plane.values().len() && has_flat_labels(plane))
+    zero && (values.len() == 2 || has_flat_labels(plane))
 }
 
 /// Whether most values that are not 0 border on themselves wherever they do not border on 0, as the inside of a
