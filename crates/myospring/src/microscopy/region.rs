@@ -34,6 +34,17 @@ pub(super) struct Island {
 }
 
 impl Island {
+    /// Without any pixel, in a picture of this size.
+    fn none(width: usize, height: usize) -> Self {
+        Self { pixels: 0, columns: [width, 0], rows: [height, 0] }
+    }
+
+    fn add(&mut self, column: usize, row: usize) {
+        self.pixels += 1;
+        self.columns = [self.columns[0].min(column), self.columns[1].max(column)];
+        self.rows = [self.rows[0].min(row), self.rows[1].max(row)];
+    }
+
     /// Length of the diagonal of its box, pixels.
     pub(super) fn extent(&self) -> f64 {
         let side = |[first, last]: [usize; 2]| (last - first + 1) as f64;
@@ -56,6 +67,15 @@ pub(super) struct Window {
 }
 
 impl Window {
+    /// The box of an island and `margin` pixels around it, as far as a picture of this size has any; it begins with
+    /// a block of `block` x `block` pixels.
+    fn around(island: &Island, margin: usize, block: usize, [width, height]: [usize; 2]) -> Self {
+        let widened = |[first, last]: [usize; 2], count: usize| {
+            first.saturating_sub(margin) / block * block..(last + margin + 1).min(count)
+        };
+        Self { columns: widened(island.columns, width), rows: widened(island.rows, height) }
+    }
+
     pub(super) fn width(&self) -> usize {
         self.columns.len()
     }
@@ -167,33 +187,22 @@ impl Region {
     /// with a block of `block` x `block` pixels; the whole picture if the region is empty.
     pub(super) fn window(&self, margin: usize, block: usize) -> Window {
         let (width, height) = (self.width(), self.height());
-        let (mut columns, mut rows) = ([width, 0], [height, 0]);
+        let mut all = Island::none(width, height);
         for (at, _) in self.inside().enumerate().filter(|(_, inside)| *inside) {
-            let (column, row) = (at % width, at / width);
-            columns = [columns[0].min(column), columns[1].max(column)];
-            rows = [rows[0].min(row), rows[1].max(row)];
+            all.add(at % width, at / width);
         }
-        if columns[0] > columns[1] {
-            return Window { columns: 0..width, rows: 0..height };
+        match all.pixels {
+            0 => Window { columns: 0..width, rows: 0..height },
+            _ => Window::around(&all, margin, block, [width, height]),
         }
-        let widened = |[first, last]: [usize; 2], count: usize| {
-            first.saturating_sub(margin) / block * block..(last + margin + 1).min(count)
-        };
-        Window { columns: widened(columns, width), rows: widened(rows, height) }
     }
 
     /// A window for each island, with `margin` pixels around it as far as there are any; windows that overlap are
     /// one.
     pub(super) fn windows(&self, margin: usize) -> Vec<Window> {
-        let (width, height) = (self.width(), self.height());
-        let widened = |[first, last]: [usize; 2], count: usize| {
-            first.saturating_sub(margin)..(last + margin + 1).min(count)
-        };
+        let size = [self.width(), self.height()];
         let islands = self.islands(Connectivity::Eight).list;
-        let around = |island: &Island| Window {
-            columns: widened(island.columns, width),
-            rows: widened(island.rows, height),
-        };
+        let around = |island: &Island| Window::around(island, margin, 1, size);
         let mut windows: Vec<Window> = islands.iter().map(around).collect();
         loop {
             let before = windows.len();
@@ -290,13 +299,11 @@ impl Region {
                 continue;
             }
             let number = list.len() as u32 + 1;
-            let mut island = Island { pixels: 0, columns: [width, 0], rows: [height, 0] };
+            let mut island = Island::none(width, height);
             numbers[first] = number;
             open.push([first % width, first / width]);
             while let Some([column, row]) = open.pop() {
-                island.pixels += 1;
-                island.columns = [island.columns[0].min(column), island.columns[1].max(column)];
-                island.rows = [island.rows[0].min(row), island.rows[1].max(row)];
+                island.add(column, row);
                 for [right, down] in &around {
                     let (x, y) =
                         (column.wrapping_add_signed(*right), row.wrapping_add_signed(*down));
