@@ -51,19 +51,21 @@ impl Work<'_> {
         let cells = source.cells(&bytes)?;
         let segment_s = start.elapsed().as_secs_f64();
         let (chosen, mut rows) = self.chosen(source, &cells, name)?;
-        let all: Vec<&PictureCell> = chosen.iter().collect();
-        let figure = overlay::draw(name, &cells, &all, None, &cells.notes)?;
+        let every = self.every_cell();
+        let left_out = |cell: &PictureCell| left_out(cell, every, source.allow_cut);
+        let beaten: Vec<&PictureCell> =
+            chosen.iter().filter(|cell| left_out(cell).is_none()).collect();
+        let figure = overlay::draw(name, &cells, &beaten, None, &cells.notes)?;
         let file = self.target.join("overlays").join(format!("{}.png", own(name)));
         if let Some(folder) = file.parent() {
             files::create_folder(folder)?;
         }
         files::write(&file, figure.to_png(DPI)?)?;
 
-        let every = self.every_cell();
         for cell in chosen {
             let mut row = described(name, &cells, &cell);
             row.number("segment_s", segment_s);
-            if let Some(reason) = left_out(&cell, every, source.allow_cut) {
+            if let Some(reason) = left_out(&cell) {
                 row.status = Status::LeftOut;
                 row.reason = reason;
             } else if let Err(failure) = self.beat(&run, &cells, cell, &mut row) {

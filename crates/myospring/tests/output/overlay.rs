@@ -230,3 +230,27 @@ fn what_cannot_be_drawn_is_an_error_that_names_it() {
         assert!(error.to_string().contains(message), "{error}");
     }
 }
+
+#[test]
+fn several_cells_carry_their_names_in_a_single_panel_too() {
+    let square = |x: f64| [[x, 1.0], [x + 8.0, 1.0], [x + 8.0, 19.0], [x, 19.0]];
+    let rings = [square(1.0), square(11.0)];
+    let cells: Vec<Contour> = ["left one", "right one"]
+        .into_iter()
+        .zip(&rings)
+        .map(|(name, ring)| Contour { name, rings: vec![ring], chosen: true })
+        .collect();
+    let figure = overlay(&Overlay {
+        title: "",
+        width: 20,
+        height: 20,
+        values: &[0.5; 400],
+        pixel_size_um: 1.0,
+        cells: &cells,
+        mesh: None,
+        fibres: &[],
+        warnings: &[],
+    });
+    let svg = figure.unwrap().svg;
+    assert!(svg.contains("left one") && svg.contains("right one") && !svg.contains("panel-B"));
+}

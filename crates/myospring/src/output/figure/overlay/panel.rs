@@ -135,7 +135,7 @@ impl Panel {
             self.draw_ticks(sheet, overlay.fibres);
         }
         let several = overlay.cells.len() > 1;
-        for cell in overlay.cells.iter().filter(|_| several && !detail) {
+        for cell in overlay.cells.iter().filter(|_| several && name == "A") {
             self.draw_name(sheet, cell);
         }
         sheet.raw("</g>");
