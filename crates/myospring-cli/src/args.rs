@@ -256,6 +256,10 @@ pub(crate) struct SimulationArgs {
     /// Peak of the active tension ("50 kPa")
     #[arg(long, value_name = "TENSION", help_heading = CELL, allow_hyphen_values = true)]
     pub(crate) peak_tension: Option<String>,
+    /// Whose peak is scaled to that: published (of the model's published parameters; changed ones make the
+    /// cell stronger or weaker) or own-peak (the model's own, whatever its parameters) [default: published]
+    #[arg(long, value_name = "NAME", help_heading = CELL)]
+    pub(crate) tension_scale: Option<String>,
     /// Number of stimuli
     #[arg(long, value_name = "N", help_heading = CELL, allow_hyphen_values = true)]
     pub(crate) beats: Option<i64>,
@@ -310,10 +314,16 @@ pub(crate) struct SimulationArgs {
 }
 
 impl SimulationArgs {
+    /// The option that names the cell model.
+    pub(crate) fn model(&self) -> Overrides {
+        given(self.rows().into_iter().filter(|(_, key, _)| *key == "cell.model"))
+    }
+
     fn rows(&self) -> Rows {
         vec![
             ("--model", "cell.model", text(self.model.as_ref())),
             ("--peak-tension", "cell.peak_tension", text(self.peak_tension.as_ref())),
+            ("--tension-scale", "cell.tension_scale", text(self.tension_scale.as_ref())),
             ("--authors-step", "cell.authors_step", yes(self.authors_step)),
             ("--beats", "stimulus.beats", number(self.beats)),
             ("--cycle-length", "stimulus.cycle_length", text(self.cycle_length.as_ref())),

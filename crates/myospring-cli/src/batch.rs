@@ -41,14 +41,14 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let target = target(args);
     let pictures = pictures(args, &target)?;
     // Every setting is checked once, before any picture is opened.
-    let (_, run) = input::settle(Some(&pictures[0]), args.beat.overrides())?;
+    let (_, run) = input::settle(Some(&pictures[0].1), args.beat.overrides())?;
     let settings = settings(args, &run)?;
     let journal = Journal::open(&target, &settings, args.output.force)?;
     let work = Work { args, target: &target };
 
-    let done = journal.done(&args.folder, &pictures);
-    let left: Vec<&PathBuf> =
-        pictures.iter().filter(|&picture| !done.contains(&name(args, picture))).collect();
+    let done = journal.done(&pictures);
+    let left: Vec<&(String, PathBuf)> =
+        pictures.iter().filter(|(name, _)| !done.contains(name)).collect();
     if !args.output.quiet && !done.is_empty() {
         print::note(&format!("going on: {} of {} pictures are done", done.len(), pictures.len()));
     }
@@ -60,9 +60,8 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         .build()
         .map_err(Failure::new)?;
     pool.install(|| {
-        left.par_iter().try_for_each(|picture| {
-            let name = name(args, picture);
-            let (hash, rows) = work.picture(picture, &name);
+        left.par_iter().try_for_each(|(name, picture)| {
+            let (hash, rows) = work.picture(picture, name);
             for row in rows.iter().filter(|row| row.status == Status::Failed) {
                 bar.suspend(|| {
                     if !args.output.quiet {
@@ -70,19 +69,19 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
                     }
                 });
             }
-            journal.add(&name, &hash, rows)?;
+            journal.add(name, &hash, rows)?;
             bar.inc(1);
             let mut last = last_table.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             if last.elapsed() > TABLE_EVERY {
                 *last = Instant::now();
-                write_table(&target, &journal.rows(&pictures_named(args, &pictures)))?;
+                write_table(&target, &journal.rows(&pictures))?;
             }
             Ok::<(), Failure>(())
         })
     })?;
     bar.finish_and_clear();
 
-    let rows = journal.rows(&pictures_named(args, &pictures));
+    let rows = journal.rows(&pictures);
     write_table(&target, &rows)?;
     let count = |status: Status| rows.iter().filter(|row| row.status == status).count();
     let outcome = Outcome {
@@ -126,8 +125,8 @@ fn target(args: &BatchArgs) -> PathBuf {
     })
 }
 
-/// The pictures of the folder and all folders in it, by name.
-fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<PathBuf>, Failure> {
+/// The pictures of the folder and all folders in it, each with its name, in the order of the paths.
+fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
     let pattern = args
         .pattern
         .as_deref()
@@ -169,7 +168,7 @@ fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<PathBuf>, Failure> {
         let message = format!("`{}` holds no file like {wanted}", args.folder.display());
         return Err(Failure::new(message).advise("give another folder or --pattern"));
     }
-    Ok(found)
+    Ok(found.into_iter().map(|path| (name(args, &path), path)).collect())
 }
 
 fn is_wanted(file_name: &str, pattern: Option<&glob::Pattern>) -> bool {
@@ -184,10 +183,6 @@ fn name(args: &BatchArgs, picture: &Path) -> String {
     let parts: Vec<_> =
         within.components().map(|part| part.as_os_str().to_string_lossy()).collect();
     parts.join("/")
-}
-
-fn pictures_named(args: &BatchArgs, pictures: &[PathBuf]) -> Vec<String> {
-    pictures.iter().map(|picture| name(args, picture)).collect()
 }
 
 /// Every setting that results depend on, as text.

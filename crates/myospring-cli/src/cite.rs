@@ -1,22 +1,27 @@
 //! `--cite`.
 
-use crate::args::{Cli, Command};
+use crate::args::{Cli, Command, ModelsArgs};
 use crate::failure::Failure;
-use crate::print;
-use myospring::cell;
+use crate::{input, print};
+use myospring::{cell, references};
+use std::path::Path;
 use std::process::ExitCode;
-
-const REFERENCES: &str = include_str!("../../../references.bib");
 
 /// Prints what to cite: this program, the paper behind it, and the papers of the cell model.
 pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
-    let chosen = match &cli.command {
-        Some(Command::Run(args)) => args.beat.simulation.model.as_deref(),
-        Some(Command::Batch(args)) => args.beat.simulation.model.as_deref(),
-        Some(Command::Models(args)) => args.name.as_deref(),
-        _ => None,
+    let model = match &cli.command {
+        Some(Command::Run(args)) => {
+            let is_run_file =
+                |path: &&Path| path.extension().is_some_and(|ending| ending == "toml");
+            let run_file = args.input.as_deref().filter(is_run_file);
+            input::settle(run_file, args.beat.simulation.model())?.1.cell
+        }
+        Some(Command::Batch(args)) => input::settle(None, args.beat.simulation.model())?.1.cell,
+        Some(Command::Models(ModelsArgs { name: Some(name), .. })) => {
+            cell::model(name).map_err(Failure::new)?
+        }
+        _ => input::settle(None, Vec::new())?.1.cell,
     };
-    let model = cell::model(chosen.unwrap_or("coelho_2021")).map_err(Failure::new)?;
     let mut keys = vec!["coelho_2021"];
     for key in model.citations() {
         if !keys.contains(key) {
@@ -30,33 +35,9 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
          {{{version}}},\n  year    = {{2026}}\n}}"
     ));
     for key in keys {
-        if let Some(entry) = entry(key) {
+        if let Some(entry) = references::entry(key) {
             print::out(&format!("\n{entry}"));
         }
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// One entry of `references.bib`, from its `@` to its last brace.
-fn entry(key: &str) -> Option<&'static str> {
-    let head = format!("{{{key},");
-    let at = REFERENCES.find(&head)?;
-    let start = REFERENCES[..at].rfind('@')?;
-    let end = REFERENCES[start..].find("\n}")?;
-    Some(&REFERENCES[start..start + end + 2])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_paper_that_a_model_cites_is_in_the_references() {
-        for model in cell::models() {
-            for key in model.citations() {
-                let entry = entry(key).unwrap_or_else(|| panic!("{key} is missing"));
-                assert!(entry.starts_with('@') && entry.ends_with('}'), "{entry}");
-            }
-        }
-    }
 }

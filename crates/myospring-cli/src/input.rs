@@ -4,7 +4,7 @@ use crate::args::Overrides;
 use crate::failure::Failure;
 use myospring::run_file::{Reader, Run, ShapeBytes, Shaped};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A run that was resolved, with its shape meshed.
 pub(crate) struct Input {
@@ -28,16 +28,15 @@ pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, F
 pub(crate) fn settle(path: Option<&Path>, overrides: Overrides) -> Result<(String, Run), Failure> {
     let mut reader = Reader::new();
     let mut text = None;
-    let mut base = PathBuf::new();
     if let Some(path) = path {
         match ending(path).as_str() {
             "toml" => {
                 let content =
                     fs::read_to_string(path).map_err(|error| cannot_read(path, &error))?;
-                base = path.parent().map(Path::to_owned).unwrap_or_default();
                 reader = reader
                     .text(&path.display().to_string(), &content)
-                    .map_err(|error| Failure::of_run_file(&error, Some(&content)))?;
+                    .map_err(|error| Failure::of_run_file(&error, Some(&content)))?
+                    .beside(path.parent().unwrap_or(Path::new("")));
                 text = Some(content);
             }
             kind
@@ -63,9 +62,7 @@ pub(crate) fn settle(path: Option<&Path>, overrides: Overrides) -> Result<(Strin
     for (option, key, value) in overrides {
         reader = reader.option(option, key, value);
     }
-    let mut run =
-        reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
-    run.shape.resolve_path(&base);
+    let run = reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
     let name = path
         .and_then(Path::file_stem)
         .map_or_else(|| run.shape.name().to_owned(), |stem| stem.to_string_lossy().into_owned());

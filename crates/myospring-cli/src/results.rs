@@ -13,7 +13,7 @@ const DPI: f64 = 300.0;
 /// What draws a figure.
 pub(crate) type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 
-/// A folder under way: files go to a sibling that takes the folder's name in the end.
+/// A folder under way: files go to a hidden folder until all are there.
 pub(crate) struct Folder {
     target: PathBuf,
     work: PathBuf,
@@ -43,13 +43,15 @@ impl Folder {
             return Err(Failure::new(message).advise("give a folder like --output results/mine"));
         };
         let part = format!(".{}.{}.part", name.to_string_lossy(), std::process::id());
-        let work = target.with_file_name(part);
+        // Beside a folder that is yet to be made; in one that is there, which may be a disk of its own.
+        let work = if target.is_dir() { target.join(part) } else { target.with_file_name(part) };
         fs::create_dir_all(&work).map_err(|error| unusable(&error))?;
         Ok(Self { target: target.to_owned(), work, done: false })
     }
 
     /// Writes one file.
     pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), Failure> {
+        debug_assert!(is_ours(name), "{name} is not in the list of what runs write");
         let path = self.work.join(name);
         if let Some(parent) = path.parent() {
             files::create_folder(parent)?;
@@ -76,13 +78,15 @@ impl Folder {
         }
     }
 
-    /// Gives the folder its name; files of earlier results are replaced one by one.
+    /// Gives the folder its name. Earlier results there go, all of them; what no run writes stays.
     pub(crate) fn finish(mut self) -> Result<PathBuf, Failure> {
         let failed = |error: &std::io::Error| {
             Failure::new(format!("cannot write results to `{}`: {error}", self.target.display()))
         };
         let outcome = if self.target.exists() {
-            merge(&self.work, &self.target).and_then(|()| fs::remove_dir_all(&self.work))
+            remove_ours(&self.target, "")
+                .and_then(|()| merge(&self.work, &self.target))
+                .and_then(|()| fs::remove_dir_all(&self.work))
         } else {
             fs::rename(&self.work, &self.target)
         };
@@ -92,7 +96,21 @@ impl Folder {
     }
 }
 
-/// Moves every file of one folder into another, over those of the same name.
+/// Removes the files that runs write from a folder; `within` is its place in the results.
+fn remove_ours(folder: &Path, within: &str) -> std::io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = format!("{within}{}", entry.file_name().to_string_lossy());
+        if name == "figures" && entry.file_type()?.is_dir() {
+            remove_ours(&entry.path(), "figures/")?;
+        } else if is_ours(&name) {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// Moves every file of one folder into another.
 fn merge(from: &Path, to: &Path) -> std::io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
@@ -105,6 +123,41 @@ fn merge(from: &Path, to: &Path) -> std::io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Whether a command that makes a folder of results writes a file of this name.
+fn is_ours(name: &str) -> bool {
+    const FILES: [&str; 12] = [
+        "traces.csv",
+        "summary.json",
+        "run.toml",
+        "run.json",
+        "paper.json",
+        "mesh.json",
+        "outline.geojson",
+        "mask.png",
+        "cell.roi",
+        "cells.zip",
+        "overlay.png",
+        "report.json",
+    ];
+    const FIGURES: [&str; 9] = [
+        "overlay",
+        "overview",
+        "cell",
+        "mesh",
+        "action_potential_and_tension",
+        "contraction",
+        "fig3_action_potential_and_tension",
+        "fig5_cell",
+        "fig6_contraction",
+    ];
+    let figure = name
+        .strip_prefix("figures/")
+        .and_then(|name| name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png")));
+    FILES.contains(&name)
+        || name.starts_with("traces_") && name.ends_with("_kPa.csv")
+        || figure.is_some_and(|name| FIGURES.contains(&name))
 }
 
 impl Drop for Folder {

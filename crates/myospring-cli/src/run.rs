@@ -9,12 +9,13 @@ use crate::results::Folder;
 use crate::table::{aligned, number};
 use indicatif::{ProgressBar, ProgressStyle};
 use myospring::analysis::Metric;
-use myospring::cell::solve::solve;
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::report::{Band, Summary, band};
 use myospring::output::{csv, json};
 use myospring::run_file::{Run, Shaped};
-use myospring::simulation::{Effort, Finished, Progress, Ready, Simulation, StopReason};
+use myospring::simulation::{
+    Effort, Finished, Observer, Part, Progress, Ready, Simulation, StopReason,
+};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::io::IsTerminal;
@@ -29,12 +30,15 @@ use std::time::Instant;
 struct Timings {
     /// Reading the shape and meshing it.
     mesh_s: f64,
-    /// Scaling the tension; finding the stable time step, or solving the path of equilibria.
+    /// Finding the stable time step, or solving the path of equilibria; a reference beat of the cell model
+    /// where its parameters are not the published ones.
     preparation_s: f64,
-    /// The cell model, measured on a run of its own.
+    /// The cell model during the beat.
     cell_s: f64,
-    /// The beat without the cell model.
+    /// The mesh following its tension.
     mechanics_s: f64,
+    /// Measuring shapes and keeping samples during the beat.
+    recording_s: f64,
     /// Drawing and writing.
     figures_s: f64,
     /// From start to end.
@@ -94,7 +98,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     simulation.numerics.threads = threads(args.threads, simulation.mesh.len());
     let prepared = simulation.ready()?;
     timings.preparation_s = stage.elapsed().as_secs_f64();
-    let warnings = run.warnings(&report);
+    let mut warnings = run.warnings(&report);
+    warnings.extend(prepared.warnings());
     let quiet = args.output.quiet;
     if !quiet {
         for warning in &warnings {
@@ -108,28 +113,18 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     }
     let folder = Folder::claim(&target, args.output.force)?;
 
-    let stage = Instant::now();
-    let outcome = beat(&prepared, quiet);
-    let beat_s = stage.elapsed().as_secs_f64();
+    let outcome = beat(&prepared, quiet, &mut timings);
 
     let stage = Instant::now();
     let stimuli = run.stimulus_times();
     let summary = Summary::new(&outcome.recording, &stimuli, report.clone(), warnings);
-    let (written, cell_s) = rayon::join(
-        || {
-            if let Some((cells, cell)) = &picture {
-                let (mesh, fibres) = (&simulation.mesh, simulation.fibres.as_slice());
-                let lattice = Some(Lattice { mesh, fibres, field: field.as_ref() });
-                let draw = || overlay::draw(&name, cells, &[cell], lattice, &summary.warnings);
-                folder.figures(&[("overlay", &draw)])?;
-            }
-            write(&folder, &run, &simulation, &outcome, &summary, &stimuli)
-        },
-        || cell_alone(&run),
-    );
-    written?;
-    timings.cell_s = cell_s;
-    timings.mechanics_s = (beat_s - cell_s).max(0.0);
+    if let Some((cells, cell)) = &picture {
+        let (mesh, fibres) = (&simulation.mesh, simulation.fibres.as_slice());
+        let lattice = Some(Lattice { mesh, fibres, field: field.as_ref() });
+        let draw = || overlay::draw(&name, cells, &[cell], lattice, &summary.warnings);
+        folder.figures(&[("overlay", &draw)])?;
+    }
+    write(&folder, &run, &simulation, &outcome, &summary, &stimuli)?;
     timings.figures_s = stage.elapsed().as_secs_f64();
     timings.total_s = start.elapsed().as_secs_f64();
     let run_file = resolved(&run, &simulation, report.spacing_um, outcome.effort.time_step())?;
@@ -174,16 +169,48 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Runs with a progress bar where there is a terminal to show it.
-fn beat(prepared: &Ready<'_>, quiet: bool) -> Finished {
-    let bar = progress_bar(quiet);
-    let outcome = prepared.run(|Progress { time, duration }| {
-        bar.set_length(duration as u64);
-        bar.set_position(time as u64);
-        true
-    });
-    bar.finish_and_clear();
+/// Runs with a progress bar where there is a terminal to show it, and measures what the parts take.
+fn beat(prepared: &Ready<'_>, quiet: bool, timings: &mut Timings) -> Finished {
+    let mut watch = Watch { bar: progress_bar(quiet), timings, at: None };
+    let outcome = prepared.run_observed(&mut watch);
+    watch.turn(None);
+    watch.bar.finish_and_clear();
     outcome
+}
+
+/// Shows how far a run has come and adds up what its parts take.
+struct Watch<'a> {
+    bar: ProgressBar,
+    timings: &'a mut Timings,
+    /// What the run is at, and since when.
+    at: Option<(Part, Instant)>,
+}
+
+impl Watch<'_> {
+    fn turn(&mut self, next: Option<Part>) {
+        let now = Instant::now();
+        if let Some((part, since)) = self.at {
+            let total = match part {
+                Part::Cell => &mut self.timings.cell_s,
+                Part::Mechanics => &mut self.timings.mechanics_s,
+                Part::Recording => &mut self.timings.recording_s,
+            };
+            *total += (now - since).as_secs_f64();
+        }
+        self.at = next.map(|part| (part, now));
+    }
+}
+
+impl Observer for Watch<'_> {
+    fn sample(&mut self, Progress { time, duration }: Progress) -> bool {
+        self.bar.set_length(duration as u64);
+        self.bar.set_position(time as u64);
+        true
+    }
+
+    fn begins(&mut self, part: Part) {
+        self.turn(Some(part));
+    }
 }
 
 /// A bar on a terminal, else one that is not seen.
@@ -205,16 +232,6 @@ fn threads(asked: Option<NonZeroUsize>, masses: usize) -> usize {
     asked.map_or_else(|| (masses / 900).clamp(1, cores), usize::from)
 }
 
-/// Time that the cell model takes by itself, s.
-fn cell_alone(run: &Run) -> f64 {
-    let start = Instant::now();
-    // Only the time counts here; a failure has shown itself in the run.
-    let settings = run.numerics.cell;
-    let interval = run.numerics.exchange_interval;
-    solve(&*run.cell, run.protocol, settings, run.duration, interval).ok();
-    start.elapsed().as_secs_f64()
-}
-
 pub(crate) fn hash(bytes: &[u8]) -> String {
     use std::fmt::Write;
     Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
@@ -232,7 +249,7 @@ fn resolved(
     time_step: Option<f64>,
 ) -> Result<String, Failure> {
     let mut file = run.settled(spacing, time_step);
-    for path in [&mut file.shape.picture, &mut file.shape.outline].into_iter().flatten() {
+    for path in file.paths_mut() {
         if let Ok(absolute) = std::path::absolute(&*path) {
             *path = absolute.to_string_lossy().into_owned();
         }

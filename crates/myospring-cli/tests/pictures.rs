@@ -78,6 +78,57 @@ fn an_outline_goes_out_as_a_roi_and_comes_back_over_its_picture() {
 }
 
 #[test]
+fn files_of_options_are_relative_to_the_user_and_a_written_run_file_runs_from_anywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("study");
+    std::fs::create_dir(&study).unwrap();
+    cell(&study.join("cell.png"));
+    let run_file = "[shape]\npicture = \"cell.png\"\npixel_size = \"0.5 um\"\n\
+                    [numerics]\nintegrator = \"quasi-static\"\n";
+    std::fs::write(study.join("run.toml"), run_file).unwrap();
+    let drawn = ["segment", "study/cell.png", "--pixel-size", "0.5 um", "-o", "cell.roi"];
+    assert!(myospring(folder.path(), &drawn).status.success());
+
+    // The picture stands beside the run file, the outline where the user stands.
+    let first = ["run", "study/run.toml", "--outline", "cell.roi", "-o", "first"];
+    let first = myospring(folder.path(), &first);
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let elsewhere = tempfile::tempdir().unwrap();
+    let written = folder.path().join("first/run.toml");
+    let again = ["run", written.to_str().unwrap(), "-o", "again"];
+    let again = myospring(elsewhere.path(), &again);
+    assert!(again.status.success(), "{}", text(&again.stderr));
+    let traces = |path: std::path::PathBuf| std::fs::read_to_string(path).unwrap();
+    assert_eq!(
+        traces(folder.path().join("first/traces.csv")),
+        traces(elsewhere.path().join("again/traces.csv"))
+    );
+}
+
+#[test]
+fn pictures_of_one_name_in_several_folders_are_resumed_each_as_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("pictures");
+    std::fs::create_dir_all(pictures.join("dish")).unwrap();
+    cell(&pictures.join("a.png"));
+    // The same name with other bytes, and sorted before.
+    std::fs::write(pictures.join("dish/a.png"), "no picture").unwrap();
+    let batch = ["batch", "pictures", "--pixel-size", "0.5 um", "--integrator", "quasi-static"];
+    let batch = [&batch[..], &["-o", "out", "--json"]].concat();
+    for resumed in [0, 2, 2] {
+        let output = myospring(folder.path(), &batch);
+        let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!((&outcome["resumed"], &outcome["cells"]), (&resumed.into(), &1.into()));
+    }
+    // Begun anew, nothing of the earlier batch stays.
+    std::fs::remove_file(pictures.join("a.png")).unwrap();
+    cell(&pictures.join("dish/a.png"));
+    assert!(myospring(folder.path(), &[&batch[..], &["--force"]].concat()).status.success());
+    let overlays = folder.path().join("out/overlays");
+    assert!(overlays.join("dish/a_png.png").exists() && !overlays.join("a_png.png").exists());
+}
+
+#[test]
 fn what_speaks_against_outline_and_fibres_is_said() {
     let folder = tempfile::tempdir().unwrap();
     cell(&folder.path().join("cell.png"));

@@ -59,9 +59,12 @@ fn a_run_writes_every_result_and_prints_a_table() {
         serde_json::from_str(&fs::read_to_string(results.join("run.json")).unwrap()).unwrap();
     assert_eq!(record["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(record["shape_sha256"].as_str().unwrap().len(), 64);
-    for stage in ["mesh_s", "cell_s", "mechanics_s", "figures_s", "total_s"] {
-        assert!(record["timings"][stage].as_f64().unwrap() >= 0.0, "{stage}");
-    }
+    let stage = |name: &str| record["timings"][name].as_f64().unwrap();
+    let stages =
+        ["mesh_s", "preparation_s", "cell_s", "mechanics_s", "recording_s", "figures_s"].map(stage);
+    assert!(stages.iter().all(|seconds| *seconds > 0.0), "{stages:?}");
+    // Each is measured on its own, so together they cannot take longer than all.
+    assert!(stages.iter().sum::<f64>() <= stage("total_s"), "{stages:?}");
 }
 
 #[test]
@@ -94,6 +97,55 @@ fn results_are_not_overwritten_without_force() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let kept = names(&folder.path().join("mine"));
     assert!(kept.contains(&"notes.txt".to_owned()) && kept.contains(&"run.json".to_owned()));
+}
+
+#[test]
+fn replaced_results_are_of_one_run_and_files_of_others_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    fs::create_dir_all(mine.join("figures")).unwrap();
+    // Of earlier runs of a picture and of the comparison with the paper, and of the user.
+    let old = ["figures/overlay.png", "figures/fig5_cell.svg", "paper.json", "traces_30_kPa.csv"];
+    let foreign = ["figures/mine.png", "notes.txt"];
+    for file in old.iter().chain(&foreign) {
+        fs::write(mine.join(file), "old").unwrap();
+    }
+    let output = myospring(folder.path(), &[&QUICK[..], &["-o", "mine", "--force"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(
+        names(&mine),
+        ["figures", "notes.txt", "run.json", "run.toml", "summary.json", "traces.csv"]
+    );
+    assert_eq!(names(&mine.join("figures")).len(), 11, "five figures twice, and one of the user");
+    for file in foreign {
+        assert_eq!(fs::read_to_string(mine.join(file)).unwrap(), "old", "{file}");
+    }
+}
+
+#[test]
+fn a_weaker_cell_shortens_less_unless_it_is_scaled_by_its_own_peak() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[cell.parameters]\nx_3 = 0.0\nc_0 = \"0.012 1/ms\"\n";
+    fs::write(folder.path().join("weak.toml"), text).unwrap();
+    let peak = |more: &[&str]| {
+        let run = ["run", "weak.toml", "--integrator", "quasi-static", "--json", "-o"];
+        let output = myospring(folder.path(), &[&run[..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let printed = json(&output);
+        let metrics = printed["beats"][0].as_object().unwrap().values();
+        let metrics: Vec<_> = metrics.filter_map(|group| group.as_array()).flatten().collect();
+        let of = |name: &str| {
+            let metric = metrics.iter().find(|metric| metric["name"] == name).unwrap();
+            metric["value"].as_f64().unwrap()
+        };
+        [of("peak_tension"), of("peak_shortening")]
+    };
+    let weak = peak(&["weak"]);
+    assert!(weak[0] < 49.0 && weak[1] < 11.8, "{weak:?}");
+    let scaled = peak(&["scaled", "--tension-scale", "own-peak"]);
+    assert!((scaled[0] - 50.0).abs() < 0.01 && (scaled[1] - 12.0).abs() < 0.1, "{scaled:?}");
+    let again = fs::read_to_string(folder.path().join("scaled/run.toml")).unwrap();
+    assert!(again.contains("tension_scale = \"own-peak\""), "{again}");
 }
 
 #[test]
@@ -279,6 +331,25 @@ fn end_loads_that_buckle_the_cell_are_warned_about() {
 }
 
 #[test]
+fn a_run_that_the_fast_kernel_does_not_serve_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let dry = |more: &[&str]| {
+        let run = ["run", "--spacing", "4 um", "--dry-run"];
+        stderr(&myospring(folder.path(), &[&run[..], more].concat()))
+    };
+    for (options, hindrance) in [
+        (["--active", "ends"], "active = \"ends\""),
+        (["--area-law", "barycentric"], "area_law = \"barycentric\""),
+    ] {
+        let said = dry(&options);
+        assert!(said.contains("plain loops") && said.contains(hindrance), "{said}");
+    }
+    for served in [&["--support", "clamped-ends"][..], &["--integrator", "quasi-static"], &[]] {
+        assert_eq!(dry(served), "");
+    }
+}
+
+#[test]
 fn mesh_reports_and_draws() {
     let folder = tempfile::tempdir().unwrap();
     let output = myospring(folder.path(), &["mesh", "--rotate", "30 deg"]);
@@ -316,6 +387,13 @@ fn models_init_schema_and_cite_print_what_they_say() {
     assert!(cite.contains("@software{myospring,") && cite.contains("{coelho_2021,"), "{cite}");
     let cite = ["run", "--model", "bueno_orovio_2008_m", "--cite"];
     assert!(stdout(&myospring(folder.path(), &cite)).contains("{bueno_orovio_2008,"));
+    // The model of the run file, unless an option says otherwise; the toy has no paper.
+    fs::write(folder.path().join("toy.toml"), "[cell]\nmodel = \"toy_alpha\"\n").unwrap();
+    let toy = stdout(&myospring(folder.path(), &["run", "toy.toml", "--cite"]));
+    assert!(toy.contains("{coelho_2021,") && !toy.contains("{bueno_orovio_2008,"), "{toy}");
+    let cite = ["run", "toy.toml", "--model", "bueno_orovio_2008_m", "--cite"];
+    assert!(stdout(&myospring(folder.path(), &cite)).contains("{bueno_orovio_2008,"));
+    assert_eq!(myospring(folder.path(), &["run", "none.toml", "--cite"]).status.code(), Some(2));
 }
 
 #[test]

@@ -5,8 +5,9 @@
 //! step by step inside a coupled simulation. Every model has a name in one list, [`models`].
 //!
 //! Time is in ms, rates in 1/ms, the state is dimensionless. Tension stays dimensionless here and
-//! is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak` with `Ta_peak` from
-//! [`solve::reference_beat`].
+//! is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak`, where `Ta_peak` is a constant of
+//! the model ([`CellModel::published_peak_tension`]): a parameter that makes the model weaker makes the
+//! cell weaker.
 //!
 //! # Example
 //! ```
@@ -80,6 +81,10 @@ pub trait CellModel: Send + Sync {
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64>;
     /// Active tension, dimensionless, before scaling to kPa.
     fn tension(&self, state: &[f64]) -> f64;
+    /// Peak of the active tension, dimensionless, of one default beat ([`solve::reference_beat`]) of the
+    /// *published* parameters, converged: what a peak tension in kPa stands for. A constant of the model,
+    /// whatever its present parameters are, so that they can change the strength of the cell.
+    fn published_peak_tension(&self) -> f64;
     /// The stimulus that makes the model beat as its authors meant.
     fn default_stimulus(&self) -> Stimulus;
     /// Where [`solve::Method::StaggeredEuler`] cuts the state into blocks: the index of the first
@@ -143,6 +148,11 @@ pub fn models() -> Vec<Box<dyn CellModel>> {
         Box::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Tnnp)),
         Box::new(toy::ToyModel::published()),
     ]
+}
+
+/// Whether a model is one of the list with its published parameters.
+pub fn is_as_published(cell: &dyn CellModel) -> bool {
+    model(cell.name()).is_ok_and(|published| published.parameters() == cell.parameters())
 }
 
 /// The model of that name, with its published parameters.

@@ -44,7 +44,8 @@
 //! [`cell`] turns a stimulus into tension; [`mesh`] holds points, springs and triangles, made from
 //! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
 //! [`integrate`] moves the masses; [`simulation`] joins cell and mesh and fills a [`recording`];
-//! [`analysis`] makes metrics of it and `output` files and figures; `run_file` reads what a user wrote.
+//! [`analysis`] makes metrics of it and `output` files and figures; `run_file` reads what a user wrote;
+//! [`references`] has the papers that all of these cite.
 //!
 //! # Features
 //! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) are on by default; `testing`
@@ -61,6 +62,7 @@ pub mod microscopy;
 pub mod output;
 pub mod parameter;
 pub mod recording;
+pub mod references;
 #[cfg(feature = "run-file")]
 pub mod run_file;
 pub mod simulation;

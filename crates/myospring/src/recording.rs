@@ -15,7 +15,8 @@ pub struct Sample {
     pub ta_kpa: f64,
     /// End-to-end length along the reference long axis after rigid rotation is removed, um.
     pub length_um: f64,
-    /// Width across the long axis, um.
+    /// Largest extent across the long axis after the rigid rotation of the whole cell is removed, um; between
+    /// two clamps, across the line between them.
     pub width_um: f64,
     /// Projected area, um^2.
     pub area_um2: f64,

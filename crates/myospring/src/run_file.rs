@@ -46,6 +46,7 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::microscopy::fibres::Stain;
 use crate::microscopy::segment::Modality;
+use crate::simulation::TensionScale;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -84,13 +85,17 @@ pub struct CellTable {
     /// Cell model; `myospring models` lists them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
-    /// Peak of the active tension, to which the model's own peak is scaled.
+    /// Peak of the active tension of one default beat with the model's published parameters; changed
+    /// parameters make the cell stronger or weaker than that.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = bounds::PEAK_TENSION.in_schema())]
     pub peak_tension: Option<Setting>,
-    /// Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms);
-    /// before scaling, their peak tension is 4 % low; its onset is 20 ms late. Not together with method
-    /// or step.
+    /// Whose peak is scaled to `peak_tension`: that of the published parameters, or the model's own,
+    /// whatever its parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tension_scale: Option<TensionScale>,
+    /// Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its peak
+    /// tension is 4 % low, its onset 20 ms late. Not together with method or step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub authors_step: Option<bool>,
     /// Integration method of the cell model.
@@ -140,7 +145,7 @@ pub struct StimulusTable {
     pub start: Option<Setting>,
     /// Number of stimuli; 0 leaves the cell at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0, max = 10000))]
+    #[schemars(transform = bounds::BEATS.in_schema())]
     pub beats: Option<i64>,
     /// Time from one stimulus to the next.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -167,7 +172,7 @@ pub struct ShapeTable {
     pub pixel_size: Option<Setting>,
     /// In a label mask, the grey value of the cell; without it the largest cell is taken.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 65535), example = 3)]
+    #[schemars(transform = bounds::LABEL.in_schema())]
     pub label: Option<i64>,
     /// Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or RoiSet .zip,
     /// Cellpose's _outlines.txt; relative to this file.
@@ -195,11 +200,11 @@ pub struct SegmentationTable {
     pub modality: Option<Modality>,
     /// Channel of the picture, from 0; by default the first, of a colour picture its luminance.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0, max = 10000), example = 0)]
+    #[schemars(transform = bounds::CHANNEL.in_schema())]
     pub channel: Option<i64>,
     /// Frame (time point) of the picture, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0, max = 1000000), example = 0)]
+    #[schemars(transform = bounds::FRAME.in_schema())]
     pub frame: Option<i64>,
     /// Of a stack in depth: "max", "mean", or the number of a slice, from 0; by default the maximum.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -395,6 +400,13 @@ impl RunFile {
     /// parameter that does not exist.
     pub fn resolve(&self) -> Result<Run, RunFileError> {
         resolve::resolve(self).map_err(|(key, problem)| RunFileError::bare(&key, problem))
+    }
+
+    /// The names of files in it.
+    pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        let names =
+            [&mut self.shape.picture, &mut self.shape.outline, &mut self.segmentation.outline];
+        names.into_iter().flatten()
     }
 
     /// The run file as TOML; reading it gives the same run file.

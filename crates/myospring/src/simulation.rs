@@ -16,10 +16,12 @@
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
 
+mod observer;
 pub mod quasi_static;
 mod ready;
 mod stop;
 
+pub use observer::{Observer, Part, Progress};
 pub use quasi_static::PreparedPath;
 pub use ready::{Effort, Finished, Ready};
 pub use stop::{SetupError, StopReason};
@@ -28,17 +30,20 @@ use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, Settings, SolveError};
-use crate::cell::{CellModel, coelho_2021};
+use crate::cell::{self, CellModel, coelho_2021};
 use crate::integrate::Method;
 use crate::integrate::verlet::{Integrator, Motion};
 use crate::mechanics::active::ActiveLaw;
-use crate::mechanics::area::signed_area;
+use crate::mechanics::area::{AreaLaw, signed_area};
 use crate::mechanics::material::{Material, assemble, default_material};
 use crate::mechanics::stability::StabilityLimit;
+use crate::mechanics::stencil::Stencil;
 use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use crate::mesh::{Mesh, quality};
 use crate::recording::{Frame, Recording, Sample};
+use observer::Samples;
+use serde::{Deserialize, Serialize};
 
 /// Numerical settings of a run; [`Default`] gives a converged beat.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,6 +86,19 @@ impl Default for Numerics {
 /// 0.998 of it at 12 % shortening and at 0.98 of it at 34 %.
 pub const SAFETY: f64 = 0.95;
 
+/// What peak the cell model's tension has when it is scaled to the peak tension in kPa.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum TensionScale {
+    /// That of the model's published parameters ([`CellModel::published_peak_tension`]): a changed parameter
+    /// changes the strength of the cell.
+    Published,
+    /// That of the model as it is, by a reference beat of its own: every cell has the same peak tension,
+    /// whatever its parameters.
+    OwnPeak,
+}
+
 /// All that a run is made of.
 ///
 /// # Example
@@ -108,8 +126,10 @@ pub struct Simulation {
     pub cell: Box<dyn CellModel>,
     /// When and how it is stimulated.
     pub protocol: Protocol,
-    /// Peak of the active tension, kPa: the model's own peak is scaled to it.
+    /// Peak of the active tension, kPa, of one default beat of the cell model that `tension_scale` names.
     pub peak_tension: f64,
+    /// Whose peak is scaled to it.
+    pub tension_scale: TensionScale,
     /// The mesh at rest.
     pub mesh: Mesh,
     /// Its long axis, a unit vector: length is measured along it.
@@ -161,6 +181,8 @@ struct Setup<'a> {
     meter: ShapeMeter,
     /// kPa per unit of the model's tension.
     tension_scale: f64,
+    /// Highest tension to be expected, kPa.
+    strongest: f64,
     resting_length: f64,
 }
 
@@ -198,15 +220,6 @@ trait Shaping {
     fn positions(&self) -> Vectors;
 }
 
-/// How far a run has come.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
-    /// Time simulated so far, ms.
-    pub time: f64,
-    /// Time to be simulated, ms.
-    pub duration: f64,
-}
-
 impl Simulation {
     /// The experiment of `coelho_2021` on any mesh: its cell model stimulated once at 50 ms, 50 kPa
     /// along the long axis, mass centre fixed, our default material, 600 ms.
@@ -217,6 +230,7 @@ impl Simulation {
             protocol: Protocol::once(cell.default_stimulus()),
             cell: Box::new(cell),
             peak_tension: 50.0,
+            tension_scale: TensionScale::Published,
             long_axis,
             fibres: vec![long_axis; mesh.simplices.len()],
             mesh,
@@ -232,10 +246,10 @@ impl Simulation {
     /// numerical settings name.
     ///
     /// # Errors
-    /// A time step above the stability limit, or a cell model without tension.
+    /// A time step above the stability limit, or a cell model without tension to scale.
     pub fn prepare(&self) -> Result<Prepared<'_>, SetupError> {
         let setup = self.set_up()?;
-        let limit = StabilityLimit::of(&setup.system, &setup.body, self.peak_tension);
+        let limit = StabilityLimit::of(&setup.system, &setup.body, setup.strongest);
         if let Some(time_step) = self.numerics.time_step
             && time_step > limit.time_step
         {
@@ -254,11 +268,40 @@ impl Simulation {
         let model = self.cell.name();
         let failed = |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
         let settings = self.numerics.cell;
-        let peak = solve::reference_beat(&*self.cell, settings).map_err(failed)?.peak_tension;
+        let [peak, highest] = self.peaks().map_err(failed)?;
         let cell = CellIntegrator::new(&*self.cell, self.protocol, settings).map_err(failed)?;
         let Assembly { body, system, meter, resting_length } = self.assembled();
         let tension_scale = self.peak_tension / peak;
-        Ok(Setup { simulation: self, cell, body, system, meter, tension_scale, resting_length })
+        let strongest = self.peak_tension.max(tension_scale * highest);
+        Ok(Setup {
+            simulation: self,
+            cell,
+            body,
+            system,
+            meter,
+            tension_scale,
+            strongest,
+            resting_length,
+        })
+    }
+
+    /// The tension of the model that is scaled to the peak tension, and the highest of a default beat. A
+    /// model with its published parameters needs no beat for it.
+    fn peaks(&self) -> Result<[f64; 2], SolveError> {
+        let own = || solve::reference_beat(&*self.cell, self.numerics.cell);
+        if self.tension_scale == TensionScale::OwnPeak {
+            return own().map(|beat| [beat.peak_tension; 2]);
+        }
+        let published = self.cell.published_peak_tension();
+        if cell::is_as_published(&*self.cell) {
+            return Ok([published; 2]);
+        }
+        match own() {
+            Ok(beat) => Ok([published, beat.peak_tension]),
+            // Too weak to peak, or too slow to peak in time: not for us to refuse.
+            Err(SolveError::NoPeak { value, .. }) => Ok([published, value.max(0.0)]),
+            Err(error) => Err(error),
+        }
     }
 
     fn assembled(&self) -> Assembly {
@@ -272,15 +315,25 @@ impl Simulation {
             self.long_axis,
             resting_length,
         );
-        // A free cell turns as its mass does; a clamped one cannot turn, whatever it does inside.
-        let mut weights = self.mesh.areas.clone();
-        if let Support::Clamped(nodes) = &system.support {
-            weights.fill(0.0);
-            for &node in nodes {
-                weights[node] = 1.0;
+        // A free cell turns as its mass does; a clamped one cannot turn, whatever it does inside. One that is
+        // clamped at one end swings aside, though, and takes its width along.
+        let areas = self.mesh.areas.clone();
+        let meter = |weights| ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
+        let meter = match &system.support {
+            Support::Clamped(nodes) => {
+                let mut held = vec![0.0; areas.len()];
+                for &node in nodes {
+                    held[node] = 1.0;
+                }
+                let meter = meter(held);
+                if self.support == SupportKind::ClampedEnd {
+                    meter.width_turned_by(areas)
+                } else {
+                    meter
+                }
             }
-        }
-        let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
+            _ => meter(areas),
+        };
         Assembly { body, system, meter, resting_length }
     }
 }
@@ -291,9 +344,30 @@ impl Prepared<'_> {
         self.setup.simulation.numerics.exchange_interval / self.steps_per_exchange as f64
     }
 
+    /// What keeps the fused kernel ([`crate::mechanics::stencil`]) from this run, in words for people; `None`
+    /// if it makes the steps. The plain loops do the same in some ten times the time.
+    pub fn plain_loops(&self) -> Option<&'static str> {
+        let Setup { simulation, body, system, .. } = &self.setup;
+        match &simulation.mesh.lattice {
+            None => Some("a mesh that is no square lattice"),
+            Some(lattice) if Stencil::takes(system, body, lattice) => None,
+            Some(_) if simulation.active == ActiveLaw::Ends => Some("active = \"ends\""),
+            Some(_) => match simulation.material.area_law {
+                AreaLaw::Gradient => Some("a force or support that it does not know"),
+                AreaLaw::Barycentric => Some("area_law = \"barycentric\""),
+                AreaLaw::Printed => Some("area_law = \"printed\""),
+            },
+        }
+    }
+
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
+        self.run_observed(&mut Samples(observe))
+    }
+
+    /// As [`Prepared::run`], for an observer that also hears which part of the work begins.
+    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         let Setup { simulation, body, system, .. } = &self.setup;
         let integrator = simulation.numerics.method.in_time();
         let mut motion = Motion::new(system, body.clone(), integrator, self.time_step());
@@ -306,7 +380,7 @@ impl Prepared<'_> {
             steps: self.steps_per_exchange,
             ledger: Ledger::new(body, self.setup.tension_at_start()),
         };
-        let (recording, stop) = self.setup.run(&mut shaping, observe);
+        let (recording, stop) = self.setup.run(&mut shaping, observer);
         let steps = shaping.motion.steps();
         Outcome { recording, stop, time_step: self.time_step(), steps, limit: self.limit }
     }
@@ -322,7 +396,7 @@ impl Setup<'_> {
     fn run(
         &self,
         shaping: &mut impl Shaping,
-        mut observe: impl FnMut(Progress) -> bool,
+        observer: &mut dyn Observer,
     ) -> (Recording, Option<StopReason>) {
         let Simulation { cell, duration, numerics, .. } = self.simulation;
         let exchange = numerics.exchange_interval;
@@ -341,11 +415,13 @@ impl Setup<'_> {
             let time = index as f64 * exchange;
             if index > 0 {
                 let stretch = length / self.resting_length;
+                observer.begins(Part::Cell);
                 if let Err(error) = cell.advance_to(time, stretch) {
                     stop = Some(StopReason::CellModel { cause: error.to_string() });
                     break;
                 }
                 let next = self.tension_scale * model.tension(cell.state());
+                observer.begins(Part::Mechanics);
                 if let Err(reason) = shaping.follow(time, [tension, next]) {
                     stop = Some(reason);
                     break;
@@ -353,6 +429,7 @@ impl Setup<'_> {
                 tension = next;
                 length = shaping.length();
             }
+            observer.begins(Part::Recording);
             let snapshot = || Frame { t_ms: time, ta_kpa: tension, positions: shaping.positions() };
             if index % per_sample == 0 {
                 recording.samples.push(self.sample(time, &cell, tension, &shaping.observe()));
@@ -363,7 +440,7 @@ impl Setup<'_> {
             if index % per_frame == 0 {
                 recording.frames.push(snapshot());
             }
-            if index % per_sample == 0 && !observe(Progress { time, duration: *duration }) {
+            if index % per_sample == 0 && !observer.sample(Progress { time, duration: *duration }) {
                 stop = Some(StopReason::Interrupted { time });
                 break;
             }

@@ -91,3 +91,29 @@ fn the_reader_of_paths_finds_them() {
         ["mesh", "units", "cell", "output"].map(str::to_owned).into_iter().collect();
     assert_eq!(used_modules(code), expected);
 }
+
+/// A crate is published as its own folder, so no file outside may go into it.
+#[test]
+fn published_crates_hold_every_file_that_they_include() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut seen = 0;
+    for name in ["myospring", "myospring-cli"] {
+        let package = crates.join(name).canonicalize().unwrap();
+        for file in sources(&package.join("src")) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            for included in text.split("include_").skip(1) {
+                let Some((_, rest)) = included.split_once("!(\"") else { continue };
+                let path = file.parent().unwrap().join(rest.split('"').next().unwrap());
+                let path = path.canonicalize().unwrap();
+                assert!(
+                    path.starts_with(&package),
+                    "{} takes in {}",
+                    file.display(),
+                    path.display()
+                );
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen >= 2, "the built-in cell and the references are included");
+}

@@ -3,18 +3,20 @@
 
 mod common;
 
-use myospring::analysis::{contraction, trace, value};
+use myospring::analysis::{contraction, shape, trace, value};
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::{self, CellModel, Input, ModelError, toy};
+use myospring::cell::{self, CellModel, Input, ModelError, solve, toy};
 use myospring::integrate::Method;
+use myospring::integrate::quasi_static::Tolerance;
 use myospring::integrate::verlet::Integrator;
+use myospring::mechanics::Vectors;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, Stiffness, default_material};
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::{Mesh, built_in, lattice, quality};
 use myospring::parameter::ParameterSet;
 use myospring::recording::Sample;
-use myospring::simulation::{Outcome, SetupError, Simulation, StopReason};
+use myospring::simulation::{Numerics, Outcome, SetupError, Simulation, StopReason, TensionScale};
 
 fn built_in_cell(angle: f64, spacing: Option<f64>) -> Mesh {
     let outline = built_in::adult_ventricular().rotated(angle);
@@ -290,6 +292,9 @@ impl CellModel for Failing {
     fn tension(&self, state: &[f64]) -> f64 {
         self.inner.tension(state)
     }
+    fn published_peak_tension(&self) -> f64 {
+        self.inner.published_peak_tension()
+    }
 }
 
 #[test]
@@ -322,6 +327,89 @@ fn every_model_of_the_list_can_drive_the_mesh() {
         let peak = peak_shortening(&outcome).value;
         assert!((peak - 12.0).abs() < 0.1, "{name}: {peak} %");
     }
+}
+
+/// `coelho_2021` with another `tau_si` (ms), along its equilibria.
+fn with_tau_si(tau_si: f64, tension_scale: TensionScale) -> Simulation {
+    let published = cell::model("coelho_2021").unwrap();
+    let mut parameters = published.parameters().clone();
+    parameters.set("tau_si", tau_si).unwrap();
+    let simulation = Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)));
+    let numerics = Numerics { method: Method::QuasiStatic, ..simulation.numerics.clone() };
+    let cell = published.with_parameters(parameters).unwrap();
+    Simulation { cell, tension_scale, numerics, ..simulation }
+}
+
+#[test]
+fn a_changed_parameter_changes_the_strength_of_the_cell() {
+    let published = cell::model("coelho_2021").unwrap().published_peak_tension();
+    let beats = [1.4, 1.76816, 2.4].map(|tau_si| {
+        let simulation = with_tau_si(tau_si, TensionScale::Published);
+        let own = solve::reference_beat(&*simulation.cell, simulation.numerics.cell).unwrap();
+        let finished = simulation.ready().unwrap().run(|_| true);
+        assert_eq!(finished.stop, None);
+        let samples = &finished.recording.samples;
+        let largest = |of: fn(&Sample) -> f64| samples.iter().map(of).fold(0.0, f64::max);
+        let (tension, shortening) = (largest(|s| s.ta_kpa), largest(|s| s.shortening_pct));
+        // Samples every 0.5 ms miss a flat peak by less than 1e-4.
+        let expected = 50.0 * own.peak_tension / published;
+        assert!((tension / expected - 1.0).abs() < 1e-4, "{tau_si} ms: {tension}, {expected} kPa");
+        [tension, shortening]
+    });
+    assert!((beats[1][0] - 50.0).abs() < 0.02 && (beats[1][1] - 12.0).abs() < 0.1, "{beats:?}");
+    for k in 0..2 {
+        let apart = |a: [f64; 2], b: [f64; 2]| (a[k] / b[k] - 1.0).abs() > 0.01;
+        assert!(apart(beats[0], beats[1]) && apart(beats[1], beats[2]), "{beats:?}");
+    }
+}
+
+#[test]
+fn scaled_by_their_own_peak_all_cells_are_equally_strong() {
+    for tau_si in [1.4, 1.76816, 2.4] {
+        let simulation = with_tau_si(tau_si, TensionScale::OwnPeak);
+        let samples = simulation.ready().unwrap().run(|_| true).recording.samples;
+        let largest = samples.iter().map(|s| s.ta_kpa).fold(0.0, f64::max);
+        assert!((largest - 50.0).abs() < 0.005, "{tau_si} ms: {largest} kPa");
+    }
+}
+
+#[test]
+fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
+    let strong = with_tau_si(1.0, TensionScale::Published);
+    let own = solve::reference_beat(&*strong.cell, strong.numerics.cell).unwrap();
+    let ratio = own.peak_tension / strong.cell.published_peak_tension();
+    let stated = Simulation {
+        peak_tension: 50.0 * ratio,
+        ..Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)))
+    };
+    let (a, b) = (strong.prepare().unwrap().limit, stated.prepare().unwrap().limit);
+    assert!(ratio > 1.02 && a.time_step == b.time_step, "{ratio}, {a:?}, {b:?}");
+}
+
+#[test]
+fn a_cell_that_swings_about_its_clamped_end_is_as_wide_as_a_free_one() {
+    let change = |support: SupportKind| {
+        let simulation = Simulation::coelho_2021(built_in_cell(0.0, Some(2.5)));
+        let [x, y] = simulation.long_axis;
+        let (sine, cosine) = 20.0_f64.to_radians().sin_cos();
+        let fibre = [cosine * x - sine * y, sine * x + cosine * y];
+        let fibres = vec![fibre; simulation.mesh.simplices.len()];
+        // The swing of a clamped cell is slow; half the period keeps it along its equilibria.
+        let material = Material { slowest_period: 1.0, ..simulation.material.clone() };
+        let simulation = Simulation { fibres, support, material, ..simulation };
+        let equilibria = simulation.equilibria(&[50.0], Tolerance::default()).unwrap();
+        let [rest, peak] = equilibria.follow(&[[0.0, 0.0], [1.0, 50.0]]).unwrap()[..] else {
+            panic!("two answers");
+        };
+        let along = |positions: &Vectors| shape::extent(positions, [x, y]);
+        let length = along(&equilibria.positions(50.0).unwrap());
+        (peak.width_um / rest.width_um - 1.0, peak.length_um, length)
+    };
+    let (free, ..) = change(SupportKind::MassCentre);
+    let (clamped, measured, along_the_axis) = change(SupportKind::ClampedEnd);
+    // What the clamp keeps from widening is a twentieth of the length; without the turn it is 41 %.
+    assert!((clamped - free).abs() < 0.005, "free {free}, clamped {clamped}");
+    assert_eq!(measured.to_bits(), along_the_axis.to_bits(), "length along the axis at rest");
 }
 
 #[test]

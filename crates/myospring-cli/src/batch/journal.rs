@@ -61,6 +61,12 @@ impl Journal {
         }
         let entries =
             if same && !force { entries(&path).map_err(failed)? } else { BTreeMap::new() };
+        if before.is_some() && force {
+            // Nothing of an earlier batch stays beside this one.
+            for name in ["overlays", "cells", "cells.csv", "cells.parquet"] {
+                remove(&target.join(name)).map_err(failed)?;
+            }
+        }
         files::write(&settings_path, &text)?;
         // Written anew, which also drops a line that was cut off.
         let mut lines = String::new();
@@ -72,16 +78,15 @@ impl Journal {
         Ok(Self { path, state: Mutex::new(State { file, entries }) })
     }
 
-    /// Names of those pictures that are done and have not changed since.
-    pub(super) fn done(&self, folder: &Path, pictures: &[PathBuf]) -> BTreeSet<String> {
+    /// Names of those pictures, given with their names, that are done and have not changed since.
+    pub(super) fn done(&self, pictures: &[(String, PathBuf)]) -> BTreeSet<String> {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let unchanged = |entry: &&Entry| {
-            let path = pictures.iter().find(|path| path.ends_with(&entry.picture));
-            let bytes =
-                std::fs::read(path.map_or_else(|| folder.join(&entry.picture), Clone::clone));
-            bytes.is_ok_and(|bytes| crate::run::hash(&bytes) == entry.sha256)
+        let unchanged = |(name, path): &&(String, PathBuf)| {
+            state.entries.get(name).is_some_and(|entry| {
+                std::fs::read(path).is_ok_and(|bytes| crate::run::hash(&bytes) == entry.sha256)
+            })
         };
-        state.entries.values().filter(unchanged).map(|entry| entry.picture.clone()).collect()
+        pictures.iter().filter(unchanged).map(|(name, _)| name.clone()).collect()
     }
 
     /// Adds a finished picture; it is on the disk when this returns.
@@ -90,7 +95,7 @@ impl Journal {
         let entry = Entry { picture, sha256, rows };
         let line = line(&entry)?;
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        state.file.write_all(line.as_bytes()).and_then(|()| state.file.flush()).map_err(
+        state.file.write_all(line.as_bytes()).and_then(|()| state.file.sync_data()).map_err(
             |error| Failure::new(format!("cannot write `{}`: {error}", self.path.display())),
         )?;
         state.entries.insert(entry.picture.clone(), entry);
@@ -98,11 +103,22 @@ impl Journal {
     }
 
     /// The rows of these pictures, in their order, as far as they are done.
-    pub(super) fn rows(&self, pictures: &[String]) -> Vec<Row> {
+    pub(super) fn rows(&self, pictures: &[(String, PathBuf)]) -> Vec<Row> {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let entries = pictures.iter().filter_map(|picture| state.entries.get(picture));
+        let entries = pictures.iter().filter_map(|(name, _)| state.entries.get(name));
         entries.flat_map(|entry| entry.rows.iter().cloned()).collect()
     }
+}
+
+/// Removes a file, or a folder with all in it, if it is there.
+fn remove(path: &Path) -> std::io::Result<()> {
+    let removed =
+        if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    removed.or_else(
+        |error| {
+            if error.kind() == std::io::ErrorKind::NotFound { Ok(()) } else { Err(error) }
+        },
+    )
 }
 
 fn line(entry: &Entry) -> Result<String, Failure> {

@@ -145,9 +145,11 @@ impl Work<'_> {
             row.number("fibre_order", fibres.order);
         }
         let simulation = run.simulation(shaped.mesh, field.as_ref())?;
-        let outcome = simulation.ready()?.run(|Progress { .. }| true);
+        let prepared = simulation.ready()?;
+        let outcome = prepared.run(|Progress { .. }| true);
         let stimuli = run.stimulus_times();
-        let warnings = run.warnings(&report);
+        let mut warnings = run.warnings(&report);
+        warnings.extend(prepared.warnings());
         row.warnings = warnings.join("; ");
         let summary = Summary::new(&outcome.recording, &stimuli, report, warnings);
         if let Some(beat) = summary.beats.first() {

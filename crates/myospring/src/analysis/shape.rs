@@ -6,6 +6,8 @@ pub struct ShapeMeter {
     reference: [Vec<f64>; 2],
     axis: [f64; 2],
     weights: Vec<f64>,
+    /// Weights of the rotation across which the width is measured, where they are others.
+    across: Option<Vec<f64>>,
 }
 
 /// Length along and width across the long axis, um.
@@ -13,7 +15,7 @@ pub struct ShapeMeter {
 pub struct Extent {
     /// End-to-end length along the long axis, um.
     pub length: f64,
-    /// Largest extent across the long axis, um.
+    /// Largest extent across the long axis, as the cell has turned it, um.
     pub width: f64,
 }
 
@@ -31,20 +33,31 @@ impl ShapeMeter {
     /// assert!((extent.length - 2.0).abs() < 1e-12 && (extent.width - 1.0).abs() < 1e-12);
     /// ```
     pub fn new(reference: [Vec<f64>; 2], axis: [f64; 2], weights: Vec<f64>) -> Self {
-        Self { reference, axis, weights }
+        Self { reference, axis, weights, across: None }
+    }
+
+    /// Measures the width across the axis that points of these weights have turned, while the length stays
+    /// along the axis that those of [`ShapeMeter::new`] have turned: for a cell that is held at one end and
+    /// swings aside.
+    #[must_use]
+    pub fn width_turned_by(self, weights: Vec<f64>) -> Self {
+        Self { across: Some(weights), ..self }
     }
 
     /// Angle by which the points have turned, rad, counter-clockwise: the rotation that brings the
     /// reference closest to them in the sense of weighted least squares.
     pub fn rotation(&self, positions: &[Vec<f64>; 2]) -> f64 {
-        let total: f64 = self.weights.iter().sum();
-        let mean = |values: &[f64]| {
-            values.iter().zip(&self.weights).map(|(x, w)| x * w).sum::<f64>() / total
-        };
+        self.rotation_of(positions, &self.weights)
+    }
+
+    fn rotation_of(&self, positions: &[Vec<f64>; 2], weights: &[f64]) -> f64 {
+        let total: f64 = weights.iter().sum();
+        let mean =
+            |values: &[f64]| values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / total;
         let before = [0, 1].map(|axis| mean(&self.reference[axis]));
         let after = [0, 1].map(|axis| mean(&positions[axis]));
         let (mut cosine, mut sine) = (0.0, 0.0);
-        for (i, weight) in self.weights.iter().enumerate() {
+        for (i, weight) in weights.iter().enumerate() {
             let old = [0, 1].map(|axis| self.reference[axis][i] - before[axis]);
             let new = [0, 1].map(|axis| positions[axis][i] - after[axis]);
             cosine += weight * (old[0] * new[0] + old[1] * new[1]);
@@ -55,10 +68,18 @@ impl ShapeMeter {
 
     /// Length and width now, um.
     pub fn measure(&self, positions: &[Vec<f64>; 2]) -> Extent {
-        let (sine, cosine) = self.rotation(positions).sin_cos();
         let [x, y] = self.axis;
-        let along = [cosine * x - sine * y, sine * x + cosine * y];
-        Extent { length: extent(positions, along), width: extent(positions, [-along[1], along[0]]) }
+        let turned = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            [cosine * x - sine * y, sine * x + cosine * y]
+        };
+        let along = turned(self.rotation(positions));
+        let across = match &self.across {
+            None => along,
+            Some(weights) => turned(self.rotation_of(positions, weights)),
+        };
+        let length = extent(positions, along);
+        Extent { length, width: extent(positions, [-across[1], across[0]]) }
     }
 }
 
@@ -93,5 +114,23 @@ mod tests {
             assert!((meter.rotation(&turned) - angle).abs() < 1e-12);
             assert!((extent.length - 9.0).abs() < 1e-12 && (extent.width - 2.1).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_bar_that_swings_about_its_end_keeps_its_width() {
+        let bar = [vec![0.0, 10.0, 10.0, 0.0], vec![0.0, 0.0, 2.0, 2.0]];
+        let held = ShapeMeter::new(bar.clone(), [1.0, 0.0], vec![1.0, 0.0, 0.0, 1.0]);
+        let (sine, cosine) = 0.1_f64.sin_cos();
+        let mut swung = bar.clone();
+        for i in [1, 2] {
+            swung[0][i] = 10.0 * cosine - sine * bar[1][i];
+            swung[1][i] = 10.0 * sine + cosine * bar[1][i];
+        }
+        let before = held.measure(&swung);
+        let now = held.width_turned_by(vec![1.0; 4]).measure(&swung);
+        // The held end has not turned, so the rest seems wider by its swing unless the width turns with it.
+        assert!((before.width - (10.0 * sine + 2.0 * cosine)).abs() < 1e-12);
+        assert!((now.width - 2.0).abs() < 0.02, "{now:?}");
+        assert_eq!(now.length, before.length);
     }
 }

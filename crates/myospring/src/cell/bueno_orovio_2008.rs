@@ -58,6 +58,10 @@ const TABLE: [(&str, [f64; 5]); 28] = [
 /// Highest `u` of a beat, in the same order.
 const U_PEAK: [f64; 5] = [1.464, 1.506, 1.552, 1.370, 1.487];
 
+/// Peak of `Ta` of one default beat, converged, in the same order.
+const TA_PEAK: [f64; 5] =
+    [0.046_521_426_1, 0.316_235_579, 0.227_489_854, 2.069_258_74, 0.074_153_897_7];
+
 /// All 35 parameters of one set.
 pub fn parameters(variant: Variant) -> ParameterSet {
     let column = variant as usize;
@@ -67,7 +71,7 @@ pub fn parameters(variant: Variant) -> ParameterSet {
     ParameterSet::new(rows)
 }
 
-/// Name, papers and stimulus of one set: 0.5/ms for 1 ms.
+/// Name, papers, stimulus (0.5/ms for 1 ms) and peak of tension of one set.
 pub const fn identity(variant: Variant) -> Identity {
     let (name, description) = match variant {
         Variant::Epi => {
@@ -91,6 +95,7 @@ pub const fn identity(variant: Variant) -> Identity {
         citations: &["bueno_orovio_2008", "coelho_2021", "silva_2020"],
         stimulus: Stimulus::Pulse { amplitude: 0.5, duration_ms: 1.0 },
         millivolts: Some((85.7, -84.0)),
+        peak_tension: TA_PEAK[variant as usize],
     }
 }
 

@@ -29,13 +29,14 @@ use super::solve::{Method, Settings};
 use super::tension;
 use crate::parameter::ParameterSet;
 
-/// Name, papers and stimulus.
+/// Name, papers, stimulus and peak of tension.
 pub const IDENTITY: Identity = Identity {
     name: "coelho_2021",
     description: "Human ventricular myocyte with active tension, as in Coelho et al. 2021",
     citations: &["coelho_2021", "bueno_orovio_2008", "silva_2020"],
     stimulus: Stimulus::Jump { amplitude: 0.325 },
     millivolts: None,
+    peak_tension: 0.901_736_458,
 };
 
 /// Name, value, and the name under which Table 1 prints the value.

@@ -41,6 +41,8 @@ pub struct Identity {
     pub stimulus: Stimulus,
     /// Slope and offset of the membrane potential, `V_mV = slope u + offset`, both mV, if defined.
     pub millivolts: Option<(f64, f64)>,
+    /// Peak of `Ta` of one default beat of the published parameters, converged.
+    pub peak_tension: f64,
 }
 
 /// The minimal model with tension: six equations, 28 + 7 parameters.
@@ -152,6 +154,10 @@ impl CellModel for MinimalModel {
 
     fn tension(&self, state: &[f64]) -> f64 {
         state[5]
+    }
+
+    fn published_peak_tension(&self) -> f64 {
+        self.identity.peak_tension
     }
 
     fn default_stimulus(&self) -> Stimulus {

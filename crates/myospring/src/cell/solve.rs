@@ -232,10 +232,10 @@ pub(super) fn sample<S: AsRef<[f64]>>(
     Ok(trace)
 }
 
-/// What one default beat of a model amounts to; scales its tension to kPa.
+/// What one default beat of a model amounts to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceBeat {
-    /// Highest tension, dimensionless: the `Ta_peak` of `Ta_kPa = peak_tension_kPa Ta / Ta_peak`.
+    /// Highest tension, dimensionless.
     pub peak_tension: f64,
     /// When, ms; the stimulus falls at [`Protocol::DEFAULT_START_MS`].
     pub peak_time_ms: f64,

@@ -118,6 +118,11 @@ impl CellModel for ToyModel {
         state[1]
     }
 
+    fn published_peak_tension(&self) -> f64 {
+        // a / e, with the amplitude 1 of the default stimulus
+        (-1.0_f64).exp()
+    }
+
     fn default_stimulus(&self) -> Stimulus {
         Stimulus::Jump { amplitude: 1.0 }
     }

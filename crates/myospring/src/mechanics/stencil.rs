@@ -31,11 +31,26 @@ mod team;
 
 pub use lanes::Units;
 pub use plan::LatticeTerms;
+use plan::Plan;
 
 use super::support::Support;
 use super::{Body, System, Vectors};
 use crate::mesh::Lattice;
 use team::Team;
+
+/// All coefficients of a system of forces, if each has its place in the kernel.
+fn plan(system: &System, body: &Body, lattice: &Lattice, time_step: f64) -> Option<Plan> {
+    let mut terms = LatticeTerms::new(lattice);
+    let mut forces = system.passive.iter().chain(&system.active);
+    if !forces.all(|force| force.add_to_lattice(&mut terms)) {
+        return None;
+    }
+    let internal = system.passive.iter().chain(&system.active).all(|force| force.is_internal());
+    if system.support == Support::MassCentre && !internal {
+        return None;
+    }
+    terms.plan(&body.masses, system.drag.rate, &system.support, time_step)
+}
 
 /// A lattice of masses in motion.
 pub struct Stencil {
@@ -58,19 +73,15 @@ impl Stencil {
         threads: usize,
         units: Units,
     ) -> Option<Self> {
-        let mut terms = LatticeTerms::new(lattice);
-        let mut forces = system.passive.iter().chain(&system.active);
-        if !forces.all(|force| force.add_to_lattice(&mut terms)) {
-            return None;
-        }
-        let internal = system.passive.iter().chain(&system.active).all(|force| force.is_internal());
-        if system.support == Support::MassCentre && !internal {
-            return None;
-        }
-        let plan = terms.plan(&body.masses, system.drag.rate, &system.support, time_step)?;
+        let plan = plan(system, body, lattice, time_step)?;
         let mut stencil = Self { team: Team::new(plan, units, threads) };
         stencil.put(&body.positions, &body.velocities);
         Some(stencil)
+    }
+
+    /// Whether there is a kernel for a body under a system of forces on a lattice.
+    pub fn takes(system: &System, body: &Body, lattice: &Lattice) -> bool {
+        plan(system, body, lattice, 1.0).is_some()
     }
 
     /// Number of threads at work.

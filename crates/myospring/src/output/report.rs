@@ -199,7 +199,11 @@ fn shape(samples: &[Sample], stimulus: f64, contraction: &[Metric]) -> Vec<Metri
     let off = Some(()).and_then(|()| Some(width? - isovolumic_width?));
     let row = |name, value, definition| Metric { name, value, unit: "%", definition };
     vec![
-        row("width_change_at_peak", width, "width at the peak of shortening, above rest"),
+        row(
+            "width_change_at_peak",
+            width,
+            "largest extent across the cell's long axis as it has turned, at the peak of shortening, above rest",
+        ),
         row(
             "isovolumic_width_change",
             isovolumic_width,

@@ -154,6 +154,63 @@ impl Transform for Bounds {
     }
 }
 
+/// What a whole number may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Whole {
+    /// The key with its table: `stimulus.beats`.
+    pub key: &'static str,
+    /// Smallest value.
+    pub minimum: i64,
+    /// Largest value.
+    pub maximum: i64,
+    /// A value as a person writes it.
+    pub example: i64,
+}
+
+impl Whole {
+    /// The bounds as a note for the JSON Schema.
+    pub(super) const fn in_schema(self) -> Self {
+        self
+    }
+
+    /// Reads a value that may be absent; one within the bounds fits `T`.
+    pub(super) fn read<T: TryFrom<i64>>(
+        &self,
+        value: Option<i64>,
+    ) -> Result<Option<T>, (String, Problem)> {
+        let Some(value) = value else { return Ok(None) };
+        let inside = (self.minimum..=self.maximum).contains(&value);
+        match T::try_from(value) {
+            Ok(value) if inside => Ok(Some(value)),
+            _ => {
+                let wanted = format!("a whole number from {} to {}", self.minimum, self.maximum);
+                let (key, found) = (self.key.to_owned(), value.to_string());
+                Err((self.key.to_owned(), Problem::Kind { key, found, wanted }))
+            }
+        }
+    }
+}
+
+/// Tells the JSON Schema what the value may be.
+impl Transform for Whole {
+    fn transform(&mut self, schema: &mut Schema) {
+        schema.insert("minimum".to_owned(), self.minimum.into());
+        schema.insert("maximum".to_owned(), self.maximum.into());
+        schema.insert("examples".to_owned(), vec![self.example].into());
+    }
+}
+
+/// `stimulus.beats`.
+pub const BEATS: Whole = Whole { key: "stimulus.beats", minimum: 0, maximum: 10_000, example: 3 };
+/// `shape.label`.
+pub const LABEL: Whole = Whole { key: "shape.label", minimum: 1, maximum: 65_535, example: 3 };
+/// `segmentation.channel`.
+pub const CHANNEL: Whole =
+    Whole { key: "segmentation.channel", minimum: 0, maximum: 10_000, example: 0 };
+/// `segmentation.frame`.
+pub const FRAME: Whole =
+    Whole { key: "segmentation.frame", minimum: 0, maximum: 1_000_000, example: 0 };
+
 use Dimension::{Angle, BedStiffness, Length, Number, Pressure, Rate, Stiffness, Time};
 
 /// `cell.peak_tension`.

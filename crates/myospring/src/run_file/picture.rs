@@ -22,12 +22,15 @@ pub(super) fn resolve(
 ) -> Checked<PictureSource> {
     let pixel_size =
         shape.pixel_size.as_ref().map(|size| bounds::PIXEL_SIZE.read(size)).transpose()?;
-    let whole = |value: Option<i64>| value.and_then(|value| usize::try_from(value).ok());
     let selection = Selection {
-        channel: whole(table.channel),
-        frame: whole(table.frame).unwrap_or(0),
+        channel: bounds::CHANNEL.read(table.channel)?,
+        frame: bounds::FRAME.read(table.frame)?.unwrap_or(0),
         depth: table.z.as_ref().map(depth).transpose()?,
     };
+    if let Some(value) = table.threshold.filter(|value| !value.is_finite()) {
+        let key = "segmentation.threshold";
+        return fail(key, Problem::NotFinite { key: key.to_owned(), value });
+    }
     let default = Settings::default();
     let segmentation = Settings {
         modality: table.modality.unwrap_or_default(),
@@ -73,7 +76,7 @@ pub(super) fn choice(shape: &ShapeTable, table: &SegmentationTable) -> Checked<C
         let advice = "each chooses the cell; leave one of them out";
         return fail(second, Problem::Conflict { first, second, advice });
     }
-    if let Some(label) = shape.label.and_then(|label| u32::try_from(label).ok()) {
+    if let Some(label) = bounds::LABEL.read(shape.label)? {
         return Ok(Choice::Label(label));
     }
     if let Some(seed) = &table.seed {

@@ -5,6 +5,7 @@ use super::{Run, RunFile, check, resolve, schema};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
@@ -17,6 +18,9 @@ const ALTERNATIVES: [&[&str]; 2] = [
 /// Keys that say something about one support only, and which.
 const OF_ONE_SUPPORT: [(&str, &str); 2] =
     [("mechanics.end_stiffness", "spring-held-ends"), ("mechanics.bed_stiffness", "elastic-bed")];
+
+/// Keys that name a file.
+pub(super) const PATHS: [&str; 3] = ["shape.picture", "shape.outline", "segmentation.outline"];
 
 /// Gathers a run file from a text and from options, which override it.
 ///
@@ -68,6 +72,33 @@ impl Reader {
         self.note(file, text, "", spans.get_ref());
         self.table = table;
         Ok(self)
+    }
+
+    /// Takes the names of files gathered so far as relative to a folder, that of the run file: options that
+    /// come later stay relative to where the user stands.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::run_file::Reader;
+    /// let text = "[shape]\npicture = \"cell.tif\"\npixel_size = \"0.27 um\"";
+    /// let reader = Reader::new().text("study/cell.toml", text)?.beside("study".as_ref());
+    /// let run = reader.option("--outline", "segmentation.outline", "drawn.roi").resolve()?;
+    /// let file = run.to_run_file();
+    /// assert_eq!(file.shape.picture.as_deref(), Some("study/cell.tif"));
+    /// assert_eq!(file.segmentation.outline.as_deref(), Some("drawn.roi"));
+    /// # Ok::<(), myospring::run_file::RunFileError>(())
+    /// ```
+    #[must_use]
+    pub fn beside(mut self, folder: &Path) -> Self {
+        for key in PATHS {
+            if let Some((table, name)) = key.split_once('.')
+                && let Some(Value::Table(table)) = self.table.get_mut(table)
+                && let Some(Value::String(path)) = table.get_mut(name)
+            {
+                *path = folder.join(&*path).to_string_lossy().into_owned();
+            }
+        }
+        self
     }
 
     fn note(&mut self, file: &str, text: &str, prefix: &str, table: &DeTable<'_>) {

@@ -20,7 +20,7 @@ use crate::mechanics::support::SupportKind;
 use crate::mesh::built_in;
 use crate::microscopy::fibres::{FibreSettings, Stain};
 use crate::parameter::ParameterError;
-use crate::simulation::Numerics;
+use crate::simulation::{Numerics, TensionScale};
 use crate::units::{self, Dimension};
 
 pub(super) type Checked<T> = Result<T, (String, Problem)>;
@@ -58,6 +58,7 @@ pub(super) fn resolve(file: &RunFile) -> Checked<Run> {
         title: file.title.clone().unwrap_or_default(),
         cell,
         peak_tension: bounds::PEAK_TENSION.read_or(tension, PEAK_TENSION)?,
+        tension_scale: file.cell.tension_scale.unwrap_or(TensionScale::Published),
         protocol,
         shape: shape(&file.shape, &file.segmentation)?,
         material: material(&file.material)?,
@@ -113,17 +114,27 @@ fn cell_model(table: &CellTable) -> Checked<(Box<dyn CellModel>, Settings)> {
 
 /// A parameter's value in its row's unit: a bare number, or text with a unit of the same kind.
 fn in_unit(key: &str, setting: &Setting, unit: &str) -> Checked<f64> {
-    let dimension = Dimension::of_unit(unit).unwrap_or(Dimension::Number);
-    match setting {
-        Setting::Number(value) => Ok(*value),
-        Setting::Text(text) => {
-            // The row's unit is the internal one of its dimension.
-            units::parse(text, dimension).or_else(|cause| {
-                let example = units::format(1.5, dimension);
-                fail(key, Problem::Unit { key: key.to_owned(), cause, example })
-            })
-        }
-    }
+    let text = match setting {
+        Setting::Number(value) => return Ok(*value),
+        Setting::Text(text) => text.trim(),
+    };
+    let Some(dimension) = Dimension::of_unit(unit) else {
+        // A unit that only the model knows is taken as it is written there, and no other.
+        let number = text.strip_suffix(unit).and_then(|number| number.trim().parse().ok());
+        return number.map_or_else(
+            || {
+                let (key, found) = (key.to_owned(), format!("the text \"{text}\""));
+                let wanted = format!("a plain number, or a number in {unit} like \"1.5 {unit}\",");
+                fail(&key.clone(), Problem::Kind { key, found, wanted })
+            },
+            Ok,
+        );
+    };
+    // The row's unit is the internal one of its dimension.
+    units::parse(text, dimension).or_else(|cause| {
+        let example = units::format(1.5, dimension);
+        fail(key, Problem::Unit { key: key.to_owned(), cause, example })
+    })
 }
 
 fn protocol(table: &StimulusTable, cell: &dyn CellModel, as_authors: bool) -> Checked<Protocol> {
@@ -171,7 +182,7 @@ fn protocol(table: &StimulusTable, cell: &dyn CellModel, as_authors: bool) -> Ch
         stimulus,
         start_ms: bounds::START.read_or(table.start.as_ref(), start)?,
         cycle_length_ms: bounds::CYCLE_LENGTH.read_or(table.cycle_length.as_ref(), 1000.0)?,
-        beats: u32::try_from(table.beats.unwrap_or(1)).unwrap_or(1),
+        beats: bounds::BEATS.read(table.beats)?.unwrap_or(1),
     };
     protocol.validate().or_else(|error| fail("stimulus", Problem::Stimulus(error)))?;
     Ok(protocol)
@@ -453,4 +464,46 @@ fn check_times(numerics: &Numerics, duration: f64) -> Checked<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_in_a_unit_of_its_own_is_read_in_that_unit_or_refused() {
+        let read =
+            |text: &str, unit| in_unit("cell.parameters.g", &Setting::Text(text.into()), unit);
+        assert_eq!(read("1.5 mS/uF", "mS/uF").unwrap(), 1.5);
+        assert_eq!(in_unit("g", &Setting::Number(1.5), "mS/uF").unwrap(), 1.5);
+        for wrong in ["1.5 ms", "1.5 %", "1.5", "mS/uF", "1.5 S/F"] {
+            let (key, problem) = read(wrong, "mS/uF").unwrap_err();
+            assert_eq!(key, "cell.parameters.g");
+            assert!(problem.to_string().contains("mS/uF"), "{wrong}: {problem}");
+        }
+        assert_eq!(read("0.0019 s", "ms").unwrap(), 1.9);
+        assert_eq!(read("50 %", "").unwrap(), 0.5);
+    }
+
+    #[test]
+    fn whole_numbers_outside_their_bounds_are_refused_and_not_replaced() {
+        let file = |change: fn(&mut RunFile)| {
+            let mut file = RunFile::default();
+            file.shape.picture = Some("cell.tif".to_owned());
+            change(&mut file);
+            file.resolve().err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        for (message, key) in [
+            (file(|file| file.stimulus.beats = Some(-1)), "stimulus.beats"),
+            (file(|file| file.stimulus.beats = Some(20_000)), "stimulus.beats"),
+            (file(|file| file.shape.label = Some(-3)), "shape.label"),
+            (file(|file| file.shape.label = Some(0)), "shape.label"),
+            (file(|file| file.segmentation.channel = Some(-1)), "segmentation.channel"),
+            (file(|file| file.segmentation.frame = Some(-1)), "segmentation.frame"),
+        ] {
+            assert!(message.contains(key) && message.contains("whole number from"), "{message}");
+        }
+        let message = file(|file| file.segmentation.threshold = Some(f64::NAN));
+        assert!(message.contains("segmentation.threshold"), "{message}");
+    }
 }

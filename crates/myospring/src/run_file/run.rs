@@ -18,7 +18,7 @@ use crate::mesh::Mesh;
 use crate::mesh::quality::{MeshReport, long_axis};
 use crate::microscopy::fibres::{FibreError, FibreField, FibreSettings};
 use crate::microscopy::segment::Choice;
-use crate::simulation::{Numerics, Simulation};
+use crate::simulation::{Numerics, Simulation, TensionScale};
 use std::collections::BTreeMap;
 
 /// Direction of the fibres.
@@ -40,6 +40,8 @@ pub struct Run {
     pub cell: Box<dyn CellModel>,
     /// Peak of the active tension, kPa.
     pub peak_tension: f64,
+    /// Whose peak is scaled to it.
+    pub tension_scale: TensionScale,
     /// Stimuli.
     pub protocol: Protocol,
     /// The cell's shape.
@@ -99,6 +101,7 @@ impl Run {
             cell: self.cell.with_parameters(self.cell.parameters().clone())?,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
+            tension_scale: self.tension_scale,
             long_axis,
             fibres,
             mesh,
@@ -164,6 +167,7 @@ impl Run {
             cell: CellTable {
                 model: Some(self.cell.name().to_owned()),
                 peak_tension: Some(bounds::PEAK_TENSION.write(self.peak_tension)),
+                tension_scale: Some(self.tension_scale),
                 authors_step: None,
                 method: Some(self.numerics.cell.method),
                 step: Some(bounds::CELL_STEP.write(self.numerics.cell.step_ms)),

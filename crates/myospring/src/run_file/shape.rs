@@ -169,19 +169,6 @@ impl Shape {
         }
     }
 
-    /// Takes relative file names as relative to the folder `base`.
-    pub fn resolve_path(&mut self, base: &Path) {
-        let resolve = |path: &mut String| *path = base.join(&*path).to_string_lossy().into_owned();
-        match &mut self.source {
-            Source::BuiltIn(_) => {}
-            Source::Outline { path, .. } => resolve(path),
-            Source::Picture(picture) => {
-                resolve(&mut picture.path);
-                picture.outline.iter_mut().for_each(resolve);
-            }
-        }
-    }
-
     /// The bytes that hold the shape; `read` reads a file by its name as written.
     ///
     /// # Errors

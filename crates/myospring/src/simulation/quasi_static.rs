@@ -10,6 +10,7 @@
 //! a slow contraction, not unknowns. The work of the active force is the elastic energy, added up on its
 //! own as in a run in time.
 
+use super::observer::{Observer, Samples};
 use super::{Assembly, Observed, Progress, Setup, SetupError, Shaping, Simulation, StopReason};
 use super::{fault, projected_area};
 use crate::analysis::shape::ShapeMeter;
@@ -66,7 +67,7 @@ impl Simulation {
     ) -> Result<PreparedPath<'_>, SetupError> {
         let setup = self.set_up()?;
         let mut path = Path::start(&setup.system, &setup.body, tolerance)?;
-        let end = path.extend((1.0 + MARGIN) * self.peak_tension).err();
+        let end = path.extend((1.0 + MARGIN) * setup.strongest).err();
         let shapes = path.into_shapes();
         Ok(PreparedPath { setup, shapes, end })
     }
@@ -139,6 +140,11 @@ impl PreparedPath<'_> {
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> QuasiStaticOutcome {
+        self.run_observed(&mut Samples(observe))
+    }
+
+    /// As [`PreparedPath::run`], for an observer that also hears which part of the work begins.
+    pub fn run_observed(&self, observer: &mut dyn Observer) -> QuasiStaticOutcome {
         let setup = &self.setup;
         let path = Path::resume(&setup.system, &setup.body, self.shapes.clone());
         let start = setup.tension_at_start();
@@ -147,7 +153,7 @@ impl PreparedPath<'_> {
         let (recording, stop) = match shaping.follow(0.0, [start; 2]) {
             Ok(()) => {
                 shaping.offset = shaping.curve.at(start)[WORK];
-                setup.run(&mut shaping, observe)
+                setup.run(&mut shaping, observer)
             }
             Err(reason) => (Recording::default(), Some(reason)),
         };

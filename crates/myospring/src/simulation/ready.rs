@@ -1,5 +1,6 @@
 //! A run made ready by the method that its settings name.
 
+use super::observer::{Observer, Samples};
 use super::quasi_static::QuasiStaticOutcome;
 use super::{Outcome, Prepared, PreparedPath, Progress, SetupError, Simulation, StopReason};
 use crate::integrate::Method;
@@ -94,12 +95,29 @@ impl Simulation {
 }
 
 impl Ready<'_> {
+    /// What a person should know before a long run.
+    pub fn warnings(&self) -> Vec<String> {
+        let Self::InTime(prepared) = self else { return Vec::new() };
+        let warning = |hindrance| {
+            format!(
+                "the plain loops move the masses, some ten times slower than the fused kernel, which does \
+                 not serve {hindrance}"
+            )
+        };
+        prepared.plain_loops().map(warning).into_iter().collect()
+    }
+
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Finished {
+        self.run_observed(&mut Samples(observe))
+    }
+
+    /// As [`Ready::run`], for an observer that also hears which part of the work begins.
+    pub fn run_observed(&self, observer: &mut dyn Observer) -> Finished {
         match self {
-            Self::InTime(prepared) => prepared.run(observe).into(),
-            Self::AlongPath(prepared) => prepared.run(observe).into(),
+            Self::InTime(prepared) => prepared.run_observed(observer).into(),
+            Self::AlongPath(prepared) => prepared.run_observed(observer).into(),
         }
     }
 }

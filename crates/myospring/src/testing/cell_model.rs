@@ -157,6 +157,11 @@ fn check_beat(model: &dyn CellModel) {
         Ok(beat) => beat,
         Err(error) => panic!("{name}: {error}"),
     };
+    let published = model.published_peak_tension();
+    assert!(
+        published.is_finite() && published > 0.0,
+        "{name}: the peak of tension of its published parameters is {published}"
+    );
     let rest = model.tension(&model.initial_state());
     assert!(rest.abs() < 0.01 * beat.peak_tension, "{name}: tension {rest} at rest");
     assert!(
