@@ -246,6 +246,18 @@ mod tests {
     }
 
     #[test]
+    fn ticks_are_round_numbers_within_the_axis() {
+        let texts = |axis: &Axis| axis.ticks().map(|(_, text)| text).collect::<Vec<_>>();
+        assert_eq!(texts(&Axis::time([5.0, 83.0])), ["20", "40", "60", "80"]);
+        let potential = Axis::values("", [-84.0, 37.0], 108.0);
+        assert_eq!(texts(&potential)[..2], ["\u{2212}100", "\u{2212}80"]);
+        assert_eq!(potential.ticks().last(), Some((40.0, "40".to_owned())));
+        // The last tick stays, whatever rounding makes of the end.
+        let shares = Axis { range: [0.0, 0.1 * 3.0], step: 0.1, ..potential };
+        assert_eq!(texts(&shares), ["0.0", "0.1", "0.2", "0.3"]);
+    }
+
+    #[test]
     fn a_curve_breaks_where_numbers_do() {
         let points = [[0.0, 1.0], [1.0, f64::NAN], [2.0, 1.0], [3.0, 2.0]];
         assert_eq!(runs(&points).map(<[_]>::len).collect::<Vec<_>>(), [1, 2]);

@@ -212,9 +212,9 @@ mod tests {
         let bytes = png(&page("text"), 300.0).unwrap();
         let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         assert_eq!(reader.info().size(), (300, 150));
+        let Some(PixelDimensions { xppu, yppu, unit }) = reader.info().pixel_dims else { panic!() };
         // 300 / 0.0254 pixels per metre.
-        let fine = PixelDimensions { xppu: 11811, yppu: 11811, unit: Unit::Meter };
-        assert_eq!(reader.info().pixel_dims, Some(fine));
+        assert_eq!((xppu, yppu, unit), (11811, 11811, Unit::Meter));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A sheet of drawn elements, in px with y downward; `svg` writes it and `raster` paints it.
 
 use super::Figure;
-use super::theme::{BLACK, Colour, INK, WHITE};
+use super::theme::{BLACK, Colour, INK, WHITE, mm};
 
 /// What stands on a sheet.
 #[derive(Debug, Clone, PartialEq)]
@@ -246,8 +246,9 @@ impl Sheet {
         self.elements.push(Element::Window { name, place, inside: inside.elements });
     }
 
-    /// The figure, `width` by `height` px large, on white.
+    /// The figure, `width` by `height` px large to a hundredth of a millimetre, on white.
     pub(super) fn finish(self, width: f64, height: f64) -> Figure {
-        Figure { size: [width, height], elements: self.elements }
+        let size = [width, height].map(|length| mm((100.0 * length / mm(1.0)).round() / 100.0));
+        Figure { size, elements: self.elements }
     }
 }

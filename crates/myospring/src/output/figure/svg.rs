@@ -7,12 +7,12 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::Figure;
 use super::sheet::{Anchor, Area, Element, HALO, Look, Path, Step, Style, hundredths};
-use super::theme::{FONTS, WHITE};
+use super::theme::{FONTS, WHITE, mm};
 
 /// The figure as SVG, with its printed size.
 pub(super) fn svg(figure: &Figure) -> String {
     let [width, height] = figure.size.map(px);
-    let [width_mm, height_mm] = figure.size.map(|length| px(length * 25.4 / 96.0));
+    let [width_mm, height_mm] = figure.size.map(|length| px(length / mm(1.0)));
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width_mm}mm\" height=\"{height_mm}mm\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\" fill=\"none\" \
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!([px(1.0), px(-0.001), px(2.505), px(10.0)], ["1", "0", "2.5", "10"]);
+        assert_eq!([px(1.0), px(-0.001), px(2.504), px(10.0)], ["1", "0", "2.5", "10"]);
         assert_eq!([px(0.5), px(-0.05), px(-3.25), px(0.994)], [".5", "-.05", "-3.25", ".99"]);
     }
 
