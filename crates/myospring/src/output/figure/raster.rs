@@ -120,12 +120,13 @@ impl Canvas<'_> {
             Anchor::Middle => 0.5 * width,
             Anchor::End => width,
         };
-        let turn = if style.upward { -90.0 } else { 0.0 };
-        let transform = self
-            .transform
-            .pre_translate(x as f32, y as f32)
-            .pre_rotate(turn)
-            .pre_translate(-before as f32, 0.0);
+        let (x, y) = (x as f32, y as f32);
+        let place = if style.upward {
+            Transform::from_row(0.0, -1.0, 1.0, 0.0, x, y)
+        } else {
+            Transform::from_translate(x, y)
+        };
+        let transform = self.transform.pre_concat(place).pre_translate(-before as f32, 0.0);
         if style.halo {
             self.paint(&outlines, HALO.into(), transform);
         }
