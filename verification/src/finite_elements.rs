@@ -339,7 +339,7 @@ fn draw(setting: &Setting<'_>, times: &[f64], curves: &[(&str, &Vec<f64>)]) -> R
         .collect();
     let named: Vec<(&str, &Recording)> = recordings.iter().map(|(name, r)| (*name, r)).collect();
     let figure = contraction(&named, &ContractionOptions::default())?;
-    std::fs::write(setting.folder.join("finite_elements.svg"), &figure.svg)?;
+    std::fs::write(setting.folder.join("finite_elements.svg"), figure.to_svg())?;
     std::fs::write(setting.folder.join("finite_elements.png"), figure.to_png(300.0)?)?;
     Ok(())
 }

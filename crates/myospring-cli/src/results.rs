@@ -66,7 +66,7 @@ impl Folder {
 
     /// Writes a figure as SVG and PNG; one that cannot be drawn becomes a warning.
     fn figure(&self, name: &str, figure: Result<Figure, FigureError>) -> Result<(), Failure> {
-        match figure.and_then(|figure| Ok((figure.to_png(DPI)?, figure.svg))) {
+        match figure.and_then(|figure| Ok((figure.to_png(DPI)?, figure.to_svg()))) {
             Ok((png, svg)) => {
                 self.write(&format!("figures/{name}.svg"), svg)?;
                 self.write(&format!("figures/{name}.png"), png)

@@ -14,7 +14,7 @@ mod synthetic;
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 fn save(folder: &Path, name: &str, figure: &Figure, dpi: f64) -> Outcome {
-    files::write(&folder.join(format!("{name}.svg")), &figure.svg)?;
+    files::write(&folder.join(format!("{name}.svg")), figure.to_svg())?;
     files::write(&folder.join(format!("{name}.png")), figure.to_png(dpi)?)?;
     Ok(())
 }

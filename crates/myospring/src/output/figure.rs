@@ -15,12 +15,14 @@
 //! perceptually uniform map that is light at rest; people with any colour vision can read both.
 
 mod chart;
+mod font;
 mod lattice;
 mod moments;
 mod overlay;
 mod overview;
 mod raster;
 mod shapes;
+mod sheet;
 mod strain;
 mod svg;
 mod theme;
@@ -34,30 +36,36 @@ pub use shapes::cell_shapes;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
 
 /// A drawn figure.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// The figure as SVG, with its printed size in mm.
-    pub svg: String,
+    /// Width and height, px.
+    size: [f64; 2],
+    elements: Vec<sheet::Element>,
 }
 
 impl Figure {
+    /// The figure as SVG, with its printed size in mm.
+    pub fn to_svg(&self) -> String {
+        svg::svg(self)
+    }
+
     /// Draws the figure as PNG with `dpi` pixels per inch of printed size; the file says so too.
     ///
     /// # Errors
-    /// A resolution outside 10 to 2400 dpi.
+    /// A resolution outside 10 to 2400 dpi; more pixels than memory allows.
     ///
     /// # Example
     /// ```
-    /// # use myospring::output::figure::Figure;
-    /// let figure = Figure {
-    ///     svg: r#"<svg xmlns="http://www.w3.org/2000/svg" width="25.4mm" height="12.7mm"/>"#.into(),
-    /// };
+    /// use myospring::mesh::lattice;
+    /// use myospring::output::figure;
+    /// let figure = figure::mesh(&lattice::rectangle(40, 10, 2.0)?)?;
+    /// assert!(figure.to_svg().contains("width=\"178mm\""));
     /// let png = figure.to_png(300.0)?;
-    /// assert_eq!(png[16..24], [0, 0, 1, 44, 0, 0, 0, 150]); // 300 x 150 pixels
-    /// # Ok::<(), myospring::output::figure::FigureError>(())
+    /// assert_eq!(png[16..20], 2102u32.to_be_bytes()); // pixels across, 178 mm at 300 dpi
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn to_png(&self, dpi: f64) -> Result<Vec<u8>, FigureError> {
-        raster::png(&self.svg, dpi)
+        raster::png(self, dpi)
     }
 }
 
@@ -159,10 +167,10 @@ pub enum FigureError {
         /// What was asked for, pixels per inch.
         dpi: f64,
     },
-    /// The SVG text is not an SVG, or is larger than memory allows.
+    /// More pixels than memory allows, or than a PNG holds.
     #[error("the figure cannot be drawn as PNG: {reason}")]
     Raster {
-        /// What the renderer says.
+        /// What the painter says.
         reason: String,
     },
 }

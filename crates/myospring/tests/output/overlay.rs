@@ -1,9 +1,9 @@
 //! The overlay: a made-up picture with lines over it.
 
-use image::RgbImage;
 use myospring::mesh::Mesh;
 use myospring::output::figure::{Contour, Figure, FigureError, Overlay, Tick, overlay};
 
+use super::drawn::{Pixels, size};
 use super::synthetic::lattice;
 
 const PIXEL: f64 = 0.5;
@@ -46,13 +46,14 @@ fn mesh() -> Mesh {
 /// Pixels per px of the drawing.
 const SCALE: f64 = 3.0;
 
-fn drawn(figure: &Figure) -> RgbImage {
-    image::load_from_memory(&figure.to_png(96.0 * SCALE).unwrap()).unwrap().to_rgb8()
+fn drawn(figure: &Figure) -> Pixels {
+    Pixels::of(figure, 96.0 * SCALE)
 }
 
 /// Left, top, width and height of a panel, px, if the figure has it.
 fn panel(figure: &Figure, name: &str) -> Option<[f64; 4]> {
-    let (_, rest) = figure.svg.split_once(&format!(r#"<clipPath id="panel-{name}"><rect "#))?;
+    let svg = figure.to_svg();
+    let (_, rest) = svg.split_once(&format!(r#"<clipPath id="panel-{name}"><rect "#))?;
     Some(["x", "y", "width", "height"].map(|key| {
         let (_, value) = rest.split_once(&format!(r#"{key}=""#)).unwrap();
         value.split_once('"').unwrap().0.parse().unwrap()
@@ -60,12 +61,11 @@ fn panel(figure: &Figure, name: &str) -> Option<[f64; 4]> {
 }
 
 /// The colour at a point of panel A, which shows the whole picture.
-fn colour(figure: &Figure, png: &RgbImage, [x, y]: [f64; 2]) -> [u8; 3] {
+fn colour(figure: &Figure, png: &Pixels, [x, y]: [f64; 2]) -> [u8; 3] {
     let [left, top, width, height] = panel(figure, "A").unwrap();
     let full = SIZE.map(|length| length as f64 * PIXEL);
     let at = [left + width * x / full[0], top + height * (1.0 - y / full[1])];
-    let [column, row] = at.map(|at| (SCALE * at) as u32);
-    png.get_pixel(column, row).0
+    png.at(at.map(|at| (SCALE * at) as usize))
 }
 
 fn is_yellow([red, green, blue]: [u8; 3]) -> bool {
@@ -126,14 +126,13 @@ fn fibres_point_up_where_they_should() {
         let cells = [cell.clone()];
         let figure =
             overlay(&Overlay { cells: &cells, fibres: &fibres, ..plain(&values) }).unwrap();
-        assert!(figure.svg.contains(label), "{label}");
+        assert!(figure.to_svg().contains(label), "{label}");
         // Panel B is centred on the cell, and so is the tick; the block behind is white.
         let [left, top, width, height] = panel(&figure, "B").unwrap();
         let png = drawn(&figure);
         let near = |dx: f64, dy: f64| {
             let at = [left + 0.5 * width + dx, top + 0.5 * height + dy];
-            let [column, row] = at.map(|at| (SCALE * at) as u32);
-            png.get_pixel(column, row).0
+            png.at(at.map(|at| (SCALE * at) as usize))
         };
         assert_eq!(near(2.0, 2.0), [255; 3]);
         assert_ne!(near(1.6, -1.6), [255; 3]);
@@ -167,9 +166,9 @@ fn lattice_and_fibres_get_a_panel_of_their_own() {
         "the cell touches the frame",
         "two &lt;cells&gt; &amp; more",
     ] {
-        assert!(figure.svg.contains(words), "{words} is missing");
+        assert!(figure.to_svg().contains(words), "{words} is missing");
     }
-    let [width, _] = super::size(&figure);
+    let [width, _] = size(&figure);
     assert!((width * 25.4 / 96.0 - 178.0).abs() < 0.01, "{width} px");
     assert_eq!(overlay(&whole).unwrap(), figure);
     // With neither, and the cell nearly as large as the picture, one panel is enough.
@@ -184,7 +183,8 @@ fn a_large_picture_is_embedded_small() {
     let values: Vec<f32> = (0..4000 * 1000).map(|at| (at % 977) as f32).collect();
     let figure = overlay(&Overlay { width: 4000, height: 1000, ..plain(&values) }).unwrap();
     // 1600 x 400 pixels, a byte each at most, and a third more as text.
-    assert!(figure.svg.len() < 900_000, "{}", figure.svg.len());
+    let length = figure.to_svg().len();
+    assert!(length < 900_000, "{length}");
 }
 
 #[test]
@@ -198,7 +198,8 @@ fn odd_pictures_are_drawn() {
                 [Contour { name: "1", rings: vec![&ring, &[], &[[0.1, 0.1]]], chosen: true }];
             let odd = Overlay { width, height, cells: &cells, ..plain(&values) };
             let figure = overlay(&odd).unwrap();
-            assert!(!figure.svg.contains("NaN") && !figure.svg.contains("inf"));
+            let svg = figure.to_svg();
+            assert!(!svg.contains("NaN") && !svg.contains("inf"));
             figure.to_png(96.0).unwrap();
         }
     }
@@ -251,6 +252,6 @@ fn several_cells_carry_their_names_in_a_single_panel_too() {
         fibres: &[],
         warnings: &[],
     });
-    let svg = figure.unwrap().svg;
+    let svg = figure.unwrap().to_svg();
     assert!(svg.contains("left one") && svg.contains("right one") && !svg.contains("panel-B"));
 }

@@ -1,26 +1,12 @@
-//! Charts: axes, ticks and curves come from kuva; only this file knows it.
-//!
-//! kuva decides where ticks and curves go. Axis labels, legends and notes are ours, because stacked
-//! charts must line up and kuva places them by its own margins and measures of another font.
+//! Charts: axes, ticks and curves.
 
-use std::sync::Arc;
-
-use kuva::TickFormat;
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
-use kuva::render::render::{Primitive, render_multiple};
-use kuva::render::theme::Theme;
-
-use super::svg::{Anchor, Sheet, Style, px};
+use super::font::text_width;
+use super::sheet::{Anchor, Look, Path, Sheet, Stroke, Style};
 use super::theme::{
-    AXIS_WIDTH, BAND, CURVE_WIDTH, HAIR, INK, LABEL, MUTED, TICK, decimals, fixed, nice_step,
-    text_width,
+    AXIS_WIDTH, BAND, CURVE_WIDTH, Colour, HAIR, INK, LABEL, MUTED, TICK, decimals, fixed,
+    nice_step,
 };
 
-/// Room that kuva gets around the plot for ticks and their labels, px.
-const MARGIN: f64 = 60.0;
 /// Length of a tick, px.
 const TICK_LENGTH: f64 = 4.0;
 
@@ -73,19 +59,22 @@ impl Axis {
         (value - self.range[0]) / (self.range[1] - self.range[0])
     }
 
-    fn format(&self) -> TickFormat {
-        let (labelled, digits) = (self.labelled, decimals(self.step));
-        TickFormat::Custom(Arc::new(
-            move |value| {
-                if labelled { fixed(value, digits) } else { String::new() }
-            },
-        ))
+    /// The places of the ticks, and what is written there.
+    fn ticks(&self) -> impl Iterator<Item = (f64, String)> {
+        let (step, digits) = (self.step, decimals(self.step));
+        let [first, last] = [
+            (self.range[0] / step - 1e-6).ceil() as i64,
+            (self.range[1] / step + 1e-6).floor() as i64,
+        ];
+        (first..=last).map(move |count| {
+            let value = count as f64 * step;
+            (value, fixed(value, digits))
+        })
     }
 
     /// Width of the widest tick label, px.
     fn tick_width(&self) -> f64 {
-        let digits = decimals(self.step);
-        self.range.iter().map(|&end| text_width(&fixed(end, digits), TICK)).fold(0.0, f64::max)
+        self.ticks().map(|(_, text)| text_width(&text, TICK)).fold(0.0, f64::max)
     }
 }
 
@@ -93,7 +82,7 @@ impl Axis {
 #[derive(Debug, Clone)]
 pub(super) struct Curve {
     pub(super) points: Vec<[f64; 2]>,
-    pub(super) colour: &'static str,
+    pub(super) colour: Colour,
 }
 
 /// A chart: `place` is the upper left corner of the plot, `size` its width and height, px.
@@ -135,37 +124,18 @@ impl Chart {
 
     /// Draws the chart; the vertical label stands `label_offset` px left of its axis.
     pub(super) fn draw(&self, sheet: &mut Sheet, label_offset: f64) {
-        self.draw_behind(sheet);
-        let plots: Vec<Plot> = self.curves.iter().flat_map(|curve| self.lines(curve)).collect();
-        let mut scene = render_multiple(plots, self.layout());
-        scene.background_color = None;
-        scene.defs.clear();
-        // The data lie inside the axes; kuva numbers its clip paths across the whole process, and
-        // the same figure must be the same bytes.
-        scene.elements.retain(|element| match element {
-            Primitive::ClipStart { .. } | Primitive::ClipEnd => false,
-            Primitive::Text { content, .. } => !content.is_empty(),
-            _ => true,
-        });
-        let drawn = SvgBackend::default().render_scene(&scene);
-        sheet.raw(&format!(
-            r#"<g transform="translate({} {})" fill="{INK}">"#,
-            px(self.place[0] - MARGIN),
-            px(self.place[1] - MARGIN)
-        ));
-        sheet.raw(inner(&drawn));
-        sheet.raw("</g>");
-        for curve in &self.curves {
-            for run in runs(&curve.points).filter(|run| run.len() == 1) {
-                sheet.dot(self.at(run[0]), curve.colour);
-            }
-        }
-        let middle = Style::new(LABEL).anchor(Anchor::Middle);
         let [left, top] = self.place;
         let [width, height] = self.size;
+        let bottom = top + height;
+        self.draw_behind(sheet);
+        self.draw_axes(sheet);
+        for curve in &self.curves {
+            self.draw_curve(sheet, curve);
+        }
+        let middle = Style::new(LABEL).anchor(Anchor::Middle);
         sheet.text([left - label_offset, top + height / 2.0], &self.y.label, middle.upward());
         if self.x.labelled {
-            sheet.text([left + width / 2.0, top + height + 31.0], &self.x.label, middle);
+            sheet.text([left + width / 2.0, bottom + 31.0], &self.x.label, middle);
         }
     }
 
@@ -176,59 +146,47 @@ impl Chart {
             let [low, high] = band.map(|value| value.clamp(bottom, top));
             let [left, upper] = self.at([first, high]);
             let [right, lower] = self.at([last, low]);
-            sheet.rect([left, upper], [right - left, lower - upper], BAND, "");
+            sheet.rect([left, upper], [right - left, lower - upper], Look::fill(BAND));
         }
         for &t in self.marks.iter().filter(|t| (first..=last).contains(*t)) {
-            sheet.line(self.at([t, bottom]), self.at([t, top]), MUTED, HAIR, "3 2");
+            let stroke = Stroke::new(MUTED, HAIR).dash(3.0, 2.0);
+            sheet.line(self.at([t, bottom]), self.at([t, top]), stroke);
         }
     }
 
-    fn lines(&self, curve: &Curve) -> Vec<Plot> {
-        runs(&curve.points)
-            .map(|run| {
-                // kuva draws axes only around a line; a lone point is one of no length, with a dot.
-                let thinned = if run.len() == 1 { run.repeat(2) } else { thin(run, self.size[0]) };
-                let points = thinned.into_iter().map(|[x, y]| (x, y));
-                Plot::Line(
-                    LinePlot::new()
-                        .with_data(points)
-                        .with_color(curve.colour)
-                        .with_stroke_width(CURVE_WIDTH),
-                )
-            })
-            .collect()
+    /// Both axes and their ticks, outside the plot, with what is written there.
+    fn draw_axes(&self, sheet: &mut Sheet) {
+        let [left, top] = self.place;
+        let [right, bottom] = [left + self.size[0], top + self.size[1]];
+        let mut axes = Path::line([[left, top], [left, bottom], [right, bottom]]);
+        for (value, text) in self.x.ticks() {
+            let [x, _] = self.at([value, 0.0]);
+            axes.add_line([[x, bottom], [x, bottom + TICK_LENGTH]]);
+            if self.x.labelled {
+                let style = Style::new(TICK).anchor(Anchor::Middle);
+                sheet.text([x, bottom + TICK_LENGTH + 9.5], &text, style);
+            }
+        }
+        for (value, text) in self.y.ticks() {
+            let [_, y] = self.at([0.0, value]);
+            axes.add_line([[left - TICK_LENGTH, y], [left, y]]);
+            let style = Style::new(TICK).anchor(Anchor::End);
+            sheet.text([left - TICK_LENGTH - 3.0, y + 3.6], &text, style);
+        }
+        sheet.path(axes, Stroke::new(INK, AXIS_WIDTH));
     }
 
-    fn layout(&self) -> Layout {
-        let [[x0, x1], [y0, y1]] = [self.x.range, self.y.range];
-        Layout::new((x0, x1), (y0, y1))
-            .with_theme(Theme { show_grid: false, ..Theme::light() })
-            .with_show_grid(false)
-            .with_width(self.size[0] + 2.0 * MARGIN)
-            .with_height(self.size[1] + 2.0 * MARGIN)
-            .with_force_margins(MARGIN, MARGIN)
-            .with_force_margins_y(MARGIN, MARGIN)
-            .with_x_axis_min(x0)
-            .with_x_axis_max(x1)
-            .with_y_axis_min(y0)
-            .with_y_axis_max(y1)
-            .with_x_tick_step(self.x.step)
-            .with_y_tick_step(self.y.step)
-            .with_x_tick_format(self.x.format())
-            .with_y_tick_format(self.y.format())
-            .with_tick_size(TICK)
-            .with_label_size(LABEL)
-            .with_axis_line_width(AXIS_WIDTH)
-            .with_tick_width(AXIS_WIDTH)
-            .with_tick_length(TICK_LENGTH)
+    /// Lines between neighbouring points, dots for those that stand alone.
+    fn draw_curve(&self, sheet: &mut Sheet, curve: &Curve) {
+        let mut path = Path::default();
+        for run in runs(&curve.points) {
+            match run {
+                [alone] => sheet.dot(self.at(*alone), curve.colour),
+                run => path.add_line(thin(run, self.size[0]).into_iter().map(|at| self.at(at))),
+            }
+        }
+        sheet.path(path, Stroke::new(curve.colour, CURVE_WIDTH));
     }
-}
-
-/// What stands between the outermost tags.
-fn inner(svg: &str) -> &str {
-    let start = svg.find('>').map_or(0, |end| end + 1);
-    let end = svg.rfind("</svg>").unwrap_or(svg.len());
-    svg.get(start..end).unwrap_or_default().trim()
 }
 
 /// Stretches of finite points.
@@ -285,6 +243,18 @@ mod tests {
         assert_eq!(Axis::time([0.0, 599.95]).range, [0.0, 600.0]);
         assert_eq!(Axis::time([0.0, 83.0]).range, [0.0, 83.0]);
         assert_eq!(Axis::time([5.0, 5.0]).range, [5.0, 6.0]);
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_within_the_axis() {
+        let texts = |axis: &Axis| axis.ticks().map(|(_, text)| text).collect::<Vec<_>>();
+        assert_eq!(texts(&Axis::time([5.0, 83.0])), ["20", "40", "60", "80"]);
+        let potential = Axis::values("", [-84.0, 37.0], 108.0);
+        assert_eq!(texts(&potential)[..2], ["\u{2212}100", "\u{2212}80"]);
+        assert_eq!(potential.ticks().last(), Some((40.0, "40".to_owned())));
+        // The last tick stays, whatever rounding makes of the end.
+        let shares = Axis { range: [0.0, 0.1 * 3.0], step: 0.1, ..potential };
+        assert_eq!(texts(&shares), ["0.0", "0.1", "0.2", "0.3"]);
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use super::shapes::{ELONGATED, draw_scale_bar};
+use super::sheet::{Anchor, Look, Path, Sheet, Stroke, Style};
 use super::strain::{check_mesh, facets, outline};
-use super::svg::{Anchor, Sheet, Style, px};
-use super::theme::{DOUBLE, INK, MUTED, POTENTIAL, SINGLE, TICK, fixed};
+use super::theme::{Colour, DOUBLE, INK, MUTED, POTENTIAL, SINGLE, TICK, fixed};
 use super::{Figure, FigureError};
 use crate::mesh::{Mesh, SpringKind};
 
@@ -37,44 +37,31 @@ pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
     };
 
     let mut sheet = Sheet::default();
-    let rings = outline(&facets(mesh));
-    let mut rim = String::new();
-    for ring in &rings {
-        for (corner, &node) in ring.iter().enumerate() {
-            append(&mut rim, if corner == 0 { 'M' } else { 'L' }, at(node));
-        }
-        rim.push('z');
+    let mut rim = Path::default();
+    for ring in outline(&facets(mesh)) {
+        rim.add_ring(ring.into_iter().map(at));
     }
-    sheet.raw(&format!(r##"<path fill="#f3f6f9" stroke="none" d="{rim}"/>"##));
+    sheet.path(rim.clone(), Look::fill(Colour(0xf3f6f9)));
     for (kind, colour, width) in
-        [(SpringKind::Diagonal, "#9dbdd6", 0.4), (SpringKind::Axial, "#4f8cba", 0.55)]
+        [(SpringKind::Diagonal, 0x9dbdd6, 0.4), (SpringKind::Axial, 0x4f8cba, 0.55)]
     {
-        let mut path = String::new();
+        let mut path = Path::default();
         for spring in mesh.springs.iter().filter(|spring| spring.kind == kind) {
-            append(&mut path, 'M', at(spring.nodes[0]));
-            append(&mut path, 'L', at(spring.nodes[1]));
+            path.add_line(spring.nodes.map(at));
         }
-        sheet.raw(&format!(
-            r#"<path fill="none" stroke="{colour}" stroke-width="{width}" d="{path}"/>"#
-        ));
+        sheet.path(path, Stroke::new(Colour(colour), width));
     }
-    sheet.raw(&format!(
-        r#"<path fill="none" stroke="{INK}" stroke-width="1" stroke-linejoin="round" d="{rim}"/>"#
-    ));
+    sheet.path(rim, Stroke::new(INK, 1.0));
     let points = mesh.points[0].len();
     let mean_area = extent[0] * extent[1] / points as f64;
     let spacing = mesh.lattice.as_ref().map_or(mean_area.sqrt(), |lattice| lattice.spacing);
     if spacing * scale >= CLOSEST {
-        // A line of no length with round ends is a dot.
-        let mut path = String::new();
+        let mut path = Path::default();
         for node in (0..points).filter_map(|node| u32::try_from(node).ok()) {
-            append(&mut path, 'M', at(node));
-            path.push_str("h0");
+            path.add_line([at(node); 2]);
         }
-        let size = px((0.32 * spacing * scale).min(3.2));
-        sheet.raw(&format!(
-            r#"<path stroke="{POTENTIAL}" stroke-width="{size}" stroke-linecap="round" d="{path}"/>"#
-        ));
+        let size = (0.32 * spacing * scale).min(3.2);
+        sheet.path(path, Stroke::new(POTENTIAL, size).round_ends());
     }
     let bottom = margin + extent[1] * scale;
     draw_scale_bar(&mut sheet, [margin, bottom + 16.0], scale, extent);
@@ -87,11 +74,4 @@ pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
     let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
     sheet.text([page - margin, bottom + 19.5], &numbers, style);
     Ok(sheet.finish(page, bottom + 28.0))
-}
-
-fn append(path: &mut String, letter: char, [x, y]: [f64; 2]) {
-    path.push(letter);
-    path.push_str(&px(x));
-    path.push(' ');
-    path.push_str(&px(y));
 }

@@ -5,21 +5,22 @@ mod photograph;
 
 use panel::{Panel, View};
 
+use super::font::text_width;
 use super::shapes::draw_scale_bar;
+use super::sheet::{Look, Sheet, Stroke, Style};
 use super::strain::check_mesh;
-use super::svg::{Sheet, Style};
-use super::theme::{DOUBLE, INK, LABEL, LETTER, MUTED, TENSION, TICK, mm, text_width};
+use super::theme::{Colour, DOUBLE, INK, LABEL, LETTER, MUTED, TENSION, TICK, mm};
 use super::{Figure, FigureError};
 use crate::mesh::Mesh;
 
 /// Line of the chosen cell (Okabe-Ito yellow), readable on black and on grey.
-const CHOSEN: &str = "#f0e442";
+const CHOSEN: Colour = Colour(0xf0e442);
 /// Lines of other cells (Okabe-Ito reddish purple).
-const OTHER: &str = "#cc79a7";
+const OTHER: Colour = Colour(0xcc79a7);
 /// Fibres that the picture shows (Okabe-Ito sky blue).
-const FIBRE: &str = "#56b4e9";
+const FIBRE: Colour = Colour(0x56b4e9);
 /// Fibres that the picture does not show.
-const STAND_IN: &str = "#e6e6e6";
+const STAND_IN: Colour = Colour(0xe6e6e6);
 
 /// Space around the panels and between them, px.
 const MARGIN: f64 = 8.0;
@@ -110,7 +111,7 @@ pub struct Overlay<'a> {
 ///     fibres: &[],
 ///     warnings: &[],
 /// })?;
-/// assert!(figure.svg.contains("data:image/png;base64,"));
+/// assert!(figure.to_svg().contains("data:image/png;base64,"));
 /// # Ok::<(), myospring::output::figure::FigureError>(())
 /// ```
 pub fn overlay(overlay: &Overlay<'_>) -> Result<Figure, FigureError> {
@@ -241,7 +242,7 @@ fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
     let entries = [
         (any(true), CHOSEN, 1.6, "chosen cell"),
         (any(false), OTHER, 1.6, "other cells"),
-        (overlay.mesh.is_some(), "#a6a6a6", 0.8, "lattice"),
+        (overlay.mesh.is_some(), Colour(0xa6a6a6), 0.8, "lattice"),
         (tick(true), FIBRE, 1.8, "fibre (faint: less certain)"),
         (tick(false), STAND_IN, 1.4, "fibre assumed, not from the picture"),
     ];
@@ -251,10 +252,10 @@ fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
         if x > MARGIN && x + width > DOUBLE - MARGIN {
             (x, y) = (MARGIN, y + 15.0);
         }
-        sheet.rect([x, y - 8.0], [19.0, 10.0], "#333333", "");
-        sheet.line([x + 2.5, y - 3.0], [x + 16.5, y - 3.0], colour, thick, "");
+        sheet.rect([x, y - 8.0], [19.0, 10.0], Look::fill(Colour(0x333333)));
+        sheet.line([x + 2.5, y - 3.0], [x + 16.5, y - 3.0], Stroke::new(colour, thick));
         sheet.text([x + 23.0, y + 0.5], words, Style::new(TICK).colour(MUTED));
-        x += width + 4.0;
+        x += width + 12.0;
     }
     if x > MARGIN { y + 8.0 } else { top }
 }
@@ -268,7 +269,7 @@ fn draw_warnings(sheet: &mut Sheet, warnings: &[String], top: f64) -> f64 {
         let mut flush = |line: &mut String| {
             y += 14.0;
             if first {
-                sheet.rect([MARGIN, y - 7.0], [6.0, 6.0], TENSION, "");
+                sheet.rect([MARGIN, y - 7.0], [6.0, 6.0], Look::fill(TENSION));
             }
             first = false;
             sheet.text([MARGIN + 11.0, y], line, Style::new(TICK).colour(INK));

@@ -2,7 +2,7 @@
 
 use super::moments::key_shapes;
 use super::shapes::{Gallery, HEAD};
-use super::svg::Sheet;
+use super::sheet::Sheet;
 use super::theme::{DOUBLE, SHORTENING};
 use super::traces::{ACTIVE_TENSION, Quantity, Stack, potential};
 use super::{Figure, FigureError};

@@ -1,89 +1,227 @@
-//! SVG to PNG with an embedded font.
+//! A figure as PNG, painted with the embedded font.
 
-use std::sync::{Arc, OnceLock};
+use png::{BitDepth, ColorType, Compression, Encoder, PixelDimensions, Unit};
+use tiny_skia::{
+    Color, ColorU8, FillRule, FilterQuality, LineCap, LineJoin, Mask, Paint, PathBuilder, Pattern,
+    Pixmap, Rect, SpreadMode, StrokeDash, Transform,
+};
 
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{Options, Tree, fontdb};
+use super::sheet::{Anchor, Area, Element, HALO, Look, Path, Picture, Step, Style};
+use super::theme::Colour;
+use super::{Figure, FigureError, font};
 
-use super::FigureError;
-
-/// Draws an SVG with `dpi` pixels per inch.
-pub(super) fn png(svg: &str, dpi: f64) -> Result<Vec<u8>, FigureError> {
+/// Draws a figure with `dpi` pixels per inch.
+pub(super) fn png(figure: &Figure, dpi: f64) -> Result<Vec<u8>, FigureError> {
     if !(10.0..=2400.0).contains(&dpi) {
         return Err(FigureError::Resolution { dpi });
     }
-    let failed = |reason: String| FigureError::Raster { reason };
-    let tree = Tree::from_str(svg, &options()).map_err(|error| failed(error.to_string()))?;
-    let scale = dpi / 96.0;
-    let size = tree.size();
-    let pixels = |length: f32| (f64::from(length) * scale).round().max(1.0) as u32;
-    let (width, height) = (pixels(size.width()), pixels(size.height()));
-    let mut pixmap = Pixmap::new(width, height).ok_or_else(|| {
-        failed(format!("{width} x {height} pixels are too many; lower the resolution of {dpi} dpi"))
+    let [width, height] = figure.size.map(|length| (length * dpi / 96.0).round().max(1.0) as u32);
+    let mut pixmap = Pixmap::new(width, height).ok_or_else(|| FigureError::Raster {
+        reason: format!(
+            "{width} x {height} pixels are too many; lower the resolution of {dpi} dpi"
+        ),
     })?;
     // The last row and column are covered whole even where the size was rounded up.
-    let transform =
-        Transform::from_scale(width as f32 / size.width(), height as f32 / size.height());
-    resvg::render(&tree, transform, &mut pixmap.as_mut());
-    let bytes = pixmap.encode_png().map_err(|error| failed(error.to_string()))?;
-    Ok(with_resolution(bytes, dpi))
+    let scale = [f64::from(width) / figure.size[0], f64::from(height) / figure.size[1]];
+    let transform = Transform::from_scale(scale[0] as f32, scale[1] as f32);
+    pixmap.fill(Color::WHITE);
+    Canvas { pixmap: &mut pixmap, transform, mask: None }.draw(&figure.elements);
+    // Nothing shines through the white page.
+    let colours: Vec<u8> =
+        pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+    encoded([width, height], ColorType::Rgb, &colours, Some(dpi))
 }
 
-fn options() -> Options<'static> {
-    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
-    let fonts = FONTS.get_or_init(|| {
-        let mut fonts = fontdb::Database::new();
-        fonts.load_font_source(fontdb::Source::Binary(Arc::new(notosans::REGULAR_TTF)));
-        fonts.load_font_source(fontdb::Source::Binary(Arc::new(notosans::BOLD_TTF)));
-        fonts.set_sans_serif_family("Noto Sans");
-        Arc::new(fonts)
+/// A grey picture as it is embedded.
+pub(super) fn grey_png(size: [u32; 2], grey: &[u8]) -> Result<Vec<u8>, FigureError> {
+    encoded(size, ColorType::Grayscale, grey, None)
+}
+
+/// Bytes of a PNG with 8 bits a channel.
+fn encoded(
+    [width, height]: [u32; 2],
+    colour: ColorType,
+    pixels: &[u8],
+    dpi: Option<f64>,
+) -> Result<Vec<u8>, FigureError> {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_pixel_dims(dpi.map(|dpi| {
+        let per_metre = (dpi / 0.0254).round() as u32;
+        PixelDimensions { xppu: per_metre, yppu: per_metre, unit: Unit::Meter }
+    }));
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(pixels)?;
+        writer.finish()
     });
-    Options { fontdb: Arc::clone(fonts), font_family: "Noto Sans".to_owned(), ..Options::default() }
-}
-
-/// Length of the PNG signature and its header chunk, after which other chunks may stand.
-const HEADER: usize = 33;
-
-/// Adds the `pHYs` chunk (PNG specification, 11.3.5.3): pixels per metre along x and y.
-fn with_resolution(mut png: Vec<u8>, dpi: f64) -> Vec<u8> {
-    if png.len() < HEADER {
-        return png;
+    match written {
+        Ok(()) => Ok(bytes),
+        Err(error) => Err(FigureError::Raster { reason: error.to_string() }),
     }
-    let per_metre = ((dpi / 0.0254).round() as u32).to_be_bytes();
-    let mut chunk = b"pHYs".to_vec();
-    chunk.extend(per_metre);
-    chunk.extend(per_metre);
-    chunk.push(1);
-    let sum = crc32(&chunk).to_be_bytes();
-    chunk.extend(sum);
-    png.splice(HEADER..HEADER, 9u32.to_be_bytes().into_iter().chain(chunk));
-    png
 }
 
-/// The checksum of PNG chunks (PNG specification, annex D).
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(u32::MAX, |sum, &byte| {
-        (0..8).fold(sum ^ u32::from(byte), |sum, _| {
-            if sum & 1 == 1 { 0xedb8_8320 ^ (sum >> 1) } else { sum >> 1 }
-        })
-    })
+/// Pixels, how px of the drawing become pixels, and where they may be drawn.
+struct Canvas<'a> {
+    pixmap: &'a mut Pixmap,
+    transform: Transform,
+    mask: Option<&'a Mask>,
+}
+
+impl Canvas<'_> {
+    fn draw(&mut self, elements: &[Element]) {
+        for element in elements {
+            match element {
+                Element::Path { path, look } => {
+                    if let Some(path) = outline(path) {
+                        self.paint(&path, *look, self.transform);
+                    }
+                }
+                Element::Circle { centre: [x, y], radius, look } => {
+                    let [x, y, radius] = [*x, *y, *radius].map(|length| length as f32);
+                    if let Some(circle) = PathBuilder::from_circle(x, y, radius) {
+                        self.paint(&circle, *look, self.transform);
+                    }
+                }
+                Element::Text { at, text, style } => self.write(*at, text, *style),
+                Element::Picture { place, picture } => self.show(*place, picture),
+                Element::Window { place, inside, .. } => self.look_through(*place, inside),
+            }
+        }
+    }
+
+    fn paint(&mut self, path: &tiny_skia::Path, look: Look, transform: Transform) {
+        if let Some(colour) = look.fill {
+            let paint = ink(colour, 1.0);
+            self.pixmap.fill_path(path, &paint, FillRule::Winding, transform, self.mask);
+        }
+        if let Some(pen) = look.stroke {
+            let stroke = tiny_skia::Stroke {
+                width: pen.width as f32,
+                line_cap: if pen.round_ends { LineCap::Round } else { LineCap::Butt },
+                line_join: LineJoin::Round,
+                dash: pen.dash.and_then(|dash| {
+                    StrokeDash::new(dash.map(|length| length as f32).to_vec(), 0.0)
+                }),
+                ..tiny_skia::Stroke::default()
+            };
+            let paint = ink(pen.colour, pen.opacity);
+            self.pixmap.stroke_path(path, &paint, &stroke, transform, self.mask);
+        }
+    }
+
+    fn write(&mut self, [x, y]: [f64; 2], text: &str, style: Style) {
+        let (outlines, width) = font::outlines(text, style.size, style.bold);
+        let Some(outlines) = outlines else { return };
+        let before = match style.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5 * width,
+            Anchor::End => width,
+        };
+        let (x, y) = (x as f32, y as f32);
+        let place = if style.upward {
+            Transform::from_row(0.0, -1.0, 1.0, 0.0, x, y)
+        } else {
+            Transform::from_translate(x, y)
+        };
+        let transform = self.transform.pre_concat(place).pre_translate(-before as f32, 0.0);
+        if style.halo {
+            self.paint(&outlines, HALO.into(), transform);
+        }
+        self.paint(&outlines, Look::fill(style.colour), transform);
+    }
+
+    fn show(&mut self, place: Area, picture: &Picture) {
+        let [columns, rows] = picture.size;
+        let (Some(mut pixels), Some(area)) = (Pixmap::new(columns, rows), rect(place)) else {
+            return;
+        };
+        for (pixel, &level) in pixels.pixels_mut().iter_mut().zip(&picture.grey) {
+            *pixel = ColorU8::from_rgba(level, level, level, u8::MAX).premultiply();
+        }
+        let spread = Transform::from_row(
+            area.width() / columns as f32,
+            0.0,
+            0.0,
+            area.height() / rows as f32,
+            area.x(),
+            area.y(),
+        );
+        let shader =
+            Pattern::new(pixels.as_ref(), SpreadMode::Pad, FilterQuality::Bilinear, 1.0, spread);
+        let paint = Paint { shader, ..Paint::default() };
+        self.pixmap.fill_rect(area, &paint, self.transform, self.mask);
+    }
+
+    /// Draws elements as far as they lie within an area.
+    fn look_through(&mut self, place: Area, inside: &[Element]) {
+        let Some(mut mask) = Mask::new(self.pixmap.width(), self.pixmap.height()) else { return };
+        if let Some(area) = rect(place) {
+            let path = PathBuilder::from_rect(area);
+            mask.fill_path(&path, FillRule::Winding, true, self.transform);
+        }
+        Canvas { pixmap: self.pixmap, transform: self.transform, mask: Some(&mask) }.draw(inside);
+    }
+}
+
+fn ink(colour: Colour, opacity: f64) -> Paint<'static> {
+    let [red, green, blue] = colour.channels();
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(red, green, blue, (255.0 * opacity).round() as u8);
+    paint
+}
+
+fn rect(Area { corner: [x, y], size: [width, height] }: Area) -> Option<Rect> {
+    Rect::from_xywh(x as f32, y as f32, width as f32, height as f32)
+}
+
+fn outline(path: &Path) -> Option<tiny_skia::Path> {
+    let mut outline = PathBuilder::with_capacity(path.steps.len(), path.steps.len());
+    let px = |place: [i32; 2]| place.map(|hundredths| (f64::from(hundredths) / 100.0) as f32);
+    for step in &path.steps {
+        match *step {
+            Step::Move(to) => outline.move_to(px(to)[0], px(to)[1]),
+            Step::Line(to) => outline.line_to(px(to)[0], px(to)[1]),
+            Step::Close => outline.close(),
+        }
+    }
+    outline.finish()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::sheet::Sheet;
     use super::*;
 
-    #[test]
-    fn the_checksum_is_that_of_the_png_specification() {
-        // Every PNG ends with this chunk.
-        assert_eq!(crc32(b"IEND"), 0xae42_6082);
+    fn page(text: &str) -> Figure {
+        let mut sheet = Sheet::default();
+        sheet.text([5.0, 15.0], text, Style::new(11));
+        sheet.finish(96.0, 48.0)
     }
 
     #[test]
     fn resolutions_outside_the_range_are_refused() {
-        for dpi in [0.0, -300.0, 1e9, f64::NAN] {
-            assert!(matches!(png("<svg/>", dpi), Err(FigureError::Resolution { .. })));
+        for dpi in [0.0, -300.0, 9.9, 2401.0, 1e9, f64::NAN] {
+            assert!(matches!(png(&page(""), dpi), Err(FigureError::Resolution { .. })));
         }
-        assert!(matches!(png("no svg", 300.0), Err(FigureError::Raster { .. })));
+    }
+
+    #[test]
+    fn the_file_says_how_large_it_is_and_how_fine() {
+        let bytes = png(&page("text"), 300.0).unwrap();
+        let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        assert_eq!(reader.info().size(), (300, 150));
+        let Some(PixelDimensions { xppu, yppu, unit }) = reader.info().pixel_dims else { panic!() };
+        // 300 / 0.0254 pixels per metre.
+        assert_eq!((xppu, yppu, unit), (11811, 11811, Unit::Meter));
+    }
+
+    #[test]
+    fn text_becomes_ink_without_fonts_of_the_system() {
+        let drawn = |text| png(&page(text), 96.0).unwrap();
+        assert_ne!(drawn("\u{b5}m"), drawn(""));
+        assert_eq!(drawn(" "), drawn(""));
     }
 }

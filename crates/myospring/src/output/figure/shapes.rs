@@ -1,12 +1,10 @@
 //! The cell at several times, coloured by strain (the paper's Fig. 5).
 
-use std::fmt::Write;
-
 use super::moments::Shape;
+use super::sheet::{Anchor, Look, Path, Sheet, Stroke, Style};
 use super::strain::{Facet, check_frame, check_mesh, facets, fibre_strain_pct, outline};
-use super::svg::{Anchor, Sheet, Style, px};
 use super::theme::{
-    DOUBLE, HAIR, INK, LABEL, LETTER, MUTED, SINGLE, TICK, decimals, fixed, nice_step,
+    Colour, DOUBLE, HAIR, INK, LABEL, LETTER, MUTED, SINGLE, TICK, decimals, fixed, nice_step,
     strain_colour, time,
 };
 use super::{Figure, FigureError};
@@ -96,69 +94,46 @@ impl<'a> Gallery<'a> {
         (width / extent[0]).min(height / extent[1])
     }
 
-    /// The colour at a part of the scale, 0 for the least strain and 1 for the greatest.
-    fn colour(&self, part: f64) -> String {
+    /// The colour at a step of the scale, from the least strain to the greatest.
+    fn colour(&self, level: usize) -> Colour {
         let [low, high] = self.range;
+        let part = level as f64 / (COLOURS - 1) as f64;
         strain_colour((low + part * (high - low)) / high.max(-low))
     }
 
     /// Draws a shape, its box centred at a point, y upward, and the resting outline over it.
     pub(super) fn draw(&self, sheet: &mut Sheet, index: usize, centre: [f64; 2], scale: f64) {
         let positions = &self.shapes[index].frame.positions;
-        let mut paths = vec![String::new(); COLOURS];
         let [low, high] = self.range;
+        let middle = [0, 1].map(|axis: usize| f64::midpoint(self.low[axis], self.high[axis]));
+        let at = |positions: &[Vec<f64>; 2], node: u32| {
+            let [x, y] = [0, 1].map(|axis: usize| positions[axis][node as usize] - middle[axis]);
+            [centre[0] + x * scale, centre[1] - y * scale]
+        };
+        let mut paths = vec![Path::default(); COLOURS];
         for (facet, strain) in self.facets.iter().zip(&self.strains[index]) {
             let part = ((strain - low) / (high - low)).clamp(0.0, 1.0);
             let path = &mut paths[(part * (COLOURS - 1) as f64).round() as usize];
-            self.append_ring(path, &facet.corners, positions, scale);
+            path.add_ring(facet.corners.iter().map(|&node| at(positions, node)));
         }
-        // Coordinates in hundredths of a px are short and exact enough. The stroke in the facet's
-        // own colour hides the seams that smoothing would leave between neighbours.
-        sheet.raw(&format!(
-            r#"<g transform="translate({} {}) scale(.01)" stroke-linejoin="round" stroke-width="40">"#,
-            px(centre[0]),
-            px(centre[1])
-        ));
-        for (level, path) in paths.iter().enumerate().filter(|(_, path)| !path.is_empty()) {
-            let colour = self.colour(level as f64 / (COLOURS - 1) as f64);
-            sheet.raw(&format!(r#"<path fill="{colour}" stroke="{colour}" d="{path}"/>"#));
+        for (level, path) in paths.into_iter().enumerate() {
+            // A stroke in the facet's own colour hides the seams that smoothing would leave between
+            // neighbours.
+            let colour = self.colour(level);
+            sheet.path(path, Look::fill(colour).stroke(Stroke::new(colour, 0.4)));
         }
-        let mut edge = |positions, colour: &str, width: f64, more: &str| {
-            let mut path = String::new();
+        let mut edge = |positions, stroke| {
+            let mut path = Path::default();
             for ring in &self.rings {
-                self.append_ring(&mut path, ring, positions, scale);
+                path.add_ring(ring.iter().map(|&node| at(positions, node)));
             }
-            sheet.raw(&format!(
-                r#"<path fill="none" stroke="{colour}" stroke-width="{}"{more} d="{path}"/>"#,
-                px(100.0 * width)
-            ));
+            sheet.path(path, stroke);
         };
-        edge(positions, INK, 0.7, "");
+        edge(positions, Stroke::new(INK, 0.7));
         let moved = positions.iter().flatten().zip(self.mesh.points.iter().flatten());
         if moved.into_iter().any(|(now, rest)| (now - rest).abs() * scale > 0.5) {
-            edge(&self.mesh.points, "#8c8c8c", 0.8, r#" stroke-dasharray="250 180""#);
+            edge(&self.mesh.points, Stroke::new(Colour(0x8c8c8c), 0.8).dash(2.5, 1.8));
         }
-        sheet.raw("</g>");
-    }
-
-    /// Adds a closed ring of nodes to a path, in hundredths of a px from the box's centre.
-    fn append_ring(&self, path: &mut String, ring: &[u32], positions: &[Vec<f64>; 2], scale: f64) {
-        let place = |node: u32| {
-            [0, 1].map(|axis: usize| {
-                let middle = f64::midpoint(self.low[axis], self.high[axis]);
-                let sign = if axis == 0 { 1.0 } else { -1.0 };
-                (100.0 * sign * (positions[axis][node as usize] - middle) * scale).round() as i64
-            })
-        };
-        let mut last = [0, 0];
-        for (corner, &node) in ring.iter().enumerate() {
-            let [x, y] = place(node);
-            let (letter, from) = if corner == 0 { ('M', [0, 0]) } else { ('l', last) };
-            // Writing to a String cannot fail.
-            write!(path, "{letter}{} {}", x - from[0], y - from[1]).ok();
-            last = [x, y];
-        }
-        path.push('z');
     }
 
     /// A scale bar from a point to the right, its length beside it.
@@ -169,26 +144,25 @@ impl<'a> Gallery<'a> {
     /// The colour bar with its ticks below and its title above; `place` is its upper left corner.
     pub(super) fn draw_colour_bar(&self, sheet: &mut Sheet, place: [f64; 2], width: f64) {
         let height = 8.0;
-        let stop = |i: i32| {
-            let part = f64::from(i) / 32.0;
-            format!(r#"<stop offset="{part}" stop-color="{}"/>"#, self.colour(part))
-        };
-        let stops = (0..=32).map(stop).collect::<Vec<_>>().concat();
-        sheet.raw(&format!(r#"<defs><linearGradient id="strain">{stops}</linearGradient></defs>"#));
         sheet.text(
             [place[0] + width / 2.0, place[1] - 5.0],
             "Fibre strain (%)",
             Style::new(TICK).anchor(Anchor::Middle),
         );
-        let edge = format!(r#" stroke="{INK}" stroke-width="{HAIR}""#);
-        sheet.rect(place, [width, height], "url(#strain)", &edge);
+        for level in 0..COLOURS {
+            // Each step reaches to the end, under the next ones, so that no seams show.
+            let before = width * level as f64 / COLOURS as f64;
+            let corner = [place[0] + before, place[1]];
+            sheet.rect(corner, [width - before, height], Look::fill(self.colour(level)));
+        }
+        sheet.rect(place, [width, height], Stroke::new(INK, HAIR));
         let [low, high] = self.range;
         let step = nice_step(high - low, 5.0);
         let ticks = (low / step).ceil() as i64..=(high / step).floor() as i64;
         for value in ticks.map(|i| i as f64 * step) {
             let x = place[0] + width * (value - low) / (high - low);
             let bottom = place[1] + height;
-            sheet.line([x, bottom], [x, bottom + 3.0], INK, HAIR, "");
+            sheet.line([x, bottom], [x, bottom + 3.0], Stroke::new(INK, HAIR));
             let style = Style::new(TICK).anchor(Anchor::Middle);
             sheet.text([x, bottom + 13.5], &fixed(value, decimals(step)), style);
         }
@@ -212,7 +186,7 @@ impl<'a> Gallery<'a> {
 pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, extent: [f64; 2]) {
     let length = nice_step(extent[0].max(extent[1]), 7.0);
     let end = x + length * scale;
-    sheet.line([x, y], [end, y], INK, 2.5, "");
+    sheet.line([x, y], [end, y], Stroke::new(INK, 2.5));
     let text = format!("{} \u{b5}m", fixed(length, decimals(length)));
     sheet.text([end + 5.0, y + 3.5], &text, Style::new(TICK));
 }

@@ -1,155 +1,164 @@
-//! A sheet of SVG elements, in px with y downward.
+//! A figure as SVG: text stays text, lines stay lines.
 
 use std::fmt::Write;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 use super::Figure;
-use super::theme::{FONTS, INK};
+use super::sheet::{Anchor, Area, Element, HALO, Look, Path, Step, Style, hundredths};
+use super::theme::{FONTS, WHITE, mm};
 
-/// Where a text stands relative to its point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Anchor {
-    Start,
-    Middle,
-    End,
+/// The figure as SVG, with its printed size.
+pub(super) fn svg(figure: &Figure) -> String {
+    let [width, height] = figure.size.map(px);
+    let [width_mm, height_mm] = figure.size.map(|length| px(length / mm(1.0)));
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width_mm}mm\" height=\"{height_mm}mm\" \
+         viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\" fill=\"none\" \
+         stroke-linejoin=\"round\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"{WHITE}\"/>\n"
+    );
+    for element in &figure.elements {
+        append(&mut svg, element);
+    }
+    svg.push_str("</svg>\n");
+    svg
 }
 
-/// How a text looks.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Style {
-    pub(super) size: u32,
-    pub(super) anchor: Anchor,
-    pub(super) colour: &'static str,
-    pub(super) bold: bool,
-    /// Written upward, as along a vertical axis.
-    pub(super) upward: bool,
-}
-
-impl Style {
-    pub(super) const fn new(size: u32) -> Self {
-        Self { size, anchor: Anchor::Start, colour: INK, bold: false, upward: false }
-    }
-
-    pub(super) const fn anchor(self, anchor: Anchor) -> Self {
-        Self { anchor, ..self }
-    }
-
-    pub(super) const fn colour(self, colour: &'static str) -> Self {
-        Self { colour, ..self }
-    }
-
-    pub(super) const fn bold(self) -> Self {
-        Self { bold: true, ..self }
-    }
-
-    pub(super) const fn upward(self) -> Self {
-        Self { upward: true, ..self }
-    }
-}
-
-/// Elements in drawing order.
-#[derive(Debug, Default)]
-pub(super) struct Sheet {
-    body: String,
-}
-
-impl Sheet {
-    /// Adds a finished element.
-    pub(super) fn raw(&mut self, element: &str) {
-        self.body.push_str(element);
-        self.body.push('\n');
-    }
-
-    pub(super) fn text(&mut self, [x, y]: [f64; 2], text: &str, style: Style) {
-        let anchor = match style.anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
-        };
-        let (x, y) = (px(x), px(y));
-        let weight = if style.bold { r#" font-weight="bold""# } else { "" };
-        let turn = if style.upward {
-            format!(r#" transform="rotate(-90 {x} {y})""#)
-        } else {
-            String::new()
-        };
-        self.raw(&format!(
-            r#"<text x="{x}" y="{y}" font-size="{}" text-anchor="{anchor}" fill="{}"{weight}{turn}>{}</text>"#,
-            style.size,
-            style.colour,
-            escape(text)
-        ));
-    }
-
-    pub(super) fn line(
-        &mut self,
-        from: [f64; 2],
-        to: [f64; 2],
-        colour: &str,
-        width: f64,
-        dash: &str,
-    ) {
-        let dash =
-            if dash.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{dash}""#) };
-        self.raw(&format!(
-            r#"<line x1="{}" y1="{}" x2="{}" y2="{}" stroke="{colour}" stroke-width="{width}"{dash}/>"#,
-            px(from[0]),
-            px(from[1]),
-            px(to[0]),
-            px(to[1])
-        ));
-    }
-
-    pub(super) fn rect(
-        &mut self,
-        [x, y]: [f64; 2],
-        [width, height]: [f64; 2],
-        fill: &str,
-        more: &str,
-    ) {
-        self.raw(&format!(
-            r#"<rect x="{}" y="{}" width="{}" height="{}" fill="{fill}"{more}/>"#,
-            px(x),
-            px(y),
-            px(width),
-            px(height)
-        ));
-    }
-
-    /// A dot on a curve, ringed in white so that it stands out.
-    pub(super) fn dot(&mut self, [x, y]: [f64; 2], colour: &str) {
-        self.raw(&format!(
-            r##"<circle cx="{}" cy="{}" r="3" fill="{colour}" stroke="#ffffff" stroke-width="1"/>"##,
-            px(x),
-            px(y)
-        ));
-    }
-
-    /// The figure, `width` by `height` px large, on white.
-    pub(super) fn finish(self, width: f64, height: f64) -> Figure {
-        let in_mm = |length: f64| px(length * 25.4 / 96.0);
-        let (w, h) = (px(width), px(height));
-        Figure {
-            svg: format!(
-                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}mm\" height=\"{}mm\" \
-                 viewBox=\"0 0 {w} {h}\" font-family=\"{FONTS}\">\n\
-                 <rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{}</svg>\n",
-                in_mm(width),
-                in_mm(height),
-                self.body
-            ),
+fn append(svg: &mut String, element: &Element) {
+    // Writing to a String cannot fail.
+    match element {
+        Element::Path { path, look } => {
+            writeln!(svg, r#"<path{} d="{}"/>"#, look_of(*look), data(path))
+        }
+        Element::Circle { centre, radius, look } => {
+            let ([x, y], radius, look) = (centre.map(px), px(*radius), look_of(*look));
+            writeln!(svg, r#"<circle cx="{x}" cy="{y}" r="{radius}"{look}/>"#)
+        }
+        Element::Text { at, text, style } => writeln!(svg, "{}", written(*at, text, *style)),
+        Element::Picture { place, picture } => {
+            writeln!(
+                svg,
+                r#"<image {} preserveAspectRatio="none" style="image-rendering:smooth" xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="data:image/png;base64,{}"/>"#,
+                area(*place),
+                STANDARD.encode(&picture.png)
+            )
+        }
+        Element::Window { name, place, inside } => {
+            writeln!(
+                svg,
+                r#"<clipPath id="{name}"><rect {}/></clipPath><g clip-path="url(#{name})">"#,
+                area(*place)
+            )
+            .ok();
+            for element in inside {
+                append(svg, element);
+            }
+            writeln!(svg, "</g>")
         }
     }
+    .ok();
 }
 
-/// A coordinate with two digits after the point, without trailing zeros.
-pub(super) fn px(value: f64) -> String {
-    let mut text = String::with_capacity(8);
-    // Writing to a String cannot fail.
-    write!(text, "{:.2}", value + 0.0).ok();
-    if text.contains('.') {
-        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+fn area(Area { corner, size }: Area) -> String {
+    let ([x, y], [width, height]) = (corner.map(px), size.map(px));
+    format!(r#"x="{x}" y="{y}" width="{width}" height="{height}""#)
+}
+
+fn written(at: [f64; 2], text: &str, style: Style) -> String {
+    let [x, y] = at.map(px);
+    let mut more = String::new();
+    match style.anchor {
+        Anchor::Start => {}
+        Anchor::Middle => more.push_str(r#" text-anchor="middle""#),
+        Anchor::End => more.push_str(r#" text-anchor="end""#),
     }
-    if text == "-0" { "0".to_owned() } else { text }
+    if style.bold {
+        more.push_str(r#" font-weight="bold""#);
+    }
+    if style.upward {
+        write!(more, r#" transform="rotate(-90 {x} {y})""#).ok();
+    }
+    let halo = style.halo.then_some(HALO);
+    more.push_str(&look_of(Look { fill: Some(style.colour), stroke: halo }));
+    if style.halo {
+        more.push_str(r#" paint-order="stroke""#);
+    }
+    format!(r#"<text x="{x}" y="{y}" font-size="{}"{more}>{}</text>"#, style.size, escape(text))
+}
+
+fn look_of(look: Look) -> String {
+    let mut more = String::new();
+    if let Some(colour) = look.fill {
+        write!(more, r#" fill="{colour}""#).ok();
+    }
+    if let Some(stroke) = look.stroke {
+        let (colour, width) = (stroke.colour, px(stroke.width));
+        write!(more, r#" stroke="{colour}" stroke-width="{width}""#).ok();
+        if stroke.opacity < 1.0 {
+            write!(more, r#" stroke-opacity="{}""#, px(stroke.opacity)).ok();
+        }
+        if let Some([dash, gap]) = stroke.dash.map(|dash| dash.map(px)) {
+            write!(more, r#" stroke-dasharray="{dash} {gap}""#).ok();
+        }
+        if stroke.round_ends {
+            more.push_str(r#" stroke-linecap="round""#);
+        }
+    }
+    more
+}
+
+/// The path in steps from point to point, the shortest form; pairs after `m` are lines.
+fn data(path: &Path) -> String {
+    let mut data = String::with_capacity(8 * path.steps.len());
+    let (mut here, mut start) = ([0, 0], [0, 0]);
+    for step in &path.steps {
+        match *step {
+            Step::Close => {
+                data.push('z');
+                here = start;
+            }
+            Step::Move(to) | Step::Line(to) => {
+                if matches!(step, Step::Move(_)) {
+                    data.push('m');
+                    start = to;
+                }
+                for axis in 0..2 {
+                    append_number(&mut data, i64::from(to[axis]) - i64::from(here[axis]));
+                }
+                here = to;
+            }
+        }
+    }
+    data
+}
+
+/// Adds a number of hundredths, after a space where it would run into the one before.
+fn append_number(data: &mut String, hundredths: i64) {
+    if hundredths >= 0 && data.ends_with(|last: char| last.is_ascii_digit()) {
+        data.push(' ');
+    }
+    if hundredths < 0 {
+        data.push('-');
+    }
+    let (whole, part) = (hundredths.unsigned_abs() / 100, hundredths.unsigned_abs() % 100);
+    // Writing to a String cannot fail.
+    match (whole, part) {
+        (_, 0) => write!(data, "{whole}"),
+        (0, _) => write!(data, ".{part:02}"),
+        _ => write!(data, "{whole}.{part:02}"),
+    }
+    .ok();
+    if part > 0 && part % 10 == 0 {
+        data.pop();
+    }
+}
+
+/// A number with two digits after the point, without zeros that say nothing.
+fn px(value: f64) -> String {
+    let mut text = String::new();
+    append_number(&mut text, i64::from(hundredths(value)));
+    text
 }
 
 /// Text with the characters that XML keeps for itself written out, and those it forbids left out.
@@ -173,8 +182,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coordinates_are_short() {
-        assert_eq!([px(1.0), px(-0.001), px(2.505), px(10.0)], ["1", "0", "2.5", "10"]);
+    fn numbers_are_short() {
+        assert_eq!([px(1.0), px(-0.001), px(2.504), px(10.0)], ["1", "0", "2.5", "10"]);
+        assert_eq!([px(0.5), px(-0.05), px(-3.25), px(0.994)], [".5", "-.05", "-3.25", ".99"]);
+    }
+
+    #[test]
+    fn paths_go_from_point_to_point() {
+        let mut path = Path::line([[10.0, 20.0], [10.5, 19.0], [8.0, 19.0]]);
+        path.add_ring([[0.0, 0.25], [1.0, 0.25], [1.0, 1.0]]);
+        path.add_line([[3.0, 0.25]; 2]);
+        assert_eq!(data(&path), "m10 20 .5-1-2.5 0m-8-18.75 1 0 0 .75zm3 0 0 0");
     }
 
     #[test]

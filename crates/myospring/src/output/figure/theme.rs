@@ -1,5 +1,7 @@
 //! One look for all figures: sizes, colours, fonts, number formats.
 
+use std::fmt::{Display, Formatter};
+
 /// Width of a figure over one column of a journal, px.
 pub(super) const SINGLE: f64 = mm(85.0);
 /// Width of a figure over two columns, px.
@@ -20,21 +22,48 @@ pub(super) const LABEL: u32 = 11;
 /// Size of tick labels and legends, px (7.5 pt).
 pub(super) const TICK: u32 = 10;
 
+/// Red, green and blue in two hexadecimal digits each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Colour(pub(super) u32);
+
+impl Colour {
+    pub(super) const fn channels(self) -> [u8; 3] {
+        let [_, red, green, blue] = self.0.to_be_bytes();
+        [red, green, blue]
+    }
+}
+
+impl Display for Colour {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "#{:06x}", self.0)
+    }
+}
+
+/// Paper and rings of dots.
+pub(super) const WHITE: Colour = Colour(0xffffff);
+/// Rims of what lies on a picture.
+pub(super) const BLACK: Colour = Colour(0x000000);
 /// Text and axes.
-pub(super) const INK: &str = "#1a1a1a";
+pub(super) const INK: Colour = Colour(0x1a1a1a);
 /// Text of second rank and reference lines.
-pub(super) const MUTED: &str = "#666666";
+pub(super) const MUTED: Colour = Colour(0x666666);
 /// Bands behind curves.
-pub(super) const BAND: &str = "#e6e6e6";
+pub(super) const BAND: Colour = Colour(0xe6e6e6);
 /// Potential (Okabe-Ito blue).
-pub(super) const POTENTIAL: &str = "#0072b2";
+pub(super) const POTENTIAL: Colour = Colour(0x0072b2);
 /// Tension (Okabe-Ito vermillion).
-pub(super) const TENSION: &str = "#d55e00";
+pub(super) const TENSION: Colour = Colour(0xd55e00);
 /// Shortening (Okabe-Ito bluish green).
-pub(super) const SHORTENING: &str = "#009e73";
+pub(super) const SHORTENING: Colour = Colour(0x009e73);
 /// Curves that are compared, in order (Okabe-Ito).
-pub(super) const CURVES: [&str; 6] =
-    ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7"];
+pub(super) const CURVES: [Colour; 6] = [
+    Colour(0x0072b2),
+    Colour(0xe69f00),
+    Colour(0x009e73),
+    Colour(0xd55e00),
+    Colour(0x56b4e9),
+    Colour(0xcc79a7),
+];
 
 /// Width of curves, px.
 pub(super) const CURVE_WIDTH: f64 = 1.6;
@@ -77,7 +106,7 @@ const LONGER: [[u8; 3]; 7] = [
 
 /// The colour of a strain relative to the greatest one of the figure, in [-1, 1]: rest is light,
 /// shortening goes over red to purple, stretch over green to blue.
-pub(super) fn strain_colour(relative: f64) -> String {
+pub(super) fn strain_colour(relative: f64) -> Colour {
     let map: &[[u8; 3]] = if relative <= 0.0 { &SHORTER } else { &LONGER };
     let place = relative.abs().min(1.0) * (map.len() - 1) as f64;
     let below = (place.floor() as usize).min(map.len() - 2);
@@ -86,7 +115,7 @@ pub(super) fn strain_colour(relative: f64) -> String {
         let (a, b) = (f64::from(map[below][channel]), f64::from(map[below + 1][channel]));
         (a + part * (b - a)).round() as u8
     };
-    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+    Colour(u32::from_be_bytes([0, mix(0), mix(1), mix(2)]))
 }
 
 /// A number with `decimals` digits after the point and a real minus sign, never "-0".
@@ -126,20 +155,6 @@ pub(super) fn nice_step(span: f64, most: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// Width of a text about as wide as the embedded font draws it, px.
-pub(super) fn text_width(text: &str, size: u32) -> f64 {
-    let em: f64 = text
-        .chars()
-        .map(|c| match c {
-            'i' | 'j' | 'l' | '.' | ',' | ':' | '(' | ')' | ' ' | '\u{b7}' | 'I' | '|' => 0.29,
-            'm' | 'w' | 'M' | 'W' | '%' => 0.88,
-            c if c.is_uppercase() => 0.66,
-            _ => 0.57,
-        })
-        .sum();
-    em * f64::from(size)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,7 +178,11 @@ mod tests {
 
     #[test]
     fn rest_is_light_and_both_ends_of_the_strain_map_are_dark() {
-        assert_eq!([-2.0, -1.0, -0.5].map(strain_colour), ["#251255", "#251255", "#d3436e"]);
-        assert_eq!([0.0, 0.5, 1.0].map(strain_colour), ["#fcfdbf", "#41b6c4", "#0c2c84"]);
+        assert_eq!(
+            [-2.0, -1.0, -0.5].map(strain_colour),
+            [0x251255, 0x251255, 0xd3436e].map(Colour)
+        );
+        assert_eq!(Colour(0x0072b2).to_string(), "#0072b2");
+        assert_eq!([0.0, 0.5, 1.0].map(strain_colour), [0xfcfdbf, 0x41b6c4, 0x0c2c84].map(Colour));
     }
 }

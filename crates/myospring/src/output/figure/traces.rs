@@ -1,10 +1,10 @@
 //! Curves over time: action potential, active tension, shortening.
 
 use super::chart::{Axis, Chart, Curve};
-use super::svg::{Anchor, Sheet, Style};
+use super::font::text_width;
+use super::sheet::{Anchor, Look, Sheet, Stroke, Style};
 use super::theme::{
-    BAND, CURVE_WIDTH, CURVES, LETTER, MUTED, POTENTIAL, SINGLE, TENSION, TICK, fixed, text_width,
-    time,
+    BAND, CURVE_WIDTH, CURVES, Colour, LETTER, MUTED, POTENTIAL, SINGLE, TENSION, TICK, fixed, time,
 };
 use super::{Figure, FigureError};
 use crate::analysis::trace;
@@ -14,7 +14,7 @@ use crate::recording::{Recording, Sample};
 pub(super) struct Quantity {
     pub(super) label: &'static str,
     pub(super) unit: &'static str,
-    pub(super) colour: &'static str,
+    pub(super) colour: Colour,
     /// Whether its peak is marked and noted.
     pub(super) noted: bool,
     pub(super) value: fn(&Sample) -> f64,
@@ -220,7 +220,7 @@ pub struct ContractionOptions<'a> {
 /// A line of the legend: text, colour, whether it is a band.
 struct Entry {
     text: String,
-    colour: &'static str,
+    colour: Colour,
     band: bool,
 }
 
@@ -328,10 +328,11 @@ fn draw_legend(sheet: &mut Sheet, [left, top]: [f64; 2], legend: &[Entry]) {
     for (row, entry) in legend.iter().enumerate() {
         let middle = top + ROW * (row as f64 + 0.5);
         if entry.band {
-            sheet.rect([left, middle - 4.0], [SWATCH - 6.0, 8.0], entry.colour, "");
+            let look = Look::fill(entry.colour);
+            sheet.rect([left, middle - 4.0], [SWATCH - 6.0, 8.0], look);
         } else {
             let end = [left + SWATCH - 6.0, middle];
-            sheet.line([left, middle], end, entry.colour, CURVE_WIDTH, "");
+            sheet.line([left, middle], end, Stroke::new(entry.colour, CURVE_WIDTH));
         }
         sheet.text([left + SWATCH, middle + 3.5], &entry.text, Style::new(TICK));
     }

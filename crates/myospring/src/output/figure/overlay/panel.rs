@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::super::FigureError;
-use super::super::svg::{Anchor, Sheet, Style, px};
-use super::super::theme::TICK;
-use super::photograph::data_uri;
+use super::super::sheet::{Anchor, Area, Path, Sheet, Stroke, Style};
+use super::super::theme::{BLACK, Colour, TICK, WHITE};
+use super::photograph::embedded;
 use super::{CHOSEN, Contour, FIBRE, OTHER, Overlay, STAND_IN, Tick};
 use crate::mesh::{Mesh, SpringKind};
 
@@ -107,38 +107,26 @@ impl Panel {
         detail: bool,
         name: &str,
     ) -> Result<(), FigureError> {
-        let [width, height] = self.size();
-        let box_of = format!(
-            r#"x="{}" y="{}" width="{}" height="{}""#,
-            px(self.place[0]),
-            px(self.place[1]),
-            px(width),
-            px(height)
-        );
-        sheet.raw(&format!(
-            r#"<clipPath id="panel-{name}"><rect {box_of}/></clipPath><g clip-path="url(#panel-{name})" fill="none" stroke-linejoin="round">"#
-        ));
-        let picture = data_uri(overlay, self.view.pixels, SHARP * width)?;
-        sheet.raw(&format!(
-            r#"<image {box_of} preserveAspectRatio="none" style="image-rendering:smooth" xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="{picture}"/>"#
-        ));
+        let place = Area { corner: self.place, size: self.size() };
+        let mut inside = Sheet::default();
+        inside.picture(place, embedded(overlay, self.view.pixels, SHARP * place.size[0])?);
         if detail && let Some(mesh) = overlay.mesh {
-            self.draw_lattice(sheet, mesh);
+            self.draw_lattice(&mut inside, mesh);
         }
         for cell in overlay.cells.iter().filter(|cell| !cell.chosen) {
-            self.draw_outline(sheet, cell, OTHER, 1.0);
+            self.draw_outline(&mut inside, cell, OTHER, 1.0);
         }
         for cell in overlay.cells.iter().filter(|cell| cell.chosen) {
-            self.draw_outline(sheet, cell, CHOSEN, 1.3);
+            self.draw_outline(&mut inside, cell, CHOSEN, 1.3);
         }
         if detail {
-            self.draw_ticks(sheet, overlay.fibres);
+            self.draw_ticks(&mut inside, overlay.fibres);
         }
         let several = overlay.cells.len() > 1;
         for cell in overlay.cells.iter().filter(|_| several && name == "A") {
-            self.draw_name(sheet, cell);
+            self.draw_name(&mut inside, cell);
         }
-        sheet.raw("</g>");
+        sheet.window(format!("panel-{name}"), place, inside);
         Ok(())
     }
 
@@ -151,48 +139,39 @@ impl Panel {
         }
         let [left, _, _, top] = other.bounds;
         let size = [wide * self.scale, tall * self.scale];
-        for line in [
-            r##" stroke="#000000" stroke-opacity=".5" stroke-width="2""##,
-            r##" stroke="#ffffff" stroke-width=".8" stroke-dasharray="4 2.5""##,
-        ] {
-            sheet.rect(self.at([left, top]), size, "none", line);
+        for stroke in [Stroke::new(BLACK, 2.0).opacity(0.5), Stroke::new(WHITE, 0.8).dash(4.0, 2.5)]
+        {
+            sheet.rect(self.at([left, top]), size, stroke);
         }
         let [x, y] = self.at([left, top]);
-        let style = Style::new(TICK).colour("#ffffff").bold();
-        in_halo(sheet, |sheet| sheet.text([x + 4.0, y + 11.5], name, style));
+        sheet.text([x + 4.0, y + 11.5], name, Style::new(TICK).colour(WHITE).bold().halo());
     }
 
     /// A thin bright line on a wider dark one.
-    fn draw_outline(&self, sheet: &mut Sheet, cell: &Contour<'_>, colour: &str, width: f64) {
-        let mut path = String::new();
+    fn draw_outline(&self, sheet: &mut Sheet, cell: &Contour<'_>, colour: Colour, width: f64) {
+        let mut path = Path::default();
         for ring in &cell.rings {
             let mut last: Option<[f64; 2]> = None;
-            for &point in *ring {
-                let [x, y] = self.at(point);
+            path.add_ring(ring.iter().map(|&point| self.at(point)).filter(|&[x, y]| {
                 // Steps too small to be seen are left out.
-                if last.is_some_and(|[a, b]| (x - a).hypot(y - b) < 0.3) {
-                    continue;
+                let seen = last.is_none_or(|[a, b]| (x - a).hypot(y - b) >= 0.3);
+                if seen {
+                    last = Some([x, y]);
                 }
-                append(&mut path, if last.is_none() { 'M' } else { 'L' }, [x, y]);
-                last = Some([x, y]);
-            }
-            if last.is_some() {
-                path.push('z');
-            }
+                seen
+            }));
         }
-        let halo = width + 1.6;
-        sheet.raw(&format!(
-            r##"<path stroke="#000000" stroke-opacity=".55" stroke-width="{halo}" d="{path}"/><path stroke="{colour}" stroke-width="{width}" d="{path}"/>"##
-        ));
+        sheet.path(path.clone(), Stroke::new(BLACK, width + 1.6).opacity(0.55));
+        sheet.path(path, Stroke::new(colour, width));
     }
 
     fn draw_name(&self, sheet: &mut Sheet, cell: &Contour<'_>) {
         let Some(ring) = cell.rings.first().filter(|ring| !ring.is_empty()) else { return };
         let mean = |axis: usize| ring.iter().map(|p| p[axis]).sum::<f64>() / ring.len() as f64;
         let [x, y] = self.at([mean(0), mean(1)]);
-        let colour = if cell.chosen { CHOSEN } else { "#ffffff" };
-        let style = Style::new(TICK).anchor(Anchor::Middle).colour(colour).bold();
-        in_halo(sheet, |sheet| sheet.text([x, y + 3.5], cell.name, style));
+        let colour = if cell.chosen { CHOSEN } else { WHITE };
+        let style = Style::new(TICK).anchor(Anchor::Middle).colour(colour).bold().halo();
+        sheet.text([x, y + 3.5], cell.name, style);
     }
 
     /// The springs along the axes, faint; lattices too fine to be seen are left out.
@@ -202,15 +181,11 @@ impl Panel {
         if spacing * self.scale < FINEST {
             return;
         }
-        let mut path = String::new();
+        let mut path = Path::default();
         for spring in mesh.springs.iter().filter(|spring| spring.kind == SpringKind::Axial) {
-            let [from, to] = spring.nodes.map(|node| self.at(mesh.point(node as usize)));
-            append(&mut path, 'M', from);
-            append(&mut path, 'L', to);
+            path.add_line(spring.nodes.map(|node| self.at(mesh.point(node as usize))));
         }
-        sheet.raw(&format!(
-            r##"<path stroke="#ffffff" stroke-opacity=".4" stroke-width=".4" d="{path}"/>"##
-        ));
+        sheet.path(path, Stroke::new(WHITE, 0.4).opacity(0.4));
     }
 
     /// Short lines along the fibres, one in each square of the drawing: the one nearest its middle.
@@ -225,8 +200,8 @@ impl Panel {
                 *place = (off, tick);
             }
         }
-        let mut paths = vec![String::new(); LEVELS];
-        let mut stand_in = String::new();
+        let mut paths = vec![Path::default(); LEVELS];
+        let mut stand_in = Path::default();
         for (_, tick) in nearest.values() {
             let [x, y] = self.at(tick.point_um);
             let length = tick.direction[0].hypot(tick.direction[1]);
@@ -237,37 +212,15 @@ impl Panel {
             } else {
                 &mut stand_in
             };
-            append(path, 'M', [x - dx, y + dy]);
-            append(path, 'L', [x + dx, y - dy]);
+            path.add_line([[x - dx, y + dy], [x + dx, y - dy]]);
         }
-        for (level, path) in paths.iter().enumerate().filter(|(_, path)| !path.is_empty()) {
+        for (level, path) in paths.into_iter().enumerate() {
             let opacity = 0.4 + 0.6 * level as f64 / (LEVELS - 1) as f64;
-            let halo = px(0.6 * opacity);
-            sheet.raw(&format!(
-                r##"<g stroke-linecap="round"><path stroke="#000000" stroke-opacity="{halo}" stroke-width="2.4" d="{path}"/><path stroke="{FIBRE}" stroke-opacity="{}" stroke-width="1.3" d="{path}"/></g>"##,
-                px(opacity)
-            ));
+            let halo = Stroke::new(BLACK, 2.4).opacity(0.6 * opacity).round_ends();
+            sheet.path(path.clone(), halo);
+            sheet.path(path, Stroke::new(FIBRE, 1.3).opacity(opacity).round_ends());
         }
-        if !stand_in.is_empty() {
-            sheet.raw(&format!(
-                r##"<path stroke="#000000" stroke-opacity=".6" stroke-width="2.2" d="{stand_in}"/><path stroke="{STAND_IN}" stroke-width="1.1" d="{stand_in}"/>"##
-            ));
-        }
+        sheet.path(stand_in.clone(), Stroke::new(BLACK, 2.2).opacity(0.6));
+        sheet.path(stand_in, Stroke::new(STAND_IN, 1.1));
     }
-}
-
-/// Text with a dark rim, readable on black and on white.
-fn in_halo(sheet: &mut Sheet, text: impl FnOnce(&mut Sheet)) {
-    sheet.raw(
-        r##"<g stroke="#000000" stroke-opacity=".7" stroke-width="2.5" paint-order="stroke">"##,
-    );
-    text(sheet);
-    sheet.raw("</g>");
-}
-
-fn append(path: &mut String, letter: char, [x, y]: [f64; 2]) {
-    path.push(letter);
-    path.push_str(&px(x));
-    path.push(' ');
-    path.push_str(&px(y));
 }

@@ -1,16 +1,12 @@
-//! A part of a picture as PNG text within an SVG.
-
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::imageops::thumbnail;
-use image::{ExtendedColorType, GrayImage, ImageEncoder};
+//! A part of a picture, as it is embedded in a figure.
 
 use super::super::FigureError;
+use super::super::raster::grey_png;
+use super::super::sheet::Picture;
 use super::Overlay;
 
 /// Longest side of an embedded picture, pixels.
-pub(super) const LONGEST: u32 = 1600;
+const LONGEST: f64 = 1600.0;
 
 /// Parts of the pixels that become black and white: a few hot pixels or a speck of dirt must not
 /// darken the cell.
@@ -20,13 +16,13 @@ const BRIGHTEST: f64 = 0.998;
 /// Values that are looked at for the percentiles.
 const LOOKED_AT: usize = 100_000;
 
-/// Columns `left` to `right` and rows `top` to `bottom` of the picture as a data URI, about `wanted`
-/// pixels wide at most.
-pub(super) fn data_uri(
+/// Columns `left` to `right` and rows `top` to `bottom` of the picture, about `wanted` pixels wide at
+/// most.
+pub(super) fn embedded(
     overlay: &Overlay<'_>,
     [left, right, top, bottom]: [usize; 4],
     wanted: f64,
-) -> Result<String, FigureError> {
+) -> Result<Picture, FigureError> {
     let rows = || overlay.values.chunks_exact(overlay.width).take(bottom).skip(top);
     let [low, high] = percentiles(rows().map(|row| &row[left..right]));
     let scale = if high > low { 255.0 / (high - low) } else { 0.0 };
@@ -36,27 +32,43 @@ pub(super) fn data_uri(
         // Values that are not numbers become black.
         .map(|value| ((value - low) * scale + flat).clamp(0.0, 255.0).round() as u8)
         .collect();
-    let size = [(right - left) as u32, (bottom - top) as u32];
-    let failed = |reason: String| FigureError::Raster { reason };
-    let picture = GrayImage::from_raw(size[0], size[1], grey)
-        .ok_or_else(|| failed("its picture has another number of pixels".to_owned()))?;
-    let picture = reduced(picture, wanted);
-    let mut png = Vec::new();
-    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Up)
-        .write_image(picture.as_raw(), picture.width(), picture.height(), ExtendedColorType::L8)
-        .map_err(|error| failed(error.to_string()))?;
-    Ok(format!("data:image/png;base64,{}", STANDARD.encode(png)))
+    let from = [right - left, bottom - top];
+    // No more pixels than will be seen.
+    let factor = (wanted / from[0] as f64).min(LONGEST / from[0].max(from[1]) as f64);
+    let to = from.map(|length| ((length as f64 * factor.min(1.0)).round() as usize).max(1));
+    let grey = if to == from { grey } else { reduced(&grey, from, to) };
+    let size = to.map(|length| length as u32);
+    let png = grey_png(size, &grey)?;
+    Ok(Picture { size, grey, png })
 }
 
-/// The picture at no more pixels than will be seen.
-fn reduced(picture: GrayImage, wanted: f64) -> GrayImage {
-    let (width, height) = picture.dimensions();
-    let factor = (wanted / f64::from(width)).min(f64::from(LONGEST) / f64::from(width.max(height)));
-    if factor >= 1.0 {
-        return picture;
+/// Grey values with fewer columns and rows: each is the mean of the area that it covers.
+fn reduced(grey: &[u8], from: [usize; 2], to: [usize; 2]) -> Vec<u8> {
+    let columns: Vec<Vec<(usize, f64)>> =
+        (0..to[0]).map(|column| covered(column, from[0], to[0])).collect();
+    let mut smaller = Vec::with_capacity(to[0] * to[1]);
+    let mut line = vec![0.0; from[0]];
+    for row in 0..to[1] {
+        line.fill(0.0);
+        for (old_row, part) in covered(row, from[1], to[1]) {
+            for (sum, &level) in line.iter_mut().zip(&grey[old_row * from[0]..]) {
+                *sum += part * f64::from(level);
+            }
+        }
+        smaller.extend(columns.iter().map(|covered| {
+            covered.iter().map(|&(column, part)| part * line[column]).sum::<f64>().round() as u8
+        }));
     }
-    let side = |length: u32| ((f64::from(length) * factor).round() as u32).max(1);
-    thumbnail(&picture, side(width), side(height))
+    smaller
+}
+
+/// The pixels of a line of `from` that one of `to` covers, and each one's part of it.
+fn covered(index: usize, from: usize, to: usize) -> Vec<(usize, f64)> {
+    let size = from as f64 / to as f64;
+    let [start, end] = [index, index + 1].map(|edge| edge as f64 * size);
+    (start as usize..(end.ceil() as usize).min(from))
+        .map(|old| (old, (end.min((old + 1) as f64) - start.max(old as f64)) / size))
+        .collect()
 }
 
 /// The values that become black and white.
@@ -75,4 +87,17 @@ fn percentiles<'a>(rows: impl Iterator<Item = &'a [f32]> + Clone) -> [f32; 2] {
         *seen.select_nth_unstable_by(place, f32::total_cmp).1
     };
     [pick(DARKEST), pick(BRIGHTEST)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smaller_picture_has_the_means_of_what_its_pixels_cover() {
+        assert_eq!(reduced(&[0, 10, 20, 30, 40, 50, 60, 70], [4, 2], [2, 1]), [25, 45]);
+        // 3 to 2: one and a half pixels each.
+        assert_eq!(reduced(&[0, 90, 240], [3, 1], [2, 1]), [30, 190]);
+        assert_eq!(reduced(&[200; 7 * 5], [7, 5], [3, 2]), [200; 6]);
+    }
 }
