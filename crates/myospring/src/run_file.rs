@@ -45,7 +45,7 @@ use crate::cell::solve::Method;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::microscopy::fibres::Stain;
-use crate::microscopy::segment::Modality;
+use crate::microscopy::segment::{LARGEST_LABEL, Modality};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -167,7 +167,7 @@ pub struct ShapeTable {
     pub pixel_size: Option<Setting>,
     /// In a label mask, the grey value of the cell; without it the largest cell is taken.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 65535), example = 3)]
+    #[schemars(range(min = 1, max = LARGEST_LABEL), example = 3)]
     pub label: Option<i64>,
     /// Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or RoiSet .zip,
     /// Cellpose's _outlines.txt; relative to this file.
