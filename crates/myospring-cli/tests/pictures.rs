@@ -11,9 +11,12 @@ fn cell(file: &Path) {
         let stripes = 0.6 + 0.4 * (f64::from(x) * 0.5 * std::f64::consts::TAU / 1.9).cos();
         let light = if u * u + v * v < 1.0 { 200.0 * stripes } else { 0.0 };
         // Noise enough for a scatter to be seen.
-        image::Luma([(20.0 + light) as u8 + ((x * 7 + y * 13) % 5) as u8])
+        (20.0 + light) as u8 + ((x * 7 + y * 13) % 5) as u8
     };
-    image::GrayImage::from_fn(240, 120, value).save(file).unwrap();
+    let pixels: Vec<u8> = (0..240 * 120).map(|at| value(at % 240, at / 240)).collect();
+    let file = std::fs::File::create(file).unwrap();
+    // Grey with 8 bits unless something else is set.
+    png::Encoder::new(file, 240, 120).write_header().unwrap().write_image_data(&pixels).unwrap();
 }
 
 fn myospring(folder: &Path, arguments: &[&str]) -> Output {
@@ -75,6 +78,42 @@ fn an_outline_goes_out_as_a_roi_and_comes_back_over_its_picture() {
     );
     assert_eq!(again.status.code(), Some(2));
     assert!(text(&again.stderr).contains("already exists"));
+}
+
+/// A mask of 32 bits, 120 x 80 pixels, with a cell in value 3 and a smaller one in value 70000.
+fn labels_of_32_bits(file: &Path) {
+    use tiff::encoder::{TiffEncoder, colortype::Gray32};
+    let label = |at: u32| match (at % 120, at / 120) {
+        (10..110, 10..40) => 3,
+        (20..100, 50..70) => 70_000,
+        _ => 0,
+    };
+    let labels: Vec<u32> = (0..120 * 80).map(label).collect();
+    let mut encoder = TiffEncoder::new(std::fs::File::create(file).unwrap()).unwrap();
+    encoder.write_image::<Gray32>(120, 80, &labels).unwrap();
+}
+
+#[test]
+fn a_label_beyond_16_bits_is_segmented_meshed_and_written_so_that_it_runs_again() {
+    let folder = tempfile::tempdir().unwrap();
+    labels_of_32_bits(&folder.path().join("labels.tif"));
+    let picture = ["labels.tif", "--pixel-size", "0.5 um", "--label", "70000"];
+    let run = |arguments: &[&str]| {
+        let done = myospring(folder.path(), arguments);
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        text(&done.stdout)
+    };
+    run(&[&["segment", "-o", "cell.geojson"], &picture[..]].concat());
+    let outline = std::fs::read_to_string(folder.path().join("cell.geojson")).unwrap();
+    assert!(outline.contains(r#""name":"70000""#), "{outline}");
+    run(&[&["run", "-o", "run", "--integrator", "quasi-static"], &picture[..]].concat());
+    let written = std::fs::read_to_string(folder.path().join("run/run.toml")).unwrap();
+    assert!(written.contains("label = 70000"), "{written}");
+    let report = run(&["mesh", "run/run.toml", "--json", "-o", "mesh"]);
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    // 80 x 20 pixels of a quarter of a square micrometre.
+    let area = report["area_um2"].as_f64().unwrap();
+    assert!((area / 400.0 - 1.0).abs() < 0.05, "{area}");
 }
 
 #[test]

@@ -12,6 +12,7 @@ use myospring::mesh::lattice;
 use myospring::microscopy::cells::{Options, PictureCells};
 use myospring::microscopy::segment::Choice;
 use synthetic_cell::{Scene, Truth};
+use tiff::encoder::{TiffEncoder, colortype::Gray16};
 
 /// Pixels along a side.
 const SIDE: usize = 2048;
@@ -19,11 +20,11 @@ const SIDE: usize = 2048;
 /// 2048 x 2048 pixels of 16 bits, as a camera gives them: the scene, over and over.
 fn tiff(truth: &Truth) -> Vec<u8> {
     let tile = truth.plane.width();
-    let at = |x: u32, y: u32| truth.plane.at(x as usize % tile, y as usize % tile) as u16;
-    let side = SIDE as u32;
-    let picture = image::ImageBuffer::from_fn(side, side, |x, y| image::Luma([at(x, y)]));
+    let at = |pixel: usize| truth.plane.at(pixel % SIDE % tile, pixel / SIDE % tile) as u16;
+    let pixels: Vec<u16> = (0..SIDE * SIDE).map(at).collect();
     let mut bytes = Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, image::ImageFormat::Tiff).unwrap();
+    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
+    encoder.write_image::<Gray16>(SIDE as u32, SIDE as u32, &pixels).unwrap();
     bytes.into_inner()
 }
 

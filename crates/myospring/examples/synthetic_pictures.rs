@@ -12,6 +12,7 @@
 #[path = "../tests/common/synthetic_cell.rs"]
 mod synthetic_cell;
 
+use std::fs::File;
 use std::path::PathBuf;
 
 use synthetic_cell::{Scene, Truth};
@@ -26,9 +27,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [("fluorescence.png", fluorescence), ("brightfield.png", brightfield)]
     {
         let (width, height) = (plane.width() as u32, plane.height() as u32);
-        let value = |x: u32, y: u32| image::Luma([plane.at(x as usize, y as usize) as u16]);
+        let pixels = plane.values().iter().flat_map(|&value| (value as u16).to_be_bytes());
         let file = folder.join(name);
-        image::ImageBuffer::from_fn(width, height, value).save(&file)?;
+        let mut encoder = png::Encoder::new(File::create(&file)?, width, height);
+        encoder.set_depth(png::BitDepth::Sixteen);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.write_header()?.write_image_data(&pixels.collect::<Vec<u8>>())?;
         println!("{}", file.display());
     }
     Ok(())

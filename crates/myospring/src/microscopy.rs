@@ -5,6 +5,7 @@
 //! a cell has; [`fibres`] reads the direction of its myofibrils. [`cells`] strings these together.
 
 pub mod cells;
+mod dilation;
 pub mod fibres;
 pub mod filter;
 pub mod outlines;

@@ -13,7 +13,9 @@ use myospring::integrate::quasi_static::Tolerance;
 use myospring::mesh::mask::Mask;
 use myospring::mesh::{Mesh, lattice, quality};
 use myospring::microscopy::fibres::{FibreError, FibreField, FibreSettings, Stain, fibres};
+use myospring::microscopy::picture::Selection;
 use myospring::microscopy::plane::Plane;
+use myospring::microscopy::read::read_picture;
 use myospring::simulation::Simulation;
 
 /// Distance of z-discs, um.
@@ -434,11 +436,12 @@ fn the_myofibrils_of_a_real_cell_are_followed_where_a_person_sees_them() {
     else {
         return;
     };
-    let [picture, mask] = [picture, mask].map(|file| image::open(file).unwrap().to_luma8());
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let values = picture.iter().map(|&value| f32::from(value)).collect();
-    let plane = Plane::new(width, height, values).unwrap();
-    let inside: Vec<bool> = mask.iter().map(|&value| value > 0).collect();
+    let [plane, mask] = [picture, mask].map(|file| {
+        let bytes = std::fs::read(file).unwrap();
+        read_picture(&bytes, &Selection::default()).unwrap().plane
+    });
+    let height = plane.height();
+    let inside: Vec<bool> = mask.values().iter().map(|&value| value > 0.0).collect();
     let pixel = 0.27;
     let settings = FibreSettings::of(Stain::ZDisc);
     let field = fibres(&plane, &inside, pixel, [0.6, 0.8], &settings).unwrap();

@@ -4,13 +4,11 @@
 
 mod common;
 
-use std::io::Cursor;
-
-use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 use myospring::mesh::lattice;
 use myospring::microscopy::cells::{CellError, Options, PictureCells};
 use myospring::microscopy::read::PictureError;
-use myospring::microscopy::segment::{Choice, Modality, Segmentation, Settings};
+use myospring::microscopy::segment::{Choice, LARGEST_LABEL, Modality, Segmentation, Settings};
+use tiff::encoder::colortype::{Gray8, Gray16, Gray32, RGB8, RGB32Float, RGBA8};
 
 fn options(pixel_size_um: f64) -> Options {
     let segmentation = Settings { modality: Modality::Mask, ..Settings::default() };
@@ -26,21 +24,38 @@ fn labels(found: &Segmentation) -> Vec<Option<u32>> {
     found.cells.iter().map(|cell| cell.label).collect()
 }
 
-fn encode(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
-    let mut bytes = Cursor::new(Vec::new());
-    picture.into().write_to(&mut bytes, format).unwrap();
-    bytes.into_inner()
-}
+const SIZE: [u32; 2] = [20, 10];
 
 /// A picture of 20 x 10 pixels with a cell in value 3 and a smaller one in value 7.
-fn two_cells() -> GrayImage {
-    GrayImage::from_fn(20, 10, |x, y| {
-        Luma([match (x, y) {
-            (2..12, 2..8) => 3,
-            (15..18, 4..6) => 7,
-            _ => 0,
-        }])
+fn two_cells() -> Vec<u8> {
+    drawn(SIZE, |x, y| match (x, y) {
+        (2..12, 2..8) => 3,
+        (15..18, 4..6) => 7,
+        _ => 0,
     })
+}
+
+fn drawn([width, height]: [u32; 2], at: impl Fn(u32, u32) -> u8) -> Vec<u8> {
+    (0..width * height).map(|pixel| at(pixel % width, pixel / width)).collect()
+}
+
+/// Grey as dark blue.
+fn blue(grey: &[u8]) -> Vec<u8> {
+    grey.iter().flat_map(|&value| [0, 0, value]).collect()
+}
+
+fn opaque(grey: &[u8]) -> Vec<u8> {
+    grey.iter().flat_map(|&value| [value, value, value, 255]).collect()
+}
+
+/// The two cells as PNG.
+fn two_cells_png() -> Vec<u8> {
+    common::png(SIZE, 1, &two_cells())
+}
+
+/// The two cells as TIFF.
+fn two_cells_tiff() -> Vec<u8> {
+    common::tiff::<Gray8>(SIZE, &two_cells())
 }
 
 fn error(bytes: &[u8]) -> String {
@@ -54,31 +69,33 @@ fn no_such(found: &Segmentation, label: u32) -> String {
 #[test]
 fn non_zero_pixels_are_the_cell_in_every_kind_of_picture() {
     let grey = two_cells();
-    let wide: ImageBuffer<Luma<u16>, Vec<u16>> =
-        ImageBuffer::from_fn(20, 10, |x, y| Luma([u16::from(grey[(x, y)].0[0]) * 300]));
-    let blue = RgbImage::from_fn(20, 10, |x, y| Rgb([0, 0, grey[(x, y)].0[0]]));
-    let expected: Vec<bool> = grey.as_raw().iter().map(|&value| value != 0).collect();
-    for format in [ImageFormat::Png, ImageFormat::Tiff] {
-        for (bytes, expected_labels) in [
-            (encode(grey.clone(), format), [Some(3), Some(7)]),
-            (encode(DynamicImage::ImageLuma16(wide.clone()), format), [Some(900), Some(2100)]),
-            // The luminance of dark blue is below one, and no label.
-            (encode(blue.clone(), format), [None, None]),
-            (encode(DynamicImage::ImageLuma8(grey.clone()).to_rgba8(), format), [Some(3), Some(7)]),
-        ] {
-            let found = cells(&bytes);
-            let inside: Vec<bool> = found.numbers.iter().map(|&number| number != 0).collect();
-            assert_eq!((inside, labels(&found)), (expected.clone(), expected_labels.to_vec()));
-        }
+    let wide: Vec<u16> = grey.iter().map(|&value| u16::from(value) * 300).collect();
+    let long: Vec<u32> = grey.iter().map(|&value| u32::from(value) * 70_000).collect();
+    let expected: Vec<bool> = grey.iter().map(|&value| value != 0).collect();
+    for (bytes, expected_labels) in [
+        (common::png(SIZE, 1, &grey), [Some(3), Some(7)]),
+        (common::tiff::<Gray8>(SIZE, &grey), [Some(3), Some(7)]),
+        (common::wide_png(SIZE, &wide), [Some(900), Some(2100)]),
+        (common::tiff::<Gray16>(SIZE, &wide), [Some(900), Some(2100)]),
+        (common::tiff::<Gray32>(SIZE, &long), [Some(210_000), Some(490_000)]),
+        // The luminance of dark blue is below one, and no label.
+        (common::png(SIZE, 3, &blue(&grey)), [None, None]),
+        (common::tiff::<RGB8>(SIZE, &blue(&grey)), [None, None]),
+        (common::png(SIZE, 4, &opaque(&grey)), [Some(3), Some(7)]),
+        (common::tiff::<RGBA8>(SIZE, &opaque(&grey)), [Some(3), Some(7)]),
+    ] {
+        let found = cells(&bytes);
+        let inside: Vec<bool> = found.numbers.iter().map(|&number| number != 0).collect();
+        assert_eq!((inside, labels(&found)), (expected.clone(), expected_labels.to_vec()));
     }
 }
 
 #[test]
 fn a_mask_in_dark_colours_is_known_for_one() {
     let grey = two_cells();
-    let painted = RgbImage::from_fn(120, 60, |x, y| Rgb([0, 0, grey[(x / 6, y / 6)].0[0]]));
+    let painted = blue(&drawn([120, 60], |x, y| grey[(y / 6 * SIZE[0] + x / 6) as usize]));
     let unasked = Options { pixel_size_um: Some(0.5), ..Options::default() };
-    let found = PictureCells::find(&encode(painted, ImageFormat::Png), &unasked).unwrap();
+    let found = PictureCells::find(&common::png([120, 60], 3, &painted), &unasked).unwrap();
     assert_eq!((found.modality(), found.len()), ("mask", 2));
 }
 
@@ -86,29 +103,29 @@ fn a_mask_in_dark_colours_is_known_for_one() {
 fn the_soft_edge_of_a_mask_is_no_label() {
     // A square whose rim of two pixels fades.
     let depth = |at: u32| at.min(59 - at);
-    let soft = GrayImage::from_fn(60, 60, |x, y| match depth(x).min(depth(y)) {
-        0..10 => Luma([0]),
-        10 => Luma([85]),
-        11 => Luma([170]),
-        _ => Luma([255]),
+    let soft = drawn([60, 60], |x, y| match depth(x).min(depth(y)) {
+        0..10 => 0,
+        10 => 85,
+        11 => 170,
+        _ => 255,
     });
-    let found = cells(&encode(soft, ImageFormat::Png));
+    let found = cells(&common::png([60, 60], 1, &soft));
     assert_eq!((found.cells[0].pixels, labels(&found)), (1600, vec![None]));
 }
 
 #[test]
 fn transparent_pixels_are_background() {
-    let mut picture: RgbaImage = DynamicImage::ImageLuma8(two_cells()).to_rgba8();
-    for pixel in picture.pixels_mut().filter(|pixel| pixel.0[0] == 7) {
-        pixel.0[3] = 0;
+    let mut picture = opaque(&two_cells());
+    for pixel in picture.chunks_exact_mut(4).filter(|pixel| pixel[0] == 7) {
+        pixel[3] = 0;
     }
-    let found = cells(&encode(picture, ImageFormat::Png));
+    let found = cells(&common::png(SIZE, 4, &picture));
     assert_eq!((found.cells[0].pixels, labels(&found)), (60, vec![Some(3)]));
 }
 
 #[test]
 fn one_label_of_a_label_picture_is_one_cell() {
-    let found = cells(&encode(two_cells(), ImageFormat::Tiff));
+    let found = cells(&two_cells_tiff());
     let pixels = |label| found.choose(Choice::Label(label), false).unwrap().pixels;
     assert_eq!([pixels(7), pixels(3)], [6, 60]);
 }
@@ -123,19 +140,19 @@ fn labels_in_fewer_than_eight_bits_keep_their_value() {
 
 #[test]
 fn a_label_that_is_not_there_lists_those_that_are() {
-    let found = cells(&encode(two_cells(), ImageFormat::Png));
+    let found = cells(&two_cells_png());
     let there = "is not in the picture, which holds 3, 7; 0 is the background";
     assert_eq!(no_such(&found, 4), format!("label 4 {there}"));
     assert_eq!(no_such(&found, 0), format!("label 0 {there}"));
-    let many = GrayImage::from_fn(20, 84, |_, y| Luma([y as u8 / 3]));
+    let many = drawn([20, 84], |_, y| y as u8 / 3);
     assert_eq!(
-        no_such(&cells(&encode(many, ImageFormat::Png)), 200),
+        no_such(&cells(&common::png([20, 84], 1, &many)), 200),
         "label 200 is not in the picture, which holds 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, ...; \
          0 is the background"
     );
-    let colour = RgbImage::from_fn(20, 30, |_, y| Rgb([y as u8 / 5, 0, 9]));
+    let colour: Vec<u8> = (0..600).flat_map(|pixel| [(pixel / 100) as u8, 0, 9]).collect();
     assert_eq!(
-        no_such(&cells(&encode(colour, ImageFormat::Png)), 1),
+        no_such(&cells(&common::png([20, 30], 3, &colour)), 1),
         "label 1 is not in the picture, which holds no label; 0 is the background"
     );
 }
@@ -143,11 +160,11 @@ fn a_label_that_is_not_there_lists_those_that_are() {
 #[test]
 fn values_that_mark_no_cell_are_refused() {
     let refused = |value: f32| {
-        let mut picture = image::Rgb32FImage::from_pixel(20, 10, Rgb([0.0; 3]));
-        picture.put_pixel(3, 2, Rgb([value; 3]));
-        error(&encode(DynamicImage::ImageRgb32F(picture), ImageFormat::Tiff))
+        let mut picture = [0.0; 600];
+        picture[3 * (2 * 20 + 3)..][..3].fill(value);
+        error(&common::tiff::<RGB32Float>(SIZE, &picture))
     };
-    for value in [-1.0, 16_777_216.0] {
+    for value in [-1.0, LARGEST_LABEL as f32 + 1.0] {
         let start = format!("the pixel in column 3, row 2 is {value}, but a mask holds values");
         assert!(refused(value).starts_with(&start), "{}", refused(value));
     }
@@ -155,7 +172,7 @@ fn values_that_mark_no_cell_are_refused() {
 
 #[test]
 fn an_empty_and_a_full_mask_are_refused() {
-    let plain = |value| encode(GrayImage::from_pixel(8, 4, Luma([value])), ImageFormat::Png);
+    let plain = |value| common::png([8, 4], 1, &[value; 32]);
     assert!(error(&plain(0)).starts_with("all 8 x 4 pixels have the same value, 0: there is no"));
     assert!(error(&plain(255)).starts_with("all 8 x 4 pixels have the same value, 255"));
 }
@@ -178,8 +195,7 @@ fn what_is_not_a_picture_is_refused() {
 
 #[test]
 fn a_truncated_picture_is_refused_at_every_length() {
-    for format in [ImageFormat::Png, ImageFormat::Tiff] {
-        let whole = encode(two_cells(), format);
+    for whole in [two_cells_png(), two_cells_tiff()] {
         // The last bytes of a PNG are its end mark, of a TIFF its directory.
         for length in 16..whole.len() - 16 {
             let error = PictureCells::find(&whole[..length], &options(0.5)).unwrap_err();
@@ -191,11 +207,10 @@ fn a_truncated_picture_is_refused_at_every_length() {
                         | PictureError::TooLarge { .. }
                 )
             );
-            assert!(known, "{format:?} cut to {length} bytes: {error}");
+            assert!(known, "{:?} cut to {length} bytes: {error}", &whole[..4]);
         }
     }
-    let png = encode(two_cells(), ImageFormat::Png);
-    let text = error(&png[..45]);
+    let text = error(&two_cells_png()[..45]);
     assert!(text.starts_with("the PNG picture cannot be read: "), "{text}");
     assert!(text.ends_with("; is the file complete?"), "{text}");
 }
@@ -211,7 +226,7 @@ fn a_header_that_declares_too_many_pixels_is_refused_before_they_take_memory() {
     assert!(text.starts_with("the picture declares 20000 x 20000 pixels"), "{text}");
 
     // A TIFF of 20 x 10 whose directory is changed to claim 100000 columns, rows and rows per strip.
-    let mut bytes = encode(two_cells(), ImageFormat::Tiff);
+    let mut bytes = two_cells_tiff();
     let directory = u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize;
     for entry in bytes[directory + 2..].chunks_exact_mut(12) {
         if [256_u16, 257, 278].contains(&u16::from_le_bytes([entry[0], entry[1]])) {
@@ -224,7 +239,7 @@ fn a_header_that_declares_too_many_pixels_is_refused_before_they_take_memory() {
 
 #[test]
 fn an_absurd_pixel_size_is_refused() {
-    let bytes = encode(two_cells(), ImageFormat::Png);
+    let bytes = two_cells_png();
     for pixel_size_um in [0.0, -0.27, f64::NAN, 100.0, 1e-6] {
         let text = PictureCells::find(&bytes, &options(pixel_size_um)).unwrap_err().to_string();
         let start = format!("pixel size {pixel_size_um} um is outside 0.001 to 50 um");

@@ -7,11 +7,12 @@ mod outline_files;
 
 use myospring::mesh::built_in;
 use myospring::mesh::mask::Mask;
+use myospring::microscopy::cells::{Options, PictureCells};
 use myospring::microscopy::outlines::raster::{rasterise, write_labels_png, write_mask_png};
-use myospring::microscopy::outlines::trace::{Edge, trace_labels, trace_mask};
+use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 use myospring::microscopy::outlines::{
     CoordinateUnit, NamedOutline, PixelFrame, Placement, ReadOptions, read_outlines,
-    write_cellpose, write_geojson, write_qupath_geojson, write_roi, write_roi_set,
+    write_cellpose, write_geojson, write_roi, write_roi_set,
 };
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::plane::Plane;
@@ -32,13 +33,15 @@ fn bounds(cell: &NamedOutline) -> [f64; 4] {
     [left, top, right, bottom]
 }
 
-/// The label picture of `make.py`.
-fn labels() -> (Plane, PixelFrame) {
-    let picture = image::load_from_memory(&fixture("labels.png")).unwrap().to_luma8();
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let values = picture.as_raw().iter().map(|&value| f32::from(value)).collect();
-    let plane = Plane::new(width, height, values).unwrap();
-    (plane, PixelFrame::new(width, height, PIXEL_UM).unwrap())
+/// The label picture of `make.py` with its cells by label, along the edges of their pixels.
+fn labels() -> (Plane, PixelFrame, Vec<NamedOutline>) {
+    let options = Options { pixel_size_um: Some(PIXEL_UM), ..Options::default() };
+    let found = PictureCells::find(&fixture("labels.png"), &options).unwrap();
+    let mut cells = found.outlines();
+    cells.sort_by_key(|cell| cell.name.parse::<u32>().unwrap());
+    assert_eq!(names(&cells), ["1", "2", "7"]);
+    let frame = found.frame().unwrap();
+    (found.plane, frame, cells)
 }
 
 fn label_mask(plane: &Plane, label: f32) -> Vec<bool> {
@@ -188,12 +191,6 @@ fn geojson_in_um_reads_back_to_the_same_numbers() {
 }
 
 #[test]
-fn geojson_for_qupath_reads_back_to_rounding() {
-    let text = write_qupath_geojson(&two_cells(), &frame());
-    assert_same(&read(text.as_bytes()).unwrap().outlines, &two_cells(), 1e-12);
-}
-
-#[test]
 fn rois_read_back_to_single_precision() {
     for cell in two_cells() {
         let bytes = write_roi(&cell, &frame());
@@ -216,8 +213,8 @@ fn names_that_repeat_or_lead_elsewhere_are_made_safe_in_a_set() {
 
 #[test]
 fn traced_outlines_are_written_as_traced_rois_of_whole_numbers() {
-    let (plane, frame) = labels();
-    let cell = trace_labels(&plane, &frame, Edge::Exact).unwrap().outlines.remove(0);
+    let (_, frame, mut cells) = labels();
+    let cell = cells.remove(0);
     let bytes = write_roi(&cell, &frame);
     assert_eq!((bytes[6], &bytes[50..52]), (8, &[0, 0][..]));
     let options = ReadOptions { placement: Placement::Picture(frame), ..options() };
@@ -227,15 +224,12 @@ fn traced_outlines_are_written_as_traced_rois_of_whole_numbers() {
 
 #[test]
 fn a_label_picture_reads_back_to_the_same_outlines() {
-    let (plane, frame) = labels();
-    let traced = trace_labels(&plane, &frame, Edge::Exact).unwrap();
-    assert_eq!(names(&traced.outlines), ["1", "2", "7"]);
-    assert_eq!(traced.notes, Vec::<String>::new());
-    assert_eq!(traced.outlines[1].outline.holes().len(), 1);
-    let png = write_labels_png(&traced.outlines, &frame).unwrap();
+    let (plane, frame, cells) = labels();
+    assert_eq!(cells[1].outline.holes().len(), 1);
+    let png = write_labels_png(&cells, &frame).unwrap();
     for (index, label) in [1.0, 2.0, 7.0].into_iter().enumerate() {
         assert_eq!(with_value(&png, index as f32 + 1.0), label_mask(&plane, label));
-        let mask = write_mask_png(&traced.outlines[index], &frame).unwrap();
+        let mask = write_mask_png(&cells[index], &frame).unwrap();
         assert_eq!(with_value(&mask, 255.0), label_mask(&plane, label));
     }
 }
@@ -264,7 +258,7 @@ fn many_labels_take_sixteen_bits() {
 
 #[test]
 fn cellposes_outlines_are_those_of_its_masks() {
-    let (plane, frame) = labels();
+    let (plane, frame, _) = labels();
     let options = ReadOptions { placement: Placement::Picture(frame), ..options() };
     let given = read_outlines(&fixture("cellpose_outlines.txt"), "x", &options).unwrap();
     assert_eq!(names(&given.outlines), ["1", "2", "3"]);
@@ -283,8 +277,7 @@ fn cellposes_outlines_are_those_of_its_masks() {
 
 #[test]
 fn outlines_are_written_with_the_pixels_that_opencv_finds() {
-    let (plane, frame) = labels();
-    let cells = trace_labels(&plane, &frame, Edge::Exact).unwrap().outlines;
+    let (_, frame, cells) = labels();
     let pixels = |text: &str| -> Vec<std::collections::BTreeSet<(u32, u32)>> {
         text.lines()
             .map(|line| {

@@ -10,9 +10,8 @@ use myospring::mesh::lattice;
 use myospring::mesh::mask::Mask;
 use myospring::microscopy::outlines::PixelFrame;
 use myospring::microscopy::outlines::raster::rasterise;
-use myospring::microscopy::outlines::trace::{Edge, trace_labels, trace_mask, trace_parts};
-use myospring::microscopy::plane::Plane;
-use outline_files::{close, names};
+use myospring::microscopy::outlines::trace::{Edge, trace_mask};
+use outline_files::close;
 use proptest::prelude::*;
 
 /// A rod with a notch and ragged ends, turned by an angle.
@@ -76,47 +75,14 @@ fn a_smooth_outline_keeps_the_area_and_has_the_right_length() {
 }
 
 #[test]
-fn a_label_in_pieces_gives_its_largest_and_says_so() {
-    let values = [3.0, 3.0, 0.0, 3.0, 0.0, 9.0, 0.0, 0.0].to_vec();
-    let plane = Plane::new(8, 1, values).unwrap();
-    let traced =
-        trace_labels(&plane, &PixelFrame::new(8, 1, 0.9).unwrap(), Edge::default()).unwrap();
-    assert_eq!(names(&traced.outlines), ["3"]);
-    assert_eq!(
-        traced.notes,
-        [
-            "label 3 is in 2 pieces; the largest, 2 pixels, was taken and 1 pixels were left out",
-            "label 9 has only 0.810 um^2 and was left out"
-        ]
-    );
-}
-
-#[test]
-fn pictures_that_are_no_labels_are_refused() {
-    let frame = PixelFrame::new(2, 1, 2.0).unwrap();
-    let message = |values: [f32; 2]| {
-        let plane = Plane::new(2, 1, values.to_vec()).unwrap();
-        trace_labels(&plane, &frame, Edge::Exact).unwrap_err().to_string()
-    };
-    assert!(message([0.0, 1.5]).contains("the value 1.5 at column 1, row 0 is no label"));
-    assert!(message([f32::NAN, 1.0]).contains("the value NaN at column 0"));
-    assert!(message([-1.0, 1.0]).contains("the value -1 at"));
-    assert!(message([0.0, 0.0]).contains("empty"));
-    let plane = Plane::new(1, 1, vec![1.0]).unwrap();
-    let error = trace_labels(&plane, &frame, Edge::Exact).unwrap_err().to_string();
-    assert_eq!(error, "the labels have 1 x 1 pixels, but the picture 2 x 1");
-}
-
-#[test]
-fn noise_taken_for_labels_is_refused_before_it_fills_the_memory() {
+fn a_mask_of_noise_is_refused_before_it_fills_the_memory() {
+    // A chequerboard: one island with a hole for each white square.
     let side = 400;
-    let frame = PixelFrame::new(side, side, 2.0).unwrap();
-    // Each pixel its own label; and a chequerboard, one island with a hole for each white square.
-    let own = Plane::new(side, side, (1..=side * side).map(|label| label as f32).collect());
-    let chequer = (0..side * side).map(|index| ((index / side + index) % 2) as f32).collect();
-    for plane in [own.unwrap(), Plane::new(side, side, chequer).unwrap()] {
-        let error = trace_labels(&plane, &frame, Edge::Smooth).unwrap_err().to_string();
-        assert!(error.contains("is this the picture itself, not its labels?"), "{error}");
+    let chequer = (0..side * side).map(|index| (index / side + index) % 2 == 1).collect();
+    let mask = Mask::new(side, side, 2.0, chequer).unwrap();
+    for edge in [Edge::Exact, Edge::Smooth] {
+        let error = trace_mask(&mask, edge).unwrap_err().to_string();
+        assert!(error.contains("is this the picture itself, not its mask?"), "{error}");
     }
 }
 
@@ -135,21 +101,24 @@ proptest! {
         // Each pixel is larger than the smallest outline.
         let mask = Mask::new(width, height, 2.0, inside.clone()).unwrap();
         let frame = PixelFrame::of(&mask);
-        let mut again = vec![false; inside.len()];
         let mut area = 0.0;
-        for part in trace_parts(&mask, Edge::Exact).unwrap() {
-            area += part.area();
-            for (again, &now) in again.iter_mut().zip(rasterise(&part, &frame).unwrap().inside()) {
-                prop_assert!(!(*again && now), "parts overlap");
-                *again |= now;
+        // Part by part, until none is left.
+        let mut rest = mask.clone();
+        loop {
+            let part = rest.largest_part().0;
+            let traced = trace_mask(&rest, Edge::Exact).unwrap();
+            area += traced.area();
+            prop_assert_eq!(rasterise(&traced, &frame).unwrap(), part.clone());
+            let left: Vec<bool> =
+                rest.inside().iter().zip(part.inside()).map(|(&all, &part)| all && !part).collect();
+            if !left.contains(&true) {
+                break;
             }
+            rest = Mask::new(width, height, 2.0, left).unwrap();
         }
-        prop_assert_eq!(again, inside);
         // Bridges at corners, at most one for each pixel, of a millionth of a pixel.
         prop_assert!((area - mask.area_um2()).abs() <= 1e-6 * 4.0 * (width * height) as f64);
-        let (largest, _) = mask.largest_part();
         let traced = trace_mask(&mask, Edge::Exact).unwrap();
-        prop_assert_eq!(rasterise(&traced, &frame).unwrap(), largest);
         let smooth = trace_mask(&mask, Edge::Smooth).unwrap();
         prop_assert!((smooth.area() / traced.area() - 1.0).abs() < 0.0051);
     }

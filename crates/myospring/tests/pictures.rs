@@ -7,14 +7,13 @@
 
 mod common;
 
-use std::io::Cursor;
 use std::path::Path;
 
-use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage};
 use myospring::microscopy::picture::{
     Depth, Picture, PixelSize, PixelSizeSource, Samples, Selection,
 };
 use myospring::microscopy::read::{PictureError, read_picture};
+use tiff::encoder::colortype::RGB8;
 
 const FIRST: Selection = Selection { channel: None, frame: 0, depth: None };
 
@@ -45,12 +44,6 @@ fn check(name: &str, picture: &Picture, scale: usize, value: impl Fn(usize, usiz
             assert_eq!(plane.at(column, row), expected, "{name}, column {column}, row {row}");
         }
     }
-}
-
-fn encode(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
-    let mut bytes = Cursor::new(Vec::new());
-    picture.into().write_to(&mut bytes, format).unwrap();
-    bytes.into_inner()
 }
 
 const STACKS: [(&str, PixelSizeSource); 4] = [
@@ -110,7 +103,7 @@ fn a_plane_that_is_not_there_is_refused_with_the_number_of_those_that_are() {
         error(&bytes, &Selection { depth: Some(Depth::Slice(3)), ..FIRST }),
         "slice 3 was asked for, but the picture has 3 slices, 0 to 2"
     );
-    let png = encode(GrayImage::new(3, 3), ImageFormat::Png);
+    let png = common::png([3, 3], 1, &[0; 9]);
     for (selection, words) in [
         (
             Selection { frame: 1, ..FIRST },
@@ -237,9 +230,9 @@ fn colour_becomes_luminance_and_its_channels_can_be_had() {
         }
     }
     // Grey as colour stays what it is, to the last digit.
-    let grey = RgbImage::from_fn(9, 6, |x, y| Rgb([(16 * y + x) as u8; 3]));
-    for format in [ImageFormat::Png, ImageFormat::Tiff] {
-        let picture = read_picture(&encode(grey.clone(), format), &FIRST).unwrap();
+    let grey: Vec<u8> = (0..54).flat_map(|at| [16 * (at / 9) + at % 9; 3]).collect();
+    for bytes in [common::png([9, 6], 3, &grey), common::tiff::<RGB8>([9, 6], &grey)] {
+        let picture = read_picture(&bytes, &FIRST).unwrap();
         check("grey as colour", &picture, 1, pixel);
         assert!(!picture.coloured && picture.channels == 3);
     }
@@ -247,9 +240,8 @@ fn colour_becomes_luminance_and_its_channels_can_be_had() {
 
 #[test]
 fn a_png_keeps_its_values() {
-    let wide: ImageBuffer<Luma<u16>, Vec<u16>> =
-        ImageBuffer::from_fn(9, 6, |x, y| Luma([(1000 * y + x) as u16]));
-    let picture = read_picture(&encode(wide, ImageFormat::Png), &FIRST).unwrap();
+    let wide: Vec<u16> = (0..54).map(|at| 1000 * (at / 9) + at % 9).collect();
+    let picture = read_picture(&common::wide_png([9, 6], &wide), &FIRST).unwrap();
     check("16 bits", &picture, 1, |column, row| (1000 * row + column) as f32);
     assert_eq!(picture.samples, Samples::Integer { bits: 16 });
     assert_eq!((picture.channels, picture.frames, picture.slices), (1, 1, 1));
@@ -296,7 +288,7 @@ fn the_pixel_size_of_the_resolution_tags_is_believed_unless_it_is_a_print_settin
 #[test]
 fn the_pixel_size_of_a_png_is_believed_unless_it_is_a_print_setting() {
     let with_size = |per_metre: [u32; 2]| {
-        let png = encode(GrayImage::new(3, 3), ImageFormat::Png);
+        let png = common::png([3, 3], 1, &[0; 9]);
         let mut body = b"pHYs".to_vec();
         body.extend(per_metre.map(u32::to_be_bytes).concat());
         body.push(1);

@@ -275,13 +275,12 @@ fn planes_of_any_small_size_are_no_fault() {
 
 #[test]
 fn given_outlines_are_chosen_as_cells_are() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    let grey = image::GrayImage::from_fn(60, 40, |x, y| image::Luma([(x + y) as u8]));
-    grey.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let grey: Vec<u8> = (0..60 * 40).map(|at: u32| (at % 60 + at / 60) as u8).collect();
+    let png = common::png([60, 40], 1, &grey);
     // One line an outline, pixels, y downward.
     let outlines = b"5,5,15,5,15,15,5,15\n20,10,50,10,50,30,20,30\n";
     let options = Options { pixel_size_um: Some(0.5), ..Options::default() };
-    let cells = PictureCells::given(png.get_ref(), outlines, "cells.txt", &options).unwrap();
+    let cells = PictureCells::given(&png, outlines, "cells.txt", &options).unwrap();
     let area = |choice| cells.cell(choice, false).map(|cell| cell.shape.area_um2);
     assert_eq!(area(Choice::Largest).unwrap(), 150.0);
     assert_eq!(area(Choice::Number(2)).unwrap(), 25.0);

@@ -1,10 +1,8 @@
 //! Smoothing, coarsening and the slowly varying part of a plane.
 
-use image::{ImageBuffer, Luma};
-
 use super::plane::Plane;
 
-/// Smooths with a Gaussian of standard deviation `sigma` pixels; the rim is continued outward.
+/// Smooths with a Gaussian of standard deviation `sigma` pixels, cut off at two of them; the rim is continued outward.
 ///
 /// Below 0.3 pixels a Gaussian is narrower than a pixel, and the plane comes back as it is.
 ///
@@ -20,11 +18,46 @@ pub fn gaussian(plane: &Plane, sigma: f64) -> Plane {
     if sigma < 0.3 {
         return plane.clone();
     }
-    let (width, height) = (plane.width() as u32, plane.height() as u32);
-    let blurred = ImageBuffer::<Luma<f32>, _>::from_raw(width, height, plane.values().to_vec())
-        .map(|image| imageproc::filter::gaussian_blur_f32(&image, sigma as f32).into_raw())
-        .and_then(|values| Plane::new(plane.width(), plane.height(), values));
-    blurred.unwrap_or_else(|| plane.clone())
+    let (width, height) = (plane.width(), plane.height());
+    let weights = gaussian_weights(sigma as f32);
+    let reach = weights.len() / 2;
+    let mut along = vec![0.0; width * height];
+    let mut continued = vec![0.0; width + 2 * reach];
+    for (sums, row) in along.chunks_exact_mut(width).zip(plane.values().chunks_exact(width)) {
+        continued[..reach].fill(row[0]);
+        continued[reach..][..width].copy_from_slice(row);
+        continued[reach + width..].fill(row[width - 1]);
+        for (shift, &weight) in weights.iter().enumerate() {
+            add(sums, weight, &continued[shift..]);
+        }
+    }
+    let mut values = vec![0.0; width * height];
+    for (row, sums) in values.chunks_exact_mut(width).enumerate() {
+        for (shift, &weight) in weights.iter().enumerate() {
+            let from = (row + shift).saturating_sub(reach).min(height - 1);
+            add(sums, weight, &along[from * width..]);
+        }
+    }
+    Plane::new(width, height, values).unwrap_or_else(|| plane.clone())
+}
+
+/// Adds `weight` times each value to each sum.
+fn add(sums: &mut [f32], weight: f32, values: &[f32]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += value * weight;
+    }
+}
+
+/// A Gaussian at whole pixels up to two standard deviations to both sides; all weights together are 1.
+fn gaussian_weights(sigma: f32) -> Vec<f32> {
+    let reach = (2.0 * sigma).ceil() as i32;
+    let height = (sigma * (2.0 * std::f32::consts::PI).sqrt()).recip();
+    let mut weights: Vec<f32> = (-reach..=reach)
+        .map(|at| height * (-(at as f32).powi(2) / (2.0 * sigma.powi(2))).exp())
+        .collect();
+    let sum: f32 = weights.iter().sum();
+    weights.iter_mut().for_each(|weight| *weight /= sum);
+    weights
 }
 
 /// Means over blocks of `factor` x `factor` pixels; blocks at the right and lower rim may be smaller.
@@ -140,6 +173,9 @@ pub(super) fn bulk(values: &[f32]) -> [f32; 2] {
     [middle, quantile(&off, 0.5) / 0.6745]
 }
 
+/// Levels between the least and the largest value that are told apart for a threshold.
+const LEVELS: usize = 256;
+
 /// The threshold that parts values into two classes with the largest variance between them
 /// (Otsu 1979), and the share of the whole variance that lies between the classes, 0 to 1.
 pub(super) fn otsu(values: &[f32]) -> Option<[f32; 2]> {
@@ -151,18 +187,19 @@ pub(super) fn otsu(values: &[f32]) -> Option<[f32; 2]> {
     if low.is_nan() || high <= low {
         return None;
     }
-    let scale = 255.0 / (high - low);
-    let levels: Vec<u8> =
-        values.iter().map(|&value| ((value - low) * scale).round() as u8).collect();
-    let image = image::GrayImage::from_raw(levels.len() as u32, 1, levels)?;
-    let level = imageproc::contrast::otsu_level(&image);
+    let scale = (LEVELS - 1) as f32 / (high - low);
+    let mut histogram = [0.0; LEVELS];
+    for &value in values {
+        histogram[((value - low) * scale).round() as usize] += 1.0;
+    }
+    let level = otsu_level(&histogram);
     let (mut sums, mut counts) = ([0.0_f64; 2], [0.0_f64; 2]);
     let mut squares = 0.0;
-    for &pixel in image.as_raw() {
-        let class = usize::from(pixel > level);
-        sums[class] += f64::from(pixel);
-        counts[class] += 1.0;
-        squares += f64::from(pixel).powi(2);
+    for (at, number) in histogram.iter().enumerate() {
+        let class = usize::from(at > level);
+        sums[class] += at as f64 * number;
+        counts[class] += number;
+        squares += (at as f64).powi(2) * number;
     }
     let count = counts[0] + counts[1];
     let mean = (sums[0] + sums[1]) / count;
@@ -172,5 +209,97 @@ pub(super) fn otsu(values: &[f32]) -> Option<[f32; 2]> {
         .map(|class| counts[class] / count * (sums[class] / counts[class] - mean).powi(2))
         .sum();
     // Between this level and the next.
-    Some([low + (f32::from(level) + 0.5) / scale, (between / whole.max(1e-12)) as f32])
+    Some([low + (level as f32 + 0.5) / scale, (between / whole.max(1e-12)) as f32])
+}
+
+/// The last level of the lower class, such that the variance between the two classes is the largest (Otsu 1979,
+/// Eq. 14); the first of several.
+fn otsu_level(histogram: &[f64; LEVELS]) -> usize {
+    let sum = |levels: &[f64]| {
+        levels.iter().enumerate().map(|(at, number)| at as f64 * number).sum::<f64>()
+    };
+    let (all, whole) = (histogram.iter().sum::<f64>(), sum(histogram));
+    let (mut count, mut part) = (0.0, 0.0);
+    let (mut best, mut largest) = (0, 0.0);
+    for (level, number) in histogram.iter().enumerate() {
+        count += number;
+        part += level as f64 * number;
+        let rest = all - count;
+        if count == 0.0 || rest == 0.0 {
+            continue;
+        }
+        let apart = part / count - (whole - part) / rest;
+        let between = count * rest * apart.powi(2);
+        if between > largest {
+            (best, largest) = (level, between);
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn smoothing_is_the_weighted_mean_over_all_pixels_around(
+            width in 1_usize..12,
+            values in proptest::collection::vec(-100.0_f32..100.0, 12..150),
+            sigma in 0.3_f64..6.0,
+        ) {
+            let height = values.len() / width;
+            let plane = Plane::new(width, height, values[..width * height].to_vec()).unwrap();
+            let smooth = gaussian(&plane, sigma);
+            let reach = (2.0 * sigma).ceil() as isize;
+            for (at, found) in smooth.values().iter().enumerate() {
+                let (mut sum, mut weights) = (0.0, 0.0);
+                for down in -reach..=reach {
+                    for right in -reach..=reach {
+                        let place = |at: usize, off: isize, count: usize| {
+                            (at.cast_signed() + off).clamp(0, count.cast_signed() - 1) as usize
+                        };
+                        let distance = (right as f64).hypot(down as f64);
+                        let weight = (-0.5 * (distance / sigma).powi(2)).exp();
+                        let pixel = [place(at % width, right, width), place(at / width, down, height)];
+                        sum += weight * f64::from(plane.at(pixel[0], pixel[1]));
+                        weights += weight;
+                    }
+                }
+                // Sums of up to 25 numbers of single precision, twice.
+                prop_assert!((f64::from(*found) - sum / weights).abs() < 1e-3, "{found} {}", sum / weights);
+            }
+        }
+
+        #[test]
+        fn otsu_s_level_leaves_the_least_variance_within_the_classes(
+            values in proptest::collection::vec(0_usize..LEVELS, 2..200),
+        ) {
+            let mut histogram = [0.0; LEVELS];
+            values.iter().for_each(|&value| histogram[value] += 1.0);
+            let variance = |class: &dyn Fn(usize) -> bool| {
+                let class: Vec<f64> =
+                    values.iter().filter(|&&value| class(value)).map(|&value| value as f64).collect();
+                let mean = class.iter().sum::<f64>() / class.len().max(1) as f64;
+                class.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+            };
+            let within = |level: usize| {
+                variance(&|value| value <= level) + variance(&|value| value > level)
+            };
+            let least = (0..LEVELS).map(within).fold(f64::INFINITY, f64::min);
+            let found = within(otsu_level(&histogram));
+            // Rounding of sums of squares of up to 255.
+            prop_assert!(found <= least + 1e-6, "{found} {least}");
+        }
+    }
+
+    #[test]
+    fn otsu_s_threshold_of_two_values_lies_between_them_and_explains_all() {
+        let [threshold, share] = otsu(&[3.0, 7.0, 7.0, 3.0, 3.0]).unwrap();
+        assert!(threshold > 3.0 && threshold < 7.0, "{threshold}");
+        assert!((share - 1.0).abs() < 1e-6, "{share}");
+        assert_eq!(otsu(&[2.0; 5]), None);
+    }
 }

@@ -5,7 +5,7 @@
 //! | `.roi`, RoiSet `.zip` | Fiji, ImageJ | pixels, y downward, whole numbers are pixel corners |
 //! | GeoJSON | this program, QuPath, GIS programs | um, y upward; or pixels, y downward |
 //! | `_outlines.txt` | Cellpose | whole numbers are pixels, those that the edge of the cell passes |
-//! | label picture | Cellpose, StarDist, ilastik, Fiji | pixels; see [`trace`] |
+//! | label picture | Cellpose, StarDist, ilastik, Fiji | none: a picture like any other, see [`super::cells`] |
 //!
 //! [`read_outlines`] tells the format by the first bytes. Pixels become um by a [`PixelFrame`], which
 //! puts the origin at the lower left corner of the picture and y upward, as masks have it: a mask and
@@ -37,7 +37,7 @@ use crate::mesh::outline::Outline;
 pub use cellpose::write_cellpose;
 pub use error::{OutlineFileError, OutlineWriteError};
 pub use frame::{FrameError, PixelFrame};
-pub use geojson::{write_geojson, write_qupath_geojson};
+pub use geojson::write_geojson;
 pub use roi_set::write_roi_set;
 pub use roi_write::write_roi;
 

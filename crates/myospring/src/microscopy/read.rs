@@ -46,9 +46,8 @@ const MOST_MEMORY: u64 = 1 << 29;
 /// # Example
 /// ```
 /// use myospring::microscopy::{picture::Selection, read::read_picture};
-/// # let mut bytes = std::io::Cursor::new(Vec::new());
-/// # image::GrayImage::from_pixel(4, 3, image::Luma([7])).write_to(&mut bytes, image::ImageFormat::Png)?;
-/// # let bytes = bytes.into_inner();
+/// # let mut bytes = Vec::new();
+/// # png::Encoder::new(&mut bytes, 4, 3).write_header()?.write_image_data(&[7; 12])?;
 /// let picture = read_picture(&bytes, &Selection::default())?;
 /// assert_eq!((picture.plane.width(), picture.plane.height()), (4, 3));
 /// assert_eq!(picture.plane.at(2, 1), 7.0);

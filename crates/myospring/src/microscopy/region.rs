@@ -2,18 +2,25 @@
 
 use std::ops::Range;
 
-use image::GrayImage;
-use imageproc::distance_transform::Norm;
-use imageproc::morphology;
-use imageproc::region_labelling::Connectivity;
-
+use super::dilation::{Norm, dilated, eroded};
 use super::filter;
 use super::plane::Plane;
 
 /// A set of pixels of a picture, row by row from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Region {
-    pixels: GrayImage,
+    width: usize,
+    height: usize,
+    inside: Vec<bool>,
+}
+
+/// Which pixels touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Connectivity {
+    /// Those that share a side.
+    Four,
+    /// Those that share a side or a corner.
+    Eight,
 }
 
 /// Islands of a region, each with its number from 1 on; 0 lies outside.
@@ -102,28 +109,24 @@ impl Window {
     }
 }
 
-const IN: u8 = 255;
-
 impl Region {
     /// The pixels for which `inside` says so.
     pub(super) fn new(width: usize, height: usize, inside: impl Iterator<Item = bool>) -> Self {
-        let mut values: Vec<u8> =
-            inside.take(width * height).map(|is| if is { IN } else { 0 }).collect();
-        values.resize(width * height, 0);
-        let pixels = GrayImage::from_raw(width as u32, height as u32, values);
-        Self { pixels: pixels.unwrap_or_else(|| GrayImage::new(width as u32, height as u32)) }
+        let mut inside: Vec<bool> = inside.take(width * height).collect();
+        inside.resize(width * height, false);
+        Self { width, height, inside }
     }
 
     pub(super) fn width(&self) -> usize {
-        self.pixels.width() as usize
+        self.width
     }
 
     pub(super) fn height(&self) -> usize {
-        self.pixels.height() as usize
+        self.height
     }
 
     pub(super) fn inside(&self) -> impl Iterator<Item = bool> + '_ {
-        self.pixels.as_raw().iter().map(|&value| value != 0)
+        self.inside.iter().copied()
     }
 
     pub(super) fn count(&self) -> usize {
@@ -132,44 +135,34 @@ impl Region {
 
     /// Without gaps and bays narrower than `2 radius` pixels; the picture's rim counts as neither.
     pub(super) fn closed(&self, radius: f64) -> Self {
-        match steps(radius) {
-            0 => self.clone(),
-            steps => Self { pixels: morphology::close(&self.pixels, norm(steps), steps) },
-        }
+        self.grown(radius).shrunk(radius)
     }
 
     /// Without necks and points narrower than `2 radius` pixels.
     pub(super) fn opened(&self, radius: f64) -> Self {
-        match steps(radius) {
-            0 => self.clone(),
-            steps => Self { pixels: morphology::open(&self.pixels, norm(steps), steps) },
-        }
+        self.shrunk(radius).grown(radius)
     }
 
-    /// With everything that lies within `radius` pixels.
+    /// With everything that lies within `radius` pixels, a whole number of them.
     pub(super) fn grown(&self, radius: f64) -> Self {
-        match steps(radius) {
-            0 => self.clone(),
-            steps => Self { pixels: morphology::dilate(&self.pixels, norm(steps), steps) },
-        }
+        let inside = dilated(&self.inside, self.width, radius.round() as usize, Norm::Euclid);
+        Self { inside, ..*self }
     }
 
-    /// Without everything that lies within `radius` pixels of the outside.
+    /// Without everything that lies within `radius` pixels of the outside, a whole number of them.
     pub(super) fn shrunk(&self, radius: f64) -> Self {
-        match steps(radius) {
-            0 => self.clone(),
-            steps => Self { pixels: morphology::erode(&self.pixels, norm(steps), steps) },
-        }
+        let inside = eroded(&self.inside, self.width, radius.round() as usize, Norm::Euclid);
+        Self { inside, ..*self }
     }
 
     /// On a grid of blocks of `factor` x `factor` pixels: those blocks that hold a pixel of the region.
     pub(super) fn coarse(&self, factor: usize) -> Self {
         let (width, height) = (self.width().div_ceil(factor), self.height().div_ceil(factor));
         let mut blocks = vec![false; width * height];
-        for (row, pixels) in self.pixels.as_raw().chunks_exact(self.width()).enumerate() {
+        for (row, pixels) in self.inside.chunks_exact(self.width).enumerate() {
             let blocks = &mut blocks[row / factor * width..][..width];
             for (block, pixels) in blocks.iter_mut().zip(pixels.chunks(factor)) {
-                *block |= pixels.contains(&IN);
+                *block |= pixels.contains(&true);
             }
         }
         Self::new(width, height, blocks.into_iter())
@@ -177,9 +170,9 @@ impl Region {
 
     /// On a grid of pixels of which `factor` x `factor` make one of this region's.
     pub(super) fn spread(&self, factor: usize, width: usize, height: usize) -> Self {
-        let blocks: Vec<bool> = self.inside().collect();
-        let at =
-            |pixel: usize| blocks[pixel / width / factor * self.width() + pixel % width / factor];
+        let at = |pixel: usize| {
+            self.inside[pixel / width / factor * self.width + pixel % width / factor]
+        };
         Self::new(width, height, (0..width * height).map(at))
     }
 
@@ -222,35 +215,33 @@ impl Region {
 
     /// The part within a window.
     pub(super) fn cut(&self, window: &Window) -> Self {
-        let inside = window.cut(self.pixels.as_raw(), self.width());
-        Self::new(window.width(), window.height(), inside.into_iter().map(|value| value != 0))
+        let inside = window.cut(&self.inside, self.width);
+        Self { width: window.width(), height: window.height(), inside }
     }
 
     /// Put back where a window was cut out of a picture of this size.
     pub(super) fn pasted(&self, window: &Window, width: usize, height: usize) -> Self {
-        let mut whole = Self { pixels: GrayImage::new(width as u32, height as u32) };
+        let mut whole = Self::new(width, height, std::iter::empty());
         whole.put(self, window);
         whole
     }
 
     /// Puts a part back where a window was cut out.
     pub(super) fn put(&mut self, part: &Self, window: &Window) {
-        let width = self.width();
-        let pixels: &mut [u8] = &mut self.pixels;
-        let rows = part.pixels.as_raw().chunks_exact(window.width());
+        let rows = part.inside.chunks_exact(window.width());
         for (row, values) in window.rows.clone().zip(rows) {
-            pixels[row * width..][window.columns.clone()].copy_from_slice(values);
+            self.inside[row * self.width..][window.columns.clone()].copy_from_slice(values);
         }
     }
 
     /// Number of pixels of the picture.
     pub(super) fn pixels(&self) -> usize {
-        self.pixels.as_raw().len()
+        self.inside.len()
     }
 
     /// Whether the pixel at this place is in the region.
     pub(super) fn contains(&self, at: usize) -> bool {
-        self.pixels.as_raw()[at] != 0
+        self.inside[at]
     }
 
     /// Every hole of at most `most` pixels filled: what is outside and does not reach the picture's rim.
@@ -326,15 +317,4 @@ impl Region {
         let inside = islands.numbers.iter().map(|&n| n != 0 && kept[n as usize - 1]);
         Self::new(self.width(), self.height(), inside)
     }
-}
-
-/// Radius in whole pixels, as far as the library's distances go.
-fn steps(radius: f64) -> u8 {
-    radius.round().clamp(0.0, 254.0) as u8
-}
-
-/// The norm of distances: Euclid's, but over one pixel the sum of both directions has the same neighbours and is
-/// found faster.
-fn norm(steps: u8) -> Norm {
-    if steps == 1 { Norm::L1 } else { Norm::L2 }
 }

@@ -18,14 +18,14 @@ mod ground;
 mod labels;
 mod modality;
 
-use imageproc::region_labelling::Connectivity;
 use serde::Serialize;
 
 pub use confidence::Confidence;
+pub use labels::LARGEST_LABEL;
 
 use super::filter;
 use super::plane::Plane;
-use super::region::Region;
+use super::region::{Connectivity, Region};
 use crate::mesh::mask::{Mask, MaskError, checked_pixel_size};
 
 /// How the picture was taken.
@@ -194,8 +194,8 @@ pub enum SegmentError {
     },
     /// A value that marks no cell.
     #[error(
-        "the pixel in column {column}, row {row} is {value}, but a mask holds values from 0 to 16777216; is this the \
-         picture itself, not its mask?"
+        "the pixel in column {column}, row {row} is {value}, but a mask holds values from 0 to {LARGEST_LABEL}; is this \
+         the picture itself, not its mask?"
     )]
     NoLabel {
         /// Column.

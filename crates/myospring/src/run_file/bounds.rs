@@ -1,6 +1,7 @@
 //! What each dimensional value of a run file may be: dimension, bounds and an example, stated once.
 
 use super::error::Problem;
+use crate::microscopy::segment::LARGEST_LABEL;
 use crate::units::{self, Dimension};
 use schemars::{JsonSchema, Schema, transform::Transform};
 use serde::{Deserialize, Serialize};
@@ -203,7 +204,8 @@ impl Transform for Whole {
 /// `stimulus.beats`.
 pub const BEATS: Whole = Whole { key: "stimulus.beats", minimum: 0, maximum: 10_000, example: 3 };
 /// `shape.label`.
-pub const LABEL: Whole = Whole { key: "shape.label", minimum: 1, maximum: 65_535, example: 3 };
+pub const LABEL: Whole =
+    Whole { key: "shape.label", minimum: 1, maximum: LARGEST_LABEL as i64, example: 3 };
 /// `segmentation.channel`.
 pub const CHANNEL: Whole =
     Whole { key: "segmentation.channel", minimum: 0, maximum: 10_000, example: 0 };

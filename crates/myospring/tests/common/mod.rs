@@ -51,3 +51,49 @@ pub(crate) fn png_checksum(bytes: &[u8]) -> u32 {
     };
     !bytes.iter().fold(!0, fold)
 }
+
+/// A PNG of grey pixels (1 channel), with opacity (2), of colours (3), or both (4), 8 bits a sample.
+#[cfg(feature = "microscopy")]
+pub(crate) fn png(size: [u32; 2], channels: usize, samples: &[u8]) -> Vec<u8> {
+    encoded_png(size, channels, png::BitDepth::Eight, samples)
+}
+
+/// A PNG of grey pixels, 16 bits a sample.
+#[cfg(feature = "microscopy")]
+pub(crate) fn wide_png(size: [u32; 2], samples: &[u16]) -> Vec<u8> {
+    let bytes: Vec<u8> = samples.iter().flat_map(|sample| sample.to_be_bytes()).collect();
+    encoded_png(size, 1, png::BitDepth::Sixteen, &bytes)
+}
+
+#[cfg(feature = "microscopy")]
+fn encoded_png(
+    [width, height]: [u32; 2],
+    channels: usize,
+    depth: png::BitDepth,
+    bytes: &[u8],
+) -> Vec<u8> {
+    use png::ColorType::{Grayscale, GrayscaleAlpha, Rgb, Rgba};
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color([Grayscale, GrayscaleAlpha, Rgb, Rgba][channels - 1]);
+    encoder.set_depth(depth);
+    let mut writer = encoder.write_header().expect("a size");
+    writer.write_image_data(bytes).expect("samples for every pixel");
+    writer.finish().expect("memory");
+    file
+}
+
+/// A TIFF whose pixels are of this kind, like `tiff::encoder::colortype::Gray16`.
+#[cfg(feature = "microscopy")]
+pub(crate) fn tiff<Kind: tiff::encoder::colortype::ColorType>(
+    [width, height]: [u32; 2],
+    samples: &[Kind::Inner],
+) -> Vec<u8>
+where
+    [Kind::Inner]: tiff::encoder::TiffValue,
+{
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut encoder = tiff::encoder::TiffEncoder::new(&mut file).expect("memory");
+    encoder.write_image::<Kind>(width, height, samples).expect("samples for every pixel");
+    file.into_inner()
+}

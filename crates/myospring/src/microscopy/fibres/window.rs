@@ -1,9 +1,6 @@
 //! The part of a picture that holds the cell, its light evened out, at the pixels that gradients need.
 
-use imageproc::distance_transform::Norm;
-use imageproc::image::GrayImage;
-use imageproc::morphology::erode;
-
+use super::super::dilation::{Norm, eroded};
 use super::super::plane::Plane;
 use super::FibreSettings;
 use super::grid::{Grid, Lines};
@@ -152,16 +149,7 @@ impl Window {
     /// The pixels of the cell further than `rim` pixels from its outline (along rows, columns or
     /// diagonals).
     fn without_rim(&self, rim: f64) -> Vec<bool> {
-        // The gradient scale has at most a few pixels, so a rim of a few um has at most some dozens.
-        let rim = rim.round().clamp(0.0, 255.0) as u8;
-        if rim == 0 {
-            return self.inside.clone();
-        }
-        let [columns, rows] = self.size.map(|length| length as u32);
-        let mask = self.inside.iter().map(|&inside| u8::from(inside) * 255).collect();
-        GrayImage::from_raw(columns, rows, mask).map_or_else(Vec::new, |mask| {
-            erode(&mask, Norm::LInf, rim).as_raw().iter().map(|&value| value > 0).collect()
-        })
+        eroded(&self.inside, self.size[0], rim.round() as usize, Norm::Chessboard)
     }
 }
 

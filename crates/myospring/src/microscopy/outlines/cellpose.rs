@@ -93,9 +93,8 @@ fn around(chain: &[[isize; 2]]) -> Result<Vec<[f64; 2]>, String> {
     for &[x, y] in chain {
         inside[(y - top) as usize * width + (x - left) as usize] = true;
     }
-    let values: Vec<u32> = inside.into_iter().map(u32::from).collect();
-    let rings = trace(width, height, &values, 1).map_err(|error| error.to_string())?;
-    let exterior = rings.into_iter().flatten().next().unwrap_or_default();
+    let rings = trace(width, height, &inside).map_err(|error| error.to_string())?;
+    let exterior = rings.into_iter().next().unwrap_or_default();
     let shift = [left as f64, top as f64];
     Ok(exterior.into_iter().map(|[x, y]| [x + shift[0], y + shift[1]]).collect())
 }

@@ -3,7 +3,7 @@
 use geojson::{Feature, FeatureCollection, GeoJson, Geometry, GeometryValue, JsonObject, Position};
 use serde_json::Value;
 
-use super::{CoordinateUnit, NamedOutline, OutlineFileError, PixelFrame, Raw};
+use super::{CoordinateUnit, NamedOutline, OutlineFileError, Raw};
 
 /// Reads every polygon of a GeoJSON, or of a bare list of features as QuPath also writes.
 pub(super) fn read(
@@ -124,47 +124,15 @@ fn points(ring: &[Position]) -> Vec<[f64; 2]> {
 /// assert!(write_geojson(&[cell]).contains(r#""name":"a""#));
 /// ```
 pub fn write_geojson(cells: &[NamedOutline]) -> String {
-    collection(cells, |point| point, &[("unit", "um")])
-}
-
-/// Writes outlines as a GeoJSON that QuPath imports as annotations: pixels, y downward, each with its
-/// name and `unit: pixel`.
-///
-/// # Example
-/// ```
-/// use myospring::mesh::built_in;
-/// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, write_qupath_geojson};
-/// let cell = NamedOutline { name: "a".to_owned(), outline: built_in::adult_ventricular() };
-/// let text = write_qupath_geojson(&[cell], &PixelFrame::new(600, 100, 0.25).unwrap());
-/// assert!(text.contains(r#""unit":"pixel""#));
-/// ```
-pub fn write_qupath_geojson(cells: &[NamedOutline], frame: &PixelFrame) -> String {
-    let properties = [("unit", "pixel"), ("objectType", "annotation")];
-    collection(cells, |point| frame.to_pixels(point), &properties)
-}
-
-fn collection(
-    cells: &[NamedOutline],
-    change: impl Fn([f64; 2]) -> [f64; 2],
-    properties: &[(&str, &str)],
-) -> String {
     let feature = |cell: &NamedOutline| {
-        let coordinates = cell
-            .outline
-            .rings()
-            .map(|ring| {
-                ring.iter()
-                    .chain(ring.first())
-                    .map(|&point| Position::from(change(point)))
-                    .collect()
-            })
-            .collect();
+        let ring = |ring: &[[f64; 2]]| {
+            ring.iter().chain(ring.first()).map(|&point| Position::from(point)).collect()
+        };
+        let coordinates = cell.outline.rings().map(ring).collect();
         let geometry = Some(Geometry::new(GeometryValue::Polygon { coordinates }));
         let mut feature = Feature { geometry, ..Feature::default() };
         feature.set_property("name", cell.name.clone());
-        for &(key, value) in properties {
-            feature.set_property(key, value);
-        }
+        feature.set_property("unit", "um");
         feature
     };
     let features = cells.iter().map(feature).collect();

@@ -1,8 +1,6 @@
 //! Outlines to pixels: masks and label pictures.
 
-use std::io::Cursor;
-
-use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma};
+use png::{BitDepth, ColorType, Compression, Encoder};
 
 use super::{NamedOutline, OutlineWriteError, PixelFrame};
 use crate::mesh::mask::{Mask, MaskError};
@@ -113,7 +111,8 @@ pub fn write_mask_png(
 ) -> Result<Vec<u8>, OutlineWriteError> {
     let inside = pixels(&cell.outline, frame);
     check_any(cell, frame, &inside)?;
-    encode_8(frame, inside.into_iter().map(|inside| u8::from(inside) * 255).collect())
+    let pixels: Vec<u8> = inside.into_iter().map(|inside| u8::from(inside) * 255).collect();
+    encode(frame, BitDepth::Eight, &pixels)
 }
 
 /// Writes outlines as a label picture, a PNG: the first is 1, the second 2, and so on, the background
@@ -148,24 +147,33 @@ pub fn write_labels_png(
             *label = (index + 1) as u16;
         }
     }
-    if let Ok(narrow) = labels.iter().map(|&label| u8::try_from(label)).collect() {
-        return encode_8(frame, narrow);
+    let narrow: Result<Vec<u8>, _> = labels.iter().map(|&label| u8::try_from(label)).collect();
+    if let Ok(narrow) = narrow {
+        return encode(frame, BitDepth::Eight, &narrow);
     }
-    let (width, height) = (frame.width() as u32, frame.height() as u32);
-    encode(ImageBuffer::<Luma<u16>, _>::from_raw(width, height, labels).map(DynamicImage::from))
+    let wide: Vec<u8> = labels.into_iter().flat_map(u16::to_be_bytes).collect();
+    encode(frame, BitDepth::Sixteen, &wide)
 }
 
-fn encode_8(frame: &PixelFrame, pixels: Vec<u8>) -> Result<Vec<u8>, OutlineWriteError> {
-    let (width, height) = (frame.width() as u32, frame.height() as u32);
-    encode(GrayImage::from_raw(width, height, pixels).map(DynamicImage::from))
-}
-
-fn encode(picture: Option<DynamicImage>) -> Result<Vec<u8>, OutlineWriteError> {
-    let failed = |reason: String| OutlineWriteError::Encode { reason };
-    let picture = picture.ok_or_else(|| failed("the pixels do not fill the picture".to_owned()))?;
-    let mut bytes = Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, ImageFormat::Png).map_err(|error| failed(error.to_string()))?;
-    Ok(bytes.into_inner())
+/// A grey PNG of the size of the frame.
+fn encode(
+    frame: &PixelFrame,
+    depth: BitDepth,
+    pixels: &[u8],
+) -> Result<Vec<u8>, OutlineWriteError> {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, frame.width() as u32, frame.height() as u32);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(depth);
+    encoder.set_compression(Compression::Fast);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(pixels)?;
+        writer.finish()
+    });
+    match written {
+        Ok(()) => Ok(bytes),
+        Err(error) => Err(OutlineWriteError::Encode { reason: error.to_string() }),
+    }
 }
 
 pub(super) fn check_any(

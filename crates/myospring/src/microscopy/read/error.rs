@@ -22,7 +22,7 @@ pub enum PictureError {
     )]
     Format {
         /// What it is.
-        format: String,
+        format: &'static str,
     },
     /// A microscope's own file.
     #[error(

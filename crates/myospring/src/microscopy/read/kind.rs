@@ -1,7 +1,5 @@
 //! Which kind of file bytes are, by how they start.
 
-use image::ImageFormat;
-
 use super::PictureError;
 
 /// Kinds that are read.
@@ -11,22 +9,36 @@ pub(super) enum Kind {
     Tiff,
 }
 
-/// Files of microscopes and of programs beside them: where their mark stands, the mark, the name.
-const CONTAINERS: [(usize, &[u8], &str); 10] = [
-    (0, b"ZISRAWFILE", "Zeiss CZI"),
-    (0, b"\xda\xce\xbe\x0a", "Nikon ND2"),
-    (0, b"\0\0\0\x0cjP  ", "JPEG 2000 (or old Nikon ND2)"),
-    (8, b"\x2a", "Leica LIF"),
-    (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "Olympus OIB or Zeiss ZVI"),
-    (0, b"OLYMPUSRAWFORMAT", "Olympus OIR"),
-    (128, b"DICM", "DICOM"),
-    (0, b"\x89HDF\r\n\x1a\n", "HDF5 (Imaris IMS)"),
-    (0, b"NRRD", "NRRD"),
-    (0, b"\x93NUMPY", "NumPy"),
+/// Marks of a kind of file, each with its place, and the name of the kind.
+type Marks = (&'static [(usize, &'static [u8])], &'static str);
+
+/// Files of microscopes and of programs beside them.
+const CONTAINERS: [Marks; 10] = [
+    (&[(0, b"ZISRAWFILE")], "Zeiss CZI"),
+    (&[(0, b"\xda\xce\xbe\x0a")], "Nikon ND2"),
+    (&[(0, b"\0\0\0\x0cjP  ")], "JPEG 2000 (or old Nikon ND2)"),
+    (&[(0, b"\x70\0\0\0"), (8, b"\x2a")], "Leica LIF"),
+    (&[(0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")], "Olympus OIB or Zeiss ZVI"),
+    (&[(0, b"OLYMPUSRAWFORMAT")], "Olympus OIR"),
+    (&[(128, b"DICM")], "DICOM"),
+    (&[(0, b"\x89HDF\r\n\x1a\n")], "HDF5 (Imaris IMS)"),
+    (&[(0, b"NRRD")], "NRRD"),
+    (&[(0, b"\x93NUMPY")], "NumPy"),
 ];
 
-/// Start of a Leica LIF; its second mark is in the table.
-const LIF: &[u8] = b"\x70\0\0\0";
+/// Pictures of everyday life.
+const PICTURES: [Marks; 10] = [
+    (&[(0, b"\xff\xd8\xff")], "JPEG"),
+    (&[(0, b"GIF8")], "GIF"),
+    (&[(0, b"BM")], "BMP"),
+    (&[(0, b"RIFF"), (8, b"WEBP")], "WEBP"),
+    (&[(4, b"ftypavif")], "AVIF"),
+    (&[(4, b"ftyphei")], "HEIC"),
+    (&[(0, b"\x76\x2f\x31\x01")], "OPENEXR"),
+    (&[(0, b"P2")], "PNM"),
+    (&[(0, b"P5")], "PNM"),
+    (&[(0, b"P6")], "PNM"),
+];
 
 /// Tells what the bytes are.
 pub(super) fn recognise(bytes: &[u8]) -> Result<Kind, PictureError> {
@@ -37,19 +49,16 @@ pub(super) fn recognise(bytes: &[u8]) -> Result<Kind, PictureError> {
     if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|start| starts(*start)) {
         return Ok(Kind::Tiff);
     }
-    for (at, mark, format) in CONTAINERS {
-        let marked = bytes.get(at..).is_some_and(|rest| rest.starts_with(mark));
-        if marked && (format != "Leica LIF" || starts(LIF)) {
-            return Err(PictureError::Container { format });
-        }
+    let marked = |marks: &[(usize, &[u8])]| {
+        marks.iter().all(|&(at, mark)| bytes.get(at..).is_some_and(|rest| rest.starts_with(mark)))
+    };
+    let known = |kinds: &[Marks]| Some(kinds.iter().find(|(marks, _)| marked(marks))?.1);
+    if let Some(format) = known(&CONTAINERS) {
+        return Err(PictureError::Container { format });
     }
-    match image::guess_format(bytes) {
-        Ok(format) if format != ImageFormat::Png && format != ImageFormat::Tiff => {
-            Err(PictureError::Format { format: format!("{format:?}").to_uppercase() })
-        }
-        _ => {
-            let start = format!("{:?}", String::from_utf8_lossy(&bytes[..bytes.len().min(8)]));
-            Err(PictureError::NotAPicture { bytes: bytes.len(), start })
-        }
+    if let Some(format) = known(&PICTURES) {
+        return Err(PictureError::Format { format });
     }
+    let start = format!("{:?}", String::from_utf8_lossy(&bytes[..bytes.len().min(8)]));
+    Err(PictureError::NotAPicture { bytes: bytes.len(), start })
 }

@@ -3,14 +3,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use imageproc::region_labelling::Connectivity;
-
 use super::{
     Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
 };
 use crate::microscopy::filter::{self, otsu, quantile, sample};
 use crate::microscopy::plane::Plane;
-use crate::microscopy::region::{Region, Window};
+use crate::microscopy::region::{Connectivity, Region, Window};
 
 /// Scale of smoothing unless stated, um: beads and grains of a micrometre lose most of their edges, the rim
 /// of a cell, which runs straight over many, loses none.

@@ -1,14 +1,12 @@
 //! A bright cell on a dark ground.
 
-use imageproc::region_labelling::Connectivity;
-
 use super::ground::Ground;
 use super::{
     Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
 };
 use crate::microscopy::filter::{self, otsu, quantile, sample};
 use crate::microscopy::plane::Plane;
-use crate::microscopy::region::Region;
+use crate::microscopy::region::{Connectivity, Region};
 
 /// Scale of smoothing unless stated, um.
 const SMOOTH_UM: f64 = 0.5;

@@ -2,17 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use imageproc::region_labelling::Connectivity;
-
 use super::{Cell, Confidence, Modality, SegmentError, Segmentation, modality};
 use crate::microscopy::plane::Plane;
-use crate::microscopy::region::Region;
+use crate::microscopy::region::{Connectivity, Region};
 
 /// An island of which so many make the largest is a speck of the mask, not a cell.
 const SPECKS_IN_A_CELL: usize = 50;
 
-/// Above this, `f32` no longer tells all whole numbers apart.
-const LARGEST_LABEL: f32 = 16_777_216.0;
+/// Largest label of a mask: `f32`, as which the pixels are held, tells no larger whole numbers apart.
+pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
 
 /// Cells of a picture in which every value that is not zero marks one. Where there is one such value, or so many
 /// that they are no labels but soft edges, the islands of all together are the cells. Values that are not whole,
@@ -23,7 +21,7 @@ pub(super) fn segment(
     mut notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
     let (width, height) = (plane.width(), plane.height());
-    let no_label = |value: &f32| !(0.0..LARGEST_LABEL).contains(value);
+    let no_label = |value: &f32| !(0.0..=LARGEST_LABEL as f32).contains(value);
     if let Some(at) = plane.values().iter().position(no_label) {
         let (column, row, value) = (at % width, at / width, plane.values()[at]);
         return Err(SegmentError::NoLabel { column, row, value });
