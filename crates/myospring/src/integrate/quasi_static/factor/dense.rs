@@ -37,6 +37,10 @@ impl WithSimd for Eliminate<'_> {
     #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self { panel, rows, columns, rest, packed } = self;
+        if columns == 0 {
+            // Between parts that do not meet there is no separator.
+            return true;
+        }
         for start in (0..columns).step_by(BLOCK) {
             let end = columns.min(start + BLOCK);
             if !factorise(panel, rows, start, end) {
