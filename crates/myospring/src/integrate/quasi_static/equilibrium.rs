@@ -56,7 +56,7 @@ pub(super) struct Solver<'a> {
     system: &'a System,
     body: &'a Body,
     still: Vectors,
-    factor: Factor,
+    factor: Factor<'a>,
     stiffness: StiffnessMatrix,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
@@ -83,7 +83,7 @@ impl<'a> Solver<'a> {
             system,
             body,
             still: zeros(count),
-            factor: Factor::new(&free),
+            factor: Factor::new(&body.positions, free),
             stiffness: StiffnessMatrix::new(count),
             factorisations: 0,
         }

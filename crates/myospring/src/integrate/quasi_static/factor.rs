@@ -1,17 +1,19 @@
-//! Sparse Cholesky factors of the stiffness between free coordinates, by `faer`.
+//! Sparse Cholesky factors of the stiffness between free coordinates.
 //!
-//! The order of elimination and the pattern of the factor are found once and serve as long as the
-//! same nodes act on each other. One thread: the same bits everywhere.
+//! The nodes are eliminated in the order of a nested dissection ([`dissection`]), set by set in dense
+//! matrices ([`fronts`], [`dense`]). Order and pattern are found once and serve as long as the same nodes
+//! act on each other. Held coordinates take part with the stiffness 1 of their own, so that all blocks are
+//! 2 x 2. One thread, and every sum in the same order whatever the vector units: the same bits everywhere.
 
+mod dense;
+mod dissection;
+mod fronts;
+
+use crate::mechanics::Vectors;
 use crate::mechanics::stiffness::StiffnessMatrix;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
+use dense::Eliminate;
+use dissection::{Graph, dissect};
+use fronts::{Front, Fronts};
 
 /// Why there is no factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,184 +24,161 @@ pub(super) enum FactorError {
     TooLarge,
 }
 
-impl From<FaerError> for FactorError {
-    fn from(_: FaerError) -> Self {
-        Self::TooLarge
-    }
-}
-
-/// The pattern of a stiffness and what is kept for it.
-struct Pattern {
-    blocks: usize,
-    columns: Vec<usize>,
-    rows: Vec<usize>,
-    symbolic: SymbolicCholesky<usize>,
-    memory: MemBuffer,
-}
-
 /// A factor that is made anew for each stiffness.
-pub(super) struct Factor {
-    /// Number of each coordinate in the matrix, by axis; `None` if it is held.
-    coordinates: [Vec<Option<usize>>; 2],
-    size: usize,
-    pattern: Option<Pattern>,
-    values: Vec<f64>,
-    /// Of the factor.
+pub(super) struct Factor<'a> {
+    /// um; they tell near nodes from distant ones.
+    positions: &'a Vectors,
+    /// `free[axis][node]`
+    free: [Vec<bool>; 2],
+    /// Blocks of the stiffness for which the fronts were found.
+    blocks: usize,
+    fronts: Option<Fronts>,
+    /// Columns of the factor, front by front.
     entries: Vec<f64>,
+    /// Updates that wait for the front above theirs.
+    stacks: [Vec<f64>; 2],
+    packed: [Vec<f64>; 2],
 }
 
-impl Factor {
-    /// For bodies of which these coordinates are free: `free[axis][node]`.
-    pub(super) fn new(free: &[Vec<bool>; 2]) -> Self {
-        let mut size = 0;
-        let mut coordinates = [vec![None; free[0].len()], vec![None; free[0].len()]];
-        for node in 0..free[0].len() {
-            for axis in 0..2 {
-                if free[axis][node] {
-                    coordinates[axis][node] = Some(size);
-                    size += 1;
-                }
-            }
+impl<'a> Factor<'a> {
+    /// For a body with its nodes about here (um), of which these coordinates are free: `free[axis][node]`.
+    pub(super) fn new(positions: &'a Vectors, free: [Vec<bool>; 2]) -> Self {
+        Self {
+            positions,
+            free,
+            blocks: 0,
+            fronts: None,
+            entries: Vec::new(),
+            stacks: Default::default(),
+            packed: Default::default(),
         }
-        Self { coordinates, size, pattern: None, values: Vec::new(), entries: Vec::new() }
-    }
-
-    /// Calls `entry(row, column, value)` for the lower half, column by column, rows in order.
-    fn walk(&self, stiffness: &StiffnessMatrix, mut entry: impl FnMut(usize, usize, f64)) {
-        for a in 0..stiffness.len() {
-            for i in 0..2 {
-                let Some(column) = self.coordinates[i][a] else { continue };
-                for &(b, block) in stiffness.row(a) {
-                    for j in 0..2 {
-                        if let Some(row) = self.coordinates[j][b]
-                            && row >= column
-                        {
-                            entry(row, column, block[i][j]);
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    fn find_pattern(&self, stiffness: &StiffnessMatrix) -> Result<Pattern, FactorError> {
-        let (mut columns, mut rows) = (vec![0; self.size + 1], Vec::new());
-        self.walk(stiffness, |row, column, _| {
-            rows.push(row);
-            columns[column + 1] = rows.len();
-        });
-        let shape =
-            SymbolicSparseColMatRef::new_checked(self.size, self.size, &columns, None, &rows);
-        let (order, settings) = (SymmetricOrdering::default(), CholeskySymbolicParams::default());
-        let symbolic = factorize_symbolic_cholesky(shape, Side::Lower, order, settings)?;
-        let memory = MemBuffer::try_new(StackReq::any_of(&[
-            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()),
-            symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
-        ]))
-        .map_err(|_| FactorError::TooLarge)?;
-        Ok(Pattern { blocks: stiffness.blocks(), columns, rows, symbolic, memory })
     }
 
     /// Factorises a stiffness.
     pub(super) fn factorise(&mut self, stiffness: &StiffnessMatrix) -> Result<(), FactorError> {
-        if self.size == 0 {
-            return Ok(());
-        }
-        if self.pattern.as_ref().is_none_or(|pattern| pattern.blocks != stiffness.blocks()) {
-            self.pattern = Some(self.find_pattern(stiffness)?);
-        }
-        let mut values = std::mem::take(&mut self.values);
-        values.clear();
-        self.walk(stiffness, |_, _, value| values.push(value));
-        self.values = values;
-        if self.values.iter().any(|value| !value.is_finite()) {
-            return Err(FactorError::Indefinite);
-        }
-        let Some(Pattern { columns, rows, symbolic, memory, .. }) = &mut self.pattern else {
-            return Err(FactorError::TooLarge);
+        let fronts = match self.fronts.take() {
+            Some(fronts) if self.blocks == stiffness.blocks() => fronts,
+            _ => self.find_fronts(stiffness)?,
         };
-        let shape = SymbolicSparseColMatRef::new_checked(self.size, self.size, columns, None, rows);
-        self.entries.resize(symbolic.len_val(), 0.0);
-        let done = symbolic
-            .factorize_numeric_llt(
-                &mut self.entries,
-                SparseColMatRef::new(shape, &self.values),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(memory),
-                Spec::default(),
-            )
-            .map(|_| ());
-        match done {
-            Ok(()) if self.entries.iter().all(|value| value.is_finite()) => Ok(()),
-            Ok(()) | Err(LltError::NonPositivePivot { .. }) => Err(FactorError::Indefinite),
+        self.blocks = stiffness.blocks();
+        self.stacks.iter_mut().for_each(Vec::clear);
+        let done = fronts.fronts.iter().try_for_each(|front| {
+            if self.eliminate(stiffness, &fronts, front) {
+                Ok(())
+            } else {
+                Err(FactorError::Indefinite)
+            }
+        });
+        self.fronts = Some(fronts);
+        done
+    }
+
+    fn find_fronts(&mut self, stiffness: &StiffnessMatrix) -> Result<Fronts, FactorError> {
+        let graph = Graph::new(stiffness);
+        let fronts = Fronts::new(stiffness, &graph, dissect(&graph, self.positions))?;
+        let reserve = |memory: &mut Vec<f64>, size: usize| {
+            memory.clear();
+            memory.try_reserve_exact(size).map_err(|_| FactorError::TooLarge)
+        };
+        reserve(&mut self.entries, fronts.entries)?;
+        self.entries.resize(fronts.entries, 0.0);
+        for (stack, size) in self.stacks.iter_mut().zip(fronts.stacks) {
+            reserve(stack, size)?;
         }
+        Ok(fronts)
+    }
+
+    /// Eliminates a front and leaves its update on the stack; whether all pivots were positive.
+    fn eliminate(&mut self, stiffness: &StiffnessMatrix, fronts: &Fronts, front: &Front) -> bool {
+        let panel = &mut self.entries[front.entries.clone()];
+        front.fill(panel, stiffness, &fronts.order, &self.free);
+        let [even, odd] = &mut self.stacks;
+        let (stack, halves) = if front.stack == 0 { (even, odd) } else { (odd, even) };
+        let start = stack.len();
+        stack.resize(start + front.update_size(), 0.0);
+        let rest = &mut stack[start..];
+        for half in front.halves.iter().rev().flatten().map(|&half| &fronts.fronts[half]) {
+            let start = halves.len() - half.update_size();
+            half.hand_up(&halves[start..], front, panel, rest);
+            halves.truncate(start);
+        }
+        let [rows, columns] = front.size();
+        let packed = &mut self.packed;
+        pulp::Arch::new().dispatch(Eliminate { panel, rows, columns, rest, packed })
     }
 
     /// Displacements (um) under forces (nN) on the free coordinates; held ones stay.
     ///
     /// Uses the last stiffness that was factorised.
-    pub(super) fn solve(&mut self, forces: &[Vec<f64>; 2]) -> [Vec<f64>; 2] {
-        let mut right = vec![0.0; self.size];
-        for (numbers, force) in self.coordinates.iter().zip(forces) {
-            for (number, value) in numbers.iter().zip(force) {
-                if let Some(number) = number {
-                    right[*number] = *value;
+    pub(super) fn solve(&mut self, forces: &Vectors) -> Vectors {
+        let mut moved = forces.each_ref().map(|axis| vec![0.0; axis.len()]);
+        let Some(Fronts { order, fronts, .. }) = &self.fronts else { return moved };
+        let mut right = vec![0.0; 2 * order.len()];
+        for (place, &node) in order.iter().enumerate() {
+            for axis in 0..2 {
+                if self.free[axis][node] {
+                    right[2 * place + axis] = forces[axis][node];
                 }
             }
         }
-        if let Some(Pattern { symbolic, memory, .. }) = &mut self.pattern {
-            let column = MatMut::from_column_major_slice_mut(&mut right, self.size, 1);
-            LltRef::new(symbolic, &self.entries).solve_in_place_with_conj(
-                Conj::No,
-                column,
-                Par::Seq,
-                MemStack::new(memory),
-            );
+        let mut border = Vec::new();
+        for front in fronts {
+            let [rows, columns] = front.size();
+            border.clear();
+            border.resize(rows - columns, 0.0);
+            let own = &mut right[2 * front.own.start..2 * front.own.end];
+            for column in 0..columns {
+                let entries = &self.entries[front.entries.start + column * rows..][..rows];
+                let value = own[column] / entries[column];
+                own[column] = value;
+                let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
+                for (sum, entry) in own[column + 1..].iter_mut().zip(inner) {
+                    *sum -= value * entry;
+                }
+                for (sum, entry) in border.iter_mut().zip(outer) {
+                    *sum += value * entry;
+                }
+            }
+            for (pair, &place) in border.chunks_exact(2).zip(&front.border) {
+                right[2 * place] -= pair[0];
+                right[2 * place + 1] -= pair[1];
+            }
         }
-        [0, 1].map(|axis| {
-            let numbers = self.coordinates[axis].iter();
-            numbers.map(|number| number.map_or(0.0, |number| right[number])).collect()
-        })
+        for front in fronts.iter().rev() {
+            let [rows, columns] = front.size();
+            border.clear();
+            border.extend(front.border.iter().flat_map(|&at| [right[2 * at], right[2 * at + 1]]));
+            let own = &mut right[2 * front.own.start..2 * front.own.end];
+            for column in (0..columns).rev() {
+                let entries = &self.entries[front.entries.start + column * rows..][..rows];
+                let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
+                let sum = dot(inner, &own[column + 1..]) + dot(outer, &border);
+                own[column] = (own[column] - sum) / entries[column];
+            }
+        }
+        for (place, &node) in order.iter().enumerate() {
+            for axis in 0..2 {
+                if self.free[axis][node] {
+                    moved[axis][node] = right[2 * place + axis];
+                }
+            }
+        }
+        moved
     }
+}
+
+/// In eight partial sums, which fit vector units.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..8 {
+            lanes[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    lanes.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A chain of springs of unit stiffness along x, stiffness 2 across.
-    fn chain(count: usize) -> StiffnessMatrix {
-        let mut stiffness = StiffnessMatrix::new(count);
-        for node in 1..count {
-            stiffness.add_pair(node - 1, node, [[1.0, 0.0], [0.0, 2.0]]);
-        }
-        stiffness
-    }
-
-    #[test]
-    fn a_chain_held_at_one_end_stretches_as_springs_in_series() {
-        let mut free = [vec![true; 5], vec![true; 5]];
-        (free[0][0], free[1][0]) = (false, false);
-        let mut factor = Factor::new(&free);
-        factor.factorise(&chain(5)).unwrap();
-        let mut forces = [vec![0.0; 5], vec![0.0; 5]];
-        (forces[0][4], forces[1][4]) = (3.0, 4.0);
-        let moved = factor.solve(&forces);
-        for node in 0..5 {
-            assert!((moved[0][node] - 3.0 * node as f64).abs() < 1e-12);
-            assert!((moved[1][node] - 2.0 * node as f64).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn a_negative_spring_is_found_out() {
-        let mut factor = Factor::new(&[vec![false, true], vec![false, true]]);
-        let mut stiffness = StiffnessMatrix::new(2);
-        stiffness.add_pair(0, 1, [[1.0, 0.0], [0.0, -0.1]]);
-        assert_eq!(factor.factorise(&stiffness), Err(FactorError::Indefinite));
-        stiffness.add_pair(0, 1, [[0.0, 0.0], [0.0, 0.2]]);
-        assert_eq!(factor.factorise(&stiffness), Ok(()));
-    }
-}
+mod tests;

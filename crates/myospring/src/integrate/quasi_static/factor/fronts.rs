@@ -1,0 +1,225 @@
+//! Fronts: the dense matrices in which the parts of a dissection are eliminated.
+//!
+//! The front of a part has its own nodes and its border, the later nodes that act on it or on what was
+//! eliminated below it. Its first columns come from the stiffness and from the updates that its halves
+//! leave behind; eliminated, they are columns of the factor, and what remains is the front's own update
+//! (multifrontal method, `liu_1992`). All that depends on the pattern alone is found here.
+
+use super::FactorError;
+use super::dissection::{Dissection, Graph};
+use crate::mechanics::stiffness::StiffnessMatrix;
+use std::ops::Range;
+
+/// Consecutive nodes of a front's border that are consecutive in the front above it, too.
+struct Run {
+    border: usize,
+    above: usize,
+    len: usize,
+}
+
+/// A block of the stiffness and its place in a front.
+struct Placement {
+    row: usize,
+    /// Number in that row.
+    number: usize,
+    /// Nodes of the front.
+    column: usize,
+    below: usize,
+    /// Whether the block's second node is the column's.
+    mirrored: bool,
+}
+
+/// One part of the dissection.
+pub(super) struct Front {
+    /// Places in the order of elimination.
+    pub(super) own: Range<usize>,
+    /// Later places, in order.
+    pub(super) border: Vec<usize>,
+    pub(super) halves: [Option<usize>; 2],
+    /// Where its columns stand in the factor.
+    pub(super) entries: Range<usize>,
+    /// On which of two stacks its update lies; the updates of its halves lie on the other.
+    pub(super) stack: usize,
+    placements: Vec<Placement>,
+    /// How the border lies in the front above.
+    runs: Vec<Run>,
+}
+
+impl Front {
+    /// Coordinates: all, and those that are eliminated here.
+    pub(super) fn size(&self) -> [usize; 2] {
+        [2 * (self.own.len() + self.border.len()), 2 * self.own.len()]
+    }
+
+    /// Entries of its update.
+    pub(super) fn update_size(&self) -> usize {
+        4 * self.border.len() * self.border.len()
+    }
+
+    /// Fills its columns with the stiffness between free coordinates, `free[axis][node]`.
+    pub(super) fn fill(
+        &self,
+        panel: &mut [f64],
+        stiffness: &StiffnessMatrix,
+        order: &[usize],
+        free: &[Vec<bool>; 2],
+    ) {
+        let [rows, _] = self.size();
+        panel.fill(0.0);
+        for &Placement { row, number, column, below, mirrored } in &self.placements {
+            let (other, block) = stiffness.row(row)[number];
+            for i in 0..2 {
+                for j in 0..2 {
+                    if free[i][row] && free[j][other] {
+                        let (i_column, i_below) = if mirrored { (j, i) } else { (i, j) };
+                        panel[(2 * column + i_column) * rows + 2 * below + i_below] = block[i][j];
+                    }
+                }
+            }
+        }
+        for (at, &node) in order[self.own.clone()].iter().enumerate() {
+            for axis in 0..2 {
+                if !free[axis][node] {
+                    panel[(2 * at + axis) * (rows + 1)] = 1.0;
+                }
+            }
+        }
+    }
+
+    /// Adds its update to the columns of the front above and to what will be that one's update.
+    pub(super) fn hand_up(
+        &self,
+        update: &[f64],
+        above: &Self,
+        panel: &mut [f64],
+        rest: &mut [f64],
+    ) {
+        let [rows, columns] = above.size();
+        let stride = 2 * self.border.len();
+        for (at, run) in self.runs.iter().enumerate() {
+            for (column, to) in (2 * run.border..).zip(2 * run.above..2 * (run.above + run.len)) {
+                let from = &update[column * stride..(column + 1) * stride];
+                let (to, hidden) = if to < columns {
+                    (&mut panel[to * rows..(to + 1) * rows], 0)
+                } else {
+                    let size = rows - columns;
+                    (&mut rest[(to - columns) * size..][..size], columns)
+                };
+                for run in &self.runs[at..] {
+                    // From the diagonal on.
+                    let first = column.max(2 * run.border);
+                    let to = &mut to[2 * run.above + first - 2 * run.border - hidden..];
+                    let from = &from[first..2 * (run.border + run.len)];
+                    for (sum, value) in to.iter_mut().zip(from) {
+                        *sum += value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// All fronts of a pattern.
+pub(super) struct Fronts {
+    /// The node at each place of the order of elimination.
+    pub(super) order: Vec<usize>,
+    /// Halves before the front that joins them.
+    pub(super) fronts: Vec<Front>,
+    /// Entries of the factor.
+    pub(super) entries: usize,
+    /// Largest sizes of the stacks of updates.
+    pub(super) stacks: [usize; 2],
+}
+
+impl Fronts {
+    pub(super) fn new(
+        stiffness: &StiffnessMatrix,
+        graph: &Graph,
+        Dissection { order, parts }: Dissection,
+    ) -> Result<Self, FactorError> {
+        let mut places = vec![0; order.len()];
+        for (place, &node) in order.iter().enumerate() {
+            places[node] = place;
+        }
+        let mut fronts: Vec<Front> = Vec::with_capacity(parts.len());
+        let mut seen = vec![usize::MAX; order.len()];
+        let mut entries = 0_usize;
+        let (mut heights, mut stacks) = ([0; 2], [0; 2]);
+        for (number, part) in parts.into_iter().enumerate() {
+            let later = order[part.own.clone()].iter().flat_map(|&node| graph.partners(node));
+            let later = later.map(|&partner| places[partner]);
+            let left = part.halves.iter().flatten().flat_map(|&half| &fronts[half].border);
+            let mut border = Vec::new();
+            for place in later.chain(left.copied()) {
+                if place >= part.own.end && seen[place] != number {
+                    seen[place] = number;
+                    border.push(place);
+                }
+            }
+            border.sort_unstable();
+            let mut front = Front {
+                own: part.own,
+                border,
+                halves: part.halves,
+                runs: Vec::new(),
+                entries: 0..0,
+                placements: Vec::new(),
+                stack: part.depth % 2,
+            };
+            let [rows, columns] = front.size();
+            let end = rows.checked_mul(columns).and_then(|size| entries.checked_add(size));
+            front.entries = entries..end.ok_or(FactorError::TooLarge)?;
+            entries = front.entries.end;
+            for &half in front.halves.iter().flatten() {
+                fronts[half].runs = runs(&fronts[half].border, &front);
+            }
+            heights[front.stack] += front.update_size();
+            stacks[front.stack] = stacks[front.stack].max(heights[front.stack]);
+            for &half in front.halves.iter().flatten() {
+                heights[fronts[half].stack] -= fronts[half].update_size();
+            }
+            fronts.push(front);
+        }
+        place_blocks(stiffness, &places, &mut fronts);
+        Ok(Self { order, fronts, entries, stacks })
+    }
+}
+
+/// Number of a place among the nodes of a front.
+fn number_in(front: &Front, place: usize) -> usize {
+    if place < front.own.end {
+        place - front.own.start
+    } else {
+        front.own.len() + front.border.partition_point(|&other| other < place)
+    }
+}
+
+/// How a border lies in the front above it.
+fn runs(border: &[usize], above: &Front) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for (number, &place) in border.iter().enumerate() {
+        let there = number_in(above, place);
+        match runs.last_mut() {
+            Some(run) if run.above + run.len == there => run.len += 1,
+            _ => runs.push(Run { border: number, above: there, len: 1 }),
+        }
+    }
+    runs
+}
+
+/// Sends each block of the stiffness to the front in which the first of its nodes is eliminated.
+fn place_blocks(stiffness: &StiffnessMatrix, places: &[usize], fronts: &mut [Front]) {
+    let mut front_of = vec![0; places.len()];
+    for (number, front) in fronts.iter().enumerate() {
+        front_of[front.own.clone()].fill(number);
+    }
+    for row in 0..stiffness.len() {
+        for (number, &(other, _)) in stiffness.row(row).iter().enumerate() {
+            let mirrored = places[other] < places[row];
+            let [first, second] = if mirrored { [other, row] } else { [row, other] };
+            let front = &mut fronts[front_of[places[first]]];
+            let [column, below] = [first, second].map(|node| number_in(front, places[node]));
+            front.placements.push(Placement { row, number, column, below, mirrored });
+        }
+    }
+}
