@@ -1,8 +1,7 @@
 //! Fibre directions from pictures: stripes at known angles, places without any, and what they drive.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
+use crate::common;
 
 use std::f64::consts::TAU;
 

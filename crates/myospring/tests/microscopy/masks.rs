@@ -1,8 +1,7 @@
 //! Masks from pictures: every format and refusal, and two real cells.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
+use crate::common;
 
 use std::io::Cursor;
 

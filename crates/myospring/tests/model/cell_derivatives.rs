@@ -11,7 +11,7 @@ use myospring::cell::{self, Input};
 
 type Entry = ([f64; 6], [f64; 6], [f64; 6]);
 
-const REFERENCE: &[(&str, &[Entry])] = include!("reference/cell_derivatives.in");
+const REFERENCE: &[(&str, &[Entry])] = include!("../reference/cell_derivatives.in");
 
 #[test]
 fn rates_equal_independent_values_within_a_few_epsilon() {

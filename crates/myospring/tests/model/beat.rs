@@ -1,7 +1,7 @@
 //! Whole beats: the acceptance numbers of the default cell, convergence, and what stops a run.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
+use crate::common;
 
 use myospring::analysis::{contraction, trace, value};
 use myospring::cell::pacing::{Protocol, Stimulus};

@@ -1,11 +1,9 @@
 //! The files that fuzzing started from and found: each reader answers or refuses, without panic.
 //!
 //! `fuzz/` at the root of the repository has the targets that run on a nightly compiler.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-#[path = "common/picture_bytes.rs"]
-mod picture_bytes;
+use crate::picture_bytes;
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,7 @@
 //! The shape report: closed forms, warnings, and real cells.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
+use crate::common;
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,10 +1,8 @@
 //! Masks to outlines and back.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-#[path = "common/outline_files.rs"]
-mod outline_files;
+use crate::common;
+use crate::outline_files;
 
 use myospring::mesh::lattice;
 use myospring::mesh::mask::Mask;

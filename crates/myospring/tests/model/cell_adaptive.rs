@@ -43,7 +43,7 @@ struct Converged {
 }
 
 fn converged() -> Vec<Converged> {
-    let text = include_str!("reference/cell_converged.csv");
+    let text = include_str!("../reference/cell_converged.csv");
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let rows: Vec<Converged> = reader.deserialize().map(Result::unwrap).collect();
     assert_eq!(rows.len(), 6 * 3 * 5);

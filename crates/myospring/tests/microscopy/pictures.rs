@@ -2,10 +2,9 @@
 //!
 //! The files in `pictures/` were written by tifffile with `pictures/make.py`; each pixel follows from its
 //! place, so that the values here do not come from our own reader.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
+use crate::common;
 
 use std::io::Cursor;
 use std::path::Path;

@@ -1,9 +1,7 @@
 //! Outlines drawn elsewhere: every format read and written.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-#[path = "common/outline_files.rs"]
-mod outline_files;
+use crate::outline_files;
 
 use myospring::mesh::built_in;
 use myospring::mesh::mask::Mask;

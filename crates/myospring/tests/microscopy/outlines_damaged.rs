@@ -1,11 +1,8 @@
 //! Files that are no outlines, damaged, or meant to do harm.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-#[path = "common/outline_bytes.rs"]
-mod outline_bytes;
-#[path = "common/outline_files.rs"]
-mod outline_files;
+use crate::outline_bytes;
+use crate::outline_files;
 
 use std::path::Path;
 

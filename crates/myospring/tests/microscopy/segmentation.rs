@@ -1,10 +1,8 @@
 //! The cells of pictures: synthetic ones with known outlines, real ones with masks by hand, bad ones.
-#![cfg(feature = "microscopy")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod common;
-#[path = "common/synthetic_cell.rs"]
-mod synthetic_cell;
+use crate::common;
+use crate::synthetic_cell;
 
 use common::shared_data;
 use myospring::microscopy::cells::{Options, PictureCells};

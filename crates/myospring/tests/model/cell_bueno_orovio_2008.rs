@@ -1,7 +1,7 @@
 //! The published sets against a published solution and against restitution.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
+use crate::common;
 
 use common::{falls_through, shared_data};
 use myospring::cell::CellModel;

@@ -14,7 +14,7 @@
 //!   tension from these samples by the authors' step, so its tension times are 0.05 ms early.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
+use crate::common;
 
 use common::{falls_through, rises_through};
 use myospring::cell::pacing::Protocol;
