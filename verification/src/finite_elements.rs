@@ -220,7 +220,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let file = setting.data.join(FILE);
     if !file.exists() {
         let missing = format!(
-            "no {FILE}: set VERIFICATION_DATA to a folder that has it (a twitch of emimechanicalmodel, \
+            "no {FILE}: set MYOSPRING_SHARED_DATA to a folder that has it (a twitch of emimechanicalmodel, \
              github.com/aashildte/emimechanicalmodel)"
         );
         return Ok(vec![Row::skipped("a twitch in an elastic bed", SOURCE, &missing)]);

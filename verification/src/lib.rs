@@ -63,10 +63,10 @@ pub fn checks() -> Vec<Check> {
     ]
 }
 
-/// The folder with published data that the project does not carry: the one that `VERIFICATION_DATA`
+/// The folder with published data that the project does not carry: the one that `MYOSPRING_SHARED_DATA`
 /// names, or `shared/data` beside the project.
 pub fn published_data() -> PathBuf {
-    std::env::var_os("VERIFICATION_DATA").map_or_else(
+    std::env::var_os("MYOSPRING_SHARED_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
         PathBuf::from,
     )

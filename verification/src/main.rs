@@ -1,6 +1,6 @@
 //! `verification CHECK FOLDER [--quick]`: makes one check and writes its rows to `FOLDER/CHECK.json`.
 //!
-//! `cargo xtask verify` calls it; so can you. `VERIFICATION_DATA` names the folder with published data.
+//! `cargo xtask verify` calls it; so can you. `MYOSPRING_SHARED_DATA` names the folder with published data.
 
 use myospring_verification::{Failure, Setting, checks, published_data};
 use std::path::Path;

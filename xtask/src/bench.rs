@@ -1,54 +1,55 @@
 //! `cargo xtask bench`: how fast Myospring is, beside other programs on the same work.
 
+use crate::python::{self, Python};
 use crate::{cargo, root, say, step};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 const HELP: &str = "\
 Measure how fast Myospring is, beside other programs where they are installed, and print tables.
 
-Usage: cargo xtask bench [--quick] [--peers SCRIPTS HOME]
+Usage: cargo xtask bench [--quick] [--peers]
 
 Without --peers only Myospring is measured (about 2 minutes). Run it on a machine with nothing else to
 do: the numbers are wall times.
 
 Options:
-  --quick               Meshes of 2000 and 20 000 masses only
-  --peers SCRIPTS HOME  Also run the scripts bench_numba.py, bench_lammps.py and bench_ode.py in the
-                        folder SCRIPTS (about 10 minutes). HOME holds what they need: peers-venv, a
-                        virtual environment with numpy, numba, lammps and myokit, and
-                        peers-build/lammps_gen, built from lammps_gen.cpp. SUNDIALS_PREFIX says where
-                        SUNDIALS is, if not in the system.
-  --help                This text
+  --quick  Meshes of 2000 and 20 000 masses only
+  --peers  Also run Numba, LAMMPS and Myokit by the scripts in verification/peers (about 10 minutes). They
+           need Python 3.11 or newer with venv; the command makes its own virtual environment in
+           target/peers/venv from verification/peers/requirements.txt. Myokit needs SUNDIALS and a C
+           compiler besides (Debian: apt-get install libsundials-dev gcc; macOS: brew install
+           sundials); without them its row is missing.
+  --help   This text
+
+Environment:
+  PYTHON           The Python to make the virtual environment with; python3
+  PEERS_PYTHON     A Python that has the packages already: nothing is installed
+  SUNDIALS_PREFIX  Where SUNDIALS is, if not in a usual place
 ";
 
 /// Masses, and the arguments of one size.
 const SIZES: [&str; 4] = ["2k", "20k", "200k", "2M"];
 
-/// Where other programs are.
+/// Other programs, by their scripts.
 struct Peers {
-    scripts: PathBuf,
-    home: PathBuf,
+    python: Python,
+    /// Keeps what they write.
+    folder: PathBuf,
 }
 
 pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     let mut sizes = &SIZES[..];
     let mut peers = None;
-    let mut rest = arguments.into_iter();
-    while let Some(argument) = rest.next() {
+    for argument in arguments {
         match argument.as_str() {
             "--help" | "-h" => {
                 say(HELP);
                 return Ok(());
             }
             "--quick" => sizes = &SIZES[..2],
-            "--peers" => {
-                let (Some(scripts), Some(home)) = (rest.next(), rest.next()) else {
-                    return Err(format!("--peers needs two folders\n\n{HELP}"));
-                };
-                peers = Some(Peers { scripts: folder(&scripts)?, home: folder(&home)? });
-            }
+            "--peers" => peers = Some(Peers::find_or_make()?),
             other => return Err(format!("there is no option `{other}`\n\n{HELP}")),
         }
     }
@@ -60,13 +61,6 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     say(&format!("\n{}", cells(peers.as_ref())?));
     say(&format!("\n{}", paths()?));
     Ok(())
-}
-
-fn folder(text: &str) -> Result<PathBuf, String> {
-    std::path::absolute(text)
-        .ok()
-        .filter(|path| path.is_dir())
-        .ok_or_else(|| format!("`{text}` is not a folder"))
 }
 
 /// Spring updates per second, in millions.
@@ -97,8 +91,9 @@ fn springs(sizes: &[&str], peers: Option<&Peers>) -> Result<String, String> {
                 bare / fields
             ));
             if let Some(peers) = peers {
-                let numba = peers.rate("bench_numba.py", &[size, &threads, "f64", "rows"])?;
-                let lammps = peers.rate("bench_lammps.py", &[size, &format!("omp{threads}")])?;
+                let folder = peers.folder.to_string_lossy();
+                let numba = peers.rate("bench_numba.py", &[size, &threads])?;
+                let lammps = peers.rate("bench_lammps.py", &[size, &threads, &folder])?;
                 table.push_str(&format!(
                     " {:.0} | {:.1} | {:.0} | {:.1} |",
                     numba / 1e6,
@@ -130,17 +125,17 @@ fn cells(peers: Option<&Peers>) -> Result<String, String> {
         ));
     }
     if let Some(peers) = peers {
-        let mut command = peers.command("bench_ode.py", &["myokit"]);
-        if let Some(prefix) = std::env::var_os("SUNDIALS_PREFIX") {
-            let places = ["lib", "lib/x86_64-linux-gnu"].map(|lib| Path::new(&prefix).join(lib));
-            command
-                .env("LD_LIBRARY_PATH", std::env::join_paths(places).map_err(|e| e.to_string())?);
-        }
-        if let Some(line) = lines(&mut command)?.first() {
-            let name = line["peer"].as_str().unwrap_or("?");
-            let version = line["version"].as_str().unwrap_or("?");
-            let rate = number(line, "cbps")?;
-            table.push_str(&format!("| {name} {version}, without tension | {rate:.0} | | |\n"));
+        match lines(&mut peers.command("bench_myokit.py", &[])) {
+            Ok(lines) => {
+                for line in lines {
+                    let version = line["version"].as_str().unwrap_or("?");
+                    let rate = number(&line, "cbps")?;
+                    table.push_str(&format!(
+                        "| Myokit {version}, without tension | {rate:.0} | | |\n"
+                    ));
+                }
+            }
+            Err(error) => say(&format!("SKIPPED: Myokit: {error}\n")),
         }
     }
     Ok(table)
@@ -158,16 +153,18 @@ fn paths() -> Result<String, String> {
 }
 
 impl Peers {
+    fn find_or_make() -> Result<Self, String> {
+        let requirements = "verification/peers/requirements.txt";
+        let python = python::find_or_make("PEERS_PYTHON", "target/peers/venv", requirements)?;
+        let folder = root().join("target/peers");
+        std::fs::create_dir_all(&folder)
+            .map_err(|error| format!("the folder {} cannot be made: {error}", folder.display()))?;
+        Ok(Self { python, folder })
+    }
+
     fn command(&self, script: &str, arguments: &[&str]) -> Command {
-        let environment = self.home.join("peers-venv");
-        let mut command = Command::new(environment.join("bin/python"));
-        command
-            .arg(self.scripts.join(script))
-            .args(arguments)
-            .current_dir(&self.home)
-            .env("PYTHONDONTWRITEBYTECODE", "1")
-            .env("PEERS_BUILD", self.home.join("peers-build"))
-            .env("PEER_PATIENCE", "5");
+        let mut command = self.python.script(&root().join("verification/peers").join(script));
+        command.args(arguments);
         command
     }
 

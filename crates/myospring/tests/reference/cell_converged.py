@@ -1,4 +1,4 @@
-"""Converged beats of the six parameter sets, for crates/myospring/tests/cell_adaptive.rs.
+"""Converged beats of the six parameter sets, for crates/myospring/tests/model/cell_adaptive.rs.
 
 Independent of Myospring: SciPy's DOP853 (relative tolerance 1e-11, absolute 1e-13) between the switches
 of the equations, which SciPy's event location finds; where du/dt points at theta_w or theta_o from

@@ -1,0 +1,29 @@
+//! The files that fuzzing started from and found: each reader answers or refuses, without panic.
+//!
+//! `fuzz/` at the root of the repository has the targets that run on a nightly compiler.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::picture_bytes;
+
+use std::path::{Path, PathBuf};
+
+/// Name and bytes of the files of a target, those that once failed among them.
+fn files(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target);
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    assert!(paths.len() >= 10, "only {} files of the target `{target}`", paths.len());
+    paths.into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect()
+}
+
+#[test]
+fn no_file_of_the_corpus_makes_the_reader_of_pictures_panic() {
+    let mut read = 0;
+    for (path, bytes) in files("picture") {
+        // Shown where a panic follows.
+        println!("{}", path.display());
+        read += picture_bytes::exercise(&bytes);
+    }
+    assert!(read > 0, "a corpus without any picture that can be read tests little");
+}

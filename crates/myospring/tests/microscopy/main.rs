@@ -1,0 +1,23 @@
+//! Pictures, masks and drawn outlines to cells.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/outline_bytes.rs"]
+mod outline_bytes;
+#[path = "../common/outline_files.rs"]
+mod outline_files;
+#[path = "../common/picture_bytes.rs"]
+mod picture_bytes;
+#[path = "../common/synthetic_cell.rs"]
+mod synthetic_cell;
+
+mod fibres;
+mod fuzz_corpus;
+mod masks;
+mod outlines_damaged;
+mod outlines_given;
+mod outlines_traced;
+mod pictures;
+mod segmentation;
+mod shape_report;
+mod skipped;

@@ -1,0 +1,18 @@
+//! The model, from units to beats: what needs none of the library's features but `testing`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod architecture;
+mod beat;
+mod cell_adaptive;
+mod cell_bueno_orovio_2008;
+mod cell_coelho_2021;
+mod cell_derivatives;
+mod cell_population;
+mod cell_solver;
+mod mechanics;
+mod mesh;
+mod outline;
+mod quasi_static;
+mod supports;

