@@ -417,7 +417,9 @@ struct InTime<'a> {
 impl Shaping for InTime<'_> {
     fn follow(&mut self, time: f64, tensions: [f64; 2]) -> Result<(), StopReason> {
         let Simulation { mesh, numerics, .. } = self.setup.simulation;
-        self.motion.advance(self.steps, tensions);
+        self.motion
+            .advance(self.steps, tensions)
+            .map_err(|cause| StopReason::BrokenOff { time, cause: cause.to_string() })?;
         let body = &self.motion.body;
         if let Some(reason) = fault(mesh, &body.positions, time, tensions[1]) {
             return Err(reason);

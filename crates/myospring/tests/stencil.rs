@@ -84,8 +84,8 @@ fn both_ways(
         .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
     assert!(fused.is_fused());
     [plain, fused].map(|mut motion| {
-        motion.advance(steps[0], [0.0, 40.0]);
-        motion.advance(steps[1], [40.0, 50.0]);
+        motion.advance(steps[0], [0.0, 40.0]).unwrap();
+        motion.advance(steps[1], [40.0, 50.0]).unwrap();
         motion.body
     })
 }
@@ -151,8 +151,8 @@ fn the_bits_are_the_same_whatever_the_number_of_threads() {
                 let mut motion =
                     Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4)
                         .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
-                motion.advance(5, [0.0, 40.0]);
-                motion.advance(17, [40.0, 50.0]);
+                motion.advance(5, [0.0, 40.0]).unwrap();
+                motion.advance(17, [40.0, 50.0]).unwrap();
                 motion.body
             };
             let one = run(1);
@@ -201,7 +201,7 @@ fn two_hundred_steps_of_the_peers_lattice_give_the_peers_sums() {
     for units in available() {
         let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 0.05)
             .on_lattice_with(mesh.lattice.as_ref().unwrap(), 2, units);
-        motion.advance(200, [0.0; 2]);
+        motion.advance(200, [0.0; 2]).unwrap();
         let displacement: f64 = (0..2)
             .flat_map(|axis| motion.body.positions[axis].iter().zip(&mesh.points[axis]))
             .map(|(x, rest)| (x - rest).powi(2))

@@ -24,11 +24,14 @@
 //! folder.
 #![allow(unsafe_code, reason = "vector intrinsics and an in-place sweep shared by threads")]
 
+mod bands;
 mod lanes;
 mod plan;
 mod sweep;
 mod team;
+mod tiles;
 
+pub use bands::Poisoned;
 pub use lanes::Units;
 pub use plan::LatticeTerms;
 
@@ -36,6 +39,7 @@ use super::support::Support;
 use super::{Body, System, Vectors};
 use crate::mesh::Lattice;
 use team::Team;
+use tiles::Command;
 
 /// A lattice of masses in motion.
 pub struct Stencil {
@@ -91,13 +95,23 @@ impl Stencil {
 
     /// Moves `steps` steps on; the tension (kPa) is `tensions[0]` at the first and goes linearly
     /// to reach `tensions[1]` at the end of the last.
-    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) {
-        self.team.advance(steps, tensions);
+    ///
+    /// # Errors
+    /// If a thread has panicked, now or before: the state is of no use then.
+    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
+        self.team.obey(Command::Advance { steps, tensions })
     }
 
     /// Writes the velocities at the time of the positions under this tension (kPa), um/ms.
-    pub fn read_velocities(&mut self, tension: f64, velocities: &mut Vectors) {
-        self.team.look(tension);
+    ///
+    /// # Errors
+    /// As for [`Stencil::advance`].
+    pub fn read_velocities(
+        &mut self,
+        tension: f64,
+        velocities: &mut Vectors,
+    ) -> Result<(), Poisoned> {
+        self.team.obey(Command::Look { tension })?;
         let (plan, _, seen) = self.team.parts();
         // A row of `seen` is half as long as one of the state.
         let half = plan.row_len() / 2;
@@ -106,6 +120,7 @@ impl Stencil {
                 *value = seen[place - place / plan.row_len() * half + axis * plan.stride];
             }
         }
+        Ok(())
     }
 
     /// Writes the positions (um) and the velocities at the last half step, um/ms.

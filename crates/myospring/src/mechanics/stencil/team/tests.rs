@@ -1,0 +1,2 @@
+use super::Claim;
+pub(super) type Hook = Box<dyn Fn(usize, &Claim<'_>) + Send + Sync>;
