@@ -1,5 +1,7 @@
 //! `cargo xtask bench`: how fast Myospring is, beside other programs on the same work.
 
+mod threads;
+
 use crate::{cargo, root, say, step};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -8,13 +10,15 @@ use std::process::Command;
 const HELP: &str = "\
 Measure how fast Myospring is, beside other programs where they are installed, and print tables.
 
-Usage: cargo xtask bench [--quick] [--peers SCRIPTS HOME]
+Usage: cargo xtask bench [--quick] [--threads | --peers SCRIPTS HOME]
 
 Without --peers only Myospring is measured (about 2 minutes). Run it on a machine with nothing else to
 do: the numbers are wall times.
 
 Options:
   --quick               Meshes of 2000 and 20 000 masses only
+  --threads             What a second thread gives, on a quiet machine and beside two busy processes
+                        for each core, which it starts and ends itself (about 5 minutes)
   --peers SCRIPTS HOME  Also run the scripts bench_numba.py, bench_lammps.py and bench_ode.py in the
                         folder SCRIPTS (about 10 minutes). HOME holds what they need: peers-venv, a
                         virtual environment with numpy, numba, lammps and myokit, and
@@ -26,6 +30,9 @@ Options:
 /// Masses, and the arguments of one size.
 const SIZES: [&str; 4] = ["2k", "20k", "200k", "2M"];
 
+/// Makes the program one of those that keep the machine busy.
+const SPIN: &str = "--spin";
+
 /// Where other programs are.
 struct Peers {
     scripts: PathBuf,
@@ -35,6 +42,7 @@ struct Peers {
 pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     let mut sizes = &SIZES[..];
     let mut peers = None;
+    let mut threads = false;
     let mut rest = arguments.into_iter();
     while let Some(argument) = rest.next() {
         match argument.as_str() {
@@ -43,6 +51,11 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
                 return Ok(());
             }
             "--quick" => sizes = &SIZES[..2],
+            "--threads" => threads = true,
+            SPIN => {
+                threads::spin();
+                return Ok(());
+            }
             "--peers" => {
                 let (Some(scripts), Some(home)) = (rest.next(), rest.next()) else {
                     return Err(format!("--peers needs two folders\n\n{HELP}"));
@@ -56,6 +69,10 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     build.arg("--quiet");
     step("the programs to be measured", build)?;
     say(&format!("\n{}\n", machine()));
+    if threads {
+        say(&format!("\n{}", threads::tables(sizes)?));
+        return Ok(());
+    }
     say(&format!("\n{}", springs(sizes, peers.as_ref())?));
     say(&format!("\n{}", cells(peers.as_ref())?));
     say(&format!("\n{}", paths()?));

@@ -56,8 +56,8 @@ pub struct Numerics {
     pub frame_interval: f64,
     /// Integration of the cell model.
     pub cell: Settings,
-    /// Threads that move the masses of a lattice, 1. The result is the same to the last bit; more than
-    /// one pays from some thousands of masses on, when the processor has nothing else to do.
+    /// Threads that move the masses of a lattice, 1. The result is the same to the last bit; how many
+    /// pay for so many masses says [`crate::mechanics::stencil::worthwhile_threads`].
     pub threads: usize,
 }
 

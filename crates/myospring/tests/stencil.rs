@@ -9,11 +9,14 @@ use myospring::mechanics::drag::Drag;
 use myospring::mechanics::material::{Material, assemble, default_material};
 use myospring::mechanics::spring::Springs;
 use myospring::mechanics::stability::StabilityLimit;
-use myospring::mechanics::stencil::{Stencil, Units};
+use myospring::mechanics::stencil::{
+    LatticeTerms, Poisoned, Stencil, Units, worthwhile_threads,
+};
 use myospring::mechanics::support::{Support, SupportKind};
-use myospring::mechanics::{Body, System, Vectors, zeros};
+use myospring::mechanics::{Body, Configuration, Force, System, Vectors, zeros};
 use myospring::mesh::{Mesh, built_in, lattice, quality};
 use proptest::prelude::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Repeatable numbers in 1/2..3/2.
 fn field(count: usize, seed: usize) -> Vec<f64> {
@@ -257,4 +260,55 @@ fn springs_off_the_lattice_or_of_another_length_have_no_place_in_the_kernel() {
     assert!(!place([0, 1], 1.01), "a spring that is not at rest on the lattice");
     assert!(!place([0, 2], 2.0), "a spring to the neighbour after next");
     assert!(!place([3, 4], 10.0_f64.sqrt()), "the ends of two rows, next to each other in number");
+}
+
+/// A force that has its place in the kernel, but panics in the plain first step.
+struct Mistaken;
+
+impl Force for Mistaken {
+    fn name(&self) -> &'static str {
+        "a mistake"
+    }
+
+    fn add_forces(&self, _: &Configuration<'_>, _: &mut Vectors) {
+        panic!("a force panics for the sake of a test");
+    }
+
+    fn energy(&self, _: &Configuration<'_>) -> Option<f64> {
+        None
+    }
+
+    fn add_to_lattice(&self, _: &mut LatticeTerms) -> bool {
+        true
+    }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_motion_that_a_panic_has_interrupted_says_so_and_its_threads_end() {
+    let mesh = lattice::rectangle(60, 40, 1.0).unwrap();
+    let (body, mut system) = varied(&mesh, Support::Free, 3);
+    system.passive.push(Box::new(Mistaken));
+    for fused in [true, false] {
+        let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4);
+        if fused {
+            motion = motion.on_lattice(mesh.lattice.as_ref().unwrap(), 3);
+        }
+        let panicked = catch_unwind(AssertUnwindSafe(|| motion.advance(5, [0.0; 2])));
+        assert!(panicked.is_err());
+        assert_eq!(motion.is_fused(), fused, "it does not go over to other loops in silence");
+        assert_eq!(motion.advance(5, [0.0; 2]), Err(Poisoned));
+    }
+}
+
+#[test]
+fn small_meshes_are_worth_one_thread_and_none_more_than_there_are_cores() {
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(worthwhile_threads(0), 1);
+    assert_eq!(worthwhile_threads(1921), 1, "the built-in cell");
+    assert_eq!(worthwhile_threads(20_000), 2.min(cores));
+    assert_eq!(worthwhile_threads(usize::MAX), cores);
 }

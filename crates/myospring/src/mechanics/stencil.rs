@@ -15,8 +15,8 @@
 //! - Each spring is evaluated once; see `sweep.rs`. On AVX-512 the inverse length is an estimate and
 //!   a series, at a third of the cost of root and division.
 //! - A mesh larger than the cache is swept once for several steps, each a row behind the last.
-//! - Several threads follow each other over the mesh; see `team.rs`. One thread or many, the bits are
-//!   the same.
+//! - Several threads share the mesh in bands of rows; see `bands.rs` and `team.rs`. One thread or many,
+//!   the bits are the same.
 //!   They are not the same for other vector units (FMA rounds once where the others round twice).
 //!
 //! # Unsafe
@@ -40,6 +40,16 @@ use super::{Body, System, Vectors};
 use crate::mesh::Lattice;
 use team::Team;
 use tiles::Command;
+
+/// Masses that are worth a thread of their own; see docs/performance.md.
+const MASSES_A_THREAD: usize = 8000;
+
+/// Threads that pay for so many masses: one for every 8000, at least one and at most one for each core.
+/// With fewer masses a thread, waiting for each other takes much of what the second thread gives.
+pub fn worthwhile_threads(masses: usize) -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    (masses / MASSES_A_THREAD).clamp(1, cores)
+}
 
 /// A lattice of masses in motion.
 pub struct Stencil {

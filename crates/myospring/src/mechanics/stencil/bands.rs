@@ -49,12 +49,12 @@ pub(super) enum Progress {
 pub(super) struct Claim<'a> {
     state: &'a AtomicU64,
     pub(super) band: usize,
-    pub(super) sweep: u64,
+    pub(super) sweeps: Range<u64>,
 }
 
 impl Claim<'_> {
     pub(super) fn finish(self) {
-        self.state.store(2 * (self.sweep + 1), Ordering::Release);
+        self.state.store(2 * self.sweeps.end, Ordering::Release);
         std::mem::forget(self);
     }
 }
@@ -93,13 +93,14 @@ impl Board {
         }
     }
 
-    /// A band, if its next sweep is asked for, its neighbours are far enough and nobody has it.
+    /// A band, if its next sweep is asked for, its neighbours are far enough and nobody has it. One that
+    /// has no neighbours is free for all sweeps that are asked for.
     fn claim(&self, band: usize) -> Option<Claim<'_>> {
         let state = &self.bands[band].0;
         let seen = state.load(Ordering::Acquire);
-        let sweep = seen / 2;
+        let (sweep, asked) = (seen / 2, self.asked());
         let free = seen % 2 == 0
-            && sweep < self.asked()
+            && sweep < asked
             && (band == 0 || self.done(band - 1) > sweep)
             && (band + 1 == self.len() || self.done(band + 1) >= sweep);
         let taken = free
@@ -107,7 +108,8 @@ impl Board {
                 .compare_exchange(seen, seen + 1, Ordering::AcqRel, Ordering::Relaxed)
                 .is_ok();
         // Made only if taken: a claim that is dropped breaks the band.
-        taken.then(|| Claim { state, band, sweep })
+        let end = if self.len() == 1 { asked } else { sweep + 1 };
+        taken.then(|| Claim { state, band, sweeps: sweep..end })
     }
 
     /// Any band of a range, looked for from `first` on and around.

@@ -48,9 +48,7 @@ pub(super) struct Row<'a> {
     pub(super) lower: *mut f64,
     /// State of the row above.
     pub(super) upper: *const f64,
-    /// Force by this row on the squares below: x, y.
-    pub(super) below: *const f64,
-    /// Where the same of the next row is written, which may be the same place: x, y.
+    /// Force by this row on the squares below on entry, by the next row on return: x, y.
     pub(super) carry: *mut f64,
     /// Those of the square to the left of the first block.
     pub(super) left: Handover,
@@ -324,8 +322,8 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
             }
             for part in 0..BLOCK / L::N {
                 let at = block * BLOCK + part * L::N;
-                let (lower, upper) = (row.lower.add(at), row.upper.add(at));
-                let (below, carry) = (row.below.add(at), row.carry.add(at));
+                let (lower, upper, carry) =
+                    (row.lower.add(at), row.upper.add(at), row.carry.add(at));
                 let (corners, inverse_mass) = match class {
                     Class::EMPTY => {
                         let by_c = before.1;
@@ -354,7 +352,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                     Pair { x: L::shift(by_c.x, before.1.x), y: L::shift(by_c.y, before.1.y) };
                 before = (on_b, by_c);
                 // Force from the squares above, then from those below, which carry its opposite.
-                let below = pair(below);
+                let below = pair(carry);
                 let mut force = Pair {
                     x: L::sub(L::add(L::sub(from_left.x, on_b.x), L::add(by_c.x, by_d.x)), below.x),
                     y: L::sub(L::add(L::sub(from_left.y, on_b.y), L::add(by_c.y, by_d.y)), below.y),

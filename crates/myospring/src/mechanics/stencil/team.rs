@@ -62,7 +62,7 @@ impl Team {
         let tiling = Tiling::new(&plan, threads.max(1));
         // With a single band each, threads could only take turns.
         let threads = threads.clamp(1, (tiling.starts.len() / 2).max(1));
-        let tiles = Tiles::new(plan, units, tiling, threads);
+        let tiles = Tiles::new(plan, units, tiling);
         Self::at_work(Shared {
             board: Board::new(tiles.bands()),
             tiles,
@@ -220,13 +220,14 @@ impl Shared {
         start(index)..start(index + 1)
     }
 
+    #[cfg_attr(not(test), expect(unused_variables, reason = "for tests to see"))]
     fn perform(&self, thread: usize, claim: Claim<'_>) {
         #[cfg(test)]
         if let Some(hook) = &self.hook {
             hook(thread, &claim);
         }
-        // SAFETY: the claim says that the piece is this thread's; each thread has its own number.
-        unsafe { self.tiles.perform(thread, claim.band, claim.sweep) };
+        // SAFETY: the claim says that the piece is this thread's.
+        unsafe { self.tiles.perform(claim.band, claim.sweeps.clone()) };
         claim.finish();
     }
 }

@@ -139,29 +139,31 @@ pub(super) struct Tiles {
     state: Buffer,
     /// Velocities at the full step, x and y by row.
     seen: Buffer,
-    /// Carried forces inside a band, by thread and step of a sweep: x and y.
+    /// Carried forces by step of a sweep: x and y. Each sweep has its own, as long as it goes from band
+    /// to band.
     carries: Vec<Buffer>,
-    /// Forces that the band below has carried to each band, by step of a sweep: x and y.
-    carried: Vec<Buffer>,
     /// By tile, step of a sweep and row.
     handovers: Vec<UnsafeCell<Handover>>,
     /// And the number of its first sweep.
     command: UnsafeCell<(Command, u64)>,
 }
 
-// SAFETY: `command` is written while no thread is at work. A thread writes its own `carries`. For the
-// rest a thread writes only what belongs to the band that it is at, in the sweep that it is at, and the
-// order of bands in `bands.rs` keeps others away from it. Step s of a band writes the rows s below its
-// fronts, in `state`, `seen` and `handovers`, reads these rows and the one above, and reads `carried` of
-// its band and writes that of the next. Bands below have done this sweep and are done with these values;
-// bands above have done the sweep before, or are two bands or more away, at a distance of `depth` rows.
+// SAFETY: `command` is written while no thread is at work. For the rest a thread touches only what
+// belongs to the band and the sweep that it is at, and the order of bands in `bands.rs` keeps others
+// away from it:
+// - Step s of a band writes the rows s below its fronts, in `state`, `seen` and `handovers`, and reads
+//   these rows and the one above. Bands below have done this sweep and do not come back before this band
+//   has done it; the band above has done the sweep before; and the bands above that one stay `depth` rows
+//   away, see `Tiling::starts`.
+// - A sweep is in one band at a time, so its `carries` have one reader and writer. There are as many as
+//   bands, and a sweep starts when the sweep as many before it has left the last band.
 unsafe impl Sync for Tiles {}
 // SAFETY: plain data.
 unsafe impl Send for Tiles {}
 
 impl Tiles {
     /// The state is that of [`Plan::vacant`] until it is written.
-    pub(super) fn new(plan: Plan, units: Units, tiling: Tiling, threads: usize) -> Self {
+    pub(super) fn new(plan: Plan, units: Units, tiling: Tiling) -> Self {
         assert!(units.available(), "{units:?} is not available on this processor");
         let handovers = tiling.count * tiling.depth * plan.rows;
         let carry = || Buffer::zeros(tiling.depth * 2 * plan.stride);
@@ -169,8 +171,7 @@ impl Tiles {
             units,
             state: Buffer::new(plan.vacant.clone()),
             seen: Buffer::zeros(plan.vacant.len() * BLOCK / 2),
-            carries: (0..threads).map(|_| carry()).collect(),
-            carried: tiling.starts.iter().map(|_| carry()).collect(),
+            carries: tiling.starts.iter().map(|_| carry()).collect(),
             handovers: (0..handovers).map(|_| UnsafeCell::new([0.0; 4])).collect(),
             command: UnsafeCell::new((Command::Look { tension: 0.0 }, 0)),
             tiling,
@@ -203,93 +204,96 @@ impl Tiles {
         unsafe { (self.state.values(), self.seen.values()) }
     }
 
-    /// Does one band of one sweep of the command.
+    /// Does one band of some sweeps of the command.
     ///
     /// # Safety
-    /// The band of this sweep is the caller's alone, by the rules of `bands.rs`; each thread has an index
-    /// of its own.
-    pub(super) unsafe fn perform(&self, thread: usize, band: usize, sweep: u64) {
-        // SAFETY: written before the bands could be claimed, and not again before all are done.
-        let (command, first) = unsafe { *self.command.get() };
-        let sweep = (sweep - first) as usize;
-        let piece = Piece { tiles: self, command, thread, band, sweep };
+    /// The band of these sweeps is the caller's alone, by the rules of `bands.rs`.
+    pub(super) unsafe fn perform(&self, band: usize, sweeps: Range<u64>) {
         // SAFETY: `units` are available, see `Tiles::new`; for the rest the caller's.
         match self.units {
             #[cfg(target_arch = "x86_64")]
-            Units::Avx512 => unsafe { perform_avx512(&piece) },
+            Units::Avx512 => unsafe { perform_avx512(self, band, sweeps) },
             #[cfg(target_arch = "x86_64")]
-            Units::Avx2 => unsafe { perform_avx2(&piece) },
-            _ => unsafe { piece.perform_with_laws::<Portable>() },
+            Units::Avx2 => unsafe { perform_avx2(self, band, sweeps) },
+            _ => unsafe { perform_with_laws::<Portable>(self, band, sweeps) },
         }
     }
 }
 
 /// # Safety
-/// The processor has AVX-512F; the piece is the caller's alone.
+/// As for [`Tiles::perform`], and the processor has AVX-512F.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
-unsafe fn perform_avx512(piece: &Piece<'_>) {
+unsafe fn perform_avx512(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { piece.perform_with_laws::<Avx512>() }
+    unsafe { perform_with_laws::<Avx512>(tiles, band, sweeps) }
 }
 
 /// # Safety
-/// The processor has AVX2 and FMA; the piece is the caller's alone.
+/// As for [`Tiles::perform`], and the processor has AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-unsafe fn perform_avx2(piece: &Piece<'_>) {
+unsafe fn perform_avx2(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { piece.perform_with_laws::<Avx2>() }
+    unsafe { perform_with_laws::<Avx2>(tiles, band, sweeps) }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn perform_with_laws<L: Lanes>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
+    const A: u8 = laws::AREA;
+    const F: u8 = laws::FIBRE;
+    const N: u8 = laws::ANCHORS;
+    // SAFETY: the caller's.
+    unsafe {
+        match tiles.plan.laws {
+            0 => perform::<L, 0>(tiles, band, sweeps),
+            A => perform::<L, A>(tiles, band, sweeps),
+            F => perform::<L, F>(tiles, band, sweeps),
+            3 => perform::<L, { A | F }>(tiles, band, sweeps),
+            // With anchors the rare combinations share a kernel; absent laws have no coefficients.
+            _ => perform::<L, { A | F | N }>(tiles, band, sweeps),
+        }
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+unsafe fn perform<L: Lanes, const LAWS: u8>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
+    // SAFETY: the command was written before the band could be claimed, and is not again before all are
+    // done; for the rest the caller's.
+    unsafe {
+        let (command, first) = *tiles.command.get();
+        for sweep in sweeps {
+            let sweep = (sweep - first) as usize;
+            let carries = &tiles.carries[sweep % tiles.carries.len()];
+            let piece = Piece { tiles, band, sweep, carries };
+            match command {
+                Command::Advance { steps, tensions } => {
+                    let slope = (tensions[1] - tensions[0]) / steps as f64;
+                    let tension = |step: usize| tensions[0] + slope * step as f64;
+                    piece.fronts::<L, LAWS, { purpose::MOVE }>(steps, tension);
+                }
+                Command::Look { tension } => {
+                    piece.fronts::<L, LAWS, { purpose::LOOK }>(1, |_| tension);
+                }
+            }
+        }
+    }
 }
 
 /// One band of one sweep.
 struct Piece<'a> {
     tiles: &'a Tiles,
-    command: Command,
-    thread: usize,
     band: usize,
     /// Number in the command.
     sweep: usize,
+    carries: &'a Buffer,
 }
 
 /// All functions need the processor features of `L`, and that the piece is the caller's alone.
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 impl Piece<'_> {
-    #[inline(always)]
-    unsafe fn perform_with_laws<L: Lanes>(&self) {
-        const A: u8 = laws::AREA;
-        const F: u8 = laws::FIBRE;
-        const N: u8 = laws::ANCHORS;
-        // SAFETY: the caller's.
-        unsafe {
-            match self.tiles.plan.laws {
-                0 => self.perform::<L, 0>(),
-                A => self.perform::<L, A>(),
-                F => self.perform::<L, F>(),
-                3 => self.perform::<L, { A | F }>(),
-                // With anchors the rare combinations share a kernel; absent laws have no coefficients.
-                _ => self.perform::<L, { A | F | N }>(),
-            }
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn perform<L: Lanes, const LAWS: u8>(&self) {
-        // SAFETY: the caller's.
-        unsafe {
-            match self.command {
-                Command::Advance { steps, tensions } => {
-                    let slope = (tensions[1] - tensions[0]) / steps as f64;
-                    let tension = |step: usize| tensions[0] + slope * step as f64;
-                    self.fronts::<L, LAWS, { purpose::MOVE }>(steps, tension);
-                }
-                Command::Look { tension } => {
-                    self.fronts::<L, LAWS, { purpose::LOOK }>(1, |_| tension);
-                }
-            }
-        }
-    }
-
     /// The band's fronts, tile by tile.
     #[inline(always)]
     unsafe fn fronts<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
@@ -302,31 +306,34 @@ impl Piece<'_> {
         let first = self.sweep * depth;
         let steps = depth.min(steps - first);
         let end = starts.get(self.band + 1).map_or(plan.rows + steps - 1, |start| *start);
-        let fronts = starts[self.band]..end;
         for tile in 0..count {
-            for front in fronts.clone() {
+            for front in starts[self.band]..end {
                 for step in front.saturating_sub(plan.rows - 1)..steps.min(front + 1) {
                     let start = (tile * width).saturating_sub(step);
                     let end = ((tile + 1) * width).saturating_sub(step);
-                    let place = Place { tile, step, row: front - step };
-                    let ends = [front == fronts.start, front + 1 == fronts.end];
-                    let tension = tension(first + step);
                     // SAFETY: the caller's.
                     unsafe {
-                        self.row::<L, LAWS, PURPOSE>(place, start..end, ends, tension);
+                        self.row::<L, LAWS, PURPOSE>(
+                            tile,
+                            step,
+                            front - step,
+                            start..end,
+                            tension(first + step),
+                        );
                     }
                 }
             }
         }
     }
 
-    /// One row of a tile in one step; `ends` says whether it is the first and the last of the band.
+    /// One row of a tile in one step.
     #[inline(always)]
     unsafe fn row<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         &self,
-        Place { tile, step, row: index }: Place,
+        tile: usize,
+        step: usize,
+        index: usize,
         blocks: Range<usize>,
-        ends: [bool; 2],
         tension: f64,
     ) {
         let Tiles { plan, tiling, handovers, .. } = self.tiles;
@@ -342,18 +349,10 @@ impl Piece<'_> {
                 *right = left;
                 return;
             }
-            let of_step = |buffer: &Buffer| buffer.start.add(step * 2 * plan.stride);
-            let own = of_step(&self.tiles.carries[self.thread]);
-            let below = if ends[0] && self.band > 0 {
-                of_step(&self.tiles.carried[self.band])
-            } else {
-                own
-            };
-            let above = self.tiles.carried.get(self.band + 1).filter(|_| ends[1]);
-            let carry = above.map_or(own, of_step);
+            let carry = self.carries.start.add(step * 2 * plan.stride);
             if index == 0 {
                 for axis in 0..2 {
-                    let start = below.add(axis * plan.stride + blocks.start * BLOCK);
+                    let start = carry.add(axis * plan.stride + blocks.start * BLOCK);
                     std::ptr::write_bytes(start, 0, blocks.len() * BLOCK);
                 }
             }
@@ -361,15 +360,8 @@ impl Piece<'_> {
             let upper = lower.add(plan.row_len());
             let out = self.tiles.seen.start.add(index * plan.row_len() / 2);
             let fetch = step == 0 && tiling.depth == DEEP;
-            let row = Row { index, blocks, lower, upper, below, carry, left, right, out, fetch };
+            let row = Row { index, blocks, lower, upper, carry, left, right, out, fetch };
             pass::<L, LAWS, PURPOSE>(plan, tension, row);
         }
     }
-}
-
-/// Where a pass stands.
-struct Place {
-    tile: usize,
-    step: usize,
-    row: usize,
 }
