@@ -47,7 +47,7 @@ const STIFFNESS: f64 = 5.0;
 const WEIGHT: f64 = 10.0;
 
 /// Where the masses of a chain of `links` come to rest in time.
-fn simulated(links: usize) -> Vectors {
+fn simulated(links: usize) -> Result<Vectors, Failure> {
     let count = links + 1;
     let mass = 10.0 / links as f64;
     let masses = vec![mass; count];
@@ -77,8 +77,8 @@ fn simulated(links: usize) -> Vectors {
     // Half of the stability limit 2/omega, omega = 2 sqrt(k/m).
     let step = 0.5 * (mass / stiffness).sqrt();
     let mut motion = Motion::new(&system, body, Integrator::StoermerVerlet, step);
-    motion.advance((200.0 / step) as usize, [0.0, 0.0]);
-    motion.body.positions
+    motion.advance((200.0 / step) as usize, [0.0, 0.0])?;
+    Ok(motion.body.positions)
 }
 
 /// The closed form of the same chain.
@@ -131,7 +131,7 @@ pub fn rows(_: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let mut largest = 0.0_f64;
     let mut sags = Vec::new();
     for links in counts {
-        let (found, exact) = (simulated(links), closed_form(links));
+        let (found, exact) = (simulated(links)?, closed_form(links));
         largest = largest.max(crate::fit::farthest(&found, &exact));
         sags.push((-found[1][links / 2] - catenary_sag()).abs().ln());
     }

@@ -46,7 +46,7 @@ fn changes(engine: Engine, steps: usize) -> Result<[f64; 4], Failure> {
         let now = &motion.body;
         blocks.push(block as f64 / BLOCKS as f64);
         energies.push(system.elastic_energy(&now.configuration(0.0)) + now.kinetic_energy());
-        motion.advance(steps / BLOCKS, [0.0, 0.0]);
+        motion.advance(steps / BLOCKS, [0.0, 0.0])?;
     }
     let after = (motion.body.momentum(), motion.body.angular_momentum());
     let start = energies[0];

@@ -129,7 +129,7 @@ impl Strip {
     }
 
     /// Strains at the times of their twitch, driven by their tension, linear in between.
-    fn twitch(&self, lines: &[Line]) -> Vec<f64> {
+    fn twitch(&self, lines: &[Line]) -> Result<Vec<f64>, Failure> {
         let (body, system) = self.made();
         let most = lines.iter().map(|line| line.tension).fold(0.0, f64::max);
         let limit = StabilityLimit::of(&system, &body, most).time_step;
@@ -139,10 +139,10 @@ impl Strip {
         let mut motion = Motion::new(&system, body, Integrator::StoermerVerlet, step);
         let mut strains = vec![self.strain(&motion.body.positions)];
         for pair in lines.windows(2) {
-            motion.advance(steps, [pair[0].tension, pair[1].tension]);
+            motion.advance(steps, [pair[0].tension, pair[1].tension])?;
             strains.push(self.strain(&motion.body.positions));
         }
-        strains
+        Ok(strains)
     }
 }
 
@@ -243,7 +243,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         strains.iter().map(|strain| 100.0 * (1.0 - (1.0 + 2.0 * strain).sqrt())).collect()
     };
     let theirs = shortening(&lines.iter().map(|line| line.strain).collect::<Vec<_>>());
-    let ours = shortening(&strip.twitch(&lines));
+    let ours = shortening(&strip.twitch(&lines)?);
     let law = shortening(&exponential(&lines));
     draw(setting, &times, &[("finite elements", &theirs), ("Myospring", &ours)])?;
 

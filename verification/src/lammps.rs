@@ -110,7 +110,7 @@ fn case(
             let steps = steps * finer as usize;
             let step = time_step / f64::from(finer);
             let mut motion = engine.motion(&mesh, &system, body.clone(), step)?;
-            motion.advance(steps, [0.0, 0.0]);
+            motion.advance(steps, [0.0, 0.0])?;
             let positions = motion.body.positions;
             runs.push(Run { engine: engine.name(), finer, steps, positions });
         }

@@ -124,14 +124,14 @@ fn at_rest(
     Ok(path.positions(tension).ok_or("the path has no shape at its last tension")?)
 }
 
-fn settled(mesh: &Mesh, material: &Material, fibre: [f64; 2]) -> Vectors {
+fn settled(mesh: &Mesh, material: &Material, fibre: [f64; 2]) -> Result<Vectors, Failure> {
     let material = Material { drag_ratio: 1.0, ..material.clone() };
     let (body, system) = made(mesh, &material, fibre);
     let step = 0.8 * StabilityLimit::of(&system, &body, TENSION).time_step;
     let mut motion = Motion::new(&system, body, Integrator::StoermerVerlet, step);
-    motion.advance((10.0 / step) as usize, [0.0, TENSION]);
-    motion.advance((60.0 / step) as usize, [TENSION; 2]);
-    motion.body.positions
+    motion.advance((10.0 / step) as usize, [0.0, TENSION])?;
+    motion.advance((60.0 / step) as usize, [TENSION; 2])?;
+    Ok(motion.body.positions)
 }
 
 /// Departure from a homogeneous shape (of the length), and from the closed form's stretch.
@@ -163,7 +163,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
                 let miss = misses(&mesh, lattice_angle, &shape, exact);
                 by_path = [0, 1].map(|k| by_path[k].max(miss[k]));
                 if !setting.quick || angle == 20.0 {
-                    let shape = settled(&mesh, &material, fibre);
+                    let shape = settled(&mesh, &material, fibre)?;
                     let miss = misses(&mesh, lattice_angle, &shape, exact);
                     by_motion = [0, 1].map(|k| by_motion[k].max(miss[k]));
                 }

@@ -49,7 +49,7 @@ fn speed(across: usize) -> Result<f64, Failure> {
     let mut motion = Motion::new(&system, body.clone(), Integrator::VelocityVerlet, step);
     let (mut before, mut crossings) = (amplitude(&body.positions[0]), Vec::new());
     for n in 1..=steps {
-        motion.advance(1, [0.0, 0.0]);
+        motion.advance(1, [0.0, 0.0])?;
         let now = amplitude(&motion.body.positions[0]);
         if before * now < 0.0 {
             crossings.push(step * (n as f64 - now / (now - before)));

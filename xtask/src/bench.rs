@@ -1,5 +1,7 @@
 //! `cargo xtask bench`: how fast Myospring is, beside other programs on the same work.
 
+mod threads;
+
 use crate::python::{self, Python};
 use crate::{cargo, root, say, step};
 use serde_json::Value;
@@ -9,19 +11,21 @@ use std::process::Command;
 const HELP: &str = "\
 Measure how fast Myospring is, beside other programs where they are installed, and print tables.
 
-Usage: cargo xtask bench [--quick] [--peers]
+Usage: cargo xtask bench [--quick] [--threads | --peers]
 
 Without --peers only Myospring is measured (about 2 minutes). Run it on a machine with nothing else to
 do: the numbers are wall times.
 
 Options:
-  --quick  Meshes of 2000 and 20 000 masses only
-  --peers  Also run Numba, LAMMPS and Myokit by the scripts in verification/peers (about 10 minutes). They
-           need Python 3.11 or newer with venv; the command makes its own virtual environment in
-           target/peers/venv from verification/peers/requirements.txt. Myokit needs SUNDIALS and a C
-           compiler besides (Debian: apt-get install libsundials-dev gcc; macOS: brew install
-           sundials); without them its row is missing.
-  --help   This text
+  --quick    Meshes of 2000 and 20 000 masses only
+  --threads  What a second thread gives, on a quiet machine and beside two busy processes for each core,
+             which it starts and ends itself (about 5 minutes)
+  --peers    Also run Numba, LAMMPS and Myokit by the scripts in verification/peers (about 10 minutes). They
+             need Python 3.11 or newer with venv; the command makes its own virtual environment in
+             target/peers/venv from verification/peers/requirements.txt. Myokit needs SUNDIALS and a C
+             compiler besides (Debian: apt-get install libsundials-dev gcc; macOS: brew install
+             sundials); without them its row is missing.
+  --help     This text
 
 Environment:
   PYTHON           The Python to make the virtual environment with; python3
@@ -31,6 +35,9 @@ Environment:
 
 /// Masses, and the arguments of one size.
 const SIZES: [&str; 4] = ["2k", "20k", "200k", "2M"];
+
+/// Makes the program one of those that keep the machine busy.
+const SPIN: &str = "--spin";
 
 /// Other programs, by their scripts.
 struct Peers {
@@ -42,6 +49,7 @@ struct Peers {
 pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     let mut sizes = &SIZES[..];
     let mut peers = None;
+    let mut threads = false;
     for argument in arguments {
         match argument.as_str() {
             "--help" | "-h" => {
@@ -49,6 +57,11 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
                 return Ok(());
             }
             "--quick" => sizes = &SIZES[..2],
+            "--threads" => threads = true,
+            SPIN => {
+                threads::spin();
+                return Ok(());
+            }
             "--peers" => peers = Some(Peers::find_or_make()?),
             other => return Err(format!("there is no option `{other}`\n\n{HELP}")),
         }
@@ -57,6 +70,10 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     build.arg("--quiet");
     step("the programs to be measured", build)?;
     say(&format!("\n{}\n", machine()));
+    if threads {
+        say(&format!("\n{}", threads::tables(sizes)?));
+        return Ok(());
+    }
     say(&format!("\n{}", springs(sizes, peers.as_ref())?));
     say(&format!("\n{}", cells(peers.as_ref())?));
     say(&format!("\n{}", paths()?));

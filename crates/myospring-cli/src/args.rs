@@ -236,7 +236,7 @@ pub(crate) struct RunArgs {
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) beat: BeatArgs,
-    /// Threads that move the masses; the numbers do not depend on it [default: a core for every 900
+    /// Threads that move the masses; the numbers do not depend on it [default: a core for every 8000
     /// masses, as far as there are cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
     pub(crate) threads: Option<NonZeroUsize>,
@@ -350,7 +350,8 @@ impl SimulationArgs {
     after_help = "Examples:\n  myospring paper\n  myospring paper --output paper --threads 1"
 )]
 pub(crate) struct PaperArgs {
-    /// Threads for the three runs; the numbers do not depend on it [default: all cores]
+    /// Threads for the three runs, at most one for each core; the numbers do not depend on it [default:
+    /// all cores]
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,
     /// Distance of neighbouring masses ("1.2 um"), to see that the answer does not depend on it
@@ -424,7 +425,7 @@ pub(crate) struct BatchArgs {
     /// Only files whose name matches (* and ? stand for anything) [default: *.png, *.tif, *.tiff]
     #[arg(long, value_name = "PATTERN")]
     pub(crate) pattern: Option<String>,
-    /// Pictures at a time [default: all cores]
+    /// Pictures at a time, at most one for each core [default: all cores]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
     #[command(flatten)]

@@ -6,7 +6,7 @@ mod work;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
-use crate::{input, print};
+use crate::{input, print, threads};
 use indicatif::{ProgressBar, ProgressStyle};
 use journal::Journal;
 use myospring::output::files;
@@ -55,10 +55,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let bar = progress_bar(args.output.quiet, pictures.len());
     bar.inc(done.len() as u64);
     let last_table = Mutex::new(Instant::now());
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.jobs.map_or(0, usize::from))
-        .build()
-        .map_err(Failure::new)?;
+    let pool = threads::pool(args.jobs.map(usize::from))?;
     pool.install(|| {
         left.par_iter().try_for_each(|(name, picture)| {
             let (hash, rows) = work.picture(picture, name);

@@ -14,6 +14,7 @@ mod results;
 mod run;
 mod segment;
 mod table;
+mod threads;
 
 use args::{Cli, Command};
 use clap::Parser;

@@ -3,10 +3,10 @@
 use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
-use crate::print;
 use crate::results::Folder;
 use crate::run::progress_bar;
 use crate::table::{aligned, wrapped};
+use crate::{print, threads};
 use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
@@ -42,10 +42,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.unwrap_or(0))
-        .build()
-        .map_err(|error| Failure::new(format!("no threads: {error}")))?;
+    let pool = threads::pool(args.threads)?;
     let bar = progress_bar(args.output.quiet);
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
     let one = |peak_tension: f64| -> Result<Finished, Failure> {

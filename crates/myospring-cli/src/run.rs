@@ -9,6 +9,7 @@ use crate::results::Folder;
 use crate::table::{aligned, number};
 use indicatif::{ProgressBar, ProgressStyle};
 use myospring::analysis::Metric;
+use myospring::mechanics::stencil;
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::report::{Band, Summary, band};
 use myospring::output::{csv, json};
@@ -19,7 +20,6 @@ use myospring::simulation::{
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::io::IsTerminal;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -95,7 +95,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 
     let stage = Instant::now();
     let mut simulation = run.simulation(mesh, field.as_ref())?;
-    simulation.numerics.threads = threads(args.threads, simulation.mesh.len());
+    let default = || stencil::worthwhile_threads(simulation.mesh.len());
+    simulation.numerics.threads = args.threads.map_or_else(default, usize::from);
     let prepared = simulation.ready()?;
     timings.preparation_s = stage.elapsed().as_secs_f64();
     let mut warnings = run.warnings(&report);
@@ -224,12 +225,6 @@ pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-/// Threads that move so many masses: below some hundred a thread they only wait for each other.
-fn threads(asked: Option<NonZeroUsize>, masses: usize) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    asked.map_or_else(|| (masses / 900).clamp(1, cores), usize::from)
 }
 
 pub(crate) fn hash(bytes: &[u8]) -> String {

@@ -53,14 +53,14 @@ fn main() {
         _ => Units::best(),
     };
     let mut motion = Start::new(&system, body, mesh.lattice.as_ref().unwrap(), threads, units);
-    motion.stencil.advance(199, [TENSION; 2]);
+    motion.stencil.advance(199, [TENSION; 2]).unwrap();
     let check = motion.check(&mesh);
 
     // As many steps as take about half a second; then the median of five runs of two seconds.
     let mut steps = 16;
     let seconds = |stencil: &mut Stencil, steps: usize| {
         let start = Instant::now();
-        stencil.advance(steps, [TENSION; 2]);
+        stencil.advance(steps, [TENSION; 2]).unwrap();
         start.elapsed().as_secs_f64()
     };
     let mut taken = seconds(&mut motion.stencil, steps);

@@ -61,8 +61,8 @@ pub struct Numerics {
     pub frame_interval: f64,
     /// Integration of the cell model.
     pub cell: Settings,
-    /// Threads that move the masses of a lattice, 1. The result is the same to the last bit; more than
-    /// one pays from some thousands of masses on, when the processor has nothing else to do.
+    /// Threads that move the masses of a lattice, 1. The result is the same to the last bit; how many
+    /// pay for so many masses says [`crate::mechanics::stencil::worthwhile_threads`].
     pub threads: usize,
 }
 
@@ -494,7 +494,9 @@ struct InTime<'a> {
 impl Shaping for InTime<'_> {
     fn follow(&mut self, time: f64, tensions: [f64; 2]) -> Result<(), StopReason> {
         let Simulation { mesh, numerics, .. } = self.setup.simulation;
-        self.motion.advance(self.steps, tensions);
+        self.motion
+            .advance(self.steps, tensions)
+            .map_err(|cause| StopReason::BrokenOff { time, cause: cause.to_string() })?;
         let body = &self.motion.body;
         if let Some(reason) = fault(mesh, &body.positions, time, tensions[1]) {
             return Err(reason);

@@ -12,11 +12,12 @@ use myospring::mechanics::drag::Drag;
 use myospring::mechanics::material::{Material, assemble, default_material};
 use myospring::mechanics::spring::Springs;
 use myospring::mechanics::stability::StabilityLimit;
-use myospring::mechanics::stencil::{Stencil, Units};
+use myospring::mechanics::stencil::{LatticeTerms, Poisoned, Stencil, Units, worthwhile_threads};
 use myospring::mechanics::support::{Support, SupportKind};
-use myospring::mechanics::{Body, System, Vectors, zeros};
+use myospring::mechanics::{Body, Configuration, Force, System, Vectors, zeros};
 use myospring::mesh::{Mesh, built_in, lattice, quality};
 use proptest::prelude::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Repeatable numbers in 1/2..3/2.
 fn field(count: usize, seed: usize) -> Vec<f64> {
@@ -93,8 +94,8 @@ fn both_ways(
         .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
     assert!(fused.is_fused());
     [plain, fused].map(|mut motion| {
-        motion.advance(steps[0], [0.0, 40.0]);
-        motion.advance(steps[1], [40.0, 50.0]);
+        motion.advance(steps[0], [0.0, 40.0]).unwrap();
+        motion.advance(steps[1], [40.0, 50.0]).unwrap();
         motion.body
     })
 }
@@ -162,8 +163,8 @@ fn the_bits_are_the_same_whatever_the_number_of_threads() {
                 let mut motion =
                     Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4)
                         .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
-                motion.advance(5, [0.0, 40.0]);
-                motion.advance(17, [40.0, 50.0]);
+                motion.advance(5, [0.0, 40.0]).unwrap();
+                motion.advance(17, [40.0, 50.0]).unwrap();
                 motion.body
             };
             let one = run(1);
@@ -212,7 +213,7 @@ fn two_hundred_steps_of_the_peers_lattice_give_the_peers_sums() {
     for units in available() {
         let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 0.05)
             .on_lattice_with(mesh.lattice.as_ref().unwrap(), 2, units);
-        motion.advance(200, [0.0; 2]);
+        motion.advance(200, [0.0; 2]).unwrap();
         let displacement: f64 = (0..2)
             .flat_map(|axis| motion.body.positions[axis].iter().zip(&mesh.points[axis]))
             .map(|(x, rest)| (x - rest).powi(2))
@@ -268,4 +269,55 @@ fn springs_off_the_lattice_or_of_another_length_have_no_place_in_the_kernel() {
     assert!(!place([0, 1], 1.01), "a spring that is not at rest on the lattice");
     assert!(!place([0, 2], 2.0), "a spring to the neighbour after next");
     assert!(!place([3, 4], 10.0_f64.sqrt()), "the ends of two rows, next to each other in number");
+}
+
+/// A force that has its place in the kernel, but panics in the plain first step.
+struct Mistaken;
+
+impl Force for Mistaken {
+    fn name(&self) -> &'static str {
+        "a mistake"
+    }
+
+    fn add_forces(&self, _: &Configuration<'_>, _: &mut Vectors) {
+        panic!("a force panics for the sake of a test");
+    }
+
+    fn energy(&self, _: &Configuration<'_>) -> Option<f64> {
+        None
+    }
+
+    fn add_to_lattice(&self, _: &mut LatticeTerms) -> bool {
+        true
+    }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_motion_that_a_panic_has_interrupted_says_so_and_its_threads_end() {
+    let mesh = lattice::rectangle(60, 40, 1.0).unwrap();
+    let (body, mut system) = varied(&mesh, Support::Free, 3);
+    system.passive.push(Box::new(Mistaken));
+    for fused in [true, false] {
+        let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4);
+        if fused {
+            motion = motion.on_lattice(mesh.lattice.as_ref().unwrap(), 3);
+        }
+        let panicked = catch_unwind(AssertUnwindSafe(|| motion.advance(5, [0.0; 2])));
+        assert!(panicked.is_err());
+        assert_eq!(motion.is_fused(), fused, "it does not go over to other loops in silence");
+        assert_eq!(motion.advance(5, [0.0; 2]), Err(Poisoned));
+    }
+}
+
+#[test]
+fn small_meshes_are_worth_one_thread_and_none_more_than_there_are_cores() {
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(worthwhile_threads(0), 1);
+    assert_eq!(worthwhile_threads(1921), 1, "the built-in cell");
+    assert_eq!(worthwhile_threads(20_000), 2.min(cores));
+    assert_eq!(worthwhile_threads(usize::MAX), cores);
 }

@@ -144,6 +144,7 @@ impl Work<'_> {
             row.number("fibre_angle_to_axis_deg", fibres.mean_angle_deg);
             row.number("fibre_order", fibres.order);
         }
+        // Moved by one thread, as all simulations unless told otherwise: the cores have pictures.
         let simulation = run.simulation(shaped.mesh, field.as_ref())?;
         let prepared = simulation.ready()?;
         let outcome = prepared.run(|Progress { .. }| true);

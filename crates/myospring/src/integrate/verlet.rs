@@ -18,7 +18,7 @@
 //! see the half-step velocity `(x_{n+1} - x_n)/dt`, the last one known when `f_{n+1}` is computed.
 //! One force evaluation a step; the first half-kick uses the force at the start.
 
-use crate::mechanics::stencil::{Stencil, Units};
+use crate::mechanics::stencil::{Poisoned, Stencil, Units};
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use crate::mesh::Lattice;
 use serde::{Deserialize, Serialize};
@@ -56,6 +56,8 @@ pub struct Motion<'a> {
     /// Steps made so far.
     steps: u64,
     kernel: Option<Stencil>,
+    /// Whether [`Motion::advance`] has begun and not come to its end.
+    under_way: bool,
 }
 
 impl<'a> Motion<'a> {
@@ -77,6 +79,7 @@ impl<'a> Motion<'a> {
             previous,
             steps: 0,
             kernel: None,
+            under_way: false,
         }
     }
 
@@ -118,35 +121,43 @@ impl<'a> Motion<'a> {
 
     /// Moves `steps` steps on, while the tension (kPa) goes linearly from `tensions[0]` to
     /// `tensions[1]`.
-    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) {
+    ///
+    /// # Errors
+    /// If a panic, of a force or of a thread, has interrupted this or an earlier call: the body then
+    /// stands between two steps.
+    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
+        if std::mem::replace(&mut self.under_way, true) {
+            return Err(Poisoned);
+        }
         if self.kernel.is_some() {
-            self.advance_fused(steps, tensions);
+            self.advance_fused(steps, tensions)?;
         } else {
             self.advance_plainly(steps, tensions);
         }
+        self.under_way = false;
+        Ok(())
     }
 
-    fn advance_fused(&mut self, steps: usize, tensions: [f64; 2]) {
+    fn advance_fused(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
         let mut start = tensions[0];
         let mut steps_left = steps;
         if self.steps == 0 && steps > 0 {
             // The first step of all starts from velocities at the full step.
-            let kernel = self.kernel.take();
             start += (tensions[1] - tensions[0]) / steps as f64;
             self.advance_plainly(1, [tensions[0], start]);
-            self.kernel = kernel;
             steps_left -= 1;
             if let Some(kernel) = &mut self.kernel {
                 kernel.put(&self.body.positions, &self.half_velocities);
             }
         }
         if let Some(kernel) = &mut self.kernel {
-            kernel.advance(steps_left, [start, tensions[1]]);
+            kernel.advance(steps_left, [start, tensions[1]])?;
             let body = &mut self.body;
             kernel.read_half_step(&mut body.positions, &mut self.half_velocities);
-            kernel.read_velocities(tensions[1], &mut body.velocities);
+            kernel.read_velocities(tensions[1], &mut body.velocities)?;
             self.steps += steps_left as u64;
         }
+        Ok(())
     }
 
     fn advance_plainly(&mut self, steps: usize, tensions: [f64; 2]) {

@@ -15,8 +15,8 @@
 //! - Each spring is evaluated once; see `sweep.rs`. On AVX-512 the inverse length is an estimate and
 //!   a series, at a third of the cost of root and division.
 //! - A mesh larger than the cache is swept once for several steps, each a row behind the last.
-//! - Several threads follow each other over the mesh; see `team.rs`. One thread or many, the bits are
-//!   the same.
+//! - Several threads share the mesh in bands of rows; see `bands.rs` and `team.rs`. One thread or many,
+//!   the bits are the same.
 //!   They are not the same for other vector units (FMA rounds once where the others round twice).
 //!
 //! # Unsafe
@@ -24,11 +24,14 @@
 //! folder.
 #![allow(unsafe_code, reason = "vector intrinsics and an in-place sweep shared by threads")]
 
+mod bands;
 mod lanes;
 mod plan;
 mod sweep;
 mod team;
+mod tiles;
 
+pub use bands::Poisoned;
 pub use lanes::Units;
 pub use plan::LatticeTerms;
 use plan::Plan;
@@ -37,6 +40,17 @@ use super::support::Support;
 use super::{Body, System, Vectors};
 use crate::mesh::Lattice;
 use team::Team;
+use tiles::Command;
+
+/// Masses that are worth a thread of their own; see docs/performance.md.
+const MASSES_A_THREAD: usize = 8000;
+
+/// Threads that pay for so many masses: one for every 8000, at least one and at most one for each core.
+/// With fewer masses a thread, waiting for each other takes much of what the second thread gives.
+pub fn worthwhile_threads(masses: usize) -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    (masses / MASSES_A_THREAD).clamp(1, cores)
+}
 
 /// All coefficients of a system of forces, if each has its place in the kernel.
 fn plan(system: &System, body: &Body, lattice: &Lattice, time_step: f64) -> Option<Plan> {
@@ -102,13 +116,23 @@ impl Stencil {
 
     /// Moves `steps` steps on; the tension (kPa) is `tensions[0]` at the first and goes linearly
     /// to reach `tensions[1]` at the end of the last.
-    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) {
-        self.team.advance(steps, tensions);
+    ///
+    /// # Errors
+    /// If a thread has panicked, now or before: the state is of no use then.
+    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
+        self.team.obey(Command::Advance { steps, tensions })
     }
 
     /// Writes the velocities at the time of the positions under this tension (kPa), um/ms.
-    pub fn read_velocities(&mut self, tension: f64, velocities: &mut Vectors) {
-        self.team.look(tension);
+    ///
+    /// # Errors
+    /// As for [`Stencil::advance`].
+    pub fn read_velocities(
+        &mut self,
+        tension: f64,
+        velocities: &mut Vectors,
+    ) -> Result<(), Poisoned> {
+        self.team.obey(Command::Look { tension })?;
         let (plan, _, seen) = self.team.parts();
         // A row of `seen` is half as long as one of the state.
         let half = plan.row_len() / 2;
@@ -117,6 +141,7 @@ impl Stencil {
                 *value = seen[place - place / plan.row_len() * half + axis * plan.stride];
             }
         }
+        Ok(())
     }
 
     /// Writes the positions (um) and the velocities at the last half step, um/ms.

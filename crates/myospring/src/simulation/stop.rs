@@ -107,6 +107,14 @@ pub enum StopReason {
         /// What went wrong, with time and state variable.
         cause: String,
     },
+    /// A part of the program panicked while the masses moved.
+    #[error("the motion of the masses broke off before t = {time} ms: {cause}")]
+    BrokenOff {
+        /// Time, ms.
+        time: f64,
+        /// What happened.
+        cause: String,
+    },
     /// The caller asked the run to stop.
     #[error("stopped by the user at t = {time} ms")]
     Interrupted {

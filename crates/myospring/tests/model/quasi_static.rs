@@ -49,8 +49,8 @@ fn largest_difference(a: &Vectors, b: &Vectors) -> f64 {
 fn settled(system: &System, body: &Body, tension: f64) -> Vectors {
     let step = 0.8 * StabilityLimit::of(system, body, tension).time_step;
     let mut motion = Motion::new(system, body.clone(), Integrator::StoermerVerlet, step);
-    motion.advance((10.0 / step) as usize, [0.0, tension]);
-    motion.advance((400.0 / step) as usize, [tension; 2]);
+    motion.advance((10.0 / step) as usize, [0.0, tension]).unwrap();
+    motion.advance((400.0 / step) as usize, [tension; 2]).unwrap();
     motion.body.positions
 }
 

@@ -33,8 +33,8 @@ fn shapes(mesh: &Mesh, material: &Material, support: SupportKind, tension: f64) 
     let path = Path::solve(&system, &body, tension, Tolerance::default()).unwrap();
     let step = 0.8 * StabilityLimit::of(&system, &body, tension).time_step;
     let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, step);
-    motion.advance((5.0 / step) as usize, [0.0, tension]);
-    motion.advance((60.0 / step) as usize, [tension; 2]);
+    motion.advance((5.0 / step) as usize, [0.0, tension]).unwrap();
+    motion.advance((60.0 / step) as usize, [tension; 2]).unwrap();
     [path.positions(tension).unwrap(), motion.body.positions]
 }
 
@@ -184,7 +184,7 @@ fn the_stability_limit_counts_the_bed() {
         let before = body.kinetic_energy();
         let mut motion =
             Motion::new(&system, body, Integrator::VelocityVerlet, part * limit.time_step);
-        motion.advance(3000, [0.0; 2]);
+        motion.advance(3000, [0.0; 2]).unwrap();
         let after = motion.body.kinetic_energy();
         assert_eq!(after < before, stable, "{part} of the limit: {before} fJ becomes {after} fJ");
     }
