@@ -51,12 +51,7 @@ fn extension(
     Ok([computed, exact])
 }
 
-fn error(
-    integrator: Integrator,
-    dashpot: f64,
-    drag: f64,
-    steps: usize,
-) -> Result<f64, Failure> {
+fn error(integrator: Integrator, dashpot: f64, drag: f64, steps: usize) -> Result<f64, Failure> {
     let [computed, exact] = extension(integrator, dashpot, drag, steps)?;
     Ok(computed - exact)
 }

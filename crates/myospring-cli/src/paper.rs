@@ -3,10 +3,10 @@
 use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
-use crate::{print, threads};
 use crate::results::Folder;
 use crate::run::progress_bar;
 use crate::table::{aligned, wrapped};
+use crate::{print, threads};
 use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};

@@ -9,9 +9,7 @@ use myospring::mechanics::drag::Drag;
 use myospring::mechanics::material::{Material, assemble, default_material};
 use myospring::mechanics::spring::Springs;
 use myospring::mechanics::stability::StabilityLimit;
-use myospring::mechanics::stencil::{
-    LatticeTerms, Poisoned, Stencil, Units, worthwhile_threads,
-};
+use myospring::mechanics::stencil::{LatticeTerms, Poisoned, Stencil, Units, worthwhile_threads};
 use myospring::mechanics::support::{Support, SupportKind};
 use myospring::mechanics::{Body, Configuration, Force, System, Vectors, zeros};
 use myospring::mesh::{Mesh, built_in, lattice, quality};
@@ -136,8 +134,10 @@ fn the_kernel_equals_the_plain_loops_on_a_mesh_larger_than_the_cache() {
     let mesh = lattice::rectangle(300, 80, 1.0).unwrap();
     let problem = varied(&mesh, Support::Free, 5);
     for (threads, steps) in [(1, [9, 20]), (2, [1, 16]), (3, [30, 3])] {
-        let bodies = both_ways(&mesh, &problem, steps, threads, Units::best());
-        assert_same_to_rounding(&bodies, &format!("{threads} threads"));
+        for units in available() {
+            let bodies = both_ways(&mesh, &problem, steps, threads, units);
+            assert_same_to_rounding(&bodies, &format!("{units:?} on {threads} threads"));
+        }
     }
 }
 

@@ -53,13 +53,12 @@ fn springs(sizes: &[&str]) -> Result<String, String> {
          | masses | forces | one thread | two threads | two to one |\n|---|---|---|---|---|\n"
     );
     for size in sizes {
-        for forces in ["springs", "all", "fields"] {
+        for forces in ["springs", "all"] {
             let mut rates = [Vec::new(), Vec::new()];
             for _ in 0..RUNS {
                 for (threads, rates) in ["1", "2"].iter().zip(&mut rates) {
                     say(&format!("   {size}, {forces}, {threads} thread(s)\n"));
-                    rates
-                        .push(rate(&mut example("throughput", &[size, threads, forces]), "sups")?);
+                    rates.push(rate(&mut example("throughput", &[size, threads, forces]), "sups")?);
                 }
             }
             let [one, two] = rates.map(Spread::of);
@@ -75,7 +74,8 @@ fn springs(sizes: &[&str]) -> Result<String, String> {
 }
 
 fn beats(load: &str) -> Result<String, String> {
-    let head = "| beat | masses | beside it | one thread | two threads | default | default to one |";
+    let head =
+        "| beat | masses | beside it | one thread | two threads | default | default to one |";
     Ok(format!(
         "Seconds a beat; middle of {RUNS} runs, smallest and largest\n\n{head}\n\
          |---|---|---|---|---|---|---|\n{}",

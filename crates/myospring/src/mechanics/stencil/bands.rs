@@ -104,9 +104,7 @@ impl Board {
             && (band == 0 || self.done(band - 1) > sweep)
             && (band + 1 == self.len() || self.done(band + 1) >= sweep);
         let taken = free
-            && state
-                .compare_exchange(seen, seen + 1, Ordering::AcqRel, Ordering::Relaxed)
-                .is_ok();
+            && state.compare_exchange(seen, seen + 1, Ordering::AcqRel, Ordering::Relaxed).is_ok();
         // Made only if taken: a claim that is dropped breaks the band.
         let end = if self.len() == 1 { asked } else { sweep + 1 };
         taken.then(|| Claim { state, band, sweeps: sweep..end })
