@@ -53,7 +53,7 @@ fn springs(sizes: &[&str]) -> Result<String, String> {
          | masses | forces | one thread | two threads | two to one |\n|---|---|---|---|---|\n"
     );
     for size in sizes {
-        for forces in ["springs", "all", "fields"] {
+        for forces in ["springs", "all"] {
             let mut rates = [Vec::new(), Vec::new()];
             for _ in 0..RUNS {
                 for (threads, rates) in ["1", "2"].iter().zip(&mut rates) {
