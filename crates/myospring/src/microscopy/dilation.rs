@@ -29,7 +29,7 @@ pub(super) fn dilated(inside: &[bool], width: usize, radius: usize, norm: Norm) 
     let away = away_in_columns(inside, width, radius as u16 + 1);
     // By the distance in the column; nothing where that is more than the radius.
     let half_widths: Vec<i32> = (0..=radius)
-        .map(|away| norm.half_width(radius, away) as i32)
+        .map(|away| i32::try_from(norm.half_width(radius, away)).unwrap_or(i32::MAX))
         .chain(std::iter::once(-1))
         .collect();
     let mut near = vec![false; inside.len()];
@@ -53,7 +53,9 @@ pub(super) fn dilated(inside: &[bool], width: usize, radius: usize, norm: Norm) 
 pub(super) fn eroded(inside: &[bool], width: usize, radius: usize, norm: Norm) -> Vec<bool> {
     let outside: Vec<bool> = inside.iter().map(|inside| !inside).collect();
     let mut near = dilated(&outside, width, radius, norm);
-    near.iter_mut().for_each(|near| *near = !*near);
+    for near in &mut near {
+        *near = !*near;
+    }
     near
 }
 

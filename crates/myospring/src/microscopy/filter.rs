@@ -56,7 +56,9 @@ fn gaussian_weights(sigma: f32) -> Vec<f32> {
         .map(|at| height * (-(at as f32).powi(2) / (2.0 * sigma.powi(2))).exp())
         .collect();
     let sum: f32 = weights.iter().sum();
-    weights.iter_mut().for_each(|weight| *weight /= sum);
+    for weight in &mut weights {
+        *weight /= sum;
+    }
     weights
 }
 

@@ -99,7 +99,7 @@ impl Board {
         let state = &self.bands[band].0;
         let seen = state.load(Ordering::Acquire);
         let (sweep, asked) = (seen / 2, self.asked());
-        let free = seen % 2 == 0
+        let free = seen.is_multiple_of(2)
             && sweep < asked
             && (band == 0 || self.done(band - 1) > sweep)
             && (band + 1 == self.len() || self.done(band + 1) >= sweep);
