@@ -62,7 +62,7 @@ impl<'a> Factor<'a> {
         };
         self.blocks = stiffness.blocks();
         self.stacks.iter_mut().for_each(Vec::clear);
-        let done = fronts.fronts.iter().try_for_each(|front| {
+        let done = fronts.list.iter().try_for_each(|front| {
             if self.eliminate(stiffness, &fronts, front) {
                 Ok(())
             } else {
@@ -97,7 +97,7 @@ impl<'a> Factor<'a> {
         let start = stack.len();
         stack.resize(start + front.update_size(), 0.0);
         let rest = &mut stack[start..];
-        for half in front.halves.iter().rev().flatten().map(|&half| &fronts.fronts[half]) {
+        for half in front.halves.iter().rev().flatten().map(|&half| &fronts.list[half]) {
             let start = halves.len() - half.update_size();
             half.hand_up(&halves[start..], front, panel, rest);
             halves.truncate(start);
@@ -112,7 +112,7 @@ impl<'a> Factor<'a> {
     /// Uses the last stiffness that was factorised.
     pub(super) fn solve(&mut self, forces: &Vectors) -> Vectors {
         let mut moved = forces.each_ref().map(|axis| vec![0.0; axis.len()]);
-        let Some(Fronts { order, fronts, .. }) = &self.fronts else { return moved };
+        let Some(Fronts { order, list: fronts, .. }) = &self.fronts else { return moved };
         let mut right = vec![0.0; 2 * order.len()];
         for (place, &node) in order.iter().enumerate() {
             for axis in 0..2 {

@@ -124,7 +124,7 @@ pub(super) struct Fronts {
     /// The node at each place of the order of elimination.
     pub(super) order: Vec<usize>,
     /// Halves before the front that joins them.
-    pub(super) fronts: Vec<Front>,
+    pub(super) list: Vec<Front>,
     /// Entries of the factor.
     pub(super) entries: usize,
     /// Largest sizes of the stacks of updates.
@@ -181,7 +181,7 @@ impl Fronts {
             fronts.push(front);
         }
         place_blocks(stiffness, &places, &mut fronts);
-        Ok(Self { order, fronts, entries, stacks })
+        Ok(Self { order, list: fronts, entries, stacks })
     }
 }
 
