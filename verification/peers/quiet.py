@@ -63,22 +63,24 @@ def report(peer, version, threads, work, rate, run):
     for _ in range(MOST_RUNS):
         wait(limit)
         with Others() as others:
-            start = time.perf_counter()
+            start, start_own = time.perf_counter(), own_s()
             run()
-            elapsed = time.perf_counter() - start
-        runs.append((others.cores, work / elapsed))
-        if sum(cores <= limit for cores, _ in runs) >= RUNS:
+            elapsed, own = time.perf_counter() - start, own_s() - start_own
+        runs.append((others.cores, work / elapsed, work / own))
+        if sum(cores <= limit for cores, *_ in runs) >= RUNS:
             break
     runs = sorted(runs, key=lambda run: max(run[0], limit))[:RUNS]
-    rates = [found for _, found in runs]
+    rates = [found for _, found, _ in runs]
     line = {
         "peer": peer,
         "version": str(version),
         "threads": threads,
         rate: statistics.median(rates),
+        # Per second of processor time, of all threads together.
+        f"{rate}_cpu": statistics.median(found for *_, found in runs),
         "least": min(rates),
         "most": max(rates),
-        "others": [round(cores, 2) for cores, _ in runs],
+        "others": [round(cores, 2) for cores, *_ in runs],
     }
     print(json.dumps(line), flush=True)
 
