@@ -176,7 +176,7 @@ impl Team {
 
 impl Drop for Team {
     fn drop(&mut self) {
-        self.shared.quit.store(true, Ordering::Relaxed);
+        self.shared.quit.store(true, Ordering::Release);
         self.wake();
         for worker in self.workers.drain(..) {
             // If it has panicked, the command that it was at has said so.
@@ -188,9 +188,13 @@ impl Drop for Team {
 impl Shared {
     /// The life of a worker.
     fn serve(&self, index: usize) {
-        while !self.quit.load(Ordering::Relaxed) {
+        loop {
             self.help(index);
-            // Whoever has something new unparks, before or after this.
+            // Looked at after any nap in there, which may have taken the call of who wants it to end.
+            if self.quit.load(Ordering::Acquire) {
+                return;
+            }
+            // Whoever has something new unparks after saying so: before or after this, it ends.
             std::thread::park();
         }
     }

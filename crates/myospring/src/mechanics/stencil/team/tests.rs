@@ -217,7 +217,7 @@ fn pieces_that_are_under_way_together_do_not_meet() {
     board.ask(200);
     let mut most = 0;
     while board.progress() == Progress::Open {
-        if draw(&mut seed, 2) == 0 && !held.is_empty() {
+        if draw(&mut seed, 16) == 0 && !held.is_empty() {
             let index = draw(&mut seed, held.len());
             held.swap_remove(index).finish();
         }
