@@ -8,7 +8,7 @@ pub const REFERENCES: &str = include_str!("../references.bib");
 /// # Example
 /// ```
 /// let entry = myospring::references::entry("coelho_2021").unwrap();
-/// assert!(entry.starts_with("@article{coelho_2021,") && entry.ends_with('}'));
+/// assert!(entry.starts_with("@inproceedings{coelho_2021,") && entry.ends_with('}'));
 /// assert_eq!(myospring::references::entry("nobody_1900"), None);
 /// ```
 pub fn entry(key: &str) -> Option<&'static str> {
