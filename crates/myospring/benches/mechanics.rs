@@ -41,21 +41,21 @@ fn mechanics(criterion: &mut Criterion) {
         let mut plain = motion();
         group.bench_function("plain loops", |bench| {
             bench.iter(|| {
-                black_box(&mut plain).advance(STEPS, [30.0; 2]).expect("no thread panics")
+                black_box(&mut plain).advance(STEPS, [30.0; 2]).expect("no thread panics");
             });
         });
         for units in Units::ALL.into_iter().filter(|units| units.available()) {
             let mut fused = motion().on_lattice_with(lattice, 1, units);
             group.bench_function(format!("fused, {units:?}"), |bench| {
                 bench.iter(|| {
-                    black_box(&mut fused).advance(STEPS, [30.0; 2]).expect("no thread panics")
+                    black_box(&mut fused).advance(STEPS, [30.0; 2]).expect("no thread panics");
                 });
             });
         }
         let mut fused = motion().on_lattice(lattice, 2);
         group.bench_function("fused, 2 threads", |bench| {
             bench.iter(|| {
-                black_box(&mut fused).advance(STEPS, [30.0; 2]).expect("no thread panics")
+                black_box(&mut fused).advance(STEPS, [30.0; 2]).expect("no thread panics");
             });
         });
     }

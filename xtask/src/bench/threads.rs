@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const RUNS: usize = 3;
 
 /// After so long a process that makes load ends by itself, whatever has become of this program.
-const LOAD_ENDS: Duration = Duration::from_secs(300);
+const LOAD_ENDS: Duration = Duration::from_secs(250);
 
 /// Beats that are timed: name, and milliseconds and spacing for `beat_time`.
 const BEATS: [(&str, [&str; 2]); 2] =

@@ -280,7 +280,9 @@ mod tests {
             values in proptest::collection::vec(0_usize..LEVELS, 2..200),
         ) {
             let mut histogram = [0.0; LEVELS];
-            values.iter().for_each(|&value| histogram[value] += 1.0);
+            for &value in &values {
+                histogram[value] += 1.0;
+            }
             let variance = |class: &dyn Fn(usize) -> bool| {
                 let class: Vec<f64> =
                     values.iter().filter(|&&value| class(value)).map(|&value| value as f64).collect();

@@ -1,5 +1,7 @@
 //! Pictures, masks and drawn outlines to cells.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests may fail")]
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../common/outline_bytes.rs"]

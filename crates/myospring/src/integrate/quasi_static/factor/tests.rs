@@ -55,10 +55,10 @@ fn grid(
                 (1, 1, [[0.5, 0.4], [0.4, 0.5]]),
                 (-1, 1, [[0.5, -0.4], [-0.4, 0.5]]),
             ] {
-                let (x, y) = (column as isize + right, row + up);
-                if (0..width as isize).contains(&x)
+                let (x, y) = (column.checked_add_signed(right), row + up);
+                if let Some(x) = x.filter(|x| *x < width)
                     && y < height
-                    && let Some(b) = numbers[y * width + x as usize]
+                    && let Some(b) = numbers[y * width + x]
                 {
                     stiffness.add_pair(a, b, block);
                 }
@@ -180,7 +180,7 @@ fn nothing_one_node_and_a_node_without_stiffness() {
 fn strips_round_cells_cells_with_a_hole_and_parts_are_solved() {
     let round = |x: f64, y: f64| (x - 20.0).hypot(y - 20.0) < 20.0;
     let ring = |x: f64, y: f64| round(x, y) && (x - 20.0).hypot(y - 20.0) > 8.0;
-    let parts = |x: f64, y: f64| (x < 10.0 || x > 15.0) && (y < 20.0 || y > 22.0);
+    let parts = |x: f64, y: f64| !(10.0..=15.0).contains(&x) && !(20.0..=22.0).contains(&y);
     let shapes = [
         grid(400, 3, |_, _| true),
         grid(2, 300, |_, _| true),
@@ -203,7 +203,7 @@ fn strips_round_cells_cells_with_a_hole_and_parts_are_solved() {
 fn positions_that_tell_nothing_cost_time_only() {
     let (mut positions, stiffness) = grid(20, 20, |_, _| true);
     for axis in &mut positions {
-        axis.iter_mut().for_each(|x| *x = 1.0);
+        axis.fill(1.0);
     }
     check(&positions, &stiffness, &all_free(400));
 }
@@ -327,9 +327,9 @@ fn by_dense_factor(stiffness: &StiffnessMatrix, free: &Free, forces: &Vectors) -
             let sum: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
             let left = lower[i][j] - sum;
             lower[i][j] = if i == j { left.sqrt() } else { left / lower[j][j] };
-            if !(lower[i][i] > 0.0) {
-                return None;
-            }
+        }
+        if lower[i][i].is_nan() || lower[i][i] <= 0.0 {
+            return None;
         }
         let sum: f64 = (0..i).map(|k| lower[i][k] * right[k]).sum();
         right[i] = (right[i] - sum) / lower[i][i];

@@ -73,7 +73,7 @@ fn the_caller_goes_on_alone_when_a_worker_stalls_and_the_bits_stay() {
             if thread == 0 {
                 // Long pieces, so that the worker finds something to do on a busy machine, too.
                 std::thread::sleep(Duration::from_micros(20));
-            } else if count.fetch_add(1, Ordering::Relaxed) % 40 == 0 {
+            } else if count.fetch_add(1, Ordering::Relaxed).is_multiple_of(40) {
                 std::thread::sleep(Duration::from_millis(5));
             }
         });
