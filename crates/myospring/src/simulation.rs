@@ -16,6 +16,7 @@
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
 
+mod in_time;
 mod observer;
 pub mod quasi_static;
 mod ready;
@@ -39,9 +40,10 @@ use crate::mechanics::material::{Material, assemble, default_material};
 use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::stencil::Stencil;
 use crate::mechanics::support::{Support, SupportKind};
-use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use crate::mechanics::{Body, System, Vectors};
 use crate::mesh::{Mesh, quality};
 use crate::recording::{Frame, Recording, Sample};
+use in_time::InTime;
 use observer::Samples;
 use serde::{Deserialize, Serialize};
 
@@ -374,14 +376,9 @@ impl Prepared<'_> {
         if let Some(lattice) = &simulation.mesh.lattice {
             motion = motion.on_lattice(lattice, simulation.numerics.threads);
         }
-        let mut shaping = InTime {
-            setup: &self.setup,
-            motion,
-            steps: self.steps_per_exchange,
-            ledger: Ledger::new(body, self.setup.tension_at_start()),
-        };
+        let mut shaping = InTime::new(&self.setup, motion, self.steps_per_exchange);
         let (recording, stop) = self.setup.run(&mut shaping, observer);
-        let steps = shaping.motion.steps();
+        let steps = shaping.steps_made();
         Outcome { recording, stop, time_step: self.time_step(), steps, limit: self.limit }
     }
 }
@@ -479,102 +476,6 @@ impl Setup<'_> {
             momentum_nn_ms: observed.momentum,
             angular_momentum_nn_um_ms: observed.angular_momentum,
         }
-    }
-}
-
-/// Masses that move in time, by Verlet's method.
-struct InTime<'a> {
-    setup: &'a Setup<'a>,
-    motion: Motion<'a>,
-    /// In each exchange interval.
-    steps: usize,
-    ledger: Ledger,
-}
-
-impl Shaping for InTime<'_> {
-    fn follow(&mut self, time: f64, tensions: [f64; 2]) -> Result<(), StopReason> {
-        let Simulation { mesh, numerics, .. } = self.setup.simulation;
-        self.motion
-            .advance(self.steps, tensions)
-            .map_err(|cause| StopReason::BrokenOff { time, cause: cause.to_string() })?;
-        let body = &self.motion.body;
-        if let Some(reason) = fault(mesh, &body.positions, time, tensions[1]) {
-            return Err(reason);
-        }
-        self.ledger.settle(&self.setup.system, body, tensions[1], numerics.exchange_interval);
-        Ok(())
-    }
-
-    fn length(&self) -> f64 {
-        self.setup.meter.measure(&self.motion.body.positions).length
-    }
-
-    fn observe(&self) -> Observed {
-        let (Setup { simulation, system, meter, .. }, body) = (self.setup, &self.motion.body);
-        let extent = meter.measure(&body.positions);
-        let (momentum, centre) = (body.momentum(), body.mass_centre());
-        let orbital = centre[0] * momentum[1] - centre[1] * momentum[0];
-        Observed {
-            length: extent.length,
-            width: extent.width,
-            area: projected_area(&simulation.mesh, &body.positions),
-            elastic_energy: system.elastic_energy(&body.configuration(self.ledger.tension)),
-            kinetic_energy: body.kinetic_energy(),
-            active_work: self.ledger.active_work,
-            dissipated_energy: self.ledger.dissipated,
-            momentum: momentum[0].hypot(momentum[1]),
-            angular_momentum: body.angular_momentum() - orbital,
-        }
-    }
-
-    fn positions(&self) -> Vectors {
-        self.motion.body.positions.clone()
-    }
-}
-
-/// Work and dissipation added up over a run.
-///
-/// Dissipation by the trapezoidal rule in its power. Work of the active forces as the drop of their
-/// energy at the mean tension of the interval, `W = -int grad E(x; Ta) dx`, which needs no velocity
-/// and so does not miss fast vibrations between two exchanges.
-#[derive(Debug, Clone)]
-struct Ledger {
-    active_work: f64,
-    dissipated: f64,
-    tension: f64,
-    dissipation: f64,
-    positions: Vectors,
-    still: Vectors,
-}
-
-impl Ledger {
-    fn new(body: &Body, tension: f64) -> Self {
-        Self {
-            active_work: 0.0,
-            dissipated: 0.0,
-            tension,
-            dissipation: 0.0,
-            positions: body.positions.clone(),
-            still: zeros(body.len()),
-        }
-    }
-
-    fn settle(&mut self, system: &System, body: &Body, tension: f64, elapsed: f64) {
-        let mean = 0.5 * (self.tension + tension);
-        let energy = |positions: &Vectors| {
-            system.active_energy(&Configuration {
-                positions,
-                velocities: &self.still,
-                tension: mean,
-            })
-        };
-        self.active_work += energy(&self.positions) - energy(&body.positions);
-        let at = body.configuration(tension);
-        let dissipation = system.dissipation(&at);
-        self.dissipated += 0.5 * elapsed * (self.dissipation + dissipation);
-        self.dissipation = dissipation;
-        self.tension = tension;
-        self.positions.clone_from(&body.positions);
     }
 }
 

@@ -37,7 +37,7 @@ fn peak_shortening(outcome: &Outcome) -> trace::Point {
 }
 
 /// A quick twitch with a known tension, for questions of mechanics: peak 12 ms after the start.
-fn quick_twitch(mesh: Mesh) -> Simulation {
+pub(crate) fn quick_twitch(mesh: Mesh) -> Simulation {
     let mut parameters = toy::parameters();
     parameters.set("tau", 12.0).unwrap();
     let toy = toy::ToyModel::new(parameters).unwrap();

@@ -1,8 +1,7 @@
 //! The path of equilibria: closed forms, agreement with motion in time, supports, and where it ends.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use myospring::cell::pacing::Protocol;
-use myospring::cell::{CellModel, toy};
+use super::beat::quick_twitch;
 use myospring::integrate::quasi_static::{Path, PathError, Place, Tolerance};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::ActiveLaw;
@@ -340,19 +339,6 @@ fn interpolated_quantities_are_those_of_the_shapes() {
         assert!((extent.length - sample.length_um).abs() < 1e-6, "{} ms", frame.t_ms);
         // The outermost node of the width may change between two measured tensions.
         assert!((extent.width - sample.width_um).abs() < 1e-4, "{} ms", frame.t_ms);
-    }
-}
-
-/// A quick twitch: tension peaks 12 ms after the start.
-fn quick_twitch(mesh: Mesh) -> Simulation {
-    let mut parameters = toy::parameters();
-    parameters.set("tau", 12.0).unwrap();
-    let toy = toy::ToyModel::new(parameters).unwrap();
-    Simulation {
-        protocol: Protocol { start_ms: 0.0, ..Protocol::once(toy.default_stimulus()) },
-        cell: Box::new(toy),
-        duration: 20.0,
-        ..Simulation::coelho_2021(mesh)
     }
 }
 
