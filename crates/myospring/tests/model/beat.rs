@@ -1,6 +1,7 @@
 //! Whole beats: the acceptance numbers of the default cell, convergence, and what stops a run.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+#[cfg(feature = "microscopy")]
 use crate::common;
 
 use myospring::analysis::{contraction, shape, trace, value};
