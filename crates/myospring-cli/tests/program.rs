@@ -146,6 +146,14 @@ fn a_weaker_cell_shortens_less_unless_it_is_scaled_by_its_own_peak() {
     assert!((scaled[0] - 50.0).abs() < 0.01 && (scaled[1] - 12.0).abs() < 0.1, "{scaled:?}");
     let again = fs::read_to_string(folder.path().join("scaled/run.toml")).unwrap();
     assert!(again.contains("tension_scale = \"own-peak\""), "{again}");
+
+    // A small change of the calcium current takes the tension to five times as much; that is said.
+    fs::write(folder.path().join("strong.toml"), "[cell.parameters]\ntau_si = 1.4\n").unwrap();
+    let strong = ["run", "strong.toml", "--integrator", "quasi-static", "--dry-run"];
+    let said = stderr(&myospring(folder.path(), &strong));
+    assert!(said.contains("times as strong") && said.contains("own-peak"), "{said}");
+    let scaled = [&strong[..], &["--tension-scale", "own-peak"]].concat();
+    assert_eq!(stderr(&myospring(folder.path(), &scaled)), "");
 }
 
 #[test]

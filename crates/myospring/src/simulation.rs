@@ -185,6 +185,8 @@ struct Setup<'a> {
     tension_scale: f64,
     /// Highest tension to be expected, kPa.
     strongest: f64,
+    /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
+    strength: f64,
     resting_length: f64,
 }
 
@@ -274,7 +276,8 @@ impl Simulation {
         let cell = CellIntegrator::new(&*self.cell, self.protocol, settings).map_err(failed)?;
         let Assembly { body, system, meter, resting_length } = self.assembled();
         let tension_scale = self.peak_tension / peak;
-        let strongest = self.peak_tension.max(tension_scale * highest);
+        let strength = highest / peak;
+        let strongest = self.peak_tension * strength.max(1.0);
         Ok(Setup {
             simulation: self,
             cell,
@@ -283,6 +286,7 @@ impl Simulation {
             meter,
             tension_scale,
             strongest,
+            strength,
             resting_length,
         })
     }
@@ -347,7 +351,7 @@ impl Prepared<'_> {
     }
 
     /// What keeps the fused kernel ([`crate::mechanics::stencil`]) from this run, in words for people; `None`
-    /// if it makes the steps. The plain loops do the same in some ten times the time.
+    /// if it makes the steps. The plain loops do the same in several times the time.
     pub fn plain_loops(&self) -> Option<&'static str> {
         let Setup { simulation, body, system, .. } = &self.setup;
         match &simulation.mesh.lattice {

@@ -47,7 +47,7 @@ pub struct QuasiStaticOutcome {
 
 /// A quasi-static run made ready: its path is solved up to the peak of tension.
 pub struct PreparedPath<'a> {
-    setup: Setup<'a>,
+    pub(super) setup: Setup<'a>,
     /// The shapes at every tension.
     pub shapes: Shapes,
     /// Why the path ends before the peak of tension, if it does.

@@ -8,6 +8,9 @@ use crate::integrate::quasi_static::Tolerance;
 use crate::recording::Recording;
 use serde::Serialize;
 
+/// Strengths relative to the published parameters' that need no remark.
+const ORDINARY: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
 /// A run made ready.
 pub enum Ready<'a> {
     /// In time: forces assembled, time step chosen.
@@ -97,14 +100,27 @@ impl Simulation {
 impl Ready<'_> {
     /// What a person should know before a long run.
     pub fn warnings(&self) -> Vec<String> {
-        let Self::InTime(prepared) = self else { return Vec::new() };
-        let warning = |hindrance| {
-            format!(
-                "the plain loops move the masses, some ten times slower than the fused kernel, which does \
-                 not serve {hindrance}"
-            )
+        let (setup, plain_loops) = match self {
+            Self::InTime(prepared) => (&prepared.setup, prepared.plain_loops()),
+            Self::AlongPath(prepared) => (&prepared.setup, None),
         };
-        prepared.plain_loops().map(warning).into_iter().collect()
+        let mut warnings = Vec::new();
+        if let Some(hindrance) = plain_loops {
+            warnings.push(format!(
+                "the plain loops move the masses, several times slower than the fused kernel, which does not \
+                 serve {hindrance}"
+            ));
+        }
+        let strength = setup.strength;
+        if !ORDINARY.contains(&strength) {
+            warnings.push(format!(
+                "the cell model's parameters make a default beat {strength:.3} times as strong as the \
+                 published ones do: about {:.4} kPa; tension_scale = \"own-peak\" scales it to {} kPa",
+                strength * setup.simulation.peak_tension,
+                setup.simulation.peak_tension
+            ));
+        }
+        warnings
     }
 
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
