@@ -13,10 +13,10 @@
 //! Eq. (13) has no length scale: `k_prev area` must be a force. The factor `1/sqrt(A0)` gives all
 //! three laws the same `k` in nN/um.
 
+use super::force::{Configuration, Force, Vectors};
+use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
-use super::stencil::LatticeTerms;
 use super::stiffness::StiffnessMatrix;
-use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
@@ -197,10 +197,9 @@ impl Force for AreaPreservation {
         true
     }
 
-    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
-        let mut triangles = self.nodes.iter().zip(self.stiffness.iter().zip(&self.rest_area));
-        self.law == AreaLaw::Gradient
-            && triangles.all(|(&nodes, (&stiffness, &rest))| terms.add_area(nodes, stiffness, rest))
+    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+        let Self { law, nodes, rest_area, stiffness, .. } = self;
+        (*law == AreaLaw::Gradient).then_some(LatticeLaw::Areas { nodes, stiffness, rest_area })
     }
 
     fn is_internal(&self) -> bool {
