@@ -51,21 +51,20 @@
 //! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) are on by default; `testing`
 //! has conformance suites for cell models and forces of your own.
 
-pub mod analysis;
-pub mod cell;
-pub mod integrate;
-pub mod mechanics;
-pub mod mesh;
+#[doc(inline)]
+pub use myospring_core::{
+    analysis, cell, integrate, mechanics, mesh, parameter, recording, references, simulation, units,
+};
+
+#[cfg(feature = "testing")]
+#[doc(inline)]
+pub use myospring_core::testing;
 #[cfg(feature = "microscopy")]
-pub mod microscopy;
+#[doc(inline)]
+pub use myospring_microscopy as microscopy;
 #[cfg(feature = "output")]
-pub mod output;
-pub mod parameter;
-pub mod recording;
-pub mod references;
+#[doc(inline)]
+pub use myospring_output as output;
+
 #[cfg(feature = "run-file")]
 pub mod run_file;
-pub mod simulation;
-#[cfg(any(test, feature = "testing"))]
-pub mod testing;
-pub mod units;
