@@ -12,7 +12,7 @@ use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_p
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
 use myospring::run_file::Shaped;
-use myospring::simulation::{Effort, Finished};
+use myospring::simulation::{Effort, Outcome};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
@@ -45,18 +45,18 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let pool = threads::pool(args.threads)?;
     let bar = progress_bar(args.output.quiet);
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
-    let one = |peak_tension: f64| -> Result<Finished, Failure> {
+    let one = |peak_tension: f64| -> Result<Outcome, Failure> {
         let mut simulation = run.simulation(mesh.clone(), None)?;
         simulation.peak_tension = peak_tension;
         let mut before = 0.0;
-        Ok(simulation.ready()?.run(|progress| {
+        Ok(simulation.build()?.run(|progress| {
             bar.inc((progress.time - before).round() as u64);
             before += (progress.time - before).round();
             true
         }))
     };
     // Kept in the order of the tensions, whichever run ends first.
-    let outcomes: Result<Vec<Finished>, Failure> =
+    let outcomes: Result<Vec<Outcome>, Failure> =
         pool.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
     bar.finish_and_clear();
     let outcomes = outcomes?;

@@ -87,6 +87,10 @@ pub trait CellModel: Send + Sync {
     fn published_peak_tension(&self) -> f64;
     /// The stimulus that makes the model beat as its authors meant.
     fn default_stimulus(&self) -> Stimulus;
+    /// Whether its equations contain the stretch or its rate.
+    fn feels_stretch(&self) -> bool {
+        false
+    }
     /// Where [`solve::Method::StaggeredEuler`] cuts the state into blocks: the index of the first
     /// variable of each block but the first. No cuts: the method is forward Euler.
     fn staggered_blocks(&self) -> &'static [usize] {

@@ -146,7 +146,7 @@ impl Work<'_> {
         }
         // Moved by one thread, as all simulations unless told otherwise: the cores have pictures.
         let simulation = run.simulation(shaped.mesh, field.as_ref())?;
-        let prepared = simulation.ready()?;
+        let prepared = simulation.build()?;
         let outcome = prepared.run(|Progress { .. }| true);
         let stimuli = run.stimulus_times();
         let mut warnings = run.warnings(&report);

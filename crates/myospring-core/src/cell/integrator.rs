@@ -3,6 +3,7 @@
 use super::pacing::{Event, Protocol};
 use super::solve::{Method, Settings, SolveError};
 use super::{CellModel, Input};
+use std::sync::Arc;
 
 /// Instants closer than this fraction of a step are one instant.
 const SAME_INSTANT: f64 = 1e-6;
@@ -23,16 +24,16 @@ const SAME_INSTANT: f64 = 1e-6;
 ///
 /// let model = coelho_2021::model();
 /// let protocol = Protocol::once(model.default_stimulus());
-/// let mut cell = CellIntegrator::new(&model, protocol, Settings::default())?;
+/// let mut cell = CellIntegrator::new(std::sync::Arc::new(model.clone()), protocol, Settings::default())?;
 /// for step in 1..=60 {
-///     cell.advance_to(f64::from(step), 1.0)?; // 1.0: at resting length
+///     cell.advance_to(f64::from(step), 1.0, 0.0)?; // 1.0: at resting length
 /// }
 /// assert!(model.potential(cell.state()) > 0.9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]
-pub struct CellIntegrator<'a> {
-    model: &'a dyn CellModel,
+pub struct CellIntegrator {
+    model: Arc<dyn CellModel>,
     protocol: Protocol,
     settings: Settings,
     stepper: Stepper,
@@ -45,13 +46,13 @@ pub struct CellIntegrator<'a> {
     stimulus: f64,
 }
 
-impl<'a> CellIntegrator<'a> {
+impl CellIntegrator {
     /// A cell in its initial state at 0 ms, after whatever the protocol does at 0 ms.
     ///
     /// # Errors
     /// A protocol that cannot be followed, or a step that is not a positive finite time.
     pub fn new(
-        model: &'a dyn CellModel,
+        model: Arc<dyn CellModel>,
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
@@ -85,8 +86,8 @@ impl<'a> CellIntegrator<'a> {
     }
 
     /// The model that is integrated.
-    pub fn model(&self) -> &'a dyn CellModel {
-        self.model
+    pub fn model(&self) -> &dyn CellModel {
+        &*self.model
     }
 
     /// Moves on to time `t_ms` at constant `stretch` (length over resting length).
@@ -97,7 +98,7 @@ impl<'a> CellIntegrator<'a> {
     /// # Errors
     /// A time before the one reached or not finite, a stretch that is not a positive number, or a
     /// state variable that becomes NaN or infinite; the cell is then no longer of use.
-    pub fn advance_to(&mut self, t_ms: f64, stretch: f64) -> Result<(), SolveError> {
+    pub fn advance_to(&mut self, t_ms: f64, stretch: f64, _rate: f64) -> Result<(), SolveError> {
         let same = SAME_INSTANT * self.settings.step_ms;
         if !t_ms.is_finite() || t_ms < self.time_ms - same {
             return Err(SolveError::BackInTime { target_ms: t_ms, time_ms: self.time_ms });
@@ -129,7 +130,7 @@ impl<'a> CellIntegrator<'a> {
             if self.on_grid && to_grid { self.settings.step_ms } else { stop_ms - self.time_ms };
 
         let input = Input { stimulus: self.stimulus, stretch };
-        self.stepper.step(self.model, self.settings.method, &mut self.state, &input, step_ms);
+        self.stepper.step(&*self.model, self.settings.method, &mut self.state, &input, step_ms);
         self.time_ms = stop_ms;
         self.on_grid = to_grid;
         self.next_grid += u64::from(to_grid);

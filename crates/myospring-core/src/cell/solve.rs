@@ -180,9 +180,11 @@ pub fn solve(
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
-    let mut cell = CellIntegrator::new(model, protocol, settings)?;
+    let copy = model.with_parameters(model.parameters().clone());
+    let Ok(model_copy) = copy else { unreachable!() };
+    let mut cell = CellIntegrator::new(model_copy.into(), protocol, settings)?;
     sample(model, duration_ms, sample_interval_ms, |time_ms| {
-        cell.advance_to(time_ms, 1.0)?;
+        cell.advance_to(time_ms, 1.0, 0.0)?;
         Ok(cell.state().to_vec())
     })
 }

@@ -36,6 +36,14 @@ impl<'a> FusedMotion<'a> {
         Ok(Self { plain, kernel, under_way: false })
     }
 
+    /// As [`Stepper::advance`]; numbers are tensions in kPa everywhere.
+    ///
+    /// # Errors
+    /// If a panic has interrupted this or an earlier call.
+    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
+        Stepper::advance(self, steps, tensions.map(Tension::Uniform))
+    }
+
     /// Number of threads at work.
     pub fn threads(&self) -> usize {
         self.kernel.threads()
@@ -55,7 +63,7 @@ impl<'a> FusedMotion<'a> {
         let (mut start, mut left) = (start, steps);
         if self.plain.steps() == 0 && steps > 0 {
             let next = start + (end - start) / steps as f64;
-            self.plain.advance(1, [start.into(), next.into()])?;
+            self.plain.advance(1, [start, next])?;
             (start, left) = (next, steps - 1);
             self.put();
         }

@@ -30,9 +30,11 @@
 mod equilibrium;
 mod error;
 mod factor;
+mod field;
 mod shapes;
 
 pub use error::{PathError, Place};
+pub use field::Equilibrium;
 pub use shapes::Shapes;
 
 use crate::mechanics::stiffness::StiffnessMatrix;
@@ -139,14 +141,7 @@ impl<'a, const D: usize> Path<'a, D> {
         tolerance: Tolerance,
     ) -> Result<Self, PathError> {
         check_forces(system, body)?;
-        let extent = body
-            .positions
-            .iter()
-            .map(|axis| {
-                axis.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                    - axis.iter().copied().fold(f64::INFINITY, f64::min)
-            })
-            .fold(0.0, f64::max);
+        let extent = extent(body);
         let mut solver = Solver::new(system, body);
         let rest = solver
             .find(&body.positions, 0.0, tolerance.equilibrium * extent)
@@ -324,6 +319,15 @@ impl<'a, const D: usize> Path<'a, D> {
         let error = missed * (step / (4.0 * (done + step))).powi(2);
         Ok(self.judge(side, error, shortest, vec![knot]))
     }
+}
+
+/// Largest extent of a body along an axis, um.
+fn extent<const D: usize>(body: &Body<D>) -> f64 {
+    let along = |axis: &Vec<f64>| {
+        axis.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+            - axis.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    body.positions.iter().map(along).fold(0.0, f64::max)
 }
 
 fn ending<const D: usize>(

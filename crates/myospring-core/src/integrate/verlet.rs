@@ -42,7 +42,6 @@ impl Integrator {
 ///
 /// # Example
 /// ```
-/// use myospring::integrate::stepper::Stepper;
 /// use myospring::integrate::verlet::{Integrator, Motion};
 /// use myospring::mechanics::{Body, System, drag::Drag, spring::Springs, support::Support, zeros};
 /// // Two masses of 1 ug on a spring of 2 nN/um, 1 um apart and pulled apart by 0.1 um: period pi ms.
@@ -57,8 +56,8 @@ impl Integrator {
 /// };
 /// let step = std::f64::consts::PI / 1000.0;
 /// let mut motion = Motion::new(&system, body, Integrator::StoermerVerlet, step);
-/// motion.advance(500, [0.0.into(); 2])?;
-/// let [x, _] = &motion.body().positions;
+/// motion.advance(500, [0.0; 2])?;
+/// let [x, _] = &motion.body.positions;
 /// assert!((x[1] - x[0] - 0.9).abs() < 1e-5);
 /// # Ok::<(), myospring::integrate::stepper::Poisoned>(())
 /// ```
@@ -115,6 +114,18 @@ impl<'a, const D: usize> Motion<'a, D> {
             tensions: Vec::new(),
             under_way: false,
         }
+    }
+
+    /// As [`Stepper::advance`]; numbers are tensions in kPa everywhere.
+    ///
+    /// # Errors
+    /// If a panic has interrupted this or an earlier call.
+    pub fn advance<'t>(
+        &mut self,
+        steps: usize,
+        tensions: [impl Into<Tension<'t>>; 2],
+    ) -> Result<(), Poisoned> {
+        Stepper::advance(self, steps, tensions.map(Into::into))
     }
 
     /// Velocities at the last half step, um/ms: those that the dashpots have seen.

@@ -178,12 +178,14 @@ impl<const D: usize, const N: usize> FibreTension<D, N> {
         let mut weights = vec![0.0; edges.len()];
         let mut volumes = Vec::with_capacity(mesh.simplices.len());
         for (element, simplex) in mesh.simplices.iter().enumerate() {
-            let area = simplex::content(&simplex.nodes.map(|node| mesh.point(node as usize)));
+            let area = simplex::content_at(&mesh.points, simplex.nodes);
             let content = content.get(element).copied().unwrap_or(1.0);
             let volume = simplex.weight * area * thickness * content;
             let along = stretch.along[element];
             for i in 0..N {
                 for j in i + 1..N {
+                    // Around the simplex: the last edge leads from its last corner to its first.
+                    let (i, j) = if j - i == N - 1 { (j, i) } else { (i, j) };
                     let (a, b) = (simplex.nodes[i], simplex.nodes[j]);
                     let edge = *index.entry([a.min(b), a.max(b)]).or_insert_with(|| {
                         edges.push([a, b]);

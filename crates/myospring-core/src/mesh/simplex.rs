@@ -27,6 +27,16 @@ pub fn content<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> f64 {
     (0..3).map(|axis| edge(1, axis) * normal[axis]).sum::<f64>() / 6.0
 }
 
+/// Signed content of the simplex of these nodes in given positions (`positions[axis][node]`), um^2 or um^3.
+pub fn content_at<const D: usize, const N: usize>(
+    positions: &[Vec<f64>; D],
+    nodes: [u32; N],
+) -> f64 {
+    let corners: [[f64; D]; N] =
+        nodes.map(|node| std::array::from_fn(|axis| positions[axis][node as usize]));
+    content(&corners)
+}
+
 /// Derivative of the content with respect to each corner, um or um^2: `gradients[corner][axis]`; their sum
 /// is zero.
 pub fn content_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> [[f64; D]; N] {

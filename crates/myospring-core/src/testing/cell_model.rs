@@ -185,12 +185,18 @@ fn check_pieces(model: &dyn CellModel) {
     let name = model.name();
     let protocol = Protocol::once(model.default_stimulus());
     let run = |stops: u32| {
-        let mut cell = match CellIntegrator::new(model, protocol, Settings::default()) {
+        let mut cell = match CellIntegrator::new(
+            model.with_parameters(model.parameters().clone()).unwrap().into(),
+            protocol,
+            Settings::default(),
+        ) {
             Ok(cell) => cell,
             Err(error) => panic!("{name}: {error}"),
         };
         for stop in 1..=stops {
-            if let Err(error) = cell.advance_to(100.0 * f64::from(stop) / f64::from(stops), 1.0) {
+            if let Err(error) =
+                cell.advance_to(100.0 * f64::from(stop) / f64::from(stops), 1.0, 0.0)
+            {
                 panic!("{name}: {error}");
             }
         }

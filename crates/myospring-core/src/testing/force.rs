@@ -22,7 +22,7 @@ use crate::mechanics::{Configuration, Force, Vectors, zeros};
 /// let springs = Springs::new(vec![[0, 1], [1, 2]], vec![3.0, 1.0], vec![1.0, 2.0], vec![0.1; 2]);
 /// let positions = [vec![0.0, 1.2, 2.0], vec![0.0, 0.1, 1.5]];
 /// let velocities = [vec![0.3, -0.2, 0.1], vec![0.0, 0.5, -0.1]];
-/// check(&springs, &Configuration { positions: &positions, velocities: &velocities, tension: 0.0 });
+/// check(&springs, &Configuration { positions: &positions, velocities: &velocities, tension: 0.0.into() });
 /// ```
 pub fn check(force: &dyn Force, at: &Configuration<'_>) {
     adds_to_what_is_there(force, at);

@@ -395,7 +395,7 @@ fn numerics(table: &NumericsTable, cell: Settings) -> Checked<Numerics> {
         output_interval: bounds::OUTPUT_INTERVAL.read_or(output, default.output_interval)?,
         frame_interval: bounds::FRAME_INTERVAL.read_or(frame, default.frame_interval)?,
         cell,
-        threads: 1,
+        engine: default.engine,
     })
 }
 

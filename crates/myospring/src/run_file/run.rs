@@ -98,7 +98,10 @@ impl Run {
     ) -> Result<Simulation, crate::cell::ModelError> {
         let (long_axis, fibres) = (long_axis(&mesh), self.fibres(&mesh, field));
         Ok(Simulation {
-            cell: self.cell.with_parameters(self.cell.parameters().clone())?,
+            cell: self.cell.with_parameters(self.cell.parameters().clone())?.into(),
+            activation: None,
+            myofibril_content: None,
+            stepper: None,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
             tension_scale: self.tension_scale,

@@ -44,15 +44,15 @@ pub(crate) fn quick_twitch(mesh: Mesh) -> Simulation {
     let toy = toy::ToyModel::new(parameters).unwrap();
     Simulation {
         protocol: Protocol { start_ms: 0.0, ..Protocol::once(toy.default_stimulus()) },
-        cell: Box::new(toy),
+        cell: std::sync::Arc::new(toy),
         duration: 20.0,
-        ..Simulation::coelho_2021(mesh)
+        ..Simulation::new(mesh)
     }
 }
 
 #[test]
 fn the_default_beat_shortens_by_twelve_per_cent_and_keeps_its_volume() {
-    let outcome = run(&Simulation::coelho_2021(built_in_cell(0.0, None)));
+    let outcome = run(&Simulation::new(built_in_cell(0.0, None)));
     assert_eq!(outcome.stop, None);
     let times = column(&outcome, |s| s.t_ms);
     let metrics = contraction::metrics(&times, &column(&outcome, |s| s.length_um), 50.0);
@@ -144,7 +144,7 @@ fn half_the_mass_gives_the_same_beat() {
     let beat = |slowest_period: f64| {
         let material = Material { slowest_period, ..default_material() };
         let mesh = built_in_cell(0.0, Some(2.4));
-        let simulation = Simulation { material, ..Simulation::coelho_2021(mesh) };
+        let simulation = Simulation { material, ..Simulation::new(mesh) };
         peak_shortening(&run(&simulation))
     };
     let (heavy, light) = (beat(2.0), beat(2.0 * 0.5_f64.sqrt()));
@@ -321,7 +321,7 @@ fn every_model_of_the_list_can_drive_the_mesh() {
             protocol: Protocol::once(model.default_stimulus()),
             cell: model,
             duration: 300.0,
-            ..Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)))
+            ..Simulation::new(built_in_cell(0.0, Some(5.0)))
         };
         let outcome = run(&simulation);
         assert_eq!(outcome.stop, None, "{name}");
@@ -335,7 +335,7 @@ fn with_tau_si(tau_si: f64, tension_scale: TensionScale) -> Simulation {
     let published = cell::model("coelho_2021").unwrap();
     let mut parameters = published.parameters().clone();
     parameters.set("tau_si", tau_si).unwrap();
-    let simulation = Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)));
+    let simulation = Simulation::new(built_in_cell(0.0, Some(5.0)));
     let numerics = Numerics { method: Method::QuasiStatic, ..simulation.numerics.clone() };
     let cell = published.with_parameters(parameters).unwrap();
     Simulation { cell, tension_scale, numerics, ..simulation }
@@ -347,7 +347,7 @@ fn a_changed_parameter_changes_the_strength_of_the_cell() {
     let beats = [1.4, 1.76816, 2.4].map(|tau_si| {
         let simulation = with_tau_si(tau_si, TensionScale::Published);
         let own = solve::reference_beat(&*simulation.cell, simulation.numerics.cell).unwrap();
-        let finished = simulation.ready().unwrap().run(|_| true);
+        let finished = simulation.build().unwrap().run(|_| true);
         assert_eq!(finished.stop, None);
         let samples = &finished.recording.samples;
         let largest = |of: fn(&Sample) -> f64| samples.iter().map(of).fold(0.0, f64::max);
@@ -368,7 +368,7 @@ fn a_changed_parameter_changes_the_strength_of_the_cell() {
 fn scaled_by_their_own_peak_all_cells_are_equally_strong() {
     for tau_si in [1.4, 1.76816, 2.4] {
         let simulation = with_tau_si(tau_si, TensionScale::OwnPeak);
-        let samples = simulation.ready().unwrap().run(|_| true).recording.samples;
+        let samples = simulation.build().unwrap().run(|_| true).recording.samples;
         let largest = samples.iter().map(|s| s.ta_kpa).fold(0.0, f64::max);
         assert!((largest - 50.0).abs() < 0.005, "{tau_si} ms: {largest} kPa");
     }
@@ -379,10 +379,8 @@ fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
     let strong = with_tau_si(1.0, TensionScale::Published);
     let own = solve::reference_beat(&*strong.cell, strong.numerics.cell).unwrap();
     let ratio = own.peak_tension / strong.cell.published_peak_tension();
-    let stated = Simulation {
-        peak_tension: 50.0 * ratio,
-        ..Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)))
-    };
+    let stated =
+        Simulation { peak_tension: 50.0 * ratio, ..Simulation::new(built_in_cell(0.0, Some(5.0))) };
     let (a, b) = (strong.prepare().unwrap().limit, stated.prepare().unwrap().limit);
     assert!(ratio > 1.02 && a.time_step == b.time_step, "{ratio}, {a:?}, {b:?}");
 }
@@ -390,7 +388,7 @@ fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
 #[test]
 fn a_cell_that_swings_about_its_clamped_end_is_as_wide_as_a_free_one() {
     let change = |support: SupportKind| {
-        let simulation = Simulation::coelho_2021(built_in_cell(0.0, Some(2.5)));
+        let simulation = Simulation::new(built_in_cell(0.0, Some(2.5)));
         let [x, y] = simulation.long_axis;
         let (sine, cosine) = 20.0_f64.to_radians().sin_cos();
         let fibre = [cosine * x - sine * y, sine * x + cosine * y];
@@ -424,7 +422,7 @@ fn a_train_of_beats_repeats_itself() {
         },
         cell: model,
         duration: 1550.0,
-        ..Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)))
+        ..Simulation::new(built_in_cell(0.0, Some(5.0)))
     };
     let outcome = run(&simulation);
     let (times, shortening) =
