@@ -16,7 +16,7 @@ use myospring::testing::force;
 use proptest::prelude::*;
 
 /// Repeatable numbers in -1/2..1/2.
-fn noise(count: usize, seed: usize) -> Vec<f64> {
+pub(crate) fn noise(count: usize, seed: usize) -> Vec<f64> {
     (0..count)
         .map(|i| ((i * 7919 + seed * 104_729 + 1) as f64 * 0.618_033_988_75).fract() - 0.5)
         .collect()
