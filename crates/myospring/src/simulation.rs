@@ -31,7 +31,7 @@ use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, Settings, SolveError};
-use crate::cell::{self, CellModel, coelho_2021};
+use crate::cell::{self, CellModel, TensionKind, coelho_2021};
 use crate::integrate::Method;
 use crate::integrate::verlet::{Integrator, Motion};
 use crate::mechanics::active::ActiveLaw;
@@ -46,6 +46,7 @@ use crate::recording::{Frame, Recording, Sample};
 use in_time::InTime;
 use observer::Samples;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Numerical settings of a run; [`Default`] gives a converged beat.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +94,7 @@ pub const SAFETY: f64 = 0.95;
 #[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionScale {
-    /// That of the model's published parameters ([`CellModel::published_peak_tension`]): a changed parameter
+    /// That of the model's published parameters ([`TensionKind::Relative`]): a changed parameter
     /// changes the strength of the cell.
     Published,
     /// That of the model as it is, by a reference beat of its own: every cell has the same peak tension,
@@ -108,12 +109,13 @@ pub enum TensionScale {
 /// use myospring::cell::{CellModel, pacing::Protocol, toy::ToyModel};
 /// use myospring::mesh::lattice;
 /// use myospring::simulation::Simulation;
+/// use std::sync::Arc;
 ///
 /// let strip = lattice::rectangle(20, 4, 5.0)?;
 /// let toy = ToyModel::published();
 /// let simulation = Simulation {
 ///     protocol: Protocol { start_ms: 0.0, ..Protocol::once(toy.default_stimulus()) },
-///     cell: Box::new(toy),
+///     cell: Arc::new(toy),
 ///     duration: 60.0,
 ///     ..Simulation::coelho_2021(strip)
 /// };
@@ -125,7 +127,7 @@ pub enum TensionScale {
 /// ```
 pub struct Simulation {
     /// The cell model.
-    pub cell: Box<dyn CellModel>,
+    pub cell: Arc<dyn CellModel>,
     /// When and how it is stimulated.
     pub protocol: Protocol,
     /// Peak of the active tension, kPa, of one default beat of the cell model that `tension_scale` names.
@@ -177,7 +179,7 @@ pub struct Prepared<'a> {
 /// What every run starts from.
 struct Setup<'a> {
     simulation: &'a Simulation,
-    cell: CellIntegrator<'a>,
+    cell: CellIntegrator,
     body: Body,
     system: System,
     meter: ShapeMeter,
@@ -232,7 +234,7 @@ impl Simulation {
         let long_axis = quality::long_axis(&mesh);
         Self {
             protocol: Protocol::once(cell.default_stimulus()),
-            cell: Box::new(cell),
+            cell: Arc::new(cell),
             peak_tension: 50.0,
             tension_scale: TensionScale::Published,
             long_axis,
@@ -270,10 +272,14 @@ impl Simulation {
 
     fn set_up(&self) -> Result<Setup<'_>, SetupError> {
         let model = self.cell.name();
-        let failed = |error: SolveError| SetupError::CellModel { model, cause: error.to_string() };
+        let failed = |error: SolveError| SetupError::CellModel {
+            model: model.to_owned(),
+            cause: error.to_string(),
+        };
         let settings = self.numerics.cell;
         let [peak, highest] = self.peaks().map_err(failed)?;
-        let cell = CellIntegrator::new(&*self.cell, self.protocol, settings).map_err(failed)?;
+        let cell =
+            CellIntegrator::new(Arc::clone(&self.cell), self.protocol, settings).map_err(failed)?;
         let Assembly { body, system, meter, resting_length } = self.assembled();
         let tension_scale = self.peak_tension / peak;
         let strength = highest / peak;
@@ -292,16 +298,19 @@ impl Simulation {
     }
 
     /// The tension of the model that is scaled to the peak tension, and the highest of a default beat. A
-    /// model with its published parameters needs no beat for it.
+    /// model with its published parameters needs no beat for it; tension in kPa is not scaled.
     fn peaks(&self) -> Result<[f64; 2], SolveError> {
         let own = || solve::reference_beat(&*self.cell, self.numerics.cell);
-        if self.tension_scale == TensionScale::OwnPeak {
-            return own().map(|beat| [beat.peak_tension; 2]);
-        }
-        let published = self.cell.published_peak_tension();
-        if cell::is_as_published(&*self.cell) {
-            return Ok([published; 2]);
-        }
+        let published = match self.cell.tension_kind() {
+            TensionKind::Kilopascal => self.peak_tension,
+            TensionKind::Relative { .. } if self.tension_scale == TensionScale::OwnPeak => {
+                return own().map(|beat| [beat.peak_tension; 2]);
+            }
+            TensionKind::Relative { published_peak } if cell::is_as_published(&*self.cell) => {
+                return Ok([published_peak; 2]);
+            }
+            TensionKind::Relative { published_peak } => published_peak,
+        };
         match own() {
             Ok(beat) => Ok([published, beat.peak_tension]),
             // Too weak to peak, or too slow to peak in time: not for us to refuse.
@@ -412,12 +421,14 @@ impl Setup<'_> {
         let mut strongest: Option<Frame> = None;
         let mut stop = None;
         let mut length = self.resting_length;
+        let mut before = length;
         for index in 0..=exchanges {
             let time = index as f64 * exchange;
             if index > 0 {
                 let stretch = length / self.resting_length;
+                let rate = (length - before) / (self.resting_length * exchange);
                 observer.begins(Part::Cell);
-                if let Err(error) = cell.advance_to(time, stretch) {
+                if let Err(error) = cell.advance_to(time, stretch, rate) {
                     stop = Some(StopReason::CellModel { cause: error.to_string() });
                     break;
                 }
@@ -428,6 +439,7 @@ impl Setup<'_> {
                     break;
                 }
                 tension = next;
+                before = length;
                 length = shaping.length();
             }
             observer.begins(Part::Recording);
@@ -459,7 +471,7 @@ impl Setup<'_> {
     fn sample(
         &self,
         time: f64,
-        cell: &CellIntegrator<'_>,
+        cell: &CellIntegrator,
         tension: f64,
         observed: &Observed,
     ) -> Sample {

@@ -3,6 +3,7 @@
 use super::observer::{Observer, Samples};
 use super::quasi_static::QuasiStaticOutcome;
 use super::{Outcome, Prepared, PreparedPath, Progress, SetupError, Simulation, StopReason};
+use crate::cell::TensionKind;
 use crate::integrate::Method;
 use crate::integrate::quasi_static::Tolerance;
 use crate::recording::Recording;
@@ -112,7 +113,8 @@ impl Ready<'_> {
             ));
         }
         let strength = setup.strength;
-        if !ORDINARY.contains(&strength) {
+        let relative = setup.simulation.cell.tension_kind() != TensionKind::Kilopascal;
+        if relative && !ORDINARY.contains(&strength) {
             warnings.push(format!(
                 "the cell model's parameters make a default beat {strength:.3} times as strong as the \
                  published ones do: about {:.4} kPa; tension_scale = \"own-peak\" scales it to {} kPa",

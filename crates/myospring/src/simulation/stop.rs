@@ -30,7 +30,7 @@ pub enum SetupError {
     #[error("the cell model `{model}` cannot be run: {cause}")]
     CellModel {
         /// The model.
-        model: &'static str,
+        model: String,
         /// What went wrong.
         cause: String,
     },
