@@ -66,7 +66,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         .zip(&outcomes)
         .map(|(&peak_tension, outcome)| PaperRun { peak_tension, recording: &outcome.recording })
         .collect();
-    let equations = run.cell.state_names().len();
+    let equations = run.cell.states().len();
     let findings = with_paper(&runs, run.protocol.start_ms, equations, &mesh.areas);
     let stopped_early: Vec<String> =
         outcomes.iter().filter_map(|outcome| Some(outcome.stop.as_ref()?.to_string())).collect();

@@ -16,6 +16,7 @@ mod whole_cell;
 
 pub use whole_cell::WholeCell;
 
+use crate::cell::Output;
 use crate::mechanics::Tension;
 
 /// Where an activation has its sites.
@@ -154,6 +155,16 @@ pub trait Activation: Send + Sync {
     /// Membrane potential, mV, where there is one.
     fn membrane_potential_mv(&self) -> Option<f64> {
         None
+    }
+
+    /// What it tells besides, such as calcium: name and unit, the same at all times; nothing by default.
+    fn outputs(&self) -> Vec<Output> {
+        Vec::new()
+    }
+
+    /// The values of [`Activation::outputs`] now, in their order.
+    fn output_values(&self) -> Vec<f64> {
+        Vec::new()
     }
 
     /// A copy in the same state, for another run from there.

@@ -104,7 +104,7 @@ pub const SAFETY: f64 = 0.95;
 #[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionScale {
-    /// That of the model's published parameters ([`CellModel::published_peak_tension`]): a changed parameter
+    /// That of the model's published parameters ([`TensionKind::Relative`](crate::cell::TensionKind::Relative)): a changed parameter
     /// changes the strength of the cell.
     Published,
     /// That of the model as it is, by a reference beat of its own: every cell has the same peak tension,

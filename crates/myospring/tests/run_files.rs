@@ -60,7 +60,7 @@ fn every_good_run_file_and_example_resolves_to_a_run_that_survives_writing_and_r
         assert_eq!(first.shape, second.shape);
         assert_eq!(first.cell.parameters().rows().len(), second.cell.parameters().rows().len());
         for (a, b) in first.cell.parameters().rows().iter().zip(second.cell.parameters().rows()) {
-            assert_eq!((a.name, a.value), (b.name, b.value));
+            assert_eq!((&a.name, a.value), (&b.name, b.value));
         }
     }
 }

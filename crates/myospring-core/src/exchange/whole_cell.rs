@@ -1,10 +1,10 @@
 //! A cell model as the activation of a whole cell.
 
 use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
-use crate::cell::CellModel;
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Settings, SolveError};
+use crate::cell::{CellModel, Output};
 use crate::mechanics::Tension;
 use std::sync::Arc;
 
@@ -94,6 +94,14 @@ impl Activation for WholeCell {
 
     fn membrane_potential_mv(&self) -> Option<f64> {
         self.moved.model().membrane_potential_mv(self.moved.state())
+    }
+
+    fn outputs(&self) -> Vec<Output> {
+        self.moved.model().outputs().to_vec()
+    }
+
+    fn output_values(&self) -> Vec<f64> {
+        self.moved.outputs()
     }
 
     fn boxed(&self) -> Box<dyn Activation> {

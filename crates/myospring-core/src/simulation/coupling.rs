@@ -17,9 +17,10 @@ use super::held::Held;
 use super::observer::{Observer, Part, Progress};
 use super::setup::Setup;
 use super::{Simulation, StopReason};
+use crate::cell::Output;
 use crate::exchange::{Activation, ActivationError, Felt, Sites};
 use crate::mechanics::{Following, Tension, Vectors};
-use crate::recording::{Frame, Recording, Sample};
+use crate::recording::{Frame, Recording, Sample, Signal};
 
 /// What a shape is recorded by; units as in [`Sample`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -253,7 +254,15 @@ impl Setup {
         let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
 
         let mut meeting = Exchange::new(self);
-        let mut recording = Recording::default();
+        let signal = |output: Output| Signal {
+            name: output.name.into_owned(),
+            unit: output.unit.into_owned(),
+            values: Vec::new(),
+        };
+        let mut recording = Recording {
+            signals: self.activation.outputs().into_iter().map(signal).collect(),
+            ..Recording::default()
+        };
         let mut strongest: Option<Frame> = None;
         let mut stop = None;
         for index in 0..=exchanges {
@@ -270,6 +279,10 @@ impl Setup {
             if index % per_sample == 0 {
                 let observed = shaping.observe();
                 recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
+                let values = meeting.activation.output_values();
+                for (signal, value) in recording.signals.iter_mut().zip(values) {
+                    signal.values.push(value);
+                }
                 if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
                     strongest = Some(snapshot());
                 }

@@ -2,8 +2,8 @@
 
 use super::{SetupError, Simulation, TensionScale};
 use crate::analysis::shape::{self, ShapeMeter};
-use crate::cell;
 use crate::cell::solve::{self, SolveError};
+use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, Sites, Strongest, WholeCell};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
 use crate::mechanics::material::assemble;
@@ -24,6 +24,16 @@ pub(super) struct Setup {
     pub(super) fibre_stretch: Option<FibreStretch>,
     /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2.
     pub(super) volumes: Vec<f64>,
+}
+
+/// How strong a cell model is.
+struct Strength {
+    /// kPa per unit of its tension.
+    scale: f64,
+    /// The highest tension of a default beat, kPa.
+    strongest: f64,
+    /// That, relative to the parameters that are scaled to the peak tension.
+    relative: f64,
 }
 
 /// The mesh with its forces, and what measures it.
@@ -65,33 +75,38 @@ impl Simulation {
             model: self.cell.name().to_owned(),
             cause: error.to_string(),
         };
-        let [peak, highest] = self.peaks().map_err(failed)?;
-        let strength = highest / peak;
-        let strongest =
-            Strongest { tension: self.peak_tension * strength.max(1.0), ..Strongest::default() };
-        let scale = self.peak_tension / peak;
+        let Strength { scale, strongest, relative } = self.strength().map_err(failed)?;
+        let strongest = Strongest { tension: strongest, ..Strongest::default() };
         let model = self.cell.clone();
         let cell = WholeCell::new(model, self.protocol, self.numerics.cell, scale, strongest);
-        Ok((Box::new(cell.map_err(failed)?), strength))
+        Ok((Box::new(cell.map_err(failed)?), relative))
     }
 
-    /// The tension of the model that is scaled to the peak tension, and the highest of a default beat. A
-    /// model with its published parameters needs no beat for it.
-    fn peaks(&self) -> Result<[f64; 2], SolveError> {
-        let own = || solve::reference_beat(&*self.cell, self.numerics.cell);
-        if self.tension_scale == TensionScale::OwnPeak {
-            return own().map(|beat| [beat.peak_tension; 2]);
-        }
-        let published = self.cell.published_peak_tension();
-        if cell::is_as_published(&*self.cell) {
-            return Ok([published; 2]);
-        }
-        match own() {
-            Ok(beat) => Ok([published, beat.peak_tension]),
+    /// How strong the cell model is. One with its published parameters needs no beat for it; tension in kPa is
+    /// not scaled.
+    fn strength(&self) -> Result<Strength, SolveError> {
+        let own = || match solve::reference_beat(&*self.cell, self.numerics.cell) {
+            Ok(beat) => Ok(beat.peak_tension),
             // Too weak to peak, or too slow to peak in time: not for us to refuse.
-            Err(SolveError::NoPeak { value, .. }) => Ok([published, value.max(0.0)]),
+            Err(SolveError::NoPeak { value, .. }) => Ok(value.max(0.0)),
             Err(error) => Err(error),
-        }
+        };
+        let scaled = |peak: f64, highest: f64| Strength {
+            scale: self.peak_tension / peak,
+            strongest: self.peak_tension * (highest / peak).max(1.0),
+            relative: highest / peak,
+        };
+        Ok(match self.cell.tension_kind() {
+            TensionKind::Kilopascal => Strength { scale: 1.0, strongest: own()?, relative: 1.0 },
+            TensionKind::Relative { .. } if self.tension_scale == TensionScale::OwnPeak => {
+                let peak = solve::reference_beat(&*self.cell, self.numerics.cell)?.peak_tension;
+                scaled(peak, peak)
+            }
+            TensionKind::Relative { published_peak } if cell::is_as_published(&*self.cell) => {
+                scaled(published_peak, published_peak)
+            }
+            TensionKind::Relative { published_peak } => scaled(published_peak, own()?),
+        })
     }
 
     pub(super) fn assembled(&self) -> Assembly {

@@ -22,6 +22,7 @@ use crate::microscopy::fibres::{FibreSettings, Stain};
 use crate::parameter::ParameterError;
 use crate::simulation::{Numerics, TensionScale};
 use crate::units::{self, Dimension};
+use std::sync::Arc;
 
 pub(super) type Checked<T> = Result<T, (String, Problem)>;
 
@@ -70,7 +71,7 @@ pub(super) fn resolve(file: &RunFile) -> Checked<Run> {
     })
 }
 
-fn cell_model(table: &CellTable) -> Checked<(Box<dyn CellModel>, Settings)> {
+fn cell_model(table: &CellTable) -> Checked<(Arc<dyn CellModel>, Settings)> {
     let name = table.model.as_deref().unwrap_or(MODEL);
     let published = cell::model(name).or_else(|error| fail("cell.model", Problem::Model(error)))?;
     let authors = table.authors_step == Some(true);
@@ -92,16 +93,17 @@ fn cell_model(table: &CellTable) -> Checked<(Box<dyn CellModel>, Settings)> {
     };
     for (name, setting) in &table.parameters {
         let key = format!("cell.parameters.{name}");
-        let unit = parameters.rows().iter().find(|row| row.name == name).map(|row| row.unit);
+        let unit =
+            parameters.rows().iter().find(|row| row.name == *name).map(|row| row.unit.clone());
         let Some(unit) = unit else {
             let known: Vec<String> =
-                parameters.rows().iter().map(|row| row.name.to_owned()).collect();
+                parameters.rows().iter().map(|row| row.name.to_string()).collect();
             let suggestion = nearest(name, known.iter().map(String::as_str)).map(str::to_owned);
             let table = "cell.parameters".to_owned();
             let problem = Problem::UnknownKey { key: name.clone(), table, suggestion, known };
             return fail(&key, problem);
         };
-        let value = in_unit(&key, setting, unit)?;
+        let value = in_unit(&key, setting, &unit)?;
         parameters
             .set(name, value)
             .or_else(|error: ParameterError| fail(&key, Problem::Parameter(error)))?;
@@ -474,14 +476,16 @@ mod tests {
     fn a_parameter_in_a_unit_of_its_own_is_read_in_that_unit_or_refused() {
         let read =
             |text: &str, unit| in_unit("cell.parameters.g", &Setting::Text(text.into()), unit);
-        assert_eq!(read("1.5 mS/uF", "mS/uF").unwrap(), 1.5);
-        assert_eq!(in_unit("g", &Setting::Number(1.5), "mS/uF").unwrap(), 1.5);
-        for wrong in ["1.5 ms", "1.5 %", "1.5", "mS/uF", "1.5 S/F"] {
-            let (key, problem) = read(wrong, "mS/uF").unwrap_err();
+        assert_eq!(read("1.5 mol/l", "mol/l").unwrap(), 1.5);
+        assert_eq!(in_unit("g", &Setting::Number(1.5), "mol/l").unwrap(), 1.5);
+        for wrong in ["1.5 ms", "1.5 %", "1.5", "mol/l", "1.5 mol"] {
+            let (key, problem) = read(wrong, "mol/l").unwrap_err();
             assert_eq!(key, "cell.parameters.g");
-            assert!(problem.to_string().contains("mS/uF"), "{wrong}: {problem}");
+            assert!(problem.to_string().contains("mol/l"), "{wrong}: {problem}");
         }
         assert_eq!(read("0.0019 s", "ms").unwrap(), 1.9);
+        assert_eq!(read("0.5 mM", "uM").unwrap(), 500.0);
+        assert_eq!(read("1.5 nS/pF", "mS/uF").unwrap(), 1.5);
         assert_eq!(read("50 %", "").unwrap(), 0.5);
     }
 

@@ -20,6 +20,7 @@ use crate::microscopy::fibres::{FibreError, FibreField, FibreSettings};
 use crate::microscopy::segment::Choice;
 use crate::simulation::{Numerics, Simulation, TensionScale};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Direction of the fibres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +38,7 @@ pub struct Run {
     /// Title, for people; may be empty.
     pub title: String,
     /// The cell model with its parameters.
-    pub cell: Box<dyn CellModel>,
+    pub cell: Arc<dyn CellModel>,
     /// Peak of the active tension, kPa.
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
@@ -199,8 +200,8 @@ impl Run {
     fn changed_parameters(&self) -> BTreeMap<String, Setting> {
         let Ok(published) = cell::model(self.cell.name()) else { return BTreeMap::new() };
         let rows = self.cell.parameters().rows().iter();
-        rows.filter(|row| published.parameters().get(row.name) != Some(row.value))
-            .map(|row| (row.name.to_owned(), Setting::Number(row.value)))
+        rows.filter(|row| published.parameters().get(&row.name) != Some(row.value))
+            .map(|row| (row.name.to_string(), Setting::Number(row.value)))
             .collect()
     }
 

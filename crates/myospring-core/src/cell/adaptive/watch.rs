@@ -3,11 +3,7 @@
 use super::branch::State;
 use super::lanes::{Lanes, repolarised};
 use super::piece::{Piece, root};
-
-/// Whether two times, ms, differ by rounding only.
-pub(super) fn same_instant(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
-}
+use crate::cell::pacing::same_instant;
 
 /// One beat of a cell, from its stimulus to the next or to the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
