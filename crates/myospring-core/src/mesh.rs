@@ -183,12 +183,12 @@ pub enum MeshError {
         points: usize,
     },
     /// A point does not lie on the lattice place that it claims.
-    #[error("node {node} does not lie on the place {place:?} of the lattice (column, row, layer)")]
+    #[error("node {node} does not lie on {place} of the lattice")]
     OffLattice {
         /// Index of the node.
         node: usize,
-        /// Column, row and layer that it claims.
-        place: Vec<u32>,
+        /// Column, row and layer that it claims, in words.
+        place: String,
     },
 }
 
@@ -364,7 +364,9 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
                     && (point[axis] - expected).abs() <= 1e-6 * lattice.spacing
             });
             if !there {
-                return Err(MeshError::OffLattice { node, place: cell.to_vec() });
+                let words = ["column", "row", "layer"].iter().zip(cell);
+                let words: Vec<String> = words.map(|(word, at)| format!("{word} {at}")).collect();
+                return Err(MeshError::OffLattice { node, place: words.join(", ") });
             }
         }
         Ok(())

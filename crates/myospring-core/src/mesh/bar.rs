@@ -13,18 +13,18 @@ use std::collections::BTreeMap;
 /// Corners of a cube by their offsets along x, y, z: bit 0, 1, 2.
 const CUBE: usize = 8;
 
-/// Tetrahedra of both cuts: the inner one of four corners that no side joins, then the four it leaves.
+/// Tetrahedra of both cuts: the inner one of four corners that no side joins, then one at each of the others.
 const TETRAHEDRA: [[usize; 4]; 10] = [
-    [0, 3, 5, 6],
-    [0, 1, 3, 5],
-    [0, 3, 2, 6],
-    [0, 6, 4, 5],
-    [3, 5, 6, 7],
+    [0, 3, 6, 5],
+    [1, 0, 5, 3],
+    [2, 0, 3, 6],
+    [4, 0, 6, 5],
+    [7, 3, 5, 6],
     [1, 2, 4, 7],
-    [1, 2, 0, 4],
-    [1, 3, 2, 7],
-    [1, 4, 5, 7],
-    [2, 6, 4, 7],
+    [0, 1, 2, 4],
+    [3, 1, 7, 2],
+    [5, 1, 4, 7],
+    [6, 2, 7, 4],
 ];
 
 /// A block of `cubes` along x, y and z with this spacing (um) and one corner at the origin.

@@ -5,7 +5,9 @@
 //! - **One site that feels**: tension and length at the end of the interval are found together, by trying
 //!   tensions from the same start until the activation answers with the one that was tried. The answer falls
 //!   as the tension rises (a stronger pull shortens the cell, and a shorter one pulls less), so there is one
-//!   solution between a tension and what it is answered with; secants find it, bisection keeps them in.
+//!   solution between a tension and what it is answered with; secants find it, bisection keeps them in. In
+//!   time it acts over the whole interval (backward Euler): one that rose towards it would swing ever more
+//!   where it hangs steeply on the rate.
 //! - **A site for each triangle, in time**: within the interval the tension of each triangle follows its own
 //!   stretch and rate by the activation's tangent, in every step of the masses ([`Following`]). The time step
 //!   is stable under the steepest tangent that the activation states
@@ -135,12 +137,19 @@ impl<'a> Exchange<'a> {
     /// One site: the tension that the activation answers with when it is tried.
     fn find_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         let start = self.tension.tension().at(0);
-        let enough = AGREED * self.setup.strongest.tension.max(start.abs()).max(1e-9);
+        let interval = self.setup.simulation.numerics.exchange_interval;
+        let steepest = self
+            .activation
+            .tangent()
+            .map_or(0.0, |tangent| tangent.per_stretch[0] + tangent.per_rate[0] / interval);
+        // Rounding in the length comes back as tension.
+        let rounding = 256.0 * f64::EPSILON * steepest;
+        let enough = AGREED * self.setup.strongest.tension.max(start.abs()) + rounding;
         shaping.mark();
         // What the answer is above the tension that was tried.
         let mut excess = |tension: f64, this: &mut Self| {
             shaping.back();
-            shaping.follow(time, [start.into(), tension.into()])?;
+            shaping.follow(time, [tension.into(); 2])?;
             let stretch = [shaping.length() / this.setup.assembly.resting_length];
             let rate = this.rates(&stretch);
             this.ask(time, &stretch, &rate)?;

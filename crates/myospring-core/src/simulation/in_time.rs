@@ -156,7 +156,8 @@ impl Shaping for InTime<'_> {
             return Err(reason);
         }
         let system = &self.setup.assembly.system;
-        self.ledger.settle(system, body, tension, numerics.exchange_interval);
+        let mean = Held::of(tensions[0]).mean(&tension);
+        self.ledger.settle(system, body, [mean, tension], numerics.exchange_interval);
         Ok(())
     }
 
@@ -222,8 +223,8 @@ impl Ledger {
         Self { active_work: 0.0, dissipated: 0.0, tension, dissipation: 0.0, before }
     }
 
-    fn settle(&mut self, system: &System, body: &Body, tension: Held, elapsed: f64) {
-        let mean = self.tension.mean(&tension);
+    /// Adds an interval that ends with this body, under these mean and last tensions.
+    fn settle(&mut self, system: &System, body: &Body, [mean, tension]: [Held; 2], elapsed: f64) {
         let energy = |body: &Body| system.active_energy(&body.configuration(mean.tension()));
         self.active_work += energy(&self.before) - energy(body);
         let dissipation = system.dissipation(&body.configuration(tension.tension()));

@@ -222,12 +222,8 @@ fn the_same_relaxation_is_found_in_time() {
     let (mesh, small, tau) = (lattice::rectangle(8, 2, 5.0).unwrap(), 0.02, 2.0);
     let compliance = compliance(&mesh);
     let whole = compliance * small;
-    for (sites, exchange, allowed) in [
-        // One site: implicit over each exchange interval, as at equilibrium.
-        (Sites::Whole, 0.05, 0.01),
-        // Triangles: their tension follows them in every step, so only inertia is left.
-        (Sites::PerElement(mesh.simplices.len()), 0.05, 0.01),
-    ] {
+    let exchange = 0.05;
+    for sites in both(&mesh) {
         let toy = Toy { per_rate: tau / compliance, ..Toy::new(sites, small, move |_, _| small) };
         let mut simulation = beat(mesh.clone(), toy, IN_TIME, 6.0);
         simulation.material.slowest_period = 0.2;
@@ -236,16 +232,18 @@ fn the_same_relaxation_is_found_in_time() {
         simulation.numerics.output_interval = 0.5;
         simulation.numerics.frame_interval = 1.0;
         let outcome = run(&unloaded(simulation, small));
-        for sample in &outcome.recording.samples {
+        for sample in &outcome.recording.samples[1..] {
             let left = 1.0 - sample.shortening_pct / 100.0 / whole;
-            let steps = (sample.t_ms / exchange).round();
             let expected = match sites {
-                Sites::Whole => (1.0 + exchange / tau).powf(-steps),
-                Sites::PerElement(_) => (-sample.t_ms / tau).exp(),
+                // Implicit over each exchange interval, as at equilibrium.
+                Sites::Whole => (1.0 + exchange / tau).powf(-(sample.t_ms / exchange).round()),
+                // Tensions that follow their triangles in every step; only the drive's step at 0 ms takes an
+                // interval to rise.
+                Sites::PerElement(_) => (-(sample.t_ms - 0.5 * exchange) / tau).exp(),
             };
-            // Inertia: the square of the slowest period over 2 pi tau, and the step at the start.
+            // Inertia: a mass on a spring of period T answers later, by some (T/2 pi)^2/tau of the time.
             let error = (left - expected).abs();
-            assert!(error < allowed, "{sites:?}: {error} at {} ms", sample.t_ms);
+            assert!(error < 3e-3, "{sites:?}: {error} at {} ms", sample.t_ms);
         }
     }
 }
@@ -289,9 +287,6 @@ fn a_front_of_tension_that_travels_shortens_the_cell_at_the_known_rate() {
     }
     let (end, peak) = (samples.last().unwrap().shortening_pct / 100.0, behind);
     assert!((end - peak).abs() < 2e-6, "the front has passed: {end}, {peak}");
-    // Nothing pushes the cell as a whole, and what the tension works is stored.
-    let missing = (last(&outcome).active_work_fj / last(&outcome).elastic_energy_fj - 1.0).abs();
-    assert!(missing < 0.02, "{missing} of the work is missing");
 }
 
 #[test]
@@ -314,6 +309,12 @@ fn the_same_front_in_time_ends_as_at_equilibrium_and_moves_no_mass_centre() {
     }
     let (a, b) = (last(&rest), last(&moving));
     assert!((a.shortening_pct - b.shortening_pct).abs() < 1e-3, "{a:?}\n{b:?}");
+    for outcome in [&rest, &moving] {
+        // What the tension works is stored, dissipated in motion, and missed by the trapezoidal rule.
+        let end = last(outcome);
+        let spent = end.elastic_energy_fj + end.dissipated_energy_fj + end.kinetic_energy_fj;
+        assert!((end.active_work_fj / spent - 1.0).abs() < 5e-3, "{end:?}");
+    }
     let Some(EngineUsed::Plain { instead_of_fused: Some(why) }) = &moving.engine else {
         panic!("{:?}", moving.engine)
     };
@@ -387,13 +388,13 @@ fn a_stepper_from_outside_moves_the_masses() {
 
     let usual = crate::beat::quick_twitch(strip());
     let own = Simulation { stepper: Some(Arc::new(make)), ..usual.clone() };
-    let [usual, own] = [usual, own].map(|simulation| run(&simulation));
-    assert_eq!(own.engine, Some(EngineUsed::Own));
-    assert_eq!(own.effort, usual.effort);
-    for (a, b) in own.recording.samples.iter().zip(&usual.recording.samples) {
-        // A quarter of the error of the longer step, which is some 1e-4 %.
-        assert!((a.shortening_pct - b.shortening_pct).abs() < 1e-3);
-    }
+    let step = own.prepare().unwrap().time_step();
+    let mut halved = usual;
+    halved.numerics.method = Method::Verlet(Integrator::VelocityVerlet);
+    halved.numerics.time_step = Some(0.5 * step);
+    let [halved, own] = [halved, own].map(|simulation| run(&simulation));
+    assert_eq!((&own.engine, own.effort.time_step()), (&Some(EngineUsed::Own), Some(step)));
+    assert_eq!(own.recording, halved.recording);
 }
 
 #[test]
