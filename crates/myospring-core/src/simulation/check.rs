@@ -93,6 +93,11 @@ fn multiple(what: &'static str, long: f64, of: &'static str, short: f64) -> Chec
     Err(SettingError::Interval { what, long, of, short })
 }
 
+/// Whether a length is not that of a unit vector.
+fn is_no_unit(length: f64) -> bool {
+    length.is_nan() || (length - 1.0).abs() > SLACK
+}
+
 impl Simulation {
     /// Checks every setting.
     pub(super) fn check(&self) -> Result<(), SetupError> {
@@ -151,14 +156,14 @@ impl Simulation {
             }
         };
         let turned = self.long_axis[0].hypot(self.long_axis[1]);
-        if !((turned - 1.0).abs() <= SLACK) {
+        if is_no_unit(turned) {
             let (what, must) = ("the length of the long axis", "1: a unit vector");
             return Err(SettingError::Value { what, value: turned, unit: "", must });
         }
         length("the list of fibres", self.fibres.len())?;
         for (triangle, [x, y]) in self.fibres.iter().enumerate() {
             let value = x.hypot(*y);
-            if !((value - 1.0).abs() <= SLACK) {
+            if is_no_unit(value) {
                 let (what, must) = ("the length of the fibre", "1: a unit vector");
                 return Err(SettingError::Entry { what, triangle, value, must });
             }

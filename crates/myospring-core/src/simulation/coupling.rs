@@ -117,7 +117,7 @@ impl<'a> Exchange<'a> {
             }
             (true, Sites::Whole) => self.find_together(time, shaping)?,
             (true, Sites::PerElement(_)) if shaping.is_static() => {
-                self.rest_together(time, shaping)?
+                self.rest_together(time, shaping)?;
             }
             (true, Sites::PerElement(_)) => self.move_together(time, shaping)?,
         }
@@ -168,9 +168,9 @@ impl<'a> Exchange<'a> {
                 return Ok(());
             }
             if miss > 0.0 {
-                low = low.max(tension)
+                low = low.max(tension);
             } else {
-                high = high.min(tension)
+                high = high.min(tension);
             }
             let mut next = tension + step;
             if !(low < next && next < high) {

@@ -12,6 +12,7 @@ use super::setup::{Assembly, Setup};
 use super::{SetupError, Simulation, StopReason};
 use crate::integrate::quasi_static::{Equilibrium, Tolerance};
 use crate::mechanics::{Body, Tension, Vectors};
+use crate::recording::Recording;
 
 /// A run from equilibrium to equilibrium made ready.
 pub struct PreparedField {
@@ -59,7 +60,7 @@ impl PreparedField {
                         shaping.state.active_work = 0.0;
                         setup.run(&mut shaping, observer)
                     }
-                    Err(reason) => (Default::default(), Some(reason)),
+                    Err(reason) => (Recording::default(), Some(reason)),
                 };
                 let Equilibrium { newton_iterations, .. } = shaping.equilibrium;
                 solved = [shaping.solved, newton_iterations, shaping.equilibrium.factorisations()];
@@ -67,7 +68,7 @@ impl PreparedField {
             }
             Err(error) => {
                 let stop = StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
-                (Default::default(), Some(stop))
+                (Recording::default(), Some(stop))
             }
         };
         let [equilibria, newton_iterations, factorisations] = solved;

@@ -12,6 +12,7 @@ use crate::integrate::engine::{EngineUsed, Task};
 use crate::integrate::stepper::Stepper;
 use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::{Body, System, Tension, Vectors};
+use crate::recording::Recording;
 
 /// A run in time made ready: forces assembled, time step chosen, the engine tried.
 pub struct Prepared {
@@ -98,7 +99,7 @@ impl Prepared {
             // It was made once already; but who makes it may change their mind.
             Err(error) => {
                 let stop = StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
-                (0, Default::default(), Some(stop))
+                (0, Recording::default(), Some(stop))
             }
         };
         let effort = Effort::Verlet {

@@ -195,7 +195,9 @@ fn turns_with_the_body<const D: usize>(force: &dyn Force<D>, at: &Configuration<
             }
         }
         for (axis, values) in turned.iter_mut().enumerate() {
-            values.iter_mut().for_each(|x| *x += shift * (3.0 - 11.0 * axis as f64));
+            for x in values {
+                *x += shift * (3.0 - 11.0 * axis as f64);
+            }
         }
         turned
     };
