@@ -14,5 +14,6 @@ mod cell_solver;
 mod mechanics;
 mod mesh;
 mod outline;
+mod own_model;
 mod quasi_static;
 mod supports;
