@@ -1,13 +1,14 @@
 //! Cell models: a stimulus becomes an action potential and active tension.
 //!
-//! A [`CellModel`] is a set of ordinary differential equations; a [`pacing::Protocol`] says when it
-//! is stimulated; a [`integrator::CellIntegrator`] moves it in time, alone ([`solve::solve`]) or
-//! step by step inside a coupled simulation. Every model has a name in one list, [`models`].
+//! A [`CellModel`] is a set of ordinary differential equations that says what it is as data; a
+//! [`pacing::Protocol`] says when it is stimulated; a [`integrator::CellIntegrator`] moves it in time by any
+//! [`solve::Method`], alone ([`solve::solve`]) or step by step inside a coupled simulation. The models of this
+//! crate have a name in one list, [`models`]; those of others need none.
 //!
-//! Time is in ms, rates in 1/ms, the state is dimensionless. Tension stays dimensionless here and
-//! is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak`, where `Ta_peak` is a constant of
-//! the model ([`CellModel::published_peak_tension`]): a parameter that makes the model weaker makes the
-//! cell weaker.
+//! Time is in ms, states and their rates are in the units that the model states. Relative tension stays
+//! dimensionless here and is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak`, where `Ta_peak`
+//! is a constant of the model ([`TensionKind::Relative`]): a parameter that makes the model weaker makes the
+//! cell weaker. Tension in kPa is taken as it is.
 //!
 //! # Example
 //! ```

@@ -122,26 +122,38 @@ impl Steps {
         settings.validate()?;
         let pacer = Pacer::new(&model.stimulation(), protocol)?;
         let minimal = (model as &dyn Any).downcast_ref::<MinimalModel>();
-        let only_minimal = || settings.method.refuse(model, "which serves the minimal model only");
-        let step_ms = settings.step_ms;
-        let fixed = |scheme| Box::new(FixedSteps::new(model, scheme, pacer.clone(), step_ms));
+        let refuse = |reason, instead| SolveError::Unsuited {
+            model: model.name().to_owned(),
+            method: settings.method,
+            reason,
+            instead,
+        };
+        let for_any = "`runge-kutta-4`, or `stiff` if it needs tiny steps";
+        let only_minimal = || refuse("which serves the minimal model only", for_any);
+        let fixed = |scheme| {
+            let steps = FixedSteps::new(model, scheme, pacer.clone(), settings.step_ms);
+            Way::Fixed(Box::new(steps))
+        };
         let way = match settings.method {
-            Method::RungeKutta4 => Way::Fixed(fixed(Scheme::RungeKutta4)),
-            Method::ForwardEuler => Way::Fixed(fixed(Scheme::Euler { cuts: &[] })),
+            Method::RungeKutta4 => fixed(Scheme::RungeKutta4),
+            Method::ForwardEuler => fixed(Scheme::Euler { cuts: &[] }),
             Method::StaggeredEuler => {
                 minimal.ok_or_else(only_minimal)?;
-                Way::Fixed(fixed(Scheme::Euler { cuts: STAGGERED_BLOCKS }))
+                fixed(Scheme::Euler { cuts: STAGGERED_BLOCKS })
             }
             Method::RushLarsen if model.gates().is_empty() => {
-                return Err(settings
-                    .method
-                    .refuse(model, "which needs a model that names its gates"));
+                return Err(refuse("which needs a model that names its gates", for_any));
             }
-            Method::RushLarsen => Way::Fixed(fixed(Scheme::RushLarsen)),
+            Method::RushLarsen => fixed(Scheme::RushLarsen),
             Method::Adaptive => {
                 let minimal = minimal.ok_or_else(only_minimal)?;
                 let settings = super::adaptive::Settings { tolerance: settings.tolerance };
                 Way::Adaptive(Box::new(AdaptiveIntegrator::new(minimal, protocol, settings)?))
+            }
+            // Sliding along a threshold would take millions of steps.
+            Method::Stiff if minimal.is_some() => {
+                let reason = "whose steps shrink to nothing where equations jump";
+                return Err(refuse(reason, "`adaptive`, which knows the jumps"));
             }
             Method::Stiff => {
                 Way::Stiff(Box::new(StiffSteps::new(model, pacer, settings.tolerance)))

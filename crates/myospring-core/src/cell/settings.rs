@@ -1,6 +1,5 @@
 //! Methods in time with their settings, and what can go wrong on the way.
 
-use super::cell_model::CellModel;
 use super::pacing::ProtocolError;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -23,7 +22,8 @@ pub enum Method {
     RushLarsen,
     /// Steps as long as the accuracy allows, cut at the model's switches; for the minimal model only.
     Adaptive,
-    /// Implicit steps as long as the accuracy allows, for any model; made for stiff ones.
+    /// Implicit steps as long as the accuracy allows, for models whose equations do not jump; made for stiff
+    /// ones.
     Stiff,
 }
 
@@ -53,12 +53,6 @@ impl Method {
     /// Whether it chooses its steps by the tolerance.
     pub const fn chooses_steps(self) -> bool {
         matches!(self, Self::Adaptive | Self::Stiff)
-    }
-
-    /// The refusal of a model that has not what the method needs.
-    pub(super) fn refuse(self, model: &dyn CellModel, reason: &'static str) -> SolveError {
-        let instead = "`runge-kutta-4`, or `stiff` if it needs tiny steps";
-        SolveError::Unsuited { model: model.name().to_owned(), method: self, reason, instead }
     }
 }
 
@@ -115,16 +109,16 @@ impl Settings {
 /// Why a cell could not be moved in time.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SolveError {
-    /// The model has not what the method needs.
+    /// The method is not made for the model.
     #[error("cell model `{model}` cannot be integrated by `{method}`, {reason}; take {instead}")]
     Unsuited {
         /// The model.
         model: String,
         /// The method.
         method: Method,
-        /// What the method needs.
+        /// What the method is made for.
         reason: &'static str,
-        /// Methods that take this model.
+        /// Methods that serve it.
         instead: &'static str,
     },
     /// The protocol cannot be followed.

@@ -243,9 +243,9 @@ fn check_jacobian(model: &dyn CellModel, state: &[f64]) {
         for row in 0..states {
             let difference = (above[row] - below[row]) / (upper - lower);
             let entry = jacobian[row * states + column];
-            // Rounding of both rates over the difference, and the third derivative times its square.
-            let rounding = 1e-13 * (above[row].abs() + below[row].abs()) / by;
-            let bound = 1e-5 * (entry.abs() + difference.abs()) + rounding + 1e-9;
+            // Rounding of rates whose terms, up to a thousand times as large, cancel; and the third derivative.
+            let rounding = 1e-13 * (1.0 + above[row].abs() + below[row].abs()) / by;
+            let bound = 1e-5 * (entry.abs() + difference.abs()) + rounding;
             let [of, by] = [row, column].map(|place| model.state_names()[place]);
             assert!(
                 (entry - difference).abs() <= bound,

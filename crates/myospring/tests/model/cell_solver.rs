@@ -28,6 +28,18 @@ fn every_method_has_its_order_on_smooth_equations() {
 }
 
 #[test]
+fn stiff_steps_solve_the_toy_as_exactly_as_asked_between_their_ends_too() {
+    let toy = ToyModel::published();
+    for tolerance in [1e-3, 1e-5, 1e-7] {
+        let settings = Settings { tolerance, ..Settings::of(Method::Stiff) };
+        let trace = solve(&toy, Protocol::once(JUMP), settings, 200.0, 0.3).unwrap();
+        let error = |(t, ta): (&f64, &f64)| (ta - toy.tension_after_jump(1.0, t - 50.0)).abs();
+        let largest = trace.time_ms.iter().zip(&trace.tension).map(error).fold(0.0, f64::max);
+        assert!(largest < 5.0 * tolerance, "{tolerance:e}: {largest:e}");
+    }
+}
+
+#[test]
 fn the_default_settings_solve_the_toy_to_rounding() {
     let Settings { method, step_ms, .. } = Settings::default();
     // 40000 steps, each rounding by an epsilon of values below 1.

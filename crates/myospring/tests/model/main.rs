@@ -15,6 +15,7 @@ mod exchange;
 mod mechanics;
 mod mesh;
 mod outline;
+mod own_model;
 mod quasi_static;
 mod solid;
 mod supports;

@@ -1,57 +1,56 @@
 //! Dense linear equations of a few dozen unknowns.
 
 /// A square matrix as the product of a lower and an upper triangle, rows exchanged for the largest pivot
-/// (`golub_van_loan_2013`, Algorithm 3.4.1).
+/// (`golub_van_loan_2013`, Algorithm 3.4.1), column by column: every loop adds one column to another.
 #[derive(Debug, Clone)]
 pub(super) struct Lu {
     size: usize,
-    /// Row by row; both triangles.
-    rows: Vec<f64>,
+    /// Both triangles.
+    columns: Vec<f64>,
     /// The row that was exchanged with row `k` in step `k`.
     exchanged: Vec<usize>,
 }
 
 impl Lu {
     pub(super) fn new(size: usize) -> Self {
-        Self { size, rows: vec![0.0; size * size], exchanged: vec![0; size] }
+        Self { size, columns: vec![0.0; size * size], exchanged: vec![0; size] }
     }
 
     /// Factorises `diagonal I - matrix`, the matrix row by row; false if it is singular or no number.
     pub(super) fn factorise(&mut self, diagonal: f64, matrix: &[f64]) -> bool {
-        let Self { size, rows, exchanged } = self;
+        let Self { size, columns, exchanged } = self;
         let n = *size;
-        for (entry, value) in rows.iter_mut().zip(matrix) {
-            *entry = -value;
+        for (k, column) in columns.chunks_exact_mut(n).enumerate() {
+            for (entry, row) in column.iter_mut().zip(matrix.chunks_exact(n)) {
+                *entry = -row[k];
+            }
+            column[k] += diagonal;
         }
         for k in 0..n {
-            rows[k * n + k] += diagonal;
-        }
-        for k in 0..n {
+            let (left, right) = columns.split_at_mut((k + 1) * n);
+            let column = &mut left[k * n..];
             let larger = |best: usize, row: usize| {
-                if rows[row * n + k].abs() > rows[best * n + k].abs() { row } else { best }
+                if column[row].abs() > column[best].abs() { row } else { best }
             };
             let pivot_row = (k + 1..n).fold(k, larger);
             exchanged[k] = pivot_row;
-            if pivot_row != k {
-                for column in 0..n {
-                    rows.swap(k * n + column, pivot_row * n + column);
-                }
-            }
-            let (above, below) = rows.split_at_mut((k + 1) * n);
-            let pivot_row = &above[k * n..];
-            let pivot = pivot_row[k];
+            column.swap(k, pivot_row);
+            let pivot = column[k];
             if !(pivot.is_finite() && pivot != 0.0) {
                 return false;
             }
-            for row in below.chunks_exact_mut(n) {
-                if row[k] == 0.0 {
-                    continue;
-                }
-                let factor = row[k] / pivot;
-                row[k] = factor;
-                for (entry, above) in row[k + 1..].iter_mut().zip(&pivot_row[k + 1..]) {
-                    *entry -= factor * above;
-                }
+            for entry in &mut column[k + 1..] {
+                *entry /= pivot;
+            }
+            for other in right.chunks_exact_mut(n) {
+                other.swap(k, pivot_row);
+                subtract(&mut other[k..], &column[k..]);
+            }
+        }
+        // The exchanges of later steps go through the columns before.
+        for k in 0..n {
+            for later in k + 1..n {
+                columns.swap(k * n + later, k * n + exchanged[later]);
             }
         }
         true
@@ -59,19 +58,29 @@ impl Lu {
 
     /// Replaces the right-hand side by the solution.
     pub(super) fn solve(&self, vector: &mut [f64]) {
-        let Self { size: n, rows, exchanged } = self;
-        let dot = |row: &[f64], vector: &[f64]| -> f64 {
-            row.iter().zip(vector).map(|(entry, value)| entry * value).sum()
-        };
+        let Self { size: n, columns, exchanged } = self;
         for k in 0..*n {
             vector.swap(k, exchanged[k]);
         }
-        for k in 1..*n {
-            vector[k] -= dot(&rows[k * n..k * n + k], &vector[..k]);
+        for (k, column) in columns.chunks_exact(*n).enumerate() {
+            subtract(&mut vector[k..], &column[k..]);
         }
-        for k in (0..*n).rev() {
-            let row = &rows[k * n..(k + 1) * n];
-            vector[k] = (vector[k] - dot(&row[k + 1..], &vector[k + 1..])) / row[k];
+        for (k, column) in columns.chunks_exact(*n).enumerate().rev() {
+            vector[k] /= column[k];
+            let (above, value) = (&column[..k], vector[k]);
+            for (entry, above) in vector[..k].iter_mut().zip(above) {
+                *entry -= value * above;
+            }
+        }
+    }
+}
+
+/// Takes the first of these numbers times the other column from what stands below them.
+fn subtract(numbers: &mut [f64], column: &[f64]) {
+    let Some((&mut first, below)) = numbers.split_first_mut() else { return };
+    if first != 0.0 {
+        for (entry, factor) in below.iter_mut().zip(&column[1..]) {
+            *entry -= first * factor;
         }
     }
 }

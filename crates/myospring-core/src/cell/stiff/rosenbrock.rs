@@ -198,3 +198,49 @@ fn add(sum: &mut [f64], weight: f64, vector: &[f64]) {
         *sum += weight * value;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::coelho_2021;
+
+    /// Where the equations are smooth: above every threshold of `u`.
+    const STATE: [f64; 6] = [0.7, 0.1, 0.8, 0.4, 0.5, 0.2];
+
+    /// Some ms in equal steps; the step is left tried.
+    fn run(rosenbrock: &mut Rosenbrock, duration_ms: f64, steps: u32) -> Vec<f64> {
+        let model = coelho_2021::model();
+        let mut state = STATE.to_vec();
+        for _ in 0..steps {
+            rosenbrock.begin(&model, &state, &Input::REST, &[0.1; 6]);
+            let step_ms = duration_ms / f64::from(steps);
+            assert!(rosenbrock.try_step(&model, &state, &Input::REST, step_ms));
+            state.copy_from_slice(rosenbrock.end());
+        }
+        state
+    }
+
+    fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_step_has_order_four_and_its_curve_order_three_on_nonlinear_equations() {
+        let work = &mut Rosenbrock::new(6);
+        let exact = run(work, 2.0, 256);
+        let mut error = |steps| largest_difference(&run(work, 2.0, steps), &exact);
+        let order = (error(4) / error(8)).log2();
+        // The next term of the error shifts the measured order by a few per cent.
+        assert!((order - 4.0).abs() < 0.3, "{order}");
+
+        let mut error = |step_ms: f64| {
+            let end = run(work, step_ms, 1);
+            let curve = work.curve(&STATE);
+            assert_eq!([curve.at(0.0), curve.at(1.0)], [STATE.to_vec(), end]);
+            largest_difference(&curve.at(0.5), &run(work, step_ms / 2.0, 64))
+        };
+        let order = (error(0.5) / error(0.25)).log2();
+        // One step of order 3 errs as the fourth power.
+        assert!((order - 4.0).abs() < 0.4, "{order}");
+    }
+}
