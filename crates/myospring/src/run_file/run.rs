@@ -99,7 +99,7 @@ impl Run {
     ) -> Result<Simulation, crate::cell::ModelError> {
         let (long_axis, fibres) = (long_axis(&mesh), self.fibres(&mesh, field));
         Ok(Simulation {
-            cell: self.cell.with_parameters(self.cell.parameters().clone())?.into(),
+            cell: self.cell.with_parameters(self.cell.parameters().clone())?,
             activation: None,
             myofibril_content: None,
             stepper: None,
