@@ -45,11 +45,11 @@
 //! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
 //! [`integrate`] moves the masses; [`simulation`] joins cell and mesh and fills a [`recording`];
 //! [`analysis`] makes metrics of it and `output` files and figures; `run_file` reads what a user wrote;
-//! [`references`] has the papers that all of these cite.
+//! `study` does that for many at once; [`references`] has the papers that all of these cite.
 //!
 //! # Features
-//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) are on by default; `testing`
-//! has conformance suites for cell models and forces of your own.
+//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) and `study` (many runs) are on by
+//! default; `testing` has conformance suites for cell models and forces of your own.
 
 #[doc(inline)]
 pub use myospring_core::{
@@ -68,3 +68,5 @@ pub use myospring_output as output;
 
 #[cfg(feature = "run-file")]
 pub mod run_file;
+#[cfg(feature = "study")]
+pub mod study;

@@ -3,6 +3,7 @@
 use super::branch::State;
 use super::lanes::{Lanes, repolarised};
 use super::piece::{Piece, root};
+use serde::{Deserialize, Serialize};
 
 /// Whether two times, ms, differ by rounding only.
 pub(super) fn same_instant(a: f64, b: f64) -> bool {
@@ -10,7 +11,7 @@ pub(super) fn same_instant(a: f64, b: f64) -> bool {
 }
 
 /// One beat of a cell, from its stimulus to the next or to the end.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Beat {
     /// Time of the stimulus, ms.
     pub stimulus_ms: f64,
