@@ -3,16 +3,17 @@
 use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::print;
 use crate::results::Folder;
 use crate::run::progress_bar;
 use crate::table::{aligned, wrapped};
-use crate::{print, threads};
 use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
 use myospring::run_file::Shaped;
 use myospring::simulation::{Effort, Outcome};
+use myospring::study::Threads;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
@@ -42,7 +43,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
-    let pool = threads::pool(args.threads)?;
+    let threads = Threads::new(args.threads)?;
     let bar = progress_bar(args.output.quiet);
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
     let one = |peak_tension: f64| -> Result<Outcome, Failure> {
@@ -57,7 +58,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     };
     // Kept in the order of the tensions, whichever run ends first.
     let outcomes: Result<Vec<Outcome>, Failure> =
-        pool.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
+        threads.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
     bar.finish_and_clear();
     let outcomes = outcomes?;
 

@@ -19,8 +19,8 @@ use myospring::run_file::{Run, Shaped};
 use myospring::simulation::{
     Effort, Observer, Outcome, Part, Progress, Ready, Simulation, StopReason,
 };
+use myospring::study::sha256;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -138,8 +138,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
         input: run.shape.file(),
-        shape_sha256: hash(&bytes.shape),
-        run_file_sha256: hash(run_file.as_bytes()),
+        shape_sha256: sha256(&bytes.shape),
+        run_file_sha256: sha256(run_file.as_bytes()),
         stop: Stop::of(&outcome),
         effort: outcome.effort,
         engine: outcome.engine.clone(),
@@ -231,15 +231,6 @@ pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-pub(crate) fn hash(bytes: &[u8]) -> String {
-    use std::fmt::Write;
-    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string does not fail.
-        write!(text, "{byte:02x}").ok();
-        text
-    })
 }
 
 /// The run file that repeats this run: spacing, time step and files spelled out.

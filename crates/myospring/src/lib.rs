@@ -41,11 +41,11 @@
 //! [`integrate`] moves the masses; [`exchange`] says how cell and mesh meet, [`simulation`] joins them and
 //! fills a [`recording`];
 //! [`analysis`] makes metrics of it and `output` files and figures; `run_file` reads what a user wrote;
-//! [`references`] has the papers that all of these cite.
+//! `study` does that for many at once; [`references`] has the papers that all of these cite.
 //!
 //! # Features
-//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) are on by default; `testing`
-//! has conformance suites for cell models and forces of your own.
+//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) and `study` (many runs) are on by
+//! default; `testing` has conformance suites for cell models and forces of your own.
 
 #[doc(inline)]
 pub use myospring_core::{
@@ -67,3 +67,5 @@ pub use myospring_output as output;
 
 #[cfg(feature = "run-file")]
 pub mod run_file;
+#[cfg(feature = "study")]
+pub mod study;

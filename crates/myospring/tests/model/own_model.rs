@@ -195,7 +195,7 @@ fn its_tension_in_kilopascal_drives_a_cell_as_it_is() {
             cell: Arc::new(model.clone()),
             peak_tension: 20.0,
             tension_scale,
-            ..Simulation::coelho_2021(lattice::rectangle(20, 4, 5.0).unwrap())
+            ..Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap())
         };
         simulation.numerics.cell = Settings::of(Method::Stiff);
         let outcome = simulation.prepare().unwrap().run(|_| true);

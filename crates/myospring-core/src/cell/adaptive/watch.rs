@@ -4,9 +4,10 @@ use super::branch::State;
 use super::lanes::{Lanes, repolarised};
 use super::piece::{Piece, root};
 use crate::cell::pacing::same_instant;
+use serde::{Deserialize, Serialize};
 
 /// One beat of a cell, from its stimulus to the next or to the end.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Beat {
     /// Time of the stimulus, ms.
     pub stimulus_ms: f64,
