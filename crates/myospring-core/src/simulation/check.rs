@@ -190,7 +190,11 @@ impl Simulation {
             }
             Some(Sites::Whole) => false,
             None => {
-                value("the peak tension", self.peak_tension, "kPa", false)?;
+                let (what, value) = ("the peak tension", self.peak_tension);
+                if !value.is_finite() {
+                    let must = "a finite number";
+                    return Err(SettingError::Value { what, value, unit: "kPa", must });
+                }
                 false
             }
         };

@@ -1,4 +1,5 @@
 //! The meeting of tension and stretch: toys whose answers are known.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::exchange::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use myospring::integrate::Method;

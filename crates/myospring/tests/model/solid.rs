@@ -1,4 +1,5 @@
 //! Three axes: a bar of tetrahedra, its laws and its equilibria.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::mechanics::noise;
 use myospring::integrate::quasi_static::{Path, Tolerance};
