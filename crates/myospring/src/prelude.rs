@@ -7,4 +7,4 @@ pub use crate::mechanics::material::default_material;
 pub use crate::mechanics::support::SupportKind;
 pub use crate::mesh::outline::Outline;
 pub use crate::mesh::{Mesh, built_in, lattice};
-pub use crate::simulation::{Effort, Outcome, Simulation};
+pub use crate::simulation::{Effort, Outcome, SetupError, Simulation};

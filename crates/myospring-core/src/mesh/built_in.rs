@@ -3,6 +3,7 @@
 //! To add one: put its outline beside the others in `cells/` and add a line to [`CELLS`].
 
 use super::outline::{Outline, OutlineError};
+use super::{Mesh, lattice};
 
 /// A cell that comes with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,5 +60,19 @@ pub fn adult_ventricular() -> Outline {
     match CELLS[0].outline() {
         Ok(outline) => outline,
         Err(error) => unreachable!("a built-in cell, which a test reads: {error}"),
+    }
+}
+
+/// The same cell on a lattice of about 2000 masses.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::built_in;
+/// assert!((1_800..2_200).contains(&built_in::adult_ventricular_mesh().len()));
+/// ```
+pub fn adult_ventricular_mesh() -> Mesh {
+    match lattice::from_outline(&adult_ventricular(), None) {
+        Ok((mesh, _)) => mesh,
+        Err(error) => unreachable!("a built-in cell, which a test meshes: {error}"),
     }
 }
