@@ -18,23 +18,27 @@
 /// assert_eq!(content(&corner), 0.5);
 /// ```
 pub fn content<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> f64 {
-    const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
-    let edge = |k: usize, axis: usize| corners[k][axis] - corners[0][axis];
-    if D == 2 {
-        return 0.5 * (edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0));
-    }
-    let normal = cross(&corners[0], &corners[2], &corners[3]);
-    (0..3).map(|axis| edge(1, axis) * normal[axis]).sum::<f64>() / 6.0
+    content_of::<D, N>(|corner, axis| corners[corner][axis])
 }
 
 /// Signed content of the simplex of these nodes in given positions (`positions[axis][node]`), um^2 or um^3.
+#[inline]
 pub fn content_at<const D: usize, const N: usize>(
     positions: &[Vec<f64>; D],
     nodes: [u32; N],
 ) -> f64 {
-    let corners: [[f64; D]; N] =
-        nodes.map(|node| std::array::from_fn(|axis| positions[axis][node as usize]));
-    content(&corners)
+    content_of::<D, N>(|corner, axis| positions[axis][nodes[corner] as usize])
+}
+
+#[inline]
+fn content_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) -> f64 {
+    const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
+    let edge = |k: usize, axis: usize| at(k, axis) - at(0, axis);
+    if D == 2 {
+        return 0.5 * (edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0));
+    }
+    let minor = |p: usize, q: usize| edge(2, p) * edge(3, q) - edge(2, q) * edge(3, p);
+    (edge(1, 0) * minor(1, 2) + edge(1, 1) * minor(2, 0) + edge(1, 2) * minor(0, 1)) / 6.0
 }
 
 /// Derivative of the content with respect to each corner, um or um^2: `gradients[corner][axis]`; their sum
