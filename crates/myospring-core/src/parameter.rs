@@ -22,7 +22,7 @@ pub struct Parameter {
     pub source: Cow<'static, str>,
 }
 
-/// Why a parameter was not changed.
+/// Why a parameter was not changed, or a set not made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     /// No parameter has that name.
@@ -32,6 +32,12 @@ pub enum ParameterError {
         name: String,
         /// The names there are.
         known: String,
+    },
+    /// Two rows have one name.
+    #[error("two parameters are named `{name}`; give one of them another name")]
+    Twice {
+        /// The name.
+        name: String,
     },
     /// The value is not a number or outside the range.
     #[error(
@@ -58,15 +64,45 @@ pub struct ParameterSet {
 }
 
 impl ParameterSet {
-    /// Collects rows; names must differ.
+    /// Collects the rows of a table in a program; names must differ.
     ///
     /// # Panics
     /// If two rows share a name: a slip in the table, not in any input.
     pub fn new(rows: Vec<Parameter>) -> Self {
-        for (index, row) in rows.iter().enumerate() {
-            assert!(rows[..index].iter().all(|other| other.name != row.name), "{} twice", row.name);
+        match Self::try_new(rows) {
+            Ok(set) => set,
+            Err(error) => panic!("{error}"),
         }
-        Self { rows }
+    }
+
+    /// Collects rows that were read when the program ran.
+    ///
+    /// # Errors
+    /// Two rows with one name.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::parameter::{Parameter, ParameterSet};
+    /// let row = |name: &str| Parameter {
+    ///     name: name.to_owned().into(),
+    ///     value: 0.09,
+    ///     unit: "mS/uF".into(),
+    ///     minimum: 0.0,
+    ///     maximum: 1.0,
+    ///     meaning: "conductance".into(),
+    ///     source: "a file".into(),
+    /// };
+    /// assert!(ParameterSet::try_new(vec![row("g_s"), row("g_Na")]).is_ok());
+    /// let error = ParameterSet::try_new(vec![row("g_s"), row("g_s")]).unwrap_err();
+    /// assert!(error.to_string().contains("two parameters are named `g_s`"));
+    /// ```
+    pub fn try_new(rows: Vec<Parameter>) -> Result<Self, ParameterError> {
+        for (index, row) in rows.iter().enumerate() {
+            if rows[..index].iter().any(|other| other.name == row.name) {
+                return Err(ParameterError::Twice { name: row.name.to_string() });
+            }
+        }
+        Ok(Self { rows })
     }
 
     /// All rows in order.

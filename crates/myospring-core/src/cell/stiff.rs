@@ -47,8 +47,8 @@ pub(super) struct StiffSteps {
     floors: Vec<f64>,
     pacer: Pacer,
     rosenbrock: Rosenbrock,
-    /// The last step: when it began, ms, how long it was, ms, and its course.
-    piece: Option<(f64, f64, Curve)>,
+    /// The last step.
+    piece: Option<Piece>,
     /// Where it ended, ms, after the events there.
     end_ms: f64,
     end: Vec<f64>,
@@ -57,6 +57,14 @@ pub(super) struct StiffSteps {
     /// What was asked for.
     time_ms: f64,
     state: Vec<f64>,
+}
+
+/// A step that was taken.
+#[derive(Debug, Clone)]
+struct Piece {
+    start_ms: f64,
+    step_ms: f64,
+    curve: Curve,
 }
 
 impl StiffSteps {
@@ -108,8 +116,8 @@ impl StiffSteps {
             self.step(model, felt, stop_ms)?;
         }
         self.state = match &self.piece {
-            Some((start_ms, step_ms, curve)) if !same_instant(self.end_ms, t_ms) => {
-                curve.at((t_ms - start_ms) / step_ms)
+            Some(piece) if !same_instant(self.end_ms, t_ms) => {
+                piece.curve.at((t_ms - piece.start_ms) / piece.step_ms)
             }
             _ => self.end.clone(),
         };
@@ -134,9 +142,13 @@ impl StiffSteps {
             let solved = self.rosenbrock.try_step(model, &self.end, &input, step_ms);
             let error = if solved { self.error() } else { f64::NAN };
             // The companion's error per step is of order 4.
-            let factor = SAFETY * error.max(1e-12).powf(-0.25);
+            let factor = if error.is_nan() {
+                SHRINK
+            } else {
+                (SAFETY * error.max(1e-12).powf(-0.25)).clamp(SHRINK, GROW)
+            };
             if error <= 1.0 {
-                let next = step_ms * factor.clamp(SHRINK, GROW);
+                let next = step_ms * factor;
                 // A step cut short by the stop says nothing against the step before it.
                 let next = if to_stop { next.max(planned) } else { next };
                 self.take(step_ms, if to_stop { stop_ms } else { self.end_ms + step_ms });
@@ -149,7 +161,7 @@ impl StiffSteps {
             if step_ms < SHORTEST_MS || self.end_ms + step_ms == self.end_ms {
                 return Err(self.stalled(model, step_ms));
             }
-            planned = step_ms * if factor.is_nan() { SHRINK } else { factor.clamp(SHRINK, 1.0) };
+            planned = step_ms * factor;
         }
     }
 
@@ -173,7 +185,8 @@ impl StiffSteps {
     }
 
     fn take(&mut self, step_ms: f64, end_ms: f64) {
-        self.piece = Some((self.end_ms, step_ms, self.rosenbrock.curve(&self.end)));
+        let curve = self.rosenbrock.curve(&self.end);
+        self.piece = Some(Piece { start_ms: self.end_ms, step_ms, curve });
         self.end.copy_from_slice(self.rosenbrock.end());
         self.end_ms = end_ms;
     }

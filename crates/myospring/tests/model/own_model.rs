@@ -130,6 +130,15 @@ fn forty_stiff_states_need_stiff_steps_and_get_them_as_exact_as_asked() {
 }
 
 #[test]
+fn a_cell_that_no_stiff_step_takes_further_is_named_with_its_state_and_time() {
+    let model = own_cell::mild();
+    let protocol = Protocol::once(Stimulus::Jump { amplitude: 1e200 });
+    let error = solve(&model, protocol, Settings::of(Method::Stiff), 100.0, 1.0).unwrap_err();
+    assert!(matches!(error, SolveError::Stalled { .. }), "{error}");
+    assert!(error.to_string().contains("`own_1` does not get beyond 50 ms"), "{error}");
+}
+
+#[test]
 fn adaptive_steps_by_name_are_those_of_the_adaptive_integrator() {
     let model = coelho_2021::model();
     let protocol = Protocol::once(model.default_stimulus());

@@ -229,9 +229,9 @@ mod tests {
         let work = &mut Rosenbrock::new(6);
         let exact = run(work, 2.0, 256);
         let mut error = |steps| largest_difference(&run(work, 2.0, steps), &exact);
-        let order = (error(4) / error(8)).log2();
-        // The next term of the error shifts the measured order by a few per cent.
-        assert!((order - 4.0).abs() < 0.3, "{order}");
+        let order = (error(32) / error(64)).log2();
+        // The next term of the error is large: the order comes down to 4 from above, here 4.2.
+        assert!((order - 4.0).abs() < 0.4, "{order}");
 
         let mut error = |step_ms: f64| {
             let end = run(work, step_ms, 1);
