@@ -28,6 +28,7 @@ mod field;
 mod held;
 mod in_time;
 mod observer;
+mod outcome;
 pub mod quasi_static;
 mod ready;
 mod setup;
@@ -38,8 +39,9 @@ pub use fault::projected_area;
 pub use field::PreparedField;
 pub use in_time::Prepared;
 pub use observer::{Observer, Part, Progress};
+pub use outcome::{Effort, Outcome};
 pub use quasi_static::PreparedPath;
-pub use ready::{Effort, Outcome, Ready};
+pub use ready::Ready;
 pub use stop::{SetupError, StopReason};
 
 use crate::cell::pacing::Protocol;

@@ -22,11 +22,12 @@
 //! stretch d(stretch)` at rest, and motion takes the power `sum V0 c rate^2 stretch`, c the derivative of
 //! the tension with respect to the rate.
 
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::{Block, StiffnessMatrix};
 use super::tension::Tension;
+use super::vectors::Vectors;
 use crate::mesh::{Mesh, simplex};
 use serde::{Deserialize, Serialize};
 use std::any::Any;

@@ -13,10 +13,11 @@
 //! Eq. (13) has no length scale: `k_prev area` must be a force. The factor `1/sqrt(A0)` gives all
 //! three laws the same `k` in nN/um.
 
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::StiffnessMatrix;
+use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::simplex::content_at;
 use serde::{Deserialize, Serialize};
