@@ -11,6 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use journal::Journal;
 use myospring::output::files;
 use myospring::output::json;
+use myospring::settings::{Run, Value};
 use rayon::prelude::*;
 use row::{Row, Status, table};
 use serde::Serialize;
@@ -41,8 +42,8 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let target = target(args);
     let pictures = pictures(args, &target)?;
     // Every setting is checked once, before any picture is opened.
-    let (_, run) = input::settle(Some(&pictures[0].1), args.beat.overrides())?;
-    let settings = settings(args, &run)?;
+    let (_, run) = input::settle(Some(&pictures[0].1), args.settings.overrides())?;
+    let settings = settings(args, &run);
     let journal = Journal::open(&target, &settings, args.output.force)?;
     let work = Work { args, target: &target };
 
@@ -183,13 +184,13 @@ fn name(args: &BatchArgs, picture: &Path) -> String {
 }
 
 /// Every setting that results depend on, as text.
-fn settings(args: &BatchArgs, run: &myospring::run_file::Run) -> Result<String, Failure> {
+fn settings(args: &BatchArgs, run: &Run) -> String {
     let mut file = run.to_run_file();
-    file.shape.picture = None;
-    let text = file.to_toml().map_err(|error| Failure::of_run_file(&error, None))?;
-    let cells = args.beat.shape.segmentation.cell.as_deref().unwrap_or("all");
+    file.remove("shape.picture");
+    let text = file.to_toml();
+    let cells = args.settings.get("segmentation.cell").and_then(Value::as_text).unwrap_or("all");
     let (version, figures) = (env!("CARGO_PKG_VERSION"), args.figures);
-    Ok(format!("version {version}, cells {cells}, figures {figures}\n{text}"))
+    format!("version {version}, cells {cells}, figures {figures}\n{text}")
 }
 
 fn write_table(target: &Path, rows: &[Row]) -> Result<(), Failure> {

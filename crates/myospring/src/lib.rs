@@ -65,6 +65,8 @@ pub mod recording;
 pub mod references;
 #[cfg(feature = "run-file")]
 pub mod run_file;
+#[cfg(feature = "run-file")]
+pub mod settings;
 pub mod simulation;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;

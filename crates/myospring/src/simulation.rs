@@ -90,7 +90,6 @@ pub const SAFETY: f64 = 0.95;
 
 /// What peak the cell model's tension has when it is scaled to the peak tension in kPa.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionScale {
     /// That of the model's published parameters ([`CellModel::published_peak_tension`]): a changed parameter

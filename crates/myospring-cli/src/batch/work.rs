@@ -43,7 +43,7 @@ impl Work<'_> {
 
     fn rows(&self, path: &Path, name: &str) -> Result<Vec<Row>, Failure> {
         let start = Instant::now();
-        let (_, run) = input::settle(Some(path), self.args.beat.overrides())?;
+        let (_, run) = input::settle(Some(path), self.args.settings.overrides())?;
         let Source::Picture(source) = &run.shape.source else {
             return Err(Failure::new("this is not a picture"));
         };
@@ -88,11 +88,9 @@ impl Work<'_> {
     }
 
     fn every_cell(&self) -> bool {
-        let shape = &self.args.beat.shape;
-        let segmentation = &shape.segmentation;
-        let one =
-            segmentation.cell.is_some() || segmentation.seed.is_some() || shape.label.is_some();
-        segmentation.all() || !one
+        let settings = &self.args.settings;
+        let choices = ["segmentation.cell", "segmentation.seed", "shape.label"];
+        settings.all_cells() || !choices.iter().any(|key| settings.get(key).is_some())
     }
 
     /// The cells to be beaten, and rows of those that cannot be outlined.

@@ -17,7 +17,6 @@ use serde::{Deserialize, Serialize};
 
 /// A method with fixed steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     #[serde(rename = "runge-kutta-4")]

@@ -25,7 +25,6 @@ use serde::{Deserialize, Serialize};
 
 /// Which form of Verlet's method moves the masses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
     /// Stoermer-Verlet, the paper's Eq. (16): positions of two times, no velocities.

@@ -25,7 +25,6 @@ use std::collections::HashMap;
 
 /// Which law carries the active tension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ActiveLaw {
     /// Stress along the fibre in each triangle; internal.

@@ -22,7 +22,6 @@ use serde::{Deserialize, Serialize};
 
 /// Which law keeps the area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum AreaLaw {
     /// Minus the gradient of an energy of the area's deviation from rest.

@@ -42,7 +42,6 @@ pub const COHERENCY_BOUNDS: RangeInclusive<f64> = 0.01..=0.9;
 
 /// What the picture shows of the myofibrils.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Stain {
     /// Stripes that lie **across** the fibre: z-discs (alpha-actinin, titin's end), M-bands (myomesin).

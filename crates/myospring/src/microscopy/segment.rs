@@ -30,7 +30,6 @@ use crate::mesh::mask::{Mask, MaskError, checked_pixel_size};
 
 /// How the picture was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, serde::Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Modality {
     /// To be told from the grey values.
