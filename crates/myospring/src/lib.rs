@@ -44,30 +44,30 @@
 //! [`cell`] turns a stimulus into tension; [`mesh`] holds points, springs and triangles, made from
 //! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
 //! [`integrate`] moves the masses; [`simulation`] joins cell and mesh and fills a [`recording`];
-//! [`analysis`] makes metrics of it and `output` files and figures; `run_file` reads what a user wrote;
+//! [`analysis`] makes metrics of it and `output` files and figures; `settings` has what a user may
+//! choose, and `run_file` reads it;
 //! [`references`] has the papers that all of these cite.
 //!
 //! # Features
 //! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) are on by default; `testing`
 //! has conformance suites for cell models and forces of your own.
 
-pub mod analysis;
-pub mod cell;
-pub mod integrate;
-pub mod mechanics;
-pub mod mesh;
+#[doc(inline)]
+pub use myospring_core::{
+    analysis, cell, integrate, mechanics, mesh, parameter, recording, references, simulation, units,
+};
+
+#[cfg(feature = "testing")]
+#[doc(inline)]
+pub use myospring_core::testing;
 #[cfg(feature = "microscopy")]
-pub mod microscopy;
+#[doc(inline)]
+pub use myospring_microscopy as microscopy;
 #[cfg(feature = "output")]
-pub mod output;
-pub mod parameter;
-pub mod recording;
-pub mod references;
+#[doc(inline)]
+pub use myospring_output as output;
+
 #[cfg(feature = "run-file")]
 pub mod run_file;
 #[cfg(feature = "run-file")]
 pub mod settings;
-pub mod simulation;
-#[cfg(any(test, feature = "testing"))]
-pub mod testing;
-pub mod units;

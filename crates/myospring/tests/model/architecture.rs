@@ -4,8 +4,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-fn library() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+/// The crates of the library and, where a whole crate is one module, that module.
+const CRATES: [(&str, Option<&str>); 4] = [
+    ("myospring", None),
+    ("myospring-core", None),
+    ("myospring-microscopy", Some("microscopy")),
+    ("myospring-output", Some("output")),
+];
+
+fn crates() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
 /// Module and the modules that it may use, as ARCHITECTURE.md has them.
@@ -40,12 +48,12 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// First path segments behind `crate::` in code outside comments and test modules.
-fn used_modules(text: &str) -> BTreeSet<String> {
+/// First path segments behind `root` (as `crate::`) in code outside comments and test modules.
+fn used_modules(text: &str, root: &str) -> BTreeSet<String> {
     let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
     code.lines()
         .filter(|line| !line.trim_start().starts_with("//"))
-        .flat_map(|line| line.split("crate::").skip(1))
+        .flat_map(|line| line.split(root).skip(1))
         .flat_map(|rest| {
             let group = rest.strip_prefix('{').and_then(|inner| inner.split('}').next());
             group.unwrap_or(rest).split(',').take(if group.is_some() { usize::MAX } else { 1 })
@@ -61,24 +69,32 @@ fn used_modules(text: &str) -> BTreeSet<String> {
 fn modules_use_only_what_the_architecture_allows() {
     let table = table();
     let mut seen = BTreeSet::new();
-    for file in sources(&library()) {
-        let relative = file.strip_prefix(library()).unwrap();
-        let module = relative.components().next().unwrap().as_os_str().to_string_lossy();
-        let module = module.trim_end_matches(".rs").to_owned();
-        if module == "lib" {
-            continue;
+    for (name, whole) in CRATES {
+        let root = crates().join(name).join("src");
+        for file in sources(&root) {
+            let relative = file.strip_prefix(&root).unwrap();
+            let first = relative.components().next().unwrap().as_os_str().to_string_lossy();
+            let module = whole.unwrap_or(first.trim_end_matches(".rs")).to_owned();
+            if module == "lib" {
+                continue;
+            }
+            let allowed = table.get(&module).unwrap_or_else(|| {
+                panic!("module `{module}` is missing in ARCHITECTURE.md's table")
+            });
+            let text = std::fs::read_to_string(&file).unwrap();
+            let mut used = used_modules(&text, "myospring_core::");
+            if whole.is_none() {
+                used.extend(used_modules(&text, "crate::"));
+            }
+            for used in used {
+                assert!(
+                    used == module || allowed.contains(&used),
+                    "{} uses `{used}`, which ARCHITECTURE.md does not allow `{module}`",
+                    file.display()
+                );
+            }
+            seen.insert(module);
         }
-        let allowed = table
-            .get(&module)
-            .unwrap_or_else(|| panic!("module `{module}` is missing in ARCHITECTURE.md's table"));
-        for used in used_modules(&std::fs::read_to_string(&file).unwrap()) {
-            assert!(
-                used == module || allowed.contains(&used),
-                "{} uses `{used}`, which ARCHITECTURE.md does not allow `{module}`",
-                relative.display()
-            );
-        }
-        seen.insert(module);
     }
     let gone: Vec<_> = table.keys().filter(|module| !seen.contains(*module)).collect();
     assert!(gone.is_empty(), "ARCHITECTURE.md's table names modules that are not there: {gone:?}");
@@ -89,16 +105,15 @@ fn the_reader_of_paths_finds_them() {
     let code = "use crate::{mesh::Mesh, units};\nuse crate::cell::{self, X};\n// crate::no\nlet x = crate::output::y();";
     let expected: BTreeSet<String> =
         ["mesh", "units", "cell", "output"].map(str::to_owned).into_iter().collect();
-    assert_eq!(used_modules(code), expected);
+    assert_eq!(used_modules(code, "crate::"), expected);
 }
 
 /// A crate is published as its own folder, so no file outside may go into it.
 #[test]
 fn published_crates_hold_every_file_that_they_include() {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut seen = 0;
-    for name in ["myospring", "myospring-cli"] {
-        let package = crates.join(name).canonicalize().unwrap();
+    for name in CRATES.map(|(name, _)| name).into_iter().chain(["myospring-cli"]) {
+        let package = crates().join(name).canonicalize().unwrap();
         for file in sources(&package.join("src")) {
             let text = std::fs::read_to_string(&file).unwrap();
             for included in text.split("include_").skip(1) {

@@ -1,0 +1,354 @@
+//! From the bytes of a picture to its cells: read, pixel size settled, segmented; then one cell of them with
+//! its outline, its report and the direction of its fibres.
+//!
+//! ```text
+//! bytes ─▶ PictureCells::find ─▶ .cell(choice) ─▶ PictureCell {outline, mask, shape, confidence}
+//!                                                      └─▶ .fibres(long axis) ─▶ one direction per triangle
+//! ```
+
+use geo::Distance;
+
+use super::fibres::{FibreError, FibreField, FibreSettings, fibres};
+use super::outlines::raster::rasterise;
+use super::outlines::trace::{Edge, TraceError, trace_mask};
+use super::outlines::{
+    CoordinateUnit, FrameError, GivenOutlines, NamedOutline, OutlineFileError, PixelFrame,
+    Placement, ReadOptions, read_outlines,
+};
+use super::picture::{PixelSizeSource, Selection};
+use super::plane::Plane;
+use super::read::{PictureError, read_picture};
+use super::report::{ShapeReport, shape_report};
+use super::segment::{
+    self, Choice, Confidence, Modality, SegmentError, Segmentation, Settings, counted, segment,
+};
+use myospring_core::mesh::lattice::FEWEST_PIXELS;
+use myospring_core::mesh::mask::{Mask, MaskError};
+use myospring_core::mesh::outline::Outline;
+
+/// How far the pixel size that was given may be from the picture's own before it is said, 1 %.
+const SAME_PIXEL_SIZE: f64 = 0.01;
+
+/// What to look for in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Options {
+    /// Which plane of the picture.
+    pub selection: Selection,
+    /// Side of one pixel, um; `None` takes what the picture says.
+    pub pixel_size_um: Option<f64>,
+    /// How to find cells.
+    pub segmentation: Settings,
+}
+
+/// Why a picture gives no cell.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CellError {
+    /// The picture cannot be read.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// No pixel size, neither in the picture nor given.
+    #[error(
+        "the picture does not say how large its pixels are; give the side of one, like --pixel-size \"0.27 um\" \
+         (the microscope's software shows it; it is the camera's pixel over the magnification)"
+    )]
+    NoPixelSize,
+    /// Segmentation found no cell, or not the one that was asked for.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+    /// The cell is a speck.
+    #[error(
+        "cell {number} has only {pixels} pixels ({area_um2:.3} um^2); at least {FEWEST_PIXELS} are needed: is this the \
+         right picture, cell or label?"
+    )]
+    TooSmall {
+        /// Its number.
+        number: u32,
+        /// How many pixels it has.
+        pixels: usize,
+        /// Their area, um^2.
+        area_um2: f64,
+    },
+    /// The pixels of the cell make no outline.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// The file of outlines cannot be used.
+    #[error(transparent)]
+    Outlines(#[from] OutlineFileError),
+    /// The picture's size or pixel size is out of range.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The outline covers no pixel.
+    #[error("the outline `{name}` cannot be laid over the picture: {cause}")]
+    Rasterise {
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        cause: MaskError,
+    },
+}
+
+/// A picture with its cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureCells {
+    /// The plane that was looked at.
+    pub plane: Plane,
+    /// Side of one pixel, um.
+    pub pixel_size_um: f64,
+    /// Where the pixel size comes from, in words.
+    pub pixel_size_source: &'static str,
+    /// What a person should know about the picture.
+    pub notes: Vec<String>,
+    cells: Cells,
+}
+
+/// Where the cells come from.
+#[derive(Debug, Clone, PartialEq)]
+enum Cells {
+    Found(Segmentation),
+    /// Largest first.
+    Given(GivenOutlines),
+}
+
+/// One cell of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureCell {
+    /// Its number; 1 is the largest cell of the picture.
+    pub number: u32,
+    /// Its name: that of a given outline, of a label, else its number.
+    pub name: String,
+    /// Its outline, um from the lower left corner of the picture.
+    pub outline: Outline,
+    /// Its pixels.
+    pub mask: Mask,
+    /// Its size and shape, with warnings.
+    pub shape: ShapeReport,
+    /// How sure it is.
+    pub confidence: Confidence,
+}
+
+impl PictureCells {
+    /// Reads a picture and finds its cells.
+    ///
+    /// # Errors
+    /// A picture that cannot be read, no pixel size, or no cell.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::microscopy::cells::{Options, PictureCells};
+    /// let error = PictureCells::find(b"no picture", &Options::default()).unwrap_err();
+    /// assert!(error.to_string().starts_with("this is not a picture"));
+    /// ```
+    pub fn find(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
+        let mut seen = Self::read(bytes, options)?;
+        let found = segment(&seen.plane, seen.pixel_size_um, &options.segmentation)?;
+        seen.notes.extend(found.notes.iter().cloned());
+        seen.cells = Cells::Found(found);
+        Ok(seen)
+    }
+
+    /// Reads a picture and the outlines that a file of outlines has for it.
+    ///
+    /// # Errors
+    /// A picture or outlines that cannot be read, no pixel size, or outlines beside the picture.
+    pub fn given(
+        bytes: &[u8],
+        outlines: &[u8],
+        file_name: &str,
+        options: &Options,
+    ) -> Result<Self, CellError> {
+        let mut seen = Self::read(bytes, options)?;
+        let placement = Placement::Picture(seen.frame()?);
+        let reading = ReadOptions { placement, silent_unit: CoordinateUnit::default() };
+        let mut given = read_outlines(outlines, file_name, &reading)?;
+        given.sort_by_area();
+        seen.notes.append(&mut given.notes);
+        seen.cells = Cells::Given(given);
+        Ok(seen)
+    }
+
+    fn read(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
+        let picture = read_picture(bytes, &options.selection)?;
+        let mut notes = picture.notes;
+        let (pixel_size_um, pixel_size_source) = match (options.pixel_size_um, picture.pixel_size) {
+            (Some(given), own) => {
+                if let Some(own) = own
+                    && (own.um / given - 1.0).abs() > SAME_PIXEL_SIZE
+                {
+                    notes.push(format!(
+                        "the picture says that its pixels are {:.4} um wide ({}), but {given} um was given and is used",
+                        own.um,
+                        words(own.source)
+                    ));
+                }
+                (given, "given")
+            }
+            (None, Some(own)) => (own.um, words(own.source)),
+            (None, None) => return Err(CellError::NoPixelSize),
+        };
+        let cells = Cells::Given(GivenOutlines { outlines: Vec::new(), notes: Vec::new() });
+        Ok(Self { plane: picture.plane, pixel_size_um, pixel_size_source, notes, cells })
+    }
+
+    /// The picture's frame, which turns pixels into um.
+    ///
+    /// # Errors
+    /// A pixel size out of range.
+    pub fn frame(&self) -> Result<PixelFrame, CellError> {
+        Ok(PixelFrame::new(self.plane.width(), self.plane.height(), self.pixel_size_um)?)
+    }
+
+    /// How many cells there are.
+    pub fn len(&self) -> usize {
+        match &self.cells {
+            Cells::Found(found) => found.cells.len(),
+            Cells::Given(given) => given.outlines.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// What segmentation found; `None` where outlines were given.
+    pub fn segmentation(&self) -> Option<&Segmentation> {
+        match &self.cells {
+            Cells::Found(found) => Some(found),
+            Cells::Given(_) => None,
+        }
+    }
+
+    /// The modality in a word: as segmented, or `outline` where it was given.
+    pub fn modality(&self) -> &'static str {
+        match self.segmentation().map(|found| found.modality) {
+            None => "outline",
+            Some(Modality::Mask) => "mask",
+            Some(Modality::Brightfield) => "brightfield",
+            Some(Modality::Fluorescence | Modality::Auto) => "fluorescence",
+        }
+    }
+
+    /// One cell.
+    ///
+    /// # Errors
+    /// No such cell, one that the frame cuts while `allow_cut` is false, or pixels that make no outline.
+    pub fn cell(&self, choice: Choice, allow_cut: bool) -> Result<PictureCell, CellError> {
+        let frame = self.frame()?;
+        match &self.cells {
+            Cells::Found(found) => {
+                let cell = found.choose(choice, allow_cut)?;
+                if cell.pixels < FEWEST_PIXELS {
+                    let segment::Cell { number, pixels, area_um2, .. } = *cell;
+                    return Err(CellError::TooSmall { number, pixels, area_um2 });
+                }
+                let mask = found.mask(cell.number)?;
+                let edge =
+                    if found.modality == Modality::Mask { Edge::Exact } else { Edge::Smooth };
+                let outline = trace_mask(&mask, edge)?;
+                let name = cell.label.unwrap_or(cell.number).to_string();
+                let shape = shape_report(&outline, Some(&frame));
+                let confidence = cell.confidence.clone();
+                Ok(PictureCell { number: cell.number, name, outline, mask, shape, confidence })
+            }
+            Cells::Given(given) => {
+                let at = self.given_at(given, choice, frame)?;
+                let NamedOutline { name, outline } = given.outlines[at].clone();
+                let mask = rasterise(&outline, &frame)
+                    .map_err(|cause| CellError::Rasterise { name: name.clone(), cause })?;
+                let shape = shape_report(&outline, Some(&frame));
+                let number = at as u32 + 1;
+                let confidence = Confidence::full();
+                Ok(PictureCell { number, name, outline, mask, shape, confidence })
+            }
+        }
+    }
+
+    fn given_at(
+        &self,
+        given: &GivenOutlines,
+        choice: Choice,
+        frame: PixelFrame,
+    ) -> Result<usize, SegmentError> {
+        let count = given.outlines.len();
+        let numbered = |number| {
+            let none = SegmentError::NoSuchCell { number, cells: counted(count) };
+            given.numbered(number).ok_or(none)
+        };
+        match choice {
+            Choice::Largest => numbered(1),
+            Choice::Number(number) => numbered(number),
+            Choice::Label(label) => {
+                let none = SegmentError::NoSuchLabel { label, labels: given.names() };
+                given.labelled(label).ok_or(none)
+            }
+            Choice::At(place) => {
+                let point = geo::Point::from(frame.to_um(place));
+                // 0 within.
+                let distance = |cell: &NamedOutline| {
+                    let ring: geo::LineString = cell.outline.exterior().iter().copied().collect();
+                    geo::Euclidean.distance(&point, &geo::Polygon::new(ring, Vec::new()))
+                };
+                let distances = given.outlines.iter().map(distance).enumerate();
+                let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+                if let Some((at, 0.0)) = nearest {
+                    return Ok(at);
+                }
+                let name = |(at, _): (usize, f64)| format!("`{}`", given.outlines[at].name);
+                let nearest = nearest.map(name).unwrap_or_default();
+                let (width, height) = (self.plane.width(), self.plane.height());
+                let [x, y] = place;
+                Err(SegmentError::NotThere { x, y, width, height, nearest })
+            }
+        }
+    }
+
+    /// The outlines of all cells, largest first, each with its name; those that make no outline are left out.
+    pub fn outlines(&self) -> Vec<NamedOutline> {
+        match &self.cells {
+            Cells::Given(given) => given.outlines.clone(),
+            Cells::Found(found) => found
+                .cells
+                .iter()
+                .filter_map(|cell| self.cell(Choice::Number(cell.number), true).ok())
+                .map(|PictureCell { name, outline, .. }| NamedOutline { name, outline })
+                .collect(),
+        }
+    }
+
+    /// What a person should know before they trust the direction of the fibres, a sentence each.
+    pub fn fibre_warnings(&self, field: &FibreField) -> Vec<String> {
+        let mut warnings = field.summary().warnings();
+        let modality = self.segmentation().map(|found| found.modality);
+        if modality == Some(Modality::Brightfield) {
+            warnings.push(
+                "the fibres were read from a brightfield picture, where rows of organelles and folds count as stripes \
+                 too; compare them with the overlay, or take a stain of z-discs or filaments"
+                    .to_owned(),
+            );
+        }
+        warnings
+    }
+
+    /// The direction of the fibres in one cell, as the picture shows it; `long_axis` stands in where it shows
+    /// none.
+    ///
+    /// # Errors
+    /// Pixels too coarse to show myofibrils, or settings out of range.
+    pub fn fibres(
+        &self,
+        cell: &PictureCell,
+        long_axis: [f64; 2],
+        settings: &FibreSettings,
+    ) -> Result<FibreField, FibreError> {
+        fibres(&self.plane, cell.mask.inside(), self.pixel_size_um, long_axis, settings)
+    }
+}
+
+fn words(source: PixelSizeSource) -> &'static str {
+    match source {
+        PixelSizeSource::OmeXml => "OME-XML",
+        PixelSizeSource::ImageJ => "ImageJ's description",
+        PixelSizeSource::TiffResolution => "TIFF resolution",
+        PixelSizeSource::PngResolution => "PNG resolution",
+    }
+}

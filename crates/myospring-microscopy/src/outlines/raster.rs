@@ -1,0 +1,193 @@
+//! Outlines to pixels: masks and label pictures.
+
+use png::{BitDepth, ColorType, Compression, Encoder};
+
+use super::{NamedOutline, OutlineWriteError, PixelFrame};
+use myospring_core::mesh::mask::{Mask, MaskError};
+use myospring_core::mesh::outline::Outline;
+
+/// Most labels that a 16-bit picture can tell apart.
+const MOST_LABELS: usize = 65_535;
+
+/// The pixels of a picture whose centres lie within an outline.
+///
+/// It undoes [`super::trace::trace_mask`] to the pixel.
+///
+/// # Errors
+/// An outline that covers no pixel of the picture, or all.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::outline::Outline;
+/// use myospring::microscopy::outlines::{PixelFrame, raster::rasterise};
+/// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
+/// let outline = Outline::new(corners, vec![])?;
+/// let mask = rasterise(&outline, &PixelFrame::new(10, 8, 0.5)?)?;
+/// assert_eq!((mask.cell_pixels(), mask.area_um2()), (24, outline.area()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn rasterise(outline: &Outline, frame: &PixelFrame) -> Result<Mask, MaskError> {
+    Mask::new(frame.width(), frame.height(), frame.pixel_size_um(), pixels(outline, frame))
+}
+
+/// As [`rasterise`], empty and full ones included.
+pub(crate) fn pixels(outline: &Outline, frame: &PixelFrame) -> Vec<bool> {
+    let rings: Vec<Vec<[f64; 2]>> = outline
+        .rings()
+        .map(|ring| ring.iter().map(|&point| frame.to_pixels(point)).collect())
+        .collect();
+    fill(&rings, frame.width(), frame.height())
+}
+
+/// Pixels whose centres lie within rings in pixels, by the even-odd rule: row by row, the centres
+/// between the first and second crossing of the row with an edge, the third and fourth, and so on.
+pub(super) fn fill(rings: &[Vec<[f64; 2]>], width: usize, height: usize) -> Vec<bool> {
+    /// An edge from its first row on: where it crosses the row, and how far that moves per row.
+    struct Edge {
+        first: usize,
+        end: usize,
+        start: [f64; 2],
+        slope: f64,
+    }
+    let row_of = |y: f64| (y - 0.5).ceil().clamp(0.0, height as f64) as usize;
+    let mut edges: Vec<Edge> = rings
+        .iter()
+        .flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)))
+        .filter_map(|(&p, &q)| {
+            let (p, q) = if p[1] <= q[1] { (p, q) } else { (q, p) };
+            let (first, end) = (row_of(p[1]), row_of(q[1]));
+            let slope = (q[0] - p[0]) / (q[1] - p[1]);
+            (first < end).then_some(Edge { first, end, start: p, slope })
+        })
+        .collect();
+    edges.sort_by_key(|edge| edge.first);
+
+    let mut inside = vec![false; width * height];
+    let mut waiting = edges.iter().peekable();
+    let mut active: Vec<&Edge> = Vec::new();
+    let mut crossings: Vec<f64> = Vec::new();
+    for (row, pixels) in inside.chunks_exact_mut(width).enumerate() {
+        active.retain(|edge| edge.end > row);
+        while let Some(edge) = waiting.next_if(|edge| edge.first == row) {
+            active.push(edge);
+        }
+        let centre = row as f64 + 0.5;
+        crossings.clear();
+        crossings.extend(
+            active.iter().map(|edge| edge.start[0] + (centre - edge.start[1]) * edge.slope),
+        );
+        crossings.sort_by(f64::total_cmp);
+        for pair in crossings.chunks_exact(2) {
+            let column = |x: f64| (x - 0.5).ceil().clamp(0.0, width as f64) as usize;
+            let (from, to) = (column(pair[0]), column(pair[1]));
+            if from < to {
+                pixels[from..to].fill(true);
+            }
+        }
+    }
+    inside
+}
+
+/// Writes the pixels of an outline as an 8-bit PNG: 255 within, 0 outside.
+///
+/// # Errors
+/// An outline that covers no pixel of the picture.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::outline::Outline;
+/// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, raster::write_mask_png};
+/// use myospring::microscopy::{picture::Selection, read::read_picture};
+/// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
+/// let cell = NamedOutline { name: "a".to_owned(), outline: Outline::new(corners, vec![])? };
+/// let png = write_mask_png(&cell, &PixelFrame::new(10, 8, 0.5)?)?;
+/// let read = read_picture(&png, &Selection::default())?.plane;
+/// assert_eq!(read.values().iter().filter(|&&value| value == 255.0).count(), 24);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_mask_png(
+    cell: &NamedOutline,
+    frame: &PixelFrame,
+) -> Result<Vec<u8>, OutlineWriteError> {
+    let inside = pixels(&cell.outline, frame);
+    check_any(cell, frame, &inside)?;
+    let pixels: Vec<u8> = inside.into_iter().map(|inside| u8::from(inside) * 255).collect();
+    encode(frame, BitDepth::Eight, &pixels)
+}
+
+/// Writes outlines as a label picture, a PNG: the first is 1, the second 2, and so on, the background
+/// 0; 8 bits up to 255 outlines, else 16. Where two overlap, the later one is on top.
+///
+/// # Errors
+/// More than 65535 outlines, or one that covers no pixel of the picture.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::outline::Outline;
+/// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, raster::write_labels_png};
+/// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
+/// let cell = NamedOutline { name: "a".to_owned(), outline: Outline::new(corners, vec![])? };
+/// let png = write_labels_png(&[cell], &PixelFrame::new(10, 8, 0.5)?)?;
+/// assert!(png.starts_with(b"\x89PNG"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_labels_png(
+    cells: &[NamedOutline],
+    frame: &PixelFrame,
+) -> Result<Vec<u8>, OutlineWriteError> {
+    let found = cells.len();
+    if found > MOST_LABELS {
+        return Err(OutlineWriteError::TooMany { found, bound: MOST_LABELS });
+    }
+    let mut labels = vec![0_u16; frame.width() * frame.height()];
+    for (index, cell) in cells.iter().enumerate() {
+        let inside = pixels(&cell.outline, frame);
+        check_any(cell, frame, &inside)?;
+        for (label, _) in labels.iter_mut().zip(inside).filter(|(_, inside)| *inside) {
+            *label = (index + 1) as u16;
+        }
+    }
+    let narrow: Result<Vec<u8>, _> = labels.iter().map(|&label| u8::try_from(label)).collect();
+    if let Ok(narrow) = narrow {
+        return encode(frame, BitDepth::Eight, &narrow);
+    }
+    let wide: Vec<u8> = labels.into_iter().flat_map(u16::to_be_bytes).collect();
+    encode(frame, BitDepth::Sixteen, &wide)
+}
+
+/// A grey PNG of the size of the frame.
+fn encode(
+    frame: &PixelFrame,
+    depth: BitDepth,
+    pixels: &[u8],
+) -> Result<Vec<u8>, OutlineWriteError> {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, frame.width() as u32, frame.height() as u32);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(depth);
+    encoder.set_compression(Compression::Fast);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(pixels)?;
+        writer.finish()
+    });
+    match written {
+        Ok(()) => Ok(bytes),
+        Err(error) => Err(OutlineWriteError::Encode { reason: error.to_string() }),
+    }
+}
+
+pub(super) fn check_any(
+    cell: &NamedOutline,
+    frame: &PixelFrame,
+    inside: &[bool],
+) -> Result<(), OutlineWriteError> {
+    if inside.contains(&true) {
+        return Ok(());
+    }
+    Err(OutlineWriteError::NoPixel {
+        name: cell.name.clone(),
+        width: frame.width(),
+        height: frame.height(),
+        pixel_size_um: frame.pixel_size_um(),
+    })
+}

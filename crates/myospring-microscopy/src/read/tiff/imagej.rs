@@ -1,0 +1,92 @@
+//! The description that ImageJ writes: lines of `name=value` after `ImageJ=version`.
+
+use super::planes::{Axis, CHANNEL_FIRST, Planes, Run};
+use crate::picture::PixelSizeSource;
+use crate::read::PictureError;
+use crate::read::pixel_size::{Stated, unit_um};
+
+/// What the description says.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ImageJ {
+    images: u64,
+    channels: u64,
+    slices: u64,
+    frames: u64,
+    /// Its axes were set by a person or an instrument; else `slices` is only the number of pages.
+    hyperstack: bool,
+    /// Distance of slices, which only a stack in depth has.
+    spacing: bool,
+    unit: Option<String>,
+}
+
+impl ImageJ {
+    /// Reads a description; `None` where it is another program's.
+    pub(super) fn read(description: &str) -> Option<Self> {
+        description.starts_with("ImageJ=").then(|| {
+            let value = |name: &str| {
+                description.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='))
+            };
+            let number = |name| value(name).and_then(|text| text.trim().parse().ok()).unwrap_or(1);
+            Self {
+                images: number("images"),
+                channels: number("channels"),
+                slices: number("slices"),
+                frames: number("frames"),
+                hyperstack: value("hyperstack").is_some_and(|text| text.trim() == "true"),
+                spacing: value("spacing").is_some(),
+                unit: value("unit").map(str::to_owned),
+            }
+        })
+    }
+
+    /// Whether the file says what its pages are.
+    ///
+    /// `slices=5` alone is what ImageJ writes for any series of pages, also for a film.
+    pub(super) fn says_axes(&self) -> bool {
+        self.hyperstack || self.spacing || self.channels > 1 || self.frames > 1
+    }
+
+    /// Which page holds what; `None` where the numbers do not fit the pages.
+    ///
+    /// # Errors
+    /// A file above 4 GB, in which ImageJ gives one page for all images.
+    pub(super) fn planes(&self, pages: u64) -> Result<Option<Planes>, PictureError> {
+        if self.images > 1 && pages == 1 {
+            return Err(PictureError::TooMuch {
+                what: format!("{} images under one page, as ImageJ writes above 4 GB", self.images),
+                most: "one image per page is read".to_owned(),
+                mend: "save it as OME-TIFF, or duplicate the part that you need",
+            });
+        }
+        let planes = Planes::new([self.channels, self.slices, self.frames], CHANNEL_FIRST);
+        Ok(planes.filter(|planes| planes.count() == pages).map(|mut planes| {
+            planes.add([0; 3], Run { page: 0, count: pages, elsewhere: None });
+            planes
+        }))
+    }
+
+    /// Size of a pixel from the resolution tags, which count pixels per unit.
+    pub(super) fn pixel_size(&self, per_unit: [Option<f64>; 2]) -> Option<Stated> {
+        let um = unit_um(self.unit.as_ref()?)?;
+        let side =
+            |per_unit: Option<f64>| per_unit.filter(|&count| count > 0.0).map(|count| um / count);
+        let x_um = side(per_unit[0])?;
+        let y_um = side(per_unit[1]).unwrap_or(x_um);
+        Some(Stated { x_um, y_um, source: PixelSizeSource::ImageJ })
+    }
+
+    /// Declared numbers in words.
+    pub(super) fn words(&self) -> String {
+        let [channels, slices, frames] = [self.channels, self.slices, self.frames];
+        format!("{channels} channels x {slices} slices x {frames} frames")
+    }
+}
+
+/// Pages without stated meaning along one axis.
+pub(super) fn series(axis: Axis, pages: u64) -> Option<Planes> {
+    let mut sizes = [1; 3];
+    sizes[axis as usize] = pages;
+    let mut planes = Planes::new(sizes, CHANNEL_FIRST)?;
+    planes.add([0; 3], Run { page: 0, count: pages, elsewhere: None });
+    Some(planes)
+}

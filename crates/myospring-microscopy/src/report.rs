@@ -1,0 +1,156 @@
+//! The shape of a cell in numbers, and what a person should look at.
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use geo::{Area, ConvexHull};
+use serde::Serialize;
+
+use super::outlines::PixelFrame;
+use super::outlines::raster::pixels;
+use myospring_core::mesh::outline::Outline;
+use myospring_core::mesh::quality::{Dimensions, outline_dimensions, write_report};
+
+/// Solidity below which the report warns. Rod-shaped and spindle-shaped cells have 0.85 and more, also
+/// with the steps of their intercalated discs; two rods of 5:1 in an L have 0.53, in a T 0.60.
+pub const LEAST_SOLIDITY: f64 = 0.8;
+
+/// Areas of single heart cells, um^2: from the smallest neonatal ones to widely spread or failing
+/// adult ones. A pixel size that is wrong by three or more leaves this range.
+pub const USUAL_AREAS_UM2: [f64; 2] = [200.0, 20_000.0];
+
+/// Longest usual cell, um: adult ventricular cells have 100 to 150, in failing hearts up to 200.
+pub const LONGEST_USUAL_UM: f64 = 250.0;
+
+/// Largest usual ratio of length and mean width; adult cells have 5 to 8.
+pub const LARGEST_USUAL_ASPECT: f64 = 15.0;
+
+/// Share of holes in the area of the cell above which the report warns, per cent.
+pub const MOST_HOLES_PCT: f64 = 1.0;
+
+/// Shape of a cell; prints as a table.
+///
+/// All measures are those of the polygon. Holes count against the area and nowhere else.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShapeReport {
+    /// Area within the exterior and outside of holes, um^2.
+    pub area_um2: f64,
+    /// Length of the exterior, um. Of an outline along pixel edges it is that of a staircase.
+    pub perimeter_um: f64,
+    /// Length, width and long axis.
+    #[serde(flatten)]
+    pub dimensions: Dimensions,
+    /// Area over that of the convex hull, 0 to 1: 1 has no dents and no holes.
+    pub solidity: f64,
+    /// `4 pi area / perimeter^2`, 0 to 1: 1 is a circle.
+    pub circularity: f64,
+    /// Number of holes.
+    pub holes: usize,
+    /// Pixels of the cell in the first and last row and column of the picture; 0 where the picture is
+    /// not known.
+    pub pixels_on_frame: usize,
+    /// What a person should look at; empty when all is well.
+    pub warnings: Vec<String>,
+}
+
+/// Measures an outline, and its place in a picture where that is known.
+///
+/// # Example
+/// ```
+/// use myospring::{mesh::built_in, microscopy::report::shape_report};
+/// let report = shape_report(&built_in::adult_ventricular(), None);
+/// assert!(report.solidity > 0.85 && report.warnings.is_empty());
+/// assert_eq!(report.dimensions.length_um.round(), 140.0);
+/// ```
+pub fn shape_report(outline: &Outline, frame: Option<&PixelFrame>) -> ShapeReport {
+    let (area_um2, perimeter_um) = (outline.area(), outline.perimeter());
+    let exterior = geo::Polygon::new(outline.exterior().iter().copied().collect(), Vec::new());
+    let holes_area = exterior.unsigned_area() - area_um2;
+    let mut report = ShapeReport {
+        area_um2,
+        perimeter_um,
+        dimensions: outline_dimensions(outline),
+        solidity: area_um2 / exterior.convex_hull().unsigned_area(),
+        circularity: 4.0 * PI * area_um2 / (perimeter_um * perimeter_um),
+        holes: outline.holes().len(),
+        pixels_on_frame: frame.map_or(0, |frame| pixels_on_frame(outline, frame)),
+        warnings: Vec::new(),
+    };
+    report.warnings = warnings(&report, 100.0 * holes_area / (area_um2 + holes_area));
+    report
+}
+
+fn pixels_on_frame(outline: &Outline, frame: &PixelFrame) -> usize {
+    let inside = pixels(outline, frame);
+    let (last_column, last_row) = (frame.width() - 1, frame.height() - 1);
+    let on_frame = |index: usize| {
+        let (column, row) = (index % frame.width(), index / frame.width());
+        column == 0 || column == last_column || row == 0 || row == last_row
+    };
+    inside.iter().enumerate().filter(|&(index, &inside)| inside && on_frame(index)).count()
+}
+
+fn warnings(report: &ShapeReport, holes_pct: f64) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let [least, most] = USUAL_AREAS_UM2;
+    let Dimensions { length_um, aspect_ratio, .. } = report.dimensions;
+    if report.pixels_on_frame > 0 {
+        warnings.push(format!(
+            "the cell touches the frame of the picture with {} pixels and may be cut: its length, width \
+             and shortening are then not those of a whole cell",
+            report.pixels_on_frame
+        ));
+    }
+    if report.solidity < LEAST_SOLIDITY {
+        warnings.push(format!(
+            "solidity {:.2} is below {LEAST_SOLIDITY}: the outline is ragged, or two cells, or has large \
+             holes",
+            report.solidity
+        ));
+    }
+    if report.area_um2 < least {
+        warnings.push(format!(
+            "the area of {:.0} um^2 is below {least} um^2: is the pixel size right, is it a whole cell?",
+            report.area_um2
+        ));
+    }
+    if report.area_um2 > most || length_um > LONGEST_USUAL_UM {
+        warnings.push(format!(
+            "the cell is large, {:.0} um^2 and {length_um:.0} um long (usual are up to {most} um^2 and \
+             {LONGEST_USUAL_UM} um): is the pixel size right, is it one cell?",
+            report.area_um2
+        ));
+    }
+    if aspect_ratio > LARGEST_USUAL_ASPECT {
+        warnings.push(format!(
+            "the cell is {aspect_ratio:.0} times as long as wide, more than {LARGEST_USUAL_ASPECT}: is it \
+             a strand of cells, or a scratch?"
+        ));
+    }
+    if holes_pct > MOST_HOLES_PCT {
+        warnings.push(format!(
+            "holes take {holes_pct:.1} % of the cell: fill them unless the cell has them"
+        ));
+    }
+    warnings
+}
+
+impl fmt::Display for ShapeReport {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let before = [
+            ("area", format!("{:.1}", self.area_um2), "um^2"),
+            ("perimeter", format!("{:.1}", self.perimeter_um), "um"),
+        ];
+        let after = [
+            ("solidity", format!("{:.3}", self.solidity), ""),
+            ("circularity", format!("{:.3}", self.circularity), ""),
+            ("holes", self.holes.to_string(), ""),
+            ("pixels on the frame", self.pixels_on_frame.to_string(), ""),
+        ];
+        write_report(
+            out,
+            before.into_iter().chain(self.dimensions.rows()).chain(after),
+            &self.warnings,
+        )
+    }
+}

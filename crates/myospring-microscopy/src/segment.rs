@@ -1,0 +1,513 @@
+//! From a plane to the cells in it: which pixels, how sure, and why.
+//!
+//! [`segment`] smooths, thresholds and tidies; lengths are micrometres, so that one setting serves every
+//! magnification. [`Segmentation`] keeps the cells apart, largest first, each with a [`Confidence`].
+//!
+//! - **Fluorescence** ([`Modality::Fluorescence`]): the slowly varying background is fitted and taken off,
+//!   brightness is counted in units of noise on a scale that is logarithmic above it, and Otsu's threshold
+//!   (Otsu 1979) parts cell from background; stripes and gaps are closed, holes filled.
+//! - **Brightfield** ([`Modality::Brightfield`]): a cell is as grey as what surrounds it, but it has edges.
+//!   Crests of the gradient (Canny 1986) that hang together over some um are kept, which leaves out beads and
+//!   debris; gaps between them are closed by the least radius after which the area stays, and filled.
+//! - **Mask** ([`Modality::Mask`]): every value that is not zero; labels are kept apart.
+
+mod brightfield;
+mod confidence;
+mod fluorescence;
+mod ground;
+mod labels;
+mod modality;
+
+use serde::Serialize;
+
+pub use confidence::Confidence;
+pub use labels::LARGEST_LABEL;
+
+use super::filter;
+use super::plane::Plane;
+use super::region::{Connectivity, Region};
+use myospring_core::mesh::mask::{Mask, MaskError, checked_pixel_size};
+
+/// How the picture was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Modality {
+    /// To be told from the grey values.
+    #[default]
+    Auto,
+    /// A bright cell on a dark ground.
+    Fluorescence,
+    /// A cell that shows by its edges and texture; phase contrast too.
+    Brightfield,
+    /// Not a picture but its segmentation: background 0.
+    Mask,
+}
+
+/// Smallest island that is called a cell unless stated, um^2: a tenth of a small myocyte.
+pub const SMALLEST_CELL_UM2: f64 = 100.0;
+
+/// How to segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// How the picture was taken.
+    pub modality: Modality,
+    /// Fluorescence: grey value above which a pixel is cell, background included. Brightfield: least
+    /// gradient of an edge, relative change of brightness per um. `None` finds it.
+    pub threshold: Option<f64>,
+    /// Scale of smoothing, um. `None` takes 0.5 um for fluorescence and 0.8 um for brightfield: finer than
+    /// any feature of an outline, coarser than noise and, for brightfield, than grains.
+    pub smooth_um: Option<f64>,
+    /// Islands smaller than this are no cells, um^2.
+    pub smallest_cell_um2: f64,
+}
+
+impl Default for Settings {
+    /// All found from the picture.
+    fn default() -> Self {
+        Self {
+            modality: Modality::Auto,
+            threshold: None,
+            smooth_um: None,
+            smallest_cell_um2: SMALLEST_CELL_UM2,
+        }
+    }
+}
+
+/// Which cell of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Choice {
+    /// The largest that is whole (or, if cut ones are allowed, the largest).
+    #[default]
+    Largest,
+    /// By its number; 1 is the largest.
+    Number(u32),
+    /// By its value in a label mask.
+    Label(u32),
+    /// The one at this place: column and row in pixels, from the top left.
+    At([f64; 2]),
+}
+
+/// One cell of a picture.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// Its number, from 1 on; the larger the area, the lower.
+    pub number: u32,
+    /// Its value, where the picture is a label mask.
+    pub label: Option<u32>,
+    /// Its pixels.
+    pub pixels: usize,
+    /// Its area, um^2.
+    pub area_um2: f64,
+    /// Pixels that lie on the rim of the picture: where there are any, the cell may go on outside.
+    pub pixels_on_the_frame: usize,
+    /// How sure it is.
+    pub confidence: Confidence,
+}
+
+/// The cells of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segmentation {
+    /// Number of columns.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+    /// Side of one pixel, um.
+    pub pixel_size_um: f64,
+    /// Number of the cell of each pixel, row by row from the top left; 0 is background.
+    pub numbers: Vec<u32>,
+    /// The cells; number n stands at n - 1.
+    pub cells: Vec<Cell>,
+    /// How the picture was taken, as said or as found.
+    pub modality: Modality,
+    /// The threshold that was used, in the unit of [`Settings::threshold`]; 0 for a mask.
+    pub threshold: f64,
+    /// What a person should know.
+    pub notes: Vec<String>,
+}
+
+/// Why a plane has no cell to offer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SegmentError {
+    /// The pixel size is not a length that a microscope gives.
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+    /// A setting that is not a positive number.
+    #[error("{what} is {value} {unit}; give a number from {low} to {high} {unit}, or leave it out")]
+    Setting {
+        /// Which.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// Least value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+    },
+    /// Nothing in the picture differs from anything else.
+    #[error(
+        "all {width} x {height} pixels have the same value, {value}: there is no cell to see; is this the right \
+         channel, frame or slice?"
+    )]
+    Blank {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// The value.
+        value: f32,
+    },
+    /// A value that is no number.
+    #[error("the pixel in column {column}, row {row} is {value}; pixels must be finite")]
+    NotFinite {
+        /// Column.
+        column: usize,
+        /// Row.
+        row: usize,
+        /// The value.
+        value: f32,
+    },
+    /// Nothing that could be a cell.
+    #[error(
+        "no cell was found ({modality} picture, threshold {threshold}): {why}; try another --threshold, --smooth or \
+         --modality, check the pixel size of {pixel_size_um} um, or draw the outline by hand"
+    )]
+    NoCell {
+        /// As what it was segmented.
+        modality: &'static str,
+        /// The threshold, with its unit.
+        threshold: String,
+        /// What was seen instead.
+        why: String,
+        /// Side of one pixel, um.
+        pixel_size_um: f64,
+    },
+    /// There is no cell of this number.
+    #[error("cell {number} was asked for, but the picture has {cells}; 1 is the largest")]
+    NoSuchCell {
+        /// The number.
+        number: u32,
+        /// How many there are, in words.
+        cells: String,
+    },
+    /// A value that marks no cell.
+    #[error(
+        "the pixel in column {column}, row {row} is {value}, but a mask holds values from 0 to {LARGEST_LABEL}; is this \
+         the picture itself, not its mask?"
+    )]
+    NoLabel {
+        /// Column.
+        column: usize,
+        /// Row.
+        row: usize,
+        /// The value.
+        value: f32,
+    },
+    /// There is no such label.
+    #[error("label {label} is not in the picture, which holds {labels}; 0 is the background")]
+    NoSuchLabel {
+        /// The label.
+        label: u32,
+        /// Those that there are.
+        labels: String,
+    },
+    /// A label was asked for, but the picture is no mask.
+    #[error(
+        "label {label} was asked for, but the picture is not a label mask; choose a cell with --cell or --seed, or \
+         say --modality mask if it is one"
+    )]
+    NotAMask {
+        /// The label.
+        label: u32,
+    },
+    /// No cell lies there.
+    #[error(
+        "no cell lies at {x}, {y} (column and row in pixels from the top left, picture {width} x {height}); the \
+         nearest is {nearest}"
+    )]
+    NotThere {
+        /// Column.
+        x: f64,
+        /// Row.
+        y: f64,
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Which cell is near, and where.
+        nearest: String,
+    },
+    /// The cell reaches the frame.
+    #[error(
+        "cell {number} is cut by the frame of the picture ({pixels} of its pixels lie on it), so its true shape is \
+         not known; take a picture with the whole cell, choose another cell, or allow it with --allow-cut"
+    )]
+    Cut {
+        /// Its number.
+        number: u32,
+        /// How many of its pixels lie on the frame.
+        pixels: usize,
+    },
+}
+
+/// Scales of smoothing that may be asked for, um.
+const SMOOTH_UM: [f64; 2] = [0.0, 20.0];
+
+/// Finds the cells of a plane.
+///
+/// # Errors
+/// A pixel size or setting out of range, pixels that are not finite, a blank picture, or no cell.
+///
+/// # Example
+/// ```
+/// use myospring::microscopy::plane::Plane;
+/// use myospring::microscopy::segment::{Choice, Settings, segment};
+/// // A bright disc of radius 20 um on a dark ground, pixels of 0.5 um.
+/// let value = |x: f64, y: f64| if (x - 60.0).hypot(y - 60.0) < 40.0 { 900.0 } else { 100.0 };
+/// let values = (0..120 * 120).map(|at| value(f64::from(at % 120), f64::from(at / 120)) as f32);
+/// let plane = Plane::new(120, 120, values.collect()).unwrap();
+/// let cells = segment(&plane, 0.5, &Settings::default()).unwrap();
+/// let cell = cells.choose(Choice::Largest, false).unwrap();
+/// assert!((cell.area_um2 / 1256.6 - 1.0).abs() < 0.05);
+/// ```
+pub fn segment(
+    plane: &Plane,
+    pixel_size_um: f64,
+    settings: &Settings,
+) -> Result<Segmentation, SegmentError> {
+    check(plane, pixel_size_um, settings)?;
+    let [low, high] = plane.range();
+    if low == high {
+        let (width, height) = (plane.width(), plane.height());
+        return Err(SegmentError::Blank { width, height, value: low });
+    }
+    let mut notes = Vec::new();
+    let modality = match settings.modality {
+        Modality::Auto => modality::guess(plane, pixel_size_um, &mut notes),
+        given => given,
+    };
+    match modality {
+        Modality::Mask => labels::segment(plane, pixel_size_um, notes),
+        Modality::Brightfield => brightfield::segment(plane, pixel_size_um, settings, notes),
+        _ => fluorescence::segment(plane, pixel_size_um, settings, notes),
+    }
+}
+
+fn check(plane: &Plane, pixel_size_um: f64, settings: &Settings) -> Result<(), SegmentError> {
+    checked_pixel_size(pixel_size_um).map_err(MaskError::from)?;
+    if let Some(at) = plane.values().iter().position(|value| !value.is_finite()) {
+        let (column, row) = (at % plane.width(), at / plane.width());
+        return Err(SegmentError::NotFinite { column, row, value: plane.values()[at] });
+    }
+    let [low, high] = SMOOTH_UM;
+    let smooth = settings.smooth_um.unwrap_or(low);
+    let range = |what, value: f64, unit, low, high| {
+        if (low..=high).contains(&value) {
+            return Ok(());
+        }
+        Err(SegmentError::Setting { what, value, unit, low, high })
+    };
+    range("the scale of smoothing", smooth, "um", low, high)?;
+    range("the smallest cell", settings.smallest_cell_um2, "um^2", 0.0, 1e6)?;
+    range("the threshold", settings.threshold.unwrap_or(0.0), "", -1e12, 1e12)
+}
+
+/// The plane at the pixels that a method works with.
+struct Working {
+    plane: Plane,
+    /// Pixels of the picture along the side of one of these.
+    factor: usize,
+    /// Side of one of these, um.
+    pixel_um: f64,
+}
+
+impl Working {
+    /// Pixels are averaged as long as they stay as fine as `coarsest_um`.
+    fn of(plane: &Plane, pixel_size_um: f64, coarsest_um: f64) -> Self {
+        let factor = ((coarsest_um / pixel_size_um) as usize).max(1);
+        let pixel_um = pixel_size_um * factor as f64;
+        Self { plane: filter::coarse(plane, factor), factor, pixel_um }
+    }
+}
+
+/// What a method of segmentation hands on: the cells on a grid whose pixels have `factor` of the picture's.
+struct Found {
+    region: Region,
+    factor: usize,
+    modality: Modality,
+    threshold: f64,
+    notes: Vec<String>,
+}
+
+/// A cell as those see it who judge how sure it is.
+struct Candidate<'a> {
+    /// Its pixels, as places in the plane.
+    pixels: &'a [u32],
+    /// Those of them that have a neighbour outside, without those on the frame.
+    rim: &'a [u32],
+    /// Pixels on the frame.
+    on_frame: usize,
+}
+
+impl Segmentation {
+    /// The cell that was chosen.
+    ///
+    /// # Errors
+    /// No such cell, none at that place, or one that the frame cuts while `allow_cut` is false.
+    pub fn choose(&self, choice: Choice, allow_cut: bool) -> Result<&Cell, SegmentError> {
+        let cell = match choice {
+            Choice::Largest => {
+                let whole =
+                    self.cells.iter().find(|cell| allow_cut || cell.pixels_on_the_frame == 0);
+                whole.or(self.cells.first())
+            }
+            Choice::Number(number) => self.cells.iter().find(|cell| cell.number == number),
+            Choice::Label(label) => Some(self.labelled(label)?),
+            Choice::At(place) => Some(self.at(place)?),
+        };
+        let Some(cell) = cell else {
+            let number = if let Choice::Number(number) = choice { number } else { 1 };
+            return Err(SegmentError::NoSuchCell { number, cells: counted(self.cells.len()) });
+        };
+        if cell.pixels_on_the_frame > 0 && !allow_cut {
+            let (number, pixels) = (cell.number, cell.pixels_on_the_frame);
+            return Err(SegmentError::Cut { number, pixels });
+        }
+        Ok(cell)
+    }
+
+    fn labelled(&self, label: u32) -> Result<&Cell, SegmentError> {
+        if self.modality != Modality::Mask {
+            return Err(SegmentError::NotAMask { label });
+        }
+        let cell = self.cells.iter().find(|cell| cell.label == Some(label));
+        cell.ok_or_else(|| {
+            let mut labels: Vec<u32> = self.cells.iter().filter_map(|cell| cell.label).collect();
+            labels.sort_unstable();
+            labels.dedup();
+            let more = if labels.len() > 12 { ", ..." } else { "" };
+            let labels: Vec<String> = labels.iter().take(12).map(u32::to_string).collect();
+            let labels = if labels.is_empty() { "no label".to_owned() } else { labels.join(", ") };
+            SegmentError::NoSuchLabel { label, labels: format!("{labels}{more}") }
+        })
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> Result<&Cell, SegmentError> {
+        let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
+        let number = if inside { self.numbers[y as usize * self.width + x as usize] } else { 0 };
+        if let Some(cell) = self.cells.iter().find(|cell| cell.number == number) {
+            return Ok(cell);
+        }
+        let mut nearest: Option<(f64, usize)> = None;
+        for (at, _) in self.numbers.iter().enumerate().filter(|(_, number)| **number != 0) {
+            let (column, row) = ((at % self.width) as f64 + 0.5, (at / self.width) as f64 + 0.5);
+            let distance = (column - x).hypot(row - y);
+            if nearest.is_none_or(|(least, _)| distance < least) {
+                nearest = Some((distance, at));
+            }
+        }
+        let nearest = nearest.map_or_else(
+            || "nowhere: there is none".to_owned(),
+            |(_, at)| {
+                let (column, row) = (at % self.width, at / self.width);
+                format!("cell {} at {column}, {row}", self.numbers[at])
+            },
+        );
+        let (width, height) = (self.width, self.height);
+        Err(SegmentError::NotThere { x, y, width, height, nearest })
+    }
+
+    /// The pixels of one cell.
+    ///
+    /// # Errors
+    /// No cell of that number.
+    pub fn mask(&self, number: u32) -> Result<Mask, SegmentError> {
+        let inside: Vec<bool> =
+            self.numbers.iter().map(|&other| number != 0 && other == number).collect();
+        if !inside.contains(&true) {
+            let cells = counted(self.cells.len());
+            return Err(SegmentError::NoSuchCell { number, cells });
+        }
+        Ok(Mask::new(self.width, self.height, self.pixel_size_um, inside)?)
+    }
+}
+
+pub(super) fn counted(cells: usize) -> String {
+    match cells {
+        1 => "1 cell".to_owned(),
+        count => format!("{count} cells"),
+    }
+}
+
+impl Found {
+    /// Brings the cells back to the picture's own pixels and numbers them, largest first.
+    fn finish(
+        self,
+        plane: &Plane,
+        pixel_size_um: f64,
+        smallest_um2: f64,
+        judge: impl Fn(&Candidate<'_>) -> Confidence,
+    ) -> Segmentation {
+        let (width, height) = (plane.width(), plane.height());
+        let islands = self.on_plane(width, height).islands(Connectivity::Four);
+        let smallest = smallest_um2 / pixel_size_um.powi(2);
+        let mut order: Vec<usize> = (0..islands.list.len())
+            .filter(|&island| islands.list[island].pixels as f64 >= smallest)
+            .collect();
+        order.sort_by_key(|&island| std::cmp::Reverse(islands.list[island].pixels));
+        let mut renumbered = vec![0_u32; islands.list.len() + 1];
+        for (number, &island) in (1..).zip(&order) {
+            renumbered[island + 1] = number;
+        }
+        let numbers: Vec<u32> =
+            islands.numbers.iter().map(|&number| renumbered[number as usize]).collect();
+        let mut pixels = vec![Vec::new(); order.len()];
+        for (at, &number) in (0..).zip(&numbers) {
+            if number > 0 {
+                pixels[number as usize - 1].push(at);
+            }
+        }
+        let cell = |(number, pixels): (u32, &Vec<u32>)| {
+            let (rim, on_frame) = rim(&numbers, width, height, pixels);
+            Cell {
+                number,
+                label: None,
+                pixels: pixels.len(),
+                area_um2: pixels.len() as f64 * pixel_size_um.powi(2),
+                pixels_on_the_frame: on_frame,
+                confidence: judge(&Candidate { pixels, rim: &rim, on_frame }),
+            }
+        };
+        let cells = (1..).zip(&pixels).map(cell).collect();
+        let Self { modality, threshold, notes, .. } = self;
+        Segmentation { width, height, pixel_size_um, numbers, cells, modality, threshold, notes }
+    }
+
+    /// The cells on the picture's own pixels; the steps of a coarser grid are smoothed away.
+    fn on_plane(&self, width: usize, height: usize) -> Region {
+        if self.factor == 1 {
+            return self.region.clone();
+        }
+        self.region.spread(self.factor, width, height).smoothed(self.factor as f64)
+    }
+}
+
+/// Those pixels of a cell that have a neighbour outside it, without those on the frame; and how many lie on
+/// the frame.
+fn rim(numbers: &[u32], width: usize, height: usize, pixels: &[u32]) -> (Vec<u32>, usize) {
+    let (mut rim, mut on_frame) = (Vec::new(), 0);
+    for &pixel in pixels {
+        let at = pixel as usize;
+        let (column, row) = (at % width, at / width);
+        if column == 0 || row == 0 || column + 1 == width || row + 1 == height {
+            on_frame += 1;
+        } else if [at - 1, at + 1, at - width, at + width]
+            .iter()
+            .any(|&n| numbers[n] != numbers[at])
+        {
+            rim.push(pixel);
+        }
+    }
+    (rim, on_frame)
+}

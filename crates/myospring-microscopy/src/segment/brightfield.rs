@@ -1,0 +1,381 @@
+//! A cell that shows by its edges.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::{
+    Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
+};
+use crate::filter::{self, otsu, quantile, sample};
+use crate::plane::Plane;
+use crate::region::{Connectivity, Region, Window};
+
+/// Scale of smoothing unless stated, um: beads and grains of a micrometre lose most of their edges, the rim
+/// of a cell, which runs straight over many, loses none.
+const SMOOTH_UM: f64 = 0.8;
+/// Coarsest pixel that the work needs, um.
+const WORKING_PIXEL_UM: f64 = 0.3;
+/// Scale of the light's unevenness, um.
+const LIGHT_UM: f64 = 15.0;
+/// A connected edge must extend over so much, um; that of a bead or speck does not.
+const LEAST_EDGE_UM: f64 = 6.0;
+/// Least gradient of an edge, and the gradient that it must have over the length of an edge, in standard
+/// deviations of the picture's noise. Over a length, not at one place (Canny 1986), since grains are strong but
+/// short. Several pairs, of which the cell is what some agree on, so that it does not hang on one choice.
+const LEVELS: [[f32; 2]; 5] = [[1.5, 4.0], [2.0, 4.0], [2.0, 5.0], [2.5, 4.0], [2.5, 5.0]];
+/// How many of them must agree: fewer than half, for a faint tip shows at some levels only.
+const AGREEING: usize = 2;
+/// Coarsest pixel of the grid on which gaps are closed, um; the outline is found anew on the finer one.
+const CLOSING_PIXEL_UM: f64 = 1.1;
+/// Radii by which gaps in the outline are closed, um; the least is taken that encloses enough.
+const CLOSING_UM: [f64; 5] = [1.0, 1.6, 2.5, 4.0, 6.0];
+/// Part of the largest area over all radii that is enough: what is missing then are bays of the outline, not
+/// a piece of the cell.
+const ENOUGH: f64 = 0.94;
+/// Points and necks narrower than twice this go, um.
+const OPENING_UM: f64 = 1.0;
+/// How far the outline may lie within and without the first guess, um: it goes to the highest crest in this
+/// band, for a bright halo has two sides and the first guess lies on the outer one.
+const BAND_UM: [f64; 2] = [2.6, 1.2];
+/// Bays and cracks of the outline narrower than twice this are closed, um: debris on the rim makes them.
+const BAY_UM: f64 = 3.0;
+/// Smoothing of the final outline, um.
+const OUTLINE_UM: f64 = 0.6;
+
+pub(super) fn segment(
+    plane: &Plane,
+    pixel_size_um: f64,
+    settings: &Settings,
+    notes: Vec<String>,
+) -> Result<Segmentation, SegmentError> {
+    let Working { plane: working, factor, pixel_um: pixel } =
+        Working::of(plane, pixel_size_um, WORKING_PIXEL_UM);
+    let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
+    let gradient = Gradient::of(&relative(&working, pixel), smooth_um / pixel);
+    let noise = gradient.noise();
+    let unit =
+        settings.threshold.map_or(noise, |threshold| (threshold * pixel) as f32 / LEVELS[2][0]);
+    let threshold = f64::from(LEVELS[2][0] * unit) / pixel;
+    // The first level has the edges of all others. Only around them: distances and islands of a whole field of
+    // view cost more than all the rest.
+    let least_edge = LEAST_EDGE_UM / pixel;
+    let [weak, strong] = LEVELS[0].map(|level| level * unit);
+    let edges = gradient.edges(&gradient.crests(weak), weak, strong, least_edge);
+    let coarse = closing_factor(pixel);
+    let margin = 2.0 * CLOSING_UM[CLOSING_UM.len() - 1] / pixel;
+    let seen = edges.window(margin.ceil() as usize, coarse);
+    let (edges, around) = (edges.cut(&seen), gradient.cut(&seen));
+    let stricter = LEVELS[1..].iter().map(|level| {
+        let [weak, strong] = level.map(|level| level * unit);
+        around.edges(&edges, weak, strong, least_edge)
+    });
+    let tries: Vec<Guess> = std::iter::once(edges.clone())
+        .chain(stricter)
+        .map(|edges| Guess::within(edges, pixel, settings.smallest_cell_um2))
+        .collect();
+    let votes: Vec<usize> = (0..tries[0].region.pixels())
+        .map(|at| tries.iter().filter(|guess| guess.region.contains(at)).count())
+        .collect();
+    let most = votes.iter().map(|&votes| votes >= AGREEING);
+    let agreed = Region::new(tries[0].region.width(), tries[0].region.height(), most);
+    let smallest = settings.smallest_cell_um2 / (pixel * coarse as f64).powi(2);
+    let agreed = agreed.kept(Connectivity::Four, |island| island.pixels as f64 >= smallest);
+    if agreed.count() == 0 {
+        return Err(SegmentError::NoCell {
+            modality: "brightfield",
+            threshold: format!("{threshold:.4} relative change of brightness per um"),
+            why: format!(
+                "no edges that hang together over {LEAST_EDGE_UM} um enclose {} um^2",
+                settings.smallest_cell_um2
+            ),
+            pixel_size_um,
+        });
+    }
+    let guess = agreed.spread(coarse, seen.width(), seen.height());
+    let band = BAND_UM.map(|um| um / pixel);
+    // And only around those edges that enclose something, cells that are apart each by itself.
+    let Guess { edges, closing_um, .. } = &tries[2];
+    let closing_um = *closing_um;
+    let nothing = Region::new(seen.width(), seen.height(), std::iter::empty());
+    let (mut region, mut near_edges) = (nothing.clone(), nothing);
+    for window in guess.windows((2.0 * BAY_UM / pixel).ceil() as usize) {
+        let (near, close) = (guess.cut(&window), around.cut(&window));
+        let refined = flooded(&close.towards_the_light(&near, band), &near, band)
+            .opened(OPENING_UM / pixel)
+            .closed(BAY_UM / pixel)
+            .filled(usize::MAX)
+            .smoothed(OUTLINE_UM / pixel);
+        region.put(&refined, &window);
+        near_edges.put(&edges.cut(&window).grown(1.0 / pixel), &window);
+    }
+    let [region, near_edges] =
+        [region, near_edges].map(|part| part.pasted(&seen, working.width(), working.height()));
+    let found = Found { region, factor, modality: Modality::Brightfield, threshold, notes };
+    let judge = |candidate: &Candidate<'_>| {
+        let place = |&pixel: &u32| {
+            let at = pixel as usize;
+            let (column, row) = (at % plane.width() / factor, at / plane.width() / factor);
+            row * near_edges.width() + column
+        };
+        let mut confidence = Confidence::full();
+        let rim: Vec<usize> = candidate.rim.iter().map(place).collect();
+        let strengths: Vec<f32> = rim.iter().map(|&at| gradient.near(at)).collect();
+        let contrast = f64::from(quantile(&strengths, 0.5) / noise.max(f32::MIN_POSITIVE));
+        confidence.contrast = Some(contrast);
+        confidence.weigh(contrast, 1.0, 4.0, || {
+            format!("along its outline the brightness changes only {contrast:.1} times as fast as noise makes it")
+        });
+        let seen = rim.iter().filter(|&&at| near_edges.contains(at)).count();
+        let seen = seen as f64 / rim.len().max(1) as f64;
+        confidence.weigh(seen, 0.3, 0.85, || {
+            format!(
+                "along {:.0} % of its outline no edge was seen; gaps were bridged",
+                100.0 * (1.0 - seen)
+            )
+        });
+        let bridged = closing_um >= CLOSING_UM[CLOSING_UM.len() - 1];
+        confidence.weigh(if bridged { 0.5 } else { 1.0 }, 0.0, 1.0, || {
+            format!("its outline closes only if gaps of {:.0} um are bridged", 2.0 * closing_um)
+        });
+        confidence.weigh_shape(candidate, plane.width());
+        confidence
+    };
+    Ok(found.finish(plane, pixel_size_um, settings.smallest_cell_um2, judge))
+}
+
+/// Pixels along the side of a block of the grid on which gaps are closed.
+fn closing_factor(pixel_um: f64) -> usize {
+    ((CLOSING_PIXEL_UM / pixel_um) as usize).max(1)
+}
+
+/// Brightness relative to that of the surroundings.
+fn relative(plane: &Plane, pixel_um: f64) -> Plane {
+    let light = filter::slow_part(plane, LIGHT_UM / pixel_um);
+    // A camera's offset is not known; dark corners must not be blown up.
+    let middle = quantile(&sample(light.values(), 100_000), 0.5).abs();
+    let least = (0.1 * middle).max(f32::MIN_POSITIVE);
+    let values = plane.values().iter().zip(light.values());
+    let values = values.map(|(value, light)| (value - light) / light.max(least)).collect();
+    Plane::new(plane.width(), plane.height(), values).unwrap_or_else(|| plane.clone())
+}
+
+/// Gradient of a smoothed plane, per pixel.
+struct Gradient {
+    along: Vec<f32>,
+    down: Vec<f32>,
+    strength: Plane,
+}
+
+impl Gradient {
+    fn of(plane: &Plane, sigma: f64) -> Self {
+        let smooth = filter::gaussian(plane, sigma);
+        let (width, height) = (plane.width(), plane.height());
+        let values = smooth.values();
+        let (mut along, mut down) = (vec![0.0; values.len()], vec![0.0; values.len()]);
+        for row in 0..height {
+            let (above, below) = (row.saturating_sub(1), (row + 1).min(height - 1));
+            for column in 0..width {
+                let (left, right) = (column.saturating_sub(1), (column + 1).min(width - 1));
+                let at = row * width + column;
+                along[at] = (values[row * width + right] - values[row * width + left]) / 2.0;
+                down[at] = (values[below * width + column] - values[above * width + column]) / 2.0;
+            }
+        }
+        let strength = along.iter().zip(&down).map(|(x, y): (&f32, &f32)| x.hypot(*y)).collect();
+        let strength = Plane::new(width, height, strength).unwrap_or(smooth);
+        Self { along, down, strength }
+    }
+
+    /// The part within a window.
+    fn cut(&self, window: &Window) -> Self {
+        let width = self.strength.width();
+        let (along, down) = (window.cut(&self.along, width), window.cut(&self.down, width));
+        let strength = window.cut(self.strength.values(), width);
+        let strength = Plane::new(window.width(), window.height(), strength);
+        Self { along, down, strength: strength.unwrap_or_else(|| self.strength.clone()) }
+    }
+
+    /// Standard deviation of one component where there is no edge. The strength of isotropic noise follows a
+    /// Rayleigh distribution, whose median is 1.177 standard deviations.
+    fn noise(&self) -> f32 {
+        let strengths = sample(self.strength.values(), 400_000);
+        // Where edges fill much of the picture, the median is one of theirs: Otsu's threshold parts them.
+        let quiet: Vec<f32> = match otsu(&strengths) {
+            Some([level, _]) => strengths.iter().copied().filter(|&value| value <= level).collect(),
+            None => strengths,
+        };
+        quantile(&quiet, 0.5) / 1.177
+    }
+
+    /// The part of the gradient across the rim of a region: of the two sides of a rim, a dark line and its
+    /// bright halo, that which has the outline between them. Which way it goes is found from the band.
+    fn towards_the_light(&self, region: &Region, [within, without]: [f64; 2]) -> Plane {
+        let (width, height) = (region.width(), region.height());
+        let values = region.inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
+        let Some(step) = Plane::new(width, height, values) else { return self.strength.clone() };
+        let inward = Self::of(&step, within.max(without).max(1.0));
+        let across: Vec<f32> = (0..width * height)
+            .map(|at| {
+                let slope = inward.strength.values()[at];
+                if slope < 1e-6 {
+                    return 0.0;
+                }
+                -(self.along[at] * inward.along[at] + self.down[at] * inward.down[at]) / slope
+            })
+            .collect();
+        let squares = |sign: f32| -> f32 {
+            across.iter().map(|&value| (sign * value).max(0.0).powi(2)).sum()
+        };
+        let sign = if squares(1.0) >= squares(-1.0) { 1.0 } else { -1.0 };
+        let across = across.into_iter().map(|value| (sign * value).max(0.0)).collect();
+        Plane::new(width, height, across).unwrap_or(step)
+    }
+
+    /// The strongest gradient at and around a place: an outline lies within a pixel of its crest.
+    fn near(&self, at: usize) -> f32 {
+        let (width, height) = (self.strength.width(), self.strength.height());
+        let (column, row) = (at % width, at / width);
+        let mut strongest = 0.0_f32;
+        for y in row.saturating_sub(2)..(row + 3).min(height) {
+            for x in column.saturating_sub(2)..(column + 3).min(width) {
+                strongest = strongest.max(self.strength.at(x, y));
+            }
+        }
+        strongest
+    }
+
+    /// Crests of the gradient of more than `weak`.
+    fn crests(&self, weak: f32) -> Region {
+        let (width, height) = (self.strength.width(), self.strength.height());
+        let strength = self.strength.values();
+        let crest = |at: usize| {
+            let value = strength[at];
+            let (column, row) = (at % width, at / width);
+            let inner = column > 0 && row > 0 && column + 1 < width && row + 1 < height;
+            inner && value > weak && {
+                let (u, v) = (self.along[at] / value, self.down[at] / value);
+                value >= self.between(column, row, u, v)
+                    && value >= self.between(column, row, -u, -v)
+            }
+        };
+        Region::new(width, height, (0..strength.len()).map(crest))
+    }
+
+    /// Those crests that, where they are above `weak`, hang together over `extent` pixels and are `strong` in as
+    /// many.
+    fn edges(&self, crests: &Region, weak: f32, strong: f32, extent: f64) -> Region {
+        let (width, height) = (self.strength.width(), self.strength.height());
+        let strength = self.strength.values();
+        let above = crests.inside().zip(strength).map(|(crest, &value)| crest && value > weak);
+        let islands = Region::new(width, height, above).islands(Connectivity::Eight);
+        let mut strong_pixels = vec![0_usize; islands.list.len() + 1];
+        for (&number, &value) in islands.numbers.iter().zip(strength) {
+            strong_pixels[number as usize] += usize::from(value >= strong);
+        }
+        let kept = |&number: &u32| {
+            number > 0
+                && islands.list[number as usize - 1].extent() >= extent
+                && strong_pixels[number as usize] as f64 >= extent
+        };
+        Region::new(width, height, islands.numbers.iter().map(kept))
+    }
+
+    /// Strength one pixel away in the direction `u`, `v`, by linear interpolation.
+    fn between(&self, column: usize, row: usize, u: f32, v: f32) -> f32 {
+        let (x, y) = (column as f32 + u, row as f32 + v);
+        let (i, j) = (x.floor(), y.floor());
+        let (right, below) = (x - i, y - j);
+        let at = |i: f32, j: f32| {
+            let column = (i.max(0.0) as usize).min(self.strength.width() - 1);
+            let row = (j.max(0.0) as usize).min(self.strength.height() - 1);
+            self.strength.at(column, row)
+        };
+        let upper = at(i, j) * (1.0 - right) + at(i + 1.0, j) * right;
+        let lower = at(i, j + 1.0) * (1.0 - right) + at(i + 1.0, j + 1.0) * right;
+        upper * (1.0 - below) + lower * below
+    }
+}
+
+/// The cells that edges enclose, on the grid on which gaps are closed.
+struct Guess {
+    edges: Region,
+    region: Region,
+    /// Radius by which gaps had to be closed, um.
+    closing_um: f64,
+}
+
+impl Guess {
+    /// What edges enclose once gaps are closed by the least radius after which a larger one adds little more
+    /// than bays.
+    fn within(edges: Region, pixel_um: f64, smallest_um2: f64) -> Self {
+        let factor = closing_factor(pixel_um);
+        let pixel_um = pixel_um * factor as f64;
+        let coarse = edges.coarse(factor);
+        let smallest = smallest_um2 / pixel_um.powi(2);
+        let at_radius = |radius_um: f64| {
+            coarse
+                .closed(radius_um / pixel_um)
+                .filled(usize::MAX)
+                .opened(OPENING_UM / pixel_um)
+                .kept(Connectivity::Four, |island| island.pixels as f64 >= smallest)
+        };
+        let tries: Vec<(Region, f64)> = CLOSING_UM.iter().map(|&um| (at_radius(um), um)).collect();
+        let most = tries.iter().map(|(region, _)| region.count()).max().unwrap_or(0) as f64;
+        let enough = |region: &Region| region.count() as f64 >= ENOUGH * most;
+        let first = tries.into_iter().find(|(region, _)| enough(region));
+        let (region, closing_um) = first.unwrap_or((coarse, CLOSING_UM[CLOSING_UM.len() - 1]));
+        Self { edges, region, closing_um }
+    }
+}
+
+/// The region whose rim lies on the highest crest within a band about the rim of a first guess: both sides of
+/// the band are flooded in the order of the gradient, and where the floods meet is the rim (the watershed,
+/// Meyer 1994). `band` is how far inside and outside, pixels.
+fn flooded(strength: &Plane, guess: &Region, [within, without]: [f64; 2]) -> Region {
+    const INSIDE: u8 = 1;
+    const OUTSIDE: u8 = 2;
+    let (width, height) = (guess.width(), guess.height());
+    let (core, reach) = (guess.shrunk(within), guess.grown(without));
+    let thick = core.grown(within);
+    // Necks and tips that are thinner than the band keep a core of their own.
+    let thin_core = guess.shrunk(within / 3.0);
+    let mut owner: Vec<u8> = (0..guess.pixels())
+        .map(|at| {
+            let thin = thin_core.contains(at) && !thick.contains(at);
+            if core.contains(at) || thin { INSIDE } else { u8::from(!reach.contains(at)) * OUTSIDE }
+        })
+        .collect();
+    let mut queue = BinaryHeap::new();
+    let mut order = 0_u64;
+    let mut push = |queue: &mut BinaryHeap<_>, at: usize, level: f32, owner: u8| {
+        order += 1;
+        // Strengths are not negative, so their bits are in their order.
+        queue.push(Reverse((strength.values()[at].max(level).to_bits(), order, at, owner)));
+    };
+    let neighbours = |at: usize| {
+        let (column, row) = (at % width, at / width);
+        [
+            (column > 0).then(|| at - 1),
+            (column + 1 < width).then(|| at + 1),
+            (row > 0).then(|| at - width),
+            (row + 1 < height).then(|| at + width),
+        ]
+    };
+    for at in 0..owner.len() {
+        if owner[at] != 0 {
+            for next in neighbours(at).into_iter().flatten().filter(|&next| owner[next] == 0) {
+                push(&mut queue, next, 0.0, owner[at]);
+            }
+        }
+    }
+    while let Some(Reverse((level, _, at, from))) = queue.pop() {
+        if owner[at] != 0 {
+            continue;
+        }
+        owner[at] = from;
+        for next in neighbours(at).into_iter().flatten().filter(|&next| owner[next] == 0) {
+            push(&mut queue, next, f32::from_bits(level), from);
+        }
+    }
+    Region::new(width, height, owner.into_iter().map(|owner| owner == INSIDE))
+}

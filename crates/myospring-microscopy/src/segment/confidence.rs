@@ -1,0 +1,99 @@
+//! How sure a cell is, as a number and in words.
+
+use geo::{Area, ConvexHull, MultiPoint, Point};
+use serde::Serialize;
+
+use super::Candidate;
+
+/// Below this score a cell is doubtful and a person should look at it.
+pub(super) const DOUBTFUL: f64 = 0.5;
+
+/// How sure a cell is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Confidence {
+    /// From 0 (a guess) to 1 (nothing speaks against it): the product of one factor for each thing that was
+    /// looked at.
+    pub score: f64,
+    /// What speaks against it, in words; empty where nothing does.
+    pub reasons: Vec<String>,
+    /// How well the cell stands out. Fluorescence: its median brightness above the background, in standard
+    /// deviations of the background. Brightfield: the median gradient along its outline, in those of the
+    /// picture's noise. `None` for a mask.
+    pub contrast: Option<f64>,
+}
+
+impl Confidence {
+    /// Nothing speaks against it.
+    pub(crate) fn full() -> Self {
+        Self { score: 1.0, reasons: Vec::new(), contrast: None }
+    }
+
+    /// Whether a person should look at the outline.
+    pub fn is_doubtful(&self) -> bool {
+        self.score < DOUBTFUL
+    }
+
+    /// What a person should know before they trust the outline; `None` where nothing speaks against it.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::microscopy::segment::Confidence;
+    /// let reasons = vec!["the frame cuts it".to_owned()];
+    /// let sure = Confidence { score: 0.5, reasons, contrast: None };
+    /// assert_eq!(
+    ///     sure.warning().unwrap(),
+    ///     "look at the outline (confidence 0.50 of 1): the frame cuts it"
+    /// );
+    /// ```
+    pub fn warning(&self) -> Option<String> {
+        let what =
+            if self.is_doubtful() { "the outline is doubtful" } else { "look at the outline" };
+        let reasons = self.reasons.join("; ");
+        (!reasons.is_empty())
+            .then(|| format!("{what} (confidence {:.2} of 1): {reasons}", self.score))
+    }
+
+    /// Multiplies a factor in: 1 where `value` reaches `good`, 0 where it is at `bad`, linear between. Below
+    /// 0.8 the reason is kept.
+    pub(super) fn weigh(
+        &mut self,
+        value: f64,
+        bad: f64,
+        good: f64,
+        reason: impl FnOnce() -> String,
+    ) {
+        let factor = ((value - bad) / (good - bad)).clamp(0.0, 1.0);
+        let factor = if factor.is_nan() { 0.0 } else { factor };
+        self.score *= factor;
+        if factor < 0.8 {
+            self.reasons.push(reason());
+        }
+    }
+
+    /// What any cell is judged by: whether the frame cuts it, and whether its shape is that of one cell.
+    pub(super) fn weigh_shape(&mut self, candidate: &Candidate<'_>, width: usize) {
+        let on_frame = candidate.on_frame;
+        if on_frame > 0 {
+            self.score *= 0.5;
+            self.reasons.push(format!("the frame cuts it: {on_frame} of its pixels lie there"));
+        }
+        let solidity = solidity(candidate, width);
+        self.weigh(solidity, 0.45, 0.75, || {
+            format!(
+                "it fills only {:.0} % of its convex hull: is it ragged, branched, or two cells that touch?",
+                100.0 * solidity
+            )
+        });
+    }
+}
+
+/// Area over that of the convex hull of the pixels' corners.
+fn solidity(candidate: &Candidate<'_>, width: usize) -> f64 {
+    let on_rim = if candidate.rim.is_empty() { candidate.pixels } else { candidate.rim };
+    let corners = on_rim.iter().flat_map(|&pixel| {
+        let (x, y) = ((pixel as usize % width) as f64, (pixel as usize / width) as f64);
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[dx, dy]| Point::new(x + dx, y + dy))
+    });
+    let hull = MultiPoint::new(corners.collect()).convex_hull().unsigned_area();
+    (candidate.pixels.len() as f64 / hull.max(1.0)).min(1.0)
+}

@@ -1,0 +1,184 @@
+//! The slowly varying background of a picture.
+
+use crate::filter::{self, bulk, otsu, quantile, sample};
+use crate::plane::Plane;
+
+/// Blocks along the longer side to which the background is fitted.
+const BLOCKS: usize = 64;
+
+/// Rounds of fitting: each lets the surface reach further from where it began.
+const ROUNDS: usize = 12;
+
+/// The background: a surface of second degree, and how much pixels scatter about it.
+pub(super) struct Ground {
+    surface: Plane,
+    /// Standard deviation about the surface.
+    pub(super) noise: f32,
+}
+
+impl Ground {
+    /// Fitted to those blocks of the picture that no cell covers: first the dark ones, then those that lie
+    /// near the surface.
+    pub(super) fn under(smooth: &Plane) -> Self {
+        let factor = smooth.width().max(smooth.height()).div_ceil(BLOCKS);
+        let blocks = filter::coarse(smooth, factor);
+        let values = blocks.values();
+        let [low, high] = blocks.range();
+        let scaled: Vec<f32> = values
+            .iter()
+            .map(|value| (value - low) / (high - low).max(1e-30))
+            .map(f32::sqrt)
+            .collect();
+        let cut = otsu(&scaled).map_or(f32::INFINITY, |[level, _]| level);
+        let mut used: Vec<bool> = scaled.iter().map(|&value| value <= cut).collect();
+        let mut surface = blocks.clone();
+        for _ in 0..ROUNDS {
+            surface = fitted(&blocks, &used).unwrap_or_else(|| constant(&blocks, &used));
+            let off: Vec<f32> =
+                values.iter().zip(surface.values()).map(|(value, fit)| value - fit).collect();
+            let kept: Vec<f32> =
+                off.iter().zip(&used).filter(|(_, used)| **used).map(|(off, _)| *off).collect();
+            let [middle, scatter] = bulk(&kept);
+            let scatter = scatter.max(1e-4 * (high - low));
+            used =
+                off.iter().map(|&off| (-5.0..2.5).contains(&((off - middle) / scatter))).collect();
+        }
+        // Under a large cell the surface is a guess: it stays within what was seen of it.
+        let seen: Vec<f32> = surface
+            .values()
+            .iter()
+            .zip(&used)
+            .filter(|(_, used)| **used)
+            .map(|(v, _)| *v)
+            .collect();
+        if !seen.is_empty() {
+            let [low, high] = [quantile(&seen, 0.0), quantile(&seen, 1.0)];
+            surface = surface.map(|value| value.clamp(low, high));
+        }
+        let surface = filter::spread(&surface, factor, smooth.width(), smooth.height());
+        let width = smooth.width();
+        let scatter: Vec<f32> = smooth
+            .values()
+            .iter()
+            .zip(surface.values())
+            .enumerate()
+            .filter(|(at, _)| used[at / width / factor * blocks.width() + at % width / factor])
+            .map(|(_, (value, fit))| value - fit)
+            .collect();
+        let noise = bulk(&sample(&scatter, 200_000))[1];
+        Self { surface, noise }
+    }
+
+    /// The plane above the background.
+    pub(super) fn taken_off(&self, smooth: &Plane) -> Plane {
+        let values = smooth.values().iter().zip(self.surface.values());
+        let values = values.map(|(value, ground)| value - ground).collect();
+        Plane::new(smooth.width(), smooth.height(), values).unwrap_or_else(|| smooth.clone())
+    }
+
+    /// A value of the background.
+    pub(super) fn middle(&self) -> f32 {
+        quantile(&sample(self.surface.values(), 100_000), 0.5)
+    }
+}
+
+/// The median of the used blocks everywhere.
+fn constant(blocks: &Plane, used: &[bool]) -> Plane {
+    let values: Vec<f32> =
+        blocks.values().iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| *v).collect();
+    let flat = quantile(if values.is_empty() { blocks.values() } else { &values }, 0.5);
+    blocks.map(|_| flat)
+}
+
+/// Terms of a surface of second degree.
+const TERMS: usize = 6;
+
+/// The surface `a + b x + c y + d x^2 + e x y + f y^2` of least squares through the used blocks; `None` where
+/// they are few.
+fn fitted(blocks: &Plane, used: &[bool]) -> Option<Plane> {
+    let (width, height) = (blocks.width(), blocks.height());
+    let terms = |at: usize| {
+        let side = |at: usize, count: usize| 2.0 * (at as f64 + 0.5) / count as f64 - 1.0;
+        let (x, y) = (side(at % width, width), side(at / width, height));
+        [1.0, x, y, x * x, x * y, y * y]
+    };
+    let chosen: Vec<usize> = (0..used.len()).filter(|&at| used[at]).collect();
+    if chosen.len() * 8 < used.len() || chosen.len() < 4 * TERMS {
+        return None;
+    }
+    let mut left = [[0.0; TERMS]; TERMS];
+    let mut right = [0.0; TERMS];
+    for &at in &chosen {
+        let terms = terms(at);
+        for (i, a) in terms.iter().enumerate() {
+            right[i] += a * f64::from(blocks.values()[at]);
+            for (j, b) in terms.iter().enumerate() {
+                left[i][j] += a * b;
+            }
+        }
+    }
+    for (term, row) in left.iter_mut().enumerate() {
+        // Keeps a direction that no block tells of at zero.
+        row[term] += 1e-6 * chosen.len() as f64;
+    }
+    let weights = solved(left, right)?;
+    let value = |at: usize| -> f64 {
+        terms(at).iter().zip(&weights).map(|(term, weight)| term * weight).sum()
+    };
+    Plane::new(width, height, (0..used.len()).map(|at| value(at) as f32).collect())
+}
+
+/// The solution for a symmetric matrix, by elimination; `None` if it is not positive definite.
+fn solved(mut left: [[f64; TERMS]; TERMS], mut right: [f64; TERMS]) -> Option<[f64; TERMS]> {
+    for done in 0..TERMS {
+        let (row, value) = (left[done], right[done]);
+        if !(row[done] > 0.0 && row[done].is_finite()) {
+            return None;
+        }
+        for below in done + 1..TERMS {
+            let factor = left[below][done] / row[done];
+            right[below] -= factor * value;
+            for column in done..TERMS {
+                left[below][column] -= factor * row[column];
+            }
+        }
+    }
+    for row in (0..TERMS).rev() {
+        let known: f64 = (row + 1..TERMS).map(|column| left[row][column] * right[column]).sum();
+        right[row] = (right[row] - known) / left[row][row];
+    }
+    Some(right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_of_second_degree_is_found_from_half_of_its_blocks() {
+        let (width, height) = (40, 30);
+        let surface = |at: usize| {
+            let (x, y) = ((at % width) as f32 / 20.0, (at / width) as f32 / 20.0);
+            7.0 + 2.0 * x - 3.0 * y + 0.5 * x * x - 1.5 * x * y + 0.8 * y * y
+        };
+        let used: Vec<bool> = (0..width * height).map(|at| at % 7 < 3 || at % 5 == 0).collect();
+        let values = (0..width * height).map(|at| if used[at] { surface(at) } else { 1e3 });
+        let blocks = Plane::new(width, height, values.collect()).unwrap();
+        let fit = fitted(&blocks, &used).unwrap();
+        for (at, value) in fit.values().iter().enumerate() {
+            // What holds back directions that no block tells of: a millionth, against weights of a tenth.
+            assert!((value - surface(at)).abs() < 1e-3, "{value} at {at}");
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_has_no_solution() {
+        let mut left = [[0.0; TERMS]; TERMS];
+        (0..TERMS).for_each(|term| left[term][term] = 2.0);
+        assert_eq!(solved(left, [1.0; TERMS]), Some([0.5; TERMS]));
+        left[4][4] = -1.0;
+        assert_eq!(solved(left, [1.0; TERMS]), None);
+        left[4][4] = f64::NAN;
+        assert_eq!(solved(left, [1.0; TERMS]), None);
+    }
+}

@@ -1,0 +1,266 @@
+//! Every number that the paper states, beside ours, with a computed verdict.
+
+use super::report::{Beat, beats};
+use myospring_core::recording::Recording;
+use serde::Serialize;
+
+/// Whether a statement of the paper is met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Ours agrees within the stated tolerance.
+    Met,
+    /// Ours does not agree.
+    NotMet,
+    /// A number for orientation, which no run of ours can meet or miss.
+    Context,
+}
+
+impl Verdict {
+    fn of(met: bool) -> Self {
+        if met { Self::Met } else { Self::NotMet }
+    }
+
+    /// In words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Met => "met",
+            Self::NotMet => "NOT MET",
+            Self::Context => "context",
+        }
+    }
+}
+
+/// One statement of the paper.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// What it is about.
+    pub quantity: &'static str,
+    /// Where it stands.
+    pub place: &'static str,
+    /// What the paper says.
+    pub paper: &'static str,
+    /// What we find.
+    pub ours: String,
+    /// What counts as met.
+    pub criterion: &'static str,
+    /// Whether it is.
+    pub verdict: Verdict,
+}
+
+/// One run of the paper's Fig. 6.
+#[derive(Debug, Clone, Copy)]
+pub struct PaperRun<'a> {
+    /// Peak tension asked for, kPa.
+    pub peak_tension: f64,
+    /// What was recorded.
+    pub recording: &'a Recording,
+}
+
+/// Peak tensions of the paper's Fig. 6, kPa.
+pub const TENSIONS: [f64; 3] = [30.0, 40.0, 50.0];
+
+/// Compares runs at rising tension, stimulated once at `stimulus_ms`, with `coelho_2021`.
+///
+/// `equations` is the number of state variables of the cell model, `weights` the masses up to a
+/// factor. A number that a run does not show makes its verdict `NotMet`.
+pub fn with_paper(
+    runs: &[PaperRun<'_>],
+    stimulus_ms: f64,
+    equations: usize,
+    weights: &[f64],
+) -> Vec<Finding> {
+    let beats: Vec<Beat> =
+        runs.iter().flat_map(|run| beats(&run.recording.samples, &[stimulus_ms])).collect();
+    let column = |name: &str| -> Vec<f64> {
+        beats.iter().map(|beat| beat.value(name).unwrap_or(f64::NAN)).collect()
+    };
+    let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let known = |values: &[f64]| values.len() == runs.len() && values.iter().all(|x| x.is_finite());
+
+    let times = column("time_of_peak_tension");
+    let tensions = column("peak_tension");
+    let reached: Vec<f64> =
+        tensions.iter().zip(runs).map(|(ours, run)| 100.0 * ours / run.peak_tension).collect();
+    let at_end = column("tension_at_end");
+    let shortening = column("peak_shortening");
+    let lags = column("lag_of_shortening");
+    let residual = column("residual_shortening");
+    let rest = column("resting_potential");
+    let peak_u = column("peak_potential");
+    let apd = column("action_potential_duration_90");
+    let strongest = shortening.last().copied().unwrap_or(f64::NAN);
+    let drift = runs.iter().map(|run| centre_drift(run.recording, weights)).fold(0.0, larger);
+    let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
+    let u_end = runs.last().and_then(|run| run.recording.samples.last()).map_or(f64::NAN, |s| s.u);
+
+    vec![
+        Finding {
+            quantity: "differential equations of a cell",
+            place: "section 1, Eqs (18)-(35)",
+            paper: "6",
+            ours: equations.to_string(),
+            criterion: "equal",
+            verdict: Verdict::of(equations == 6),
+        },
+        Finding {
+            quantity: "action potential, normalised",
+            place: "Fig. 3",
+            paper: "0 to 1 and back",
+            ours: format!(
+                "u {:.3} to {:.3}, back to {:.3}; APD90 {:.1} ms",
+                last(&rest),
+                last(&peak_u),
+                u_end,
+                last(&apd)
+            ),
+            criterion: "rest and end within 1 % of the peak",
+            verdict: Verdict::of(
+                known(&peak_u)
+                    && last(&rest).abs() <= 0.01 * last(&peak_u)
+                    && u_end.abs() <= 0.01 * last(&peak_u),
+            ),
+        },
+        Finding {
+            quantity: "time of the tension peak",
+            place: "section 4.2",
+            paper: "around 170 ms",
+            ours: format!("{} ms", list(&times, 2)),
+            criterion: "171.5 +- 0.5 ms, the converged solution of the paper's equations",
+            verdict: Verdict::of(
+                known(&times) && times.iter().all(|time| (time - 171.5).abs() <= 0.5),
+            ),
+        },
+        Finding {
+            quantity: "tension at its peak",
+            place: "section 4.2",
+            paper: "100 % of stress",
+            ours: format!("{} %", list(&reached, 2)),
+            criterion: "within 0.1 %",
+            verdict: Verdict::of(
+                known(&reached) && reached.iter().all(|part| (part - 100.0).abs() <= 0.1),
+            ),
+        },
+        Finding {
+            quantity: "tension after the beat",
+            place: "section 4.2",
+            paper: "0 % of stress",
+            ours: format!("{} % at the end", list(&at_end, 2)),
+            criterion: "below 1 %",
+            verdict: Verdict::of(known(&at_end) && largest(&at_end) < 1.0),
+        },
+        Finding {
+            quantity: "maximum deformation",
+            place: "section 4.2, Fig. 6",
+            paper: "12 % at 50 kPa",
+            ours: format!("{strongest:.2} %"),
+            criterion: "12.0 +- 0.2 %",
+            verdict: Verdict::of((strongest - 12.0).abs() <= 0.2),
+        },
+        Finding {
+            quantity: "deformation at 30, 40, 50 kPa",
+            place: "Fig. 6",
+            paper: "grows with tension",
+            ours: format!("{} %", list(&shortening, 2)),
+            criterion: "strictly rising",
+            verdict: Verdict::of(
+                known(&shortening) && shortening.windows(2).all(|pair| pair[0] < pair[1]),
+            ),
+        },
+        Finding {
+            quantity: "contraction peaks when stress does",
+            place: "section 4.2",
+            paper: "at the same time",
+            ours: format!("{} ms later", list(&lags, 2)),
+            criterion: "lag at most 1 ms",
+            verdict: Verdict::of(known(&lags) && largest(&lags) <= 1.0),
+        },
+        Finding {
+            quantity: "return to the initial shape",
+            place: "section 1, Fig. 6",
+            paper: "back to its initial configuration",
+            ours: format!("{} % short at the end", list(&residual, 3)),
+            criterion: "within 0.1 % of the length",
+            verdict: Verdict::of(known(&residual) && largest(&residual) <= 0.1),
+        },
+        Finding {
+            quantity: "mass centre",
+            place: "section 2.1",
+            paper: "fixed",
+            ours: format!("moves {drift:.1e} um"),
+            criterion: "less than 1e-6 um",
+            verdict: Verdict::of(drift < 1e-6),
+        },
+        Finding {
+            quantity: "shortening of measured cells",
+            place: "section 5, [9]",
+            paper: "8 to 10 %",
+            ours: format!("{} % at 30, 40, 50 kPa", list(&shortening, 1)),
+            criterion: "a measurement to compare with",
+            verdict: Verdict::Context,
+        },
+    ]
+}
+
+/// Values with so many decimals, parted by commas; equal ones once.
+fn list(values: &[f64], decimals: usize) -> String {
+    // No minus before zero.
+    let one = |value: &f64| {
+        let text = format!("{value:.decimals$}");
+        if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
+            text.trim_start_matches('-').to_owned()
+        } else {
+            text
+        }
+    };
+    let texts: Vec<String> = values.iter().map(one).collect();
+    match texts.split_first() {
+        Some((first, rest)) if rest.iter().all(|text| text == first) => first.clone(),
+        _ => texts.join(", "),
+    }
+}
+
+/// Largest distance of the mass centre from where it began, um.
+fn centre_drift(recording: &Recording, weights: &[f64]) -> f64 {
+    let total: f64 = weights.iter().sum();
+    let centre = |positions: &[Vec<f64>; 2]| {
+        [0, 1].map(|axis| {
+            positions[axis].iter().zip(weights).map(|(x, weight)| x * weight).sum::<f64>() / total
+        })
+    };
+    let Some(first) = recording.frames.first() else { return f64::NAN };
+    let [x, y] = centre(&first.positions);
+    recording
+        .frames
+        .iter()
+        .map(|frame| {
+            let [now_x, now_y] = centre(&frame.positions);
+            (now_x - x).hypot(now_y - y)
+        })
+        .fold(0.0, larger)
+}
+
+/// The larger number, or NaN if one is: what is not known is not met.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_that_show_nothing_meet_nothing() {
+        let empty = Recording::default();
+        let runs = TENSIONS.map(|peak_tension| PaperRun { peak_tension, recording: &empty });
+        for finding in with_paper(&runs, 50.0, 5, &[]) {
+            assert_ne!(finding.verdict, Verdict::Met, "{finding:?}");
+        }
+    }
+
+    #[test]
+    fn equal_numbers_are_listed_once_and_zero_has_no_sign() {
+        assert_eq!(list(&[1.0, 1.0, 2.0], 1), "1.0, 1.0, 2.0");
+        assert_eq!(list(&[-0.001], 2), "0.00");
+    }
+}

@@ -1,0 +1,77 @@
+//! The mesh that was made from a picture (the paper's Fig. 4a).
+
+use std::fmt::Write;
+
+use super::shapes::{ELONGATED, draw_scale_bar};
+use super::sheet::{Anchor, Look, Path, Sheet, Stroke, Style};
+use super::strain::{check_mesh, facets, outline};
+use super::theme::{Colour, DOUBLE, INK, MUTED, POTENTIAL, SINGLE, TICK, fixed};
+use super::{Figure, FigureError};
+use myospring_core::mesh::{Mesh, SpringKind};
+
+/// Points closer than this many px are not drawn: they would hide the springs.
+const CLOSEST: f64 = 5.0;
+
+/// Points and springs of a mesh within its outline, with its numbers and a scale bar.
+///
+/// Long cells take two columns (178 mm), others one (85 mm). Where points lie too close to be told
+/// apart, only springs are drawn.
+///
+/// # Errors
+/// A mesh without points, with positions that are not finite, or that names points it lacks.
+pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
+    check_mesh(mesh)?;
+    let ends = |axis: usize| {
+        let points = mesh.points[axis].iter().copied();
+        [points.clone().fold(f64::INFINITY, f64::min), points.fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let [[left, right], [low, high]] = [ends(0), ends(1)];
+    let extent = [(right - left).max(1e-9), (high - low).max(1e-9)];
+    let page = if extent[0] > ELONGATED * extent[1] { DOUBLE } else { SINGLE };
+    let margin = 8.0;
+    let scale = ((page - 2.0 * margin) / extent[0]).min(1.2 * page / extent[1]);
+    let inset = (page - extent[0] * scale) / 2.0;
+    let at = |node: u32| {
+        let [x, y] = [0, 1].map(|axis: usize| mesh.points[axis][node as usize]);
+        [inset + (x - left) * scale, margin + (high - y) * scale]
+    };
+
+    let mut sheet = Sheet::default();
+    let mut rim = Path::default();
+    for ring in outline(&facets(mesh)) {
+        rim.add_ring(ring.into_iter().map(at));
+    }
+    sheet.path(rim.clone(), Look::fill(Colour(0xf3f6f9)));
+    for (kind, colour, width) in
+        [(SpringKind::Diagonal, 0x9dbdd6, 0.4), (SpringKind::Axial, 0x4f8cba, 0.55)]
+    {
+        let mut path = Path::default();
+        for spring in mesh.springs.iter().filter(|spring| spring.kind == kind) {
+            path.add_line(spring.nodes.map(at));
+        }
+        sheet.path(path, Stroke::new(Colour(colour), width));
+    }
+    sheet.path(rim, Stroke::new(INK, 1.0));
+    let points = mesh.points[0].len();
+    let mean_area = extent[0] * extent[1] / points as f64;
+    let spacing = mesh.lattice.as_ref().map_or(mean_area.sqrt(), |lattice| lattice.spacing);
+    if spacing * scale >= CLOSEST {
+        let mut path = Path::default();
+        for node in (0..points).filter_map(|node| u32::try_from(node).ok()) {
+            path.add_line([at(node); 2]);
+        }
+        let size = (0.32 * spacing * scale).min(3.2);
+        sheet.path(path, Stroke::new(POTENTIAL, size).round_ends());
+    }
+    let bottom = margin + extent[1] * scale;
+    draw_scale_bar(&mut sheet, [margin, bottom + 16.0], scale, extent);
+    let mut numbers = format!("{points} points, {} springs", mesh.springs.len());
+    if let Some(lattice) = &mesh.lattice {
+        let spacing = fixed(lattice.spacing, 2);
+        let spacing = spacing.trim_end_matches('0').trim_end_matches('.');
+        write!(numbers, ", spacing {spacing} \u{b5}m").ok();
+    }
+    let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
+    sheet.text([page - margin, bottom + 19.5], &numbers, style);
+    Ok(sheet.finish(page, bottom + 28.0))
+}

@@ -1,0 +1,92 @@
+//! Which frames tell the story of a beat.
+
+use myospring_core::recording::{Frame, Recording};
+
+/// A frame with what is written beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape<'a> {
+    /// Short name: `at rest`, `peak`.
+    pub name: String,
+    /// The shape.
+    pub frame: &'a Frame,
+    /// Shortening, per cent of the resting length, when known.
+    pub shortening_pct: Option<f64>,
+}
+
+/// The frames of the first beat that tell its story: at rest, contracting (nearest half of the
+/// peak), peak, relaxing (nearest half again).
+///
+/// Rest is the last frame up to the first stimulus, else the first of all. The beat ends at the
+/// second stimulus. A run that ended early gives the moments that it reached; where the last frame
+/// is the most shortened one, it is named `end of record`, for nobody knows the peak. Frames with
+/// positions that are not finite are passed over.
+///
+/// # Example
+/// ```
+/// use myospring::output::figure::key_shapes;
+/// use myospring::recording::Recording;
+/// assert!(key_shapes(&Recording::default(), &[50.0]).is_empty());
+/// ```
+pub fn key_shapes<'a>(recording: &'a Recording, stimulus_times_ms: &[f64]) -> Vec<Shape<'a>> {
+    let mut stimuli: Vec<f64> =
+        stimulus_times_ms.iter().copied().filter(|t| t.is_finite()).collect();
+    stimuli.sort_by(f64::total_cmp);
+    let frames: Vec<&Frame> = recording
+        .frames
+        .iter()
+        .filter(|frame| frame.positions.iter().flatten().all(|x| x.is_finite()))
+        .collect();
+    let before = frames.iter().rposition(|frame| stimuli.first().is_some_and(|&t| frame.t_ms <= t));
+    let rest = before.unwrap_or(0);
+    let end = frames
+        .iter()
+        .position(|frame| stimuli.get(1).is_some_and(|&t| frame.t_ms > t))
+        .unwrap_or(frames.len());
+    let Some(beat) = frames.get(rest..end).filter(|beat| !beat.is_empty()) else {
+        return Vec::new();
+    };
+    let shortening: Vec<Option<f64>> =
+        beat.iter().map(|frame| shortening_at(recording, frame.t_ms)).collect();
+    // How far the beat has gone at each frame; tension stands in where nothing was measured.
+    let progress: Vec<f64> =
+        beat.iter().zip(&shortening).map(|(frame, s)| s.unwrap_or(frame.ta_kpa)).collect();
+    let top = (0..beat.len())
+        .reduce(|best, i| if progress[i] > progress[best] { i } else { best })
+        .unwrap_or(0);
+    let half = f64::midpoint(progress[0], progress[top]);
+    let nearest_half = |range: std::ops::Range<usize>| {
+        range.min_by(|&a, &b| (progress[a] - half).abs().total_cmp(&(progress[b] - half).abs()))
+    };
+    let top_name = if top + 1 == beat.len() { "end of record" } else { "peak" };
+    let mut moments = vec![(0, "at rest")];
+    if top > 0 {
+        moments.extend(nearest_half(1..top).map(|i| (i, "contracting")));
+        moments.push((top, top_name));
+        moments.extend(nearest_half(top + 1..beat.len()).map(|i| (i, "relaxing")));
+    }
+    moments
+        .into_iter()
+        .map(|(i, name)| Shape {
+            name: name.to_owned(),
+            frame: beat[i],
+            shortening_pct: shortening[i],
+        })
+        .collect()
+}
+
+/// Shortening at a time, between samples on a straight line; none outside the samples.
+fn shortening_at(recording: &Recording, t_ms: f64) -> Option<f64> {
+    let samples = &recording.samples;
+    // Times of frames and samples may differ by the rounding of a sum of steps.
+    let after = samples.partition_point(|sample| sample.t_ms < t_ms - 1e-6);
+    let next = samples.get(after)?;
+    let value = match after.checked_sub(1).and_then(|before| samples.get(before)) {
+        Some(last) if next.t_ms > t_ms => {
+            let part = (t_ms - last.t_ms) / (next.t_ms - last.t_ms);
+            last.shortening_pct + part * (next.shortening_pct - last.shortening_pct)
+        }
+        _ if (next.t_ms - t_ms).abs() <= 1e-6 => next.shortening_pct,
+        _ => return None,
+    };
+    value.is_finite().then_some(value)
+}

@@ -1,0 +1,339 @@
+//! Curves over time: action potential, active tension, shortening.
+
+use super::chart::{Axis, Chart, Curve};
+use super::font::text_width;
+use super::sheet::{Anchor, Look, Sheet, Stroke, Style};
+use super::theme::{
+    BAND, CURVE_WIDTH, CURVES, Colour, LETTER, MUTED, POTENTIAL, SINGLE, TENSION, TICK, fixed, time,
+};
+use super::{Figure, FigureError};
+use myospring_core::analysis::trace;
+use myospring_core::recording::{Recording, Sample};
+
+/// What one panel shows of a recording.
+pub(super) struct Quantity {
+    pub(super) label: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) colour: Colour,
+    /// Whether its peak is marked and noted.
+    pub(super) noted: bool,
+    pub(super) value: fn(&Sample) -> f64,
+}
+
+/// The potential, in mV where the cell model defines it.
+pub(super) fn potential(recording: &Recording) -> Quantity {
+    if recording.samples.iter().any(|sample| sample.vm_mv.is_some()) {
+        Quantity {
+            label: "Potential (mV)",
+            unit: "mV",
+            colour: POTENTIAL,
+            noted: false,
+            value: |s| s.vm_mv.unwrap_or(f64::NAN),
+        }
+    } else {
+        Quantity {
+            label: "Potential u (\u{2013})",
+            unit: "",
+            colour: POTENTIAL,
+            noted: false,
+            value: |s| s.u,
+        }
+    }
+}
+
+/// The active tension.
+pub(super) const ACTIVE_TENSION: Quantity = Quantity {
+    label: "Active tension (kPa)",
+    unit: "kPa",
+    colour: TENSION,
+    noted: true,
+    value: |s| s.ta_kpa,
+};
+
+/// The points of a quantity over time.
+pub(super) fn points(recording: &Recording, quantity: &Quantity) -> Vec<[f64; 2]> {
+    recording.samples.iter().map(|sample| [sample.t_ms, (quantity.value)(sample)]).collect()
+}
+
+fn finite(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
+    points.iter().copied().filter(|[t, value]| t.is_finite() && value.is_finite())
+}
+
+/// Least and greatest of one coordinate over finite points.
+fn extent<'a>(curves: impl IntoIterator<Item = &'a [[f64; 2]]>, axis: usize) -> [f64; 2] {
+    curves
+        .into_iter()
+        .flat_map(finite)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| {
+            [low.min(point[axis]), high.max(point[axis])]
+        })
+}
+
+/// The highest point of a curve, between samples.
+fn peak(points: &[[f64; 2]]) -> Option<[f64; 2]> {
+    let (times, values): (Vec<f64>, Vec<f64>) = finite(points).map(|[t, value]| (t, value)).unzip();
+    trace::peak(&times, &values).map(|top| [top.time, top.value])
+}
+
+fn check(points: &[[f64; 2]], what: impl FnOnce() -> String) -> Result<(), FigureError> {
+    finite(points).next().map(|_| ()).ok_or_else(|| FigureError::NoSamples { what: what() })
+}
+
+/// Panels of one recording above each other with one time axis, and where they begin and end.
+pub(super) struct Stack<'a> {
+    pub(super) recording: &'a Recording,
+    pub(super) quantities: &'a [Quantity],
+    pub(super) stimulus_times_ms: &'a [f64],
+    /// From where to where the panels reach with their labels, px.
+    pub(super) sides: [f64; 2],
+    /// Upper end of the first plot and height of each, px.
+    pub(super) top: f64,
+    pub(super) height: f64,
+    /// Distance between plots, px.
+    pub(super) gap: f64,
+    /// Letter of the first panel.
+    pub(super) letter: char,
+}
+
+impl Stack<'_> {
+    /// Draws the panels and returns the lower end of the last one with its labels, px.
+    pub(super) fn draw(&self, sheet: &mut Sheet) -> Result<f64, FigureError> {
+        let curves: Vec<Vec<[f64; 2]>> =
+            self.quantities.iter().map(|quantity| points(self.recording, quantity)).collect();
+        for (curve, quantity) in curves.iter().zip(self.quantities) {
+            check(curve, || format!("the recording of \"{}\"", quantity.label))?;
+        }
+        let times = extent(curves.iter().map(Vec::as_slice), 0);
+        let last = self.quantities.len().saturating_sub(1);
+        let mut charts: Vec<Chart> = Vec::new();
+        for (row, quantity) in self.quantities.iter().enumerate() {
+            let [low, high] = extent([curves[row].as_slice()], 1);
+            // Head room for the note at the peak.
+            let room = if quantity.noted { 0.12 * (high - low.min(0.0)) } else { 0.0 };
+            charts.push(Chart {
+                place: [0.0, self.top + row as f64 * (self.height + self.gap)],
+                size: [0.0, self.height],
+                x: Axis { labelled: row == last, ..Axis::time(times) },
+                y: Axis::values(quantity.label, [low, high + room], self.height),
+                curves: vec![Curve { points: curves[row].clone(), colour: quantity.colour }],
+                bands: Vec::new(),
+                marks: self.stimulus_times_ms.to_vec(),
+            });
+        }
+        // The plots of all panels begin and end together, right of the widest labels; half a tick
+        // label stands out beyond the end of the time axis.
+        let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
+        let left = self.sides[0] + 24.0 + offset;
+        for chart in &mut charts {
+            chart.place[0] = left;
+            chart.size[0] = self.sides[1] - 11.0 - left;
+        }
+        for (row, chart) in charts.iter().enumerate() {
+            chart.draw(sheet, offset);
+            let letter = char::from_u32(self.letter as u32 + row as u32).unwrap_or(self.letter);
+            let corner = [self.sides[0], chart.place[1] + 4.0];
+            sheet.text(corner, &letter.to_string(), Style::new(LETTER).bold());
+            if row == 0 {
+                mark_stimulus(sheet, chart);
+            }
+            if let Some(top) = peak(&curves[row]).filter(|_| self.quantities[row].noted) {
+                note_peak(sheet, chart, top, &self.quantities[row]);
+            }
+        }
+        Ok(charts.last().map_or(self.top, |chart| chart.place[1] + self.height + 37.0))
+    }
+}
+
+/// Names the first stimulus above the plot.
+fn mark_stimulus(sheet: &mut Sheet, chart: &Chart) {
+    let [first, last] = chart.x.range;
+    if let Some(&t) = chart.marks.iter().find(|t| (first..=last).contains(*t)) {
+        let [x, _] = chart.at([t, 0.0]);
+        let top = chart.place[1] - 4.0;
+        sheet.text(
+            [x.max(chart.place[0] + 22.0), top],
+            "stimulus",
+            Style::new(TICK).colour(MUTED).anchor(Anchor::Middle),
+        );
+    }
+}
+
+/// A dot at the peak and its value and time beside it.
+fn note_peak(sheet: &mut Sheet, chart: &Chart, top: [f64; 2], quantity: &Quantity) {
+    if top[1] <= 0.0 {
+        return;
+    }
+    let [x, y] = chart.at(top);
+    sheet.dot([x, y], quantity.colour);
+    let digits = if top[1] < 1.0 { 3 } else { 1 };
+    let text = format!("{} {} at {}", fixed(top[1], digits), quantity.unit, time(top[0]));
+    let width = text_width(&text, TICK);
+    let right = chart.place[0] + chart.size[0];
+    let style = Style::new(TICK);
+    let free = |left: f64| !chart.crosses([left, y - 12.0], [left + width, y + 1.0]);
+    if x + 8.0 + width <= right + 8.0 && free(x + 8.0) {
+        sheet.text([x + 8.0, y - 1.0], &text, style);
+    } else if x - 8.0 - width >= chart.place[0] && free(x - 8.0 - width) {
+        sheet.text([x - 8.0, y - 1.0], &text, style.anchor(Anchor::End));
+    } else {
+        // Other beats stand beside the peak.
+        sheet.text([right, chart.place[1] - 2.0], &text, style.anchor(Anchor::End));
+    }
+}
+
+/// Action potential and active tension over one time axis (the paper's Fig. 3).
+///
+/// The potential is in mV where the cell model defines it and dimensionless otherwise. Dashed lines
+/// mark the stimuli. Width: one column, 85 mm.
+///
+/// # Errors
+/// A recording without a finite sample.
+pub fn action_potential_and_tension(
+    recording: &Recording,
+    stimulus_times_ms: &[f64],
+) -> Result<Figure, FigureError> {
+    let mut sheet = Sheet::default();
+    let stack = Stack {
+        recording,
+        quantities: &[potential(recording), ACTIVE_TENSION],
+        stimulus_times_ms,
+        sides: [6.0, SINGLE - 4.0],
+        top: 18.0,
+        height: 108.0,
+        gap: 16.0,
+        letter: 'A',
+    };
+    let bottom = stack.draw(&mut sheet)?;
+    Ok(sheet.finish(SINGLE, bottom))
+}
+
+/// What a contraction figure shows besides its curves.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ContractionOptions<'a> {
+    /// Times of the stimuli, ms, marked by dashed lines; none unless given.
+    pub stimulus_times_ms: Vec<f64>,
+    /// A band of shortening known from experiments, per cent, and its name: `([7.0, 12.0], "adult
+    /// ventricular myocytes, unloaded")`; none unless given.
+    pub reference_band: Option<([f64; 2], &'a str)>,
+}
+
+/// A line of the legend: text, colour, whether it is a band.
+struct Entry {
+    text: String,
+    colour: Colour,
+    band: bool,
+}
+
+/// Shortening over time, one curve for each recording (the paper's Fig. 6).
+///
+/// The legend gives each curve's greatest shortening and its time. Width: one column, 85 mm.
+///
+/// # Errors
+/// No recording, or one without a finite sample.
+pub fn contraction(
+    recordings: &[(&str, &Recording)],
+    options: &ContractionOptions<'_>,
+) -> Result<Figure, FigureError> {
+    if recordings.is_empty() {
+        return Err(FigureError::Nothing { what: "recordings" });
+    }
+    let shortening = Quantity {
+        label: "Shortening (%)",
+        unit: "%",
+        colour: CURVES[0],
+        noted: true,
+        value: |s| s.shortening_pct,
+    };
+    let mut curves = Vec::new();
+    let mut legend = Vec::new();
+    for (index, (label, recording)) in recordings.iter().enumerate() {
+        let points = points(recording, &shortening);
+        check(&points, || format!("the recording \"{label}\""))?;
+        let colour = CURVES[index % CURVES.len()];
+        if let Some([t, value]) = peak(&points) {
+            let text = format!("{label}: {} % at {}", fixed(value, 1), time(t));
+            legend.push(Entry { text, colour, band: false });
+        }
+        curves.push(Curve { points, colour });
+    }
+    // The strongest contraction first, as the curves lie.
+    let height_of = |curve: &Curve| peak(&curve.points).map_or(f64::NEG_INFINITY, |top| top[1]);
+    let mut order: Vec<usize> = (0..curves.len()).collect();
+    order.sort_by(|&a, &b| height_of(&curves[b]).total_cmp(&height_of(&curves[a])));
+    let mut rank = vec![0; order.len()];
+    for (place, &index) in order.iter().enumerate() {
+        rank[index] = place;
+    }
+    let mut ranked: Vec<(usize, Entry)> = legend.into_iter().enumerate().collect();
+    ranked.sort_by_key(|(index, _)| rank.get(*index).copied());
+    let mut legend: Vec<Entry> = ranked.into_iter().map(|(_, entry)| entry).collect();
+    if let Some(([low, high], name)) = options.reference_band {
+        let digits = usize::from(low.fract() != 0.0 || high.fract() != 0.0);
+        let range = format!("{}\u{2013}{} %", fixed(low, digits), fixed(high, digits));
+        legend.push(Entry { text: format!("{name}: {range} (band)"), colour: BAND, band: true });
+    }
+
+    let left = 44.0;
+    let values = extent(curves.iter().map(|curve| curve.points.as_slice()), 1);
+    let band_top = options.reference_band.map_or(0.0, |([_, high], _)| high);
+    let high = values[1].max(band_top) + 0.04 * (values[1] - values[0].min(0.0));
+    let mut chart = Chart {
+        place: [left, if options.stimulus_times_ms.is_empty() { 9.0 } else { 18.0 }],
+        size: [SINGLE - left - 13.0, 168.0],
+        x: Axis::time(extent(curves.iter().map(|curve| curve.points.as_slice()), 0)),
+        y: Axis::values(shortening.label, [values[0], high], 168.0),
+        bands: options.reference_band.iter().map(|(band, _)| *band).collect(),
+        marks: options.stimulus_times_ms.clone(),
+        curves,
+    };
+    let inside = legend_inside(&chart, &legend);
+    if inside.is_none() {
+        chart.place[1] += 8.0 + ROW * legend.len() as f64;
+    }
+    let mut sheet = Sheet::default();
+    chart.draw(&mut sheet, chart.label_offset());
+    mark_stimulus(&mut sheet, &chart);
+    for curve in &chart.curves {
+        if let Some(top) = peak(&curve.points) {
+            sheet.dot(chart.at(top), curve.colour);
+        }
+    }
+    // Above the plot, further left where that makes it fit.
+    let above = [left.min(SINGLE - 4.0 - legend_width(&legend)).max(6.0), 6.0];
+    draw_legend(&mut sheet, inside.unwrap_or(above), &legend);
+    Ok(sheet.finish(SINGLE, chart.place[1] + chart.size[1] + 37.0))
+}
+
+/// Height of a row of the legend and length of its swatch with the gap after it, px.
+const ROW: f64 = 14.0;
+const SWATCH: f64 = 24.0;
+
+fn legend_width(legend: &[Entry]) -> f64 {
+    SWATCH + legend.iter().map(|entry| text_width(&entry.text, TICK)).fold(0.0, f64::max)
+}
+
+/// The upper right corner of the plot when no curve or band passes there.
+fn legend_inside(chart: &Chart, legend: &[Entry]) -> Option<[f64; 2]> {
+    let width = legend_width(legend);
+    let [left, top] = [chart.place[0] + chart.size[0] - width, chart.place[1]];
+    let bottom = top + ROW * legend.len() as f64 + 4.0;
+    let corners = [[left - 10.0, f64::NEG_INFINITY], [f64::INFINITY, bottom + 4.0]];
+    let free = width < 0.6 * chart.size[0]
+        && chart.bands.is_empty()
+        && !chart.crosses(corners[0], corners[1]);
+    free.then_some([left, top])
+}
+
+fn draw_legend(sheet: &mut Sheet, [left, top]: [f64; 2], legend: &[Entry]) {
+    for (row, entry) in legend.iter().enumerate() {
+        let middle = top + ROW * (row as f64 + 0.5);
+        if entry.band {
+            let look = Look::fill(entry.colour);
+            sheet.rect([left, middle - 4.0], [SWATCH - 6.0, 8.0], look);
+        } else {
+            let end = [left + SWATCH - 6.0, middle];
+            sheet.line([left, middle], end, Stroke::new(entry.colour, CURVE_WIDTH));
+        }
+        sheet.text([left + SWATCH, middle + 3.5], &entry.text, Style::new(TICK));
+    }
+}
