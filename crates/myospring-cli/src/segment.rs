@@ -143,7 +143,7 @@ fn report<'a>(args: &SegmentArgs, cells: &'a PictureCells, chosen: &'a [Chosen])
     Report {
         picture: args.input.display().to_string(),
         modality: cells.modality(),
-        pixel_size_um: cells.pixel_size_um,
+        pixel_size_um: cells.pixel_size.um(),
         pixel_size_source: cells.pixel_size_source,
         threshold: threshold.filter(|threshold| *threshold != 0.0),
         cells: chosen.iter().map(cell).collect(),

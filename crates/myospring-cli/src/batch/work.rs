@@ -202,7 +202,7 @@ fn described(picture: &str, cells: &PictureCells, cell: &PictureCell) -> Row {
         warnings: cells.notes.join("; "),
     };
     let (shape, size) = (&cell.shape, &cell.shape.dimensions);
-    row.number("pixel_size_um", cells.pixel_size_um);
+    row.number("pixel_size_um", cells.pixel_size.um());
     row.number("confidence", cell.confidence.score);
     row.number("contrast", cell.confidence.contrast);
     row.number("area_um2", shape.area_um2);

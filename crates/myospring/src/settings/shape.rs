@@ -4,6 +4,7 @@ use crate::mesh::Mesh;
 use crate::mesh::built_in::BuiltIn;
 use crate::mesh::lattice::{self, LatticeError};
 use crate::mesh::outline::{Outline, OutlineError};
+use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::MeshReport;
 use crate::microscopy::cells::{CellError, Options, PictureCell, PictureCells};
 use crate::microscopy::outlines::{
@@ -39,8 +40,8 @@ pub enum Source {
     Outline {
         /// The file, as written.
         path: String,
-        /// Side of one pixel, um, of outlines in pixels.
-        pixel_size: Option<f64>,
+        /// Side of one pixel of outlines in pixels.
+        pixel_size: Option<PixelSize>,
         /// Which of several outlines.
         choice: Choice,
     },
@@ -262,10 +263,12 @@ impl Shape {
         let drawn = matches!(ending.as_str(), "roi" | "zip" | "txt");
         let several = pixel_size.is_some() || choice != Choice::Largest;
         let (outline, notes) = if drawn || (several && ending != "csv") {
-            let Some(pixel_size_um) = pixel_size.or((!drawn).then_some(1.0)) else {
+            // What has a unit of its own needs none.
+            let own_unit = (!drawn).then_some(PixelSize::MICROMETRE);
+            let Some(pixel_size) = pixel_size.or(own_unit) else {
                 return Err(ShapeError::NoPixelSize { path });
             };
-            chosen(&path, bytes, pixel_size_um, choice)?
+            chosen(&path, bytes, pixel_size, choice)?
         } else {
             let Ok(text) = std::str::from_utf8(bytes) else {
                 return Err(ShapeError::NotText { path });
@@ -307,10 +310,10 @@ impl PictureSource {
 fn chosen(
     path: &str,
     bytes: &[u8],
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
     choice: Choice,
 ) -> Result<(Outline, Vec<String>), ShapeError> {
-    let placement = Placement::Bounds { pixel_size_um };
+    let placement = Placement::Bounds { pixel_size };
     let options = ReadOptions { placement, silent_unit: CoordinateUnit::default() };
     let mut given = read_outlines(bytes, path, &options)
         .map_err(|cause| ShapeError::OutlineFile { path: path.to_owned(), cause })?;

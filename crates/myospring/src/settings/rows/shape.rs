@@ -7,6 +7,7 @@ use super::super::setting::{Kind, Setting};
 use super::super::shape::{PictureSource, Source};
 use super::{OUTLINES, choice, choice_mut};
 use crate::mesh::built_in;
+use crate::mesh::pixel_size::PixelSize;
 use crate::microscopy::cells::Options;
 use crate::microscopy::segment::{Choice, LARGEST_LABEL};
 use crate::units::Dimension;
@@ -64,16 +65,19 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "shape.pixel_size",
         "Side of one pixel of a picture, or of an outline in pixels. Never guessed.",
-        Bounds::any(Dimension::Length, "0.27 um").from(0.001).to(50.0),
+        Bounds::any(Dimension::Length, "0.27 um")
+            .from(PixelSize::SMALLEST_UM)
+            .to(PixelSize::LARGEST_UM),
         |run| match &run.shape.source {
             Source::BuiltIn(_) => None,
-            Source::Picture(picture) => picture.options.pixel_size_um,
-            Source::Outline { pixel_size, .. } => *pixel_size,
+            Source::Picture(picture) => picture.options.pixel_size.map(PixelSize::um),
+            Source::Outline { pixel_size, .. } => pixel_size.map(PixelSize::um),
         },
         |run, size| match &mut run.shape.source {
             Source::BuiltIn(_) => {}
-            Source::Picture(picture) => picture.options.pixel_size_um = Some(size),
-            Source::Outline { pixel_size, .. } => *pixel_size = Some(size),
+            // The bounds of this row are those of the type.
+            Source::Picture(picture) => picture.options.pixel_size = PixelSize::new(size).ok(),
+            Source::Outline { pixel_size, .. } => *pixel_size = PixelSize::new(size).ok(),
         },
     )
     .otherwise("what the picture says of itself")
