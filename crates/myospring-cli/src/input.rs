@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use crate::options::Given;
 use myospring::run_file::{Reader, Run, ShapeBytes, Shaped};
+use myospring::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS};
 use std::fs;
 use std::path::Path;
 
@@ -39,11 +40,10 @@ pub(crate) fn settle(path: Option<&Path>, overrides: Vec<Given>) -> Result<(Stri
                     .beside(path.parent().unwrap_or(Path::new("")));
                 text = Some(content);
             }
-            kind
-            @ ("png" | "tif" | "tiff" | "geojson" | "json" | "csv" | "roi" | "zip" | "txt") => {
+            kind if PICTURE_ENDINGS.contains(&kind) || OUTLINE_ENDINGS.contains(&kind) => {
                 // Before anything else is said about the picture.
                 fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
-                let is_picture = matches!(kind, "png" | "tif" | "tiff");
+                let is_picture = PICTURE_ENDINGS.contains(&kind);
                 let key = if is_picture { "shape.picture" } else { "shape.outline" };
                 let Some(name) = path.to_str() else {
                     return Err(Failure::new(format!("`{}` is not UTF-8", path.display())));

@@ -45,7 +45,7 @@ use crate::mesh::{Mesh, quality};
 use crate::recording::{Frame, Recording, Sample};
 use in_time::InTime;
 use observer::Samples;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Numerical settings of a run; [`Default`] gives a converged beat.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ impl Default for Numerics {
 pub const SAFETY: f64 = 0.95;
 
 /// What peak the cell model's tension has when it is scaled to the peak tension in kPa.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionScale {
     /// That of the model's published parameters ([`CellModel::published_peak_tension`]): a changed parameter

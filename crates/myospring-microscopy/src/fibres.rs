@@ -41,7 +41,7 @@ pub const SCALES_UM: RangeInclusive<f64> = 0.05..=100.0;
 pub const COHERENCY_BOUNDS: RangeInclusive<f64> = 0.01..=0.9;
 
 /// What the picture shows of the myofibrils.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stain {
     /// Stripes that lie **across** the fibre: z-discs (alpha-actinin, titin's end), M-bands (myomesin).

@@ -30,7 +30,7 @@ use myospring_core::mesh::mask::{Mask, MaskError};
 use myospring_core::mesh::pixel_size::PixelSize;
 
 /// How the picture was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Modality {
     /// To be told from the grey values.

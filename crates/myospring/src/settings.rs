@@ -34,7 +34,9 @@ pub use problem::{Failure, Problem};
 pub use rows::Table;
 pub use run::{Fibre, Run};
 pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
-pub use shape::{PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source};
+pub use shape::{
+    OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,
+};
 pub use value::Value;
 pub use words::Word;
 

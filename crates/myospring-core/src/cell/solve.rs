@@ -13,10 +13,10 @@ use super::CellModel;
 use super::integrator::CellIntegrator;
 use super::pacing::{Protocol, ProtocolError};
 use super::trace::CellTrace;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// A method with fixed steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     #[serde(rename = "runge-kutta-4")]

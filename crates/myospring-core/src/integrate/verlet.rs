@@ -21,10 +21,10 @@
 use crate::mechanics::stencil::{Poisoned, Stencil, Units};
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use crate::mesh::Lattice;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Which form of Verlet's method moves the masses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
     /// Stoermer-Verlet, the paper's Eq. (16): positions of two times, no velocities.

@@ -20,11 +20,11 @@ use super::stencil::LatticeTerms;
 use super::stiffness::StiffnessMatrix;
 use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::collections::HashMap;
 
 /// Which law carries the active tension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ActiveLaw {
     /// Stress along the fibre in each triangle; internal.

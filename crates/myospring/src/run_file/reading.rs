@@ -1,7 +1,8 @@
 //! From texts and options to one run file that remembers where each value came from.
 
 use super::error::{Origin, RunFileError};
-use super::{RunFile, from_toml, rules, to_toml};
+use super::file::{RunFile, from_toml, to_toml};
+use super::rules;
 use crate::settings::{Failure, Problem, Run, Setting, Value, find, table, tables};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -190,6 +191,16 @@ impl Reader {
     pub fn resolve(self) -> Result<Run, RunFileError> {
         let (file, reader) = self.read()?;
         file.run().map_err(|failure| reader.locate(failure))
+    }
+}
+
+impl RunFile {
+    /// Reads the text of a run file.
+    ///
+    /// # Errors
+    /// Text that is not TOML, unknown keys and names, values of the wrong kind; with the place.
+    pub fn from_text(text: &str) -> Result<Self, RunFileError> {
+        Ok(Reader::new().text("", text)?.read()?.0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What several settings have to keep together.
 
-use super::RunFile;
+use super::file::RunFile;
 use crate::cell::pacing::Stimulus;
 use crate::integrate::Method;
 use crate::mechanics::active::ActiveLaw;
@@ -50,8 +50,8 @@ const SPRINGS: [Springs; 2] = [
     Springs {
         support: "elastic-bed",
         key: "mechanics.bed_stiffness",
-        reason: "an elastic bed needs its stiffness: give it like bed_stiffness = \"0.5 kPa/um\", or \
-                 --bed-stiffness \"0.5 kPa/um\"",
+        reason: "an elastic bed needs its stiffness: give it like bed_stiffness = \"0.5 \
+                 kPa/um\", or --bed-stiffness \"0.5 kPa/um\"",
         advice: "only support = \"elastic-bed\" has it; choose that support or leave it out",
     },
 ];
@@ -166,8 +166,8 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         if matches!(run.shape.source, Source::Picture(_)) {
             return Ok(());
         }
-        let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \"long \
-                      axis\" or an angle";
+        let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \
+                      \"long axis\" or an angle";
         let problem = Problem::Missing { key: "shape.picture", reason };
         return Err(("mechanics.fibre".to_owned(), problem));
     }
@@ -210,14 +210,14 @@ fn method(file: &RunFile, run: &Run) -> Checked {
         (
             run.material.area_law != AreaLaw::Gradient,
             "material.area_law",
-            "this area law has no energy, so the shape is no function of the tension; use area_law = \
-             \"gradient\", or integrator = \"verlet\"",
+            "this area law has no energy, so the shape is no function of the tension; use \
+             area_law = \"gradient\", or integrator = \"verlet\"",
         ),
         (
             run.active == ActiveLaw::Ends,
             "mechanics.active",
-            "loads on the ends push the cell from outside and have no path of equilibria; use active \
-             = \"fibre\", or integrator = \"verlet\"",
+            "loads on the ends push the cell from outside and have no path of equilibria; use \
+             active = \"fibre\", or integrator = \"verlet\"",
         ),
         (
             file.has("numerics.time_step"),

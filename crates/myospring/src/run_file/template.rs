@@ -1,7 +1,7 @@
 //! A commented run file with every key and its default.
 
+use super::file::written;
 use super::schema::described;
-use super::written;
 use crate::settings::{Run, Setting, tables};
 use std::fmt::Write;
 

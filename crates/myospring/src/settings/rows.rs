@@ -9,10 +9,7 @@ mod shape;
 mod stimulus;
 
 use super::bounds::Bounds;
-use super::run::Run;
 use super::setting::{Kind, Setting};
-use super::shape::Source;
-use crate::microscopy::segment::Choice;
 use crate::units::Dimension;
 
 /// Settings that belong together.
@@ -106,23 +103,3 @@ pub(super) static TABLES: &[Table] = &[
         .option_saying("--duration", "TIME", "Time simulated")],
     },
 ];
-
-/// Endings of files of outlines.
-const OUTLINES: &[&str] = &["geojson", "json", "csv", "roi", "zip", "txt"];
-
-/// Which cell of a picture or of a file of outlines is taken.
-fn choice(run: &Run) -> Option<Choice> {
-    match &run.shape.source {
-        Source::BuiltIn(_) => None,
-        Source::Picture(picture) => Some(picture.choice),
-        Source::Outline { choice, .. } => Some(*choice),
-    }
-}
-
-fn choice_mut(run: &mut Run) -> Option<&mut Choice> {
-    match &mut run.shape.source {
-        Source::BuiltIn(_) => None,
-        Source::Picture(picture) => Some(&mut picture.choice),
-        Source::Outline { choice, .. } => Some(choice),
-    }
-}

@@ -207,6 +207,11 @@ impl Setting {
         self.get(&Run::default_run())
     }
 
+    /// Whether it is written as text: with a unit, in words, or as a name.
+    fn reads_text(&self) -> bool {
+        !matches!(self.kind, Kind::Flag { .. } | Kind::Whole { .. } | Kind::Named { .. })
+    }
+
     /// Whether it may be a bare number, besides text.
     pub fn takes_numbers(&self) -> bool {
         match self.kind {
@@ -279,27 +284,18 @@ impl Setting {
                 Ok(number) => Ok(Value::Whole(number.into())),
                 Err(problem) => fail(problem),
             },
-            (
-                Kind::Text { .. }
-                | Kind::File { .. }
-                | Kind::Quantity { .. }
-                | Kind::Written { .. },
-                value @ Value::Text(_),
-            )
-            // A bare number where a unit is needed goes on to the reader of units, which says so.
-            | (
-                Kind::Quantity { .. }
-                | Kind::Written { bounds: Some(_), .. }
-                | Kind::Written { numbers: true, .. },
-                value @ Value::Number(_),
-            )
-            | (Kind::Flag { .. }, value @ Value::Flag(_)) => Ok(value),
             (Kind::Named { .. }, Value::Named(values)) => {
                 let values = values.into_iter().map(|(name, value)| {
                     let number = named(&format!("{key}.{name}"), value)?;
                     Ok((name, number))
                 });
                 Ok(Value::Named(values.collect::<Result<_, Failure>>()?))
+            }
+            (Kind::Flag { .. }, value @ Value::Flag(_)) => Ok(value),
+            (_, value @ Value::Text(_)) if self.reads_text() => Ok(value),
+            // A bare number where a unit is needed goes on to the reader of units, which says so.
+            (_, value @ Value::Number(_)) if self.takes_numbers() || self.bounds().is_some() => {
+                Ok(value)
             }
             (_, value) => {
                 let (key, wanted) = (key.to_owned(), self.wanted().to_owned());

@@ -47,6 +47,48 @@ pub enum Source {
     },
 }
 
+/// Endings of pictures, without the dot.
+pub const PICTURE_ENDINGS: &[&str] = &["png", "tif", "tiff"];
+
+/// Endings of files of outlines, without the dot.
+pub const OUTLINE_ENDINGS: &[&str] = &["geojson", "json", "csv", "roi", "zip", "txt"];
+
+impl Source {
+    /// The picture, if it is one.
+    pub fn picture(&self) -> Option<&PictureSource> {
+        match self {
+            Self::Picture(picture) => Some(picture),
+            _ => None,
+        }
+    }
+
+    /// The picture, if it is one.
+    pub fn picture_mut(&mut self) -> Option<&mut PictureSource> {
+        match self {
+            Self::Picture(picture) => Some(picture),
+            _ => None,
+        }
+    }
+
+    /// Which cell of a picture or of a file of outlines is taken.
+    pub fn choice(&self) -> Option<Choice> {
+        match self {
+            Self::BuiltIn(_) => None,
+            Self::Picture(picture) => Some(picture.choice),
+            Self::Outline { choice, .. } => Some(*choice),
+        }
+    }
+
+    /// Which cell of a picture or of a file of outlines is taken.
+    pub fn choice_mut(&mut self) -> Option<&mut Choice> {
+        match self {
+            Self::BuiltIn(_) => None,
+            Self::Picture(picture) => Some(&mut picture.choice),
+            Self::Outline { choice, .. } => Some(choice),
+        }
+    }
+}
+
 /// The bytes of the files that hold the shape.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ShapeBytes {

@@ -5,11 +5,29 @@ use super::super::problem::{Failure, Problem};
 use super::super::run::Run;
 use super::super::setting::{Kind, Named, Setting};
 use super::super::value::Value;
-use super::super::words::{Worded, choose};
+use super::super::words::{Word, Worded, choose, worded};
 use crate::cell::solve::Method;
 use crate::cell::{self, CellModel, coelho_2021};
 use crate::simulation::TensionScale;
 use crate::units::{self, Dimension};
+
+worded! { TensionScale {
+    TensionScale::Published = "published":
+        "That of the model's published parameters: a changed parameter changes the strength of \
+         the cell.",
+    TensionScale::OwnPeak = "own-peak":
+        "That of the model as it is, by a reference beat of its own: every cell has the same \
+         peak tension, whatever its parameters.",
+} }
+
+worded! { Method {
+    Method::RungeKutta4 = "runge-kutta-4":
+        "Classical Runge-Kutta, order 4 where the equations are smooth.",
+    Method::ForwardEuler = "forward-euler": "Forward Euler, order 1.",
+    Method::StaggeredEuler = "staggered-euler":
+        "Forward Euler that updates one block of the state after the other, each with the new \
+         values of those before it, order 1. The authors of `coelho_2021` step so.",
+} }
 
 const PARAMETERS: &str = "cell.parameters";
 
@@ -22,8 +40,8 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--model", "NAME"),
     Setting::quantity(
         "cell.peak_tension",
-        "Peak of the active tension of one default beat with the model's published parameters; changed \
-         parameters make the cell stronger or weaker than that.",
+        "Peak of the active tension of one default beat with the model's published parameters; \
+         changed parameters make the cell stronger or weaker than that.",
         Bounds::any(Dimension::Pressure, "50 kPa").from(0.0).to(500.0),
         |run| Some(run.peak_tension),
         |run, tension| run.peak_tension = tension,
@@ -31,8 +49,8 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying("--peak-tension", "TENSION", "Peak of the active tension"),
     Setting::new(
         "cell.tension_scale",
-        "Whose peak is scaled to `peak_tension`: that of the published parameters, or the model's own, \
-         whatever its parameters.",
+        "Whose peak is scaled to `peak_tension`: that of the published parameters, or the \
+         model's own, whatever its parameters.",
         Kind::Words {
             words: TensionScale::WORDS,
             get: |run| Some(run.tension_scale.word()),
@@ -42,13 +60,15 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--tension-scale",
         "NAME",
-        "Whose peak is scaled to that: published (of the model's published parameters; changed ones make \
-         the cell stronger or weaker) or own-peak (the model's own, whatever its parameters)",
+        "Whose peak is scaled to that: published (of the model's published parameters; changed \
+         ones make the cell stronger or weaker) or own-peak (the model's own, whatever its \
+         parameters)",
     ),
     Setting::new(
         "cell.authors_step",
-        "Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its \
-         peak tension is 4 % low, its onset 20 ms late. Not together with method or step.",
+        "Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 \
+         ms); its peak tension is 4 % low, its onset 20 ms late. Not together with method or \
+         step.",
         // A run is written back with the method and step that this stands for.
         Kind::Flag { get: |_| None, set: set_authors_step },
     )
@@ -75,8 +95,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         PARAMETERS,
-        "Parameters of the cell model that differ from the published ones, by name: \"1.9 ms\", or a \
-         plain number in the parameter's own unit; `myospring models NAME` lists them.",
+        "Parameters of the cell model that differ from the published ones, by name: \"1.9 ms\", \
+         or a plain number in the parameter's own unit; `myospring models NAME` lists them.",
         Kind::Named {
             example: ("tau_si", "1.9 ms"),
             get: |run| Some(changed_parameters(&*run.cell)),

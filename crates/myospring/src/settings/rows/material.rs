@@ -2,10 +2,19 @@
 
 use super::super::bounds::Bounds;
 use super::super::setting::{Kind, Setting};
-use super::super::words::{Worded, choose};
+use super::super::words::{Word, Worded, choose, worded};
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::Stiffness;
 use crate::units::Dimension;
+
+worded! { AreaLaw {
+    AreaLaw::Gradient = "gradient":
+        "Minus the gradient of an energy of the area's deviation from rest.",
+    AreaLaw::Barycentric = "barycentric":
+        "Towards the barycentre, proportional to the area's deviation from rest.",
+    AreaLaw::Printed = "printed":
+        "Exactly the paper's Eq. (13), absolute area and all; for comparison only.",
+} }
 
 pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
@@ -21,8 +30,8 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying("--young-modulus", "MODULUS", "Young's modulus"),
     Setting::quantity(
         "material.spring_stiffness",
-        "Stiffness of a horizontal or vertical spring, instead of `young_modulus`; a diagonal one has half \
-         of it.",
+        "Stiffness of a horizontal or vertical spring, instead of `young_modulus`; a diagonal \
+         one has half of it.",
         Bounds::any(Dimension::Stiffness, "2310 nN/um").from(0.1).to(1e8),
         |run| match run.material.stiffness {
             Stiffness::YoungModulus(_) => None,
@@ -64,8 +73,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "material.slowest_period",
-        "Period of the slowest vibration along the cell; sets the numerical density. Above 2 ms the \
-         contraction is no longer quasi-static.",
+        "Period of the slowest vibration along the cell; sets the numerical density. Above 2 ms \
+         the contraction is no longer quasi-static.",
         Bounds::any(Dimension::Time, "2 ms").from(0.01).to(100.0),
         |run| Some(run.material.slowest_period),
         |run, period| run.material.slowest_period = period,

@@ -11,6 +11,18 @@ use crate::mechanics::support::SupportKind;
 use crate::microscopy::fibres::{FibreSettings, Stain};
 use crate::units::Dimension;
 
+worded! { ActiveLaw {
+    ActiveLaw::Fibre = "fibre": "Stress along the fibre in each triangle; internal.",
+    ActiveLaw::Ends = "ends": "The paper's load on the end nodes along the long axis; external.",
+} }
+
+worded! { Stain {
+    Stain::ZDisc = "z-disc":
+        "Stripes that lie across the fibre: z-discs (alpha-actinin, titin's end), M-bands \
+         (myomesin).",
+    Stain::Filament = "filament": "Threads that run along the fibre: actin (phalloidin).",
+} }
+
 /// Which support holds the cell, without its numbers.
 #[derive(Clone, Copy)]
 enum SupportName {
@@ -28,7 +40,8 @@ worded! { SupportName {
     SupportName::ClampedEnds = "clamped-ends":
         "Both ends are clamped: an isometric contraction.",
     SupportName::SpringHeldEnds = "spring-held-ends":
-        "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs `end_stiffness`.",
+        "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs \
+         `end_stiffness`.",
     SupportName::ElasticBed = "elastic-bed":
         "Every point is tied to its resting place, as on a gel; needs `bed_stiffness`.",
 } }
@@ -51,8 +64,8 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--active", "LAW"),
     Setting::new(
         FIBRE,
-        "Direction of the fibres: \"long axis\" of the cell, an angle counter-clockwise from x, or \
-         \"picture\", which reads it from the stripes or filaments of the picture.",
+        "Direction of the fibres: \"long axis\" of the cell, an angle counter-clockwise from x, \
+         or \"picture\", which reads it from the stripes or filaments of the picture.",
         Kind::Written {
             bounds: Some(FIBRE_ANGLE),
             numbers: false,
@@ -70,12 +83,13 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--fibre",
         "DIRECTION",
-        "Fibre direction: \"long axis\", an angle (\"15 deg\"), or picture, which reads it from stripes or \
-         filaments",
+        "Fibre direction: \"long axis\", an angle (\"15 deg\"), or picture, which reads it from \
+         stripes or filaments",
     ),
     Setting::new(
         "mechanics.stain",
-        "What the picture shows, for fibre = \"picture\": stripes across the fibre, or filaments along it.",
+        "What the picture shows, for fibre = \"picture\": stripes across the fibre, or \
+         filaments along it.",
         Kind::Words {
             words: Stain::WORDS,
             get: |run| of_picture(run).map(|settings| settings.stain.word()),
@@ -146,8 +160,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "mechanics.bed_stiffness",
-        "Stiffness of an \"elastic-bed\", traction per displacement: of a thin layer its shear modulus \
-         over its thickness.",
+        "Stiffness of an \"elastic-bed\", traction per displacement: of a thin layer its shear \
+         modulus over its thickness.",
         Bounds::any(Dimension::BedStiffness, "0.5 kPa/um").above(0.0).to(1e6),
         |run| match run.support {
             SupportKind::ElasticBed { stiffness } => Some(stiffness),

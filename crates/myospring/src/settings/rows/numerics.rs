@@ -23,14 +23,15 @@ worded! { IntegratorName {
     IntegratorName::VelocityVerlet = "velocity-verlet":
         "Velocity Verlet: the same positions to rounding.",
     IntegratorName::QuasiStatic = "quasi-static":
-        "Along the path of equilibria: fast, for tension along the fibre and the area law \"gradient\".",
+        "Along the path of equilibria: fast, for tension along the fibre and the area law \
+         \"gradient\".",
 } }
 
 pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "numerics.integrator",
-        "How the mesh follows the tension: in time by Verlet's method, of which \"verlet\" is the paper's \
-         form, or along its equilibria.",
+        "How the mesh follows the tension: in time by Verlet's method, of which \"verlet\" is \
+         the paper's form, or along its equilibria.",
         Kind::Words {
             words: IntegratorName::WORDS,
             get: |run| Some(name(run.numerics.method).word()),
@@ -43,12 +44,13 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--integrator",
         "NAME",
-        "verlet (in time, as in the paper) or quasi-static (along the equilibria, many times faster); also \
-         stoermer-verlet, velocity-verlet",
+        "verlet (in time, as in the paper) or quasi-static (along the equilibria, many times \
+         faster); also stoermer-verlet, velocity-verlet",
     ),
     Setting::quantity(
         "numerics.time_step",
-        "Mechanical time step; one above the stability limit is refused. Not for \"quasi-static\".",
+        "Mechanical time step; one above the stability limit is refused. Not for \
+         \"quasi-static\".",
         Bounds::any(Dimension::Time, "0.004 ms").from(1e-7).to(10.0),
         |run| run.numerics.time_step,
         |run, step| run.numerics.time_step = Some(step),

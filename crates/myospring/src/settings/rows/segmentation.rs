@@ -4,13 +4,20 @@ use super::super::bounds::{Bounds, Whole};
 use super::super::problem::Problem;
 use super::super::run::Run;
 use super::super::setting::{Kind, Setting};
-use super::super::shape::{PictureSource, Source};
+use super::super::shape::OUTLINE_ENDINGS;
 use super::super::value::Value;
-use super::super::words::{Worded, choose};
-use super::{OUTLINES, choice, choice_mut};
+use super::super::words::{Word, Worded, worded};
 use crate::microscopy::picture::Depth;
 use crate::microscopy::segment::{Choice, Modality};
 use crate::units::Dimension;
+
+worded! { Modality {
+    Modality::Auto = "auto": "To be told from the grey values.",
+    Modality::Fluorescence = "fluorescence": "A bright cell on a dark ground.",
+    Modality::Brightfield = "brightfield":
+        "A cell that shows by its edges and texture; phase contrast too.",
+    Modality::Mask = "mask": "Not a picture but its segmentation: background 0.",
+} }
 
 const DEPTH: &str = "segmentation.z";
 const SEED: &str = "segmentation.seed";
@@ -22,12 +29,18 @@ pub(super) const ROWS: &[Setting] = &[
         "How the picture was taken.",
         Kind::Words {
             words: Modality::WORDS,
-            get: |run| picture(run).map(|picture| picture.options.segmentation.modality.word()),
+            get: |run| {
+                run.shape
+                    .source
+                    .picture()
+                    .map(|picture| picture.options.segmentation.modality.word())
+            },
             set: |run, word| {
-                let modality = &mut Modality::default();
-                let place = picture_mut(run)
-                    .map_or(modality, |picture| &mut picture.options.segmentation.modality);
-                choose(place, word)
+                let modality = Modality::of_word(word)?;
+                if let Some(picture) = run.shape.source.picture_mut() {
+                    picture.options.segmentation.modality = modality;
+                }
+                Some(())
             },
         },
     )
@@ -38,9 +51,9 @@ pub(super) const ROWS: &[Setting] = &[
         "Channel of the picture, from 0.",
         Kind::Whole {
             bounds: Whole { minimum: 0, maximum: 10_000, example: 0 },
-            get: |run| u32::try_from(picture(run)?.options.selection.channel?).ok(),
+            get: |run| u32::try_from(run.shape.source.picture()?.options.selection.channel?).ok(),
             set: |run, channel| {
-                if let Some(picture) = picture_mut(run) {
+                if let Some(picture) = run.shape.source.picture_mut() {
                     picture.options.selection.channel = Some(channel as usize);
                 }
             },
@@ -53,9 +66,9 @@ pub(super) const ROWS: &[Setting] = &[
         "Frame (time point) of the picture, from 0.",
         Kind::Whole {
             bounds: Whole { minimum: 0, maximum: 1_000_000, example: 0 },
-            get: |run| u32::try_from(picture(run)?.options.selection.frame).ok(),
+            get: |run| u32::try_from(run.shape.source.picture()?.options.selection.frame).ok(),
             set: |run, frame| {
-                if let Some(picture) = picture_mut(run) {
+                if let Some(picture) = run.shape.source.picture_mut() {
                     picture.options.selection.frame = frame as usize;
                 }
             },
@@ -71,7 +84,7 @@ pub(super) const ROWS: &[Setting] = &[
             numbers: true,
             example: "max",
             get: |run| {
-                Some(match picture(run)?.options.selection.depth? {
+                Some(match run.shape.source.picture()?.options.selection.depth? {
                     Depth::Maximum => Value::from("max"),
                     Depth::Mean => Value::from("mean"),
                     Depth::Slice(slice) => Value::from(slice.to_string()),
@@ -88,12 +101,12 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "segmentation.threshold",
-        "Threshold; less takes in more. Fluorescence: grey value above which a pixel is cell. Brightfield: \
-         least relative change of brightness per um that is an edge.",
+        "Threshold; less takes in more. Fluorescence: grey value above which a pixel is cell. \
+         Brightfield: least relative change of brightness per um that is an edge.",
         Bounds::any(Dimension::Number, "120.5"),
-        |run| picture(run)?.options.segmentation.threshold,
+        |run| run.shape.source.picture()?.options.segmentation.threshold,
         |run, threshold| {
-            if let Some(picture) = picture_mut(run) {
+            if let Some(picture) = run.shape.source.picture_mut() {
                 picture.options.segmentation.threshold = Some(threshold);
             }
         },
@@ -102,16 +115,16 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--threshold",
         "NUMBER",
-        "Less takes in more. Fluorescence: grey value above which a pixel is cell; brightfield: least \
-         relative change of brightness per um that is an edge",
+        "Less takes in more. Fluorescence: grey value above which a pixel is cell; brightfield: \
+         least relative change of brightness per um that is an edge",
     ),
     Setting::quantity(
         "segmentation.smooth",
         "Scale of smoothing.",
         Bounds::any(Dimension::Length, "0.5 um").from(0.0).to(20.0),
-        |run| picture(run)?.options.segmentation.smooth_um,
+        |run| run.shape.source.picture()?.options.segmentation.smooth_um,
         |run, scale| {
-            if let Some(picture) = picture_mut(run) {
+            if let Some(picture) = run.shape.source.picture_mut() {
                 picture.options.segmentation.smooth_um = Some(scale);
             }
         },
@@ -125,7 +138,7 @@ pub(super) const ROWS: &[Setting] = &[
             bounds: None,
             numbers: false,
             example: "120, 85",
-            get: |run| match choice(run) {
+            get: |run| match run.shape.source.choice() {
                 Some(Choice::At([x, y])) => Some(Value::from(format!("{x}, {y}"))),
                 _ => None,
             },
@@ -144,7 +157,7 @@ pub(super) const ROWS: &[Setting] = &[
             bounds: None,
             numbers: true,
             example: "2",
-            get: |run| match (choice(run)?, picture(run)) {
+            get: |run| match (run.shape.source.choice()?, run.shape.source.picture()) {
                 (Choice::Number(number), _) => Some(Value::from(number.to_string())),
                 (Choice::Largest, Some(_)) => Some(Value::from("largest")),
                 _ => None,
@@ -156,15 +169,16 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--cell",
         "all|largest|N",
-        "Which cell: largest, or a number by size, 1 being the largest; segment and batch also take all",
+        "Which cell: largest, or a number by size, 1 being the largest; segment and batch also \
+         take all",
     ),
     Setting::new(
         "segmentation.allow_cut",
         "Takes a cell although the frame of the picture cuts it.",
         Kind::Flag {
-            get: |run| picture(run).map(|picture| picture.allow_cut),
+            get: |run| run.shape.source.picture().map(|picture| picture.allow_cut),
             set: |run, allowed| {
-                if let Some(picture) = picture_mut(run) {
+                if let Some(picture) = run.shape.source.picture_mut() {
                     picture.allow_cut = allowed;
                 }
             },
@@ -173,14 +187,14 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying("--allow-cut", "", "Take a cell although the frame of the picture cuts it"),
     Setting::new(
         "segmentation.outline",
-        "Outline of the cell drawn on the picture elsewhere, instead of finding it: GeoJSON, ImageJ's \
-         .roi or RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
+        "Outline of the cell drawn on the picture elsewhere, instead of finding it: GeoJSON, \
+         ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
         Kind::File {
-            endings: OUTLINES,
+            endings: OUTLINE_ENDINGS,
             example: "cell.roi",
-            get: |run| picture(run)?.outline.clone(),
+            get: |run| run.shape.source.picture()?.outline.clone(),
             set: |run, path| {
-                if let Some(picture) = picture_mut(run) {
+                if let Some(picture) = run.shape.source.picture_mut() {
                     picture.outline = Some(path);
                 }
             },
@@ -189,30 +203,16 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--outline",
         "FILE",
-        "Outline drawn on the picture elsewhere, instead of finding it (.geojson, .roi, .zip, Cellpose's \
-         .txt)",
+        "Outline drawn on the picture elsewhere, instead of finding it (.geojson, .roi, .zip, \
+         Cellpose's .txt)",
     ),
 ];
-
-fn picture(run: &Run) -> Option<&PictureSource> {
-    match &run.shape.source {
-        Source::Picture(picture) => Some(picture),
-        _ => None,
-    }
-}
-
-fn picture_mut(run: &mut Run) -> Option<&mut PictureSource> {
-    match &mut run.shape.source {
-        Source::Picture(picture) => Some(picture),
-        _ => None,
-    }
-}
 
 fn set_depth(run: &mut Run, value: &Value) -> Result<(), Problem> {
     let word = value.written();
     let known = ["max", "mean", "the number of a slice, from 0"];
     let depth = word.parse().map_err(|_| Problem::unknown_word(DEPTH, &word, known))?;
-    if let Some(picture) = picture_mut(run) {
+    if let Some(picture) = run.shape.source.picture_mut() {
         picture.options.selection.depth = Some(depth);
     }
     Ok(())
@@ -226,7 +226,7 @@ fn set_seed(run: &mut Run, value: &Value) -> Result<(), Problem> {
     if !(x.is_finite() && y.is_finite()) {
         return Err(no_place(value));
     }
-    if let Some(choice) = choice_mut(run) {
+    if let Some(choice) = run.shape.source.choice_mut() {
         *choice = Choice::At([x, y]);
     }
     Ok(())
@@ -247,7 +247,7 @@ fn set_cell(run: &mut Run, value: &Value) -> Result<(), Problem> {
             return Err(Problem::unknown_word(CELL, &word, known));
         }
     };
-    if let Some(choice) = choice_mut(run) {
+    if let Some(choice) = run.shape.source.choice_mut() {
         *choice = chosen;
     }
     Ok(())

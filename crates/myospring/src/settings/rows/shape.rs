@@ -4,8 +4,7 @@ use super::super::bounds::{Bounds, Whole};
 use super::super::problem::Problem;
 use super::super::run::Run;
 use super::super::setting::{Kind, Setting};
-use super::super::shape::{PictureSource, Source};
-use super::{OUTLINES, choice, choice_mut};
+use super::super::shape::{OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Source};
 use crate::mesh::built_in;
 use crate::mesh::pixel_size::PixelSize;
 use crate::microscopy::cells::Options;
@@ -26,14 +25,12 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "shape.picture",
-        "Picture of the cell from a microscope, or its mask: PNG, TIFF or OME-TIFF; relative to this file.",
+        "Picture of the cell from a microscope, or its mask: PNG, TIFF or OME-TIFF; relative to \
+         this file.",
         Kind::File {
-            endings: &["png", "tif", "tiff"],
+            endings: PICTURE_ENDINGS,
             example: "cell.png",
-            get: |run| match &run.shape.source {
-                Source::Picture(picture) => Some(picture.path.clone()),
-                _ => None,
-            },
+            get: |run| run.shape.source.picture().map(|picture| picture.path.clone()),
             set: |run, path| {
                 run.shape.source = Source::Picture(Box::new(PictureSource {
                     path,
@@ -47,10 +44,10 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "shape.outline",
-        "Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or RoiSet \
-         .zip, Cellpose's _outlines.txt; relative to this file.",
+        "Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or \
+         RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
         Kind::File {
-            endings: OUTLINES,
+            endings: OUTLINE_ENDINGS,
             example: "cell.geojson",
             get: |run| match &run.shape.source {
                 Source::Outline { path, .. } => Some(path.clone()),
@@ -87,12 +84,12 @@ pub(super) const ROWS: &[Setting] = &[
         "In a label mask, the grey value of the cell.",
         Kind::Whole {
             bounds: Whole { minimum: 1, maximum: LARGEST_LABEL, example: 3 },
-            get: |run| match choice(run) {
+            get: |run| match run.shape.source.choice() {
                 Some(Choice::Label(label)) => Some(label),
                 _ => None,
             },
             set: |run, label| {
-                if let Some(choice) = choice_mut(run) {
+                if let Some(choice) = run.shape.source.choice_mut() {
                     *choice = Choice::Label(label);
                 }
             },
