@@ -42,17 +42,17 @@ fn imbalance(samples: &[Sample]) -> f64 {
 /// A beat that stops.
 pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let spacing = setting.quick.then_some(2.4);
-    let simulation = Simulation::coelho_2021(cell(spacing)?);
+    let simulation = Simulation::new(cell(spacing)?);
     let outcome = run(&simulation)?;
     let default = peak_shortening(&outcome)?;
     let with_mass = |part: f64| -> Result<f64, Failure> {
         let material = default_material();
         let slowest_period = material.slowest_period * f64::sqrt(part);
         let material = Material { slowest_period, ..material };
-        peak_shortening(&run(&Simulation { material, ..Simulation::coelho_2021(cell(spacing)?) })?)
+        peak_shortening(&run(&Simulation { material, ..Simulation::new(cell(spacing)?) })?)
     };
-    let mut finer = Simulation::coelho_2021(cell(spacing)?);
-    finer.numerics.time_step = Some(0.5 * outcome.time_step);
+    let mut finer = Simulation::new(cell(spacing)?);
+    finer.numerics.time_step = outcome.effort.time_step().map(|step| 0.5 * step);
     Ok(vec![
         Row::difference(
             "default beat: work of the active force less energy stored, moving and dissipated",

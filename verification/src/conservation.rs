@@ -43,16 +43,16 @@ fn changes(engine: Engine, steps: usize) -> Result<[f64; 4], Failure> {
     let mut motion = engine.motion(&mesh, &system, body, step)?;
     let (mut blocks, mut energies) = (Vec::new(), Vec::new());
     for block in 0..BLOCKS {
-        let now = &motion.body;
+        let now = motion.body();
         blocks.push(block as f64 / BLOCKS as f64);
         energies.push(system.elastic_energy(&now.configuration(0.0)) + now.kinetic_energy());
-        motion.advance(steps / BLOCKS, [0.0, 0.0])?;
+        motion.advance(steps / BLOCKS, [0.0.into(); 2])?;
     }
-    let after = (motion.body.momentum(), motion.body.angular_momentum());
+    let after = (motion.body().momentum(), motion.body().angular_momentum());
     let start = energies[0];
     let wander = energies.iter().map(|e| (e / start - 1.0).abs()).fold(0.0, f64::max);
     // The body moves on as a whole, so the arm of the momenta grows; count the largest.
-    let reach = motion.body.mass_centre();
+    let reach = motion.body().mass_centre();
     let angular = angular + linear * reach[0].hypot(reach[1]);
     Ok([
         (after.0[0] - before.0[0]).hypot(after.0[1] - before.0[1]) / linear,

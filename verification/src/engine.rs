@@ -1,6 +1,9 @@
 //! The ways in which a lattice can be moved; every check of motions runs over all of them.
 
 use crate::Failure;
+use myospring::integrate::fused::FusedMotion;
+use myospring::integrate::stencil::Units;
+use myospring::integrate::stepper::Stepper;
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::{Body, System};
 use myospring::mesh::Mesh;
@@ -43,19 +46,13 @@ impl Engine {
         system: &'a System,
         body: Body,
         step: f64,
-    ) -> Result<Motion<'a>, Failure> {
-        match self {
-            Self::Plain(integrator) => Ok(Motion::new(system, body, integrator, step)),
+    ) -> Result<Box<dyn Stepper + 'a>, Failure> {
+        Ok(match self {
+            Self::Plain(integrator) => Box::new(Motion::new(system, body, integrator, step)),
             Self::Fused(threads) => {
                 let lattice = mesh.lattice.as_ref().ok_or("the mesh is no lattice")?;
-                let plain = Motion::new(system, body, Integrator::StoermerVerlet, step);
-                let motion = plain.on_lattice(lattice, threads);
-                if motion.is_fused() {
-                    Ok(motion)
-                } else {
-                    Err("the fused kernel does not take these forces".into())
-                }
+                Box::new(FusedMotion::new(system, body, lattice, step, threads, Units::best())?)
             }
-        }
+        })
     }
 }

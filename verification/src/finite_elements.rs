@@ -334,7 +334,7 @@ fn draw(setting: &Setting<'_>, times: &[f64], curves: &[(&str, &Vec<f64>)]) -> R
         .map(|(name, values)| {
             let sample = |(&t_ms, &shortening_pct)| Sample { t_ms, shortening_pct, ..blank };
             let samples = times.iter().zip(*values).map(sample).collect();
-            (*name, Recording { samples, frames: Vec::new() })
+            (*name, Recording { samples, ..Recording::default() })
         })
         .collect();
     let named: Vec<(&str, &Recording)> = recordings.iter().map(|(name, r)| (*name, r)).collect();

@@ -110,8 +110,8 @@ fn case(
             let steps = steps * finer as usize;
             let step = time_step / f64::from(finer);
             let mut motion = engine.motion(&mesh, &system, body.clone(), step)?;
-            motion.advance(steps, [0.0, 0.0])?;
-            let positions = motion.body.positions;
+            motion.advance(steps, [0.0.into(); 2])?;
+            let positions = motion.body().positions.clone();
             runs.push(Run { engine: engine.name(), finer, steps, positions });
         }
     }

@@ -4,9 +4,9 @@
 
 use crate::row::Row;
 use crate::{Failure, Setting};
+use myospring::cell;
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::solve::{Settings, solve};
-use myospring::cell::{self, CellModel};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -22,8 +22,8 @@ const MODELS: [&str; 6] = [
 
 #[derive(Serialize)]
 struct Case {
-    model: &'static str,
-    parameters: BTreeMap<&'static str, f64>,
+    model: String,
+    parameters: BTreeMap<String, f64>,
     /// A jump of u, or a rate of u (1/ms) for `pulse_ms`.
     amplitude: f64,
     /// 0 for a jump.
@@ -76,8 +76,13 @@ fn case(name: &str, beats: u32, fine_step_ms: f64) -> Result<Case, Failure> {
         time_ms = trace.time_ms;
     }
     Ok(Case {
-        model: CellModel::name(&*model),
-        parameters: model.parameters().rows().iter().map(|row| (row.name, row.value)).collect(),
+        model: model.name().to_owned(),
+        parameters: model
+            .parameters()
+            .rows()
+            .iter()
+            .map(|row| (row.name.to_string(), row.value))
+            .collect(),
         amplitude,
         pulse_ms,
         start_ms: protocol.start_ms,

@@ -32,8 +32,8 @@ fn order(engine: Engine, damping_ratio: f64, drag_ratio: f64) -> Result<f64, Fai
     let steps = (DURATION / (0.05 * limit)).ceil() as usize;
     let after = |steps: usize| -> Result<Vectors, Failure> {
         let mut motion = engine.motion(&mesh, &system, body.clone(), DURATION / steps as f64)?;
-        motion.advance(steps, [0.0, 50.0])?;
-        Ok(motion.body.positions)
+        motion.advance(steps, [0.0, 50.0].map(Into::into))?;
+        Ok(motion.body().positions.clone())
     };
     let shapes = [after(steps)?, after(2 * steps)?, after(4 * steps)?];
     Ok((farthest(&shapes[0], &shapes[1]) / farthest(&shapes[1], &shapes[2])).log2())

@@ -1,29 +1,21 @@
 //! `myospring batch`: every picture of a folder, one row a cell.
 
-mod journal;
-mod row;
-mod work;
+mod kept;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
-use crate::{input, print, threads};
+use crate::{input, print};
 use indicatif::{ProgressBar, ProgressStyle};
-use journal::Journal;
-use myospring::output::files;
-use myospring::output::json;
-use myospring::settings::{Run, Value};
-use rayon::prelude::*;
-use row::{Row, Status, table};
+use kept::Kept;
+use myospring::output::{files, json};
+use myospring::settings::{PICTURE_ENDINGS, Run, Value};
+use myospring::study::pictures::{self, CellRow, Picture, Which};
+use myospring::study::{self, Cause, Journal, Observer, Row, Status, Threads};
 use serde::Serialize;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
-use work::Work;
-
-/// How often the table is written while pictures are under way.
-const TABLE_EVERY: Duration = Duration::from_secs(5);
 
 /// What happened, for machines.
 #[derive(Serialize)]
@@ -42,53 +34,31 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let target = target(args);
     let pictures = pictures(args, &target)?;
     // Every setting is checked once, before any picture is opened.
-    let (_, run) = input::settle(Some(&pictures[0].1), args.settings.overrides())?;
+    let (_, run) = input::settle(Some(&pictures[0].path), args.settings.overrides())?;
     let settings = settings(args, &run);
-    let journal = Journal::open(&target, &settings, args.output.force)?;
-    let work = Work { args, target: &target };
-
-    let done = journal.done(&pictures);
-    let left: Vec<&(String, PathBuf)> =
-        pictures.iter().filter(|(name, _)| !done.contains(name)).collect();
-    if !args.output.quiet && !done.is_empty() {
-        print::note(&format!("going on: {} of {} pictures are done", done.len(), pictures.len()));
-    }
+    let journal = if args.output.force {
+        Journal::begin_anew(&target, &settings, &kept::RESULTS)?
+    } else {
+        Journal::open(&target, &settings)?
+    };
     let bar = progress_bar(args.output.quiet, pictures.len());
-    bar.inc(done.len() as u64);
-    let last_table = Mutex::new(Instant::now());
-    let pool = threads::pool(args.jobs.map(usize::from))?;
-    pool.install(|| {
-        left.par_iter().try_for_each(|(name, picture)| {
-            let (hash, rows) = work.picture(picture, name);
-            for row in rows.iter().filter(|row| row.status == Status::Failed) {
-                bar.suspend(|| {
-                    if !args.output.quiet {
-                        print::warn(&format!("{name}: {}", row.reason));
-                    }
-                });
-            }
-            journal.add(name, &hash, rows)?;
-            bar.inc(1);
-            let mut last = last_table.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            if last.elapsed() > TABLE_EVERY {
-                *last = Instant::now();
-                write_table(&target, &journal.rows(&pictures))?;
-            }
-            Ok::<(), Failure>(())
-        })
+    let seen = Seen { bar: &bar, quiet: args.output.quiet, target: &target };
+    let kept = Kept { figures: args.figures, target: &target };
+    let which = which(args);
+    let threads = Threads::new(args.jobs.map(usize::from))?;
+    let report = study::run(&pictures, &journal, &threads, &seen, |picture| {
+        let (_, run) = input::settle(Some(&picture.path), args.settings.overrides())?;
+        pictures::rows(&picture.name, &run, which, &kept)
     })?;
     bar.finish_and_clear();
 
-    let rows = journal.rows(&pictures);
-    write_table(&target, &rows)?;
-    let count = |status: Status| rows.iter().filter(|row| row.status == status).count();
     let outcome = Outcome {
         results: target.clone(),
         pictures: pictures.len(),
-        resumed: done.len(),
-        cells: count(Status::Ok),
-        left_out: count(Status::LeftOut),
-        failed: count(Status::Failed),
+        resumed: report.resumed,
+        cells: report.count(Status::Ok),
+        left_out: report.count(Status::LeftOut),
+        failed: report.count(Status::Failed),
         seconds: start.elapsed().as_secs_f64(),
     };
     if args.output.json {
@@ -97,6 +67,44 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         print::out(&summary(&outcome));
     }
     Ok(ExitCode::from(u8::from(outcome.failed > 0)))
+}
+
+/// What people see of a batch while it goes on, and its table.
+struct Seen<'a> {
+    bar: &'a ProgressBar,
+    quiet: bool,
+    target: &'a Path,
+}
+
+impl Observer<Picture> for Seen<'_> {
+    fn begins(&self, done: usize, pictures: usize) {
+        if !self.quiet && done > 0 {
+            print::note(&format!("going on: {done} of {pictures} pictures are done"));
+        }
+        self.bar.inc(done as u64);
+    }
+
+    fn finished(&self, picture: &Picture, rows: &[CellRow]) -> bool {
+        let failed = rows.iter().filter(|row| row.status == Status::Failed && !self.quiet);
+        for row in failed {
+            self.bar.suspend(|| print::warn(&format!("{}: {}", picture.name, row.reason)));
+        }
+        self.bar.inc(1);
+        true
+    }
+
+    fn table(&self, rows: &[CellRow]) -> Result<(), Cause> {
+        let table = CellRow::table(rows);
+        files::write(&self.target.join(kept::CSV), table.to_csv()?)?;
+        Ok(files::write(&self.target.join(kept::PARQUET), table.to_parquet()?)?)
+    }
+}
+
+/// All cells unless the arguments name one.
+fn which(args: &BatchArgs) -> Which {
+    let choices = ["segmentation.cell", "segmentation.seed", "shape.label"];
+    let one = choices.iter().any(|key| args.settings.get(key).is_some());
+    if args.settings.all_cells() || !one { Which::Every } else { Which::Chosen }
 }
 
 fn summary(outcome: &Outcome) -> String {
@@ -124,7 +132,7 @@ fn target(args: &BatchArgs) -> PathBuf {
 }
 
 /// The pictures of the folder and all folders in it, each with its name, in the order of the paths.
-fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
+fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<Picture>, Failure> {
     let pattern = args
         .pattern
         .as_deref()
@@ -166,12 +174,12 @@ fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<(String, PathBuf)>, F
         let message = format!("`{}` holds no file like {wanted}", args.folder.display());
         return Err(Failure::new(message).advise("give another folder or --pattern"));
     }
-    Ok(found.into_iter().map(|path| (name(args, &path), path)).collect())
+    Ok(found.into_iter().map(|path| Picture { name: name(args, &path), path }).collect())
 }
 
 fn is_wanted(file_name: &str, pattern: Option<&glob::Pattern>) -> bool {
     let lower = file_name.to_lowercase();
-    let picture = ["png", "tif", "tiff"].iter().any(|end| lower.ends_with(&format!(".{end}")));
+    let picture = PICTURE_ENDINGS.iter().any(|end| lower.ends_with(&format!(".{end}")));
     picture && pattern.is_none_or(|pattern| pattern.matches(file_name))
 }
 
@@ -190,14 +198,10 @@ fn settings(args: &BatchArgs, run: &Run) -> String {
     let text = file.to_toml();
     let cells = args.settings.get("segmentation.cell").and_then(Value::as_text).unwrap_or("all");
     let (version, figures) = (env!("CARGO_PKG_VERSION"), args.figures);
-    format!("version {version}, cells {cells}, figures {figures}\n{text}")
-}
-
-fn write_table(target: &Path, rows: &[Row]) -> Result<(), Failure> {
-    let table = table(rows);
-    files::write(&target.join("cells.csv"), table.to_csv()?)?;
-    let parquet = table.to_parquet().map_err(Failure::new)?;
-    Ok(files::write(&target.join("cells.parquet"), parquet)?)
+    format!(
+        "# What the results in this folder depend on; myospring batch goes on only with the same.\n\
+         # version {version}, cells {cells}, figures {figures}\n\n{text}"
+    )
 }
 
 fn progress_bar(quiet: bool, pictures: usize) -> ProgressBar {

@@ -24,7 +24,7 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
     };
     let mut keys = vec!["coelho_2021"];
     for key in model.citations() {
-        if !keys.contains(key) {
+        if !keys.contains(&key) {
             keys.push(key);
         }
     }

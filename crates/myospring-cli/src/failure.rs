@@ -10,6 +10,7 @@ use myospring::output::files::FileError;
 use myospring::output::json::JsonError;
 use myospring::run_file::{Origin, RunFileError, ShapeError};
 use myospring::simulation::SetupError;
+use myospring::study::StudyError;
 use std::fmt;
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -93,6 +94,19 @@ impl From<ShapeError> for Failure {
         match &error {
             ShapeError::Read { .. } => Self::new(&error).advise("check the path and its spelling"),
             _ => Self::new(&error),
+        }
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::OtherSettings { .. } | StudyError::Occupied { .. } => Self::new(error)
+                .advise("--output DIR names another folder, --force begins anew in this one"),
+            StudyError::Journal { .. } => {
+                Self::new(error).advise("--output names another folder, like --output results/mine")
+            }
+            error => Self::new(error),
         }
     }
 }

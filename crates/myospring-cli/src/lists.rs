@@ -15,8 +15,8 @@ use std::process::ExitCode;
 struct Model<'a> {
     name: &'a str,
     description: &'a str,
-    citations: &'a [&'a str],
-    state: &'a [&'a str],
+    citations: Vec<&'a str>,
+    state: Vec<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<&'a ParameterSet>,
 }
@@ -61,12 +61,12 @@ fn parameters(model: &dyn CellModel) -> String {
     let mut rows = vec![header.map(str::to_owned).to_vec()];
     for row in model.parameters().rows() {
         rows.push(vec![
-            row.name.to_owned(),
+            row.name.to_string(),
             row.value.to_string(),
-            row.unit.to_owned(),
+            row.unit.to_string(),
             format!("{} to {}", row.minimum, row.maximum),
-            row.meaning.to_owned(),
-            row.source.to_owned(),
+            row.meaning.to_string(),
+            row.source.to_string(),
         ]);
     }
     let (name, about) = (model.name(), model.description());

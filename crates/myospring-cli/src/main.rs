@@ -15,7 +15,6 @@ mod results;
 mod run;
 mod segment;
 mod table;
-mod threads;
 
 use args::{Cli, Command};
 use clap::Parser;

@@ -3,16 +3,17 @@
 use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::print;
 use crate::results::Folder;
 use crate::run::progress_bar;
 use crate::table::{aligned, wrapped};
-use crate::{print, threads};
 use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
 use myospring::settings::{self, Shaped, Value};
-use myospring::simulation::{Effort, Finished};
+use myospring::simulation::{Effort, Outcome};
+use myospring::study::Threads;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
@@ -39,22 +40,22 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;
 
-    let pool = threads::pool(args.threads)?;
+    let threads = Threads::new(args.threads)?;
     let bar = progress_bar(args.output.quiet);
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
-    let one = |peak_tension: f64| -> Result<Finished, Failure> {
+    let one = |peak_tension: f64| -> Result<Outcome, Failure> {
         let mut simulation = run.simulation(mesh.clone(), None)?;
         simulation.peak_tension = peak_tension;
         let mut before = 0.0;
-        Ok(simulation.ready()?.run(|progress| {
+        Ok(simulation.build()?.run(|progress| {
             bar.inc((progress.time - before).round() as u64);
             before += (progress.time - before).round();
             true
         }))
     };
     // Kept in the order of the tensions, whichever run ends first.
-    let outcomes: Result<Vec<Finished>, Failure> =
-        pool.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
+    let outcomes: Result<Vec<Outcome>, Failure> =
+        threads.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
     bar.finish_and_clear();
     let outcomes = outcomes?;
 
@@ -63,7 +64,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         .zip(&outcomes)
         .map(|(&peak_tension, outcome)| PaperRun { peak_tension, recording: &outcome.recording })
         .collect();
-    let equations = run.cell.state_names().len();
+    let equations = run.cell.states().len();
     let findings = with_paper(&runs, run.protocol.start_ms, equations, &mesh.areas);
     let stopped_early: Vec<String> =
         outcomes.iter().filter_map(|outcome| Some(outcome.stop.as_ref()?.to_string())).collect();

@@ -9,16 +9,18 @@ use crate::results::Folder;
 use crate::table::{aligned, number};
 use indicatif::{ProgressBar, ProgressStyle};
 use myospring::analysis::Metric;
-use myospring::mechanics::stencil;
+use myospring::analysis::beat::{Band, band};
+use myospring::integrate::engine::EngineUsed;
+use myospring::integrate::stencil;
 use myospring::output::figure::{self, ContractionOptions};
-use myospring::output::report::{Band, Summary, band};
+use myospring::output::report::Summary;
 use myospring::output::{csv, json};
 use myospring::run_file::{Run, Shaped};
 use myospring::simulation::{
-    Effort, Finished, Observer, Part, Progress, Ready, Simulation, StopReason,
+    Effort, Observer, Outcome, Part, Progress, Ready, Simulation, StopReason,
 };
+use myospring::study::sha256;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -55,6 +57,9 @@ struct Record<'a> {
     stop: Option<Stop<'a>>,
     #[serde(flatten)]
     effort: Effort,
+    /// What moved the masses, where they were moved in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    engine: Option<EngineUsed>,
     machine_threads: usize,
     timings: Timings,
 }
@@ -67,7 +72,7 @@ struct Stop<'a> {
 }
 
 impl<'a> Stop<'a> {
-    fn of(outcome: &'a Finished) -> Option<Self> {
+    fn of(outcome: &'a Outcome) -> Option<Self> {
         outcome.stop.as_ref().map(|reason| Self { reason, message: reason.to_string() })
     }
 }
@@ -96,8 +101,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let stage = Instant::now();
     let mut simulation = run.simulation(mesh, field.as_ref())?;
     let default = || stencil::worthwhile_threads(simulation.mesh.len());
-    simulation.numerics.threads = args.threads.map_or_else(default, usize::from);
-    let prepared = simulation.ready()?;
+    simulation.numerics.engine.threads = args.threads.map_or_else(default, usize::from);
+    let prepared = simulation.build()?;
     timings.preparation_s = stage.elapsed().as_secs_f64();
     let mut warnings = run.warnings(&report);
     warnings.extend(prepared.warnings());
@@ -133,10 +138,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
         input: run.shape.file(),
-        shape_sha256: hash(&bytes.shape),
-        run_file_sha256: hash(run_file.as_bytes()),
+        shape_sha256: sha256(&bytes.shape),
+        run_file_sha256: sha256(run_file.as_bytes()),
         stop: Stop::of(&outcome),
         effort: outcome.effort,
+        engine: outcome.engine.clone(),
         machine_threads: std::thread::available_parallelism().map_or(1, usize::from),
         timings,
     };
@@ -171,7 +177,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Runs with a progress bar where there is a terminal to show it, and measures what the parts take.
-fn beat(prepared: &Ready<'_>, quiet: bool, timings: &mut Timings) -> Finished {
+fn beat(prepared: &Ready, quiet: bool, timings: &mut Timings) -> Outcome {
     let mut watch = Watch { bar: progress_bar(quiet), timings, at: None };
     let outcome = prepared.run_observed(&mut watch);
     watch.turn(None);
@@ -227,15 +233,6 @@ pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
     bar
 }
 
-pub(crate) fn hash(bytes: &[u8]) -> String {
-    use std::fmt::Write;
-    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string does not fail.
-        write!(text, "{byte:02x}").ok();
-        text
-    })
-}
-
 /// The run file that repeats this run: spacing, time step and files spelled out.
 fn resolved(run: &Run, simulation: &Simulation, spacing: f64, time_step: Option<f64>) -> String {
     let mut file = run.settled(spacing, time_step);
@@ -256,11 +253,11 @@ pub(crate) fn write(
     folder: &Folder,
     run: &Run,
     simulation: &Simulation,
-    outcome: &Finished,
+    outcome: &Outcome,
     summary: &Summary,
     stimuli: &[f64],
 ) -> Result<(), Failure> {
-    let Finished { recording, effort, .. } = outcome;
+    let Outcome { recording, effort, .. } = outcome;
     folder.write("traces.csv", csv::traces(recording)?)?;
     folder.write("summary.json", json::pretty(&Numbers { summary, integration: *effort })?)?;
     let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
@@ -356,6 +353,10 @@ fn in_words(effort: &Effort) -> String {
              {factorisations} factorisations\n\
              positions to {interpolation_error_um:.1e} um; a motion with the same dampings lags {delay_ms:.2} ms"
         ),
+        Effort::Field { equilibria, newton_iterations, factorisations } => format!(
+            "quasi-static, tension by place: {equilibria} equilibria, {newton_iterations} Newton iterations, \
+             {factorisations} factorisations"
+        ),
     }
 }
 
@@ -377,7 +378,7 @@ fn plan(
     args: &RunArgs,
     run: &Run,
     simulation: &Simulation,
-    prepared: &Ready<'_>,
+    prepared: &Ready,
     report: &myospring::mesh::quality::MeshReport,
     target: &PathBuf,
 ) -> Result<(), Failure> {
@@ -385,7 +386,9 @@ fn plan(
     let start = Instant::now();
     let first = prepared.run(|progress| progress.time <= 0.0);
     let intervals = match prepared {
-        Ready::InTime(_) => run.duration / run.numerics.output_interval.max(1e-9),
+        Ready::InTime(_) | Ready::FromRestToRest(_) => {
+            run.duration / run.numerics.output_interval.max(1e-9)
+        }
         Ready::AlongPath(_) => 1.0,
     };
     let estimate = start.elapsed().as_secs_f64() * intervals;
@@ -440,6 +443,9 @@ fn plan(
             ("error of positions", format!("{interpolation_error_um:.1e} um")),
             ("lag of a motion", format!("{delay_ms:.2} ms")),
         ]),
+        Effort::Field { .. } => {
+            rows.push(("integrator", "quasi-static, tension by place".to_owned()));
+        }
     }
     if let Some(updates) = spring_updates {
         rows.push(("spring updates", format!("{updates:.2e}")));

@@ -1,9 +1,10 @@
 //! From positions and traces to the curves and numbers that a laboratory reads.
 //!
-//! Uses nothing else of this library: every function takes plain slices. Each number comes as a
+//! Every function takes plain slices, of numbers or of a recording's samples. Each number comes as a
 //! [`Metric`] with its unit and its definition, since conventions differ between laboratories.
 
 pub mod action_potential;
+pub mod beat;
 pub mod contraction;
 pub mod shape;
 pub mod trace;

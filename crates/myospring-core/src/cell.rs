@@ -1,13 +1,14 @@
 //! Cell models: a stimulus becomes an action potential and active tension.
 //!
-//! A [`CellModel`] is a set of ordinary differential equations; a [`pacing::Protocol`] says when it
-//! is stimulated; a [`integrator::CellIntegrator`] moves it in time, alone ([`solve::solve`]) or
-//! step by step inside a coupled simulation. Every model has a name in one list, [`models`].
+//! A [`CellModel`] is a set of ordinary differential equations that says what it is as data; a
+//! [`pacing::Protocol`] says when it is stimulated; a [`integrator::CellIntegrator`] moves it in time by any
+//! [`solve::Method`], alone ([`solve::solve`]) or step by step inside a coupled simulation. The models of this
+//! crate have a name in one list, [`models`]; those of others need none.
 //!
-//! Time is in ms, rates in 1/ms, the state is dimensionless. Tension stays dimensionless here and
-//! is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak`, where `Ta_peak` is a constant of
-//! the model ([`CellModel::published_peak_tension`]): a parameter that makes the model weaker makes the
-//! cell weaker.
+//! Time is in ms, states and their rates are in the units that the model states. Relative tension stays
+//! dimensionless here and is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak`, where `Ta_peak`
+//! is a constant of the model ([`TensionKind::Relative`]): a parameter that makes the model weaker makes the
+//! cell weaker. Tension in kPa is taken as it is.
 //!
 //! # Example
 //! ```
@@ -23,109 +24,37 @@
 
 pub mod adaptive;
 pub mod bueno_orovio_2008;
+mod cell_model;
 pub mod coelho_2021;
+mod fixed;
 pub mod integrator;
 pub mod minimal;
+mod pacer;
 pub mod pacing;
 pub mod population;
+mod reference;
+mod settings;
 pub mod solve;
+mod stiff;
 pub mod tension;
 pub mod toy;
 pub mod trace;
 
-use crate::parameter::ParameterSet;
-use pacing::Stimulus;
+pub use cell_model::{
+    CellModel, Gate, Input, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
+};
 
-/// What acts on a cell from outside at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Input {
-    /// Stimulus current as a rate of the model's potential variable, 1/ms.
-    pub stimulus: f64,
-    /// Stretch of the cell along its fibre, length over resting length; 1 at rest.
-    pub stretch: f64,
-}
-
-impl Input {
-    /// No stimulus on a cell of resting length.
-    pub const REST: Self = Self { stimulus: 0.0, stretch: 1.0 };
-}
-
-/// A cell model: ordinary differential equations from stimulus to active tension.
-///
-/// `testing::cell_model::check_cell_model` (feature `testing`) checks everything promised here.
-pub trait CellModel: Send + Sync {
-    /// Name as chosen in a run file: `coelho_2021`.
-    fn name(&self) -> &'static str;
-    /// One line for people.
-    fn description(&self) -> &'static str;
-    /// Keys in `references.bib` of the papers to cite.
-    fn citations(&self) -> &'static [&'static str];
-    /// The parameters with unit, range and source.
-    fn parameters(&self) -> &ParameterSet;
-    /// The same model with other parameter values.
-    ///
-    /// # Errors
-    /// A parameter that the model needs is missing, or values that contradict each other.
-    fn with_parameters(&self, parameters: ParameterSet) -> Result<Box<dyn CellModel>, ModelError>;
-    /// Names of the state variables, in the order of the state vector.
-    fn state_names(&self) -> &'static [&'static str];
-    /// The state at rest, before any stimulus.
-    fn initial_state(&self) -> Vec<f64>;
-    /// Writes d(state)/dt, 1/ms, into `rates`; all of them, from `state` and `input` alone.
-    fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]);
-    /// Adds an instantaneous jump to the potential variable.
-    fn jump(&self, state: &mut [f64], amplitude: f64);
-    /// The potential variable, dimensionless.
-    fn potential(&self, state: &[f64]) -> f64;
-    /// Membrane potential, mV, where the model defines it.
-    fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64>;
-    /// Active tension, dimensionless, before scaling to kPa.
-    fn tension(&self, state: &[f64]) -> f64;
-    /// Peak of the active tension, dimensionless, of one default beat ([`solve::reference_beat`]) of the
-    /// *published* parameters, converged: what a peak tension in kPa stands for. A constant of the model,
-    /// whatever its present parameters are, so that they can change the strength of the cell.
-    fn published_peak_tension(&self) -> f64;
-    /// The stimulus that makes the model beat as its authors meant.
-    fn default_stimulus(&self) -> Stimulus;
-    /// Where [`solve::Method::StaggeredEuler`] cuts the state into blocks: the index of the first
-    /// variable of each block but the first. No cuts: the method is forward Euler.
-    fn staggered_blocks(&self) -> &'static [usize] {
-        &[]
-    }
-}
-
-/// Why a model cannot be made from a set of parameters.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ModelError {
-    /// The set lacks a parameter of the model.
-    #[error("cell model `{model}` needs parameter `{name}`, which the set does not have")]
-    Missing {
-        /// The model.
-        model: &'static str,
-        /// The parameter.
-        name: &'static str,
-    },
-    /// Tension is driven by V = (u - `u_rest`) / (`u_peak` - `u_rest`).
-    #[error("cell model `{model}`: u_peak = {u_peak} must be above u_rest = {u_rest}")]
-    PeakNotAboveRest {
-        /// The model.
-        model: &'static str,
-        /// Potential at rest.
-        u_rest: f64,
-        /// Potential at the peak.
-        u_peak: f64,
-    },
-}
+use std::sync::Arc;
 
 /// No model has the name that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("no cell model is named `{name}`; {}the models are: {known}",
-    nearest.map(|n| format!("did you mean `{n}`? ")).unwrap_or_default())]
+    nearest.as_ref().map(|n| format!("did you mean `{n}`? ")).unwrap_or_default())]
 pub struct UnknownModel {
     /// What was asked for.
     pub name: String,
     /// The closest name, if one is close.
-    pub nearest: Option<&'static str>,
+    pub nearest: Option<String>,
     /// All names.
     pub known: String,
 }
@@ -135,18 +64,18 @@ pub struct UnknownModel {
 /// # Example
 /// ```
 /// for model in myospring::cell::models() {
-///     assert_eq!(model.state_names().len(), model.initial_state().len());
+///     assert!(model.states().iter().all(|variable| variable.start.is_finite()));
 /// }
 /// ```
-pub fn models() -> Vec<Box<dyn CellModel>> {
+pub fn models() -> Vec<Arc<dyn CellModel>> {
     vec![
-        Box::new(coelho_2021::model()),
-        Box::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Epi)),
-        Box::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Endo)),
-        Box::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::M)),
-        Box::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Pb)),
-        Box::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Tnnp)),
-        Box::new(toy::ToyModel::published()),
+        Arc::new(coelho_2021::model()),
+        Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Epi)),
+        Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Endo)),
+        Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::M)),
+        Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Pb)),
+        Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Tnnp)),
+        Arc::new(toy::ToyModel::published()),
     ]
 }
 
@@ -165,16 +94,17 @@ pub fn is_as_published(cell: &dyn CellModel) -> bool {
 /// let error = myospring::cell::model("cohelo_2021").err().unwrap();
 /// assert!(error.to_string().contains("did you mean `coelho_2021`?"));
 /// ```
-pub fn model(name: &str) -> Result<Box<dyn CellModel>, UnknownModel> {
-    let names: Vec<&'static str> = models().iter().map(|model| model.name()).collect();
-    models().into_iter().find(|model| model.name() == name).ok_or_else(|| UnknownModel {
+pub fn model(name: &str) -> Result<Arc<dyn CellModel>, UnknownModel> {
+    let models = models();
+    if let Some(found) = models.iter().find(|model| model.name() == name) {
+        return Ok(Arc::clone(found));
+    }
+    let names: Vec<&str> = models.iter().map(|model| model.name()).collect();
+    let distances = names.iter().map(|known| (edit_distance(name, known), *known));
+    let near = distances.filter(|(distance, known)| 3 * distance <= known.len()).min();
+    Err(UnknownModel {
         name: name.to_owned(),
-        nearest: names
-            .iter()
-            .map(|known| (edit_distance(name, known), *known))
-            .filter(|(distance, known)| 3 * distance <= known.len())
-            .min()
-            .map(|(_, known)| known),
+        nearest: near.map(|(_, known)| known.to_owned()),
         known: names.join(", "),
     })
 }

@@ -1,6 +1,10 @@
 //! Integrators: how the masses move from one time to the next, or from one tension to the next.
 
+pub mod engine;
+pub mod fused;
 pub mod quasi_static;
+pub mod stencil;
+pub mod stepper;
 pub mod verlet;
 
 use serde::Serialize;

@@ -5,6 +5,7 @@
 
 pub mod analysis;
 pub mod cell;
+pub mod exchange;
 pub mod integrate;
 pub mod mechanics;
 pub mod mesh;

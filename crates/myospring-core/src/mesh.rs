@@ -1,15 +1,18 @@
 //! The mesh: point masses, springs and simplices.
 //!
 //! A [`Mesh`] is geometry only: where the points rest, which pairs are springs, which sets of
-//! `D + 1` points span area (or volume). Material and forces live in [`crate::mechanics`].
+//! `D + 1` points span area (or volume). Material and forces live in [`crate::mechanics`]. A cell is
+//! flat (`D` = 2, triangles) unless stated; [`bar`] has a block of tetrahedra.
 //!
 //! In reading order: an [`outline::Outline`] (polygon) or a [`mask::Mask`] (pixels) says where the
 //! cell is; [`lattice`] fills it with squares and makes masses, springs and triangles of them;
-//! [`quality`] measures and reports; [`built_in`] holds ready-made cells.
+//! [`quality`] measures and reports; [`built_in`] holds ready-made cells; [`simplex`] has the geometry of
+//! one triangle or tetrahedron.
 //!
 //! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
 //! are flipped on the way in, so that a cell is drawn as the microscope showed it.
 
+pub mod bar;
 pub mod built_in;
 mod coverage;
 pub mod lattice;
@@ -18,6 +21,7 @@ pub mod outline;
 pub mod pixel_size;
 pub mod quality;
 mod selection;
+pub mod simplex;
 
 /// Direction class of a lattice spring; it decides its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +47,8 @@ pub struct Spring {
 /// A triangle (or tetrahedron) with its weight in sums over area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Simplex<const N: usize> {
-    /// Corners, counter-clockwise.
+    /// Corners: of a triangle counter-clockwise, of a tetrahedron the last on the side to which the right
+    /// hand's thumb points when its fingers follow the others.
     pub nodes: [u32; N],
     /// Weight: 1/2 where the triangles of both diagonals of a square overlap.
     pub weight: f64,
@@ -51,30 +56,31 @@ pub struct Simplex<const N: usize> {
 
 /// How the points lie on a lattice.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lattice {
+pub struct Lattice<const D: usize = 2> {
     /// Distance of neighbours along the axes, um.
     pub spacing: f64,
-    /// Number of columns (points along x) and rows (points along y) of the bounding box.
-    pub shape: [usize; 2],
+    /// Number of columns (points along x), rows (points along y) and layers of the bounding box.
+    pub shape: [usize; D],
     /// Position of the point in column 0, row 0, um.
-    pub origin: [f64; 2],
-    /// Column and row of each point.
-    pub cells: Vec<[u32; 2]>,
+    pub origin: [f64; D],
+    /// Column, row and layer of each point.
+    pub cells: Vec<[u32; D]>,
 }
 
-/// Points, springs and triangles of a flat cell.
+/// Points, springs and simplices of a cell with `D` axes: triangles of a flat one, tetrahedra (`N` = 4
+/// corners) of a thick one.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mesh {
+pub struct Mesh<const D: usize = 2, const N: usize = 3> {
     /// Rest positions, um: `points[axis][node]`.
-    pub points: [Vec<f64>; 2],
-    /// Area that each point stands for, um^2.
+    pub points: [Vec<f64>; D],
+    /// Area that each point stands for, um^2; of a mesh with three axes its volume, um^3.
     pub areas: Vec<f64>,
     /// Springs.
     pub springs: Vec<Spring>,
-    /// Triangles.
-    pub simplices: Vec<Simplex<3>>,
+    /// Triangles or tetrahedra.
+    pub simplices: Vec<Simplex<N>>,
     /// The lattice, when the mesh is one.
-    pub lattice: Option<Lattice>,
+    pub lattice: Option<Lattice<D>>,
 }
 
 /// Why points, springs and triangles do not make a mesh.
@@ -145,13 +151,21 @@ pub enum MeshError {
         /// Second end.
         b: u32,
     },
-    /// A triangle of no area, or with its corners clockwise.
-    #[error("triangle {triangle} has the area {area} um^2; its corners must run counter-clockwise")]
+    /// A triangle of no area, or with its corners clockwise; a tetrahedron likewise.
+    #[error("{of} {index} has the {measure} {value} um^{axes}; its corners must run {must}")]
     Orientation {
-        /// Index of the triangle.
-        triangle: usize,
-        /// Signed area, um^2.
-        area: f64,
+        /// Triangle or tetrahedron.
+        of: &'static str,
+        /// Its index.
+        index: usize,
+        /// Area or volume.
+        measure: &'static str,
+        /// Signed area, um^2, or volume, um^3.
+        value: f64,
+        /// Number of axes.
+        axes: usize,
+        /// How the corners must run.
+        must: &'static str,
     },
     /// A node on fewer than two springs would swing freely.
     #[error("node {node} hangs on {springs} spring(s); at least 2 must hold it")]
@@ -170,18 +184,16 @@ pub enum MeshError {
         points: usize,
     },
     /// A point does not lie on the lattice place that it claims.
-    #[error("node {node} does not lie on column {column}, row {row} of the lattice")]
+    #[error("node {node} does not lie on {place} of the lattice")]
     OffLattice {
         /// Index of the node.
         node: usize,
-        /// Column that it claims.
-        column: u32,
-        /// Row that it claims.
-        row: u32,
+        /// Column, row and layer that it claims, in words.
+        place: String,
     },
 }
 
-impl Mesh {
+impl<const D: usize, const N: usize> Mesh<D, N> {
     /// Puts a mesh together and checks every invariant.
     ///
     /// Guaranteed afterwards: coordinates are finite; areas, shares and weights are finite and
@@ -205,14 +217,14 @@ impl Mesh {
     /// };
     /// assert_eq!(mesh([0, 1, 2]).unwrap().area(), 0.5);
     /// let error = mesh([0, 2, 1]).unwrap_err();
-    /// assert!(matches!(error, MeshError::Orientation { triangle: 0, .. }));
+    /// assert!(matches!(error, MeshError::Orientation { of: "triangle", index: 0, .. }));
     /// ```
     pub fn new(
-        points: [Vec<f64>; 2],
+        points: [Vec<f64>; D],
         areas: Vec<f64>,
         springs: Vec<Spring>,
-        simplices: Vec<Simplex<3>>,
-        lattice: Option<Lattice>,
+        simplices: Vec<Simplex<N>>,
+        lattice: Option<Lattice<D>>,
     ) -> Result<Self, MeshError> {
         let mesh = Self { points, areas, springs, simplices, lattice };
         mesh.check_points()?;
@@ -233,19 +245,19 @@ impl Mesh {
     }
 
     /// Rest position of one node, um.
-    pub fn point(&self, node: usize) -> [f64; 2] {
-        [self.points[0][node], self.points[1][node]]
+    pub fn point(&self, node: usize) -> [f64; D] {
+        std::array::from_fn(|axis| self.points[axis][node])
     }
 
-    /// Area of the cell, um^2: the sum of the nodes' areas.
+    /// Area of the cell, um^2 (with three axes its volume, um^3): the sum of the nodes' areas.
     pub fn area(&self) -> f64 {
         self.areas.iter().sum()
     }
 
     /// Centre of the cell's area, um: `sum(A_n X_n) / sum(A_n)`.
-    pub fn centroid(&self) -> [f64; 2] {
+    pub fn centroid(&self) -> [f64; D] {
         let area = self.area();
-        [0, 1].map(|axis| {
+        std::array::from_fn(|axis| {
             self.points[axis].iter().zip(&self.areas).map(|(x, a)| x * a).sum::<f64>() / area
         })
     }
@@ -258,15 +270,15 @@ impl Mesh {
         if count > u32::MAX as usize {
             return Err(MeshError::TooManyPoints { points: count, bound: u32::MAX as usize });
         }
-        for (what, found) in [
-            ("the list of y coordinates", self.points[1].len()),
-            ("the list of areas", self.areas.len()),
-        ] {
+        let lists =
+            ["the list of x coordinates", "the list of y coordinates", "the list of z coordinates"];
+        let lengths = lists.into_iter().zip(self.points.iter().map(Vec::len));
+        for (what, found) in lengths.chain([("the list of areas", self.areas.len())]) {
             if found != count {
                 return Err(MeshError::Length { what, found, expected: count });
             }
         }
-        for (what, values) in [("x", &self.points[0]), ("y", &self.points[1])] {
+        for (what, values) in ["x", "y", "z"].into_iter().zip(&self.points) {
             if let Some(index) = values.iter().position(|value| !value.is_finite()) {
                 let value = values[index];
                 return Err(MeshError::Value { what, of: "node", index, value, must: "finite" });
@@ -322,13 +334,16 @@ impl Mesh {
     }
 
     fn check_simplices(&self) -> Result<(), MeshError> {
-        positive("weight", "triangle", self.simplices.iter().map(|simplex| simplex.weight))?;
+        let (of, measure, must) = match D {
+            2 => ("triangle", "area", "counter-clockwise"),
+            _ => ("tetrahedron", "volume", "by the rule of the right hand"),
+        };
+        positive("weight", of, self.simplices.iter().map(|simplex| simplex.weight))?;
         for (index, simplex) in self.simplices.iter().enumerate() {
-            in_range("triangle", index, &simplex.nodes, self.len())?;
-            let [a, b, c] = simplex.nodes.map(|node| self.point(node as usize));
-            let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
-            if area.is_nan() || area <= 0.0 {
-                return Err(MeshError::Orientation { triangle: index, area });
+            in_range(of, index, &simplex.nodes, self.len())?;
+            let value = simplex::content(&simplex.nodes.map(|node| self.point(node as usize)));
+            if value.is_nan() || value <= 0.0 {
+                return Err(MeshError::Orientation { of, index, measure, value, axes: D, must });
             }
         }
         Ok(())
@@ -341,16 +356,18 @@ impl Mesh {
             let (found, expected) = (lattice.cells.len(), self.len());
             return Err(MeshError::Length { what: "the list of lattice places", found, expected });
         }
-        for (node, &[column, row]) in lattice.cells.iter().enumerate() {
-            let inside = (column as usize) < lattice.shape[0] && (row as usize) < lattice.shape[1];
+        for (node, cell) in lattice.cells.iter().enumerate() {
             let point = self.point(node);
             // A part in 1e6 of the spacing: far above rounding, far below a wrong place.
-            let near = [column, row].iter().enumerate().all(|(axis, &place)| {
+            let there = cell.iter().enumerate().all(|(axis, &place)| {
                 let expected = lattice.origin[axis] + lattice.spacing * f64::from(place);
-                (point[axis] - expected).abs() <= 1e-6 * lattice.spacing
+                (place as usize) < lattice.shape[axis]
+                    && (point[axis] - expected).abs() <= 1e-6 * lattice.spacing
             });
-            if !(inside && near) {
-                return Err(MeshError::OffLattice { node, column, row });
+            if !there {
+                let words = ["column", "row", "layer"].iter().zip(cell);
+                let words: Vec<String> = words.map(|(word, at)| format!("{word} {at}")).collect();
+                return Err(MeshError::OffLattice { node, place: words.join(", ") });
             }
         }
         Ok(())

@@ -1,24 +1,25 @@
 //! One row per parameter: name, value, unit, range, source.
 
 use serde::Serialize;
+use std::borrow::Cow;
 
 /// A model constant with everything a reader needs to trust it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
     /// The field's name for it, ASCII, as in the paper: `tau_v1_minus`.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Value in `unit`.
     pub value: f64,
     /// Unit as written for people; empty for a pure number.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Smallest value that the model accepts.
     pub minimum: f64,
     /// Largest value that the model accepts.
     pub maximum: f64,
     /// What it does, in a few words.
-    pub meaning: &'static str,
+    pub meaning: Cow<'static, str>,
     /// Where the value comes from: a key of `references.bib` and the place in it.
-    pub source: &'static str,
+    pub source: Cow<'static, str>,
 }
 
 /// Why a parameter was not changed.
@@ -38,7 +39,7 @@ pub enum ParameterError {
     )]
     OutOfRange {
         /// The parameter.
-        name: &'static str,
+        name: String,
         /// What was given.
         value: f64,
         /// Smallest value.
@@ -46,7 +47,7 @@ pub enum ParameterError {
         /// Largest value.
         maximum: f64,
         /// Unit of all three.
-        unit: &'static str,
+        unit: String,
     },
 }
 
@@ -84,16 +85,16 @@ impl ParameterSet {
     /// An unknown name, or a value that is not finite or outside the row's range.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), ParameterError> {
         let Some(row) = self.rows.iter_mut().find(|row| row.name == name) else {
-            let known: Vec<&str> = self.rows.iter().map(|row| row.name).collect();
+            let known: Vec<&str> = self.rows.iter().map(|row| &*row.name).collect();
             return Err(ParameterError::Unknown { name: name.to_owned(), known: known.join(", ") });
         };
         if !(row.minimum..=row.maximum).contains(&value) {
             return Err(ParameterError::OutOfRange {
-                name: row.name,
+                name: row.name.to_string(),
                 value,
                 minimum: row.minimum,
                 maximum: row.maximum,
-                unit: row.unit,
+                unit: row.unit.to_string(),
             });
         }
         row.value = value;

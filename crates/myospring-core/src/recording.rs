@@ -37,22 +37,43 @@ pub struct Sample {
     pub angular_momentum_nn_um_ms: f64,
 }
 
+/// Something that the cell model tells beside potential and tension, over time: a transient of calcium, a
+/// current.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Signal {
+    /// Its name, ASCII.
+    pub name: String,
+    /// Its unit as written for people; empty for a pure number.
+    pub unit: String,
+    /// One value for each sample, in that unit.
+    pub values: Vec<f64>,
+}
+
 /// The cell's shape at one time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
+pub struct Frame<const D: usize = 2> {
     /// Time, ms.
     pub t_ms: f64,
     /// Active tension, kPa.
     pub ta_kpa: f64,
     /// Positions, um: `positions[axis][node]`.
-    pub positions: [Vec<f64>; 2],
+    pub positions: [Vec<f64>; D],
 }
 
 /// Everything one run kept.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Recording {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording<const D: usize = 2> {
     /// Time series, in order of time.
     pub samples: Vec<Sample>,
     /// Shapes, in order of time.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<Frame<D>>,
+    /// What the cell model tells besides; none of most models.
+    pub signals: Vec<Signal>,
+}
+
+impl<const D: usize> Default for Recording<D> {
+    /// Nothing yet.
+    fn default() -> Self {
+        Self { samples: Vec::new(), frames: Vec::new(), signals: Vec::new() }
+    }
 }

@@ -1,8 +1,9 @@
 //! The internal unit system, and quantities read from and written for people.
 //!
 //! Inside the library every number is a plain `f64` in one coherent system: ms, um, nN, ug, kPa
-//! (= nN/um^2), nN/um, fJ (= nN um), mV. `1 nN = 1 ug um/ms^2`, so no equation carries a hidden
-//! factor. Text becomes a number only here.
+//! (= nN/um^2), nN/um, fJ (= nN um), mV, uM, mS/uF, A/F, nS, pA, pF. `1 nN = 1 ug um/ms^2`, so no equation
+//! carries a hidden factor, and likewise in electrophysiology: `1 mS/uF mV = 1 A/F = 1 mV/ms`, the rate of
+//! a membrane potential, `1 nS mV = 1 pA` and `1 pA/pF = 1 A/F`. Text becomes a number only here.
 
 use std::fmt;
 
@@ -33,6 +34,18 @@ pub enum Dimension {
     Energy,
     /// Electric potential, mV.
     Voltage,
+    /// Concentration, uM.
+    Concentration,
+    /// Conductance per membrane capacitance, mS/uF.
+    ConductanceDensity,
+    /// Current per membrane capacitance, A/F.
+    CurrentDensity,
+    /// Conductance, nS.
+    Conductance,
+    /// Current, pA.
+    Current,
+    /// Capacitance, pF.
+    Capacitance,
     /// Rate, 1/ms.
     Rate,
     /// Angle, degrees.
@@ -66,7 +79,25 @@ impl Dimension {
             Self::Mass => &[("ug", 1.0), ("µg", 1.0), ("ng", 1e-3), ("mg", 1e3)],
             Self::Density => &[("ug/um^3", 1.0), ("kg/m^3", 1e-9), ("g/cm^3", 1e-6)],
             Self::Energy => &[("fJ", 1.0), ("pJ", 1e3)],
-            Self::Voltage => &[("mV", 1.0), ("V", 1e3)],
+            Self::Voltage => &[("mV", 1.0), ("V", 1e3), ("uV", 1e-3), ("µV", 1e-3)],
+            Self::Concentration => {
+                &[("uM", 1.0), ("µM", 1.0), ("nM", 1e-3), ("mM", 1e3), ("M", 1e6), ("pM", 1e-6)]
+            }
+            Self::ConductanceDensity => {
+                &[("mS/uF", 1.0), ("mS/µF", 1.0), ("nS/pF", 1.0), ("uS/nF", 1.0), ("S/F", 1e-3)]
+            }
+            Self::CurrentDensity => {
+                &[("A/F", 1.0), ("pA/pF", 1.0), ("uA/uF", 1.0), ("µA/µF", 1.0), ("nA/nF", 1.0)]
+            }
+            Self::Conductance => {
+                &[("nS", 1.0), ("pS", 1e-3), ("uS", 1e3), ("µS", 1e3), ("mS", 1e6), ("S", 1e9)]
+            }
+            Self::Current => {
+                &[("pA", 1.0), ("nA", 1e3), ("uA", 1e6), ("µA", 1e6), ("mA", 1e9), ("A", 1e12)]
+            }
+            Self::Capacitance => {
+                &[("pF", 1.0), ("nF", 1e3), ("uF", 1e6), ("µF", 1e6), ("mF", 1e9), ("F", 1e12)]
+            }
             Self::Rate => &[("1/ms", 1.0), ("/ms", 1.0), ("1/s", 1e-3), ("/s", 1e-3), ("Hz", 1e-3)],
             Self::Angle => {
                 &[("deg", 1.0), ("degrees", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)]
@@ -95,13 +126,19 @@ impl Dimension {
             Self::Density => "a density",
             Self::Energy => "an energy",
             Self::Voltage => "a potential",
+            Self::Concentration => "a concentration",
+            Self::ConductanceDensity => "a conductance per capacitance",
+            Self::CurrentDensity => "a current per capacitance",
+            Self::Conductance => "a conductance",
+            Self::Current => "a current",
+            Self::Capacitance => "a capacitance",
             Self::Rate => "a rate",
             Self::Angle => "an angle",
             Self::Number => "a number",
         }
     }
 
-    const ALL: [Self; 15] = [
+    const ALL: [Self; 21] = [
         Self::Time,
         Self::Length,
         Self::Area,
@@ -114,6 +151,12 @@ impl Dimension {
         Self::Density,
         Self::Energy,
         Self::Voltage,
+        Self::Concentration,
+        Self::ConductanceDensity,
+        Self::CurrentDensity,
+        Self::Conductance,
+        Self::Current,
+        Self::Capacitance,
         Self::Rate,
         Self::Angle,
         Self::Number,
@@ -285,10 +328,29 @@ mod tests {
             ("12 %", Dimension::Number, 0.12),
             ("3", Dimension::Number, 3.0),
             ("1000 kg/m^3", Dimension::Density, 1e-6),
+            ("0.1 mM", Dimension::Concentration, 100.0),
+            ("70 nM", Dimension::Concentration, 0.07),
+            ("14.838 nS/pF", Dimension::ConductanceDensity, 14.838),
+            ("120 S/F", Dimension::ConductanceDensity, 0.12),
+            ("-52 uA/uF", Dimension::CurrentDensity, -52.0),
+            ("0.3 uS", Dimension::Conductance, 300.0),
+            ("-2.5 nA", Dimension::Current, -2500.0),
+            ("0.185 nF", Dimension::Capacitance, 185.0),
         ] {
             let parsed = parse(text, dimension).unwrap();
             assert!((parsed - value).abs() <= 4.0 * f64::EPSILON * value.abs(), "{text}: {parsed}");
         }
+    }
+
+    /// Otherwise a text would be read as the first that knows it.
+    #[test]
+    fn no_unit_is_of_two_dimensions() {
+        let all = Dimension::ALL.iter().flat_map(|dimension| dimension.table());
+        let mut units: Vec<&str> = all.map(|row| row.0).collect();
+        let count = units.len();
+        units.sort_unstable();
+        units.dedup();
+        assert_eq!(units.len(), count);
     }
 
     #[test]
@@ -309,6 +371,9 @@ mod tests {
             ("50", Dimension::Pressure, "has no unit"),
             ("50 mV", Dimension::Pressure, "is a potential, but a pressure is needed"),
             ("50 furlong", Dimension::Length, "unknown unit `furlong`"),
+            ("50 mV", Dimension::Concentration, "is a potential, but a concentration is needed"),
+            ("1 mS", Dimension::ConductanceDensity, "is a conductance, but a conductance per"),
+            ("1 pA", Dimension::CurrentDensity, "in one of: A/F, pA/pF, uA/uF, nA/nF"),
         ] {
             let error = parse(text, dimension).unwrap_err().to_string();
             assert!(error.contains(message), "{text}: {error}");

@@ -1,6 +1,6 @@
 //! Every number that the paper states, beside ours, with a computed verdict.
 
-use super::report::{Beat, beats};
+use myospring_core::analysis::beat::{Beat, beats};
 use myospring_core::recording::Recording;
 use serde::Serialize;
 

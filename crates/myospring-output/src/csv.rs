@@ -1,6 +1,6 @@
 //! Time series as comma-separated values, tidy, with the unit in each column's name.
 
-use myospring_core::recording::{Recording, Sample};
+use myospring_core::recording::{Recording, Sample, Signal};
 
 /// Significant digits written: below what a measurement can tell, above rounding noise.
 const DIGITS: usize = 9;
@@ -47,7 +47,8 @@ const COLUMNS: [Column; 14] = [
 /// elastic_energy_fJ, kinetic_energy_fJ, active_work_fJ, dissipated_energy_fJ, momentum_nN_ms,
 /// angular_momentum_nN_um_ms`. A column that no
 /// sample defines (`vm_mV` of a dimensionless cell model) is left out; where only some samples
-/// define it, the others stay empty. Numbers have 9 significant digits.
+/// define it, the others stay empty. What the cell model tells besides follows, such as `Ca_i_uM`.
+/// Numbers have 9 significant digits.
 ///
 /// # Errors
 /// A recording without samples.
@@ -61,7 +62,7 @@ const COLUMNS: [Column; 14] = [
 /// #     active_work_fj: 0.0, dissipated_energy_fj: 0.0, momentum_nn_ms: 0.0,
 /// #     angular_momentum_nn_um_ms: 0.0,
 /// # };
-/// let recording = Recording { samples: vec![sample], frames: vec![] };
+/// let recording = Recording { samples: vec![sample], ..Recording::default() };
 /// let table = myospring::output::csv::traces(&recording)?;
 /// assert!(table.starts_with("t_ms,u,ta_kPa,length_um"));
 /// # Ok::<(), myospring::output::csv::CsvError>(())
@@ -74,22 +75,30 @@ pub fn traces(recording: &Recording) -> Result<String, CsvError> {
         .iter()
         .filter(|(_, value)| recording.samples.iter().any(|sample| value(sample).is_some()))
         .collect();
-    let mut text = columns.iter().map(|column| column.0).collect::<Vec<_>>().join(",");
-    text.push('\n');
+    let signals = &recording.signals;
     let mut writer = ::csv::Writer::from_writer(Vec::new());
+    let names = columns.iter().map(|column| column.0.to_owned()).chain(signals.iter().map(named));
+    writer.write_record(names).map_err(|source| CsvError::Row { row: 0, source })?;
     for (row, sample) in recording.samples.iter().enumerate() {
+        let own = columns.iter().map(|(_, value)| value(sample));
+        let told = signals.iter().map(|signal| signal.values.get(row).copied());
         writer
-            .write_record(
-                columns.iter().map(|(_, value)| value(sample).map_or_else(String::new, number)),
-            )
+            .write_record(own.chain(told).map(|value| value.map_or_else(String::new, number)))
             .map_err(|source| CsvError::Row { row, source })?;
     }
     let rows = writer.into_inner().map_err(|error| CsvError::Row {
         row: recording.samples.len(),
         source: error.into_error().into(),
     })?;
-    text.push_str(&String::from_utf8_lossy(&rows));
-    Ok(text)
+    Ok(String::from_utf8_lossy(&rows).into_owned())
+}
+
+/// `Ca_i` in `uM` gives `Ca_i_uM`; `A/F` becomes `A_per_F`.
+fn named(signal: &Signal) -> String {
+    match signal.unit.as_str() {
+        "" => signal.name.clone(),
+        unit => format!("{}_{}", signal.name, unit.replace('/', "_per_").replace(' ', "_")),
+    }
 }
 
 /// The shortest text that reads back to the value rounded to [`DIGITS`] significant digits.
@@ -128,7 +137,7 @@ mod tests {
                 angular_momentum_nn_um_ms: -1e-16 * x,
             }
         };
-        Recording { samples: (0..20).map(sample).collect(), frames: Vec::new() }
+        Recording { samples: (0..20).map(sample).collect(), ..Recording::default() }
     }
 
     #[test]

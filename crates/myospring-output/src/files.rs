@@ -1,4 +1,4 @@
-//! Whole files or none: the only place of the library that touches the disk.
+//! Whole files or none: the only place of the library that writes to the disk, beside the journal of a study.
 
 use std::fs::{self, File};
 use std::io::{self, Write};

@@ -1,5 +1,9 @@
-//! The cell model in time: fixed steps, adaptive steps, and a population side by side.
+//! The cell model in time: fixed steps, adaptive steps, a population side by side, and stiff steps of a model
+//! of 40 states.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
+
+#[path = "../tests/common/own_cell.rs"]
+mod own_cell;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
@@ -49,5 +53,20 @@ fn beats_at_1_hz(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, beats_at_1_hz);
+fn stiff_beat(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("stiff_beat_of_40_states");
+    let model = own_cell::stiff();
+    let protocol = Protocol::once(model.default_stimulus());
+    let settings = solve::Settings::of(solve::Method::Stiff);
+    for (name, model) in
+        [("own_jacobian", model.clone()), ("differences", model.clone().without_jacobian())]
+    {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| solve::solve(&model, protocol, settings, 600.0, black_box(1.0)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, beats_at_1_hz, stiff_beat);
 criterion_main!(benches);

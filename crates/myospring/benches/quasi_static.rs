@@ -12,7 +12,7 @@ fn cell(masses: usize) -> Simulation {
     let outline = built_in::adult_ventricular();
     let spacing = lattice::default_spacing(outline.area(), masses);
     let (mesh, _) = lattice::from_outline(&outline, Some(spacing)).expect("a built-in cell meshes");
-    Simulation::coelho_2021(mesh)
+    Simulation::new(mesh)
 }
 
 fn quasi_static(criterion: &mut Criterion) {

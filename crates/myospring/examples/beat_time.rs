@@ -8,9 +8,9 @@
 //! depend on the number of threads, to the last bit.
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program of its own")]
 
-use myospring::mechanics::stencil::worthwhile_threads;
+use myospring::integrate::stencil::worthwhile_threads;
 use myospring::mesh::{built_in, lattice};
-use myospring::simulation::Simulation;
+use myospring::simulation::{Effort, Simulation};
 use std::time::Instant;
 
 fn main() {
@@ -18,20 +18,21 @@ fn main() {
     let number = |index: usize| arguments.get(index).and_then(|text| text.parse::<f64>().ok());
     let mesh = lattice::from_outline(&built_in::adult_ventricular(), number(1)).unwrap().0;
     let masses = mesh.len();
-    let mut simulation = Simulation::coelho_2021(mesh);
+    let mut simulation = Simulation::new(mesh);
     simulation.duration = number(0).unwrap_or(600.0);
-    simulation.numerics.threads =
+    simulation.numerics.engine.threads =
         number(2).map_or_else(|| worthwhile_threads(masses), |threads| threads as usize);
     let prepared = simulation.prepare().unwrap();
     let start = Instant::now();
     let outcome = prepared.run(|_| true);
     let seconds = start.elapsed().as_secs_f64();
     assert_eq!(outcome.stop, None);
+    let Effort::Verlet { steps, .. } = outcome.effort else { unreachable!("a run in time") };
     println!(
         "{{\"masses\": {masses}, \"threads\": {}, \"steps\": {}, \"seconds\": {seconds:.4}, \
          \"length_um\": {}}}",
-        simulation.numerics.threads,
-        outcome.steps,
+        simulation.numerics.engine.threads,
+        steps,
         outcome.recording.samples.last().unwrap().length_um
     );
 }

@@ -61,7 +61,7 @@ fn cell(
     let mut own = parameters.clone();
     for parameter in parameters.rows() {
         let factor = random.between(1.0 - spread, 1.0 + spread);
-        own.set(parameter.name, factor * parameter.value).ok();
+        own.set(&parameter.name, factor * parameter.value).ok();
     }
     let model = MinimalModel::new(identity, own)
         .or_else(|_| MinimalModel::new(identity, parameters.clone()))?;

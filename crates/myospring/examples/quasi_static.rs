@@ -31,7 +31,7 @@ fn compare(masses: usize) -> Result<serde_json::Value, Failure> {
     let outline = built_in::adult_ventricular();
     let spacing = lattice::default_spacing(outline.area(), masses);
     let (mesh, _) = lattice::from_outline(&outline, Some(spacing))?;
-    let mut simulation = Simulation::coelho_2021(mesh);
+    let mut simulation = Simulation::new(mesh);
     let peak = simulation.peak_tension;
     let (solve_s, _) = best(|| Ok(simulation.equilibria(&[peak], Tolerance::default())?))?;
     let (beat_s, path) = best(|| Ok(simulation.run_quasi_static(Tolerance::default(), |_| true)?))?;
@@ -47,11 +47,7 @@ fn compare(masses: usize) -> Result<serde_json::Value, Failure> {
         "masses": simulation.mesh.len(),
         "solve_s": solve_s,
         "beat_s": beat_s,
-        "load_steps": path.load_steps,
-        "newton_iterations": path.newton_iterations,
-        "factorisations": path.factorisations,
-        "interpolation_error_um": path.error,
-        "delay_ms": path.delay,
+        "path": path.effort,
         "verlet_s": verlet_s,
         "verlet_off_pct": verlet_off,
         "verlet_equal_s": verlet_equal_s,

@@ -13,11 +13,11 @@
 //! 1.22231411297 and the sum of the squared half-step velocities 0.657978435, by programs not ours.
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program of its own")]
 
+use myospring::integrate::stencil::{Stencil, Units};
 use myospring::mechanics::active::FibreTension;
 use myospring::mechanics::area::{AreaLaw, AreaPreservation};
 use myospring::mechanics::drag::Drag;
 use myospring::mechanics::spring::Springs;
-use myospring::mechanics::stencil::{Stencil, Units};
 use myospring::mechanics::support::Support;
 use myospring::mechanics::{Body, Configuration, Force, System, zeros};
 use myospring::mesh::{Lattice, Mesh, lattice};
@@ -141,7 +141,11 @@ impl Start {
     ) -> Self {
         let mut forces = zeros(body.len());
         let still = zeros(body.len());
-        let at = Configuration { positions: &body.positions, velocities: &still, tension: TENSION };
+        let at = Configuration {
+            positions: &body.positions,
+            velocities: &still,
+            tension: TENSION.into(),
+        };
         for force in system.passive.iter().chain(&system.active) {
             Force::add_forces(&**force, &at, &mut forces);
         }

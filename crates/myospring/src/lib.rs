@@ -8,25 +8,20 @@
 //!
 //! # Tour
 //! ```
-//! use myospring::analysis::{contraction, value};
-//! use myospring::mesh::{built_in, lattice};
-//! use myospring::simulation::Simulation;
+//! use myospring::prelude::*;
 //!
 //! // An outline becomes a mesh; a coarse one, 3 um, to be quick.
 //! let outline = built_in::adult_ventricular();
 //! let (mesh, report) = lattice::from_outline(&outline, Some(3.0))?;
 //! assert!((report.dimensions.length_um - 140.0).abs() < 3.0);
 //!
-//! // The paper's experiment on it.
-//! let simulation = Simulation::coelho_2021(mesh);
-//! let outcome = simulation.prepare()?.run(|_progress| true);
+//! // The paper's experiment on it; every setting is checked before it runs.
+//! let outcome = Simulation::new(mesh).build()?.run(|_progress| true);
 //! assert!(outcome.stop.is_none());
 //!
 //! // What a laboratory reads.
-//! let samples = &outcome.recording.samples;
-//! let (times, lengths): (Vec<f64>, Vec<f64>) = samples.iter().map(|s| (s.t_ms, s.length_um)).unzip();
-//! let metrics = contraction::metrics(&times, &lengths, 50.0);
-//! assert!((value(&metrics, "peak_shortening").unwrap() - 12.0).abs() < 0.2); // %
+//! let beats = outcome.beats();
+//! assert!((beats[0].value("peak_shortening").unwrap() - 12.0).abs() < 0.2); // %
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -43,19 +38,23 @@
 //! # Modules in reading order
 //! [`cell`] turns a stimulus into tension; [`mesh`] holds points, springs and triangles, made from
 //! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
-//! [`integrate`] moves the masses; [`simulation`] joins cell and mesh and fills a [`recording`];
-//! [`analysis`] makes metrics of it and `output` files and figures; `settings` has what a user may
-//! choose, and `run_file` reads it;
-//! [`references`] has the papers that all of these cite.
+//! [`integrate`] moves the masses; [`exchange`] says how cell and mesh meet, [`simulation`] joins them and
+//! fills a [`recording`];
+//! [`analysis`] makes metrics of it and `output` files and figures; `settings` has what a user may choose, one row
+//! each, and `run_file` reads what was written;
+//! `study` does that for many at once; [`references`] has the papers that all of these cite.
 //!
 //! # Features
-//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) are on by default; `testing`
-//! has conformance suites for cell models and forces of your own.
+//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) and `study` (many runs) are on by
+//! default; `testing` has conformance suites for cell models and forces of your own.
 
 #[doc(inline)]
 pub use myospring_core::{
-    analysis, cell, integrate, mechanics, mesh, parameter, recording, references, simulation, units,
+    analysis, cell, exchange, integrate, mechanics, mesh, parameter, recording, references,
+    simulation, units,
 };
+
+pub mod prelude;
 
 #[cfg(feature = "testing")]
 #[doc(inline)]
@@ -71,3 +70,5 @@ pub use myospring_output as output;
 pub mod run_file;
 #[cfg(feature = "run-file")]
 pub mod settings;
+#[cfg(feature = "study")]
+pub mod study;

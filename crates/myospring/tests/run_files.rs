@@ -61,7 +61,7 @@ fn every_good_run_file_and_example_resolves_to_a_run_that_survives_writing_and_r
         assert_eq!(first.shape, second.shape);
         assert_eq!(first.cell.parameters().rows().len(), second.cell.parameters().rows().len());
         for (a, b) in first.cell.parameters().rows().iter().zip(second.cell.parameters().rows()) {
-            assert_eq!((a.name, a.value), (b.name, b.value));
+            assert_eq!((&a.name, a.value), (&b.name, b.value));
         }
     }
 }
@@ -89,6 +89,7 @@ fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
 fn every_commented_key_of_the_template_is_valid_where_it_stands() {
     let text = template();
     let alternatives = [
+        "tolerance",
         "spring_stiffness",
         "picture",
         "pixel_size",

@@ -4,15 +4,19 @@
 #[path = "common/skipped.rs"]
 mod skipped;
 
+use myospring::integrate::engine::{Engine, EngineError, EngineUsed, Loops, Task};
+use myospring::integrate::fused::FusedMotion;
+use myospring::integrate::stencil::{Stencil, Units, worthwhile_threads};
+use myospring::integrate::stepper::{Poisoned, Stepper};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::{ActiveLaw, FibreTension};
 use myospring::mechanics::anchor::Anchors;
 use myospring::mechanics::area::{AreaLaw, AreaPreservation};
 use myospring::mechanics::drag::Drag;
+use myospring::mechanics::lattice_law::LatticeLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};
 use myospring::mechanics::spring::Springs;
 use myospring::mechanics::stability::StabilityLimit;
-use myospring::mechanics::stencil::{LatticeTerms, Poisoned, Stencil, Units, worthwhile_threads};
 use myospring::mechanics::support::{Support, SupportKind};
 use myospring::mechanics::{Body, Configuration, Force, System, Vectors, zeros};
 use myospring::mesh::{Mesh, built_in, lattice, quality};
@@ -80,7 +84,19 @@ fn available() -> impl Iterator<Item = Units> {
     })
 }
 
-/// The same motion by the plain loops and by the kernel.
+fn fused<'a>(
+    mesh: &Mesh,
+    system: &'a System,
+    body: &Body,
+    step: f64,
+    threads: usize,
+    units: Units,
+) -> FusedMotion<'a> {
+    let lattice = mesh.lattice.as_ref().unwrap();
+    FusedMotion::new(system, body.clone(), lattice, step, threads, units).unwrap()
+}
+
+/// The same motion by the plain loops of one form of Verlet's method and by the kernel, which has the other.
 fn both_ways(
     mesh: &Mesh,
     (body, system): &(Body, System),
@@ -90,13 +106,12 @@ fn both_ways(
 ) -> [Body; 2] {
     let step = 0.5 * StabilityLimit::of(system, body, 50.0).time_step;
     let plain = Motion::new(system, body.clone(), Integrator::VelocityVerlet, step);
-    let fused = Motion::new(system, body.clone(), Integrator::StoermerVerlet, step)
-        .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
-    assert!(fused.is_fused());
-    [plain, fused].map(|mut motion| {
-        motion.advance(steps[0], [0.0, 40.0]).unwrap();
-        motion.advance(steps[1], [40.0, 50.0]).unwrap();
-        motion.body
+    let fused = fused(mesh, system, body, step, threads, units);
+    let both: [Box<dyn Stepper>; 2] = [Box::new(plain), Box::new(fused)];
+    both.map(|mut motion| {
+        motion.advance(steps[0], [0.0, 40.0].map(Into::into)).unwrap();
+        motion.advance(steps[1], [40.0, 50.0].map(Into::into)).unwrap();
+        motion.body().clone()
     })
 }
 
@@ -160,12 +175,10 @@ fn the_bits_are_the_same_whatever_the_number_of_threads() {
         let (body, system) = varied(&mesh, Support::MassCentre, 11);
         for units in available() {
             let run = |threads| {
-                let mut motion =
-                    Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4)
-                        .on_lattice_with(mesh.lattice.as_ref().unwrap(), threads, units);
+                let mut motion = fused(&mesh, &system, &body, 1e-4, threads, units);
                 motion.advance(5, [0.0, 40.0]).unwrap();
                 motion.advance(17, [40.0, 50.0]).unwrap();
-                motion.body
+                motion.body().clone()
             };
             let one = run(1);
             assert!(one.positions.iter().flatten().all(|x| x.abs() < 1e4), "the motion is regular");
@@ -211,11 +224,10 @@ fn two_hundred_steps_of_the_peers_lattice_give_the_peers_sums() {
         support: Support::Free,
     };
     for units in available() {
-        let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 0.05)
-            .on_lattice_with(mesh.lattice.as_ref().unwrap(), 2, units);
+        let mut motion = fused(&mesh, &system, &body, 0.05, 2, units);
         motion.advance(200, [0.0; 2]).unwrap();
         let displacement: f64 = (0..2)
-            .flat_map(|axis| motion.body.positions[axis].iter().zip(&mesh.points[axis]))
+            .flat_map(|axis| motion.body().positions[axis].iter().zip(&mesh.points[axis]))
             .map(|(x, rest)| (x - rest).powi(2))
             .sum();
         // As many digits as the peers print.
@@ -230,11 +242,27 @@ fn what_the_kernel_does_not_know_stays_with_the_plain_loops() {
     let mesh = lattice::rectangle(20, 5, 1.0).unwrap();
     let axis = [1.0, 0.0];
     let fibres = vec![axis; mesh.simplices.len()];
-    let fused = |material: &Material, active, support| {
+    let used = |loops, form, uniform_tension, material: &Material, active, support| {
         let (body, system) = assemble(&mesh, material, active, &fibres, support, axis, 20.0);
-        Motion::new(&system, body, Integrator::StoermerVerlet, 1e-3)
-            .on_lattice(mesh.lattice.as_ref().unwrap(), 1)
-            .is_fused()
+        let lattice = mesh.lattice.as_ref();
+        let (system, body) = (&system, &body);
+        let task = Task { system, body, lattice, form, time_step: 1e-3, uniform_tension };
+        Engine { loops, ..Engine::default() }.stepper(&task).map(|(_, used)| used)
+    };
+    let form = Integrator::StoermerVerlet;
+    let fused = |material: &Material, active, support| {
+        let auto = used(Loops::Auto, form, true, material, active, support).unwrap();
+        let wanted = used(Loops::Fused, form, true, material, active, support);
+        match (&auto, wanted) {
+            (EngineUsed::Fused { .. }, Ok(fused)) => assert_eq!(fused, auto),
+            // What auto says and what a refusal says are one.
+            (
+                EngineUsed::Plain { instead_of_fused: Some(why) },
+                Err(EngineError::NotServed { hindrance }),
+            ) => assert_eq!(&hindrance, why),
+            (auto, wanted) => panic!("{auto:?} but {wanted:?}"),
+        }
+        matches!(auto, EngineUsed::Fused { .. })
     };
     let usual = default_material();
     let barycentric = Material { area_law: AreaLaw::Barycentric, ..default_material() };
@@ -242,6 +270,19 @@ fn what_the_kernel_does_not_know_stays_with_the_plain_loops() {
     assert!(fused(&usual, ActiveLaw::Fibre, SupportKind::ClampedEnd));
     assert!(!fused(&usual, ActiveLaw::Ends, SupportKind::MassCentre));
     assert!(!fused(&barycentric, ActiveLaw::Fibre, SupportKind::MassCentre));
+
+    // The kernel is one method: another is not made by it, nor is a tension for each triangle.
+    for (form, uniform, word) in [
+        (Integrator::VelocityVerlet, true, "velocity Verlet"),
+        (form, false, "from place to place"),
+    ] {
+        let (active, support) = (ActiveLaw::Fibre, SupportKind::MassCentre);
+        let auto = used(Loops::Auto, form, uniform, &usual, active, support).unwrap();
+        let EngineUsed::Plain { instead_of_fused: Some(why) } = auto else { panic!("{auto:?}") };
+        assert!(why.contains(word), "{why}");
+        let refused = used(Loops::Fused, form, uniform, &usual, active, support).unwrap_err();
+        assert!(refused.to_string().contains(word), "{refused}");
+    }
 }
 
 #[test]
@@ -262,7 +303,7 @@ fn springs_off_the_lattice_or_of_another_length_have_no_place_in_the_kernel() {
             support: Support::Free,
         };
         let lattice = mesh.lattice.as_ref().unwrap();
-        Stencil::new(&system, &body, lattice, 0.1, 1, Units::best()).is_some()
+        Stencil::new(&system, &body, lattice, 0.1, 1, Units::best()).is_ok()
     };
     // Nodes 0 to 3 stand in the first row, 4 to 7 in the second.
     assert!(place([0, 1], 1.0) && place([5, 0], 2.0_f64.sqrt()) && place([4, 1], 2.0_f64.sqrt()));
@@ -287,8 +328,8 @@ impl Force for Mistaken {
         None
     }
 
-    fn add_to_lattice(&self, _: &mut LatticeTerms) -> bool {
-        true
+    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+        Some(LatticeLaw::Anchors(&[]))
     }
 
     fn is_internal(&self) -> bool {
@@ -301,15 +342,13 @@ fn a_motion_that_a_panic_has_interrupted_says_so_and_its_threads_end() {
     let mesh = lattice::rectangle(60, 40, 1.0).unwrap();
     let (body, mut system) = varied(&mesh, Support::Free, 3);
     system.passive.push(Box::new(Mistaken));
-    for fused in [true, false] {
-        let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4);
-        if fused {
-            motion = motion.on_lattice(mesh.lattice.as_ref().unwrap(), 3);
-        }
-        let panicked = catch_unwind(AssertUnwindSafe(|| motion.advance(5, [0.0; 2])));
+    let plain = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4);
+    let fused = fused(&mesh, &system, &body, 1e-4, 3, Units::best());
+    let both: [Box<dyn Stepper>; 2] = [Box::new(plain), Box::new(fused)];
+    for mut motion in both {
+        let panicked = catch_unwind(AssertUnwindSafe(|| motion.advance(5, [0.0.into(); 2])));
         assert!(panicked.is_err());
-        assert_eq!(motion.is_fused(), fused, "it does not go over to other loops in silence");
-        assert_eq!(motion.advance(5, [0.0; 2]), Err(Poisoned));
+        assert_eq!(motion.advance(5, [0.0.into(); 2]), Err(Poisoned));
     }
 }
 

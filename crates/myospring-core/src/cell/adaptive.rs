@@ -49,17 +49,17 @@ mod lanes;
 mod piece;
 mod watch;
 
-pub(super) use branch::Pieces;
+use branch::Pieces;
 pub(super) use course::{Course, Stuck, Task};
 pub(super) use lanes::Lanes;
 pub use watch::Beat;
 
-use super::CellModel as _;
-use super::minimal::MinimalModel;
-use super::pacing::Protocol;
-use super::solve::{self, REFERENCE_BEAT_MS, ReferenceBeat, SolveError};
-use super::trace::CellTrace;
-use watch::same_instant;
+use super::cell_model::CellModel as _;
+use super::minimal::{MinimalModel, STATES};
+use super::pacing::{Protocol, same_instant};
+use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
+use super::settings::{self, SolveError, validate_time};
+use super::trace::{CellTrace, Instant};
 
 /// Numerical settings of the adaptive method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,19 +75,13 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Smallest and largest tolerance: below, rounding counts; above, the estimate means nothing.
-    pub const BOUNDS: [f64; 2] = [1e-10, 1e-2];
-
     /// Checks the tolerance.
     ///
     /// # Errors
-    /// A tolerance outside [`Self::BOUNDS`].
+    /// A tolerance outside [`settings::Settings::TOLERANCES`].
     pub fn validate(&self) -> Result<(), SolveError> {
-        let [minimum, maximum] = Self::BOUNDS;
-        if (minimum..=maximum).contains(&self.tolerance) {
-            return Ok(());
-        }
-        Err(SolveError::Tolerance { value: self.tolerance, minimum, maximum })
+        let Self { tolerance } = *self;
+        settings::Settings { tolerance, ..settings::Settings::default() }.validate()
     }
 }
 
@@ -108,21 +102,21 @@ impl Settings {
 /// # Ok::<(), myospring::cell::solve::SolveError>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct AdaptiveIntegrator<'a> {
-    model: &'a MinimalModel,
+pub struct AdaptiveIntegrator {
+    model: &'static str,
     lanes: Lanes<1>,
     course: Course,
     time_ms: f64,
     state: [f64; 6],
 }
 
-impl<'a> AdaptiveIntegrator<'a> {
+impl AdaptiveIntegrator {
     /// A cell in its initial state at 0 ms, after whatever the protocol does at 0 ms.
     ///
     /// # Errors
     /// A protocol that cannot be followed, or a tolerance out of range.
     pub fn new(
-        model: &'a MinimalModel,
+        model: &MinimalModel,
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
@@ -130,7 +124,7 @@ impl<'a> AdaptiveIntegrator<'a> {
     }
 
     fn until(
-        model: &'a MinimalModel,
+        model: &MinimalModel,
         protocol: Protocol,
         settings: Settings,
         duration_ms: f64,
@@ -138,9 +132,9 @@ impl<'a> AdaptiveIntegrator<'a> {
         protocol.validate()?;
         settings.validate()?;
         let mut lanes = Lanes::new(settings.tolerance);
-        let course = Course::start(&model.task(protocol, duration_ms, None), &mut lanes, 0);
+        let course = Course::start(&task(model, protocol, duration_ms, None), &mut lanes, 0);
         let state = Lanes::get(&lanes.state, 0);
-        Ok(Self { model, lanes, course, time_ms: 0.0, state })
+        Ok(Self { model: model.identity().name, lanes, course, time_ms: 0.0, state })
     }
 
     /// Time reached, ms.
@@ -148,14 +142,9 @@ impl<'a> AdaptiveIntegrator<'a> {
         self.time_ms
     }
 
-    /// The state at that time, in the order of the model's `state_names`.
+    /// The state at that time, in the order of the model's states.
     pub fn state(&self) -> &[f64] {
         &self.state
-    }
-
-    /// The model that is integrated.
-    pub fn model(&self) -> &'a MinimalModel {
-        self.model
     }
 
     /// Steps taken so far; the last may end after [`Self::time`].
@@ -196,12 +185,12 @@ impl<'a> AdaptiveIntegrator<'a> {
         if self.lanes.attention[0] == 0 {
             return Ok(false);
         }
-        self.course.attend(&mut self.lanes, 0).map_err(|stuck| self.model.stalled(&stuck))
+        self.course.attend(&mut self.lanes, 0).map_err(|stuck| stalled(self.model, &stuck))
     }
 }
 
 /// Runs a cell from 0 ms to `duration_ms` and samples it every `sample_interval_ms`, first at 0 ms:
-/// [`solve::solve`] with adaptive steps.
+/// [`solve::solve`](super::solve::solve) with adaptive steps.
 ///
 /// # Errors
 /// A protocol, tolerance, duration or interval that is not possible; a cell that no step takes
@@ -223,11 +212,11 @@ pub fn solve(
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
-    solve::validate_time("duration", duration_ms)?;
+    validate_time("duration", duration_ms)?;
     let mut cell = AdaptiveIntegrator::until(model, protocol, settings, duration_ms)?;
-    solve::sample(model, duration_ms, sample_interval_ms, |time_ms| {
+    CellTrace::sample(model, duration_ms, sample_interval_ms, |time_ms| {
         cell.advance_to(time_ms)?;
-        Ok(cell.state)
+        Ok(Instant { state: cell.state.to_vec(), outputs: Vec::new() })
     })
 }
 
@@ -244,13 +233,13 @@ pub fn beats(
     settings: Settings,
     duration_ms: f64,
 ) -> Result<Vec<Beat>, SolveError> {
-    solve::validate_time("duration", duration_ms)?;
+    validate_time("duration", duration_ms)?;
     let mut cell = AdaptiveIntegrator::until(model, protocol, settings, duration_ms)?;
     while !cell.step()? {}
     Ok(cell.course.watch.beats)
 }
 
-/// One default beat: [`solve::reference_beat`] with adaptive steps.
+/// One default beat: [`solve::reference_beat`](super::solve::reference_beat) with adaptive steps.
 ///
 /// # Errors
 /// As [`beats`], or tension without a positive peak inside the beat.
@@ -261,27 +250,29 @@ pub fn reference_beat(
     let protocol = Protocol::once(model.default_stimulus());
     let beats = beats(model, protocol, settings, REFERENCE_BEAT_MS)?;
     let peak = beats.last().map(|beat| (beat.peak_tension, beat.peak_tension_ms));
-    solve::reference_of(model, peak, REFERENCE_BEAT_MS)
+    ReferenceBeat::of(model, peak, REFERENCE_BEAT_MS)
 }
 
-impl MinimalModel {
-    /// This cell as something to follow.
-    pub(super) fn task(
-        &self,
-        protocol: Protocol,
-        duration_ms: f64,
-        sample_interval_ms: Option<f64>,
-    ) -> Task {
-        Task {
-            pieces: self.pieces(),
-            initial_state: Self::INITIAL_STATE,
-            protocol,
-            duration_ms,
-            sample_interval_ms,
-        }
+/// A cell as something to follow.
+pub(super) fn task(
+    model: &MinimalModel,
+    protocol: Protocol,
+    duration_ms: f64,
+    sample_interval_ms: Option<f64>,
+) -> Task {
+    Task {
+        pieces: Pieces::new(*model.electrical_constants(), *model.tension_constants()),
+        initial_state: MinimalModel::INITIAL_STATE,
+        protocol,
+        duration_ms,
+        sample_interval_ms,
     }
+}
 
-    fn stalled(&self, stuck: &Stuck) -> SolveError {
-        stuck.error(self.name())
-    }
+/// As an error of a model, with the variable that went astray if one did.
+pub(super) fn stalled(model: &'static str, stuck: &Stuck) -> SolveError {
+    let Stuck { time_ms, step_ms, state } = *stuck;
+    let worst = state.iter().position(|value| !value.is_finite()).unwrap_or(0);
+    let variable = STATES[worst].name.to_string();
+    SolveError::Stalled { model: model.to_owned(), variable, value: state[worst], time_ms, step_ms }
 }

@@ -1,236 +1,208 @@
 //! Moves one cell in time, alone or inside a coupled simulation.
 
-use super::pacing::{Event, Protocol};
-use super::solve::{Method, Settings, SolveError};
-use super::{CellModel, Input};
+use super::adaptive::AdaptiveIntegrator;
+use super::cell_model::{CellModel, Input};
+use super::coelho_2021::STAGGERED_BLOCKS;
+use super::fixed::{FixedSteps, Scheme};
+use super::minimal::MinimalModel;
+use super::pacer::Pacer;
+use super::pacing::Protocol;
+use super::settings::{Method, Settings, SolveError};
+use super::stiff::StiffSteps;
+use std::any::Any;
+use std::sync::Arc;
 
-/// Instants closer than this fraction of a step are one instant.
-const SAME_INSTANT: f64 = 1e-6;
-
-/// A cell on its way through time.
+/// A cell on its way through time, by any method.
 ///
-/// Steps lie on the grid `n step` from 0 ms, counted and not summed up, and are cut exactly at the
+/// It owns its model, so it can be sent to a thread; a clone may be advanced on trial and thrown away. The
+/// state at a time includes every event up to and at that time.
+///
+/// Fixed steps lie on the grid `n step` from 0 ms, counted and not summed up, and are cut exactly at the
 /// events of the protocol and at the times asked for; instants within a millionth of a step of each
 /// other are one instant, so no event is missed or doubled by rounding and no sliver of a step is
-/// taken. Going to a multiple of the step in many calls or in one gives the same bits.
-///
-/// The state at a time includes every event up to and at that time.
+/// taken. Going to a multiple of the step in many calls or in one gives the same bits. Methods that choose
+/// their steps have the same bits however often they are asked, unless the model feels its stretch.
 ///
 /// # Example
 /// ```
 /// use myospring::cell::{CellModel, coelho_2021, integrator::CellIntegrator, solve::Settings};
 /// use myospring::cell::pacing::Protocol;
+/// use std::sync::Arc;
 ///
 /// let model = coelho_2021::model();
 /// let protocol = Protocol::once(model.default_stimulus());
-/// let mut cell = CellIntegrator::new(&model, protocol, Settings::default())?;
+/// let mut cell = CellIntegrator::new(Arc::new(model), protocol, Settings::default())?;
 /// for step in 1..=60 {
-///     cell.advance_to(f64::from(step), 1.0)?; // 1.0: at resting length
+///     cell.advance_to(f64::from(step), 1.0, 0.0)?; // at resting length, which does not change
 /// }
-/// assert!(model.potential(cell.state()) > 0.9);
+/// assert!(cell.model().potential(cell.state()) > 0.9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]
-pub struct CellIntegrator<'a> {
-    model: &'a dyn CellModel,
-    protocol: Protocol,
-    settings: Settings,
-    stepper: Stepper,
-    state: Vec<f64>,
-    time_ms: f64,
-    /// The next grid point is `next_grid * step`.
-    next_grid: u64,
-    on_grid: bool,
-    next_event: u64,
-    stimulus: f64,
+pub struct CellIntegrator {
+    model: Arc<dyn CellModel>,
+    steps: Steps,
 }
 
-impl<'a> CellIntegrator<'a> {
+impl CellIntegrator {
     /// A cell in its initial state at 0 ms, after whatever the protocol does at 0 ms.
     ///
     /// # Errors
-    /// A protocol that cannot be followed, or a step that is not a positive finite time.
+    /// A protocol that cannot be followed, a step that is not a positive finite time, a tolerance out of
+    /// range, or a method that the model is not made for.
     pub fn new(
-        model: &'a dyn CellModel,
+        model: Arc<dyn CellModel>,
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
-        protocol.validate()?;
-        settings.validate()?;
-        let state = model.initial_state();
-        let mut cell = Self {
-            model,
-            protocol,
-            settings,
-            stepper: Stepper::new(state.len()),
-            state,
-            time_ms: 0.0,
-            next_grid: 1,
-            on_grid: true,
-            next_event: 0,
-            stimulus: 0.0,
-        };
-        cell.apply_events();
-        Ok(cell)
+        Ok(Self { steps: Steps::new(&*model, protocol, settings)?, model })
     }
 
     /// Time reached, ms.
     pub fn time(&self) -> f64 {
-        self.time_ms
+        self.steps.time()
     }
 
-    /// The state at that time, in the order of the model's `state_names`.
+    /// The state at that time, in the order of the model's states.
     pub fn state(&self) -> &[f64] {
-        &self.state
+        self.steps.state()
+    }
+
+    /// What the model tells beside its state at that time, in the order of its outputs.
+    pub fn outputs(&self) -> Vec<f64> {
+        self.steps.outputs(&*self.model)
     }
 
     /// The model that is integrated.
-    pub fn model(&self) -> &'a dyn CellModel {
-        self.model
+    pub fn model(&self) -> &Arc<dyn CellModel> {
+        &self.model
     }
 
-    /// Moves on to time `t_ms` at constant `stretch` (length over resting length).
+    /// Moves on to time `t_ms` at constant `stretch` (length over resting length) and `stretch_rate` (1/ms).
     ///
-    /// The time need not be a multiple of the step. A time within a millionth of a step of the time
-    /// reached changes nothing.
+    /// The time need not be a multiple of a fixed step. A time that differs from the time reached by
+    /// rounding only changes nothing.
     ///
     /// # Errors
-    /// A time before the one reached or not finite, a stretch that is not a positive number, or a
-    /// state variable that becomes NaN or infinite; the cell is then no longer of use.
-    pub fn advance_to(&mut self, t_ms: f64, stretch: f64) -> Result<(), SolveError> {
-        let same = SAME_INSTANT * self.settings.step_ms;
-        if !t_ms.is_finite() || t_ms < self.time_ms - same {
-            return Err(SolveError::BackInTime { target_ms: t_ms, time_ms: self.time_ms });
-        }
-        if !(stretch.is_finite() && stretch > 0.0) {
-            return Err(SolveError::Stretch { value: stretch, time_ms: self.time_ms });
-        }
-        while t_ms - self.time_ms > same {
-            self.step_towards(t_ms, stretch, same)?;
-        }
-        Ok(())
-    }
-
-    /// One step, to whatever comes first: the next grid point, the next event, or `target_ms`.
-    fn step_towards(&mut self, target_ms: f64, stretch: f64, same: f64) -> Result<(), SolveError> {
-        let grid_ms = self.next_grid as f64 * self.settings.step_ms;
-        let mut stop_ms = grid_ms;
-        if target_ms <= stop_ms + same {
-            stop_ms = target_ms;
-        }
-        if let Some((event_ms, _)) = self.protocol.nth_event(self.next_event)
-            && event_ms <= stop_ms + same
-        {
-            stop_ms = event_ms;
-        }
-        let to_grid = (stop_ms - grid_ms).abs() <= same;
-        // Between grid points the step is the step, not a difference of rounded times.
-        let step_ms =
-            if self.on_grid && to_grid { self.settings.step_ms } else { stop_ms - self.time_ms };
-
-        let input = Input { stimulus: self.stimulus, stretch };
-        self.stepper.step(self.model, self.settings.method, &mut self.state, &input, step_ms);
-        self.time_ms = stop_ms;
-        self.on_grid = to_grid;
-        self.next_grid += u64::from(to_grid);
-        self.check_finite()?;
-        self.apply_events();
-        Ok(())
-    }
-
-    fn apply_events(&mut self) {
-        while let Some((event_ms, event)) = self.protocol.nth_event(self.next_event)
-            && event_ms <= self.time_ms
-        {
-            match event {
-                Event::Jump(amplitude) => self.model.jump(&mut self.state, amplitude),
-                Event::CurrentOn(rate) => self.stimulus = rate,
-                Event::CurrentOff => self.stimulus = 0.0,
-            }
-            self.next_event += 1;
-        }
-    }
-
-    fn check_finite(&self) -> Result<(), SolveError> {
-        let Some(index) = self.state.iter().position(|value| !value.is_finite()) else {
-            return Ok(());
-        };
-        Err(SolveError::NotFinite {
-            model: self.model.name(),
-            variable: self.model.state_names()[index],
-            value: self.state[index],
-            time_ms: self.time_ms,
-            step_ms: self.settings.step_ms,
-        })
+    /// A time before the one reached or not finite, a stretch that is not a positive number, a rate of
+    /// stretch that is not finite, a state variable that becomes NaN or infinite, or a cell that no step
+    /// takes further; the cell is then no longer of use.
+    pub fn advance_to(
+        &mut self,
+        t_ms: f64,
+        stretch: f64,
+        stretch_rate: f64,
+    ) -> Result<(), SolveError> {
+        self.steps.advance_to(&*self.model, t_ms, stretch, stretch_rate)
     }
 }
 
-/// Work space of the fixed-step methods.
+/// The way of a cell through time, without its model.
 #[derive(Clone)]
-struct Stepper {
-    rates: [Vec<f64>; 4],
-    trial: Vec<f64>,
+pub(super) struct Steps {
+    way: Way,
+    protocol: Protocol,
+    /// What it felt last.
+    felt: Input,
 }
 
-impl Stepper {
-    fn new(variables: usize) -> Self {
-        Self { rates: std::array::from_fn(|_| vec![0.0; variables]), trial: vec![0.0; variables] }
-    }
+#[derive(Clone)]
+enum Way {
+    Fixed(Box<FixedSteps>),
+    Adaptive(Box<AdaptiveIntegrator>),
+    Stiff(Box<StiffSteps>),
+}
 
-    fn step(
-        &mut self,
-        model: &dyn CellModel,
-        method: Method,
-        state: &mut [f64],
-        input: &Input,
-        step_ms: f64,
-    ) {
-        match method {
-            Method::RungeKutta4 => self.runge_kutta_4(model, state, input, step_ms),
-            Method::ForwardEuler => self.euler(model, &[], state, input, step_ms),
+impl Steps {
+    pub(super) fn new(
+        model: &(dyn CellModel + 'static),
+        protocol: Protocol,
+        settings: Settings,
+    ) -> Result<Self, SolveError> {
+        settings.validate()?;
+        let pacer = Pacer::new(&model.stimulation(), protocol)?;
+        let minimal = (model as &dyn Any).downcast_ref::<MinimalModel>();
+        let refuse = |reason, instead| SolveError::Unsuited {
+            model: model.name().to_owned(),
+            method: settings.method,
+            reason,
+            instead,
+        };
+        let for_any = "`runge-kutta-4`, or `stiff` if it needs tiny steps";
+        let only_minimal = || refuse("which serves the minimal model only", for_any);
+        let fixed = |scheme| {
+            let steps = FixedSteps::new(model, scheme, pacer.clone(), settings.step_ms);
+            Way::Fixed(Box::new(steps))
+        };
+        let way = match settings.method {
+            Method::RungeKutta4 => fixed(Scheme::RungeKutta4),
+            Method::ForwardEuler => fixed(Scheme::Euler { cuts: &[] }),
             Method::StaggeredEuler => {
-                self.euler(model, model.staggered_blocks(), state, input, step_ms);
+                minimal.ok_or_else(only_minimal)?;
+                fixed(Scheme::Euler { cuts: STAGGERED_BLOCKS })
             }
-        }
-    }
-
-    /// Forward Euler, block by block: a block sees the new values of the blocks before it.
-    fn euler(
-        &mut self,
-        model: &dyn CellModel,
-        cuts: &[usize],
-        state: &mut [f64],
-        input: &Input,
-        h: f64,
-    ) {
-        let rates = &mut self.rates[0];
-        let mut begin = 0;
-        for &end in cuts.iter().chain([&state.len()]) {
-            model.derivatives(state, input, rates);
-            for i in begin..end {
-                state[i] += h * rates[i];
+            Method::RushLarsen if model.gates().is_empty() => {
+                return Err(refuse("which needs a model that names its gates", for_any));
             }
-            begin = end;
-        }
-    }
-
-    /// The classical method of order 4; the stimulus is constant within a step.
-    fn runge_kutta_4(&mut self, model: &dyn CellModel, state: &mut [f64], input: &Input, h: f64) {
-        let Self { rates: [k1, k2, k3, k4], trial } = self;
-        let shift = |trial: &mut [f64], state: &[f64], k: &[f64], h: f64| {
-            for ((trial, state), k) in trial.iter_mut().zip(state).zip(k) {
-                *trial = state + h * k;
+            Method::RushLarsen => fixed(Scheme::RushLarsen),
+            Method::Adaptive => {
+                let minimal = minimal.ok_or_else(only_minimal)?;
+                let settings = super::adaptive::Settings { tolerance: settings.tolerance };
+                Way::Adaptive(Box::new(AdaptiveIntegrator::new(minimal, protocol, settings)?))
+            }
+            // Sliding along a threshold would take millions of steps.
+            Method::Stiff if minimal.is_some() => {
+                let reason = "whose steps shrink to nothing where equations jump";
+                return Err(refuse(reason, "`adaptive`, which knows the jumps"));
+            }
+            Method::Stiff => {
+                Way::Stiff(Box::new(StiffSteps::new(model, pacer, settings.tolerance)))
             }
         };
-        model.derivatives(state, input, k1);
-        shift(trial, state, k1, h / 2.0);
-        model.derivatives(trial, input, k2);
-        shift(trial, state, k2, h / 2.0);
-        model.derivatives(trial, input, k3);
-        shift(trial, state, k3, h);
-        model.derivatives(trial, input, k4);
-        for i in 0..state.len() {
-            state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+        Ok(Self { way, protocol, felt: Input::REST })
+    }
+
+    fn time(&self) -> f64 {
+        match &self.way {
+            Way::Fixed(steps) => steps.time(),
+            Way::Adaptive(steps) => steps.time(),
+            Way::Stiff(steps) => steps.time(),
+        }
+    }
+
+    pub(super) fn state(&self) -> &[f64] {
+        match &self.way {
+            Way::Fixed(steps) => steps.state(),
+            Way::Adaptive(steps) => steps.state(),
+            Way::Stiff(steps) => steps.state(),
+        }
+    }
+
+    pub(super) fn outputs(&self, model: &dyn CellModel) -> Vec<f64> {
+        let input = Input { stimulus: self.protocol.current_at(self.time()), ..self.felt };
+        let mut values = vec![f64::NAN; model.outputs().len()];
+        model.write_outputs(self.state(), &input, &mut values);
+        values
+    }
+
+    pub(super) fn advance_to(
+        &mut self,
+        model: &dyn CellModel,
+        t_ms: f64,
+        stretch: f64,
+        stretch_rate: f64,
+    ) -> Result<(), SolveError> {
+        if !(stretch.is_finite() && stretch > 0.0) {
+            return Err(SolveError::Stretch { value: stretch, time_ms: self.time() });
+        }
+        if !stretch_rate.is_finite() {
+            return Err(SolveError::StretchRate { value: stretch_rate, time_ms: self.time() });
+        }
+        self.felt = Input { stretch, stretch_rate, ..Input::REST };
+        match &mut self.way {
+            Way::Fixed(steps) => steps.advance_to(model, t_ms, &self.felt),
+            Way::Adaptive(steps) => steps.advance_to(t_ms),
+            Way::Stiff(steps) => steps.advance_to(model, t_ms, &self.felt),
         }
     }
 }

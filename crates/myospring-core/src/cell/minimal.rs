@@ -23,10 +23,12 @@ mod electrical;
 pub use electrical::Electrical;
 pub(super) use electrical::rows;
 
+use super::cell_model::{CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind};
 use super::pacing::Stimulus;
 use super::tension::Tension;
-use super::{CellModel, Input, ModelError};
 use crate::parameter::ParameterSet;
+use std::borrow::Cow;
+use std::sync::Arc;
 
 /// What distinguishes one published version of the minimal model from another, besides numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +46,26 @@ pub struct Identity {
     /// Peak of `Ta` of one default beat of the published parameters, converged.
     pub peak_tension: f64,
 }
+
+/// Names and meanings; all are pure numbers.
+pub(super) static STATES: [StateVariable; 6] = {
+    const fn variable(place: usize, name: &'static str, meaning: &'static str) -> StateVariable {
+        StateVariable {
+            name: Cow::Borrowed(name),
+            unit: Cow::Borrowed(""),
+            start: MinimalModel::INITIAL_STATE[place],
+            meaning: Cow::Borrowed(meaning),
+        }
+    }
+    [
+        variable(0, "u", "potential"),
+        variable(1, "v", "gate of the fast inward current"),
+        variable(2, "w", "gate of the slow inward current"),
+        variable(3, "s", "activation of the slow inward current"),
+        variable(4, "Ta_i", "precursor of the active tension"),
+        variable(5, "Ta", "active tension"),
+    ]
+};
 
 /// The minimal model with tension: six equations, 28 + 7 parameters.
 ///
@@ -87,12 +109,16 @@ impl MinimalModel {
         }
     }
 
-    pub(super) const STATE_NAMES: &'static [&'static str; 6] = &["u", "v", "w", "s", "Ta_i", "Ta"];
     pub(super) const INITIAL_STATE: [f64; 6] = [0.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
-    /// The smooth pieces of the equations.
-    pub(super) fn pieces(&self) -> super::adaptive::Pieces {
-        super::adaptive::Pieces::new(self.electrical, self.tension)
+    /// What it is called, and what it stands for.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// The electrical half of the model.
+    pub fn electrical_constants(&self) -> &Electrical {
+        &self.electrical
     }
 
     /// The tension half of the model.
@@ -102,32 +128,28 @@ impl MinimalModel {
 }
 
 impl CellModel for MinimalModel {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         self.identity.name
     }
 
-    fn description(&self) -> &'static str {
+    fn description(&self) -> &str {
         self.identity.description
     }
 
-    fn citations(&self) -> &'static [&'static str] {
-        self.identity.citations
+    fn citations(&self) -> Vec<&str> {
+        self.identity.citations.to_vec()
     }
 
     fn parameters(&self) -> &ParameterSet {
         &self.parameters
     }
 
-    fn with_parameters(&self, parameters: ParameterSet) -> Result<Box<dyn CellModel>, ModelError> {
-        Ok(Box::new(Self::new(self.identity, parameters)?))
+    fn with_parameters(&self, parameters: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
+        Ok(Arc::new(Self::new(self.identity, parameters)?))
     }
 
-    fn state_names(&self) -> &'static [&'static str] {
-        Self::STATE_NAMES
-    }
-
-    fn initial_state(&self) -> Vec<f64> {
-        Self::INITIAL_STATE.to_vec()
+    fn states(&self) -> &[StateVariable] {
+        &STATES
     }
 
     fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
@@ -140,8 +162,8 @@ impl CellModel for MinimalModel {
         rates[4..].copy_from_slice(&self.tension.rates(u, ta_i, ta));
     }
 
-    fn jump(&self, state: &mut [f64], amplitude: f64) {
-        state[0] += amplitude;
+    fn stimulation(&self) -> Stimulation {
+        Stimulation::of_first_state(self.identity.stimulus)
     }
 
     fn potential(&self, state: &[f64]) -> f64 {
@@ -156,16 +178,7 @@ impl CellModel for MinimalModel {
         state[5]
     }
 
-    fn published_peak_tension(&self) -> f64 {
-        self.identity.peak_tension
-    }
-
-    fn default_stimulus(&self) -> Stimulus {
-        self.identity.stimulus
-    }
-
-    fn staggered_blocks(&self) -> &'static [usize] {
-        // u, v, w, s together; then Ta_i from the new u; then Ta from the new u and Ta_i.
-        &[4, 5]
+    fn tension_kind(&self) -> TensionKind {
+        TensionKind::Relative { published_peak: self.identity.peak_tension }
     }
 }

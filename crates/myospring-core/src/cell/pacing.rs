@@ -3,6 +3,11 @@
 //! Events are half-open in time: a pulse `[start, start + duration)` acts at its start and no
 //! longer at its end, and the state at the time of a jump is the state after it.
 
+/// Whether two times, ms, differ by rounding only.
+pub(super) fn same_instant(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+}
+
 /// One stimulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stimulus {
@@ -13,7 +18,7 @@ pub enum Stimulus {
     },
     /// A constant current for a while.
     Pulse {
-        /// Rate that is added to the potential variable, 1/ms.
+        /// The current, in the unit that the cell model states; 1/ms for a dimensionless potential.
         amplitude: f64,
         /// How long, ms.
         duration_ms: f64,
@@ -38,7 +43,7 @@ pub struct Protocol {
 pub enum Event {
     /// The potential variable jumps by this much.
     Jump(f64),
-    /// A current of this rate, 1/ms, acts from now on.
+    /// This current acts from now on, in the unit that the cell model states.
     CurrentOn(f64),
     /// No current acts from now on.
     CurrentOff,
@@ -158,6 +163,27 @@ impl Protocol {
     pub fn events(&self) -> impl Iterator<Item = (f64, Event)> + use<> {
         let protocol = *self;
         (0..).map_while(move |index| protocol.nth_event(index))
+    }
+
+    /// The current of the pulse that acts at a time, ms; 0 if none does.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::cell::pacing::{Protocol, Stimulus};
+    /// let pulse = Protocol::once(Stimulus::Pulse { amplitude: 0.5, duration_ms: 1.0 });
+    /// assert_eq!([49.9, 50.0, 50.9, 51.0].map(|time| pulse.current_at(time)), [0.0, 0.5, 0.5, 0.0]);
+    /// ```
+    pub fn current_at(&self, time_ms: f64) -> f64 {
+        let Stimulus::Pulse { amplitude, duration_ms } = self.stimulus else { return 0.0 };
+        let cycles = (time_ms - self.start_ms) / self.cycle_length_ms;
+        let last = u64::from(self.beats.saturating_sub(1));
+        let near = if last > 0 { (cycles.max(0.0).floor() as u64).min(last) } else { 0 };
+        // The quotient may be rounded down to the beat before.
+        let acts = (near..=last.min(near + 1)).any(|beat| {
+            let start_ms = self.start_ms + beat as f64 * self.cycle_length_ms;
+            (start_ms..start_ms + duration_ms).contains(&time_ms)
+        });
+        if acts && self.beats > 0 { amplitude } else { 0.0 }
     }
 
     /// Event number `index` in order of time, if there is one.

@@ -26,11 +26,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::CellModel as _;
-use super::adaptive::{self, Beat, Course, Lanes, Task};
+use super::adaptive::{self, Beat, Course, Lanes, Task, stalled, task};
 use super::minimal::MinimalModel;
 use super::pacing::Protocol;
-use super::solve::{self, SolveError};
+use super::settings::{SolveError, validate_time};
 
 /// Cells that move together.
 pub const LANES: usize = 16;
@@ -53,8 +52,8 @@ impl Cell {
         duration_ms: f64,
     ) -> Result<Self, SolveError> {
         protocol.validate()?;
-        solve::validate_time("duration", duration_ms)?;
-        Ok(Self { model: model.name(), task: model.task(protocol, duration_ms, None) })
+        validate_time("duration", duration_ms)?;
+        Ok(Self { model: model.identity().name, task: task(model, protocol, duration_ms, None) })
     }
 }
 
@@ -92,7 +91,7 @@ pub fn run(
 ) -> Result<Vec<Result<Outcome, SolveError>>, SolveError> {
     settings.method.validate()?;
     if let Some(interval_ms) = settings.sample_interval_ms {
-        solve::validate_time("sample interval", interval_ms)?;
+        validate_time("sample interval", interval_ms)?;
     }
     let arch = pulp::Arch::new();
     let step = |lanes: &mut Lanes<LANES>| arch.dispatch(TryStep(lanes));
@@ -129,7 +128,7 @@ fn side_by_side<const N: usize>(
                     steps: lanes.taken[lane] + course.steps,
                     refused: lanes.refused[lane],
                 }),
-                Err(stuck) => Err(stuck.error(cells[*index].model)),
+                Err(stuck) => Err(stalled(cells[*index].model, &stuck)),
             };
             outcomes[*index] = Some(outcome);
             courses[lane] = next(&mut lanes, lane);
@@ -157,6 +156,7 @@ impl<const N: usize> pulp::WithSimd for TryStep<'_, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cell::cell_model::CellModel as _;
     use crate::cell::{bueno_orovio_2008, coelho_2021};
 
     #[test]

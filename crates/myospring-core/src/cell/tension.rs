@@ -6,7 +6,7 @@
 //! on them sharply: `u_peak` lower by 0.003 % raises the peak of `Ta` by about 0.09 %. So whoever
 //! changes `u_peak`, or the height of the upstroke, changes the strength of the cell.
 
-use super::ModelError;
+use super::cell_model::ModelError;
 use crate::parameter::{Parameter, ParameterSet};
 use std::f64::consts::PI;
 
@@ -40,13 +40,13 @@ pub(super) fn rows(u_rest: f64, u_peak: f64, source: &'static str) -> Vec<Parame
     ROWS.iter()
         .zip(values)
         .map(|(&(name, unit, minimum, maximum, meaning), (value, source))| Parameter {
-            name,
+            name: name.into(),
             value,
-            unit,
+            unit: unit.into(),
             minimum,
             maximum,
-            meaning,
-            source,
+            meaning: meaning.into(),
+            source: source.into(),
         })
         .collect()
 }
@@ -68,11 +68,14 @@ impl Tension {
     ///
     /// # Errors
     /// A parameter is missing, or `u_peak` is not above `u_rest`.
-    pub fn new(model: &'static str, parameters: &ParameterSet) -> Result<Self, ModelError> {
-        let read = |name| parameters.get(name).ok_or(ModelError::Missing { model, name });
+    pub fn new(model: &str, parameters: &ParameterSet) -> Result<Self, ModelError> {
+        let read = |name| parameters.get(name).ok_or_else(|| ModelError::missing(model, name));
         let (u_rest, u_peak) = (read("u_rest")?, read("u_peak")?);
         if u_peak <= u_rest {
-            return Err(ModelError::PeakNotAboveRest { model, u_rest, u_peak });
+            return Err(ModelError::Contradiction {
+                model: model.to_owned(),
+                reason: format!("u_peak = {u_peak} must be above u_rest = {u_rest}"),
+            });
         }
         Ok(Self {
             c_0: read("c_0")?,

@@ -7,11 +7,28 @@
 //! dTa/dt = (u - Ta) / tau    Ta(t) = a (t / tau) exp(-t / tau)
 //! ```
 
+use super::cell_model::{CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind};
 use super::pacing::Stimulus;
-use super::{CellModel, Input, ModelError};
 use crate::parameter::{Parameter, ParameterSet};
+use std::borrow::Cow;
+use std::sync::Arc;
 
 const NAME: &str = "toy_alpha";
+
+static STATES: [StateVariable; 2] = [
+    StateVariable {
+        name: Cow::Borrowed("u"),
+        unit: Cow::Borrowed(""),
+        start: 0.0,
+        meaning: Cow::Borrowed("potential"),
+    },
+    StateVariable {
+        name: Cow::Borrowed("Ta"),
+        unit: Cow::Borrowed(""),
+        start: 0.0,
+        meaning: Cow::Borrowed("active tension"),
+    },
+];
 
 /// The toy model: two linear equations, one parameter.
 ///
@@ -34,13 +51,13 @@ pub struct ToyModel {
 /// Its parameters: the time constant, 50 ms.
 pub fn parameters() -> ParameterSet {
     ParameterSet::new(vec![Parameter {
-        name: "tau",
+        name: "tau".into(),
         value: 50.0,
-        unit: "ms",
+        unit: "ms".into(),
         minimum: 1e-3,
         maximum: 1e6,
-        meaning: "time constant, and time to peak",
-        source: "chosen for tests",
+        meaning: "time constant, and time to peak".into(),
+        source: "chosen for tests".into(),
     }])
 }
 
@@ -55,7 +72,7 @@ impl ToyModel {
     /// # Errors
     /// The set lacks `tau`.
     pub fn new(parameters: ParameterSet) -> Result<Self, ModelError> {
-        let tau = parameters.get("tau").ok_or(ModelError::Missing { model: NAME, name: "tau" })?;
+        let tau = parameters.get("tau").ok_or_else(|| ModelError::missing(NAME, "tau"))?;
         Ok(Self { parameters, tau })
     }
 
@@ -75,24 +92,20 @@ impl CellModel for ToyModel {
         "Two linear equations with a known tension, for tests; not a heart cell"
     }
 
-    fn citations(&self) -> &'static [&'static str] {
-        &[]
+    fn citations(&self) -> Vec<&str> {
+        Vec::new()
     }
 
     fn parameters(&self) -> &ParameterSet {
         &self.parameters
     }
 
-    fn with_parameters(&self, parameters: ParameterSet) -> Result<Box<dyn CellModel>, ModelError> {
-        Ok(Box::new(Self::new(parameters)?))
+    fn with_parameters(&self, parameters: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
+        Ok(Arc::new(Self::new(parameters)?))
     }
 
-    fn state_names(&self) -> &'static [&'static str] {
-        &["u", "Ta"]
-    }
-
-    fn initial_state(&self) -> Vec<f64> {
-        vec![0.0, 0.0]
+    fn states(&self) -> &[StateVariable] {
+        &STATES
     }
 
     fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
@@ -102,8 +115,8 @@ impl CellModel for ToyModel {
         rates[1] = (state[0] - state[1]) / self.tau;
     }
 
-    fn jump(&self, state: &mut [f64], amplitude: f64) {
-        state[0] += amplitude;
+    fn stimulation(&self) -> Stimulation {
+        Stimulation::of_first_state(Stimulus::Jump { amplitude: 1.0 })
     }
 
     fn potential(&self, state: &[f64]) -> f64 {
@@ -118,12 +131,8 @@ impl CellModel for ToyModel {
         state[1]
     }
 
-    fn published_peak_tension(&self) -> f64 {
+    fn tension_kind(&self) -> TensionKind {
         // a / e, with the amplitude 1 of the default stimulus
-        (-1.0_f64).exp()
-    }
-
-    fn default_stimulus(&self) -> Stimulus {
-        Stimulus::Jump { amplitude: 1.0 }
+        TensionKind::Relative { published_peak: (-1.0_f64).exp() }
     }
 }

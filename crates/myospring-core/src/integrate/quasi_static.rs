@@ -30,9 +30,11 @@
 mod equilibrium;
 mod error;
 mod factor;
+mod field;
 mod shapes;
 
 pub use error::{PathError, Place};
+pub use field::Equilibrium;
 pub use shapes::Shapes;
 
 use crate::mechanics::stiffness::StiffnessMatrix;
@@ -96,21 +98,21 @@ struct Judgement {
 /// assert!(((x[20] - x[0]) / 100.0 - 0.9123).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Path<'a> {
-    solver: Solver<'a>,
-    shapes: Shapes,
+pub struct Path<'a, const D: usize = 2> {
+    solver: Solver<'a, D>,
+    shapes: Shapes<D>,
 }
 
 /// A path is read as its shapes so far are.
-impl Deref for Path<'_> {
-    type Target = Shapes;
+impl<const D: usize> Deref for Path<'_, D> {
+    type Target = Shapes<D>;
 
-    fn deref(&self) -> &Shapes {
+    fn deref(&self) -> &Shapes<D> {
         &self.shapes
     }
 }
 
-impl<'a> Path<'a> {
+impl<'a, const D: usize> Path<'a, D> {
     /// The path from rest to a largest tension in kPa (negative: the active force pushes).
     ///
     /// The body's velocities do not matter; its positions are where mass centre and orientation stay.
@@ -119,8 +121,8 @@ impl<'a> Path<'a> {
     /// Every [`PathError`]: forces for which there is no path, and paths that end before the largest
     /// tension.
     pub fn solve(
-        system: &'a System,
-        body: &'a Body,
+        system: &'a System<D>,
+        body: &'a Body<D>,
         largest_tension: f64,
         tolerance: Tolerance,
     ) -> Result<Self, PathError> {
@@ -134,27 +136,23 @@ impl<'a> Path<'a> {
     /// # Errors
     /// Forces for which there is no path; a body that is unstable under no tension.
     pub fn start(
-        system: &'a System,
-        body: &'a Body,
+        system: &'a System<D>,
+        body: &'a Body<D>,
         tolerance: Tolerance,
     ) -> Result<Self, PathError> {
         check_forces(system, body)?;
-        let extent = body
-            .positions
-            .iter()
-            .map(|axis| {
-                axis.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                    - axis.iter().copied().fold(f64::INFINITY, f64::min)
-            })
-            .fold(0.0, f64::max);
+        let extent = extent(body);
         let mut solver = Solver::new(system, body);
         let rest = solver
             .find(&body.positions, 0.0, tolerance.equilibrium * extent)
             .map_err(|failure| ending(failure, body, [0.0; 2], None))?;
         // Power of the dampings when the shape moves at the rate `slope` per kPa and ms, against the
         // power of its elastic forces: how long a shape takes to follow.
-        let at =
-            Configuration { positions: &rest.positions, velocities: &rest.slope, tension: 0.0 };
+        let at = Configuration {
+            positions: &rest.positions,
+            velocities: &rest.slope,
+            tension: 0.0.into(),
+        };
         let delay =
             if rest.compliance > 0.0 { system.dissipation(&at) / rest.compliance } else { 0.0 };
         if delay > tolerance.longest_delay {
@@ -176,12 +174,12 @@ impl<'a> Path<'a> {
     }
 
     /// A path that goes on from shapes found before for the same forces and body.
-    pub fn resume(system: &'a System, body: &'a Body, shapes: Shapes) -> Self {
+    pub fn resume(system: &'a System<D>, body: &'a Body<D>, shapes: Shapes<D>) -> Self {
         Self { solver: Solver::new(system, body), shapes }
     }
 
     /// The shapes, without the body and its forces.
-    pub fn into_shapes(self) -> Shapes {
+    pub fn into_shapes(self) -> Shapes<D> {
         self.shapes
     }
 
@@ -249,7 +247,7 @@ impl<'a> Path<'a> {
             };
             if let Some(failure) = failure {
                 let Knot { tension, positions, .. } = self.last(side).clone();
-                let place = self.solver.softest_node(&positions, tension).map(|node| {
+                let place = self.solver.softest_node(&positions, tension.into()).map(|node| {
                     let [x, y] = [0, 1].map(|axis| positions[axis][node]);
                     Place { node, x, y }
                 });
@@ -260,18 +258,18 @@ impl<'a> Path<'a> {
     }
 
     /// The farthest equilibrium of a branch.
-    fn last(&self, side: usize) -> &Knot {
+    fn last(&self, side: usize) -> &Knot<D> {
         let branch = &self.branches[side];
         &branch[branch.len() - 1]
     }
 
-    fn find(&mut self, guess: &Vectors, tension: f64) -> Result<(Knot, f64), Failure> {
+    fn find(&mut self, guess: &Vectors<D>, tension: f64) -> Result<(Knot<D>, f64), Failure> {
         let tolerance = self.tolerance.equilibrium * self.extent;
         let found = self.solver.find(guess, tension, tolerance);
         let Rest { positions, slope, corrections, .. } = found?;
         self.shapes.newton_iterations += corrections.len();
         let mut missed = 0.0_f64;
-        for axis in 0..2 {
+        for axis in 0..D {
             for (a, b) in positions[axis].iter().zip(&guess[axis]) {
                 missed = missed.max((a - b).abs());
             }
@@ -281,7 +279,7 @@ impl<'a> Path<'a> {
 
     /// Error of a step against what is allowed; the knots are kept if it is not above 1, or the step
     /// cannot be shorter and the path is not torn.
-    fn judge(&mut self, side: usize, error: f64, shortest: bool, knots: Vec<Knot>) -> Judgement {
+    fn judge(&mut self, side: usize, error: f64, shortest: bool, knots: Vec<Knot<D>>) -> Judgement {
         let Tolerance { interpolation, equilibrium, .. } = self.tolerance;
         // What Newton's method leaves is not the interpolation's to blame.
         let allowed = interpolation.max(10.0 * equilibrium) * self.extent;
@@ -299,7 +297,7 @@ impl<'a> Path<'a> {
     fn first_step(&mut self, side: usize, step: f64, shortest: bool) -> Result<Judgement, Failure> {
         let rest = self.branches[side][0].clone();
         let mut guess = rest.positions.clone();
-        for axis in 0..2 {
+        for axis in 0..D {
             for (x, slope) in guess[axis].iter_mut().zip(&rest.slope[axis]) {
                 *x += step * slope;
             }
@@ -323,9 +321,18 @@ impl<'a> Path<'a> {
     }
 }
 
-fn ending(
+/// Largest extent of a body along an axis, um.
+fn extent<const D: usize>(body: &Body<D>) -> f64 {
+    let along = |axis: &Vec<f64>| {
+        axis.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+            - axis.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    body.positions.iter().map(along).fold(0.0, f64::max)
+}
+
+fn ending<const D: usize>(
     failure: Failure,
-    body: &Body,
+    body: &Body<D>,
     [tension, beyond]: [f64; 2],
     place: Option<Place>,
 ) -> PathError {
@@ -337,9 +344,9 @@ fn ending(
 }
 
 /// Whether the forces are such that the shape depends on the tension alone.
-fn check_forces(system: &System, body: &Body) -> Result<(), PathError> {
+fn check_forces<const D: usize>(system: &System<D>, body: &Body<D>) -> Result<(), PathError> {
     let still = zeros(body.len());
-    let at = Configuration { positions: &body.positions, velocities: &still, tension: 1.0 };
+    let at = Configuration { positions: &body.positions, velocities: &still, tension: 1.0.into() };
     // A mass centre at rest takes from outer forces what moves the body, and that has no energy.
     let held = system.support != Support::MassCentre;
     let mut stiffness = StiffnessMatrix::new(body.len());

@@ -18,9 +18,8 @@
 //! see the half-step velocity `(x_{n+1} - x_n)/dt`, the last one known when `f_{n+1}` is computed.
 //! One force evaluation a step; the first half-kick uses the force at the start.
 
-use crate::mechanics::stencil::{Poisoned, Stencil, Units};
-use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
-use crate::mesh::Lattice;
+use super::stepper::{Poisoned, Stepper};
+use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
 use serde::Serialize;
 
 /// Which form of Verlet's method moves the masses.
@@ -38,140 +37,123 @@ impl Integrator {
     pub const ALL: [Self; 2] = [Self::StoermerVerlet, Self::VelocityVerlet];
 }
 
-/// A body in motion under a system of forces.
-pub struct Motion<'a> {
-    system: &'a System,
+/// A body in motion under a system of forces, by plain loops over all laws.
+///
+/// # Example
+/// ```
+/// use myospring::integrate::verlet::{Integrator, Motion};
+/// use myospring::mechanics::{Body, System, drag::Drag, spring::Springs, support::Support, zeros};
+/// // Two masses of 1 ug on a spring of 2 nN/um, 1 um apart and pulled apart by 0.1 um: period pi ms.
+/// let springs = Springs::new(vec![[0, 1]], vec![2.0], vec![1.0], vec![0.0]);
+/// let masses = vec![1.0; 2];
+/// let body = Body { positions: [vec![0.0, 1.1], vec![0.0; 2]], velocities: zeros(2), masses: masses.clone() };
+/// let system = System {
+///     passive: vec![Box::new(springs)],
+///     active: vec![],
+///     drag: Drag { rate: 0.0, masses },
+///     support: Support::Free,
+/// };
+/// let step = std::f64::consts::PI / 1000.0;
+/// let mut motion = Motion::new(&system, body, Integrator::StoermerVerlet, step);
+/// motion.advance(500, [0.0; 2])?;
+/// let [x, _] = &motion.body.positions;
+/// assert!((x[1] - x[0] - 0.9).abs() < 1e-5);
+/// # Ok::<(), myospring::integrate::stepper::Poisoned>(())
+/// ```
+pub struct Motion<'a, const D: usize = 2> {
+    system: &'a System<D>,
     integrator: Integrator,
     /// The body; its velocities belong to the same time as its positions.
-    pub body: Body,
+    pub body: Body<D>,
     time_step: f64,
     /// 1/m of each mass: a division in the hot loop costs more than the rest of it.
     inverse_masses: Vec<f64>,
-    forces: Vectors,
-    /// Velocities at the last half step; at the start those of the body.
-    half_velocities: Vectors,
-    /// Positions one step before, for Stoermer-Verlet.
-    previous: Vectors,
-    /// Steps made so far.
-    steps: u64,
-    kernel: Option<Stencil>,
+    state: State<D>,
+    mark: Option<(Body<D>, State<D>)>,
+    /// Tensions of the triangles during a step.
+    tensions: Vec<f64>,
     /// Whether [`Motion::advance`] has begun and not come to its end.
     under_way: bool,
 }
 
-impl<'a> Motion<'a> {
+/// What a method remembers from step to step, besides the body.
+#[derive(Clone)]
+struct State<const D: usize> {
+    forces: Vectors<D>,
+    /// Velocities at the last half step; at the start those of the body.
+    half_velocities: Vectors<D>,
+    /// Positions one step before, for Stoermer-Verlet.
+    previous: Vectors<D>,
+    /// Steps made so far.
+    steps: u64,
+}
+
+impl<'a, const D: usize> Motion<'a, D> {
     /// A body about to move with a fixed time step in ms, no larger than the stability limit
     /// ([`crate::mechanics::stability::StabilityLimit`]).
-    pub fn new(system: &'a System, body: Body, integrator: Integrator, time_step: f64) -> Self {
-        let count = body.len();
-        let half_velocities = body.velocities.clone();
-        let previous = body.positions.clone();
-        let inverse_masses = body.masses.iter().map(|mass| 1.0 / mass).collect();
+    pub fn new(
+        system: &'a System<D>,
+        body: Body<D>,
+        integrator: Integrator,
+        time_step: f64,
+    ) -> Self {
         Self {
             system,
             integrator,
-            body,
             time_step,
-            inverse_masses,
-            forces: zeros(count),
-            half_velocities,
-            previous,
-            steps: 0,
-            kernel: None,
+            inverse_masses: body.masses.iter().map(|mass| 1.0 / mass).collect(),
+            state: State {
+                forces: zeros(body.len()),
+                half_velocities: body.velocities.clone(),
+                previous: body.positions.clone(),
+                steps: 0,
+            },
+            body,
+            mark: None,
+            tensions: Vec::new(),
             under_way: false,
         }
     }
 
-    /// Lets the fused kernel ([`crate::mechanics::stencil`]) make the steps on at most so many threads,
-    /// if it knows all forces; otherwise the motion stays with the sum of the forces, which gives the
-    /// same to rounding. From the first step on the body is only to be read.
-    #[must_use]
-    pub fn on_lattice(self, lattice: &Lattice, threads: usize) -> Self {
-        self.on_lattice_with(lattice, threads, Units::best())
-    }
-
-    /// As [`Motion::on_lattice`], with vector units of one's choice.
-    #[must_use]
-    pub fn on_lattice_with(mut self, lattice: &Lattice, threads: usize, units: Units) -> Self {
-        self.kernel =
-            Stencil::new(self.system, &self.body, lattice, self.time_step, threads, units);
-        self
-    }
-
-    /// Whether the fused kernel makes the steps.
-    pub fn is_fused(&self) -> bool {
-        self.kernel.is_some()
-    }
-
-    /// The time step, ms.
-    pub fn time_step(&self) -> f64 {
-        self.time_step
+    /// As [`Stepper::advance`]; numbers are tensions in kPa everywhere.
+    ///
+    /// # Errors
+    /// If a panic has interrupted this or an earlier call.
+    pub fn advance<'t>(
+        &mut self,
+        steps: usize,
+        tensions: [impl Into<Tension<'t>>; 2],
+    ) -> Result<(), Poisoned> {
+        Stepper::advance(self, steps, tensions.map(Into::into))
     }
 
     /// Velocities at the last half step, um/ms: those that the dashpots have seen.
-    pub fn half_velocities(&self) -> &Vectors {
-        &self.half_velocities
+    pub fn half_velocities(&self) -> &Vectors<D> {
+        &self.state.half_velocities
     }
 
-    /// Steps made so far.
-    pub fn steps(&self) -> u64 {
-        self.steps
+    /// What the fused kernel sets when it has made steps: the body, its velocities at the last half step, and
+    /// how many steps.
+    pub(super) fn moved_by(&mut self, steps: u64) -> (&mut Body<D>, &mut Vectors<D>) {
+        self.state.steps += steps;
+        (&mut self.body, &mut self.state.half_velocities)
     }
 
-    /// Moves `steps` steps on, while the tension (kPa) goes linearly from `tensions[0]` to
-    /// `tensions[1]`.
-    ///
-    /// # Errors
-    /// If a panic, of a force or of a thread, has interrupted this or an earlier call: the body then
-    /// stands between two steps.
-    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
-        if std::mem::replace(&mut self.under_way, true) {
-            return Err(Poisoned);
-        }
-        if self.kernel.is_some() {
-            self.advance_fused(steps, tensions)?;
-        } else {
-            self.advance_plainly(steps, tensions);
-        }
-        self.under_way = false;
-        Ok(())
-    }
-
-    fn advance_fused(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
-        let mut start = tensions[0];
-        let mut steps_left = steps;
-        if self.steps == 0 && steps > 0 {
-            // The first step of all starts from velocities at the full step.
-            start += (tensions[1] - tensions[0]) / steps as f64;
-            self.advance_plainly(1, [tensions[0], start]);
-            steps_left -= 1;
-            if let Some(kernel) = &mut self.kernel {
-                kernel.put(&self.body.positions, &self.half_velocities);
-            }
-        }
-        if let Some(kernel) = &mut self.kernel {
-            kernel.advance(steps_left, [start, tensions[1]])?;
-            let body = &mut self.body;
-            kernel.read_half_step(&mut body.positions, &mut self.half_velocities);
-            kernel.read_velocities(tensions[1], &mut body.velocities)?;
-            self.steps += steps_left as u64;
-        }
-        Ok(())
-    }
-
-    fn advance_plainly(&mut self, steps: usize, tensions: [f64; 2]) {
-        if self.steps == 0 {
+    fn step_on(&mut self, steps: usize, tensions: [Tension<'_>; 2]) {
+        if self.state.steps == 0 {
             self.evaluate(tensions[0]);
         }
+        let mut buffer = std::mem::take(&mut self.tensions);
         for step in 1..=steps {
             let part = step as f64 / steps as f64;
-            let tension = tensions[0] + (tensions[1] - tensions[0]) * part;
+            let tension = Tension::between(tensions, part, &mut buffer);
             match self.integrator {
                 Integrator::VelocityVerlet => self.velocity_verlet_step(tension),
                 Integrator::StoermerVerlet => self.stoermer_verlet_step(tension),
             }
-            self.steps += 1;
+            self.state.steps += 1;
         }
+        self.tensions = buffer;
         if self.integrator == Integrator::StoermerVerlet {
             // Eq. (17) without waiting for the next step: put Eq. (16) for x_{n+1} into it.
             self.last_half_kick();
@@ -179,22 +161,22 @@ impl<'a> Motion<'a> {
     }
 
     /// Forces at the present positions, dashpots at the half-step velocities.
-    fn evaluate(&mut self, tension: f64) {
+    fn evaluate(&mut self, tension: Tension<'_>) {
         let at = Configuration {
             positions: &self.body.positions,
-            velocities: &self.half_velocities,
+            velocities: &self.state.half_velocities,
             tension,
         };
-        self.system.sum_forces(&at, &mut self.forces);
-        self.system.constrain(&self.body.positions, &self.body.masses, &mut self.forces);
+        self.system.sum_forces(&at, &mut self.state.forces);
+        self.system.constrain(&self.body.positions, &self.body.masses, &mut self.state.forces);
     }
 
-    fn velocity_verlet_step(&mut self, tension: f64) {
+    fn velocity_verlet_step(&mut self, tension: Tension<'_>) {
         let (dt, half_drag) = (self.time_step, 0.5 * self.time_step * self.system.drag.rate);
         let inverse_masses = &self.inverse_masses;
-        for axis in 0..2 {
-            let force = &self.forces[axis];
-            let half = &mut self.half_velocities[axis];
+        for axis in 0..D {
+            let force = &self.state.forces[axis];
+            let half = &mut self.state.half_velocities[axis];
             let velocity = &self.body.velocities[axis];
             let position = &mut self.body.positions[axis];
             for i in 0..inverse_masses.len() {
@@ -212,8 +194,8 @@ impl<'a> Motion<'a> {
         let (dt, half_drag) = (self.time_step, 0.5 * self.time_step * self.system.drag.rate);
         let slowing = 1.0 / (1.0 + half_drag);
         let inverse_masses = &self.inverse_masses;
-        for axis in 0..2 {
-            let (force, half) = (&self.forces[axis], &self.half_velocities[axis]);
+        for axis in 0..D {
+            let (force, half) = (&self.state.forces[axis], &self.state.half_velocities[axis]);
             let velocity = &mut self.body.velocities[axis];
             for i in 0..inverse_masses.len() {
                 velocity[i] = (half[i] + 0.5 * dt * force[i] * inverse_masses[i]) * slowing;
@@ -221,15 +203,16 @@ impl<'a> Motion<'a> {
         }
     }
 
-    fn stoermer_verlet_step(&mut self, tension: f64) {
+    fn stoermer_verlet_step(&mut self, tension: Tension<'_>) {
         let (dt, half_drag) = (self.time_step, 0.5 * self.time_step * self.system.drag.rate);
         let inverse_masses = &self.inverse_masses;
         let (slowing, per_step) = (1.0 / (1.0 + half_drag), 1.0 / dt);
-        let first = self.steps == 0;
-        for axis in 0..2 {
-            let force = &self.forces[axis];
-            let half = &mut self.half_velocities[axis];
-            let (position, previous) = (&mut self.body.positions[axis], &mut self.previous[axis]);
+        let State { forces, half_velocities, previous, steps } = &mut self.state;
+        let first = *steps == 0;
+        for axis in 0..D {
+            let force = &forces[axis];
+            let half = &mut half_velocities[axis];
+            let (position, previous) = (&mut self.body.positions[axis], &mut previous[axis]);
             let velocity = &self.body.velocities[axis];
             for i in 0..inverse_masses.len() {
                 let now = position[i];
@@ -247,5 +230,39 @@ impl<'a> Motion<'a> {
             }
         }
         self.evaluate(tension);
+    }
+}
+
+impl<const D: usize> Stepper<D> for Motion<'_, D> {
+    fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), Poisoned> {
+        if std::mem::replace(&mut self.under_way, true) {
+            return Err(Poisoned);
+        }
+        self.step_on(steps, tensions);
+        self.under_way = false;
+        Ok(())
+    }
+
+    fn body(&self) -> &Body<D> {
+        &self.body
+    }
+
+    fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    fn steps(&self) -> u64 {
+        self.state.steps
+    }
+
+    fn mark(&mut self) {
+        self.mark = Some((self.body.clone(), self.state.clone()));
+    }
+
+    fn back(&mut self) {
+        if let Some((body, state)) = &self.mark {
+            self.body.clone_from(body);
+            self.state.clone_from(state);
+        }
     }
 }

@@ -14,13 +14,23 @@
 //! Because `F` is linear in the positions, `f = -Ta K x` with a constant, sparse, symmetric matrix
 //! `K_ij = sum V0 (grad N_i . f0)(grad N_j . f0)` whose rows sum to zero. It lives on the edges of
 //! the triangles: on each edge a weight, as cheap as a spring without its square root.
+//!
+//! A triangle with the relative content c of myofibrils bears `c Ta`: it counts as c times its volume.
+//! Where the tension differs from place to place ([`Tension::PerElement`]) the sum runs over the triangles:
+//! `f_i = -V0 Ta a (grad N_i . f0)` with `a = F f0 = sum x_i (grad N_i . f0)`, whose length is the
+//! stretch. Where it follows the triangle's stretch and rate ([`Tension::Following`]), `E = sum V0 int Ta
+//! stretch d(stretch)` at rest, and motion takes the power `sum V0 c rate^2 stretch`, c the derivative of
+//! the tension with respect to the rate.
 
+use super::force::{Configuration, Force, Vectors};
+use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
-use super::stencil::LatticeTerms;
-use super::stiffness::StiffnessMatrix;
-use super::{Configuration, Force, Vectors};
-use crate::mesh::Mesh;
+use super::stiffness::{Block, StiffnessMatrix};
+use super::tension::Tension;
+use crate::mesh::{Mesh, simplex};
 use serde::Serialize;
+use std::any::Any;
+use std::array::from_fn;
 use std::collections::HashMap;
 
 /// Which law carries the active tension.
@@ -33,47 +43,171 @@ pub enum ActiveLaw {
     Ends,
 }
 
+/// Where the myofibrils of a mesh run, and how many there are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Myofibrils<'a, const D: usize = 2> {
+    /// Their direction in each triangle, unit vectors.
+    pub directions: &'a [[f64; D]],
+    /// Their content in each triangle relative to that of the cell, a pure number; `None` is 1 everywhere.
+    pub content: Option<&'a [f64]>,
+}
+
+impl<'a, const D: usize> From<&'a [[f64; D]]> for Myofibrils<'a, D> {
+    fn from(directions: &'a [[f64; D]]) -> Self {
+        Self { directions, content: None }
+    }
+}
+
+impl<'a, const D: usize> From<&'a Vec<[f64; D]>> for Myofibrils<'a, D> {
+    fn from(directions: &'a Vec<[f64; D]>) -> Self {
+        Self { directions, content: None }
+    }
+}
+
+/// Reads the stretch of each triangle of a mesh along its fibre.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FibreStretch<const D: usize = 2, const N: usize = 3> {
+    nodes: Vec<[u32; N]>,
+    /// `grad N_i . f0`, 1/um.
+    along: Vec<[f64; N]>,
+}
+
+impl<const D: usize, const N: usize> FibreStretch<D, N> {
+    /// For fibres in these unit directions, one per triangle.
+    ///
+    /// # Panics
+    /// If there is not one direction per triangle.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mechanics::active::FibreStretch;
+    /// use myospring::mesh::lattice;
+    /// let strip = lattice::rectangle(2, 1, 1.0)?;
+    /// let meter = FibreStretch::new(&strip, &vec![[1.0, 0.0]; 8]);
+    /// let shorter = [strip.points[0].iter().map(|x| 0.9 * x).collect(), strip.points[1].clone()];
+    /// assert!(meter.stretches(&shorter).iter().all(|stretch| (stretch - 0.9).abs() < 1e-12));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(mesh: &Mesh<D, N>, directions: &[[f64; D]]) -> Self {
+        assert_eq!(directions.len(), mesh.simplices.len(), "one fibre direction per triangle");
+        let nodes: Vec<[u32; N]> = mesh.simplices.iter().map(|simplex| simplex.nodes).collect();
+        let along = nodes.iter().zip(directions).map(|(nodes, fibre)| {
+            let corners = nodes.map(|node| mesh.point(node as usize));
+            let content = simplex::content(&corners);
+            simplex::content_gradients(&corners).map(|gradient| {
+                let parts = gradient.iter().zip(fibre).map(|(g, f)| g / content * f);
+                parts.reduce(|sum, part| sum + part).unwrap_or_default()
+            })
+        });
+        Self { along: along.collect(), nodes }
+    }
+
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The fibre's unit vector as the triangle has turned and stretched it, `F f0`; of velocities its rate.
+    fn fibre(&self, element: usize, vectors: &Vectors<D>) -> [f64; D] {
+        let (nodes, along) = (self.nodes[element], self.along[element]);
+        let first = nodes[0] as usize;
+        from_fn(|axis| {
+            let of = &vectors[axis];
+            (1..N).map(|i| (of[nodes[i] as usize] - of[first]) * along[i]).sum()
+        })
+    }
+
+    /// `F f0`, the stretch, and its rate, 1/ms.
+    fn read(&self, element: usize, at: &Configuration<'_, D>) -> ([f64; D], f64, f64) {
+        let fibre = self.fibre(element, at.positions);
+        let stretch = length(fibre);
+        let rate = dot(fibre, self.fibre(element, at.velocities)) / stretch;
+        (fibre, stretch, rate)
+    }
+
+    /// Stretch of each triangle along its fibre, length over resting length.
+    pub fn stretches(&self, positions: &Vectors<D>) -> Vec<f64> {
+        (0..self.len()).map(|element| length(self.fibre(element, positions))).collect()
+    }
+
+    /// Rate of that stretch, 1/ms.
+    pub fn rates(&self, positions: &Vectors<D>, velocities: &Vectors<D>) -> Vec<f64> {
+        let at = Configuration { positions, velocities, tension: 0.0.into() };
+        (0..self.len()).map(|element| self.read(element, &at).2).collect()
+    }
+}
+
 /// Active tension along a fibre field.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FibreTension {
+pub struct FibreTension<const D: usize = 2, const N: usize = 3> {
     edges: Vec<[u32; 2]>,
     /// Minus the matrix element `K_ij` of each edge, um.
     weights: Vec<f64>,
     runs: Vec<Run<2>>,
+    stretch: FibreStretch<D, N>,
+    /// Resting volume of each triangle times its content of myofibrils, um^3.
+    volumes: Vec<f64>,
 }
 
-impl FibreTension {
-    /// Fibres in the unit directions `fibres`, one per triangle of the mesh; thickness in um.
+impl<const D: usize, const N: usize> FibreTension<D, N> {
+    /// Myofibrils of a mesh, or unit vectors, one per triangle; thickness in um, with three axes 1.
     ///
     /// # Panics
-    /// If there is not one direction per triangle.
-    pub fn new(mesh: &Mesh, fibres: &[[f64; 2]], thickness: f64) -> Self {
-        assert_eq!(fibres.len(), mesh.simplices.len(), "one fibre direction per triangle");
+    /// If there is not one direction, or one content where they are given, per triangle.
+    pub fn new<'a>(
+        mesh: &Mesh<D, N>,
+        myofibrils: impl Into<Myofibrils<'a, D>>,
+        thickness: f64,
+    ) -> Self {
+        let Myofibrils { directions, content } = myofibrils.into();
+        let stretch = FibreStretch::new(mesh, directions);
+        let content = content.unwrap_or(&[]);
+        assert!(
+            content.is_empty() || content.len() == mesh.simplices.len(),
+            "one content of myofibrils per triangle"
+        );
         let mut edges: Vec<[u32; 2]> = mesh.springs.iter().map(|spring| spring.nodes).collect();
         let mut index: HashMap<[u32; 2], usize> =
             edges.iter().enumerate().map(|(edge, &[a, b])| ([a.min(b), a.max(b)], edge)).collect();
         let mut weights = vec![0.0; edges.len()];
-        for (simplex, fibre) in mesh.simplices.iter().zip(fibres) {
-            let (area, gradients) = shape_gradients(&mesh.points, simplex.nodes);
-            let volume = simplex.weight * area * thickness;
-            let along = gradients.map(|gradient| gradient[0] * fibre[0] + gradient[1] * fibre[1]);
-            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-                let (a, b) = (simplex.nodes[i], simplex.nodes[j]);
-                let edge = *index.entry([a.min(b), a.max(b)]).or_insert_with(|| {
-                    edges.push([a, b]);
-                    weights.push(0.0);
-                    edges.len() - 1
-                });
-                weights[edge] -= volume * along[i] * along[j];
+        let mut volumes = Vec::with_capacity(mesh.simplices.len());
+        for (element, simplex) in mesh.simplices.iter().enumerate() {
+            let area = simplex::content_at(&mesh.points, simplex.nodes);
+            let content = content.get(element).copied().unwrap_or(1.0);
+            let volume = simplex.weight * area * thickness * content;
+            let along = stretch.along[element];
+            for i in 0..N {
+                for j in i + 1..N {
+                    // Around the simplex: the last edge leads from its last corner to its first.
+                    let (i, j) = if j - i == N - 1 { (j, i) } else { (i, j) };
+                    let (a, b) = (simplex.nodes[i], simplex.nodes[j]);
+                    let edge = *index.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                        edges.push([a, b]);
+                        weights.push(0.0);
+                        edges.len() - 1
+                    });
+                    weights[edge] -= volume * along[i] * along[j];
+                }
             }
+            volumes.push(volume);
         }
         let runs = runs::find(&edges);
-        Self { edges, weights, runs }
+        Self { edges, weights, runs, stretch, volumes }
+    }
+
+    /// The same fibre direction everywhere: a unit vector.
+    pub fn uniform(mesh: &Mesh<D, N>, fibre: [f64; D], thickness: f64) -> Self {
+        Self::new(mesh, &vec![fibre; mesh.simplices.len()], thickness)
     }
 
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "it must be compiled anew for each vector unit")]
-    fn add(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+    fn add_uniform(&self, tension: f64, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
         let mut buffer = [0.0; LONGEST];
         for &Run { nodes: [a, b], first, len } in &self.runs {
             let weights = &self.weights[first..first + len];
@@ -81,7 +215,7 @@ impl FibreTension {
             for (position, force) in at.positions.iter().zip(forces.iter_mut()) {
                 let (from, to) = (&position[a..a + len], &position[b..b + len]);
                 for k in 0..len {
-                    buffer[k] = at.tension * weights[k] * (to[k] - from[k]);
+                    buffer[k] = tension * weights[k] * (to[k] - from[k]);
                 }
                 runs::add(force, a, buffer);
                 runs::subtract(force, b, buffer);
@@ -89,38 +223,33 @@ impl FibreTension {
         }
     }
 
-    /// The same fibre direction everywhere: a unit vector.
-    pub fn uniform(mesh: &Mesh, fibre: [f64; 2], thickness: f64) -> Self {
-        Self::new(mesh, &vec![fibre; mesh.simplices.len()], thickness)
-    }
-}
-
-/// Area of a triangle and the gradients of its three linear shape functions, 1/um.
-fn shape_gradients(points: &Vectors, nodes: [u32; 3]) -> (f64, [[f64; 2]; 3]) {
-    let corners = nodes.map(|node| [points[0][node as usize], points[1][node as usize]]);
-    let area = super::area::signed_area(points, nodes);
-    let gradient = |i: usize| {
-        let (next, last) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
-        [(next[1] - last[1]) / (2.0 * area), (last[0] - next[0]) / (2.0 * area)]
-    };
-    (area, [gradient(0), gradient(1), gradient(2)])
-}
-
-impl Force for FibreTension {
-    fn name(&self) -> &'static str {
-        "fibre tension"
-    }
-
-    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
-        vectorised(
-            #[inline(always)]
-            || self.add(at, forces),
-        );
+    /// Triangle by triangle, for tensions that differ.
+    fn add_by_element(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
+        for (element, volume) in self.volumes.iter().enumerate() {
+            let (nodes, along) = (self.stretch.nodes[element], self.stretch.along[element]);
+            let (fibre, tension) = match at.tension {
+                Tension::Following(law) => {
+                    let (fibre, stretch, rate) = self.stretch.read(element, at);
+                    (fibre, law.at(element, stretch, rate))
+                }
+                tension => (self.stretch.fibre(element, at.positions), tension.at(element)),
+            };
+            let [first, others @ ..] = &nodes[..] else { return };
+            for axis in 0..D {
+                let load = volume * tension * fibre[axis];
+                let force = &mut forces[axis];
+                let mut rest = 0.0;
+                for (node, along) in others.iter().zip(&along[1..]) {
+                    force[*node as usize] -= load * along;
+                    rest += load * along;
+                }
+                force[*first as usize] += rest;
+            }
+        }
     }
 
-    fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
-        // (Ta/2) x.K x = (Ta/2) sum over edges of -K_ij |x_i - x_j|^2
-        let [x, y] = at.positions;
+    /// `sum -K_ij |x_i - x_j|^2 / 2` over the edges, fJ per kPa.
+    fn energy_per_tension(&self, positions: &Vectors<D>) -> f64 {
         let mut total = 0.0;
         vectorised(
             #[inline(always)]
@@ -128,35 +257,132 @@ impl Force for FibreTension {
                 let mut buffer = [0.0; LONGEST];
                 for &Run { nodes: [a, b], first, len } in &self.runs {
                     let weights = &self.weights[first..first + len];
-                    let (xa, xb) = (&x[a..a + len], &x[b..b + len]);
-                    let (ya, yb) = (&y[a..a + len], &y[b..b + len]);
+                    let [from, to]: [[&[f64]; D]; 2] =
+                        [a, b].map(|node| from_fn(|axis| &positions[axis][node..node + len]));
                     let values = &mut buffer[..len];
                     for (k, value) in values.iter_mut().enumerate() {
-                        let (dx, dy) = (xb[k] - xa[k], yb[k] - ya[k]);
-                        *value = weights[k] * (dx * dx + dy * dy);
+                        let l: [f64; D] = from_fn(|axis| to[axis][k] - from[axis][k]);
+                        *value = weights[k] * dot(l, l);
                     }
                     total += runs::sum(values);
                 }
             },
         );
-        Some(0.5 * at.tension * total)
+        total
     }
 
-    fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
-        for (nodes, weight) in self.edges.iter().zip(&self.weights) {
-            let [a, b] = nodes.map(|node| node as usize);
-            // f = -Ta K x
-            let value = at.tension * weight;
-            stiffness.add_pair(a, b, [[value, 0.0], [0.0, value]]);
+    /// `V0 (Ta (grad N_i . f0)(grad N_j . f0) + dTa/d(stretch) a (x) a / stretch ...)` of one triangle.
+    fn add_stiffness_of(
+        &self,
+        element: usize,
+        [tension, slope]: [f64; 2],
+        positions: &Vectors<D>,
+        stiffness: &mut StiffnessMatrix<D>,
+    ) {
+        let (nodes, along) = (self.stretch.nodes[element], self.stretch.along[element]);
+        let fibre = self.stretch.fibre(element, positions);
+        let rise = if slope == 0.0 { 0.0 } else { slope / length(fibre) };
+        let volume = self.volumes[element];
+        let block: Block<D> = from_fn(|i| {
+            from_fn(|j| volume * (f64::from(i == j) * tension + rise * fibre[i] * fibre[j]))
+        });
+        for i in 0..N {
+            for j in i..N {
+                let part = along[i] * along[j];
+                let block = block.map(|row| row.map(|value| value * part));
+                stiffness.add(nodes[i] as usize, nodes[j] as usize, block);
+            }
+        }
+    }
+}
+
+fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    let mut sum = a[0] * b[0];
+    for axis in 1..D {
+        sum += a[axis] * b[axis];
+    }
+    sum
+}
+
+fn length<const D: usize>(vector: [f64; D]) -> f64 {
+    dot(vector, vector).sqrt()
+}
+
+impl<const D: usize, const N: usize> Force<D> for FibreTension<D, N> {
+    fn name(&self) -> &'static str {
+        "fibre tension"
+    }
+
+    fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
+        match at.tension {
+            Tension::Uniform(tension) => vectorised(
+                #[inline(always)]
+                || self.add_uniform(tension, at, forces),
+            ),
+            Tension::PerElement(_) | Tension::Following(_) => self.add_by_element(at, forces),
+        }
+    }
+
+    fn energy(&self, at: &Configuration<'_, D>) -> Option<f64> {
+        let elements = 0..self.volumes.len();
+        let stretch = |element| length(self.stretch.fibre(element, at.positions));
+        Some(match at.tension {
+            // (Ta/2) x.K x
+            Tension::Uniform(tension) => 0.5 * tension * self.energy_per_tension(at.positions),
+            Tension::PerElement(tensions) => {
+                elements.map(|e| 0.5 * self.volumes[e] * tensions[e] * stretch(e).powi(2)).sum()
+            }
+            // Ta = t + k s gives V0 (t s^2/2 + k s^3/3)
+            Tension::Following(law) => elements
+                .map(|e| {
+                    let (slope, s) = (law.per_stretch[e], stretch(e));
+                    let base = law.at(e, 0.0, 0.0);
+                    self.volumes[e] * (base * s * s / 2.0 + slope * s.powi(3) / 3.0)
+                })
+                .sum(),
+        })
+    }
+
+    fn dissipation(&self, at: &Configuration<'_, D>) -> f64 {
+        let Tension::Following(law) = at.tension else { return 0.0 };
+        let one = |element: usize| {
+            let (_, stretch, rate) = self.stretch.read(element, at);
+            self.volumes[element] * law.per_rate[element] * rate * rate * stretch
+        };
+        (0..self.volumes.len()).map(one).sum()
+    }
+
+    fn add_stiffness(&self, at: &Configuration<'_, D>, stiffness: &mut StiffnessMatrix<D>) -> bool {
+        match at.tension {
+            Tension::Uniform(tension) => {
+                for (nodes, weight) in self.edges.iter().zip(&self.weights) {
+                    let [a, b] = nodes.map(|node| node as usize);
+                    // f = -Ta K x
+                    let value = tension * weight;
+                    let block = from_fn(|i| from_fn(|j| if i == j { value } else { 0.0 }));
+                    stiffness.add_pair(a, b, block);
+                }
+            }
+            Tension::PerElement(tensions) => {
+                for (element, tension) in tensions.iter().enumerate() {
+                    self.add_stiffness_of(element, [*tension, 0.0], at.positions, stiffness);
+                }
+            }
+            Tension::Following(law) => {
+                for element in 0..self.volumes.len() {
+                    let stretch = length(self.stretch.fibre(element, at.positions));
+                    let tension = [law.at(element, stretch, 0.0), law.per_stretch[element]];
+                    self.add_stiffness_of(element, tension, at.positions, stiffness);
+                }
+            }
         }
         true
     }
 
-    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
-        self.edges
-            .iter()
-            .zip(&self.weights)
-            .all(|(&nodes, &weight)| terms.add_tension(nodes, weight))
+    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+        // Of a flat mesh only.
+        let flat = (self as &dyn Any).is::<FibreTension>();
+        flat.then_some(LatticeLaw::Tension { nodes: &self.edges, weights: &self.weights })
     }
 
     fn is_internal(&self) -> bool {
@@ -173,7 +399,8 @@ pub struct EndTension {
 }
 
 impl EndTension {
-    /// Loads both ends of the cell along the unit vector `axis`; thickness in um.
+    /// Loads both ends of the cell along the unit vector `axis`; thickness in um. The law knows one tension for
+    /// the whole cell; under any other it has no numbers.
     ///
     /// The rim edges that face an end within the outer tenth of the length carry `Ta thickness`
     /// times their length across the axis, shared by their two nodes, so the resultant on an end
@@ -238,9 +465,10 @@ impl Force for EndTension {
     }
 
     fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+        let tension = at.tension.uniform().unwrap_or(f64::NAN);
         for &(node, load) in &self.loads {
             for axis in 0..2 {
-                forces[axis][node] += at.tension * load * self.axis[axis];
+                forces[axis][node] += tension * load * self.axis[axis];
             }
         }
     }
@@ -249,7 +477,7 @@ impl Force for EndTension {
         let one = |&(node, load): &(usize, f64)| {
             load * (0..2).map(|axis| at.positions[axis][node] * self.axis[axis]).sum::<f64>()
         };
-        Some(-at.tension * self.loads.iter().map(one).sum::<f64>())
+        Some(-at.tension.uniform()? * self.loads.iter().map(one).sum::<f64>())
     }
 
     fn is_internal(&self) -> bool {

@@ -13,7 +13,7 @@
 //!   pulls at feel each other and `b` is an effective value (`banerjee_marchetti_2012`). Displacements
 //!   decay from the cell's ends over `sqrt(E w/b)`, with the cell's Young's modulus and thickness.
 //! - [`Anchors::spring_held_ends`]: an auxotonic contraction between two elastic fibres. At each end
-//!   the nodes of the outer twentieth of the length ([`END_PART`](super::support::END_PART)), where the fibre is attached, share
+//!   the nodes of the outer twentieth of the length ([`END_PART`](super::ends::END_PART)), where the fibre is attached, share
 //!   its stiffness in proportion to their areas, so the fibre's force is stiffness times mean
 //!   displacement. A round cantilever that stands on the plane of the picture, as a carbon fibre does, bends
 //!   equally in both of its directions, so the springs do, too. They are slack when the cell rests.
@@ -21,29 +21,32 @@
 //! Soft springs let the whole cell swing slowly on them: by numerical mass and drag its place, not its
 //! shape, lags in a run in time. A path of equilibria knows no such lag.
 
-use super::stencil::LatticeTerms;
+use super::ends::end_nodes;
+use super::force::{Configuration, Force, Vectors};
+use super::lattice_law::LatticeLaw;
 use super::stiffness::StiffnessMatrix;
-use super::support::end_nodes;
-use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
+use std::any::Any;
 
 /// Nodes tied to their resting places.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Anchors {
+pub struct Anchors<const D: usize = 2> {
     name: &'static str,
-    springs: Vec<Anchor>,
+    springs: Vec<Anchor<D>>,
 }
 
+/// A spring of no length from a node to a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Anchor {
-    node: usize,
-    /// um.
-    place: [f64; 2],
+pub struct Anchor<const D: usize = 2> {
+    /// The node.
+    pub node: usize,
+    /// The place, um.
+    pub place: [f64; D],
     /// nN/um.
-    stiffness: f64,
+    pub stiffness: f64,
 }
 
-impl Anchors {
+impl<const D: usize> Anchors<D> {
     /// A bed of this stiffness (kPa/um) under the whole mesh.
     ///
     /// # Example
@@ -58,13 +61,17 @@ impl Anchors {
     /// assert!((bed.energy(&body.configuration(0.0)).unwrap() - 20.0).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn elastic_bed(mesh: &Mesh, stiffness: f64) -> Self {
+    pub fn elastic_bed<const N: usize>(mesh: &Mesh<D, N>, stiffness: f64) -> Self {
         Self::new("elastic bed", mesh, 0..mesh.len(), |area| stiffness * area)
     }
 
     /// Springs of this stiffness (nN/um) at either end of a mesh whose long axis is the unit vector
     /// `axis`.
-    pub fn spring_held_ends(mesh: &Mesh, axis: [f64; 2], stiffness: f64) -> Self {
+    pub fn spring_held_ends<const N: usize>(
+        mesh: &Mesh<D, N>,
+        axis: [f64; D],
+        stiffness: f64,
+    ) -> Self {
         let mut both = Self { name: "spring-held ends", springs: Vec::new() };
         for nodes in end_nodes(mesh, axis) {
             let whole: f64 = nodes.iter().map(|&node| mesh.areas[node]).sum();
@@ -74,28 +81,28 @@ impl Anchors {
         both
     }
 
-    fn new(
+    fn new<const N: usize>(
         name: &'static str,
-        mesh: &Mesh,
+        mesh: &Mesh<D, N>,
         nodes: impl IntoIterator<Item = usize>,
         stiffness: impl Fn(f64) -> f64,
     ) -> Self {
         let anchor = |node: usize| Anchor {
             node,
-            place: [mesh.points[0][node], mesh.points[1][node]],
+            place: mesh.point(node),
             stiffness: stiffness(mesh.areas[node]),
         };
         Self { name, springs: nodes.into_iter().map(anchor).collect() }
     }
 }
 
-impl Force for Anchors {
+impl<const D: usize> Force<D> for Anchors<D> {
     fn name(&self) -> &'static str {
         self.name
     }
 
-    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
-        for axis in 0..2 {
+    fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
+        for axis in 0..D {
             let (position, force) = (&at.positions[axis], &mut forces[axis]);
             for anchor in &self.springs {
                 force[anchor.node] -=
@@ -104,25 +111,32 @@ impl Force for Anchors {
         }
     }
 
-    fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
-        let one = |anchor: &Anchor| {
-            let [dx, dy] = [0, 1].map(|axis| at.positions[axis][anchor.node] - anchor.place[axis]);
-            anchor.stiffness * (dx * dx + dy * dy)
+    fn energy(&self, at: &Configuration<'_, D>) -> Option<f64> {
+        let one = |anchor: &Anchor<D>| {
+            let away = |axis: usize| at.positions[axis][anchor.node] - anchor.place[axis];
+            anchor.stiffness * (0..D).map(|axis| away(axis) * away(axis)).sum::<f64>()
         };
         Some(0.5 * self.springs.iter().map(one).sum::<f64>())
     }
 
-    fn add_stiffness(&self, _at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
+    fn add_stiffness(
+        &self,
+        _at: &Configuration<'_, D>,
+        stiffness: &mut StiffnessMatrix<D>,
+    ) -> bool {
         for &Anchor { node, stiffness: k, .. } in &self.springs {
-            stiffness.add(node, node, [[k, 0.0], [0.0, k]]);
+            let mut block = [[0.0; D]; D];
+            for axis in 0..D {
+                block[axis][axis] = k;
+            }
+            stiffness.add(node, node, block);
         }
         true
     }
 
-    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
-        self.springs
-            .iter()
-            .all(|anchor| terms.add_anchor(anchor.node, anchor.stiffness, anchor.place))
+    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+        let springs: &dyn Any = &self.springs;
+        springs.downcast_ref::<Vec<Anchor>>().map(|springs| LatticeLaw::Anchors(springs))
     }
 
     fn is_internal(&self) -> bool {
@@ -143,7 +157,8 @@ mod tests {
             let positions =
                 [mesh.points[0].iter().map(|x| x + 3.0).collect(), mesh.points[1].clone()];
             let still = crate::mechanics::zeros(mesh.len());
-            let at = Configuration { positions: &positions, velocities: &still, tension: 0.0 };
+            let at =
+                Configuration { positions: &positions, velocities: &still, tension: 0.0.into() };
             anchors.add_forces(&at, &mut forces);
             forces[0].iter().sum::<f64>()
         };

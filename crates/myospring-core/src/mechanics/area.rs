@@ -13,11 +13,12 @@
 //! Eq. (13) has no length scale: `k_prev area` must be a force. The factor `1/sqrt(A0)` gives all
 //! three laws the same `k` in nN/um.
 
+use super::force::{Configuration, Force, Vectors};
+use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
-use super::stencil::LatticeTerms;
 use super::stiffness::StiffnessMatrix;
-use super::{Configuration, Force, Vectors};
 use crate::mesh::Mesh;
+use crate::mesh::simplex::content_at;
 use serde::Serialize;
 
 /// Which law keeps the area.
@@ -54,7 +55,7 @@ impl AreaPreservation {
     pub fn new(mesh: &Mesh, law: AreaLaw, stiffness: f64) -> Self {
         let nodes: Vec<[u32; 3]> = mesh.simplices.iter().map(|simplex| simplex.nodes).collect();
         let rest_area: Vec<f64> =
-            nodes.iter().map(|corners| signed_area(&mesh.points, *corners)).collect();
+            nodes.iter().map(|corners| content_at(&mesh.points, *corners)).collect();
         let stiffness = mesh
             .simplices
             .iter()
@@ -100,7 +101,7 @@ impl AreaPreservation {
     fn add_towards_barycentre(&self, at: &Configuration<'_>, forces: &mut Vectors) {
         let printed = self.law == AreaLaw::Printed;
         for (triangle, corners) in self.nodes.iter().enumerate() {
-            let area = signed_area(at.positions, *corners);
+            let area = content_at(at.positions, *corners);
             let rest = self.rest_area[triangle];
             // Eq. (13); stiffness holds w k / A0
             let magnitude =
@@ -120,16 +121,13 @@ impl AreaPreservation {
     }
 }
 
-/// Signed area of a triangle, um^2; positive if its corners turn counter-clockwise.
-pub(crate) fn signed_area(positions: &Vectors, corners: [u32; 3]) -> f64 {
-    let [a, b, c] = corners.map(|node| node as usize);
-    let [x, y] = positions;
-    0.5 * ((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a]))
-}
-
 impl Force for AreaPreservation {
     fn name(&self) -> &'static str {
-        "area preservation"
+        match self.law {
+            AreaLaw::Gradient => "area preservation",
+            AreaLaw::Barycentric => "barycentric area preservation",
+            AreaLaw::Printed => "printed area preservation",
+        }
     }
 
     fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
@@ -148,7 +146,7 @@ impl Force for AreaPreservation {
         }
         let one = |triangle: usize| {
             let deviation =
-                signed_area(at.positions, self.nodes[triangle]) - self.rest_area[triangle];
+                content_at(at.positions, self.nodes[triangle]) - self.rest_area[triangle];
             0.5 * self.stiffness[triangle] * deviation * deviation
         };
         Some((0..self.nodes.len()).map(one).sum())
@@ -161,7 +159,7 @@ impl Force for AreaPreservation {
         let [x, y] = at.positions;
         for (triangle, corners) in self.nodes.iter().enumerate() {
             let scale = self.stiffness[triangle];
-            let stress = scale * (signed_area(at.positions, *corners) - self.rest_area[triangle]);
+            let stress = scale * (content_at(at.positions, *corners) - self.rest_area[triangle]);
             let corners = corners.map(|node| node as usize);
             // dA/dx_a = (y_b - y_c, x_c - x_b)/2
             let gradient = [0, 1, 2].map(|k| {
@@ -187,10 +185,9 @@ impl Force for AreaPreservation {
         true
     }
 
-    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
-        let mut triangles = self.nodes.iter().zip(self.stiffness.iter().zip(&self.rest_area));
-        self.law == AreaLaw::Gradient
-            && triangles.all(|(&nodes, (&stiffness, &rest))| terms.add_area(nodes, stiffness, rest))
+    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+        let Self { law, nodes, rest_area, stiffness, .. } = self;
+        (*law == AreaLaw::Gradient).then_some(LatticeLaw::Areas { nodes, stiffness, rest_area })
     }
 
     fn is_internal(&self) -> bool {

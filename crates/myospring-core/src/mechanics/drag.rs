@@ -6,8 +6,8 @@
 //! [`Drag::of_slowest_mode`] inverts. Integrators take the drag implicitly
 //! ([`crate::integrate::verlet`]), so it never limits the time step.
 
+use super::force::{Configuration, Force, Vectors};
 use super::stiffness::StiffnessMatrix;
-use super::{Configuration, Force, Vectors};
 use std::f64::consts::PI;
 
 /// Drag in proportion to mass and velocity.
@@ -26,12 +26,12 @@ impl Drag {
     }
 }
 
-impl Force for Drag {
+impl<const D: usize> Force<D> for Drag {
     fn name(&self) -> &'static str {
         "drag"
     }
 
-    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+    fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
         for (force, velocity) in forces.iter_mut().zip(at.velocities) {
             for (node, mass) in self.masses.iter().enumerate() {
                 force[node] -= self.rate * mass * velocity[node];
@@ -39,17 +39,21 @@ impl Force for Drag {
         }
     }
 
-    fn energy(&self, _at: &Configuration<'_>) -> Option<f64> {
+    fn energy(&self, _at: &Configuration<'_, D>) -> Option<f64> {
         Some(0.0)
     }
 
-    fn dissipation(&self, at: &Configuration<'_>) -> f64 {
+    fn dissipation(&self, at: &Configuration<'_, D>) -> f64 {
         let square = |node: usize| at.velocities.iter().map(|v| v[node] * v[node]).sum::<f64>();
         self.masses.iter().enumerate().map(|(node, mass)| self.rate * mass * square(node)).sum()
     }
 
     /// None: at zero velocity there is no force.
-    fn add_stiffness(&self, _at: &Configuration<'_>, _stiffness: &mut StiffnessMatrix) -> bool {
+    fn add_stiffness(
+        &self,
+        _at: &Configuration<'_, D>,
+        _stiffness: &mut StiffnessMatrix<D>,
+    ) -> bool {
         true
     }
 

@@ -15,7 +15,7 @@
 //! the slowest vibration, period `T = 2 L sqrt(rho/E)`, is fast against the twitch. So the user
 //! states `T` and `rho = E (T / 2 L)^2` follows.
 
-use super::active::{ActiveLaw, EndTension, FibreTension};
+use super::active::{ActiveLaw, EndTension, FibreTension, Myofibrils};
 use super::area::{AreaLaw, AreaPreservation};
 use super::drag::Drag;
 use super::spring::Springs;
@@ -132,12 +132,12 @@ impl Material {
 /// A body at rest and all that acts on it.
 ///
 /// `axis` is the cell's long axis, `length` (um) its length along it, `fibres` one unit vector per
-/// triangle.
-pub fn assemble(
+/// triangle, or the [`Myofibrils`] with their content.
+pub fn assemble<'a>(
     mesh: &Mesh,
     material: &Material,
     active: ActiveLaw,
-    fibres: &[[f64; 2]],
+    fibres: impl Into<Myofibrils<'a>>,
     support: SupportKind,
     axis: [f64; 2],
     length: f64,

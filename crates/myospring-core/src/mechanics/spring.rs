@@ -13,12 +13,13 @@
 //! The dashpot is stiffness-proportional damping: it holds down the fastest vibrations of the
 //! lattice and hardly touches the slow ones of a long cell; see [`super::drag`] for those.
 
+use super::force::{Configuration, Force, Vectors};
+use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
-use super::stencil::LatticeTerms;
-use super::stiffness::StiffnessMatrix;
-use super::{Configuration, Force, Vectors};
+use super::stiffness::{Block, StiffnessMatrix};
+use std::array::from_fn;
 
-/// Springs with dashpots between pairs of nodes.
+/// Springs with dashpots between pairs of nodes, with any number of axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Springs {
     nodes: Vec<[u32; 2]>,
@@ -40,8 +41,8 @@ impl Springs {
     /// use myospring::mechanics::{Configuration, Force, spring::Springs, zeros};
     /// // A spring of 2 nN/um stretched by 0.5 um along x pulls its ends together with 1 nN.
     /// let spring = Springs::new(vec![[0, 1]], vec![2.0], vec![1.0], vec![0.0]);
-    /// let (positions, velocities) = ([vec![0.0, 1.5], vec![0.0, 0.0]], zeros(2));
-    /// let at = Configuration { positions: &positions, velocities: &velocities, tension: 0.0 };
+    /// let (positions, velocities) = ([vec![0.0, 1.5], vec![0.0, 0.0]], zeros::<2>(2));
+    /// let at = Configuration { positions: &positions, velocities: &velocities, tension: 0.0.into() };
     /// let mut forces = zeros(2);
     /// spring.add_forces(&at, &mut forces);
     /// assert_eq!(forces[0], [1.0, -1.0]);
@@ -73,56 +74,52 @@ impl Springs {
 
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "it must be compiled anew for each vector unit")]
-    fn add(&self, at: &Configuration<'_>, forces: &mut Vectors) {
-        let ([x, y], [vx, vy]) = (at.positions, at.velocities);
-        let [force_x, force_y] = forces;
-        let mut buffer = [[0.0; LONGEST]; 2];
+    fn add<const D: usize>(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
+        let mut buffer = [[0.0; LONGEST]; D];
         for &Run { nodes: [a, b], first, len } in &self.runs {
-            let (xa, xb) = (&x[a..a + len], &x[b..b + len]);
-            let (ya, yb) = (&y[a..a + len], &y[b..b + len]);
-            let (vxa, vxb) = (&vx[a..a + len], &vx[b..b + len]);
-            let (vya, vyb) = (&vy[a..a + len], &vy[b..b + len]);
+            let [xa, xb] = [a, b].map(|node| parts(at.positions, node, len));
+            let [va, vb] = [a, b].map(|node| parts(at.velocities, node, len));
             let stiffness = &self.stiffness[first..first + len];
             let rest_length = &self.rest_length[first..first + len];
             let damping = &self.damping[first..first + len];
-            let [fx, fy] = &mut buffer;
-            let (fx, fy) = (&mut fx[..len], &mut fy[..len]);
             for k in 0..len {
-                let (lx, ly) = (xb[k] - xa[k], yb[k] - ya[k]);
-                let inverse_length = 1.0 / (lx * lx + ly * ly).sqrt();
+                let l: [f64; D] = from_fn(|axis| xb[axis][k] - xa[axis][k]);
+                let inverse_length = 1.0 / dot(l, l).sqrt();
                 // Eq. (7): k (|l| - r) / |l|
                 let elastic = stiffness[k] * (1.0 - rest_length[k] * inverse_length);
                 // Eq. (8): c (l'.l) / |l|^2
-                let approach = (vxb[k] - vxa[k]) * lx + (vyb[k] - vya[k]) * ly;
+                let approach = dot(from_fn(|axis| vb[axis][k] - va[axis][k]), l);
                 let scale = elastic + damping[k] * approach * (inverse_length * inverse_length);
-                fx[k] = scale * lx;
-                fy[k] = scale * ly;
+                for axis in 0..D {
+                    buffer[axis][k] = scale * l[axis];
+                }
             }
-            runs::add(force_x, a, fx);
-            runs::add(force_y, a, fy);
-            runs::subtract(force_x, b, fx);
-            runs::subtract(force_y, b, fy);
+            for (force, pull) in forces.iter_mut().zip(&buffer) {
+                runs::add(force, a, &pull[..len]);
+                runs::subtract(force, b, &pull[..len]);
+            }
         }
     }
 
     /// Sum over all springs of a function of the spring, its vector from a to b and the relative
     /// velocity.
-    fn total(&self, at: &Configuration<'_>, one: impl Fn(usize, [f64; 2], [f64; 2]) -> f64) -> f64 {
-        let ([x, y], [vx, vy]) = (at.positions, at.velocities);
+    fn total<const D: usize>(
+        &self,
+        at: &Configuration<'_, D>,
+        one: impl Fn(usize, [f64; D], [f64; D]) -> f64,
+    ) -> f64 {
         let mut total = 0.0;
         vectorised(
             #[inline(always)]
             || {
                 let mut buffer = [0.0; LONGEST];
                 for &Run { nodes: [a, b], first, len } in &self.runs {
-                    let (xa, xb) = (&x[a..a + len], &x[b..b + len]);
-                    let (ya, yb) = (&y[a..a + len], &y[b..b + len]);
-                    let (vxa, vxb) = (&vx[a..a + len], &vx[b..b + len]);
-                    let (vya, vyb) = (&vy[a..a + len], &vy[b..b + len]);
+                    let [xa, xb] = [a, b].map(|node| parts(at.positions, node, len));
+                    let [va, vb] = [a, b].map(|node| parts(at.velocities, node, len));
                     let values = &mut buffer[..len];
                     for (k, value) in values.iter_mut().enumerate() {
-                        let (l, w) =
-                            ([xb[k] - xa[k], yb[k] - ya[k]], [vxb[k] - vxa[k], vyb[k] - vya[k]]);
+                        let l = from_fn(|axis| xb[axis][k] - xa[axis][k]);
+                        let w = from_fn(|axis| vb[axis][k] - va[axis][k]);
                         *value = one(first + k, l, w);
                     }
                     total += runs::sum(values);
@@ -131,65 +128,77 @@ impl Springs {
         );
         total
     }
-
-    /// Length, and the unit vector from a to b, of a spring.
-    fn direction(&self, spring: usize, positions: &Vectors) -> (f64, [f64; 2]) {
-        let [a, b] = self.nodes[spring].map(|node| node as usize);
-        let l = [0, 1].map(|axis| positions[axis][b] - positions[axis][a]);
-        let length = l[0].hypot(l[1]);
-        (length, [l[0] / length, l[1] / length])
-    }
 }
 
-impl Force for Springs {
+/// `len` nodes from a first one on, by axis.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
+fn parts<const D: usize>(vectors: &Vectors<D>, first: usize, len: usize) -> [&[f64]; D] {
+    from_fn(|axis| &vectors[axis][first..first + len])
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
+fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    let mut sum = a[0] * b[0];
+    for axis in 1..D {
+        sum += a[axis] * b[axis];
+    }
+    sum
+}
+
+impl<const D: usize> Force<D> for Springs {
     fn name(&self) -> &'static str {
         "springs"
     }
 
-    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+    fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
         vectorised(
             #[inline(always)]
             || self.add(at, forces),
         );
     }
 
-    fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
+    fn energy(&self, at: &Configuration<'_, D>) -> Option<f64> {
         // (k/2)(|l| - r)^2
-        Some(self.total(at, |spring, [lx, ly], _| {
-            let extension = (lx * lx + ly * ly).sqrt() - self.rest_length[spring];
+        Some(self.total(at, |spring, l, _| {
+            let extension = dot(l, l).sqrt() - self.rest_length[spring];
             0.5 * self.stiffness[spring] * extension * extension
         }))
     }
 
-    fn dissipation(&self, at: &Configuration<'_>) -> f64 {
+    fn dissipation(&self, at: &Configuration<'_, D>) -> f64 {
         // c (l'.l / |l|)^2
-        self.total(at, |spring, [lx, ly], [wx, wy]| {
-            let approach = wx * lx + wy * ly;
-            self.damping[spring] * approach * approach / (lx * lx + ly * ly)
+        self.total(at, |spring, l, w| {
+            let approach = dot(w, l);
+            self.damping[spring] * approach * approach / dot(l, l)
         })
     }
 
-    fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
+    fn add_stiffness(&self, at: &Configuration<'_, D>, stiffness: &mut StiffnessMatrix<D>) -> bool {
         for (spring, nodes) in self.nodes.iter().enumerate() {
             let [a, b] = nodes.map(|node| node as usize);
-            let (length, n) = self.direction(spring, at.positions);
+            let l: [f64; D] = from_fn(|axis| at.positions[axis][b] - at.positions[axis][a]);
+            let length = l.iter().copied().reduce(f64::hypot).unwrap_or_default();
+            let n = l.map(|part| part / length);
             // k [(1 - r/|l|) I + (r/|l|) n (x) n], n = l/|l|
             let k = self.stiffness[spring];
             let ratio = self.rest_length[spring] / length;
-            let along = |i: usize, j: usize| k * ratio * n[i] * n[j];
             let across = k * (1.0 - ratio);
-            let mixed = along(0, 1);
-            let block = [[across + along(0, 0), mixed], [mixed, across + along(1, 1)]];
+            let block: Block<D> = from_fn(|i| {
+                from_fn(|j| {
+                    let along = k * ratio * n[i.min(j)] * n[i.max(j)];
+                    if i == j { across + along } else { along }
+                })
+            });
             stiffness.add_pair(a, b, block);
         }
         true
     }
 
-    fn add_to_lattice(&self, terms: &mut LatticeTerms) -> bool {
-        self.nodes.iter().enumerate().all(|(spring, &nodes)| {
-            let stiffness = self.stiffness[spring];
-            terms.add_spring(nodes, stiffness, self.rest_length[spring], self.damping[spring])
-        })
+    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+        let Self { nodes, stiffness, rest_length, damping, .. } = self;
+        Some(LatticeLaw::Springs { nodes, stiffness, rest_length, damping })
     }
 
     fn is_internal(&self) -> bool {

@@ -12,7 +12,9 @@
 //! Both come from a Lanczos iteration on differences of the forces themselves, so any [`super::Force`]
 //! is covered. The drag, taken implicitly, does not count.
 
-use super::{Body, Configuration, System, Vectors, zeros};
+use super::support::Support;
+use super::{Body, Configuration, System, Tension, Vectors, zeros};
+use std::array::from_fn;
 
 /// The limit and where it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,14 +37,19 @@ const ITERATIONS: usize = 120;
 const LOOK: (usize, f64) = (15, 1e-5);
 
 impl StabilityLimit {
-    /// The limit of a system about the body's positions, under an active tension in kPa.
-    pub fn of(system: &System, body: &Body, tension: f64) -> Self {
-        let count = body.len();
+    /// The limit of a system about the body's positions, under an active tension (a number is one in kPa
+    /// everywhere).
+    pub fn of<'a, const D: usize>(
+        system: &System<D>,
+        body: &Body<D>,
+        tension: impl Into<Tension<'a>>,
+    ) -> Self {
+        let (count, tension) = (body.len(), tension.into());
         // Small against the shortest spring, large against rounding.
         let step = 1e-6 * shortest_scale(body);
-        let difference = |displace: &dyn Fn(f64) -> Vectors| {
+        let difference = |displace: &dyn Fn(f64) -> Vectors<D>| {
             let (mut plus, mut minus) = (displace(step), displace(-step));
-            for axis in 0..2 {
+            for axis in 0..D {
                 for node in 0..count {
                     plus[axis][node] = -(plus[axis][node] - minus[axis][node]) / (2.0 * step);
                 }
@@ -50,14 +57,14 @@ impl StabilityLimit {
             minus.clone_from(&plus);
             plus
         };
-        let stiffness = |direction: &Vectors| {
+        let stiffness = |direction: &Vectors<D>| {
             difference(&|h| {
                 let positions = shifted(&body.positions, direction, h);
                 let velocities = zeros(count);
                 evaluate(system, body, &positions, &velocities, tension)
             })
         };
-        let damping = |direction: &Vectors| {
+        let damping = |direction: &Vectors<D>| {
             difference(&|h| {
                 let velocities = shifted(&zeros(count), direction, h);
                 evaluate(system, body, &body.positions, &velocities, tension)
@@ -66,7 +73,7 @@ impl StabilityLimit {
         let (lambda, mode) = largest_eigenvalue(&stiffness, &body.masses);
         let (mu, _) = largest_eigenvalue(&damping, &body.masses);
         let mu = mu.max(0.0);
-        let square = |node: usize| mode[0][node].powi(2) + mode[1][node].powi(2);
+        let square = |node: usize| mode.iter().map(|axis| axis[node].powi(2)).sum::<f64>();
         let stiffest_node =
             (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or_default();
         Self {
@@ -78,27 +85,27 @@ impl StabilityLimit {
     }
 }
 
-fn evaluate(
-    system: &System,
-    body: &Body,
-    positions: &Vectors,
-    velocities: &Vectors,
-    tension: f64,
-) -> Vectors {
+fn evaluate<const D: usize>(
+    system: &System<D>,
+    body: &Body<D>,
+    positions: &Vectors<D>,
+    velocities: &Vectors<D>,
+    tension: Tension<'_>,
+) -> Vectors<D> {
     let mut forces = zeros(body.len());
     system.sum_forces(&Configuration { positions, velocities, tension }, &mut forces);
-    if let super::support::Support::Clamped(_) = system.support {
+    if let Support::Clamped(_) = system.support {
         system.support.constrain(positions, &body.masses, &mut forces);
     }
     forces
 }
 
-fn shifted(base: &Vectors, direction: &Vectors, by: f64) -> Vectors {
-    [0, 1].map(|axis| base[axis].iter().zip(&direction[axis]).map(|(x, d)| x + by * d).collect())
+fn shifted<const D: usize>(base: &Vectors<D>, direction: &Vectors<D>, by: f64) -> Vectors<D> {
+    from_fn(|axis| base[axis].iter().zip(&direction[axis]).map(|(x, d)| x + by * d).collect())
 }
 
 /// A length of the order of the node spacing, um.
-fn shortest_scale(body: &Body) -> f64 {
+fn shortest_scale<const D: usize>(body: &Body<D>) -> f64 {
     let extent = body
         .positions
         .iter()
@@ -107,24 +114,27 @@ fn shortest_scale(body: &Body) -> f64 {
                 - axis.iter().copied().fold(f64::INFINITY, f64::min)
         })
         .fold(0.0, f64::max);
-    extent / (body.len() as f64).sqrt()
+    extent / if D == 2 { (body.len() as f64).sqrt() } else { (body.len() as f64).cbrt() }
 }
 
 /// Largest eigenvalue of `M^-1 A` and its vector (largest component scaled arbitrarily), by Lanczos
 /// in the inner product of the masses, with full reorthogonalisation.
-fn largest_eigenvalue(apply: &dyn Fn(&Vectors) -> Vectors, masses: &[f64]) -> (f64, Vectors) {
+fn largest_eigenvalue<const D: usize>(
+    apply: &dyn Fn(&Vectors<D>) -> Vectors<D>,
+    masses: &[f64],
+) -> (f64, Vectors<D>) {
     let count = masses.len();
-    let inner = |a: &Vectors, b: &Vectors| -> f64 {
-        (0..2)
+    let inner = |a: &Vectors<D>, b: &Vectors<D>| -> f64 {
+        (0..D)
             .map(|axis| (0..count).map(|i| masses[i] * a[axis][i] * b[axis][i]).sum::<f64>())
             .sum()
     };
-    let scale = |v: &mut Vectors, by: f64| v.iter_mut().flatten().for_each(|x| *x *= by);
+    let scale = |v: &mut Vectors<D>, by: f64| v.iter_mut().flatten().for_each(|x| *x *= by);
     // A fixed, irregular start: fractional parts of multiples of the golden ratio.
     let mut start = zeros(count);
-    for axis in 0..2 {
+    for axis in 0..D {
         for node in 0..count {
-            let n = (2 * node + axis + 1) as f64;
+            let n = (D * node + axis + 1) as f64;
             start[axis][node] = (n * 0.618_033_988_749_894_9).fract() - 0.5;
         }
     }
@@ -133,7 +143,7 @@ fn largest_eigenvalue(apply: &dyn Fn(&Vectors) -> Vectors, masses: &[f64]) -> (f
     let mut basis = vec![start];
     let (mut diagonal, mut off) = (Vec::new(), Vec::new());
     let mut seen = 0.0;
-    for step in 1..=ITERATIONS.min(2 * count) {
+    for step in 1..=ITERATIONS.min(D * count) {
         let Some(current) = basis.last() else { break };
         let mut next = apply(current);
         for axis in &mut next {
@@ -147,7 +157,7 @@ fn largest_eigenvalue(apply: &dyn Fn(&Vectors) -> Vectors, masses: &[f64]) -> (f
         // each other, as those of a stiff elastic bed.
         for vector in basis.iter().rev() {
             let part = inner(&next, vector);
-            for axis in 0..2 {
+            for axis in 0..D {
                 for node in 0..count {
                     next[axis][node] -= part * vector[axis][node];
                 }
@@ -179,7 +189,7 @@ fn largest_eigenvalue(apply: &dyn Fn(&Vectors) -> Vectors, masses: &[f64]) -> (f
     }
     let mut mode = zeros(count);
     for (weight, vector) in weights.iter().zip(&basis) {
-        for axis in 0..2 {
+        for axis in 0..D {
             for node in 0..count {
                 mode[axis][node] += weight * vector[axis][node];
             }

@@ -1,15 +1,16 @@
 //! The tangent stiffness: minus the derivative of the forces with respect to the positions.
 //!
-//! Forces with an energy have a symmetric one. It is kept as blocks of 2 x 2, one per pair of nodes
+//! Forces with an energy have a symmetric one. It is kept as blocks of D x D, one per pair of nodes
 //! that act on each other, the upper half only. A force adds its part in
 //! [`super::Force::add_stiffness`].
 
-use super::{Vectors, zeros};
+use super::force::{Vectors, zeros};
+use std::array::from_fn;
 
 /// The part of a stiffness that joins two nodes, nN/um: `block[axis of the first][axis of the second]`.
-pub type Block = [[f64; 2]; 2];
+pub type Block<const D: usize = 2> = [[f64; D]; D];
 
-/// A symmetric stiffness matrix in blocks of 2 x 2, nN/um.
+/// A symmetric stiffness matrix in blocks of D x D, nN/um.
 ///
 /// # Example
 /// ```
@@ -21,13 +22,13 @@ pub type Block = [[f64; 2]; 2];
 /// assert_eq!(restoring, [vec![-1.5, 1.5], vec![0.0, 0.0]]);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct StiffnessMatrix {
+pub struct StiffnessMatrix<const D: usize = 2> {
     /// For each node its partners of equal or higher number, in order, and the block.
-    rows: Vec<Vec<(usize, Block)>>,
+    rows: Vec<Vec<(usize, Block<D>)>>,
     blocks: usize,
 }
 
-impl StiffnessMatrix {
+impl<const D: usize> StiffnessMatrix<D> {
     /// No stiffness between `count` nodes.
     pub fn new(count: usize) -> Self {
         Self { rows: vec![Vec::new(); count], blocks: 0 }
@@ -51,7 +52,7 @@ impl StiffnessMatrix {
     /// Sets all values to zero and keeps the pattern.
     pub fn clear(&mut self) {
         for (_, block) in self.rows.iter_mut().flatten() {
-            *block = [[0.0; 2]; 2];
+            *block = [[0.0; D]; D];
         }
     }
 
@@ -59,17 +60,16 @@ impl StiffnessMatrix {
     ///
     /// # Panics
     /// If a node does not exist.
-    pub fn add(&mut self, a: usize, b: usize, block: Block) {
-        let [[xx, xy], [yx, yy]] = block;
-        let (row, column, block) =
-            if a <= b { (a, b, block) } else { (b, a, [[xx, yx], [xy, yy]]) };
+    pub fn add(&mut self, a: usize, b: usize, block: Block<D>) {
+        let mirrored = || from_fn(|i| from_fn(|j| block[j][i]));
+        let (row, column, block) = if a <= b { (a, b, block) } else { (b, a, mirrored()) };
         assert!(column < self.rows.len(), "node {column} of {}", self.rows.len());
         let row = &mut self.rows[row];
         let place = row.iter().position(|(other, _)| *other >= column).unwrap_or(row.len());
         match row.get_mut(place) {
             Some((other, sum)) if *other == column => {
-                for i in 0..2 {
-                    for j in 0..2 {
+                for i in 0..D {
+                    for j in 0..D {
                         sum[i][j] += block[i][j];
                     }
                 }
@@ -85,24 +85,24 @@ impl StiffnessMatrix {
     ///
     /// # Panics
     /// If a node does not exist.
-    pub fn add_pair(&mut self, a: usize, b: usize, block: Block) {
+    pub fn add_pair(&mut self, a: usize, b: usize, block: Block<D>) {
         self.add(a, a, block);
         self.add(b, b, block);
         self.add(a, b, block.map(|row| row.map(|value| -value)));
     }
 
     /// The partners of a node with equal or higher number, in order, and their blocks.
-    pub fn row(&self, node: usize) -> &[(usize, Block)] {
+    pub fn row(&self, node: usize) -> &[(usize, Block<D>)] {
         &self.rows[node]
     }
 
     /// The product with one vector per node (um gives nN).
-    pub fn times(&self, vectors: &Vectors) -> Vectors {
+    pub fn times(&self, vectors: &Vectors<D>) -> Vectors<D> {
         let mut product = zeros(self.len());
         for (a, row) in self.rows.iter().enumerate() {
             for &(b, block) in row {
-                for i in 0..2 {
-                    for j in 0..2 {
+                for i in 0..D {
+                    for j in 0..D {
                         product[i][a] += block[i][j] * vectors[j][b];
                         if a != b {
                             product[j][b] += block[i][j] * vectors[i][a];

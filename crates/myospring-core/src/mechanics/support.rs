@@ -9,8 +9,9 @@
 //! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are forces
 //!   with an energy ([`super::anchor`]); no node is constrained besides.
 
-use super::Vectors;
 use super::anchor::Anchors;
+use super::ends::end_nodes;
+use super::force::Vectors;
 use crate::mesh::Mesh;
 use serde::Serialize;
 
@@ -38,7 +39,11 @@ pub enum SupportKind {
 
 impl SupportKind {
     /// The springs of a support that gives way, on a mesh whose long axis is the unit vector `axis`.
-    pub fn anchors(self, mesh: &Mesh, axis: [f64; 2]) -> Option<Anchors> {
+    pub fn anchors<const D: usize, const N: usize>(
+        self,
+        mesh: &Mesh<D, N>,
+        axis: [f64; D],
+    ) -> Option<Anchors<D>> {
         match self {
             Self::MassCentre | Self::ClampedEnd | Self::ClampedEnds => None,
             Self::SpringHeldEnds { stiffness } => {
@@ -60,30 +65,14 @@ pub enum Support {
     Clamped(Vec<usize>),
 }
 
-/// Part of the length at an end that a clamp or spring holds.
-pub const END_PART: f64 = 0.05;
-
-/// The nodes in the outer [`END_PART`] of the length at the lower and at the upper end of a mesh whose
-/// long axis is the unit vector `axis`.
-pub fn end_nodes(mesh: &Mesh, axis: [f64; 2]) -> [Vec<usize>; 2] {
-    let along: Vec<f64> = mesh.points[0]
-        .iter()
-        .zip(&mesh.points[1])
-        .map(|(x, y)| x * axis[0] + y * axis[1])
-        .collect();
-    let lowest = along.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let zone = END_PART * (highest - lowest);
-    let nodes = |held: &dyn Fn(f64) -> bool| -> Vec<usize> {
-        (0..along.len()).filter(|&node| held(along[node])).collect()
-    };
-    [nodes(&|s| s <= lowest + zone), nodes(&|s| s >= highest - zone)]
-}
-
 impl Support {
     /// The support of a kind on a mesh whose long axis is the unit vector `axis`; clamps hold the
     /// [`end_nodes`].
-    pub fn new(kind: SupportKind, mesh: &Mesh, axis: [f64; 2]) -> Self {
+    pub fn new<const D: usize, const N: usize>(
+        kind: SupportKind,
+        mesh: &Mesh<D, N>,
+        axis: [f64; D],
+    ) -> Self {
         let [mut lower, upper] = end_nodes(mesh, axis);
         match kind {
             SupportKind::MassCentre => Self::MassCentre,
@@ -98,10 +87,18 @@ impl Support {
     }
 
     /// Takes from the forces what the support bears.
-    pub fn constrain(&self, positions: &Vectors, masses: &[f64], forces: &mut Vectors) {
+    pub fn constrain<const D: usize>(
+        &self,
+        positions: &Vectors<D>,
+        masses: &[f64],
+        forces: &mut Vectors<D>,
+    ) {
         match self {
             Self::Free => {}
-            Self::MassCentre => remove_resultant(positions, masses, forces),
+            Self::MassCentre => match (&positions[..], &mut forces[..]) {
+                ([x, y], [fx, fy]) => remove_resultant([x, y], masses, [fx, fy]),
+                (positions, forces) => remove_resultant_of_solid(positions, masses, forces),
+            },
             Self::Clamped(nodes) => {
                 for axis in forces {
                     for &node in nodes {
@@ -113,10 +110,8 @@ impl Support {
     }
 }
 
-/// Removes net force and torque by a rigid acceleration of the whole body.
-fn remove_resultant(positions: &Vectors, masses: &[f64], forces: &mut Vectors) {
-    let [x, y] = positions;
-    let [fx, fy] = forces;
+/// Removes net force and torque of a flat body by a rigid acceleration of the whole.
+fn remove_resultant([x, y]: [&Vec<f64>; 2], masses: &[f64], [fx, fy]: [&mut Vec<f64>; 2]) {
     let (mut mass, mut mx, mut my, mut net_x, mut net_y) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for i in 0..masses.len() {
         mass += masses[i];
@@ -138,4 +133,43 @@ fn remove_resultant(positions: &Vectors, masses: &[f64], forces: &mut Vectors) {
         fx[i] -= masses[i] * (ax - angular * dy);
         fy[i] -= masses[i] * (ay + angular * dx);
     }
+}
+
+/// The same with three axes: torque and angular acceleration are vectors, `torque = inertia angular`.
+fn remove_resultant_of_solid(positions: &[Vec<f64>], masses: &[f64], forces: &mut [Vec<f64>]) {
+    let mass: f64 = masses.iter().sum();
+    let axes = [0, 1, 2];
+    let centre =
+        axes.map(|axis| positions[axis].iter().zip(masses).map(|(x, m)| x * m).sum::<f64>() / mass);
+    let net = axes.map(|axis| forces[axis].iter().sum::<f64>() / mass);
+    let (mut torque, mut inertia) = ([0.0; 3], [[0.0; 3]; 3]);
+    for (node, mass) in masses.iter().enumerate() {
+        let arm = axes.map(|axis| positions[axis][node] - centre[axis]);
+        let part = cross(arm, axes.map(|axis| forces[axis][node]));
+        let square: f64 = arm.iter().map(|x| x * x).sum();
+        for i in axes {
+            torque[i] += part[i];
+            inertia[i][i] += mass * square;
+            for j in axes {
+                inertia[i][j] -= mass * arm[i] * arm[j];
+            }
+        }
+    }
+    // Cramer's rule; the inertia of masses that do not all stand on one line is positive definite.
+    let [a, b, c] = inertia;
+    let along = |u: [f64; 3], v: [f64; 3]| u.iter().zip(v).map(|(u, v)| u * v).sum::<f64>();
+    let determinant = along(a, cross(b, c));
+    let columns = [cross(b, c), cross(c, a), cross(a, b)];
+    let angular =
+        axes.map(|axis| (0..3).map(|k| columns[k][axis] * torque[k]).sum::<f64>() / determinant);
+    for (node, mass) in masses.iter().enumerate() {
+        let turn = cross(angular, axes.map(|axis| positions[axis][node] - centre[axis]));
+        for axis in axes {
+            forces[axis][node] -= mass * (net[axis] + turn[axis]);
+        }
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -1,59 +1,194 @@
 //! A mesh whose masses move in time.
 
-use super::{Observed, Setup, Shaping, Simulation, StopReason, fault, projected_area};
-use crate::integrate::verlet::Motion;
-use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use super::coupling::{Observed, Shaping};
+use super::fault::{fault, projected_area};
+use super::held::Held;
+use super::observer::{Observer, Progress, Samples};
+use super::ready::{Effort, Outcome};
+use super::setup::Setup;
+use super::{SAFETY, SetupError, Simulation, StopReason};
+use crate::exchange::Sites;
+use crate::integrate::engine::{EngineUsed, Task};
+use crate::integrate::stepper::Stepper;
+use crate::mechanics::stability::StabilityLimit;
+use crate::mechanics::{Body, System, Tension, Vectors};
+use crate::recording::Recording;
 
-/// Masses that move in time, by Verlet's method.
-pub(super) struct InTime<'a> {
-    setup: &'a Setup<'a>,
-    motion: Motion<'a>,
+/// A run in time made ready: forces assembled, time step chosen, the engine tried.
+pub struct Prepared {
+    pub(super) setup: Setup,
+    /// The stability limit at peak tension.
+    pub limit: StabilityLimit,
+    /// Mechanical steps in each exchange interval.
+    pub steps_per_exchange: usize,
+    engine: EngineUsed,
+}
+
+impl Simulation {
+    /// Checks everything, assembles the forces and chooses the time step of a motion in time, whatever method
+    /// the numerical settings name.
+    ///
+    /// # Errors
+    /// A setting that no run can have, a time step above the stability limit, an engine that cannot move this
+    /// mesh, or a cell model without tension to scale.
+    pub fn prepare(&self) -> Result<Prepared, SetupError> {
+        let setup = self.set_up()?;
+        let (system, body) = (&setup.assembly.system, &setup.assembly.body);
+        let limit = setup.under_strongest(|tension| StabilityLimit::of(system, body, tension));
+        if let Some(time_step) = self.numerics.time_step
+            && time_step > limit.time_step
+        {
+            let node = limit.stiffest_node;
+            let [x, y] = self.mesh.point(node);
+            let limit = limit.time_step;
+            return Err(SetupError::UnstableStep { time_step, limit, node, x, y });
+        }
+        let wanted = self.numerics.time_step.unwrap_or(SAFETY * limit.time_step);
+        // Equal steps that fill the exchange interval; a hair of slack for rounding in the quotient.
+        let steps = (self.numerics.exchange_interval / wanted - 1e-9).ceil().max(1.0) as usize;
+        let mut prepared =
+            Prepared { setup, limit, steps_per_exchange: steps, engine: EngineUsed::Own };
+        let (_, engine) = prepared.stepper()?;
+        prepared.engine = engine;
+        Ok(prepared)
+    }
+}
+
+impl Prepared {
+    /// The mechanical time step, ms.
+    pub fn time_step(&self) -> f64 {
+        self.setup.simulation.numerics.exchange_interval / self.steps_per_exchange as f64
+    }
+
+    /// What will move the masses.
+    pub fn engine(&self) -> &EngineUsed {
+        &self.engine
+    }
+
+    fn stepper(&self) -> Result<(Box<dyn Stepper + '_>, EngineUsed), SetupError> {
+        let Setup { simulation, assembly, .. } = &self.setup;
+        let (system, body) = (&assembly.system, &assembly.body);
+        if let Some(make) = &simulation.stepper {
+            return Ok((make(system, body.clone(), self.time_step()), EngineUsed::Own));
+        }
+        let task = Task {
+            system,
+            body,
+            lattice: simulation.mesh.lattice.as_ref(),
+            form: simulation.numerics.method.in_time(),
+            time_step: self.time_step(),
+            uniform_tension: self.setup.sites() == Sites::Whole,
+        };
+        Ok(simulation.numerics.engine.stepper(&task)?)
+    }
+
+    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
+    /// sample and stops the run by returning `false`.
+    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
+        self.run_observed(&mut Samples(observe))
+    }
+
+    /// As [`Prepared::run`], for an observer that also hears which part of the work begins.
+    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
+        let (steps, recording, stop) = match self.stepper() {
+            Ok((stepper, _)) => {
+                let mut shaping = InTime::new(&self.setup, stepper, self.steps_per_exchange);
+                let (recording, stop) = self.setup.run(&mut shaping, observer);
+                (shaping.stepper.steps(), recording, stop)
+            }
+            // It was made once already; but who makes it may change their mind.
+            Err(error) => {
+                let stop = StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
+                (0, Recording::default(), Some(stop))
+            }
+        };
+        let effort = Effort::Verlet {
+            time_step_ms: self.time_step(),
+            stability_limit_ms: self.limit.time_step,
+            steps,
+        };
+        let (engine, stimulus_times_ms) = (Some(self.engine.clone()), self.setup.stimulus_times());
+        Outcome { recording, stop, effort, engine, stimulus_times_ms }
+    }
+}
+
+/// Masses that move in time.
+struct InTime<'a> {
+    setup: &'a Setup,
+    stepper: Box<dyn Stepper + 'a>,
     /// In each exchange interval.
     steps: usize,
     ledger: Ledger,
+    marked: Option<Ledger>,
 }
 
 impl<'a> InTime<'a> {
     /// A motion of so many steps in each exchange interval.
-    pub(super) fn new(setup: &'a Setup<'a>, motion: Motion<'a>, steps: usize) -> Self {
-        let ledger = Ledger::new(&setup.body, setup.tension_at_start());
-        Self { setup, motion, steps, ledger }
+    fn new(setup: &'a Setup, stepper: Box<dyn Stepper + 'a>, steps: usize) -> Self {
+        let ledger = Ledger::new(&setup.assembly.body, Held::of(setup.activation.tension()));
+        Self { setup, stepper, steps, ledger, marked: None }
     }
 
-    /// Mechanical steps made so far.
-    pub(super) fn steps_made(&self) -> u64 {
-        self.motion.steps()
+    /// A tension as it now is in each triangle.
+    fn now(&self, tension: Tension<'_>) -> Held {
+        let (Tension::Following(law), Some(meter)) = (tension, &self.setup.fibre_stretch) else {
+            return Held::of(tension);
+        };
+        let Body { positions, velocities, .. } = self.stepper.body();
+        let (stretch, rate) = (meter.stretches(positions), meter.rates(positions, velocities));
+        Held::PerElement((0..stretch.len()).map(|e| law.at(e, stretch[e], rate[e])).collect())
     }
 }
 
 impl Shaping for InTime<'_> {
-    fn follow(&mut self, time: f64, tensions: [f64; 2]) -> Result<(), StopReason> {
-        let Simulation { mesh, numerics, .. } = self.setup.simulation;
-        self.motion
+    fn is_static(&self) -> bool {
+        false
+    }
+
+    fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
+        let Simulation { mesh, numerics, .. } = &self.setup.simulation;
+        self.stepper
             .advance(self.steps, tensions)
             .map_err(|cause| StopReason::BrokenOff { time, cause: cause.to_string() })?;
-        let body = &self.motion.body;
-        if let Some(reason) = fault(mesh, &body.positions, time, tensions[1]) {
+        let tension = self.now(tensions[1]);
+        let body = self.stepper.body();
+        let average = tension.average(&self.setup.volumes);
+        if let Some(reason) = fault(mesh, &body.positions, time, average) {
             return Err(reason);
         }
-        self.ledger.settle(&self.setup.system, body, tensions[1], numerics.exchange_interval);
+        let system = &self.setup.assembly.system;
+        let mean = Held::of(tensions[0]).mean(&tension);
+        self.ledger.settle(system, body, [mean, tension], numerics.exchange_interval);
         Ok(())
     }
 
+    fn mark(&mut self) {
+        self.stepper.mark();
+        self.marked = Some(self.ledger.clone());
+    }
+
+    fn back(&mut self) {
+        self.stepper.back();
+        if let Some(ledger) = &self.marked {
+            self.ledger.clone_from(ledger);
+        }
+    }
+
     fn length(&self) -> f64 {
-        self.setup.meter.measure(&self.motion.body.positions).length
+        self.setup.assembly.meter.measure(&self.stepper.body().positions).length
     }
 
     fn observe(&self) -> Observed {
-        let (Setup { simulation, system, meter, .. }, body) = (self.setup, &self.motion.body);
-        let extent = meter.measure(&body.positions);
+        let (Setup { simulation, assembly, .. }, body) = (self.setup, self.stepper.body());
+        let extent = assembly.meter.measure(&body.positions);
         let (momentum, centre) = (body.momentum(), body.mass_centre());
         let orbital = centre[0] * momentum[1] - centre[1] * momentum[0];
+        let at = body.configuration(self.ledger.tension.tension());
         Observed {
             length: extent.length,
             width: extent.width,
             area: projected_area(&simulation.mesh, &body.positions),
-            elastic_energy: system.elastic_energy(&body.configuration(self.ledger.tension)),
+            elastic_energy: assembly.system.elastic_energy(&at),
             kinetic_energy: body.kinetic_energy(),
             active_work: self.ledger.active_work,
             dissipated_energy: self.ledger.dissipated,
@@ -63,7 +198,7 @@ impl Shaping for InTime<'_> {
     }
 
     fn positions(&self) -> Vectors {
-        self.motion.body.positions.clone()
+        self.stepper.body().positions.clone()
     }
 }
 
@@ -76,39 +211,27 @@ impl Shaping for InTime<'_> {
 struct Ledger {
     active_work: f64,
     dissipated: f64,
-    tension: f64,
+    tension: Held,
     dissipation: f64,
-    positions: Vectors,
-    still: Vectors,
+    /// Where the masses were, at rest.
+    before: Body,
 }
 
 impl Ledger {
-    fn new(body: &Body, tension: f64) -> Self {
-        Self {
-            active_work: 0.0,
-            dissipated: 0.0,
-            tension,
-            dissipation: 0.0,
-            positions: body.positions.clone(),
-            still: zeros(body.len()),
-        }
+    fn new(body: &Body, tension: Held) -> Self {
+        let mut before = body.clone();
+        before.velocities.iter_mut().flatten().for_each(|v| *v = 0.0);
+        Self { active_work: 0.0, dissipated: 0.0, tension, dissipation: 0.0, before }
     }
 
-    fn settle(&mut self, system: &System, body: &Body, tension: f64, elapsed: f64) {
-        let mean = 0.5 * (self.tension + tension);
-        let energy = |positions: &Vectors| {
-            system.active_energy(&Configuration {
-                positions,
-                velocities: &self.still,
-                tension: mean,
-            })
-        };
-        self.active_work += energy(&self.positions) - energy(&body.positions);
-        let at = body.configuration(tension);
-        let dissipation = system.dissipation(&at);
+    /// Adds an interval that ends with this body, under these mean and last tensions.
+    fn settle(&mut self, system: &System, body: &Body, [mean, tension]: [Held; 2], elapsed: f64) {
+        let energy = |body: &Body| system.active_energy(&body.configuration(mean.tension()));
+        self.active_work += energy(&self.before) - energy(body);
+        let dissipation = system.dissipation(&body.configuration(tension.tension()));
         self.dissipated += 0.5 * elapsed * (self.dissipation + dissipation);
         self.dissipation = dissipation;
         self.tension = tension;
-        self.positions.clone_from(&body.positions);
+        self.before.positions.clone_from(&body.positions);
     }
 }

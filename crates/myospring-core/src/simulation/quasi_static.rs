@@ -10,12 +10,15 @@
 //! a slow contraction, not unknowns. The work of the active force is the elastic energy, added up on its
 //! own as in a run in time.
 
-use super::observer::{Observer, Samples};
-use super::{Assembly, Observed, Progress, Setup, SetupError, Shaping, Simulation, StopReason};
-use super::{fault, projected_area};
+use super::coupling::{Observed, Shaping};
+use super::fault::{fault, projected_area};
+use super::observer::{Observer, Progress, Samples};
+use super::ready::{Effort, Outcome};
+use super::setup::{Assembly, Setup};
+use super::{SetupError, Simulation, StopReason};
 use crate::analysis::shape::ShapeMeter;
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
-use crate::mechanics::{Configuration, System, Vectors, zeros};
+use crate::mechanics::{Configuration, System, Tension, Vectors, zeros};
 use crate::mesh::Mesh;
 use crate::recording::Recording;
 
@@ -26,28 +29,9 @@ const PARTS: usize = 8;
 /// beat's by some 1e-4, a train of beats may go on rising.
 const MARGIN: f64 = 1e-3;
 
-/// What came of a quasi-static run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct QuasiStaticOutcome {
-    /// All that was recorded, up to the stop.
-    pub recording: Recording,
-    /// Why it stopped early, if it did.
-    pub stop: Option<StopReason>,
-    /// Load steps of the path.
-    pub load_steps: usize,
-    /// Iterations of Newton's method.
-    pub newton_iterations: usize,
-    /// Matrices factorised: one for each iteration, those of steps that found no rest included.
-    pub factorisations: usize,
-    /// Largest estimated error of a position, um.
-    pub error: f64,
-    /// Time by which a run in time with the same dampings lags behind, ms.
-    pub delay: f64,
-}
-
 /// A quasi-static run made ready: its path is solved up to the peak of tension.
-pub struct PreparedPath<'a> {
-    pub(super) setup: Setup<'a>,
+pub struct PreparedPath {
+    pub(super) setup: Setup,
     /// The shapes at every tension.
     pub shapes: Shapes,
     /// Why the path ends before the peak of tension, if it does.
@@ -55,19 +39,17 @@ pub struct PreparedPath<'a> {
 }
 
 impl Simulation {
-    /// Solves the path of equilibria up to the peak of tension; time step and method of the numerical
-    /// settings do not matter.
+    /// Solves the path of equilibria up to the peak of a tension that is the same everywhere; time step and
+    /// method of the numerical settings do not matter.
     ///
     /// # Errors
-    /// Forces for which there is no such path, or a cell model without tension. A path that ends
-    /// before the peak is no error but [`PreparedPath::end`].
-    pub fn prepare_quasi_static(
-        &self,
-        tolerance: Tolerance,
-    ) -> Result<PreparedPath<'_>, SetupError> {
+    /// A setting that no run can have, forces for which there is no such path, or a cell model without tension.
+    /// A path that ends before the peak is no error but [`PreparedPath::end`].
+    pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<PreparedPath, SetupError> {
         let setup = self.set_up()?;
-        let mut path = Path::start(&setup.system, &setup.body, tolerance)?;
-        let end = path.extend((1.0 + MARGIN) * setup.strongest).err();
+        let Assembly { system, body, .. } = &setup.assembly;
+        let mut path = Path::start(system, body, tolerance)?;
+        let end = path.extend((1.0 + MARGIN) * setup.strongest.tension).err();
         let shapes = path.into_shapes();
         Ok(PreparedPath { setup, shapes, end })
     }
@@ -85,7 +67,7 @@ impl Simulation {
     /// use myospring::mesh::lattice;
     /// use myospring::simulation::Simulation;
     ///
-    /// let simulation = Simulation::coelho_2021(lattice::rectangle(20, 4, 5.0)?);
+    /// let simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
     /// let outcome = simulation.run_quasi_static(Tolerance::default(), |_progress| true)?;
     /// assert!(outcome.stop.is_none());
     /// let peak = outcome.recording.samples.iter().map(|s| s.shortening_pct).fold(0.0, f64::max);
@@ -96,7 +78,7 @@ impl Simulation {
         &self,
         tolerance: Tolerance,
         observe: impl FnMut(Progress) -> bool,
-    ) -> Result<QuasiStaticOutcome, SetupError> {
+    ) -> Result<Outcome, SetupError> {
         Ok(self.prepare_quasi_static(tolerance)?.run(observe))
     }
 
@@ -112,7 +94,7 @@ impl Simulation {
     /// use myospring::mesh::lattice;
     /// use myospring::simulation::Simulation;
     ///
-    /// let simulation = Simulation::coelho_2021(lattice::rectangle(20, 4, 5.0)?);
+    /// let simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
     /// let equilibria = simulation.equilibria(&[50.0], Tolerance::default())?;
     /// // A transient that was measured: time (ms) and tension (kPa).
     /// let curve = equilibria.follow(&[[0.0, 0.0], [80.0, 31.0], [120.0, 50.0], [300.0, 4.0]])?;
@@ -126,6 +108,7 @@ impl Simulation {
         tensions: &[f64],
         tolerance: Tolerance,
     ) -> Result<Equilibria, SetupError> {
+        self.check()?;
         let Assembly { body, system, meter, resting_length } = self.assembled();
         let mut path = Path::start(&system, &body, tolerance)?;
         for &tension in tensions {
@@ -136,36 +119,38 @@ impl Simulation {
     }
 }
 
-impl PreparedPath<'_> {
+impl PreparedPath {
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
-    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> QuasiStaticOutcome {
+    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         self.run_observed(&mut Samples(observe))
     }
 
     /// As [`PreparedPath::run`], for an observer that also hears which part of the work begins.
-    pub fn run_observed(&self, observer: &mut dyn Observer) -> QuasiStaticOutcome {
+    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         let setup = &self.setup;
-        let path = Path::resume(&setup.system, &setup.body, self.shapes.clone());
-        let start = setup.tension_at_start();
+        let Assembly { system, body, .. } = &setup.assembly;
+        let path = Path::resume(system, body, self.shapes.clone());
+        let start = setup.activation.tension().at(0);
         let curve = Curve::along(&path, setup);
-        let mut shaping = AlongPath { setup, path, curve, tension: start, offset: 0.0 };
-        let (recording, stop) = match shaping.follow(0.0, [start; 2]) {
+        let mut shaping =
+            AlongPath { setup, path, curve, tension: start, marked: start, offset: 0.0 };
+        let (recording, stop) = match shaping.follow(0.0, [start.into(); 2]) {
             Ok(()) => {
                 shaping.offset = shaping.curve.at(start)[WORK];
                 setup.run(&mut shaping, observer)
             }
             Err(reason) => (Recording::default(), Some(reason)),
         };
-        QuasiStaticOutcome {
-            recording,
-            stop,
+        let effort = Effort::QuasiStatic {
             load_steps: shaping.path.load_steps(),
             newton_iterations: shaping.path.newton_iterations(),
             factorisations: shaping.path.factorisations(),
-            error: shaping.path.error(),
-            delay: shaping.path.delay(),
-        }
+            interpolation_error_um: shaping.path.error(),
+            delay_ms: shaping.path.delay(),
+        };
+        let stimulus_times_ms = setup.stimulus_times();
+        Outcome { recording, stop, effort, engine: None, stimulus_times_ms }
     }
 }
 
@@ -262,8 +247,9 @@ struct Curve {
 }
 
 impl Curve {
-    fn along(shapes: &Shapes, setup: &Setup<'_>) -> Self {
-        Self::of(shapes, &setup.simulation.mesh, &setup.system, &setup.meter)
+    fn along(shapes: &Shapes, setup: &Setup) -> Self {
+        let Assembly { system, meter, .. } = &setup.assembly;
+        Self::of(shapes, &setup.simulation.mesh, system, meter)
     }
 
     fn of(shapes: &Shapes, mesh: &Mesh, system: &System, meter: &ShapeMeter) -> Self {
@@ -285,6 +271,7 @@ impl Curve {
         for &tension in &curve.tensions {
             let Some(positions) = shapes.positions(tension) else { break };
             let energy = |positions: &Vectors, tension: f64| {
+                let tension = tension.into();
                 let at = Configuration { positions, velocities: &still, tension };
                 system.active_energy(&at)
             };
@@ -294,7 +281,11 @@ impl Curve {
                 work += energy(from, mean) - energy(&positions, mean);
             }
             let extent = meter.measure(&positions);
-            let at = Configuration { positions: &positions, velocities: &still, tension };
+            let at = Configuration {
+                positions: &positions,
+                velocities: &still,
+                tension: tension.into(),
+            };
             curve.values.push([
                 extent.length,
                 extent.width,
@@ -348,11 +339,12 @@ impl Curve {
 
 /// A mesh that takes the shape of the path at each tension.
 struct AlongPath<'a> {
-    setup: &'a Setup<'a>,
+    setup: &'a Setup,
     path: Path<'a>,
     curve: Curve,
     /// kPa.
     tension: f64,
+    marked: f64,
     /// Work between tension 0 and the start of the run, fJ.
     offset: f64,
 }
@@ -371,8 +363,20 @@ impl AlongPath<'_> {
 }
 
 impl Shaping for AlongPath<'_> {
-    fn follow(&mut self, time: f64, tensions: [f64; 2]) -> Result<(), StopReason> {
-        let tension = tensions[1];
+    fn is_static(&self) -> bool {
+        true
+    }
+
+    fn mark(&mut self) {
+        self.marked = self.tension;
+    }
+
+    fn back(&mut self) {
+        self.tension = self.marked;
+    }
+
+    fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
+        let tension = tensions[1].at(0);
         if !self.reaches(tension)
             && let Err(cause) = self.extend((1.0 + MARGIN) * tension)
             && !self.reaches(tension)
@@ -412,6 +416,8 @@ impl Shaping for AlongPath<'_> {
 
     /// The path reaches every tension that was followed.
     fn positions(&self) -> Vectors {
-        self.path.positions(self.tension).unwrap_or_else(|| self.setup.body.positions.clone())
+        self.path
+            .positions(self.tension)
+            .unwrap_or_else(|| self.setup.assembly.body.positions.clone())
     }
 }

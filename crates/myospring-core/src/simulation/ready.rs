@@ -1,9 +1,12 @@
 //! A run made ready by the method that its settings name.
 
 use super::observer::{Observer, Samples};
-use super::quasi_static::QuasiStaticOutcome;
-use super::{Outcome, Prepared, PreparedPath, Progress, SetupError, Simulation, StopReason};
+use super::setup::Setup;
+use super::{Prepared, PreparedField, PreparedPath, Progress, SetupError, Simulation, StopReason};
+use crate::analysis::beat::{self, Beat};
+use crate::exchange::Sites;
 use crate::integrate::Method;
+use crate::integrate::engine::EngineUsed;
 use crate::integrate::quasi_static::Tolerance;
 use crate::recording::Recording;
 use serde::Serialize;
@@ -11,23 +14,53 @@ use serde::Serialize;
 /// Strengths relative to the published parameters' that need no remark.
 const ORDINARY: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
-/// A run made ready.
-pub enum Ready<'a> {
+/// A run made ready: everything checked, every part its own.
+pub enum Ready {
     /// In time: forces assembled, time step chosen.
-    InTime(Prepared<'a>),
+    InTime(Prepared),
     /// Along the path of equilibria, which is solved.
-    AlongPath(PreparedPath<'a>),
+    AlongPath(PreparedPath),
+    /// From equilibrium to equilibrium.
+    FromRestToRest(PreparedField),
 }
 
-/// What came of a run by any method.
+/// What came of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finished {
+pub struct Outcome {
     /// All that was recorded, up to the stop.
     pub recording: Recording,
     /// Why it stopped early, if it did.
     pub stop: Option<StopReason>,
     /// What it took.
     pub effort: Effort,
+    /// What moved the masses, if they were moved in time.
+    pub engine: Option<EngineUsed>,
+    /// Times of the stimuli that fall within the run, ms.
+    pub stimulus_times_ms: Vec<f64>,
+}
+
+impl Outcome {
+    /// What the beats amount to, one for each stimulus: tension, contraction, width and area, action
+    /// potential.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::prelude::*;
+    /// let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
+    /// simulation.numerics.method = Method::QuasiStatic;
+    /// let outcome = simulation.build()?.run(|_progress| true);
+    /// let beats = outcome.beats();
+    /// assert!((beats[0].value("peak_shortening").unwrap() - 12.0).abs() < 0.1); // %
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn beats(&self) -> Vec<Beat> {
+        beat::beats(&self.recording.samples, &self.stimulus_times_ms)
+    }
+
+    /// Where the work of the active force went, at the end of the run.
+    pub fn energy(&self) -> Vec<crate::analysis::Metric> {
+        beat::energy(&self.recording.samples)
+    }
 }
 
 /// What a run took, for the record.
@@ -49,12 +82,22 @@ pub enum Effort {
         load_steps: usize,
         /// Iterations of Newton's method.
         newton_iterations: usize,
-        /// Matrices factorised.
+        /// Matrices factorised: one for each iteration, those of steps that found no rest included.
         factorisations: usize,
         /// Largest estimated error of a position, um.
         interpolation_error_um: f64,
         /// Time by which a motion with the same dampings lags behind, ms.
         delay_ms: f64,
+    },
+    /// From equilibrium to equilibrium.
+    #[serde(rename = "quasi-static-field")]
+    Field {
+        /// Equilibria that were solved.
+        equilibria: usize,
+        /// Iterations of Newton's method.
+        newton_iterations: usize,
+        /// Matrices factorised.
+        factorisations: usize,
     },
 }
 
@@ -63,33 +106,41 @@ impl Effort {
     pub fn time_step(&self) -> Option<f64> {
         match *self {
             Self::Verlet { time_step_ms, .. } => Some(time_step_ms),
-            Self::QuasiStatic { .. } => None,
+            Self::QuasiStatic { .. } | Self::Field { .. } => None,
         }
     }
 }
 
 impl Simulation {
-    /// Makes the run ready by the method of its numerical settings: chooses the time step, or solves
-    /// the path of equilibria.
+    /// Checks everything and makes the run ready by the method of its numerical settings: chooses the time
+    /// step, or solves the path of equilibria.
     ///
     /// # Errors
-    /// Those of [`Simulation::prepare`] or [`Simulation::prepare_quasi_static`].
+    /// Those of [`Simulation::prepare`], [`Simulation::prepare_quasi_static`] or
+    /// [`Simulation::prepare_field`].
     ///
     /// # Example
     /// ```
-    /// use myospring::integrate::Method;
-    /// use myospring::mesh::lattice;
-    /// use myospring::simulation::{Effort, Simulation};
-    ///
-    /// let mut simulation = Simulation::coelho_2021(lattice::rectangle(20, 4, 5.0)?);
+    /// use myospring::prelude::*;
+    /// let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
     /// simulation.numerics.method = Method::QuasiStatic;
-    /// let finished = simulation.ready()?.run(|_progress| true);
-    /// assert!(matches!(finished.effort, Effort::QuasiStatic { load_steps: 2..10, .. }));
+    /// let ready = simulation.build()?;
+    /// // It owns all that it needs.
+    /// let outcome = std::thread::spawn(move || ready.run(|_progress| true)).join().unwrap();
+    /// assert!(matches!(outcome.effort, Effort::QuasiStatic { load_steps: 2..10, .. }));
+    ///
+    /// simulation.numerics.time_step = Some(-1.0);
+    /// let error = simulation.build().err().unwrap();
+    /// assert_eq!(error.to_string(), "the time step is -1 ms; it must be a finite number above 0");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn ready(&self) -> Result<Ready<'_>, SetupError> {
+    pub fn build(&self) -> Result<Ready, SetupError> {
+        let sites = self.activation.as_ref().map(|activation| activation.sites());
         Ok(match self.numerics.method {
             Method::Verlet(_) => Ready::InTime(self.prepare()?),
+            Method::QuasiStatic if matches!(sites, Some(Sites::PerElement(_))) => {
+                Ready::FromRestToRest(self.prepare_field(Tolerance::default())?)
+            }
             Method::QuasiStatic => {
                 Ready::AlongPath(self.prepare_quasi_static(Tolerance::default())?)
             }
@@ -97,27 +148,34 @@ impl Simulation {
     }
 }
 
-impl Ready<'_> {
+impl Ready {
+    fn setup(&self) -> &Setup {
+        match self {
+            Self::InTime(prepared) => &prepared.setup,
+            Self::AlongPath(prepared) => &prepared.setup,
+            Self::FromRestToRest(prepared) => &prepared.setup,
+        }
+    }
+
     /// What a person should know before a long run.
     pub fn warnings(&self) -> Vec<String> {
-        let (setup, plain_loops) = match self {
-            Self::InTime(prepared) => (&prepared.setup, prepared.plain_loops()),
-            Self::AlongPath(prepared) => (&prepared.setup, None),
-        };
+        let setup = self.setup();
         let mut warnings = Vec::new();
-        if let Some(hindrance) = plain_loops {
+        if let Self::InTime(prepared) = self
+            && let EngineUsed::Plain { instead_of_fused: Some(hindrance) } = prepared.engine()
+        {
             warnings.push(format!(
                 "the plain loops move the masses, several times slower than the fused kernel, which does not \
                  serve {hindrance}"
             ));
         }
-        let strength = setup.strength;
+        let (strength, simulation) = (setup.strength, &setup.simulation);
         if !ORDINARY.contains(&strength) {
             warnings.push(format!(
                 "the cell model's parameters make a default beat {strength:.3} times as strong as the \
                  published ones do: about {:.4} kPa; tension_scale = \"own-peak\" scales it to {} kPa",
-                strength * setup.simulation.peak_tension,
-                setup.simulation.peak_tension
+                strength * simulation.peak_tension,
+                simulation.peak_tension
             ));
         }
         warnings
@@ -125,36 +183,27 @@ impl Ready<'_> {
 
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
-    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Finished {
+    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         self.run_observed(&mut Samples(observe))
     }
 
     /// As [`Ready::run`], for an observer that also hears which part of the work begins.
-    pub fn run_observed(&self, observer: &mut dyn Observer) -> Finished {
+    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         match self {
-            Self::InTime(prepared) => prepared.run_observed(observer).into(),
-            Self::AlongPath(prepared) => prepared.run_observed(observer).into(),
+            Self::InTime(prepared) => prepared.run_observed(observer),
+            Self::AlongPath(prepared) => prepared.run_observed(observer),
+            Self::FromRestToRest(prepared) => prepared.run_observed(observer),
         }
     }
 }
 
-impl From<Outcome> for Finished {
-    fn from(Outcome { recording, stop, time_step, steps, limit }: Outcome) -> Self {
-        let effort =
-            Effort::Verlet { time_step_ms: time_step, stability_limit_ms: limit.time_step, steps };
-        Self { recording, stop, effort }
-    }
-}
-
-impl From<QuasiStaticOutcome> for Finished {
-    fn from(outcome: QuasiStaticOutcome) -> Self {
-        let effort = Effort::QuasiStatic {
-            load_steps: outcome.load_steps,
-            newton_iterations: outcome.newton_iterations,
-            factorisations: outcome.factorisations,
-            interpolation_error_um: outcome.error,
-            delay_ms: outcome.delay,
-        };
-        Self { recording: outcome.recording, stop: outcome.stop, effort }
+impl Setup {
+    /// Times of the stimuli that fall within the run, ms.
+    pub(super) fn stimulus_times(&self) -> Vec<f64> {
+        let Simulation { activation, protocol, duration, .. } = &self.simulation;
+        if activation.is_some() {
+            return Vec::new();
+        }
+        protocol.stimulus_times().take_while(|time| time < duration).collect()
     }
 }

@@ -1,11 +1,19 @@
 //! Why a run cannot start, and why it stops before its end: with the time and the place.
 
+use super::check::SettingError;
+use crate::integrate::engine::EngineError;
 use crate::integrate::quasi_static::PathError;
 use serde::Serialize;
 
 /// Why a run cannot start.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SetupError {
+    /// A setting that no run can have.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The engine cannot move this mesh.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
     /// The time step would blow the mesh up.
     #[error(
         "time step {time_step} ms exceeds the stability limit {limit:.4} ms of this mesh (stiffest node \
@@ -30,7 +38,7 @@ pub enum SetupError {
     #[error("the cell model `{model}` cannot be run: {cause}")]
     CellModel {
         /// The model.
-        model: &'static str,
+        model: String,
         /// What went wrong.
         cause: String,
     },
@@ -100,6 +108,20 @@ pub enum StopReason {
         tension: f64,
         /// Where and why the path ends.
         cause: String,
+    },
+    /// Tension and stretch, which depend on each other, were not found together.
+    #[error(
+        "at t = {time} ms no tension near {tension:.4} kPa agrees with the stretch that it causes (it misses by \
+         {miss:.1e}); take a shorter exchange interval, or a tension that depends less steeply on stretch \
+         and rate"
+    )]
+    NoExchange {
+        /// Time, ms.
+        time: f64,
+        /// The last tension that was tried, kPa.
+        tension: f64,
+        /// By how much the answer to it differs: kPa, or change of a stretch.
+        miss: f64,
     },
     /// The cell model failed.
     #[error("the cell model failed: {cause}")]

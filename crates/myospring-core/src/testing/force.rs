@@ -2,6 +2,7 @@
 
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::{Configuration, Force, Vectors, zeros};
+use std::array::from_fn;
 
 /// Checks everything that a [`Force`] promises, at one configuration.
 ///
@@ -22,9 +23,10 @@ use crate::mechanics::{Configuration, Force, Vectors, zeros};
 /// let springs = Springs::new(vec![[0, 1], [1, 2]], vec![3.0, 1.0], vec![1.0, 2.0], vec![0.1; 2]);
 /// let positions = [vec![0.0, 1.2, 2.0], vec![0.0, 0.1, 1.5]];
 /// let velocities = [vec![0.3, -0.2, 0.1], vec![0.0, 0.5, -0.1]];
-/// check(&springs, &Configuration { positions: &positions, velocities: &velocities, tension: 0.0 });
+/// let (positions, velocities, tension) = (&positions, &velocities, 0.0.into());
+/// check(&springs, &Configuration { positions, velocities, tension });
 /// ```
-pub fn check(force: &dyn Force, at: &Configuration<'_>) {
+pub fn check<const D: usize>(force: &dyn Force<D>, at: &Configuration<'_, D>) {
     adds_to_what_is_there(force, at);
     is_minus_the_gradient_of_its_energy(force, at);
     has_the_stiffness_that_it_says(force, at);
@@ -35,21 +37,21 @@ pub fn check(force: &dyn Force, at: &Configuration<'_>) {
     }
 }
 
-fn evaluate(force: &dyn Force, at: &Configuration<'_>) -> Vectors {
+fn evaluate<const D: usize>(force: &dyn Force<D>, at: &Configuration<'_, D>) -> Vectors<D> {
     let mut forces = zeros(at.positions[0].len());
     force.add_forces(at, &mut forces);
     forces
 }
 
-fn largest(forces: &Vectors) -> f64 {
+fn largest<const D: usize>(forces: &Vectors<D>) -> f64 {
     forces.iter().flatten().fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()))
 }
 
-fn dot(a: &Vectors, b: &Vectors) -> f64 {
+fn dot<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
 }
 
-fn adds_to_what_is_there(force: &dyn Force, at: &Configuration<'_>) {
+fn adds_to_what_is_there<const D: usize>(force: &dyn Force<D>, at: &Configuration<'_, D>) {
     let once = evaluate(force, at);
     let mut twice = once.clone();
     force.add_forces(at, &mut twice);
@@ -59,7 +61,10 @@ fn adds_to_what_is_there(force: &dyn Force, at: &Configuration<'_>) {
     }
 }
 
-fn is_minus_the_gradient_of_its_energy(force: &dyn Force, at: &Configuration<'_>) {
+fn is_minus_the_gradient_of_its_energy<const D: usize>(
+    force: &dyn Force<D>,
+    at: &Configuration<'_, D>,
+) {
     let count = at.positions[0].len();
     let still = zeros(count);
     let at = Configuration { velocities: &still, ..*at };
@@ -69,7 +74,7 @@ fn is_minus_the_gradient_of_its_energy(force: &dyn Force, at: &Configuration<'_>
     let step = 1e-5;
     // Rounding in the energy and third derivatives bound what a central difference can show.
     let tolerance = 1e-6 * largest(&forces) + 64.0 * f64::EPSILON * energy.abs() / step;
-    for axis in 0..2 {
+    for axis in 0..D {
         for node in 0..count {
             let place = at.positions[axis][node];
             let mut energy_at = |x: f64| {
@@ -92,7 +97,7 @@ fn is_minus_the_gradient_of_its_energy(force: &dyn Force, at: &Configuration<'_>
     }
 }
 
-fn has_the_stiffness_that_it_says(force: &dyn Force, at: &Configuration<'_>) {
+fn has_the_stiffness_that_it_says<const D: usize>(force: &dyn Force<D>, at: &Configuration<'_, D>) {
     let count = at.positions[0].len();
     let still = zeros(count);
     let at = Configuration { velocities: &still, ..*at };
@@ -106,13 +111,13 @@ fn has_the_stiffness_that_it_says(force: &dyn Force, at: &Configuration<'_>) {
     let mut scale = largest(&evaluate(force, &at));
     // Three irregular directions, so that no entry hides behind another.
     for turn in 1..=3 {
-        let direction: Vectors = [0, 1].map(|axis| {
+        let direction: Vectors<D> = from_fn(|axis| {
             (0..count)
-                .map(|i| ((2 * i + axis + turn) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
+                .map(|i| ((D * i + axis + turn) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
                 .collect()
         });
         let at_distance = |by: f64| {
-            let moved = [0, 1].map(|axis| {
+            let moved = from_fn(|axis| {
                 let both = at.positions[axis].iter().zip(&direction[axis]);
                 both.map(|(x, d)| x + by * d).collect()
             });
@@ -123,7 +128,7 @@ fn has_the_stiffness_that_it_says(force: &dyn Force, at: &Configuration<'_>) {
         scale = scale.max(largest(&product));
         // Rounding in the forces and their third derivatives bound what a difference can show.
         let tolerance = 1e-6 * scale;
-        for axis in 0..2 {
+        for axis in 0..D {
             for node in 0..count {
                 let slope = (minus[axis][node] - plus[axis][node]) / (2.0 * step);
                 let error = (product[axis][node] - slope).abs();
@@ -139,7 +144,7 @@ fn has_the_stiffness_that_it_says(force: &dyn Force, at: &Configuration<'_>) {
     }
 }
 
-fn dissipates_what_it_says(force: &dyn Force, at: &Configuration<'_>) {
+fn dissipates_what_it_says<const D: usize>(force: &dyn Force<D>, at: &Configuration<'_, D>) {
     let still = zeros(at.positions[0].len());
     let moving = evaluate(force, at);
     let resting = evaluate(force, &Configuration { velocities: &still, ..*at });
@@ -154,7 +159,7 @@ fn dissipates_what_it_says(force: &dyn Force, at: &Configuration<'_>) {
     );
 }
 
-fn has_no_resultant(force: &dyn Force, at: &Configuration<'_>) {
+fn has_no_resultant<const D: usize>(force: &dyn Force<D>, at: &Configuration<'_, D>) {
     let forces = evaluate(force, at);
     let count = at.positions[0].len() as f64;
     let reach = at.positions.iter().flatten().fold(1.0_f64, |size, x| size.max(x.abs()));
@@ -163,23 +168,43 @@ fn has_no_resultant(force: &dyn Force, at: &Configuration<'_>) {
         let resultant: f64 = axis.iter().sum();
         assert!(resultant.abs() <= tolerance, "{} has a resultant of {resultant} nN", force.name());
     }
-    let torque: f64 = (0..at.positions[0].len())
-        .map(|i| at.positions[0][i] * forces[1][i] - at.positions[1][i] * forces[0][i])
-        .sum();
-    assert!(torque.abs() <= tolerance * reach, "{} has a torque of {torque} nN um", force.name());
+    for p in 0..D {
+        for q in p + 1..D {
+            let torque: f64 = (0..at.positions[0].len())
+                .map(|i| at.positions[p][i] * forces[q][i] - at.positions[q][i] * forces[p][i])
+                .sum();
+            assert!(
+                torque.abs() <= tolerance * reach,
+                "{} has a torque of {torque} nN um",
+                force.name()
+            );
+        }
+    }
 }
 
-fn turns_with_the_body(force: &dyn Force, at: &Configuration<'_>) {
+fn turns_with_the_body<const D: usize>(force: &dyn Force<D>, at: &Configuration<'_, D>) {
     let (sine, cosine) = 0.7_f64.sin_cos();
-    let turn = |v: &Vectors, shift: [f64; 2]| -> Vectors {
-        let rotate =
-            |i: usize| [cosine * v[0][i] - sine * v[1][i], sine * v[0][i] + cosine * v[1][i]];
-        [0, 1].map(|axis| (0..v[0].len()).map(|i| rotate(i)[axis] + shift[axis]).collect())
+    // In one plane after the other: with three axes about no axis of the lattice.
+    let turn = |v: &Vectors<D>, shift: f64| -> Vectors<D> {
+        let mut turned = v.clone();
+        for axis in 1..D {
+            for i in 0..v[0].len() {
+                let (x, y) = (turned[axis - 1][i], turned[axis][i]);
+                turned[axis - 1][i] = cosine * x - sine * y;
+                turned[axis][i] = sine * x + cosine * y;
+            }
+        }
+        for (axis, values) in turned.iter_mut().enumerate() {
+            for x in values {
+                *x += shift * (3.0 - 11.0 * axis as f64);
+            }
+        }
+        turned
     };
-    let (positions, velocities) = (turn(at.positions, [3.0, -8.0]), turn(at.velocities, [0.0; 2]));
+    let (positions, velocities) = (turn(at.positions, 1.0), turn(at.velocities, 0.0));
     let there = Configuration { positions: &positions, velocities: &velocities, ..*at };
     let before = evaluate(force, at);
-    let (expected, turned) = (turn(&before, [0.0; 2]), evaluate(force, &there));
+    let (expected, turned) = (turn(&before, 0.0), evaluate(force, &there));
     let stiffest = largest(&before);
     for (a, b) in expected.iter().flatten().zip(turned.iter().flatten()) {
         assert!((a - b).abs() <= 1e-9 * stiffest, "{} does not turn with the body", force.name());

@@ -75,7 +75,7 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
 /// Checks a run against the run file that it was made from.
 pub(super) fn check(file: &RunFile, run: &Run) -> Checked {
     alternatives(file)?;
-    cell_model(file)?;
+    cell_model(file, run)?;
     stimulus(file, run)?;
     shape(file, run)?;
     fibre(file, run)?;
@@ -98,14 +98,18 @@ fn alternatives(file: &RunFile) -> Checked {
     Ok(())
 }
 
-fn cell_model(file: &RunFile) -> Checked {
-    if file.get("cell.authors_step") != Some(&Value::Flag(true)) {
-        return Ok(());
+fn cell_model(file: &RunFile, run: &Run) -> Checked {
+    let authors = file.get("cell.authors_step") == Some(&Value::Flag(true));
+    let taken = ["cell.method", "cell.step", "cell.tolerance"];
+    if let Some(second) = taken.into_iter().find(|key| authors && file.has(key)) {
+        return exclude("cell.authors_step", second, "leave one of them out");
     }
-    match ["cell.method", "cell.step"].into_iter().find(|key| file.has(key)) {
-        Some(second) => exclude("cell.authors_step", second, "leave one of them out"),
-        None => Ok(()),
-    }
+    let (second, advice) = if run.numerics.cell.method.chooses_steps() {
+        ("cell.step", "this method chooses its steps by the tolerance; leave the step out")
+    } else {
+        ("cell.tolerance", "only method = \"adaptive\" or \"stiff\" has it; leave it out")
+    };
+    if file.has(second) { exclude("cell.method", second, advice) } else { Ok(()) }
 }
 
 fn stimulus(file: &RunFile, run: &Run) -> Checked {

@@ -12,6 +12,7 @@ use crate::mesh::quality::{MeshReport, long_axis};
 use crate::mesh::{Mesh, built_in};
 use crate::microscopy::fibres::{FibreError, FibreField, FibreSettings};
 use crate::simulation::{Numerics, Simulation, TensionScale};
+use std::sync::Arc;
 
 /// Peak tension unless stated, kPa: the largest of `coelho_2021`, Fig. 6.
 const PEAK_TENSION: f64 = 50.0;
@@ -34,7 +35,7 @@ pub struct Run {
     /// Title, for people; may be empty.
     pub title: String,
     /// The cell model with its parameters.
-    pub cell: Box<dyn CellModel>,
+    pub cell: Arc<dyn CellModel>,
     /// Peak of the active tension, kPa.
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
@@ -65,7 +66,7 @@ impl Run {
         let numerics = Numerics::default();
         Self {
             title: String::new(),
-            cell: Box::new(cell),
+            cell: Arc::new(cell),
             peak_tension: PEAK_TENSION,
             tension_scale: TensionScale::Published,
             protocol,
@@ -126,6 +127,9 @@ impl Run {
         let (long_axis, fibres) = (long_axis(&mesh), self.fibres(&mesh, field));
         Ok(Simulation {
             cell: self.cell.with_parameters(self.cell.parameters().clone())?,
+            activation: None,
+            myofibril_content: None,
+            stepper: None,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
             tension_scale: self.tension_scale,

@@ -321,10 +321,10 @@ fn a_cell_contracts_along_the_stripes_normal_that_the_picture_shows() {
         let toy = ToyModel::published();
         let simulation = Simulation {
             protocol: Protocol { start_ms: 0.0, ..Protocol::once(toy.default_stimulus()) },
-            cell: Box::new(toy),
+            cell: std::sync::Arc::new(toy),
             duration: 50.0,
             fibres,
-            ..Simulation::coelho_2021(mesh.clone())
+            ..Simulation::new(mesh.clone())
         };
         let outcome = simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap();
         assert!(outcome.stop.is_none());

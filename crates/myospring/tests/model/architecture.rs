@@ -1,10 +1,14 @@
 //! The table "Who may use whom" of ARCHITECTURE.md holds for every module of the library.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod library;
+mod reader;
+
+use library::Library;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The crates of the library and, where a whole crate is one module, that module.
+/// The crates of the library and, where a whole crate is one room, that room.
 const CRATES: [(&str, Option<&str>); 4] = [
     ("myospring", None),
     ("myospring-core", None),
@@ -12,27 +16,47 @@ const CRATES: [(&str, Option<&str>); 4] = [
     ("myospring-output", Some("output")),
 ];
 
+/// A row of the table in ARCHITECTURE.md.
+struct Row {
+    /// The crate that the room stands in.
+    package: String,
+    /// The rooms that it may use.
+    allowed: BTreeSet<String>,
+}
+
 fn crates() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
-/// Module and the modules that it may use, as ARCHITECTURE.md has them.
-fn table() -> BTreeMap<String, BTreeSet<String>> {
+/// The rooms, as ARCHITECTURE.md has them.
+fn table() -> BTreeMap<String, Row> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ARCHITECTURE.md");
     let text = std::fs::read_to_string(path).unwrap();
     let section = text.split("## Who may use whom").nth(1).unwrap();
     let section = section.split("\n## ").next().unwrap();
-    section
-        .lines()
-        .filter(|line| line.starts_with('|'))
-        .skip(2)
-        .map(|line| {
-            let mut columns = line.trim_matches('|').split('|').map(str::trim);
-            let module = columns.next().unwrap().to_owned();
-            let used = columns.next().unwrap_or("").split(',').map(|name| name.trim().to_owned());
-            (module, used.filter(|name| !name.is_empty()).collect())
-        })
-        .collect()
+    let rows = section.lines().filter(|line| line.starts_with('|')).skip(2).map(|line| {
+        let mut columns = line.trim_matches('|').split('|').map(|text| text.trim().to_owned());
+        let (room, package) = (columns.next().unwrap(), columns.next().unwrap());
+        let allowed = columns.next().unwrap();
+        let allowed = allowed.split(',').map(|name| name.trim().to_owned());
+        (room, Row { package, allowed: allowed.filter(|name| !name.is_empty()).collect() })
+    });
+    rows.collect()
+}
+
+fn library() -> Library {
+    let mut library = Library::default();
+    for (package, _) in CRATES {
+        library.add(&package.replace('-', "_"), &crates().join(package).join("src"));
+    }
+    library
+}
+
+/// The crate and the room of a module; no room for the roots of crates that have several.
+fn place(module: &[String]) -> (&'static str, Option<String>) {
+    let (package, whole) =
+        CRATES.into_iter().find(|(package, _)| package.replace('-', "_") == module[0]).unwrap();
+    (package, whole.map(str::to_owned).or_else(|| module.get(1).cloned()))
 }
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -48,64 +72,133 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// First path segments behind `root` (as `crate::`) in code outside comments and test modules.
-fn used_modules(text: &str, root: &str) -> BTreeSet<String> {
-    let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
-    code.lines()
-        .filter(|line| !line.trim_start().starts_with("//"))
-        .flat_map(|line| line.split(root).skip(1))
-        .flat_map(|rest| {
-            let group = rest.strip_prefix('{').and_then(|inner| inner.split('}').next());
-            group.unwrap_or(rest).split(',').take(if group.is_some() { usize::MAX } else { 1 })
-        })
-        .map(|path| {
-            path.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>()
-        })
-        .filter(|name| !name.is_empty())
-        .collect()
+#[test]
+fn rooms_use_only_what_the_architecture_allows() {
+    let (table, library) = (table(), library());
+    for used in library.uses() {
+        let (Some(room), (_, other)) = (place(used.module).1, place(&used.used)) else { continue };
+        let file = used.from.display();
+        let row = table.get(&room).unwrap_or_else(|| {
+            panic!("{file}: the room `{room}` is missing in ARCHITECTURE.md's table")
+        });
+        let other = other.unwrap_or_else(|| panic!("{file}: `{}` is in no room", used.path));
+        assert!(
+            other == room || row.allowed.contains(&other),
+            "{file}: `{}` is of `{other}`, which ARCHITECTURE.md does not allow `{room}`",
+            used.path
+        );
+    }
 }
 
 #[test]
-fn modules_use_only_what_the_architecture_allows() {
+fn the_table_names_every_room_and_its_crate_and_no_other() {
+    let library = library();
+    let rooms: BTreeMap<String, &str> = library
+        .files()
+        .filter_map(|(_, module)| {
+            let (package, room) = place(module);
+            Some((room?, package))
+        })
+        .collect();
     let table = table();
-    let mut seen = BTreeSet::new();
-    for (name, whole) in CRATES {
-        let root = crates().join(name).join("src");
-        for file in sources(&root) {
-            let relative = file.strip_prefix(&root).unwrap();
-            let first = relative.components().next().unwrap().as_os_str().to_string_lossy();
-            let module = whole.unwrap_or(first.trim_end_matches(".rs")).to_owned();
-            if module == "lib" {
-                continue;
-            }
-            let allowed = table.get(&module).unwrap_or_else(|| {
-                panic!("module `{module}` is missing in ARCHITECTURE.md's table")
-            });
-            let text = std::fs::read_to_string(&file).unwrap();
-            let mut used = used_modules(&text, "myospring_core::");
-            if whole.is_none() {
-                used.extend(used_modules(&text, "crate::"));
-            }
-            for used in used {
-                assert!(
-                    used == module || allowed.contains(&used),
-                    "{} uses `{used}`, which ARCHITECTURE.md does not allow `{module}`",
-                    file.display()
-                );
-            }
-            seen.insert(module);
+    let named: BTreeMap<String, &str> =
+        table.iter().map(|(room, row)| (room.clone(), row.package.as_str())).collect();
+    assert_eq!(named, rooms);
+}
+
+#[test]
+fn every_file_of_a_crate_is_read() {
+    let library = library();
+    let read: BTreeSet<&Path> = library.files().map(|(path, _)| path).collect();
+    for (package, _) in CRATES {
+        for file in sources(&crates().join(package).join("src")) {
+            let is_test = file.file_name().is_some_and(|name| name == "tests.rs");
+            assert!(is_test != read.contains(file.as_path()), "{}", file.display());
         }
     }
-    let gone: Vec<_> = table.keys().filter(|module| !seen.contains(*module)).collect();
-    assert!(gone.is_empty(), "ARCHITECTURE.md's table names modules that are not there: {gone:?}");
+}
+
+/// The paths that a text is read to have, in order; in brackets what a `use` calls them.
+fn read(text: &str) -> Vec<String> {
+    let path = |written: &reader::Written| {
+        let name = written
+            .bound
+            .as_ref()
+            .map(|bound| format!(" [{}{}]", if bound.passed_on { "pub " } else { "" }, bound.name));
+        let place = [written.scope.join(": "), written.path.join("::")];
+        let place: Vec<String> = place.into_iter().filter(|part| !part.is_empty()).collect();
+        place.join(": ") + &name.unwrap_or_default()
+    };
+    reader::read(text).written.iter().map(path).collect()
 }
 
 #[test]
-fn the_reader_of_paths_finds_them() {
-    let code = "use crate::{mesh::Mesh, units};\nuse crate::cell::{self, X};\n// crate::no\nlet x = crate::output::y();";
-    let expected: BTreeSet<String> =
-        ["mesh", "units", "cell", "output"].map(str::to_owned).into_iter().collect();
-    assert_eq!(used_modules(code, "crate::"), expected);
+fn the_reader_sees_every_form_of_a_path() {
+    for (text, expected) in [
+        ("use crate::cell::{self, X as Y};", vec!["crate::cell [cell]", "crate::cell::X [Y]"]),
+        (
+            "use crate::{\n    mesh::{\n        lattice::{self, Lattice},\n    },\n    units,\n};",
+            vec![
+                "crate::mesh::lattice [lattice]",
+                "crate::mesh::lattice::Lattice [Lattice]",
+                "crate::units [units]",
+            ],
+        ),
+        ("pub use a::B; pub(super) use a::*;", vec!["a::B [pub B]", "a::* [pub *]"]),
+        ("fn f(x: super::super::X) -> impl Y + use<'_> {}", vec!["super::super::X"]),
+        ("let x = crate::output::y::<u8>(z.a());", vec!["crate::output::y"]),
+        ("const X: f64 = <A as b::C>::D::E;", vec!["b::C"]),
+        ("format!(\"{}\", myospring_core::cell::models())", vec!["myospring_core::cell::models"]),
+        ("#[schemars(transform = bounds::STEP)] x: f64,", vec!["bounds::STEP"]),
+        ("mod a { use super::b; } use c::d;", vec!["a: super::b [b]", "c::d [d]"]),
+        ("pub(in crate::cell) fn f() {}", vec![]),
+        ("/// See [`crate::a::B`].\n// crate::a\nconst X: &str = \"crate::a\";", vec![]),
+        ("#[cfg(test)]\nmod tests { use crate::a; }\nuse b::c;", vec!["b::c [c]"]),
+        ("struct X { #[cfg(test)] a: tests::A, b: b::B }", vec!["b::B"]),
+    ] {
+        assert_eq!(read(text), expected, "{text}");
+    }
+}
+
+/// A library of one crate with these files.
+fn built(files: &[(&str, &str)]) -> (tempfile::TempDir, Library) {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    let mut library = Library::default();
+    library.add("own", folder.path());
+    (folder, library)
+}
+
+#[test]
+fn a_path_leads_to_the_file_where_the_thing_stands() {
+    let (folder, library) = built(&[
+        ("lib.rs", "pub mod room;\npub mod door { pub use crate::room::Thing as It; }"),
+        ("room.rs", "mod inner;\nmod other;\npub use inner::Thing;\nuse std::fmt;"),
+        ("room/inner.rs", "pub struct Thing;\nfn f() { super::super::room::other::g::<fmt::X>() }"),
+        ("room/other.rs", "use own::door;\npub fn g<T>() { door::It::new(self::h) }"),
+    ]);
+    let name = |path: &Path| path.strip_prefix(folder.path()).unwrap().display().to_string();
+    let uses: BTreeSet<(String, String)> = library
+        .uses()
+        .iter()
+        .filter(|used| !used.is_name_only)
+        .map(|used| (name(used.from), name(used.to)))
+        .collect();
+    // The root passes on what stands below it, and `room` its child's thing: names only.
+    let expected = [("room/inner.rs", "room/other.rs"), ("room/other.rs", "room/inner.rs")];
+    let expected = expected.map(|(from, to)| (from.to_owned(), to.to_owned()));
+    assert_eq!(uses, BTreeSet::from(expected));
+    let (uses, files) = (library.uses(), ["room/inner.rs", "room/other.rs"]);
+    let circles = library::circles(&uses);
+    let files = files.map(|file| folder.path().join(file));
+    assert_eq!(
+        circles.into_keys().collect::<Vec<_>>(),
+        [files.iter().map(PathBuf::as_path).collect()]
+    );
 }
 
 /// A crate is published as its own folder, so no file outside may go into it.

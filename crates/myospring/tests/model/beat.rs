@@ -5,8 +5,10 @@
 use crate::common;
 
 use myospring::analysis::{contraction, shape, trace, value};
-use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::{self, CellModel, Input, ModelError, solve, toy};
+use myospring::cell::pacing::Protocol;
+use myospring::cell::{
+    self, CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind, solve, toy,
+};
 use myospring::integrate::Method;
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::integrate::verlet::Integrator;
@@ -18,6 +20,7 @@ use myospring::mesh::{Mesh, built_in, lattice, quality};
 use myospring::parameter::ParameterSet;
 use myospring::recording::Sample;
 use myospring::simulation::{Numerics, Outcome, SetupError, Simulation, StopReason, TensionScale};
+use std::sync::Arc;
 
 fn built_in_cell(angle: f64, spacing: Option<f64>) -> Mesh {
     let outline = built_in::adult_ventricular().rotated(angle);
@@ -44,15 +47,15 @@ pub(crate) fn quick_twitch(mesh: Mesh) -> Simulation {
     let toy = toy::ToyModel::new(parameters).unwrap();
     Simulation {
         protocol: Protocol { start_ms: 0.0, ..Protocol::once(toy.default_stimulus()) },
-        cell: Box::new(toy),
+        cell: Arc::new(toy),
         duration: 20.0,
-        ..Simulation::coelho_2021(mesh)
+        ..Simulation::new(mesh)
     }
 }
 
 #[test]
 fn the_default_beat_shortens_by_twelve_per_cent_and_keeps_its_volume() {
-    let outcome = run(&Simulation::coelho_2021(built_in_cell(0.0, None)));
+    let outcome = run(&Simulation::new(built_in_cell(0.0, None)));
     assert_eq!(outcome.stop, None);
     let times = column(&outcome, |s| s.t_ms);
     let metrics = contraction::metrics(&times, &column(&outcome, |s| s.length_um), 50.0);
@@ -144,7 +147,7 @@ fn half_the_mass_gives_the_same_beat() {
     let beat = |slowest_period: f64| {
         let material = Material { slowest_period, ..default_material() };
         let mesh = built_in_cell(0.0, Some(2.4));
-        let simulation = Simulation { material, ..Simulation::coelho_2021(mesh) };
+        let simulation = Simulation { material, ..Simulation::new(mesh) };
         peak_shortening(&run(&simulation))
     };
     let (heavy, light) = (beat(2.0), beat(2.0 * 0.5_f64.sqrt()));
@@ -257,23 +260,17 @@ impl CellModel for Failing {
     fn description(&self) -> &'static str {
         "becomes NaN once the cell has shortened"
     }
-    fn citations(&self) -> &'static [&'static str] {
-        &[]
+    fn citations(&self) -> Vec<&str> {
+        Vec::new()
     }
     fn parameters(&self) -> &ParameterSet {
         self.inner.parameters()
     }
-    fn with_parameters(&self, _: ParameterSet) -> Result<Box<dyn CellModel>, ModelError> {
-        Ok(Box::new(Self { inner: self.inner.clone() }))
+    fn with_parameters(&self, _: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
+        Ok(Arc::new(Self { inner: self.inner.clone() }))
     }
-    fn default_stimulus(&self) -> Stimulus {
-        self.inner.default_stimulus()
-    }
-    fn state_names(&self) -> &'static [&'static str] {
-        self.inner.state_names()
-    }
-    fn initial_state(&self) -> Vec<f64> {
-        self.inner.initial_state()
+    fn states(&self) -> &[StateVariable] {
+        self.inner.states()
     }
     fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
         self.inner.derivatives(state, input, rates);
@@ -281,8 +278,8 @@ impl CellModel for Failing {
             rates[0] = f64::NAN;
         }
     }
-    fn jump(&self, state: &mut [f64], amplitude: f64) {
-        self.inner.jump(state, amplitude);
+    fn stimulation(&self) -> Stimulation {
+        self.inner.stimulation()
     }
     fn potential(&self, state: &[f64]) -> f64 {
         self.inner.potential(state)
@@ -293,8 +290,11 @@ impl CellModel for Failing {
     fn tension(&self, state: &[f64]) -> f64 {
         self.inner.tension(state)
     }
-    fn published_peak_tension(&self) -> f64 {
-        self.inner.published_peak_tension()
+    fn tension_kind(&self) -> TensionKind {
+        self.inner.tension_kind()
+    }
+    fn feels_stretch(&self) -> bool {
+        true
     }
 }
 
@@ -303,7 +303,7 @@ fn the_cell_model_feels_the_stretch_and_its_failure_stops_the_run() {
     let mut parameters = toy::parameters();
     parameters.set("tau", 12.0).unwrap();
     let inner = toy::ToyModel::new(parameters).unwrap();
-    let cell = Box::new(Failing { inner });
+    let cell = Arc::new(Failing { inner });
     let outcome = run(&Simulation { cell, ..quick_twitch(built_in_cell(0.0, Some(4.0))) });
     let Some(StopReason::CellModel { cause }) = outcome.stop else {
         panic!("{:?}", outcome.stop);
@@ -316,12 +316,12 @@ fn the_cell_model_feels_the_stretch_and_its_failure_stops_the_run() {
 #[test]
 fn every_model_of_the_list_can_drive_the_mesh() {
     for model in cell::models() {
-        let name = model.name();
+        let name = model.name().to_owned();
         let simulation = Simulation {
             protocol: Protocol::once(model.default_stimulus()),
             cell: model,
             duration: 300.0,
-            ..Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)))
+            ..Simulation::new(built_in_cell(0.0, Some(5.0)))
         };
         let outcome = run(&simulation);
         assert_eq!(outcome.stop, None, "{name}");
@@ -335,19 +335,24 @@ fn with_tau_si(tau_si: f64, tension_scale: TensionScale) -> Simulation {
     let published = cell::model("coelho_2021").unwrap();
     let mut parameters = published.parameters().clone();
     parameters.set("tau_si", tau_si).unwrap();
-    let simulation = Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)));
+    let simulation = Simulation::new(built_in_cell(0.0, Some(5.0)));
     let numerics = Numerics { method: Method::QuasiStatic, ..simulation.numerics.clone() };
     let cell = published.with_parameters(parameters).unwrap();
     Simulation { cell, tension_scale, numerics, ..simulation }
 }
 
+/// Peak of the dimensionless tension of the published `coelho_2021`.
+fn coelho_2021_peak() -> f64 {
+    cell::model("coelho_2021").unwrap().tension_kind().published_peak().unwrap()
+}
+
 #[test]
 fn a_changed_parameter_changes_the_strength_of_the_cell() {
-    let published = cell::model("coelho_2021").unwrap().published_peak_tension();
+    let published = coelho_2021_peak();
     let beats = [1.4, 1.76816, 2.4].map(|tau_si| {
         let simulation = with_tau_si(tau_si, TensionScale::Published);
         let own = solve::reference_beat(&*simulation.cell, simulation.numerics.cell).unwrap();
-        let finished = simulation.ready().unwrap().run(|_| true);
+        let finished = simulation.build().unwrap().run(|_| true);
         assert_eq!(finished.stop, None);
         let samples = &finished.recording.samples;
         let largest = |of: fn(&Sample) -> f64| samples.iter().map(of).fold(0.0, f64::max);
@@ -368,7 +373,7 @@ fn a_changed_parameter_changes_the_strength_of_the_cell() {
 fn scaled_by_their_own_peak_all_cells_are_equally_strong() {
     for tau_si in [1.4, 1.76816, 2.4] {
         let simulation = with_tau_si(tau_si, TensionScale::OwnPeak);
-        let samples = simulation.ready().unwrap().run(|_| true).recording.samples;
+        let samples = simulation.build().unwrap().run(|_| true).recording.samples;
         let largest = samples.iter().map(|s| s.ta_kpa).fold(0.0, f64::max);
         assert!((largest - 50.0).abs() < 0.005, "{tau_si} ms: {largest} kPa");
     }
@@ -378,11 +383,9 @@ fn scaled_by_their_own_peak_all_cells_are_equally_strong() {
 fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
     let strong = with_tau_si(1.0, TensionScale::Published);
     let own = solve::reference_beat(&*strong.cell, strong.numerics.cell).unwrap();
-    let ratio = own.peak_tension / strong.cell.published_peak_tension();
-    let stated = Simulation {
-        peak_tension: 50.0 * ratio,
-        ..Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)))
-    };
+    let ratio = own.peak_tension / coelho_2021_peak();
+    let stated =
+        Simulation { peak_tension: 50.0 * ratio, ..Simulation::new(built_in_cell(0.0, Some(5.0))) };
     let (a, b) = (strong.prepare().unwrap().limit, stated.prepare().unwrap().limit);
     assert!(ratio > 1.02 && a.time_step == b.time_step, "{ratio}, {a:?}, {b:?}");
 }
@@ -390,7 +393,7 @@ fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
 #[test]
 fn a_cell_that_swings_about_its_clamped_end_is_as_wide_as_a_free_one() {
     let change = |support: SupportKind| {
-        let simulation = Simulation::coelho_2021(built_in_cell(0.0, Some(2.5)));
+        let simulation = Simulation::new(built_in_cell(0.0, Some(2.5)));
         let [x, y] = simulation.long_axis;
         let (sine, cosine) = 20.0_f64.to_radians().sin_cos();
         let fibre = [cosine * x - sine * y, sine * x + cosine * y];
@@ -424,7 +427,7 @@ fn a_train_of_beats_repeats_itself() {
         },
         cell: model,
         duration: 1550.0,
-        ..Simulation::coelho_2021(built_in_cell(0.0, Some(5.0)))
+        ..Simulation::new(built_in_cell(0.0, Some(5.0)))
     };
     let outcome = run(&simulation);
     let (times, shortening) =

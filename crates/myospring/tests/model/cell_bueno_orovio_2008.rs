@@ -9,6 +9,7 @@ use myospring::cell::bueno_orovio_2008::{Variant, model};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::solve::{Method, Settings, solve};
+use std::sync::Arc;
 
 const PULSE: Stimulus = Stimulus::Pulse { amplitude: 0.5, duration_ms: 1.0 };
 
@@ -49,15 +50,15 @@ const RESTITUTION: [(Variant, [f64; 3], f64); 5] = [
 /// potential just before its stimulus.
 fn last_beat(variant: Variant, cycle_length_ms: f64) -> (f64, f64) {
     let step_ms = 0.005;
-    let settings = Settings { method: Method::ForwardEuler, step_ms };
+    let settings = Settings { step_ms, ..Settings::of(Method::ForwardEuler) };
     let protocol = Protocol { stimulus: PULSE, start_ms: 0.0, cycle_length_ms, beats: 30 };
-    let model = model(variant);
-    let mut cell = CellIntegrator::new(&model, protocol, settings).unwrap();
+    let model = Arc::new(model(variant));
+    let mut cell = CellIntegrator::new(model.clone(), protocol, settings).unwrap();
     let start_ms = 29.0 * cycle_length_ms;
     let steps = (cycle_length_ms / step_ms).round() as usize;
     let times: Vec<f64> = (0..=steps).map(|step| step as f64 * step_ms).collect();
     let mut course = |time: &f64| {
-        cell.advance_to(start_ms + time, 1.0).unwrap();
+        cell.advance_to(start_ms + time, 1.0, 0.0).unwrap();
         model.potential(cell.state())
     };
     let u: Vec<f64> = times.iter().map(&mut course).collect();

@@ -238,7 +238,7 @@ fn the_authors_model_is_normalised_by_the_peak_of_its_own_run() {
 /// The converged column as it was made: see the head of this file.
 #[test]
 fn the_converged_column_comes_out_to_the_printed_digit_by_its_own_definition() {
-    let fine = Settings { method: Method::ForwardEuler, step_ms: 0.0005 };
+    let fine = Settings { step_ms: 0.0005, ..Settings::of(Method::ForwardEuler) };
     let u = run(&coelho_2021::model(), coelho_2021::authors_protocol(), fine).potential;
     let model = with_peak(u[highest(&u)]);
     let (mut ta_i, mut ta) = (vec![0.0], vec![0.0]);

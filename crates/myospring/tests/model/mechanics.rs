@@ -16,7 +16,7 @@ use myospring::testing::force;
 use proptest::prelude::*;
 
 /// Repeatable numbers in -1/2..1/2.
-fn noise(count: usize, seed: usize) -> Vec<f64> {
+pub(crate) fn noise(count: usize, seed: usize) -> Vec<f64> {
     (0..count)
         .map(|i| ((i * 7919 + seed * 104_729 + 1) as f64 * 0.618_033_988_75).fract() - 0.5)
         .collect()
@@ -57,7 +57,8 @@ fn all_forces(mesh: &Mesh) -> Vec<Box<dyn Force>> {
 fn every_force_keeps_its_promises_on_a_disturbed_lattice() {
     for mesh in [lattice::rectangle(7, 4, 1.3).unwrap(), small_cell(20.0, 3.0)] {
         let (positions, velocities) = disturbed(&mesh, 0.2);
-        let at = Configuration { positions: &positions, velocities: &velocities, tension: 37.0 };
+        let at =
+            Configuration { positions: &positions, velocities: &velocities, tension: 37.0.into() };
         for law in all_forces(&mesh) {
             force::check(&*law, &at);
         }
@@ -77,7 +78,7 @@ proptest! {
     ) {
         let mesh = small_cell(angle, spacing);
         let (positions, velocities) = disturbed(&mesh, size);
-        let at = Configuration { positions: &positions, velocities: &velocities, tension };
+        let at = Configuration { positions: &positions, velocities: &velocities, tension: tension.into() };
         for law in all_forces(&mesh) {
             force::check(&*law, &at);
         }
@@ -88,7 +89,7 @@ proptest! {
 fn elastic_forces_vanish_at_rest_and_the_printed_area_law_does_not() {
     let mesh = lattice::rectangle(6, 3, 1.0).unwrap();
     let still = zeros(mesh.len());
-    let at = Configuration { positions: &mesh.points, velocities: &still, tension: 0.0 };
+    let at = Configuration { positions: &mesh.points, velocities: &still, tension: 0.0.into() };
     let largest = |law: &dyn Force| {
         let mut forces = zeros(mesh.len());
         law.add_forces(&at, &mut forces);

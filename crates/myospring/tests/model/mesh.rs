@@ -346,7 +346,7 @@ fn a_broken_mesh_names_what_is_broken() {
         assert!(error.contains(message), "{error}");
     }
     assert_eq!(
-        Mesh::new([vec![], vec![]], vec![], vec![], vec![], None).unwrap_err(),
+        <Mesh>::new([vec![], vec![]], vec![], vec![], vec![], None).unwrap_err(),
         MeshError::NoPoints
     );
 }

@@ -137,6 +137,7 @@ fn a_run_cut_short_still_gives_every_figure() {
         let cut = Recording {
             samples: whole.samples[..samples].to_vec(),
             frames: whole.frames[..frames].to_vec(),
+            ..Recording::default()
         };
         for figure in all_figures(&long, &cut, X) {
             size(&figure);
@@ -182,7 +183,7 @@ fn the_story_of_a_beat_has_four_moments() {
     cut.frames.truncate(1);
     assert_eq!(names(&cut), ["at rest"]);
     // Without samples the tension tells the moments.
-    let silent = Recording { samples: vec![], frames: run.frames.clone() };
+    let silent = Recording { samples: vec![], ..run.clone() };
     assert_eq!(story(&silent), story(&run));
     assert_eq!(key_shapes(&silent, &[STIMULUS])[0].shortening_pct, None);
 }

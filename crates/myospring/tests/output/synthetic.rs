@@ -148,5 +148,5 @@ pub(crate) fn recording(mesh: &Mesh, fibre: [f64; 2], peak_tension: f64, in_mv: 
             Frame { t_ms: t, ta_kpa: 50.0 * s, positions: [xs, ys] }
         })
         .collect();
-    Recording { samples, frames }
+    Recording { samples, frames, ..Recording::default() }
 }

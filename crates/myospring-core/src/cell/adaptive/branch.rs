@@ -333,18 +333,23 @@ impl Pieces {
 mod tests {
     use super::*;
     use crate::cell::bueno_orovio_2008::{self, Variant};
+    use crate::cell::cell_model::{CellModel as _, Input};
+    use crate::cell::coelho_2021;
     use crate::cell::minimal::MinimalModel;
-    use crate::cell::{CellModel as _, Input, coelho_2021};
 
     fn models() -> Vec<MinimalModel> {
         let sets = [Variant::Epi, Variant::Endo, Variant::M, Variant::Pb, Variant::Tnnp];
         sets.map(bueno_orovio_2008::model).into_iter().chain([coelho_2021::model()]).collect()
     }
 
+    fn pieces(model: &MinimalModel) -> Pieces {
+        Pieces::new(*model.electrical_constants(), *model.tension_constants())
+    }
+
     #[test]
     fn every_branch_has_the_rates_of_the_equations_inside_its_region() {
         for model in models() {
-            let pieces = model.pieces();
+            let pieces = pieces(&model);
             for step in 0..4000_u32 {
                 // Weyl sequences: evenly spread, the same everywhere.
                 let x = |golden: f64| (f64::from(step) * golden).fract();
@@ -369,7 +374,7 @@ mod tests {
 
     #[test]
     fn switches_that_cannot_act_are_left_out() {
-        let count = |model: MinimalModel| model.pieces().thresholds().len();
+        let count = |model: MinimalModel| pieces(&model).thresholds().len();
         // coelho_2021: theta_v, theta_w and V = x_2; theta_o and theta_v_minus lie too high.
         assert_eq!(count(coelho_2021::model()), 3);
         assert_eq!(count(bueno_orovio_2008::model(Variant::Endo)), 5);
@@ -382,8 +387,8 @@ mod tests {
     #[test]
     fn sliding_is_the_mixture_that_keeps_the_potential() {
         let model = coelho_2021::model();
-        let u = model.pieces().thresholds()[0];
-        let [below, above] = [0, 1].map(|region| model.pieces().branch(region, true, 0.0).at(u));
+        let u = pieces(&model).thresholds()[0];
+        let [below, above] = [0, 1].map(|region| pieces(&model).branch(region, true, 0.0).at(u));
         let sliding = Sliding { below, above };
         let state = [u, 0.9, 0.8, 0.02, 0.01, 0.005];
         let (f_below, f_above, mixed) =

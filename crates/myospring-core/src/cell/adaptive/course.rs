@@ -4,9 +4,7 @@ use super::branch::{Branch, Field, Pieces, Side, Sliding, State};
 use super::lanes::{FLOOR, LONGEST_MS, Lanes, STALLED};
 use super::piece::{Cubic, Piece, root};
 use super::watch::Watch;
-use crate::cell::minimal::MinimalModel;
 use crate::cell::pacing::{Event, Protocol};
-use crate::cell::solve::SolveError;
 
 /// Part of the step that the tolerance would allow for a straight line, taken after a switch.
 const RESTART: f64 = 0.3;
@@ -41,17 +39,6 @@ pub(in crate::cell) struct Stuck {
     pub(super) step_ms: f64,
     /// Where the step would have ended.
     pub(super) state: State,
-}
-
-impl Stuck {
-    /// As an error of a model, with the variable that went astray if one did.
-    pub(in crate::cell) fn error(&self, model: &'static str) -> SolveError {
-        let Self { time_ms, step_ms, state } = *self;
-        let names = MinimalModel::STATE_NAMES;
-        let worst = (0..6).find(|k| !state[*k].is_finite()).unwrap_or(0);
-        let (variable, value) = (names[worst], state[worst]);
-        SolveError::Stalled { model, variable, value, time_ms, step_ms }
-    }
 }
 
 /// A cell that is to be followed.

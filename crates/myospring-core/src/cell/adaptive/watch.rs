@@ -3,14 +3,11 @@
 use super::branch::State;
 use super::lanes::{Lanes, repolarised};
 use super::piece::{Piece, root};
-
-/// Whether two times, ms, differ by rounding only.
-pub(super) fn same_instant(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
-}
+use crate::cell::pacing::same_instant;
+use serde::{Deserialize, Serialize};
 
 /// One beat of a cell, from its stimulus to the next or to the end.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Beat {
     /// Time of the stimulus, ms.
     pub stimulus_ms: f64,

@@ -1,6 +1,6 @@
 //! The electrical half of the minimal model: Eqs. (18)-(31) and their 28 parameters.
 
-use crate::cell::ModelError;
+use crate::cell::cell_model::ModelError;
 use crate::parameter::{Parameter, ParameterSet};
 
 /// Heaviside step with `H(0) = 1/2`.
@@ -54,11 +54,11 @@ macro_rules! electrical {
             ///
             /// # Errors
             /// A parameter is missing.
-            pub fn new(model: &'static str, parameters: &ParameterSet) -> Result<Self, ModelError> {
+            pub fn new(model: &str, parameters: &ParameterSet) -> Result<Self, ModelError> {
                 Ok(Self {
                     $($name: parameters
                         .get(stringify!($name))
-                        .ok_or(ModelError::Missing { model, name: stringify!($name) })?,)*
+                        .ok_or_else(|| ModelError::missing(model, stringify!($name)))?,)*
                 })
             }
         }
@@ -107,7 +107,15 @@ pub(in crate::cell) fn rows(values: &[(&'static str, f64, &'static str)]) -> Vec
         .map(|(&(name, kind, meaning), &(given, value, source))| {
             assert_eq!(name, given, "order of electrical parameters");
             let (unit, minimum, maximum) = kind.unit_and_range();
-            Parameter { name, value, unit, minimum, maximum, meaning, source }
+            Parameter {
+                name: name.into(),
+                value,
+                unit: unit.into(),
+                minimum,
+                maximum,
+                meaning: meaning.into(),
+                source: source.into(),
+            }
         })
         .collect()
 }

@@ -4,8 +4,8 @@
 //! K(x) dx = f(x; Ta),     x <- x + s dx,     s = 1, 1/2, 1/4, ... until the energy drops
 //! ```
 //!
-//! A free body has no stiffness against shift and rotation. Three coordinates of two nodes far apart
-//! are held instead: internal forces have no resultant, so the holds bear nothing and the shape is
+//! A free body has no stiffness against shift and rotation. Three coordinates of two nodes far apart (with
+//! three axes six of three nodes) are held instead: internal forces have no resultant, so the holds bear nothing and the shape is
 //! that of the free body. It is then put where a free body would be: the mass centre at its place, no
 //! rotation against the start in the sense of least squares weighted by mass (what
 //! `analysis::shape::ShapeMeter` takes out). A body that outer forces hold, such as an elastic bed, has
@@ -14,7 +14,8 @@
 use super::factor::{Factor, FactorError};
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
-use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
+use std::array::from_fn;
 
 /// Why an equilibrium was not found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,12 +40,15 @@ impl From<FactorError> for Failure {
 /// Iterations after which Newton's method is given up.
 const ITERATIONS: usize = 25;
 
+/// Rounds in which the rotation with three axes is taken out; a few do.
+const TURNS: usize = 50;
+
 /// A stable equilibrium.
-pub(super) struct Rest {
+pub(super) struct Rest<const D: usize> {
     /// Positions, um.
-    pub(super) positions: Vectors,
+    pub(super) positions: Vectors<D>,
     /// Their derivative with respect to tension, um/kPa.
-    pub(super) slope: Vectors,
+    pub(super) slope: Vectors<D>,
     /// Largest corrections of Newton's method, um, one per iteration.
     pub(super) corrections: Vec<f64>,
     /// Drop of the active energy per kPa on the way along `slope`, fJ/kPa^2: slope . K slope.
@@ -52,20 +56,20 @@ pub(super) struct Rest {
 }
 
 /// Finds equilibria of one body.
-pub(super) struct Solver<'a> {
-    system: &'a System,
-    body: &'a Body,
-    still: Vectors,
-    factor: Factor<'a>,
-    stiffness: StiffnessMatrix,
+pub(super) struct Solver<'a, const D: usize = 2> {
+    system: &'a System<D>,
+    body: &'a Body<D>,
+    still: Vectors<D>,
+    factor: Factor<'a, D>,
+    stiffness: StiffnessMatrix<D>,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
 }
 
-impl<'a> Solver<'a> {
-    pub(super) fn new(system: &'a System, body: &'a Body) -> Self {
+impl<'a, const D: usize> Solver<'a, D> {
+    pub(super) fn new(system: &'a System<D>, body: &'a Body<D>) -> Self {
         let count = body.len();
-        let mut free = [vec![true; count], vec![true; count]];
+        let mut free: [Vec<bool>; D] = from_fn(|_| vec![true; count]);
         match &system.support {
             Support::Clamped(nodes) => {
                 for axis in &mut free {
@@ -75,7 +79,7 @@ impl<'a> Solver<'a> {
                 }
             }
             Support::MassCentre | Support::Free if adrift(system) => {
-                hold_three(&body.positions, &mut free);
+                hold_place(&body.positions, &mut free);
             }
             Support::MassCentre | Support::Free => {}
         }
@@ -90,11 +94,11 @@ impl<'a> Solver<'a> {
     }
 
     /// The body at its start.
-    pub(super) fn body(&self) -> &'a Body {
+    pub(super) fn body(&self) -> &'a Body<D> {
         self.body
     }
 
-    fn forces(&self, positions: &Vectors, tension: f64) -> Vectors {
+    fn forces(&self, positions: &Vectors<D>, tension: Tension<'_>) -> Vectors<D> {
         let mut forces = zeros(self.body.len());
         let at = Configuration { positions, velocities: &self.still, tension };
         self.system.sum_forces(&at, &mut forces);
@@ -102,24 +106,25 @@ impl<'a> Solver<'a> {
     }
 
     /// Total energy and the size of its parts, fJ.
-    fn energy(&self, positions: &Vectors, tension: f64) -> [f64; 2] {
+    fn energy(&self, positions: &Vectors<D>, tension: Tension<'_>) -> [f64; 2] {
         let at = Configuration { positions, velocities: &self.still, tension };
         let parts = [self.system.elastic_energy(&at), self.system.active_energy(&at)];
         [parts[0] + parts[1], parts[0].abs() + parts[1].abs()]
     }
 
     /// Change of the active forces per kPa, nN/kPa.
-    fn load(&self, positions: &Vectors, tension: f64) -> Vectors {
+    fn load(&self, positions: &Vectors<D>, tension: f64) -> Vectors<D> {
         let mut load = zeros(self.body.len());
         // Active forces are in proportion to tension, so the difference over 1 kPa is exact.
         let [mut more, mut less] = [zeros(self.body.len()), zeros(self.body.len())];
         for (sum, tension) in [(&mut more, tension + 0.5), (&mut less, tension - 0.5)] {
+            let tension = tension.into();
             let at = Configuration { positions, velocities: &self.still, tension };
             for force in &self.system.active {
                 force.add_forces(&at, sum);
             }
         }
-        for axis in 0..2 {
+        for axis in 0..D {
             for node in 0..load[axis].len() {
                 load[axis][node] = more[axis][node] - less[axis][node];
             }
@@ -127,7 +132,7 @@ impl<'a> Solver<'a> {
         load
     }
 
-    fn factorise(&mut self, positions: &Vectors, tension: f64) -> Result<(), Failure> {
+    fn factorise(&mut self, positions: &Vectors<D>, tension: Tension<'_>) -> Result<(), Failure> {
         self.stiffness.clear();
         let at = Configuration { positions, velocities: &self.still, tension };
         for force in self.system.passive.iter().chain(&self.system.active) {
@@ -137,14 +142,42 @@ impl<'a> Solver<'a> {
         Ok(self.factor.factorise(&self.stiffness)?)
     }
 
-    /// The equilibrium under a tension (kPa) near a guess; corrections below `tolerance` (um) end the
-    /// search.
+    /// The equilibrium under a uniform tension (kPa) near a guess, with its slope; corrections below
+    /// `tolerance` (um) end the search.
     pub(super) fn find(
         &mut self,
-        guess: &Vectors,
+        guess: &Vectors<D>,
         tension: f64,
         tolerance: f64,
-    ) -> Result<Rest, Failure> {
+    ) -> Result<Rest<D>, Failure> {
+        let (positions, corrections) = self.settle(guess, tension.into(), tolerance)?;
+        Ok(self.at_rest(positions, tension, corrections))
+    }
+
+    /// The equilibrium under any tension near a guess, where the body is put, and the largest corrections of
+    /// Newton's method, um, one per iteration.
+    pub(super) fn settle_in_place(
+        &mut self,
+        guess: &Vectors<D>,
+        tension: Tension<'_>,
+        tolerance: f64,
+    ) -> Result<(Vectors<D>, Vec<f64>), Failure> {
+        let (positions, corrections) = self.settle(guess, tension, tolerance)?;
+        let positions = match self.system.support {
+            Support::MassCentre | Support::Free if adrift(self.system) => {
+                self.in_place(positions, zeros(self.body.len())).0
+            }
+            _ => positions,
+        };
+        Ok((positions, corrections))
+    }
+
+    fn settle(
+        &mut self,
+        guess: &Vectors<D>,
+        tension: Tension<'_>,
+        tolerance: f64,
+    ) -> Result<(Vectors<D>, Vec<f64>), Failure> {
         let mut positions = guess.clone();
         let mut corrections = Vec::new();
         let mut energy = self.energy(&positions, tension);
@@ -162,7 +195,7 @@ impl<'a> Solver<'a> {
                 if corrections.len() > 1 || largest > 1e-3 * tolerance {
                     positions = moved(&positions, &correction, 1.0);
                 }
-                return Ok(self.at_rest(positions, tension, corrections));
+                return Ok((positions, corrections));
             }
             // K is positive definite, so the energy falls in this direction, at this rate.
             let drop = dot(&forces, &correction);
@@ -187,14 +220,18 @@ impl<'a> Solver<'a> {
     /// The node that moves most in the softest deformation of a stable equilibrium: the eigenvector of
     /// `K v = lambda M v` with the smallest `lambda`, by inverse iteration. Near the end of a path this is
     /// how the cell buckles.
-    pub(super) fn softest_node(&mut self, positions: &Vectors, tension: f64) -> Option<usize> {
+    pub(super) fn softest_node(
+        &mut self,
+        positions: &Vectors<D>,
+        tension: Tension<'_>,
+    ) -> Option<usize> {
         const ROUNDS: usize = 20;
         self.factorise(positions, tension).ok()?;
         let count = self.body.len();
         // A fixed, irregular start: fractional parts of multiples of the golden ratio.
-        let mut mode: Vectors = [0, 1].map(|axis| {
+        let mut mode: Vectors<D> = from_fn(|axis| {
             (0..count)
-                .map(|i| ((2 * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
+                .map(|i| ((D * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
                 .collect()
         });
         for _ in 0..ROUNDS {
@@ -208,12 +245,12 @@ impl<'a> Solver<'a> {
             let size = largest(&mode);
             mode.iter_mut().flatten().for_each(|x| *x /= size);
         }
-        let square = |node: usize| mode[0][node].powi(2) + mode[1][node].powi(2);
+        let square = |node: usize| mode.iter().map(|axis| axis[node].powi(2)).sum::<f64>();
         (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b)))
     }
 
     /// Puts the body in its place and adds the slope, from the last factor.
-    fn at_rest(&mut self, positions: Vectors, tension: f64, corrections: Vec<f64>) -> Rest {
+    fn at_rest(&mut self, positions: Vectors<D>, tension: f64, corrections: Vec<f64>) -> Rest<D> {
         let load = self.load(&positions, tension);
         // 0 = d f/d Ta = load - K dx/dTa
         let slope = self.factor.solve(&load);
@@ -228,86 +265,158 @@ impl<'a> Solver<'a> {
     }
 
     /// Removes shift and rotation against the start from positions and from their slope.
-    fn in_place(&self, mut positions: Vectors, mut slope: Vectors) -> (Vectors, Vectors) {
+    ///
+    /// Of three axes, the rotation that is left is taken out plane by plane until there is none in any: each
+    /// turn brings the body as near to the start as a rotation in its plane can.
+    fn in_place(
+        &self,
+        mut positions: Vectors<D>,
+        mut slope: Vectors<D>,
+    ) -> (Vectors<D>, Vectors<D>) {
         let masses = &self.body.masses;
         let total: f64 = masses.iter().sum();
-        let mean = |values: &Vectors| {
-            [0, 1].map(|axis| {
-                values[axis].iter().zip(masses).map(|(x, m)| x * m).sum::<f64>() / total
-            })
+        let mean = |values: &Vectors<D>| -> [f64; D] {
+            from_fn(|axis| values[axis].iter().zip(masses).map(|(x, m)| x * m).sum::<f64>() / total)
         };
         let start = &self.body.positions;
         let (before, after, drift) = (mean(start), mean(&positions), mean(&slope));
-        let (mut cosine, mut sine, mut turn) = (0.0, 0.0, 0.0);
+        // Undisturbed bodies keep their bits.
+        let same = positions == *start;
+        for axis in 0..D {
+            for node in 0..masses.len() {
+                slope[axis][node] -= drift[axis];
+                if !same && D > 2 {
+                    positions[axis][node] += before[axis] - after[axis];
+                }
+            }
+        }
+        if D == 2 {
+            self.turn_back([0, 1], [before, after], same, [&mut positions, &mut slope]);
+            return (positions, slope);
+        }
+        for _ in 0..TURNS {
+            let mut largest = 0.0_f64;
+            for plane in [[0, 1], [1, 2], [2, 0]] {
+                let centres = [before, before];
+                let turned = self.turn_back(plane, centres, same, [&mut positions, &mut slope]);
+                largest = largest.max(turned);
+            }
+            if largest < 1e-15 {
+                break;
+            }
+        }
+        (positions, slope)
+    }
+
+    /// Removes the rotation in a plane from positions, whose mass centre stands where the second of two
+    /// centres is and is put where the first is, and from their slope; the angle and the change of it that
+    /// were there, relative to what the slope has.
+    fn turn_back(
+        &self,
+        [p, q]: [usize; 2],
+        [before, after]: [[f64; D]; 2],
+        same: bool,
+        [positions, slope]: [&mut Vectors<D>; 2],
+    ) -> f64 {
+        let (masses, start) = (&self.body.masses, &self.body.positions);
+        let old = |i: usize| [start[p][i] - before[p], start[q][i] - before[q]];
+        let (mut cosine, mut sine, mut turn, mut size) = (0.0, 0.0, 0.0, 0.0);
         for (i, mass) in masses.iter().enumerate() {
-            let old = [start[0][i] - before[0], start[1][i] - before[1]];
-            let new = [positions[0][i] - after[0], positions[1][i] - after[1]];
+            let old = old(i);
+            let new = [positions[p][i] - after[p], positions[q][i] - after[q]];
             cosine += mass * (old[0] * new[0] + old[1] * new[1]);
             sine += mass * (old[0] * new[1] - old[1] * new[0]);
         }
-        // Undisturbed bodies keep their bits.
-        let (angle, same) = (sine.atan2(cosine), positions == *start);
+        let angle = sine.atan2(cosine);
         let (s, c) = (-angle).sin_cos();
         for i in 0..masses.len() {
-            let new = [positions[0][i] - after[0], positions[1][i] - after[1]];
-            let rate = [slope[0][i] - drift[0], slope[1][i] - drift[1]];
+            let new = [positions[p][i] - after[p], positions[q][i] - after[q]];
+            let rate = [slope[p][i], slope[q][i]];
             if !same {
-                positions[0][i] = before[0] + c * new[0] - s * new[1];
-                positions[1][i] = before[1] + s * new[0] + c * new[1];
+                positions[p][i] = before[p] + c * new[0] - s * new[1];
+                positions[q][i] = before[q] + s * new[0] + c * new[1];
             }
-            slope[0][i] = c * rate[0] - s * rate[1];
-            slope[1][i] = s * rate[0] + c * rate[1];
-            let old = [start[0][i] - before[0], start[1][i] - before[1]];
-            turn += masses[i] * (old[0] * slope[1][i] - old[1] * slope[0][i]);
+            slope[p][i] = c * rate[0] - s * rate[1];
+            slope[q][i] = s * rate[0] + c * rate[1];
+            let old = old(i);
+            turn += masses[i] * (old[0] * slope[q][i] - old[1] * slope[p][i]);
+            size += masses[i] * (old[0] * slope[q][i]).abs().max((old[1] * slope[p][i]).abs());
         }
         // sum m (old x d new/dTa) = 0: a rotation at the rate w adds w sum m old . new to it
         let rate = -turn / cosine.hypot(sine);
         for i in 0..masses.len() {
-            slope[0][i] -= rate * (positions[1][i] - before[1]);
-            slope[1][i] += rate * (positions[0][i] - before[0]);
+            slope[p][i] -= rate * (positions[q][i] - before[q]);
+            slope[q][i] += rate * (positions[p][i] - before[p]);
         }
-        (positions, slope)
+        let relative = if size > 0.0 { turn.abs() / size } else { 0.0 };
+        angle.abs().max(1e-3 * relative)
     }
 }
 
 /// Whether no force has a hold on the body as a whole.
-fn adrift(system: &System) -> bool {
+fn adrift<const D: usize>(system: &System<D>) -> bool {
     system.passive.iter().all(|force| force.is_internal())
 }
 
-/// Holds one node, and another far from it across the line between them.
-fn hold_three(positions: &Vectors, free: &mut [Vec<bool>; 2]) {
-    let farthest = |from: usize| {
-        let square = |i: usize| {
-            (positions[0][i] - positions[0][from]).powi(2)
-                + (positions[1][i] - positions[1][from]).powi(2)
-        };
-        (0..positions[0].len()).max_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or(from)
+/// Holds one node, another far from it across the line between them, and with three axes a third one off
+/// that line across the plane of the three.
+fn hold_place<const D: usize>(positions: &Vectors<D>, free: &mut [Vec<bool>; D]) {
+    let count = positions[0].len();
+    let arm = |from: usize, to: usize| -> [f64; D] {
+        from_fn(|axis| positions[axis][to] - positions[axis][from])
     };
-    if positions[0].is_empty() {
+    let farthest = |from: usize, square: &dyn Fn(usize) -> f64| {
+        (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or(from)
+    };
+    let square =
+        |from: usize, to: usize| arm(from, to).iter().map(|part| part.powi(2)).sum::<f64>();
+    if count == 0 {
         return;
     }
-    let first = farthest(0);
-    let second = farthest(first);
-    let arm = [0, 1].map(|axis| (positions[axis][second] - positions[axis][first]).abs());
-    (free[0][first], free[1][first]) = (false, false);
-    free[usize::from(arm[0] >= arm[1])][second] = false;
+    let first = farthest(0, &|node| square(0, node));
+    let second = farthest(first, &|node| square(first, node));
+    for axis in free.iter_mut() {
+        axis[first] = false;
+    }
+    let line = arm(first, second);
+    let along = (0..D).max_by(|&a, &b| line[a].abs().total_cmp(&line[b].abs())).unwrap_or(0);
+    if D == 2 {
+        free[usize::from(line[0].abs() >= line[1].abs())][second] = false;
+        return;
+    }
+    for axis in (0..D).filter(|axis| *axis != along) {
+        free[axis][second] = false;
+    }
+    // What of the way to a third node is not along the line.
+    let off = |node: usize| -> [f64; D] {
+        let way = arm(first, node);
+        let part = way.iter().zip(line).map(|(w, l)| w * l).sum::<f64>() / square(first, second);
+        from_fn(|axis| way[axis] - part * line[axis])
+    };
+    let third = farthest(first, &|node| off(node).iter().map(|part| part.powi(2)).sum());
+    // Turning about the line moves it across both; the larger part of that way is held.
+    let out = off(third);
+    let normal: [f64; D] = from_fn(|axis| {
+        let (next, last) = ((axis + 1) % D, (axis + 2) % D);
+        line[next] * out[last] - line[last] * out[next]
+    });
+    let across = (0..D).max_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
+    free[across][third] = false;
 }
 
 /// Largest absolute value, um; not a number if one is not.
-pub(super) fn largest(vectors: &Vectors) -> f64 {
+pub(super) fn largest<const D: usize>(vectors: &Vectors<D>) -> f64 {
     vectors
         .iter()
         .flatten()
         .fold(0.0, |size: f64, value| if value.is_nan() { f64::NAN } else { size.max(value.abs()) })
 }
 
-fn moved(positions: &Vectors, direction: &Vectors, by: f64) -> Vectors {
-    [0, 1]
-        .map(|axis| positions[axis].iter().zip(&direction[axis]).map(|(x, d)| x + by * d).collect())
+fn moved<const D: usize>(positions: &Vectors<D>, direction: &Vectors<D>, by: f64) -> Vectors<D> {
+    from_fn(|axis| positions[axis].iter().zip(&direction[axis]).map(|(x, d)| x + by * d).collect())
 }
 
-fn dot(a: &Vectors, b: &Vectors) -> f64 {
+fn dot<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
 }
 

@@ -3,7 +3,7 @@
 //! The nodes are eliminated in the order of a nested dissection ([`dissection`]), set by set in dense
 //! matrices ([`fronts`], [`dense`]). Order and pattern are found once and serve as long as the same nodes
 //! act on each other. Held coordinates take part with the stiffness 1 of their own, so that all blocks are
-//! 2 x 2. One thread, and every sum in the same order whatever the vector units: the same bits everywhere.
+//! D x D. One thread, and every sum in the same order whatever the vector units: the same bits everywhere.
 
 mod dense;
 mod dissection;
@@ -25,14 +25,14 @@ pub(super) enum FactorError {
 }
 
 /// A factor that is made anew for each stiffness.
-pub(super) struct Factor<'a> {
+pub(super) struct Factor<'a, const D: usize = 2> {
     /// um; they tell near nodes from distant ones.
-    positions: &'a Vectors,
+    positions: &'a Vectors<D>,
     /// `free[axis][node]`
-    free: [Vec<bool>; 2],
+    free: [Vec<bool>; D],
     /// Blocks of the stiffness for which the fronts were found.
     blocks: usize,
-    fronts: Option<Fronts>,
+    fronts: Option<Fronts<D>>,
     /// Columns of the factor, front by front.
     entries: Vec<f64>,
     /// Updates that wait for the front above theirs.
@@ -40,9 +40,9 @@ pub(super) struct Factor<'a> {
     packed: [Vec<f64>; 2],
 }
 
-impl<'a> Factor<'a> {
+impl<'a, const D: usize> Factor<'a, D> {
     /// For a body with its nodes about here (um), of which these coordinates are free: `free[axis][node]`.
-    pub(super) fn new(positions: &'a Vectors, free: [Vec<bool>; 2]) -> Self {
+    pub(super) fn new(positions: &'a Vectors<D>, free: [Vec<bool>; D]) -> Self {
         Self {
             positions,
             free,
@@ -55,7 +55,7 @@ impl<'a> Factor<'a> {
     }
 
     /// Factorises a stiffness.
-    pub(super) fn factorise(&mut self, stiffness: &StiffnessMatrix) -> Result<(), FactorError> {
+    pub(super) fn factorise(&mut self, stiffness: &StiffnessMatrix<D>) -> Result<(), FactorError> {
         let fronts = match self.fronts.take() {
             Some(fronts) if self.blocks == stiffness.blocks() => fronts,
             _ => self.find_fronts(stiffness)?,
@@ -73,7 +73,7 @@ impl<'a> Factor<'a> {
         done
     }
 
-    fn find_fronts(&mut self, stiffness: &StiffnessMatrix) -> Result<Fronts, FactorError> {
+    fn find_fronts(&mut self, stiffness: &StiffnessMatrix<D>) -> Result<Fronts<D>, FactorError> {
         let graph = Graph::new(stiffness);
         let fronts = Fronts::new(stiffness, &graph, dissect(&graph, self.positions))?;
         let reserve = |memory: &mut Vec<f64>, size: usize| {
@@ -89,7 +89,12 @@ impl<'a> Factor<'a> {
     }
 
     /// Eliminates a front and leaves its update on the stack; whether all pivots were positive.
-    fn eliminate(&mut self, stiffness: &StiffnessMatrix, fronts: &Fronts, front: &Front) -> bool {
+    fn eliminate(
+        &mut self,
+        stiffness: &StiffnessMatrix<D>,
+        fronts: &Fronts<D>,
+        front: &Front<D>,
+    ) -> bool {
         let panel = &mut self.entries[front.entries.clone()];
         front.fill(panel, stiffness, &fronts.order, &self.free);
         let [even, odd] = &mut self.stacks;
@@ -110,14 +115,14 @@ impl<'a> Factor<'a> {
     /// Displacements (um) under forces (nN) on the free coordinates; held ones stay.
     ///
     /// Uses the last stiffness that was factorised.
-    pub(super) fn solve(&mut self, forces: &Vectors) -> Vectors {
+    pub(super) fn solve(&mut self, forces: &Vectors<D>) -> Vectors<D> {
         let mut moved = forces.each_ref().map(|axis| vec![0.0; axis.len()]);
         let Some(Fronts { order, list: fronts, .. }) = &self.fronts else { return moved };
-        let mut right = vec![0.0; 2 * order.len()];
+        let mut right = vec![0.0; D * order.len()];
         for (place, &node) in order.iter().enumerate() {
-            for axis in 0..2 {
+            for axis in 0..D {
                 if self.free[axis][node] {
-                    right[2 * place + axis] = forces[axis][node];
+                    right[D * place + axis] = forces[axis][node];
                 }
             }
         }
@@ -126,7 +131,7 @@ impl<'a> Factor<'a> {
             let [rows, columns] = front.size();
             border.clear();
             border.resize(rows - columns, 0.0);
-            let own = &mut right[2 * front.own.start..2 * front.own.end];
+            let own = &mut right[D * front.own.start..D * front.own.end];
             for column in 0..columns {
                 let entries = &self.entries[front.entries.start + column * rows..][..rows];
                 let value = own[column] / entries[column];
@@ -139,16 +144,17 @@ impl<'a> Factor<'a> {
                     *sum += value * entry;
                 }
             }
-            for (pair, &place) in border.chunks_exact(2).zip(&front.border) {
-                right[2 * place] -= pair[0];
-                right[2 * place + 1] -= pair[1];
+            for (parts, &place) in border.chunks_exact(D).zip(&front.border) {
+                for (axis, part) in parts.iter().enumerate() {
+                    right[D * place + axis] -= part;
+                }
             }
         }
         for front in fronts.iter().rev() {
             let [rows, columns] = front.size();
             border.clear();
-            border.extend(front.border.iter().flat_map(|&at| [right[2 * at], right[2 * at + 1]]));
-            let own = &mut right[2 * front.own.start..2 * front.own.end];
+            border.extend(front.border.iter().flat_map(|&at| &right[D * at..D * (at + 1)]));
+            let own = &mut right[D * front.own.start..D * front.own.end];
             for column in (0..columns).rev() {
                 let entries = &self.entries[front.entries.start + column * rows..][..rows];
                 let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
@@ -157,9 +163,9 @@ impl<'a> Factor<'a> {
             }
         }
         for (place, &node) in order.iter().enumerate() {
-            for axis in 0..2 {
+            for axis in 0..D {
                 if self.free[axis][node] {
-                    moved[axis][node] = right[2 * place + axis];
+                    moved[axis][node] = right[D * place + axis];
                 }
             }
         }

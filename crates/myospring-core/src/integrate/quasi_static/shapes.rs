@@ -5,23 +5,23 @@ use crate::mechanics::{Vectors, zeros};
 
 /// One load step's end.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Knot {
+pub(super) struct Knot<const D: usize = 2> {
     /// kPa.
     pub(super) tension: f64,
     /// um.
-    pub(super) positions: Vectors,
+    pub(super) positions: Vectors<D>,
     /// um/kPa.
-    pub(super) slope: Vectors,
+    pub(super) slope: Vectors<D>,
 }
 
 /// Equilibria of one body at every tension between two ends, without the body: what [`super::Path`] finds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shapes {
+pub struct Shapes<const D: usize = 2> {
     pub(super) tolerance: Tolerance,
     /// The body's largest extent, um.
     pub(super) extent: f64,
     /// From tension 0 downward, and upward; both begin with the body at rest.
-    pub(super) branches: [Vec<Knot>; 2],
+    pub(super) branches: [Vec<Knot<D>>; 2],
     /// Length of the next load step on each branch, kPa; 0 if none was made.
     pub(super) steps: [f64; 2],
     pub(super) error: f64,
@@ -30,7 +30,7 @@ pub struct Shapes {
     pub(super) factorisations: usize,
 }
 
-impl Shapes {
+impl<const D: usize> Shapes<D> {
     /// The lowest and the highest tension of the path, kPa.
     pub fn range(&self) -> [f64; 2] {
         [0, 1].map(|side| self.branches[side][self.branches[side].len() - 1].tension)
@@ -45,7 +45,7 @@ impl Shapes {
     }
 
     /// Positions under a tension in kPa, um; `None` outside [`Shapes::range`].
-    pub fn positions(&self, tension: f64) -> Option<Vectors> {
+    pub fn positions(&self, tension: f64) -> Option<Vectors<D>> {
         let [lowest, highest] = self.range();
         if !(lowest..=highest).contains(&tension) {
             return None;
@@ -88,12 +88,17 @@ impl Shapes {
 }
 
 /// Hermite's cubic through two knots with their slopes, also outside of them.
-pub(super) fn interpolate(from: &Knot, to: &Knot, tension: f64, positions: &mut Vectors) {
+pub(super) fn interpolate<const D: usize>(
+    from: &Knot<D>,
+    to: &Knot<D>,
+    tension: f64,
+    positions: &mut Vectors<D>,
+) {
     let width = to.tension - from.tension;
     let s = (tension - from.tension) / width;
     let end = s * s * (3.0 - 2.0 * s);
     let (leave, arrive) = (width * s * (1.0 - s).powi(2), width * s * s * (s - 1.0));
-    for axis in 0..2 {
+    for axis in 0..D {
         let (x0, x1) = (&from.positions[axis], &to.positions[axis]);
         let (d0, d1) = (&from.slope[axis], &to.slope[axis]);
         for (node, position) in positions[axis].iter_mut().enumerate() {

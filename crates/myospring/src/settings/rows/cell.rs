@@ -6,10 +6,11 @@ use super::super::run::Run;
 use super::super::setting::{Kind, Named, Setting};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
-use crate::cell::solve::Method;
+use crate::cell::solve::{Method, Settings};
 use crate::cell::{self, CellModel, coelho_2021};
 use crate::simulation::TensionScale;
 use crate::units::{self, Dimension};
+use std::sync::Arc;
 
 worded! { TensionScale {
     TensionScale::Published = "published":
@@ -22,11 +23,20 @@ worded! { TensionScale {
 
 worded! { Method {
     Method::RungeKutta4 = "runge-kutta-4":
-        "Classical Runge-Kutta, order 4 where the equations are smooth.",
-    Method::ForwardEuler = "forward-euler": "Forward Euler, order 1.",
+        "Classical Runge-Kutta, order 4 where the equations are smooth; fixed steps.",
+    Method::ForwardEuler = "forward-euler": "Forward Euler, order 1; fixed steps.",
     Method::StaggeredEuler = "staggered-euler":
-        "Forward Euler that updates one block of the state after the other, each with the new \
-         values of those before it, order 1. The authors of `coelho_2021` step so.",
+        "Forward Euler that updates one block of the minimal model after the other, each with the \
+         new values of those before it, order 1; fixed steps. The authors of `coelho_2021` step so.",
+    Method::RushLarsen = "rush-larsen":
+        "Gates by their exact solution at constant potential, the rest by forward Euler, order 1; \
+         fixed steps. For models that name their gates.",
+    Method::Adaptive = "adaptive":
+        "Steps as long as the accuracy allows, cut at the model's switches; for the minimal model \
+         only.",
+    Method::Stiff = "stiff":
+        "Implicit steps as long as the accuracy allows, for models whose equations do not jump; \
+         made for stiff ones.",
 } }
 
 const PARAMETERS: &str = "cell.parameters";
@@ -79,7 +89,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "cell.method",
-        "Integration method of the cell model.",
+        "Integration method of the cell model, with fixed steps or with steps of its own choice.",
         Kind::Words {
             words: Method::WORDS,
             get: |run| Some(run.numerics.cell.method.word()),
@@ -88,11 +98,28 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "cell.step",
-        "Largest time step of the cell model.",
+        "Largest time step of the cell model, for a method with fixed steps.",
         Bounds::any(Dimension::Time, "0.005 ms").above(0.0).to(1.0),
-        |run| Some(run.numerics.cell.step_ms),
+        |run| {
+            let Settings { method, step_ms, .. } = run.numerics.cell;
+            (!method.chooses_steps()).then_some(step_ms)
+        },
         |run, step| run.numerics.cell.step_ms = step,
     ),
+    Setting::quantity(
+        "cell.tolerance",
+        "Largest error of a step over the size of each variable, for a method that chooses its \
+         steps.",
+        Bounds::any(Dimension::Number, "0.00001")
+            .from(Settings::TOLERANCES[0])
+            .to(Settings::TOLERANCES[1]),
+        |run| {
+            let Settings { method, tolerance, .. } = run.numerics.cell;
+            method.chooses_steps().then_some(tolerance)
+        },
+        |run, tolerance| run.numerics.cell.tolerance = tolerance,
+    )
+    .otherwise("0.00001"),
     Setting::new(
         PARAMETERS,
         "Parameters of the cell model that differ from the published ones, by name: \"1.9 ms\", \
@@ -117,7 +144,7 @@ fn set_authors_step(run: &mut Run, authors: bool) {
     }
     run.numerics.cell = coelho_2021::authors_step();
     if run.cell.name() == coelho_2021::IDENTITY.name {
-        run.cell = Box::new(coelho_2021::authors_model());
+        run.cell = Arc::new(coelho_2021::authors_model());
         run.protocol.start_ms = coelho_2021::authors_protocol().start_ms;
     }
 }
@@ -126,8 +153,8 @@ fn set_authors_step(run: &mut Run, authors: bool) {
 fn changed_parameters(cell: &dyn CellModel) -> Named {
     let Ok(published) = cell::model(cell.name()) else { return Named::new() };
     let rows = cell.parameters().rows().iter();
-    rows.filter(|row| published.parameters().get(row.name) != Some(row.value))
-        .map(|row| (row.name.to_owned(), Value::Number(row.value)))
+    rows.filter(|row| published.parameters().get(&row.name) != Some(row.value))
+        .map(|row| (row.name.to_string(), Value::Number(row.value)))
         .collect()
 }
 
@@ -135,11 +162,11 @@ fn set_parameters(run: &mut Run, values: &Named) -> Result<(), Failure> {
     let mut parameters = run.cell.parameters().clone();
     for (name, value) in values {
         let key = format!("{PARAMETERS}.{name}");
-        let Some(row) = parameters.rows().iter().find(|row| row.name == name) else {
-            let known = parameters.rows().iter().map(|row| row.name);
+        let Some(row) = parameters.rows().iter().find(|row| row.name == *name) else {
+            let known = parameters.rows().iter().map(|row| &*row.name);
             return Err((key, Problem::unknown_key(name, PARAMETERS, known)));
         };
-        let set = in_unit(&key, value, row.unit)
+        let set = in_unit(&key, value, &row.unit)
             .and_then(|number| parameters.set(name, number).map_err(Problem::Parameter));
         set.map_err(|problem| (key, problem))?;
     }
@@ -177,16 +204,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_methods_are_written_as_the_cell_models_name_them() {
+        for method in Method::ALL {
+            assert_eq!(method.word(), method.name());
+        }
+    }
+
+    #[test]
     fn a_parameter_in_a_unit_of_its_own_is_read_in_that_unit_or_refused() {
         let read = |text: &str, unit| in_unit("cell.parameters.g", &Value::from(text), unit);
-        assert_eq!(read("1.5 mS/uF", "mS/uF").unwrap(), 1.5);
-        assert_eq!(in_unit("g", &Value::Number(1.5), "mS/uF").unwrap(), 1.5);
-        for wrong in ["1.5 ms", "1.5 %", "1.5", "mS/uF", "1.5 S/F"] {
-            let problem = read(wrong, "mS/uF").unwrap_err().to_string();
+        assert_eq!(read("1.5 mol/l", "mol/l").unwrap(), 1.5);
+        assert_eq!(in_unit("g", &Value::Number(1.5), "mol/l").unwrap(), 1.5);
+        for wrong in ["1.5 ms", "1.5 %", "1.5", "mol/l", "1.5 mol"] {
+            let problem = read(wrong, "mol/l").unwrap_err().to_string();
             assert!(problem.contains("cell.parameters.g"), "{wrong}: {problem}");
-            assert!(problem.contains("mS/uF"), "{wrong}: {problem}");
+            assert!(problem.contains("mol/l"), "{wrong}: {problem}");
         }
         assert_eq!(read("0.0019 s", "ms").unwrap(), 1.9);
+        assert_eq!(read("0.5 mM", "uM").unwrap(), 500.0);
+        assert_eq!(read("1.5 nS/pF", "mS/uF").unwrap(), 1.5);
         assert_eq!(read("50 %", "").unwrap(), 0.5);
     }
 }

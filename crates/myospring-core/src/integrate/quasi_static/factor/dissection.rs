@@ -20,7 +20,7 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    pub(super) fn new(stiffness: &StiffnessMatrix) -> Self {
+    pub(super) fn new<const D: usize>(stiffness: &StiffnessMatrix<D>) -> Self {
         let count = stiffness.len();
         let pairs = || {
             let of = |a: usize| stiffness.row(a).iter().map(move |&(b, _)| (a, b));
@@ -69,7 +69,7 @@ pub(super) struct Dissection {
 }
 
 /// Dissects a body.
-pub(super) fn dissect(graph: &Graph, positions: &Vectors) -> Dissection {
+pub(super) fn dissect<const D: usize>(graph: &Graph, positions: &Vectors<D>) -> Dissection {
     let count = positions[0].len();
     let mut knife =
         Knife { graph, positions, class: vec![Class::Elsewhere; count], parts: Vec::new() };
@@ -89,7 +89,7 @@ enum Class {
 
 struct Knife<'a> {
     graph: &'a Graph,
-    positions: &'a Vectors,
+    positions: &'a [Vec<f64>],
     class: Vec<Class>,
     parts: Vec<Part>,
 }

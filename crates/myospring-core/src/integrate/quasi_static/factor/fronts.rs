@@ -30,7 +30,7 @@ struct Placement {
 }
 
 /// One part of the dissection.
-pub(super) struct Front {
+pub(super) struct Front<const D: usize> {
     /// Places in the order of elimination.
     pub(super) own: Range<usize>,
     /// Later places, in order.
@@ -45,42 +45,42 @@ pub(super) struct Front {
     runs: Vec<Run>,
 }
 
-impl Front {
+impl<const D: usize> Front<D> {
     /// Coordinates: all, and those that are eliminated here.
     pub(super) fn size(&self) -> [usize; 2] {
-        [2 * (self.own.len() + self.border.len()), 2 * self.own.len()]
+        [D * (self.own.len() + self.border.len()), D * self.own.len()]
     }
 
     /// Entries of its update.
     pub(super) fn update_size(&self) -> usize {
-        4 * self.border.len() * self.border.len()
+        (D * self.border.len()).pow(2)
     }
 
     /// Fills its columns with the stiffness between free coordinates, `free[axis][node]`.
     pub(super) fn fill(
         &self,
         panel: &mut [f64],
-        stiffness: &StiffnessMatrix,
+        stiffness: &StiffnessMatrix<D>,
         order: &[usize],
-        free: &[Vec<bool>; 2],
+        free: &[Vec<bool>; D],
     ) {
         let [rows, _] = self.size();
         panel.fill(0.0);
         for &Placement { row, number, column, below, mirrored } in &self.placements {
             let (other, block) = stiffness.row(row)[number];
-            for i in 0..2 {
-                for j in 0..2 {
+            for i in 0..D {
+                for j in 0..D {
                     if free[i][row] && free[j][other] {
                         let (i_column, i_below) = if mirrored { (j, i) } else { (i, j) };
-                        panel[(2 * column + i_column) * rows + 2 * below + i_below] = block[i][j];
+                        panel[(D * column + i_column) * rows + D * below + i_below] = block[i][j];
                     }
                 }
             }
         }
         for (at, &node) in order[self.own.clone()].iter().enumerate() {
-            for axis in 0..2 {
+            for axis in 0..D {
                 if !free[axis][node] {
-                    panel[(2 * at + axis) * (rows + 1)] = 1.0;
+                    panel[(D * at + axis) * (rows + 1)] = 1.0;
                 }
             }
         }
@@ -95,9 +95,9 @@ impl Front {
         rest: &mut [f64],
     ) {
         let [rows, columns] = above.size();
-        let stride = 2 * self.border.len();
+        let stride = D * self.border.len();
         for (at, run) in self.runs.iter().enumerate() {
-            for (column, to) in (2 * run.border..).zip(2 * run.above..2 * (run.above + run.len)) {
+            for (column, to) in (D * run.border..).zip(D * run.above..D * (run.above + run.len)) {
                 let from = &update[column * stride..(column + 1) * stride];
                 let (to, hidden) = if to < columns {
                     (&mut panel[to * rows..(to + 1) * rows], 0)
@@ -107,9 +107,9 @@ impl Front {
                 };
                 for run in &self.runs[at..] {
                     // From the diagonal on.
-                    let first = column.max(2 * run.border);
-                    let to = &mut to[2 * run.above + first - 2 * run.border - hidden..];
-                    let from = &from[first..2 * (run.border + run.len)];
+                    let first = column.max(D * run.border);
+                    let to = &mut to[D * run.above + first - D * run.border - hidden..];
+                    let from = &from[first..D * (run.border + run.len)];
                     for (sum, value) in to.iter_mut().zip(from) {
                         *sum += value;
                     }
@@ -120,20 +120,20 @@ impl Front {
 }
 
 /// All fronts of a pattern.
-pub(super) struct Fronts {
+pub(super) struct Fronts<const D: usize> {
     /// The node at each place of the order of elimination.
     pub(super) order: Vec<usize>,
     /// Halves before the front that joins them.
-    pub(super) list: Vec<Front>,
+    pub(super) list: Vec<Front<D>>,
     /// Entries of the factor.
     pub(super) entries: usize,
     /// Largest sizes of the stacks of updates.
     pub(super) stacks: [usize; 2],
 }
 
-impl Fronts {
+impl<const D: usize> Fronts<D> {
     pub(super) fn new(
-        stiffness: &StiffnessMatrix,
+        stiffness: &StiffnessMatrix<D>,
         graph: &Graph,
         Dissection { order, parts }: Dissection,
     ) -> Result<Self, FactorError> {
@@ -141,7 +141,7 @@ impl Fronts {
         for (place, &node) in order.iter().enumerate() {
             places[node] = place;
         }
-        let mut fronts: Vec<Front> = Vec::with_capacity(parts.len());
+        let mut fronts: Vec<Front<D>> = Vec::with_capacity(parts.len());
         let mut seen = vec![usize::MAX; order.len()];
         let mut entries = 0_usize;
         let (mut heights, mut stacks) = ([0; 2], [0; 2]);
@@ -186,7 +186,7 @@ impl Fronts {
 }
 
 /// Number of a place among the nodes of a front.
-fn number_in(front: &Front, place: usize) -> usize {
+fn number_in<const D: usize>(front: &Front<D>, place: usize) -> usize {
     if place < front.own.end {
         place - front.own.start
     } else {
@@ -195,7 +195,7 @@ fn number_in(front: &Front, place: usize) -> usize {
 }
 
 /// How a border lies in the front above it.
-fn runs(border: &[usize], above: &Front) -> Vec<Run> {
+fn runs<const D: usize>(border: &[usize], above: &Front<D>) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for (number, &place) in border.iter().enumerate() {
         let there = number_in(above, place);
@@ -208,7 +208,11 @@ fn runs(border: &[usize], above: &Front) -> Vec<Run> {
 }
 
 /// Sends each block of the stiffness to the front in which the first of its nodes is eliminated.
-fn place_blocks(stiffness: &StiffnessMatrix, places: &[usize], fronts: &mut [Front]) {
+fn place_blocks<const D: usize>(
+    stiffness: &StiffnessMatrix<D>,
+    places: &[usize],
+    fronts: &mut [Front<D>],
+) {
     let mut front_of = vec![0; places.len()];
     for (number, front) in fronts.iter().enumerate() {
         front_of[front.own.clone()].fill(number);

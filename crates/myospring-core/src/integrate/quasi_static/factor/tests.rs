@@ -225,7 +225,11 @@ fn the_built_in_cell_is_solved_at_rest_and_under_tension() {
     }
     let still = zeros(mesh.len());
     for tension in [0.0, 5.0] {
-        let at = Configuration { positions: &body.positions, velocities: &still, tension };
+        let at = Configuration {
+            positions: &body.positions,
+            velocities: &still,
+            tension: tension.into(),
+        };
         let mut stiffness = StiffnessMatrix::new(mesh.len());
         for force in system.passive.iter().chain(&system.active) {
             force.add_stiffness(&at, &mut stiffness);

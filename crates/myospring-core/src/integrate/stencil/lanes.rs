@@ -6,8 +6,11 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64 as arch;
 
+use serde::Serialize;
+
 /// The vector units that a kernel is compiled for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Units {
     /// Eight lanes, x86-64 with AVX-512F.
     Avx512,
@@ -20,6 +23,15 @@ pub enum Units {
 impl Units {
     /// All kinds, fastest first.
     pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
+
+    /// Their name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Avx512 => "avx512",
+            Self::Avx2 => "avx2",
+            Self::Portable => "portable",
+        }
+    }
 
     /// Whether this processor has them.
     pub fn available(self) -> bool {

@@ -17,11 +17,6 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A thread has panicked while it moved the masses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a panic interrupted the motion, so the masses stand between two steps")]
-pub struct Poisoned;
-
 /// Twice the number of sweeps that a band has done, and one more while a thread is at the next; or
 /// [`BROKEN`]. It has a cache line of its own.
 #[repr(align(128))]

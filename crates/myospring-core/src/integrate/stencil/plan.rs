@@ -1,6 +1,7 @@
 //! From forces on a mesh to coefficients by lattice place, in the order the sweep reads them.
 
 use super::sweep::laws;
+use crate::mechanics::lattice_law::LatticeLaw;
 use crate::mechanics::support::Support;
 use crate::mesh::Lattice;
 use std::f64::consts::SQRT_2;
@@ -112,9 +113,9 @@ impl Plan {
 
 /// What forces put on a lattice: coefficients of its springs, squares and places.
 ///
-/// Made by [`crate::mechanics::System`] for a [`super::Stencil`]; a [`crate::mechanics::Force`] adds to it what it can.
+/// Filled with the data of the forces ([`LatticeLaw`]) for a [`super::Stencil`].
 #[derive(Debug, Clone)]
-pub struct LatticeTerms {
+pub(super) struct LatticeTerms {
     columns: usize,
     rows: usize,
     spacing: f64,
@@ -133,7 +134,7 @@ pub struct LatticeTerms {
 
 impl LatticeTerms {
     /// No forces on a lattice.
-    pub fn new(lattice: &Lattice) -> Self {
+    pub(super) fn new(lattice: &Lattice) -> Self {
         let [columns, rows] = lattice.shape;
         let count = columns * rows;
         let none = || [0; 4].map(|_| vec![0.0; count]);
@@ -167,9 +168,31 @@ impl LatticeTerms {
         }
     }
 
+    /// Adds a law; returns whether all of it fits the lattice.
+    pub(super) fn add(&mut self, law: LatticeLaw<'_>) -> bool {
+        match law {
+            LatticeLaw::Springs { nodes, stiffness, rest_length, damping } => {
+                nodes.iter().enumerate().all(|(spring, &nodes)| {
+                    let (stiffness, rest) = (stiffness[spring], rest_length[spring]);
+                    self.add_spring(nodes, stiffness, rest, damping[spring])
+                })
+            }
+            LatticeLaw::Areas { nodes, stiffness, rest_area } => nodes
+                .iter()
+                .zip(stiffness.iter().zip(rest_area))
+                .all(|(&nodes, (&stiffness, &rest))| self.add_area(nodes, stiffness, rest)),
+            LatticeLaw::Tension { nodes, weights } => {
+                nodes.iter().zip(weights).all(|(&nodes, &weight)| self.add_tension(nodes, weight))
+            }
+            LatticeLaw::Anchors(springs) => springs
+                .iter()
+                .all(|anchor| self.add_anchor(anchor.node, anchor.stiffness, anchor.place)),
+        }
+    }
+
     /// Adds a spring with stiffness (nN/um), rest length (um) and dashpot coefficient (nN ms/um);
     /// returns whether it fits the lattice.
-    pub fn add_spring(
+    pub(super) fn add_spring(
         &mut self,
         nodes: [u32; 2],
         stiffness: f64,
@@ -185,7 +208,7 @@ impl LatticeTerms {
 
     /// Adds a spring of no rest length whose stiffness (nN/um) is the tension (kPa) times a weight
     /// (um); returns whether it fits the lattice.
-    pub fn add_tension(&mut self, nodes: [u32; 2], weight: f64) -> bool {
+    fn add_tension(&mut self, nodes: [u32; 2], weight: f64) -> bool {
         let Some((direction, square)) = self.edge(nodes) else { return false };
         self.fibre[direction][square] += weight;
         true
@@ -193,7 +216,7 @@ impl LatticeTerms {
 
     /// Adds the energy `(kappa/2)(A - A0)^2` of a triangle, kappa in nN/um^3, A0 in um^2; returns
     /// whether it fits the lattice.
-    pub fn add_area(&mut self, nodes: [u32; 3], stiffness: f64, rest_area: f64) -> bool {
+    fn add_area(&mut self, nodes: [u32; 3], stiffness: f64, rest_area: f64) -> bool {
         let places = nodes.map(|node| self.places[node as usize]);
         let column = places.map(|place| place % self.columns);
         let row = places.map(|place| place / self.columns);
@@ -219,7 +242,7 @@ impl LatticeTerms {
 
     /// Adds a spring of no length from a node to a place of rest (um), stiffness in nN/um; returns
     /// whether the node's place on the lattice is that place.
-    pub fn add_anchor(&mut self, node: usize, stiffness: f64, rest: [f64; 2]) -> bool {
+    fn add_anchor(&mut self, node: usize, stiffness: f64, rest: [f64; 2]) -> bool {
         let place = self.places[node];
         self.anchors[place] += stiffness;
         let on_lattice = self.point(place % self.columns, place / self.columns);

@@ -1,6 +1,6 @@
 //! The fused kernel of a lattice: all forces, kick and drift in one sweep, vectorised.
 //!
-//! It makes the steps that [`crate::integrate::verlet`] makes with the sum of the laws, several
+//! It makes the steps of Stoermer-Verlet that [`super::verlet`] makes with the sum of the laws, several
 //! times faster, and agrees with it to rounding. What it can do: springs with axial dashpots, the
 //! `gradient` area law, fibre tension in any directions, drag, clamped nodes, elastic beds and
 //! spring-held ends, on any outline, with any mass, stiffness, dashpot, area stiffness and fibre weight
@@ -31,13 +31,12 @@ mod sweep;
 mod team;
 mod tiles;
 
-pub use bands::Poisoned;
 pub use lanes::Units;
-pub use plan::LatticeTerms;
-use plan::Plan;
+use plan::{LatticeTerms, Plan};
 
-use super::support::Support;
-use super::{Body, System, Vectors};
+use super::stepper::Poisoned;
+use crate::mechanics::support::Support;
+use crate::mechanics::{Body, System, Vectors};
 use crate::mesh::Lattice;
 use team::Team;
 use tiles::Command;
@@ -52,18 +51,32 @@ pub fn worthwhile_threads(masses: usize) -> usize {
     (masses / MASSES_A_THREAD).clamp(1, cores)
 }
 
+/// Why the kernel cannot make the steps: what it does not serve, in words for people.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Hindrance(pub String);
+
 /// All coefficients of a system of forces, if each has its place in the kernel.
-fn plan(system: &System, body: &Body, lattice: &Lattice, time_step: f64) -> Option<Plan> {
+fn plan(
+    system: &System,
+    body: &Body,
+    lattice: &Lattice,
+    time_step: f64,
+) -> Result<Plan, Hindrance> {
     let mut terms = LatticeTerms::new(lattice);
-    let mut forces = system.passive.iter().chain(&system.active);
-    if !forces.all(|force| force.add_to_lattice(&mut terms)) {
-        return None;
+    for force in system.forces() {
+        let law = force.on_lattice();
+        let law = law.ok_or_else(|| Hindrance(format!("the force `{}`", force.name())))?;
+        if !terms.add(law) {
+            return Err(Hindrance(format!("the force `{}` off the lattice", force.name())));
+        }
     }
-    let internal = system.passive.iter().chain(&system.active).all(|force| force.is_internal());
-    if system.support == Support::MassCentre && !internal {
-        return None;
+    if system.support == Support::MassCentre && !system.is_internal() {
+        return Err(Hindrance("a mass centre that is held against outer forces".to_owned()));
     }
-    terms.plan(&body.masses, system.drag.rate, &system.support, time_step)
+    terms
+        .plan(&body.masses, system.drag.rate, &system.support, time_step)
+        .ok_or_else(|| Hindrance("area laws that differ within a square".to_owned()))
 }
 
 /// A lattice of masses in motion.
@@ -73,9 +86,12 @@ pub struct Stencil {
 
 impl Stencil {
     /// The kernel for a body under a system of forces on a lattice, moved with a fixed time step in
-    /// ms by at most `threads` threads; `None` if some force or support has no place in it.
+    /// ms by at most `threads` threads.
     ///
     /// The body's velocities count as those of the last half step.
+    ///
+    /// # Errors
+    /// A force or support that has no place in it.
     ///
     /// # Panics
     /// If the processor lacks the vector units, see [`Units::available`].
@@ -86,16 +102,11 @@ impl Stencil {
         time_step: f64,
         threads: usize,
         units: Units,
-    ) -> Option<Self> {
+    ) -> Result<Self, Hindrance> {
         let plan = plan(system, body, lattice, time_step)?;
         let mut stencil = Self { team: Team::new(plan, units, threads) };
         stencil.put(&body.positions, &body.velocities);
-        Some(stencil)
-    }
-
-    /// Whether there is a kernel for a body under a system of forces on a lattice.
-    pub fn takes(system: &System, body: &Body, lattice: &Lattice) -> bool {
-        plan(system, body, lattice, 1.0).is_some()
+        Ok(stencil)
     }
 
     /// Number of threads at work.

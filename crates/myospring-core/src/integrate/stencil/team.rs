@@ -9,10 +9,11 @@
 //!
 //! A panic breaks the bands (see `bands.rs`): all threads let go, and every command from then on fails.
 
-use super::bands::{Board, Claim, Poisoned, Progress};
+use super::bands::{Board, Claim, Progress};
 use super::lanes::Units;
 use super::plan::Plan;
 use super::tiles::{Command, Tiles, Tiling};
+use crate::integrate::stepper::Poisoned;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,0 +1,61 @@
+//! What a batch keeps beside its table: overlays, and curves and figures of each cell.
+
+use crate::results::Folder;
+use crate::{overlay, run};
+use myospring::microscopy::cells::{PictureCell, PictureCells};
+use myospring::output::files;
+use myospring::study::Cause;
+use myospring::study::pictures::{Beaten, Keeper};
+use std::path::Path;
+
+/// The table for people and for programs.
+pub(super) const CSV: &str = "cells.csv";
+pub(super) const PARQUET: &str = "cells.parquet";
+const OVERLAYS: &str = "overlays";
+const CELLS: &str = "cells";
+
+/// All that a batch leaves beside its journal.
+pub(super) const RESULTS: [&str; 4] = [OVERLAYS, CELLS, CSV, PARQUET];
+
+/// Resolution of the overlays, dots per inch.
+const DPI: f64 = 150.0;
+
+/// Where it is kept.
+pub(super) struct Kept<'a> {
+    /// Whether each cell gets a folder of curves and figures.
+    pub(super) figures: bool,
+    pub(super) target: &'a Path,
+}
+
+impl Keeper for Kept<'_> {
+    fn found(
+        &self,
+        picture: &str,
+        cells: &PictureCells,
+        to_beat: &[&PictureCell],
+    ) -> Result<(), Cause> {
+        let figure = overlay::draw(picture, cells, to_beat, None, &cells.notes)?;
+        let file = self.target.join(OVERLAYS).join(format!("{}.png", own(picture)));
+        if let Some(folder) = file.parent() {
+            files::create_folder(folder)?;
+        }
+        Ok(files::write(&file, figure.to_png(DPI)?)?)
+    }
+
+    fn beaten(&self, beaten: &Beaten<'_>) -> Result<(), Cause> {
+        if !self.figures {
+            return Ok(());
+        }
+        let Beaten { picture, cell, run, simulation, finished, summary } = beaten;
+        let name = format!("{}_{}", own(picture), cell.replace('/', "_"));
+        let folder = Folder::claim(&self.target.join(CELLS).join(name), true)?;
+        run::write(&folder, run, simulation, finished, summary, &run.stimulus_times())?;
+        folder.finish()?;
+        Ok(())
+    }
+}
+
+/// A name without ending that no other picture has: `a/b.tif` gives `a/b_tif`, for there may be an `a/b.png`.
+fn own(name: &str) -> String {
+    name.rsplit_once('.').map_or(name.to_owned(), |(stem, ending)| format!("{stem}_{ending}"))
+}

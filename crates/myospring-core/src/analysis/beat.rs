@@ -1,0 +1,293 @@
+//! What each beat of a run amounts to, where its work went, and what is known of such numbers.
+
+use super::{Metric, action_potential, contraction, trace, value};
+use crate::recording::Sample;
+use serde::Serialize;
+
+/// Time before each later stimulus over which the resting length of that beat is taken, ms.
+const BASELINE: f64 = 20.0;
+
+/// What is known of a quantity in unloaded adult ventricular myocytes: a band, not a target.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Band {
+    /// Name of the metric.
+    pub name: &'static str,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Unit of both ends.
+    pub unit: &'static str,
+    /// Where it holds.
+    pub scope: &'static str,
+}
+
+/// The reference bands.
+pub const BANDS: [Band; 4] = [
+    Band {
+        name: "peak_shortening",
+        low: 7.0,
+        high: 12.0,
+        unit: "%",
+        scope: "unloaded adult ventricular myocytes (guinea pig 8.1 %, rabbit 9.0 %)",
+    },
+    Band {
+        name: "area_change_at_peak",
+        low: -5.0,
+        high: 0.0,
+        unit: "%",
+        scope: "projected area at about 10 % shortening",
+    },
+    Band {
+        name: "maximum_shortening_rate",
+        low: 0.5,
+        high: 1.2,
+        unit: "L0/s",
+        scope: "unloaded adult ventricular myocytes (guinea pig 0.82, rabbit 0.98 L0/s)",
+    },
+    Band {
+        name: "time_to_peak_from_stimulus",
+        low: 100.0,
+        high: 250.0,
+        unit: "ms",
+        scope: "unloaded adult ventricular myocytes, from the stimulus",
+    },
+];
+
+/// The reference band of a metric, if there is one.
+pub fn band(name: &str) -> Option<&'static Band> {
+    BANDS.iter().find(|band| band.name == name)
+}
+
+/// One beat.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Beat {
+    /// Time of its stimulus, ms.
+    pub stimulus_ms: f64,
+    /// Active tension.
+    pub tension: Vec<Metric>,
+    /// Shortening.
+    pub contraction: Vec<Metric>,
+    /// Width and area at the peak of shortening.
+    pub shape: Vec<Metric>,
+    /// Action potential.
+    pub action_potential: Vec<Metric>,
+}
+
+impl Beat {
+    /// All metrics in the order of reading.
+    pub fn metrics(&self) -> impl Iterator<Item = &Metric> {
+        let parts = [&self.tension, &self.contraction, &self.shape, &self.action_potential];
+        parts.into_iter().flatten()
+    }
+
+    /// The value of a metric by its name.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.metrics().find(|metric| metric.name == name)?.value
+    }
+}
+
+/// The metrics of each beat; it ends at the next stimulus.
+pub fn beats(samples: &[Sample], stimulus_times_ms: &[f64]) -> Vec<Beat> {
+    let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
+    stimulus_times_ms
+        .iter()
+        .enumerate()
+        .filter_map(|(index, &stimulus)| {
+            let start = if index == 0 { f64::NEG_INFINITY } else { stimulus - BASELINE };
+            let end = stimulus_times_ms.get(index + 1).copied().unwrap_or(f64::INFINITY);
+            let first = times.partition_point(|time| *time < start);
+            let last = times.partition_point(|time| *time < end);
+            let samples = samples.get(first..last).filter(|samples| !samples.is_empty())?;
+            Some(beat(samples, stimulus))
+        })
+        .collect()
+}
+
+fn beat(samples: &[Sample], stimulus: f64) -> Beat {
+    let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
+    let times = column(|s| s.t_ms);
+    let contraction = contraction::metrics(&times, &column(|s| s.length_um), stimulus);
+    let in_mv: Vec<f64> = samples.iter().filter_map(|sample| sample.vm_mv).collect();
+    let action_potential = if in_mv.len() == samples.len() {
+        action_potential::metrics(&times, &in_mv, stimulus, "mV")
+    } else {
+        action_potential::metrics(&times, &column(|s| s.u), stimulus, "")
+    };
+    let tension = tension(&times, &column(|s| s.ta_kpa), stimulus, &contraction);
+    let shape = shape(samples, stimulus, &contraction);
+    Beat { stimulus_ms: stimulus, tension, contraction, shape, action_potential }
+}
+
+fn tension(times: &[f64], tension: &[f64], stimulus: f64, contraction: &[Metric]) -> Vec<Metric> {
+    let peak = trace::peak(times, tension).filter(|peak| peak.value > 0.0);
+    let time = peak.map(|peak| peak.time);
+    let lag = Some(()).and_then(|()| Some(value(contraction, "time_of_peak")? - time?));
+    let at_end = peak.and_then(|peak| Some(100.0 * tension.last()? / peak.value));
+    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
+    vec![
+        row("peak_tension", peak.map(|peak| peak.value), "kPa", "largest active tension"),
+        row("time_of_peak_tension", time, "ms", "time of it on the run's clock"),
+        row(
+            "time_to_peak_tension",
+            time.map(|time| time - stimulus),
+            "ms",
+            "from the stimulus to the largest active tension",
+        ),
+        row("lag_of_shortening", lag, "ms", "from the largest tension to the largest shortening"),
+        row("tension_at_end", at_end, "%", "tension at the end of the beat, of its peak"),
+    ]
+}
+
+/// Width and area at the sample nearest to the peak, against a cell that keeps its volume.
+fn shape(samples: &[Sample], stimulus: f64, contraction: &[Metric]) -> Vec<Metric> {
+    let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
+    let rest = |read: fn(&Sample) -> f64| {
+        let column: Vec<f64> = samples.iter().map(read).collect();
+        trace::baseline(&times, &column, stimulus)
+    };
+    let peak = value(contraction, "time_of_peak").and_then(|peak| {
+        let distance = |sample: &&Sample| (sample.t_ms - peak).abs();
+        samples.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    });
+    let change = |read: fn(&Sample) -> f64| Some(100.0 * (read(peak?) / rest(read)? - 1.0));
+    let width = change(|s| s.width_um);
+    let ratio = Some(()).and_then(|()| Some(peak?.length_um / rest(|s| s.length_um)?));
+    // Equal transverse strains keep the volume: width L^(-1/2), projected area L^(1/2).
+    let isovolumic_width = ratio.map(|ratio| 100.0 * (ratio.powf(-0.5) - 1.0));
+    let isovolumic_area = ratio.map(|ratio| 100.0 * (ratio.sqrt() - 1.0));
+    let off = Some(()).and_then(|()| Some(width? - isovolumic_width?));
+    let row = |name, value, definition| Metric { name, value, unit: "%", definition };
+    vec![
+        row(
+            "width_change_at_peak",
+            width,
+            "largest extent across the cell's long axis as it has turned, at the peak of shortening, above rest",
+        ),
+        row(
+            "isovolumic_width_change",
+            isovolumic_width,
+            "width change that keeps the volume, (1 - s)^(-1/2) - 1",
+        ),
+        row("width_beyond_isovolumic", off, "width change minus the isovolumic one"),
+        row(
+            "area_change_at_peak",
+            change(|s| s.area_um2),
+            "projected area at the peak of shortening, above rest",
+        ),
+        row(
+            "isovolumic_area_change",
+            isovolumic_area,
+            "area change that keeps the volume, (1 - s)^(1/2) - 1",
+        ),
+    ]
+}
+
+/// Where the work of the active force went, at the end of a run.
+pub fn energy(samples: &[Sample]) -> Vec<Metric> {
+    let (first, last) = (samples.first(), samples.last());
+    let at_end = |read: fn(&Sample) -> f64| last.map(read);
+    let stored = Some(()).and_then(|()| Some(last?.elastic_energy_fj - first?.elastic_energy_fj));
+    let most_stored = samples.iter().map(|s| s.elastic_energy_fj).reduce(f64::max);
+    let work = at_end(|s| s.active_work_fj);
+    let spent = Some(())
+        .and_then(|()| Some(stored? + last?.kinetic_energy_fj + last?.dissipated_energy_fj));
+    let gap = Some(()).and_then(|()| {
+        let gap = 100.0 * (work? - spent?) / most_stored?;
+        Some(gap).filter(|gap| gap.is_finite())
+    });
+    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
+    vec![
+        row("active_work", work, "fJ", "work of the active force over the run"),
+        row("stored_energy", stored, "fJ", "elastic energy at the end, above the start"),
+        row("largest_stored_energy", most_stored, "fJ", "largest elastic energy"),
+        row("kinetic_energy", at_end(|s| s.kinetic_energy_fj), "fJ", "kinetic energy at the end"),
+        row(
+            "dissipated_energy",
+            at_end(|s| s.dissipated_energy_fj),
+            "fJ",
+            "taken by dashpots and drag over the run",
+        ),
+        row(
+            "energy_gap",
+            gap,
+            "%",
+            "active work minus stored, kinetic and dissipated energy, of the largest stored energy; \
+             what supports give or take, and the trapezoidal rule",
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two beats, bells of 10 % shortening 2 ms behind their tension, at constant volume.
+    fn samples() -> Vec<Sample> {
+        let bell = |t: f64| {
+            [150.0, 650.0].iter().map(|at| (-((t - at) / 40.0_f64).powi(2)).exp()).sum::<f64>()
+        };
+        let sample = |t: f64| {
+            let ratio = 1.0 - 0.1 * bell(t - 2.0);
+            Sample {
+                t_ms: t,
+                u: bell(t),
+                vm_mv: None,
+                ta_kpa: 50.0 * bell(t),
+                length_um: 100.0 * ratio,
+                width_um: 20.0 * ratio.powf(-0.5),
+                area_um2: 2000.0 * ratio.sqrt(),
+                shortening_pct: 100.0 * (1.0 - ratio),
+                elastic_energy_fj: 1000.0 * bell(t),
+                kinetic_energy_fj: 0.0,
+                active_work_fj: 1000.0 * bell(t) + 0.1 * t,
+                dissipated_energy_fj: 0.1 * t,
+                momentum_nn_ms: 0.0,
+                angular_momentum_nn_um_ms: 0.0,
+            }
+        };
+        (0..2000).map(|i| sample(0.5 * f64::from(i))).collect()
+    }
+
+    #[test]
+    fn every_beat_is_measured_against_its_own_rest() {
+        let beats = beats(&samples(), &[0.0, 500.0]);
+        assert_eq!(beats.len(), 2);
+        for (beat, peak) in beats.iter().zip([150.0, 650.0]) {
+            for (name, expected, tolerance) in [
+                ("peak_tension", 50.0, 1e-3),
+                ("time_of_peak_tension", peak, 1e-3),
+                ("lag_of_shortening", 2.0, 1e-2),
+                ("peak_shortening", 10.0, 1e-2),
+                ("width_change_at_peak", 100.0 * (0.9_f64.powf(-0.5) - 1.0), 1e-2),
+                ("width_beyond_isovolumic", 0.0, 1e-6),
+                ("area_change_at_peak", 100.0 * (0.9_f64.sqrt() - 1.0), 1e-2),
+            ] {
+                let value = beat.value(name).unwrap();
+                assert!((value - expected).abs() <= tolerance, "{name}: {value} not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn energy_that_is_accounted_for_leaves_no_gap() {
+        let energy = energy(&samples());
+        // The bell is not quite zero at the start.
+        assert!(value(&energy, "energy_gap").unwrap().abs() < 1e-3, "{energy:?}");
+    }
+
+    #[test]
+    fn a_recording_without_samples_has_no_beats() {
+        assert!(beats(&[], &[50.0]).is_empty());
+        assert_eq!(value(&energy(&[]), "active_work"), None);
+    }
+
+    #[test]
+    fn every_band_belongs_to_a_metric_of_the_same_unit() {
+        let beat = &beats(&samples(), &[0.0])[0];
+        for band in &BANDS {
+            let metric = beat.metrics().find(|metric| metric.name == band.name).unwrap();
+            assert_eq!(metric.unit, band.unit);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Implicit steps as long as the accuracy allows, for any model.
+//!
+//! # Method
+//! Rosenbrock's method of order 4(3) in the form `RODAS` (`hairer_wanner_1996`, IV.7): L-stable, so stiff
+//! variables cost no small steps. It takes the model's Jacobian, or differences of its rates. Each step is
+//! as long as its error estimate stays below `tolerance (floor + |value|)` for every variable; the floor is
+//! 0.01 for a pure number, and a tenth of its start for a variable with a unit (0.01 if that is 0).
+//! Between the ends of a step the state is the method's own cubic.
+//!
+//! - A step ends exactly at each event of the protocol, and the step size begins anew from the rates.
+//! - A model that feels its stretch is stepped exactly to each time asked for, because the stretch
+//!   may be another one from there on. For others the times asked for change nothing.
+//! - At a jump of the equations steps shrink until the error is small. The minimal model, which jumps at
+//!   its thresholds and slides along them, is refused: [`adaptive`](super::adaptive) steps know it.
+//!
+//! `docs/cell-integration.md` has its speed and error on a model of 40 states beside those of a library.
+
+mod lu;
+mod rosenbrock;
+
+use super::cell_model::{CellModel, Input, StateVariable};
+use super::pacer::Pacer;
+use super::pacing::same_instant;
+use super::settings::SolveError;
+use rosenbrock::{Curve, Rosenbrock};
+
+/// Floor of a pure number, and of a variable that starts at 0.
+const FLOOR: f64 = 0.01;
+/// Floor of a variable with a unit, part of its start.
+const OF_START: f64 = 0.1;
+/// Smallest and largest change of the step from one to the next.
+const SHRINK: f64 = 0.2;
+const GROW: f64 = 5.0;
+/// Aim below the tolerance by this factor.
+const SAFETY: f64 = 0.9;
+/// Part of the step that the tolerance would allow for a straight line, taken after an event.
+const RESTART: f64 = 0.3;
+/// The longest step, ms.
+const LONGEST_MS: f64 = 25.0;
+/// A step refused below this, ms, will never be taken.
+const SHORTEST_MS: f64 = 1e-11;
+
+/// A cell on its way in implicit steps.
+#[derive(Debug, Clone)]
+pub(super) struct StiffSteps {
+    tolerance: f64,
+    floors: Vec<f64>,
+    pacer: Pacer,
+    rosenbrock: Rosenbrock,
+    /// The last step: when it began, ms, how long it was, ms, and its course.
+    piece: Option<(f64, f64, Curve)>,
+    /// Where it ended, ms, after the events there.
+    end_ms: f64,
+    end: Vec<f64>,
+    /// The step to try next, ms; not known after an event.
+    step_ms: Option<f64>,
+    /// What was asked for.
+    time_ms: f64,
+    state: Vec<f64>,
+}
+
+impl StiffSteps {
+    /// In the initial state at 0 ms, after whatever the protocol does then.
+    pub(super) fn new(model: &dyn CellModel, mut pacer: Pacer, tolerance: f64) -> Self {
+        let mut state = model.initial_state();
+        pacer.act(0.0, &mut state);
+        let floor = |variable: &StateVariable| {
+            let own = OF_START * variable.start.abs();
+            if variable.unit.is_empty() || own == 0.0 { FLOOR } else { own }
+        };
+        Self {
+            tolerance,
+            floors: model.states().iter().map(floor).collect(),
+            pacer,
+            rosenbrock: Rosenbrock::new(state.len()),
+            piece: None,
+            end_ms: 0.0,
+            end: state.clone(),
+            step_ms: None,
+            time_ms: 0.0,
+            state,
+        }
+    }
+
+    /// Time reached, ms.
+    pub(super) fn time(&self) -> f64 {
+        self.time_ms
+    }
+
+    /// The state at that time.
+    pub(super) fn state(&self) -> &[f64] {
+        &self.state
+    }
+
+    /// Moves on to time `t_ms`; the stimulus of `felt` is left aside.
+    pub(super) fn advance_to(
+        &mut self,
+        model: &dyn CellModel,
+        t_ms: f64,
+        felt: &Input,
+    ) -> Result<(), SolveError> {
+        if !t_ms.is_finite() || (t_ms < self.time_ms && !same_instant(t_ms, self.time_ms)) {
+            return Err(SolveError::BackInTime { target_ms: t_ms, time_ms: self.time_ms });
+        }
+        let bound_ms = if model.feels_stretch() { t_ms } else { f64::INFINITY };
+        while self.end_ms < t_ms && !same_instant(self.end_ms, t_ms) {
+            let stop_ms = self.pacer.next_ms().unwrap_or(f64::INFINITY).min(bound_ms);
+            self.step(model, felt, stop_ms)?;
+        }
+        self.state = match &self.piece {
+            Some((start_ms, step_ms, curve)) if !same_instant(self.end_ms, t_ms) => {
+                curve.at((t_ms - start_ms) / step_ms)
+            }
+            _ => self.end.clone(),
+        };
+        self.time_ms = t_ms;
+        Ok(())
+    }
+
+    /// One step that ends at `stop_ms` or before.
+    fn step(
+        &mut self,
+        model: &dyn CellModel,
+        felt: &Input,
+        stop_ms: f64,
+    ) -> Result<(), SolveError> {
+        let input = Input { stimulus: self.pacer.current(), ..*felt };
+        self.rosenbrock.begin(model, &self.end, &input, &self.floors);
+        let mut planned = self.step_ms.unwrap_or_else(|| self.first_step());
+        loop {
+            // No sliver is left before the stop.
+            let to_stop = self.end_ms + 1.01 * planned >= stop_ms;
+            let step_ms = if to_stop { stop_ms - self.end_ms } else { planned };
+            let solved = self.rosenbrock.try_step(model, &self.end, &input, step_ms);
+            let error = if solved { self.error() } else { f64::NAN };
+            // The companion's error per step is of order 4.
+            let factor = SAFETY * error.max(1e-12).powf(-0.25);
+            if error <= 1.0 {
+                let next = step_ms * factor.clamp(SHRINK, GROW);
+                // A step cut short by the stop says nothing against the step before it.
+                let next = if to_stop { next.max(planned) } else { next };
+                self.take(step_ms, if to_stop { stop_ms } else { self.end_ms + step_ms });
+                self.step_ms = Some(next.min(LONGEST_MS));
+                if self.pacer.act(self.end_ms, &mut self.end) {
+                    self.step_ms = None;
+                }
+                return Ok(());
+            }
+            if step_ms < SHORTEST_MS || self.end_ms + step_ms == self.end_ms {
+                return Err(self.stalled(model, step_ms));
+            }
+            planned = step_ms * if factor.is_nan() { SHRINK } else { factor.clamp(SHRINK, 1.0) };
+        }
+    }
+
+    /// From the rates alone.
+    fn first_step(&self) -> f64 {
+        let rates = self.rosenbrock.rates();
+        let speed = (0..self.end.len())
+            .map(|i| rates[i].abs() / (self.floors[i] + self.end[i].abs()))
+            .fold(0.0, f64::max);
+        (RESTART * self.tolerance.powf(0.25) / speed).min(LONGEST_MS)
+    }
+
+    /// Error of the step that was tried over what is allowed; NaN if anything is.
+    fn error(&self) -> f64 {
+        let (end, errors) = (self.rosenbrock.end(), self.rosenbrock.errors());
+        (0..end.len()).fold(0.0, |largest: f64, i| {
+            let size = self.floors[i] + self.end[i].abs().max(end[i].abs());
+            let part = errors[i].abs() / (self.tolerance * size);
+            if part > largest || part.is_nan() { part } else { largest }
+        })
+    }
+
+    fn take(&mut self, step_ms: f64, end_ms: f64) {
+        self.piece = Some((self.end_ms, step_ms, self.rosenbrock.curve(&self.end)));
+        self.end.copy_from_slice(self.rosenbrock.end());
+        self.end_ms = end_ms;
+    }
+
+    fn stalled(&self, model: &dyn CellModel, step_ms: f64) -> SolveError {
+        let end = self.rosenbrock.end();
+        let worst = end.iter().position(|value| !value.is_finite()).unwrap_or(0);
+        SolveError::Stalled {
+            model: model.name().to_owned(),
+            variable: model.states()[worst].name.to_string(),
+            value: end[worst],
+            time_ms: self.end_ms,
+            step_ms,
+        }
+    }
+}

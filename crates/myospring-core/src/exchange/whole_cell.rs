@@ -1,0 +1,110 @@
+//! A cell model as the activation of a whole cell.
+
+use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
+use crate::cell::integrator::CellIntegrator;
+use crate::cell::pacing::Protocol;
+use crate::cell::solve::{Settings, SolveError};
+use crate::cell::{CellModel, Output};
+use crate::mechanics::Tension;
+use std::sync::Arc;
+
+/// One cell model for the whole cell.
+#[derive(Clone)]
+pub struct WholeCell {
+    kept: CellIntegrator,
+    moved: CellIntegrator,
+    /// kPa per unit of the model's tension.
+    scale: f64,
+    strongest: Strongest,
+    /// With respect to stretch, kPa, and to its rate, kPa ms.
+    tangent: Option<[[f64; 1]; 2]>,
+}
+
+impl WholeCell {
+    /// A cell in its initial state whose tension counts `scale` kPa per unit of the model's, and the most that
+    /// is to be expected of it.
+    ///
+    /// # Errors
+    /// A protocol or settings that the model cannot follow.
+    pub fn new(
+        model: Arc<dyn CellModel>,
+        protocol: Protocol,
+        settings: Settings,
+        scale: f64,
+        strongest: Strongest,
+    ) -> Result<Self, SolveError> {
+        let tangent = model.feels_stretch().then_some([[0.0]; 2]);
+        let kept = CellIntegrator::new(model, protocol, settings)?;
+        Ok(Self { moved: kept.clone(), kept, scale, strongest, tangent })
+    }
+
+    /// Tension at a time under a stretch and rate, from the state that was kept, kPa.
+    fn tried(&self, to_ms: f64, stretch: f64, rate: f64) -> Result<f64, SolveError> {
+        let mut cell = self.kept.clone();
+        cell.advance_to(to_ms, stretch, rate)?;
+        Ok(self.scale * cell.model().tension(cell.state()))
+    }
+}
+
+/// Differences of stretch, and of the rate in 1/ms, by which the tangent is read.
+const STRETCH: f64 = 1e-6;
+const RATE: f64 = 1e-8;
+
+impl Activation for WholeCell {
+    fn sites(&self) -> Sites {
+        Sites::Whole
+    }
+
+    fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+        let failed = |error: SolveError| ActivationError(error.to_string());
+        let (stretch, rate) = (felt.stretch[0], felt.rate[0]);
+        self.moved.clone_from(&self.kept);
+        self.moved.advance_to(to_ms, stretch, rate).map_err(failed)?;
+        if self.tangent.is_some() {
+            let slope = |by: f64, more: f64, less: f64| ((more - less) / (2.0 * by)).max(0.0);
+            let tried = |stretch, rate| self.tried(to_ms, stretch, rate).map_err(failed);
+            self.tangent = Some([
+                [slope(STRETCH, tried(stretch + STRETCH, rate)?, tried(stretch - STRETCH, rate)?)],
+                [slope(RATE, tried(stretch, rate + RATE)?, tried(stretch, rate - RATE)?)],
+            ]);
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self) {
+        self.kept.clone_from(&self.moved);
+    }
+
+    fn tension(&self) -> Tension<'_> {
+        Tension::Uniform(self.scale * self.moved.model().tension(self.moved.state()))
+    }
+
+    fn tangent(&self) -> Option<Tangent<'_>> {
+        let [per_stretch, per_rate] = self.tangent.as_ref()?;
+        Some(Tangent { per_stretch, per_rate })
+    }
+
+    fn strongest(&self) -> Strongest {
+        self.strongest
+    }
+
+    fn potential(&self) -> f64 {
+        self.moved.model().potential(self.moved.state())
+    }
+
+    fn membrane_potential_mv(&self) -> Option<f64> {
+        self.moved.model().membrane_potential_mv(self.moved.state())
+    }
+
+    fn outputs(&self) -> Vec<Output> {
+        self.moved.model().outputs().to_vec()
+    }
+
+    fn output_values(&self) -> Vec<f64> {
+        self.moved.outputs()
+    }
+
+    fn boxed(&self) -> Box<dyn Activation> {
+        Box::new(self.clone())
+    }
+}

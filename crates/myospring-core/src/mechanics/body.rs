@@ -1,0 +1,82 @@
+//! Moving point masses.
+
+use super::force::{Configuration, Vectors, zeros};
+use super::tension::Tension;
+use crate::mesh::Mesh;
+
+/// Moving point masses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body<const D: usize = 2> {
+    /// Positions, um.
+    pub positions: Vectors<D>,
+    /// Velocities, um/ms.
+    pub velocities: Vectors<D>,
+    /// Masses, ug.
+    pub masses: Vec<f64>,
+}
+
+impl<const D: usize> Body<D> {
+    /// A body at rest in the mesh's points; each mass is `density * thickness * area`. With three axes the
+    /// areas are volumes, and the thickness is 1, a pure number.
+    pub fn at_rest<const N: usize>(mesh: &Mesh<D, N>, density: f64, thickness: f64) -> Self {
+        Self {
+            positions: mesh.points.clone(),
+            velocities: zeros(mesh.areas.len()),
+            masses: mesh.areas.iter().map(|area| density * thickness * area).collect(),
+        }
+    }
+
+    /// Number of masses.
+    pub fn len(&self) -> usize {
+        self.masses.len()
+    }
+
+    /// Whether there is no mass.
+    pub fn is_empty(&self) -> bool {
+        self.masses.is_empty()
+    }
+
+    /// Kinetic energy, fJ: sum of m v^2 / 2.
+    pub fn kinetic_energy(&self) -> f64 {
+        let square = |node: usize| self.velocities.iter().map(|v| v[node] * v[node]).sum::<f64>();
+        self.masses.iter().enumerate().map(|(node, mass)| 0.5 * mass * square(node)).sum()
+    }
+
+    /// Mass centre, um: sum of m x over sum of m.
+    pub fn mass_centre(&self) -> [f64; D] {
+        let total: f64 = self.masses.iter().sum();
+        std::array::from_fn(|axis| dot(&self.masses, &self.positions[axis]) / total)
+    }
+
+    /// Linear momentum, ug um/ms: sum of m v.
+    pub fn momentum(&self) -> [f64; D] {
+        std::array::from_fn(|axis| dot(&self.masses, &self.velocities[axis]))
+    }
+
+    /// Angular momentum about the origin in the plane of two axes, ug um^2/ms: sum of m (`x v_y` - `y v_x`).
+    pub fn angular_momentum_in(&self, plane: [usize; 2]) -> f64 {
+        let ([x, y], [vx, vy]) =
+            (plane.map(|axis| &self.positions[axis]), plane.map(|axis| &self.velocities[axis]));
+        (0..self.len()).map(|i| self.masses[i] * (x[i] * vy[i] - y[i] * vx[i])).sum()
+    }
+
+    /// What forces are evaluated at, under an active tension (a number is one in kPa everywhere).
+    pub fn configuration<'a>(&'a self, tension: impl Into<Tension<'a>>) -> Configuration<'a, D> {
+        Configuration {
+            positions: &self.positions,
+            velocities: &self.velocities,
+            tension: tension.into(),
+        }
+    }
+}
+
+impl Body {
+    /// Angular momentum of a flat body about the origin, ug um^2/ms: sum of m (`x v_y` - `y v_x`).
+    pub fn angular_momentum(&self) -> f64 {
+        self.angular_momentum_in([0, 1])
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,66 @@
+//! What a law is asked, and what it answers.
+
+use super::lattice_law::LatticeLaw;
+use super::stiffness::StiffnessMatrix;
+use super::tension::Tension;
+
+/// One vector per node, by axis: `vectors[axis][node]`.
+pub type Vectors<const D: usize = 2> = [Vec<f64>; D];
+
+/// Vectors of length zero for `count` nodes.
+pub fn zeros<const D: usize>(count: usize) -> Vectors<D> {
+    std::array::from_fn(|_| vec![0.0; count])
+}
+
+/// What a force depends on.
+#[derive(Debug, Clone, Copy)]
+pub struct Configuration<'a, const D: usize = 2> {
+    /// Positions, um.
+    pub positions: &'a Vectors<D>,
+    /// Velocities, um/ms.
+    pub velocities: &'a Vectors<D>,
+    /// Active tension.
+    pub tension: Tension<'a>,
+}
+
+/// A law that puts forces on nodes.
+pub trait Force<const D: usize = 2>: Send + Sync {
+    /// Its name in messages and records.
+    fn name(&self) -> &'static str;
+
+    /// Adds to `forces` the force on each node, nN.
+    fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>);
+
+    /// Potential energy, fJ, of which the force at zero velocity and fixed tension is minus the
+    /// gradient; `None` if there is no such energy.
+    fn energy(&self, at: &Configuration<'_, D>) -> Option<f64>;
+
+    /// Rate at which velocity-dependent parts take energy, fJ/ms; never negative.
+    fn dissipation(&self, _at: &Configuration<'_, D>) -> f64 {
+        0.0
+    }
+
+    /// Adds the tangent stiffness, nN/um: minus the derivative of the force at zero velocity, which at
+    /// fixed tension is the second derivative of the energy.
+    ///
+    /// Optional: returns whether the force has one, and adds nothing if not. Equilibria are solved
+    /// with it (`integrate::quasi_static`); motion in time does without.
+    fn add_stiffness(
+        &self,
+        _at: &Configuration<'_, D>,
+        _stiffness: &mut StiffnessMatrix<D>,
+    ) -> bool {
+        false
+    }
+
+    /// The law as data for a kernel that sweeps a lattice (`integrate::stencil`).
+    ///
+    /// Optional: `None` if there is no such data; plain loops do the work then.
+    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+        None
+    }
+
+    /// Whether the forces come in equal and opposite pairs along the line between nodes or in
+    /// other sets without resultant force and torque, so that both momenta are conserved.
+    fn is_internal(&self) -> bool;
+}

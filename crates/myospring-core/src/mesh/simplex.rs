@@ -1,0 +1,101 @@
+//! One triangle or tetrahedron: its area or volume, and how that changes with the corners.
+//!
+//! Both are called the content of the simplex. With the edges `u`, `w` (and `q`) from the first corner,
+//!
+//! ```text
+//! A = (u_x w_y - u_y w_x)/2            V = u . (w x q)/6
+//! ```
+//!
+//! The linear shape function of corner i has the gradient `grad N_i = (d content/d x_i) / content`.
+
+/// Signed content, um^2 or um^3: positive if the corners run as [`super::Simplex::nodes`] says.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::simplex::content;
+/// assert_eq!(content(&[[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]), 1.0);
+/// let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 3.0]];
+/// assert_eq!(content(&corner), 0.5);
+/// ```
+pub fn content<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> f64 {
+    const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
+    let edge = |k: usize, axis: usize| corners[k][axis] - corners[0][axis];
+    if D == 2 {
+        return 0.5 * (edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0));
+    }
+    let normal = cross(&corners[0], &corners[2], &corners[3]);
+    (0..3).map(|axis| edge(1, axis) * normal[axis]).sum::<f64>() / 6.0
+}
+
+/// Signed content of the simplex of these nodes in given positions (`positions[axis][node]`), um^2 or um^3.
+pub fn content_at<const D: usize, const N: usize>(
+    positions: &[Vec<f64>; D],
+    nodes: [u32; N],
+) -> f64 {
+    let corners: [[f64; D]; N] =
+        nodes.map(|node| std::array::from_fn(|axis| positions[axis][node as usize]));
+    content(&corners)
+}
+
+/// Derivative of the content with respect to each corner, um or um^2: `gradients[corner][axis]`; their sum
+/// is zero.
+pub fn content_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> [[f64; D]; N] {
+    const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
+    let mut gradients = [[0.0; D]; N];
+    if D == 2 {
+        // dA/dx_a = (y_b - y_c, x_c - x_b)/2
+        for k in 0..3 {
+            let (next, last) = (&corners[(k + 1) % 3], &corners[(k + 2) % 3]);
+            gradients[k][0] = 0.5 * (next[1] - last[1]);
+            gradients[k][1] = 0.5 * (last[0] - next[0]);
+        }
+        return gradients;
+    }
+    // dV/du = (w x q)/6 and so on round; the first corner takes minus the rest.
+    for k in 1..4 {
+        let (next, last) = (&corners[k % 3 + 1], &corners[(k + 1) % 3 + 1]);
+        let normal = cross(&corners[0], next, last);
+        for axis in 0..3 {
+            gradients[k][axis] = normal[axis] / 6.0;
+            gradients[0][axis] -= normal[axis] / 6.0;
+        }
+    }
+    gradients
+}
+
+/// `(a - origin) x (b - origin)`, of three axes.
+fn cross<const D: usize>(origin: &[f64; D], a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
+    let [a, b] = [a, b].map(|end| [0, 1, 2].map(|axis| end[axis] - origin[axis]));
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn differences_agree<const D: usize, const N: usize>(corners: [[f64; D]; N]) {
+        let gradients = content_gradients(&corners);
+        for k in 0..N {
+            for axis in 0..D {
+                let moved = |by: f64| {
+                    let mut there = corners;
+                    there[k][axis] += by;
+                    content(&there)
+                };
+                // The content is linear in each coordinate: only rounding is left.
+                let slope = (moved(0.5) - moved(-0.5)) / 1.0;
+                assert!((gradients[k][axis] - slope).abs() < 1e-14, "corner {k}, axis {axis}");
+            }
+        }
+        for axis in 0..D {
+            let sum: f64 = gradients.iter().map(|gradient| gradient[axis]).sum();
+            assert!(sum.abs() < 1e-15, "a shift changes the content by {sum}");
+        }
+    }
+
+    #[test]
+    fn gradients_of_area_and_volume_are_their_derivatives() {
+        differences_agree([[0.1, 0.3], [1.2, 0.2], [0.4, 0.9]]);
+        differences_agree([[0.1, 0.3, -0.2], [1.2, 0.2, 0.1], [0.4, 0.9, 0.0], [0.2, 0.1, 1.1]]);
+    }
+}

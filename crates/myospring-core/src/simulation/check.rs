@@ -1,0 +1,217 @@
+//! What a simulation is checked for before it runs.
+
+use super::{SetupError, Simulation};
+use crate::exchange::Sites;
+use crate::integrate::Method;
+use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::material::Stiffness;
+use crate::mechanics::support::SupportKind;
+
+/// A setting that no run can have.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SettingError {
+    /// A number out of range, or none.
+    #[error("{what} is {value} {unit}; it must be {must}")]
+    Value {
+        /// Which setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Unit of the value.
+        unit: &'static str,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// An interval that does not hold a whole number of another.
+    #[error(
+        "{what} ({long} ms) is no multiple of {of} ({short} ms), so they cannot be kept; give a multiple"
+    )]
+    Interval {
+        /// The longer interval.
+        what: &'static str,
+        /// Its length, ms.
+        long: f64,
+        /// The shorter one.
+        of: &'static str,
+        /// Its length, ms.
+        short: f64,
+    },
+    /// A list with another length than the mesh has triangles.
+    #[error("{what} has {found} entries, but the mesh has {expected} triangles: give one for each")]
+    Length {
+        /// Which list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Number of triangles.
+        expected: usize,
+    },
+    /// An entry of a list that is out of range, or no number.
+    #[error("{what} of triangle {triangle} is {value}; it must be {must}")]
+    Entry {
+        /// Which list.
+        what: &'static str,
+        /// The triangle.
+        triangle: usize,
+        /// The value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// Two choices that exclude each other.
+    #[error("{what} and {with} do not go together: {because}")]
+    Conflict {
+        /// A choice.
+        what: &'static str,
+        /// Another.
+        with: &'static str,
+        /// Why not, and what to do instead.
+        because: &'static str,
+    },
+}
+
+/// Part by which a quotient of two intervals may miss a whole number, and a unit vector its length: far above
+/// rounding, far below what anybody means.
+const SLACK: f64 = 1e-6;
+
+type Checked = Result<(), SettingError>;
+
+fn value(what: &'static str, value: f64, unit: &'static str, positive: bool) -> Checked {
+    let must = if positive { "a finite number above 0" } else { "a finite number, 0 or above" };
+    if value.is_finite() && (value > 0.0 || !positive && value == 0.0) {
+        return Ok(());
+    }
+    Err(SettingError::Value { what, value, unit, must })
+}
+
+fn multiple(what: &'static str, long: f64, of: &'static str, short: f64) -> Checked {
+    let parts = long / short;
+    let whole = parts.round();
+    if whole >= 1.0 && (parts - whole).abs() <= SLACK * whole {
+        return Ok(());
+    }
+    Err(SettingError::Interval { what, long, of, short })
+}
+
+/// Whether a length is not that of a unit vector.
+fn is_no_unit(length: f64) -> bool {
+    length.is_nan() || (length - 1.0).abs() > SLACK
+}
+
+impl Simulation {
+    /// Checks every setting.
+    pub(super) fn check(&self) -> Result<(), SetupError> {
+        self.check_times()?;
+        self.check_material()?;
+        self.check_lists()?;
+        self.check_choices()?;
+        Ok(())
+    }
+
+    fn check_times(&self) -> Checked {
+        let numerics = &self.numerics;
+        value("the duration", self.duration, "ms", true)?;
+        if let Some(step) = numerics.time_step {
+            value("the time step", step, "ms", true)?;
+        }
+        let [exchange, output, frame] =
+            [numerics.exchange_interval, numerics.output_interval, numerics.frame_interval];
+        value("the exchange interval", exchange, "ms", true)?;
+        value("the output interval", output, "ms", true)?;
+        value("the frame interval", frame, "ms", true)?;
+        multiple("the output interval", output, "the exchange interval", exchange)?;
+        multiple("the frame interval", frame, "the output interval", output)?;
+        multiple("the duration", self.duration, "the exchange interval", exchange)
+    }
+
+    fn check_material(&self) -> Checked {
+        let material = &self.material;
+        match material.stiffness {
+            Stiffness::YoungModulus(modulus) => value("Young's modulus", modulus, "kPa", true)?,
+            Stiffness::Spring(spring) => value("the spring stiffness", spring, "nN/um", true)?,
+        }
+        value("the thickness", material.thickness, "um", true)?;
+        value("the area modulus", material.area_modulus, "kPa", false)?;
+        value("the damping ratio", material.damping_ratio, "", false)?;
+        value("the slowest period", material.slowest_period, "ms", true)?;
+        value("the drag ratio", material.drag_ratio, "", false)?;
+        match self.support {
+            SupportKind::SpringHeldEnds { stiffness } => {
+                value("the stiffness of the ends", stiffness, "nN/um", true)
+            }
+            SupportKind::ElasticBed { stiffness } => {
+                value("the stiffness of the bed", stiffness, "kPa/um", true)
+            }
+            SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => Ok(()),
+        }
+    }
+
+    fn check_lists(&self) -> Checked {
+        let expected = self.mesh.simplices.len();
+        let length = |what, found| {
+            if found == expected {
+                Ok(())
+            } else {
+                Err(SettingError::Length { what, found, expected })
+            }
+        };
+        let turned = self.long_axis[0].hypot(self.long_axis[1]);
+        if is_no_unit(turned) {
+            let (what, must) = ("the length of the long axis", "1: a unit vector");
+            return Err(SettingError::Value { what, value: turned, unit: "", must });
+        }
+        length("the list of fibres", self.fibres.len())?;
+        for (triangle, [x, y]) in self.fibres.iter().enumerate() {
+            let value = x.hypot(*y);
+            if is_no_unit(value) {
+                let (what, must) = ("the length of the fibre", "1: a unit vector");
+                return Err(SettingError::Entry { what, triangle, value, must });
+            }
+        }
+        let Some(content) = &self.myofibril_content else { return Ok(()) };
+        length("the content of myofibrils", content.len())?;
+        match content.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
+            None => Ok(()),
+            Some(triangle) => {
+                let (what, must) = ("the content of myofibrils", "a finite number, 0 or above");
+                Err(SettingError::Entry { what, triangle, value: content[triangle], must })
+            }
+        }
+    }
+
+    fn check_choices(&self) -> Checked {
+        let field = match self.activation.as_ref().map(|activation| activation.sites()) {
+            Some(Sites::PerElement(found)) => {
+                let (what, expected) = ("the activation", self.mesh.simplices.len());
+                if found != expected {
+                    return Err(SettingError::Length { what, found, expected });
+                }
+                true
+            }
+            Some(Sites::Whole) => false,
+            None => {
+                let (what, value) = ("the peak tension", self.peak_tension);
+                if !value.is_finite() {
+                    let must = "a finite number";
+                    return Err(SettingError::Value { what, value, unit: "kPa", must });
+                }
+                false
+            }
+        };
+        let ends = self.active == ActiveLaw::Ends;
+        let conflict = |what, with, because| Err(SettingError::Conflict { what, with, because });
+        if ends && self.myofibril_content.is_some() {
+            let because = "loads on the ends know no triangles; take the fibre law";
+            return conflict("a content of myofibrils", "the law of the ends", because);
+        }
+        if ends && field {
+            let because = "loads on the ends know one tension only; take the fibre law";
+            return conflict("a tension for each triangle", "the law of the ends", because);
+        }
+        if self.stepper.is_some() && self.numerics.method == Method::QuasiStatic {
+            let because = "a path of equilibria has no steps in time; take a method in time";
+            return conflict("a stepper of your own", "the quasi-static method", because);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,341 @@
+//! The loop of a run, and how activation and mesh find each other in it.
+//!
+//! - **Nothing is felt** (`tangent` is `None`): the activation moves on under the stretch at the start of the
+//!   interval, and the mesh follows its tension: explicit exchange.
+//! - **One site that feels**: tension and length at the end of the interval are found together, by trying
+//!   tensions from the same start until the activation answers with the one that was tried. The answer falls
+//!   as the tension rises (a stronger pull shortens the cell, and a shorter one pulls less), so there is one
+//!   solution between a tension and what it is answered with; secants find it, bisection keeps them in. In
+//!   time it acts over the whole interval (backward Euler): one that rose towards it would swing ever more
+//!   where it hangs steeply on the rate.
+//! - **A site for each triangle, in time**: within the interval the tension of each triangle follows its own
+//!   stretch and rate by the activation's tangent, in every step of the masses ([`Following`]). The time step
+//!   is stable under the steepest tangent that the activation states
+//!   ([`crate::exchange::Strongest`]). At the end the activation moves on under what was felt.
+//! - **A site for each triangle, at equilibrium**: the tangent joins the mesh's own, and the equilibrium
+//!   with it is repeated about the stretch it has found until that stays.
+
+use super::held::Held;
+use super::observer::{Observer, Part, Progress};
+use super::setup::Setup;
+use super::{Simulation, StopReason};
+use crate::cell::Output;
+use crate::exchange::{Activation, ActivationError, Felt, Sites};
+use crate::mechanics::{Following, Tension, Vectors};
+use crate::recording::{Frame, Recording, Sample, Signal};
+
+/// What a shape is recorded by; units as in [`Sample`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Observed {
+    pub(super) length: f64,
+    pub(super) width: f64,
+    pub(super) area: f64,
+    pub(super) elastic_energy: f64,
+    pub(super) kinetic_energy: f64,
+    pub(super) active_work: f64,
+    pub(super) dissipated_energy: f64,
+    pub(super) momentum: f64,
+    pub(super) angular_momentum: f64,
+}
+
+/// What gives the mesh its shape under a tension: a motion in time, or equilibria.
+pub(super) trait Shaping {
+    /// Whether it is at rest under every tension, so that a rate is a difference of two rests.
+    fn is_static(&self) -> bool;
+    /// Follows the tension, linear over an exchange interval that ends at a time (ms).
+    fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason>;
+    /// Remembers the present state.
+    fn mark(&mut self);
+    /// Goes back to the state that was remembered.
+    fn back(&mut self);
+    /// Length along the long axis now, um.
+    fn length(&self) -> f64;
+    /// All that is recorded now.
+    fn observe(&self) -> Observed;
+    /// Positions now, um.
+    fn positions(&self) -> Vectors;
+}
+
+/// Most tries of an exchange that is found by trying.
+const TRIES: usize = 60;
+/// Part of the strongest tension to which a tension that was tried and the answer to it agree.
+const AGREED: f64 = 1e-10;
+/// Change of a stretch from one equilibrium to the next that ends the repetition.
+const STAYED: f64 = 1e-11;
+
+/// The meeting of one activation and one mesh.
+struct Exchange<'a> {
+    setup: &'a Setup,
+    activation: Box<dyn Activation>,
+    /// At the end of the last interval.
+    tension: Held,
+    stretch: Vec<f64>,
+    rate: Vec<f64>,
+}
+
+impl<'a> Exchange<'a> {
+    fn new(setup: &'a Setup) -> Self {
+        let activation = setup.activation.boxed();
+        let sites = activation.sites().count();
+        Self {
+            tension: Held::of(activation.tension()),
+            stretch: vec![1.0; sites],
+            rate: vec![0.0; sites],
+            activation,
+            setup,
+        }
+    }
+
+    fn felt(&self, shaping: &impl Shaping) -> Vec<f64> {
+        match &self.setup.fibre_stretch {
+            Some(meter) => meter.stretches(&shaping.positions()),
+            None => vec![shaping.length() / self.setup.assembly.resting_length],
+        }
+    }
+
+    /// Moves the activation on under these stretches and the mean rates that lead to them.
+    fn ask(&mut self, time: f64, stretch: &[f64], rate: &[f64]) -> Result<(), StopReason> {
+        let failed = |ActivationError(cause)| StopReason::CellModel { cause };
+        self.activation.advance(time, Felt { stretch, rate }).map_err(failed)
+    }
+
+    /// Takes activation and mesh over one interval.
+    fn pass(
+        &mut self,
+        time: f64,
+        shaping: &mut impl Shaping,
+        observer: &mut dyn Observer,
+    ) -> Result<(), StopReason> {
+        observer.begins(Part::Cell);
+        let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
+        self.ask(time, &stretch, &rate)?;
+        observer.begins(Part::Mechanics);
+        match (self.activation.tangent().is_some(), self.activation.sites()) {
+            (false, _) => {
+                shaping.follow(time, [self.tension.tension(), self.activation.tension()])?;
+                self.tension = Held::of(self.activation.tension());
+            }
+            (true, Sites::Whole) => self.find_together(time, shaping)?,
+            (true, Sites::PerElement(_)) if shaping.is_static() => {
+                self.rest_together(time, shaping)?;
+            }
+            (true, Sites::PerElement(_)) => self.move_together(time, shaping)?,
+        }
+        self.activation.keep();
+        let now = self.felt(shaping);
+        self.rate = self.rates(&now);
+        self.stretch = now;
+        Ok(())
+    }
+
+    /// Mean rates over the interval that ends with these stretches, 1/ms.
+    fn rates(&self, now: &[f64]) -> Vec<f64> {
+        let interval = self.setup.simulation.numerics.exchange_interval;
+        now.iter().zip(&self.stretch).map(|(now, before)| (now - before) / interval).collect()
+    }
+
+    /// One site: the tension that the activation answers with when it is tried.
+    fn find_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
+        let start = self.tension.tension().at(0);
+        let interval = self.setup.simulation.numerics.exchange_interval;
+        let steepest = self
+            .activation
+            .tangent()
+            .map_or(0.0, |tangent| tangent.per_stretch[0] + tangent.per_rate[0] / interval);
+        // Rounding in the length comes back as tension.
+        let rounding = 256.0 * f64::EPSILON * steepest;
+        let enough = AGREED * self.setup.strongest.tension.max(start.abs()) + rounding;
+        shaping.mark();
+        // What the answer is above the tension that was tried.
+        let mut excess = |tension: f64, this: &mut Self| {
+            shaping.back();
+            shaping.follow(time, [tension.into(); 2])?;
+            let stretch = [shaping.length() / this.setup.assembly.resting_length];
+            let rate = this.rates(&stretch);
+            this.ask(time, &stretch, &rate)?;
+            Ok(this.activation.tension().at(0) - tension)
+        };
+        let mut tension = start;
+        let mut miss = excess(tension, self)?;
+        // A small step tells the slope, which is -1 or steeper.
+        let first = 1e-3 * self.setup.strongest.tension;
+        let mut step = miss.clamp(-first, first);
+        // The highest tension known to be too low, and the lowest known to be too high.
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for _ in 0..TRIES {
+            if miss.abs() <= enough {
+                self.tension = Held::Uniform(tension);
+                return Ok(());
+            }
+            if miss > 0.0 {
+                low = low.max(tension);
+            } else {
+                high = high.min(tension);
+            }
+            let mut next = tension + step;
+            if !(low < next && next < high) {
+                next = if low.is_finite() && high.is_finite() {
+                    0.5 * (low + high)
+                } else {
+                    tension + miss
+                };
+            }
+            let there = excess(next, self)?;
+            let slope = (there - miss) / (next - tension);
+            (tension, miss) = (next, there);
+            step = if slope < 0.0 { -miss / slope } else { miss };
+        }
+        Err(StopReason::NoExchange { time, tension, miss })
+    }
+
+    /// The activation's tangent about a stretch, as the forces take it.
+    fn law(&self, stretch: &[f64], rate: &[f64], whole: bool) -> [Vec<f64>; 5] {
+        let interval = self.setup.simulation.numerics.exchange_interval;
+        let tension = Held::of(self.activation.tension());
+        let list = (0..stretch.len()).map(|e| tension.tension().at(e)).collect();
+        let none = vec![0.0; stretch.len()];
+        let tangent = self.activation.tangent();
+        let (per_stretch, per_rate) = tangent.map_or_else(
+            || (none.clone(), none.clone()),
+            |t| (t.per_stretch.to_vec(), t.per_rate.to_vec()),
+        );
+        if whole {
+            // At rest a rate is a difference of stretches over the interval.
+            let both = per_stretch.iter().zip(&per_rate).map(|(s, r)| s + r / interval).collect();
+            return [list, both, none.clone(), stretch.to_vec(), none];
+        }
+        [list, per_stretch, per_rate, stretch.to_vec(), rate.to_vec()]
+    }
+
+    /// A site for each triangle, in time.
+    fn move_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
+        let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
+        let law = self.law(&stretch, &rate, false);
+        shaping.follow(time, [self.tension.tension(), Tension::Following(following(&law))])?;
+        let now = self.felt(shaping);
+        let rate = self.rates(&now);
+        self.ask(time, &now, &rate)?;
+        self.tension = Held::of(self.activation.tension());
+        Ok(())
+    }
+
+    /// A site for each triangle, from rest to rest.
+    fn rest_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
+        let mut about = self.stretch.clone();
+        let still = vec![0.0; about.len()];
+        self.ask(time, &about, &still)?;
+        shaping.mark();
+        let mut change = f64::INFINITY;
+        for _ in 0..TRIES {
+            let law = self.law(&about, &still, true);
+            shaping.back();
+            shaping.follow(time, [self.tension.tension(), Tension::Following(following(&law))])?;
+            let now = self.felt(shaping);
+            change = now.iter().zip(&about).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
+            let rate = self.rates(&now);
+            self.ask(time, &now, &rate)?;
+            about = now;
+            if change <= STAYED {
+                self.tension = Held::of(self.activation.tension());
+                return Ok(());
+            }
+        }
+        let tension = self.tension.average(&self.setup.volumes);
+        Err(StopReason::NoExchange { time, tension, miss: change })
+    }
+}
+
+fn following([tension, per_stretch, per_rate, stretch, rate]: &[Vec<f64>; 5]) -> Following<'_> {
+    Following { tension, per_stretch, per_rate, stretch, rate }
+}
+
+impl Setup {
+    /// The loop.
+    pub(super) fn run(
+        &self,
+        shaping: &mut impl Shaping,
+        observer: &mut dyn Observer,
+    ) -> (Recording, Option<StopReason>) {
+        let Simulation { duration, numerics, .. } = &self.simulation;
+        let exchange = numerics.exchange_interval;
+        let exchanges = (duration / exchange).round() as u64;
+        let per_sample = (numerics.output_interval / exchange).round().max(1.0) as u64;
+        let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
+
+        let mut meeting = Exchange::new(self);
+        let signal = |output: Output| Signal {
+            name: output.name.into_owned(),
+            unit: output.unit.into_owned(),
+            values: Vec::new(),
+        };
+        let mut recording = Recording {
+            signals: self.activation.outputs().into_iter().map(signal).collect(),
+            ..Recording::default()
+        };
+        let mut strongest: Option<Frame> = None;
+        let mut stop = None;
+        for index in 0..=exchanges {
+            let time = index as f64 * exchange;
+            if index > 0
+                && let Err(reason) = meeting.pass(time, shaping, observer)
+            {
+                stop = Some(reason);
+                break;
+            }
+            observer.begins(Part::Recording);
+            let tension = meeting.tension.average(&self.volumes);
+            let snapshot = || Frame { t_ms: time, ta_kpa: tension, positions: shaping.positions() };
+            if index % per_sample == 0 {
+                let observed = shaping.observe();
+                recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
+                let values = meeting.activation.output_values();
+                for (signal, value) in recording.signals.iter_mut().zip(values) {
+                    signal.values.push(value);
+                }
+                if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
+                    strongest = Some(snapshot());
+                }
+            }
+            if index % per_frame == 0 {
+                recording.frames.push(snapshot());
+            }
+            if index % per_sample == 0 && !observer.sample(Progress { time, duration: *duration }) {
+                stop = Some(StopReason::Interrupted { time });
+                break;
+            }
+        }
+        // The shape at the peak of tension belongs to every record, whatever the frame interval.
+        if let Some(frame) = strongest {
+            let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
+            if recording.frames.get(place).is_none_or(|other| other.t_ms > frame.t_ms) {
+                recording.frames.insert(place, frame);
+            }
+        }
+        (recording, stop)
+    }
+
+    fn sample(
+        &self,
+        time: f64,
+        activation: &dyn Activation,
+        tension: f64,
+        observed: &Observed,
+    ) -> Sample {
+        Sample {
+            t_ms: time,
+            u: activation.potential(),
+            vm_mv: activation.membrane_potential_mv(),
+            ta_kpa: tension,
+            length_um: observed.length,
+            width_um: observed.width,
+            area_um2: observed.area,
+            shortening_pct: 100.0 * (1.0 - observed.length / self.assembly.resting_length),
+            elastic_energy_fj: observed.elastic_energy,
+            kinetic_energy_fj: observed.kinetic_energy,
+            active_work_fj: observed.active_work,
+            dissipated_energy_fj: observed.dissipated_energy,
+            momentum_nn_ms: observed.momentum,
+            angular_momentum_nn_um_ms: observed.angular_momentum,
+        }
+    }
+}

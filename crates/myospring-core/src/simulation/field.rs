@@ -1,0 +1,167 @@
+//! A run from equilibrium to equilibrium, for a tension that differs from place to place.
+//!
+//! Such a tension has no path that could be solved in advance: at the end of every exchange interval the
+//! equilibrium under the tensions of all triangles is solved anew, from the last one on.
+
+use super::coupling::{Observed, Shaping};
+use super::fault::{fault, projected_area};
+use super::held::Held;
+use super::observer::{Observer, Progress, Samples};
+use super::ready::{Effort, Outcome};
+use super::setup::{Assembly, Setup};
+use super::{SetupError, Simulation, StopReason};
+use crate::integrate::quasi_static::{Equilibrium, Tolerance};
+use crate::mechanics::{Body, Tension, Vectors};
+use crate::recording::Recording;
+
+/// A run from equilibrium to equilibrium made ready.
+pub struct PreparedField {
+    pub(super) setup: Setup,
+    tolerance: Tolerance,
+}
+
+impl Simulation {
+    /// Makes a run from equilibrium to equilibrium ready, for an activation with a site for each triangle (or
+    /// any other); time step and method of the numerical settings do not matter.
+    ///
+    /// # Errors
+    /// A setting that no run can have, or forces that have no equilibria of their own.
+    pub fn prepare_field(&self, tolerance: Tolerance) -> Result<PreparedField, SetupError> {
+        let setup = self.set_up()?;
+        Equilibrium::new(&setup.assembly.system, &setup.assembly.body, tolerance)?;
+        Ok(PreparedField { setup, tolerance })
+    }
+}
+
+impl PreparedField {
+    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
+    /// sample and stops the run by returning `false`.
+    pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
+        self.run_observed(&mut Samples(observe))
+    }
+
+    /// As [`PreparedField::run`], for an observer that also hears which part of the work begins.
+    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
+        let setup = &self.setup;
+        let Assembly { system, body, .. } = &setup.assembly;
+        let state = State {
+            tension: Held::of(setup.activation.tension()),
+            body: body.clone(),
+            active_work: 0.0,
+        };
+        let mut solved = [0; 3];
+        let (recording, stop) = match Equilibrium::new(system, body, self.tolerance) {
+            Ok(equilibrium) => {
+                let mut shaping =
+                    FromRestToRest { setup, equilibrium, marked: state.clone(), state, solved: 0 };
+                let start = shaping.state.tension.clone();
+                let run = match shaping.follow(0.0, [start.tension(); 2]) {
+                    Ok(()) => {
+                        shaping.state.active_work = 0.0;
+                        setup.run(&mut shaping, observer)
+                    }
+                    Err(reason) => (Recording::default(), Some(reason)),
+                };
+                let Equilibrium { newton_iterations, .. } = shaping.equilibrium;
+                solved = [shaping.solved, newton_iterations, shaping.equilibrium.factorisations()];
+                run
+            }
+            Err(error) => {
+                let stop = StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
+                (Recording::default(), Some(stop))
+            }
+        };
+        let [equilibria, newton_iterations, factorisations] = solved;
+        let effort = Effort::Field { equilibria, newton_iterations, factorisations };
+        let stimulus_times_ms = setup.stimulus_times();
+        Outcome { recording, stop, effort, engine: None, stimulus_times_ms }
+    }
+}
+
+/// A mesh at rest under the tensions of its triangles.
+struct FromRestToRest<'a> {
+    setup: &'a Setup,
+    equilibrium: Equilibrium<'a>,
+    state: State,
+    marked: State,
+    /// Equilibria so far.
+    solved: usize,
+}
+
+#[derive(Clone)]
+struct State {
+    /// At rest.
+    body: Body,
+    tension: Held,
+    active_work: f64,
+}
+
+impl Shaping for FromRestToRest<'_> {
+    fn is_static(&self) -> bool {
+        true
+    }
+
+    fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
+        let Setup { simulation, assembly, fibre_stretch, volumes, .. } = self.setup;
+        self.solved += 1;
+        let positions = self.equilibrium.find(&self.state.body.positions, tensions[1]);
+        let positions = positions.map_err(|cause| {
+            let tension = Held::of(tensions[1]).average(volumes);
+            StopReason::NoEquilibrium { time, tension, cause: cause.to_string() }
+        })?;
+        let tension = match (tensions[1], fibre_stretch) {
+            (Tension::Following(law), Some(meter)) => {
+                let stretch = meter.stretches(&positions);
+                Held::PerElement((0..stretch.len()).map(|e| law.at(e, stretch[e], 0.0)).collect())
+            }
+            (tension, _) => Held::of(tension),
+        };
+        let average = tension.average(volumes);
+        if let Some(reason) = fault(&simulation.mesh, &positions, time, average) {
+            return Err(reason);
+        }
+        let State { body, tension: before, active_work } = &mut self.state;
+        let mean = before.mean(&tension);
+        // W = -int grad E(x; Ta) dx
+        let energy =
+            |body: &Body| assembly.system.active_energy(&body.configuration(mean.tension()));
+        *active_work += energy(body);
+        body.positions = positions;
+        *active_work -= energy(body);
+        *before = tension;
+        Ok(())
+    }
+
+    fn mark(&mut self) {
+        self.marked.clone_from(&self.state);
+    }
+
+    fn back(&mut self) {
+        self.state.clone_from(&self.marked);
+    }
+
+    fn length(&self) -> f64 {
+        self.setup.assembly.meter.measure(&self.state.body.positions).length
+    }
+
+    fn observe(&self) -> Observed {
+        let Setup { simulation, assembly, .. } = self.setup;
+        let State { body, tension, active_work } = &self.state;
+        let extent = assembly.meter.measure(&body.positions);
+        Observed {
+            length: extent.length,
+            width: extent.width,
+            area: projected_area(&simulation.mesh, &body.positions),
+            elastic_energy: assembly.system.elastic_energy(&body.configuration(tension.tension())),
+            kinetic_energy: 0.0,
+            active_work: *active_work,
+            dissipated_energy: 0.0,
+            momentum: 0.0,
+            angular_momentum: 0.0,
+        }
+    }
+
+    fn positions(&self) -> Vectors {
+        self.state.body.positions.clone()
+    }
+}

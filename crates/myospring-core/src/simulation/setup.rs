@@ -1,0 +1,170 @@
+//! What every run starts from: forces assembled, an activation in its first state, a meter.
+
+use super::{SetupError, Simulation, TensionScale};
+use crate::analysis::shape::{self, ShapeMeter};
+use crate::cell::solve::{self, SolveError};
+use crate::cell::{self, TensionKind};
+use crate::exchange::{Activation, Sites, Strongest, WholeCell};
+use crate::mechanics::active::{FibreStretch, Myofibrils};
+use crate::mechanics::material::assemble;
+use crate::mechanics::support::{Support, SupportKind};
+use crate::mechanics::{Body, Following, System, Tension};
+use crate::mesh::simplex::content_at;
+
+/// What every run starts from.
+pub(super) struct Setup {
+    pub(super) simulation: Simulation,
+    pub(super) activation: Box<dyn Activation>,
+    pub(super) assembly: Assembly,
+    /// The most that is to be expected of the activation.
+    pub(super) strongest: Strongest,
+    /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
+    pub(super) strength: f64,
+    /// What sites in the triangles feel.
+    pub(super) fibre_stretch: Option<FibreStretch>,
+    /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2.
+    pub(super) volumes: Vec<f64>,
+}
+
+/// How strong a cell model is.
+struct Strength {
+    /// kPa per unit of its tension.
+    scale: f64,
+    /// The highest tension of a default beat, kPa.
+    strongest: f64,
+    /// That, relative to the parameters that are scaled to the peak tension.
+    relative: f64,
+}
+
+/// The mesh with its forces, and what measures it.
+pub(super) struct Assembly {
+    pub(super) body: Body,
+    pub(super) system: System,
+    pub(super) meter: ShapeMeter,
+    pub(super) resting_length: f64,
+}
+
+impl Simulation {
+    pub(super) fn set_up(&self) -> Result<Setup, SetupError> {
+        self.check()?;
+        let assembly = self.assembled();
+        let (activation, strength) = self.activation()?;
+        let strongest = activation.strongest();
+        let field = matches!(activation.sites(), Sites::PerElement(_));
+        let volumes = self.mesh.simplices.iter().enumerate().map(|(element, simplex)| {
+            let content = self.myofibril_content.as_ref().map_or(1.0, |content| content[element]);
+            simplex.weight * content_at(&self.mesh.points, simplex.nodes) * content
+        });
+        Ok(Setup {
+            activation,
+            assembly,
+            strongest,
+            strength,
+            fibre_stretch: field.then(|| FibreStretch::new(&self.mesh, &self.fibres)),
+            volumes: volumes.collect(),
+            simulation: self.clone(),
+        })
+    }
+
+    /// What makes the tension, and how strong it is relative to what is scaled to the peak tension.
+    fn activation(&self) -> Result<(Box<dyn Activation>, f64), SetupError> {
+        if let Some(activation) = &self.activation {
+            return Ok((activation.boxed(), 1.0));
+        }
+        let failed = |error: SolveError| SetupError::CellModel {
+            model: self.cell.name().to_owned(),
+            cause: error.to_string(),
+        };
+        let Strength { scale, strongest, relative } = self.strength().map_err(failed)?;
+        let strongest = Strongest { tension: strongest, ..Strongest::default() };
+        let model = self.cell.clone();
+        let cell = WholeCell::new(model, self.protocol, self.numerics.cell, scale, strongest);
+        Ok((Box::new(cell.map_err(failed)?), relative))
+    }
+
+    /// How strong the cell model is. One with its published parameters needs no beat for it; tension in kPa is
+    /// not scaled.
+    fn strength(&self) -> Result<Strength, SolveError> {
+        let own = || match solve::reference_beat(&*self.cell, self.numerics.cell) {
+            Ok(beat) => Ok(beat.peak_tension),
+            // Too weak to peak, or too slow to peak in time: not for us to refuse.
+            Err(SolveError::NoPeak { value, .. }) => Ok(value.max(0.0)),
+            Err(error) => Err(error),
+        };
+        let scaled = |peak: f64, highest: f64| Strength {
+            scale: self.peak_tension / peak,
+            strongest: self.peak_tension * (highest / peak).max(1.0),
+            relative: highest / peak,
+        };
+        Ok(match self.cell.tension_kind() {
+            TensionKind::Kilopascal => Strength { scale: 1.0, strongest: own()?, relative: 1.0 },
+            TensionKind::Relative { .. } if self.tension_scale == TensionScale::OwnPeak => {
+                let peak = solve::reference_beat(&*self.cell, self.numerics.cell)?.peak_tension;
+                scaled(peak, peak)
+            }
+            TensionKind::Relative { published_peak } if cell::is_as_published(&*self.cell) => {
+                scaled(published_peak, published_peak)
+            }
+            TensionKind::Relative { published_peak } => scaled(published_peak, own()?),
+        })
+    }
+
+    pub(super) fn assembled(&self) -> Assembly {
+        let resting_length = shape::extent(&self.mesh.points, self.long_axis);
+        let (body, system) = assemble(
+            &self.mesh,
+            &self.material,
+            self.active,
+            Myofibrils { directions: &self.fibres, content: self.myofibril_content.as_deref() },
+            self.support,
+            self.long_axis,
+            resting_length,
+        );
+        // A free cell turns as its mass does; a clamped one cannot turn, whatever it does inside. One that is
+        // clamped at one end swings aside, though, and takes its width along.
+        let areas = self.mesh.areas.clone();
+        let meter = |weights| ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
+        let meter = match &system.support {
+            Support::Clamped(nodes) => {
+                let mut held = vec![0.0; areas.len()];
+                for &node in nodes {
+                    held[node] = 1.0;
+                }
+                let meter = meter(held);
+                if self.support == SupportKind::ClampedEnd {
+                    meter.width_turned_by(areas)
+                } else {
+                    meter
+                }
+            }
+            _ => meter(areas),
+        };
+        Assembly { body, system, meter, resting_length }
+    }
+}
+
+impl Setup {
+    /// The sites of the activation.
+    pub(super) fn sites(&self) -> Sites {
+        self.activation.sites()
+    }
+
+    /// Does something with the strongest tension to be expected, as the forces take it.
+    pub(super) fn under_strongest<T>(&self, what: impl FnOnce(Tension<'_>) -> T) -> T {
+        let Strongest { tension, per_stretch, per_rate } = self.strongest;
+        match self.sites() {
+            Sites::Whole => what(tension.into()),
+            Sites::PerElement(count) => {
+                let list = |value: f64| vec![value; count];
+                let [tension, per_stretch, per_rate] = [tension, per_stretch, per_rate].map(list);
+                what(Tension::Following(Following {
+                    tension: &tension,
+                    per_stretch: &per_stretch,
+                    per_rate: &per_rate,
+                    stretch: &list(1.0),
+                    rate: &list(0.0),
+                }))
+            }
+        }
+    }
+}

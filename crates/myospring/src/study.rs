@@ -1,0 +1,78 @@
+//! Studies: many members, each worked on by itself, on as many threads as there are cores.
+//!
+//! A [`Member`] has a name and a key, the hash of its input. [`run`] hands each to a closure that gives its
+//! [`Row`]s of the table; what is done stands in a [`Journal`], so an interrupted study goes on where it was,
+//! and a member whose input has changed is done anew. Whatever goes wrong with one is a row with the reason
+//! and does not disturb the others. Rows do not depend on the number of threads.
+//!
+//! | module | a member is |
+//! |---|---|
+//! | [`pictures`] | a picture: its cells are found, meshed and beaten, or left out with the reason |
+//! | [`cells`] | a cell without a mesh: its beats, many cells side by side |
+//!
+//! # Example
+//! Anything can be a member:
+//! ```
+//! use myospring::output::table::{Column, Table};
+//! use myospring::study::{self, Journal, Member, Row, Status, Threads, sha256};
+//! use serde::{Deserialize, Serialize};
+//!
+//! struct Number(String);
+//!
+//! #[derive(Clone, Serialize, Deserialize)]
+//! struct Root {
+//!     of: String,
+//!     root: Result<f64, String>,
+//! }
+//!
+//! impl Member for Number {
+//!     const KIND: &'static str = "number";
+//!     type Row = Root;
+//!     fn name(&self) -> &str {
+//!         &self.0
+//!     }
+//!     fn key(&self) -> Option<String> {
+//!         Some(sha256(self.0.as_bytes()))
+//!     }
+//! }
+//!
+//! impl Row for Root {
+//!     fn failed(member: &str, reason: String) -> Self {
+//!         Self { of: member.to_owned(), root: Err(reason) }
+//!     }
+//!     fn status(&self) -> Status {
+//!         if self.root.is_ok() { Status::Ok } else { Status::Failed }
+//!     }
+//!     fn table(rows: &[Self]) -> Table {
+//!         let values = rows.iter().map(|row| row.root.clone().ok()).collect();
+//!         Table { columns: vec![Column::Number { name: "root".into(), values }] }
+//!     }
+//! }
+//!
+//! let members = ["4", "nine"].map(|text| Number(text.to_owned()));
+//! let report = study::run(&members, &Journal::in_memory(), &Threads::new(None)?, &(), |member| {
+//!     let root = Ok(member.0.parse::<f64>()?.sqrt());
+//!     Ok(vec![Root { of: member.0.clone(), root }])
+//! })?;
+//! assert_eq!(report.rows[0].root, Ok(2.0));
+//! assert_eq!(report.rows[1].root, Err("invalid float literal".to_owned()));
+//! # Ok::<(), study::StudyError>(())
+//! ```
+
+pub mod cells;
+mod error;
+mod hash;
+mod journal;
+mod member;
+mod observer;
+pub mod pictures;
+mod runner;
+mod threads;
+
+pub use error::{Cause, StudyError};
+pub use hash::sha256;
+pub use journal::Journal;
+pub use member::{Member, Row, Status};
+pub use observer::{Observer, TABLE_EVERY};
+pub use runner::{Report, run, run_together};
+pub use threads::Threads;

@@ -1,0 +1,197 @@
+//! Cells without a mesh as members of a study: action potential and tension of each, one row a beat.
+//!
+//! They move side by side ([`population`]), on all threads of the study, and have the same bits as each has
+//! alone.
+//!
+//! # Example
+//! Cells whose slow inward current differs:
+//! ```
+//! use myospring::cell::{adaptive, coelho_2021, minimal::MinimalModel, pacing::Protocol};
+//! use myospring::study::cells::{PacedCell, run, settings};
+//! use myospring::study::{Journal, Threads};
+//!
+//! let mut cells = Vec::new();
+//! for percent in [90.0, 100.0, 110.0] {
+//!     let mut parameters = coelho_2021::parameters();
+//!     parameters.set("tau_si", 1.76816 * percent / 100.0)?;
+//!     let model = MinimalModel::new(coelho_2021::IDENTITY, parameters)?;
+//!     let protocol = Protocol::once(coelho_2021::IDENTITY.stimulus);
+//!     cells.push(PacedCell { name: format!("{percent} %"), model, protocol, duration_ms: 600.0 });
+//! }
+//! # let folder = tempfile::tempdir()?;
+//! let method = adaptive::Settings::default();
+//! let journal = Journal::open(&folder.path().join("tau_si"), &settings(method))?;
+//! let report = run(&cells, method, &journal, &Threads::new(None)?, &())?;
+//! let apd: Vec<f64> = report.rows.iter().filter_map(|row| row.beat?.apd90_ms).collect();
+//! assert!(apd[0] > apd[1] && apd[1] > apd[2]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use super::{
+    Cause, Journal, Member, Observer, Report, Row, Status, StudyError, Threads, run_together,
+    sha256,
+};
+use crate::cell::CellModel as _;
+use crate::cell::adaptive::{self, Beat};
+use crate::cell::minimal::MinimalModel;
+use crate::cell::pacing::Protocol;
+use crate::cell::population::{self, Cell, LANES};
+use crate::cell::solve::SolveError;
+use crate::output::table::{Column, Table};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
+
+/// So many cells at most are begun, and noted, together: enough for the lanes to be full nearly all the time.
+const GROUP: usize = 8 * LANES;
+
+/// A cell and how it is paced.
+#[derive(Debug, Clone)]
+pub struct PacedCell {
+    /// Its name in the table.
+    pub name: String,
+    /// Its equations and constants.
+    pub model: MinimalModel,
+    /// When and how it is stimulated.
+    pub protocol: Protocol,
+    /// How long it is followed, ms.
+    pub duration_ms: f64,
+}
+
+impl Member for PacedCell {
+    const KIND: &'static str = "cell";
+    type Row = BeatRow;
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Of the model's name, every parameter to the last bit, the protocol and the duration.
+    fn key(&self) -> Option<String> {
+        let Self { model, protocol, duration_ms, .. } = self;
+        let rows = model.parameters().rows().iter();
+        let parameters: Vec<String> =
+            rows.map(|row| format!("{} = {:?} {}", row.name, row.value, row.unit)).collect();
+        let text = format!(
+            "{}\n{}\n{protocol:?}\n{duration_ms:?} ms",
+            model.name(),
+            parameters.join("\n")
+        );
+        Some(sha256(text.as_bytes()))
+    }
+}
+
+/// A beat of a cell, or a cell that failed or was never stimulated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BeatRow {
+    /// The cell's name.
+    pub cell: String,
+    /// What became of it.
+    pub status: Status,
+    /// Why it is not ok; else empty.
+    pub reason: String,
+    /// The beat's number, from 1.
+    pub number: Option<u32>,
+    /// Its beat.
+    pub beat: Option<Beat>,
+}
+
+impl Row for BeatRow {
+    fn failed(cell: &str, reason: String) -> Self {
+        Self { status: Status::Failed, reason, ..Self::at_rest(cell) }
+    }
+
+    fn status(&self) -> Status {
+        self.status
+    }
+
+    fn table(rows: &[Self]) -> Table {
+        let text = |name: &str, read: fn(&Self) -> String| Column::Text {
+            name: name.to_owned(),
+            values: rows.iter().map(|row| Some(read(row))).collect(),
+        };
+        let number = |name: &str, read: fn(&Self) -> Option<f64>| Column::Number {
+            name: name.to_owned(),
+            values: rows.iter().map(read).collect(),
+        };
+        Table {
+            columns: vec![
+                text("cell", |row| row.cell.clone()),
+                text("status", |row| row.status.to_string()),
+                text("reason", |row| row.reason.clone()),
+                number("beat", |row| row.number.map(f64::from)),
+                number("stimulus_ms", |row| Some(row.beat?.stimulus_ms)),
+                number("resting_potential", |row| Some(row.beat?.resting_potential)),
+                number("peak_potential", |row| Some(row.beat?.peak_potential)),
+                number("peak_tension", |row| Some(row.beat?.peak_tension)),
+                number("peak_tension_ms", |row| Some(row.beat?.peak_tension_ms)),
+                number("apd90_ms", |row| row.beat?.apd90_ms),
+            ],
+        }
+    }
+}
+
+impl BeatRow {
+    fn at_rest(cell: &str) -> Self {
+        let (cell, reason) = (cell.to_owned(), String::new());
+        Self { cell, status: Status::Ok, reason, number: None, beat: None }
+    }
+
+    /// A row for each beat of a cell; one without a beat if it has none.
+    fn of(cell: &str, beats: Vec<Beat>) -> Vec<Self> {
+        if beats.is_empty() {
+            return vec![Self::at_rest(cell)];
+        }
+        let numbered = (1..).zip(beats);
+        let row =
+            |(number, beat)| Self { number: Some(number), beat: Some(beat), ..Self::at_rest(cell) };
+        numbered.map(row).collect()
+    }
+}
+
+/// What the rows of such a study depend on beside its cells, as text for [`Journal::open`].
+pub fn settings(method: adaptive::Settings) -> String {
+    let (version, tolerance) = (env!("CARGO_PKG_VERSION"), method.tolerance);
+    format!(
+        "# What the beats in this folder depend on.\n# version {version}\ntolerance = {tolerance:?}\n"
+    )
+}
+
+/// Follows every cell that the journal does not have to its end, many at a time.
+///
+/// # Errors
+/// A tolerance that is not possible, and those of [`run`](super::run).
+pub fn run(
+    cells: &[PacedCell],
+    method: adaptive::Settings,
+    journal: &Journal<PacedCell>,
+    threads: &Threads,
+    observer: &impl Observer<PacedCell>,
+) -> Result<Report<BeatRow>, StudyError> {
+    method.validate()?;
+    let settings = population::Settings { method, sample_interval_ms: None };
+    // Few cells are shared out among all threads.
+    let together = cells.len().div_ceil(threads.count()).clamp(1, GROUP);
+    let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
+    run_together(cells, journal, threads, observer, together, |group| {
+        side_by_side(group, &settings)
+    })
+}
+
+/// The rows of each cell of a group.
+fn side_by_side(
+    group: &[&PacedCell],
+    settings: &population::Settings,
+) -> Vec<Result<Vec<BeatRow>, Cause>> {
+    let tasks: Vec<_> =
+        group.iter().map(|cell| Cell::new(&cell.model, cell.protocol, cell.duration_ms)).collect();
+    let possible: Vec<Cell> = tasks.iter().filter_map(|task| task.clone().ok()).collect();
+    let mut outcomes = match population::run(&possible, settings) {
+        Ok(outcomes) => outcomes.into_iter(),
+        Err(error) => return group.iter().map(|_| Err(error.clone().into())).collect(),
+    };
+    let rows = |(cell, task): (&&PacedCell, Result<Cell, SolveError>)| {
+        let outcome = task.map_or_else(|error| Some(Err(error)), |_| outcomes.next())?;
+        Some(outcome.map(|outcome| BeatRow::of(&cell.name, outcome.beats)).map_err(Cause::from))
+    };
+    group.iter().zip(tasks).map_while(rows).collect()
+}

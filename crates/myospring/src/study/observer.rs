@@ -1,0 +1,28 @@
+//! Whoever watches a study.
+
+use super::{Cause, Member};
+use std::time::Duration;
+
+/// How often [`Observer::table`] is called while members are under way.
+pub const TABLE_EVERY: Duration = Duration::from_secs(5);
+
+/// Watches a study; `()` does not.
+pub trait Observer<M: Member>: Sync {
+    /// The study begins; so many of its members were done before.
+    fn begins(&self, _done: usize, _members: usize) {}
+
+    /// A member was done and stands in the journal; `false` begins no other.
+    fn finished(&self, _member: &M, _rows: &[M::Row]) -> bool {
+        true
+    }
+
+    /// The rows so far, in the order of the members: every [`TABLE_EVERY`], and at the end.
+    ///
+    /// # Errors
+    /// Whatever stands in the way of going on; the study ends with it.
+    fn table(&self, _rows: &[M::Row]) -> Result<(), Cause> {
+        Ok(())
+    }
+}
+
+impl<M: Member> Observer<M> for () {}

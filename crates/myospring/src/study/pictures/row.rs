@@ -1,0 +1,134 @@
+//! One row of the table: a cell, or a picture that failed.
+
+use crate::microscopy::cells::{PictureCell, PictureCells};
+use crate::output::report::Summary;
+use crate::output::table::{Column, Table};
+use crate::study::{Row, Status};
+use serde::{Deserialize, Serialize};
+
+/// A cell of a picture, or a picture that failed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CellRow {
+    /// The picture's name.
+    pub picture: String,
+    /// The cell's name; none where the picture failed.
+    pub cell: Option<String>,
+    /// What became of it.
+    pub status: Status,
+    /// Why it is not ok; else empty.
+    pub reason: String,
+    /// How the picture was read, in a word.
+    pub modality: Option<String>,
+    /// Numbers by column, with the unit in its name, in the order of reading.
+    pub numbers: Vec<(String, Option<f64>)>,
+    /// What a person should look at.
+    pub warnings: String,
+}
+
+impl CellRow {
+    /// What is known of a cell before it beats.
+    pub(super) fn of(picture: &str, cells: &PictureCells, cell: &PictureCell) -> Self {
+        let (shape, size) = (&cell.shape, &cell.shape.dimensions);
+        let mut row = Self {
+            picture: picture.to_owned(),
+            cell: Some(cell.name.clone()),
+            status: Status::Ok,
+            reason: String::new(),
+            modality: Some(cells.modality().to_owned()),
+            numbers: Vec::new(),
+            warnings: cells.notes.join("; "),
+        };
+        row.number("pixel_size_um", cells.pixel_size.um());
+        row.number("confidence", cell.confidence.score);
+        row.number("contrast", cell.confidence.contrast);
+        row.number("area_um2", shape.area_um2);
+        row.number("perimeter_um", shape.perimeter_um);
+        row.number("length_um", size.length_um);
+        row.number("width_um", size.width_um);
+        row.number("mean_width_um", size.mean_width_um);
+        row.number("aspect_ratio", size.aspect_ratio);
+        row.number("long_axis_deg", size.long_axis_deg);
+        row.number("solidity", shape.solidity);
+        row.number("circularity", shape.circularity);
+        row.number("pixels_on_frame", shape.pixels_on_frame as f64);
+        row
+    }
+
+    /// Adds a number.
+    pub(super) fn number(&mut self, column: impl Into<String>, value: impl Into<Option<f64>>) {
+        self.numbers.push((column.into(), value.into()));
+    }
+
+    /// Adds the metrics of the first beat; of several beats, their means.
+    pub(super) fn metrics(&mut self, summary: &Summary) {
+        let Some(first) = summary.beats.first() else { return };
+        for metric in first.metrics() {
+            let mean = summary.beat_to_beat.iter().find(|spread| spread.name == metric.name);
+            let value = mean.map(|spread| spread.mean).or(metric.value);
+            self.number(column(metric.name, metric.unit), value);
+        }
+    }
+
+    /// Notes that it is not ok, and why.
+    pub(super) fn is_not_ok(&mut self, status: Status, reason: String) {
+        (self.status, self.reason) = (status, reason);
+    }
+}
+
+impl Row for CellRow {
+    fn failed(picture: &str, reason: String) -> Self {
+        Self {
+            picture: picture.to_owned(),
+            cell: None,
+            status: Status::Failed,
+            reason,
+            modality: None,
+            numbers: Vec::new(),
+            warnings: String::new(),
+        }
+    }
+
+    fn status(&self) -> Status {
+        self.status
+    }
+
+    /// Columns of numbers stand in the order of the row that has most of them.
+    fn table(rows: &[Self]) -> Table {
+        let text = |name: &str, read: fn(&Self) -> Option<String>| Column::Text {
+            name: name.to_owned(),
+            values: rows.iter().map(read).collect(),
+        };
+        let longest = rows.iter().max_by_key(|row| row.numbers.len());
+        let mut names: Vec<&String> =
+            longest.into_iter().flat_map(|row| row.numbers.iter().map(|(name, _)| name)).collect();
+        for (name, _) in rows.iter().flat_map(|row| &row.numbers) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let mut columns = vec![
+            text("picture", |row| Some(row.picture.clone())),
+            text("cell", |row| row.cell.clone()),
+            text("status", |row| Some(row.status.to_string())),
+            text("reason", |row| Some(row.reason.clone())),
+            text("modality", |row| row.modality.clone()),
+        ];
+        columns.extend(names.into_iter().map(|name| {
+            let value = |row: &Self| row.numbers.iter().find(|(other, _)| other == name)?.1;
+            Column::Number { name: name.clone(), values: rows.iter().map(value).collect() }
+        }));
+        columns.push(text("warnings", |row| Some(row.warnings.clone())));
+        Table { columns }
+    }
+}
+
+/// `peak_tension` in `kPa` gives `peak_tension_kPa`; `L0/s` becomes `L0_per_s`.
+fn column(name: &str, unit: &str) -> String {
+    match unit {
+        "" => name.to_owned(),
+        unit => {
+            let unit = unit.replace('%', "pct").replace('/', "_per_");
+            format!("{name}_{}", unit.replace('^', "").replace(' ', "_"))
+        }
+    }
+}

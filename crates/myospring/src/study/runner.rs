@@ -1,0 +1,124 @@
+//! The loop over the members of a study.
+
+use super::{Cause, Journal, Member, Observer, Row, Status, StudyError, TABLE_EVERY, Threads};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// What came of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report<R> {
+    /// How many members were done before.
+    pub resumed: usize,
+    /// Whether whoever watched stopped it before its end.
+    pub stopped: bool,
+    /// The rows of all members that are done, in the order of the members.
+    pub rows: Vec<R>,
+}
+
+impl<R: Row> Report<R> {
+    /// How many rows have this status.
+    pub fn count(&self, status: Status) -> usize {
+        self.rows.iter().filter(|row| row.status() == status).count()
+    }
+}
+
+/// Works on every member that the journal does not have; `work` gives the rows of one, at least one.
+///
+/// What `work` says of a failure becomes the member's row. If it panics, the row asks for a report.
+///
+/// # Errors
+/// Two members of one name, a journal that cannot be written, or what the observer says.
+pub fn run<M: Member>(
+    members: &[M],
+    journal: &Journal<M>,
+    threads: &Threads,
+    observer: &impl Observer<M>,
+    work: impl Fn(&M) -> Result<Vec<M::Row>, Cause> + Sync,
+) -> Result<Report<M::Row>, StudyError> {
+    let work = |group: &[&M]| group.iter().map(|member| work(member)).collect();
+    run_together(members, journal, threads, observer, NonZeroUsize::MIN, work)
+}
+
+/// Like [`run`], with up to `together` members at a time on a thread: `work` gives the rows of each, in order.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_together<M: Member>(
+    members: &[M],
+    journal: &Journal<M>,
+    threads: &Threads,
+    observer: &impl Observer<M>,
+    together: NonZeroUsize,
+    work: impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync,
+) -> Result<Report<M::Row>, StudyError> {
+    let mut names = BTreeSet::new();
+    if let Some(twice) = members.iter().find(|member| !names.insert(member.name())) {
+        return Err(StudyError::SameName { name: twice.name().to_owned() });
+    }
+    let done = journal.done(members);
+    observer.begins(done.len(), members.len());
+    let left: Vec<&M> = members.iter().filter(|member| !done.contains(member.name())).collect();
+    let last_table = Mutex::new(Instant::now());
+    let group = |group: &[&M]| {
+        let keys: Vec<Option<String>> = group.iter().map(|member| member.key()).collect();
+        let rows = guarded(group, &work);
+        journal.add(group.iter().zip(keys).zip(&rows).map(|((m, key), r)| (*m, key, r.clone())))?;
+        let mut goes_on = true;
+        for (member, rows) in group.iter().zip(&rows) {
+            goes_on &= observer.finished(member, rows);
+        }
+        let mut last = last_table.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.elapsed() > TABLE_EVERY {
+            *last = Instant::now();
+            observer.table(&journal.rows(members)).map_err(StudyError::Observer)?;
+        }
+        if goes_on { Ok(()) } else { Err(End::Stopped) }
+    };
+    let end = threads.install(|| left.par_chunks(together.get()).try_for_each(group));
+    let stopped = match end {
+        Ok(()) => false,
+        Err(End::Stopped) => true,
+        Err(End::Failed(error)) => return Err(error),
+    };
+    let rows = journal.rows(members);
+    observer.table(&rows).map_err(StudyError::Observer)?;
+    Ok(Report { resumed: done.len(), stopped, rows })
+}
+
+/// Why a study ends before its last member.
+enum End {
+    Stopped,
+    Failed(StudyError),
+}
+
+impl From<StudyError> for End {
+    fn from(error: StudyError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// The rows of each member of a group, at least one; whatever goes wrong is a row.
+fn guarded<M: Member>(
+    group: &[&M],
+    work: &(impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync),
+) -> Vec<Vec<M::Row>> {
+    // A fault of ours in one member must not cost the others.
+    let answers = catch_unwind(AssertUnwindSafe(|| work(group)));
+    if answers.is_err() && group.len() > 1 {
+        return group.iter().flat_map(|member| guarded(&[*member], work)).collect();
+    }
+    let mut answers = answers.unwrap_or_default().into_iter();
+    let rows = |member: &&M| match answers.next() {
+        Some(Ok(rows)) if !rows.is_empty() => rows,
+        Some(Err(cause)) => vec![M::Row::failed(member.name(), cause.to_string())],
+        _ => {
+            let reason = "the program made a mistake; please report it with this";
+            vec![M::Row::failed(member.name(), format!("{reason} {}", M::KIND))]
+        }
+    };
+    group.iter().map(rows).collect()
+}

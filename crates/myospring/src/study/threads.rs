@@ -1,0 +1,44 @@
+//! Threads of work on many members: never more in all than the machine has cores.
+
+use super::StudyError;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// Threads of a study, none of them shared with anything else in the process.
+#[derive(Debug)]
+pub struct Threads(ThreadPool);
+
+impl Threads {
+    /// Threads for so many members at a time; without a wish as many as there are cores, and never more.
+    ///
+    /// # Errors
+    /// When the system gives no threads.
+    pub fn new(asked: Option<usize>) -> Result<Self, StudyError> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = asked.filter(|count| *count > 0).map_or(cores, |count| count.min(cores));
+        Ok(Self(ThreadPoolBuilder::new().num_threads(threads).build()?))
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.0.current_num_threads()
+    }
+
+    /// Does something on these threads: parallel iterators of rayon in it use no others.
+    pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.0.install(work)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Threads;
+
+    #[test]
+    fn there_is_at_most_a_thread_for_every_core() {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        for (asked, expected) in [(None, cores), (Some(1), 1), (Some(0), cores), (Some(999), cores)]
+        {
+            assert_eq!(Threads::new(asked).unwrap().count(), expected, "asked for {asked:?}");
+        }
+    }
+}

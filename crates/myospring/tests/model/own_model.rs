@@ -1,0 +1,306 @@
+//! A cell model that the library does not know runs end to end: alone by every method, and in a cell.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../common/own_cell.rs"]
+mod own_cell;
+
+use myospring::cell::adaptive::{self, AdaptiveIntegrator};
+use myospring::cell::integrator::CellIntegrator;
+use myospring::cell::pacing::{Protocol, Stimulus};
+use myospring::cell::solve::{self, Method, Settings, SolveError, solve};
+use myospring::cell::toy::ToyModel;
+use myospring::cell::trace::CellTrace;
+use myospring::cell::{
+    CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind, coelho_2021,
+};
+use myospring::mesh::lattice;
+use myospring::parameter::ParameterSet;
+use myospring::simulation::{Simulation, TensionScale};
+use myospring::testing::cell_model::{check_cell_model, check_cell_model_with};
+use myospring::units::Dimension;
+use own_cell::OwnCell;
+use std::sync::Arc;
+
+fn beat(model: &OwnCell, settings: Settings) -> CellTrace {
+    solve(model, Protocol::once(model.default_stimulus()), settings, 600.0, 1.0).unwrap()
+}
+
+fn exact(model: &OwnCell) -> CellTrace {
+    beat(model, Settings { tolerance: 1e-9, ..Settings::of(Method::Stiff) })
+}
+
+/// Largest difference of a column from another course of it, over its range.
+fn difference(name: &str, a: &CellTrace, b: &CellTrace) -> f64 {
+    let [a, b] = [a, b].map(|trace| trace.variable(name).unwrap());
+    let low = b.iter().copied().fold(f64::MAX, f64::min);
+    let high = b.iter().copied().fold(f64::MIN, f64::max);
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / (high - low)
+}
+
+fn largest_difference(a: &CellTrace, b: &CellTrace) -> f64 {
+    let names = b.state_names.iter().chain(&b.output_names);
+    names.map(|name| difference(name, a, b)).fold(0.0, f64::max)
+}
+
+#[test]
+fn models_made_at_run_time_hold_to_the_promises() {
+    check_cell_model(own_cell::mild());
+    check_cell_model(own_cell::mild().without_jacobian());
+    let stiff: Arc<dyn CellModel> = Arc::new(own_cell::stiff());
+    assert_eq!(stiff.states().len(), 40);
+    check_cell_model_with(&stiff, Settings::of(Method::Stiff));
+}
+
+#[test]
+fn what_the_model_says_of_itself_is_in_units_that_are_read() {
+    let model = own_cell::stiff();
+    let states = model.states().iter().map(|state| &state.unit);
+    let outputs = model.outputs().iter().map(|output| &output.unit);
+    for unit in states.chain(outputs) {
+        assert!(Dimension::of_unit(unit).is_some(), "`{unit}`");
+    }
+    let unit = |name: &str| {
+        let rows = model.parameters().rows();
+        Dimension::of_unit(&rows.iter().find(|row| row.name == name).unwrap().unit)
+    };
+    assert_eq!(unit("g_s"), Some(Dimension::ConductanceDensity));
+    assert_eq!(unit("B_tot"), Some(Dimension::Concentration));
+    assert_eq!(
+        Dimension::of_unit(&model.stimulation().current_unit),
+        Some(Dimension::CurrentDensity)
+    );
+}
+
+#[test]
+fn every_method_that_fits_gives_the_same_beat() {
+    let model = own_cell::mild();
+    let exact = exact(&model);
+    // The peak of the action potential, and a transient of calcium that comes back.
+    assert!((20.0..40.0).contains(&exact.peak_potential().unwrap().value));
+    let calcium = exact.variable("Ca_mean").unwrap();
+    let largest = calcium.iter().copied().fold(0.0, f64::max);
+    assert!(largest > 20.0 * calcium[0] && calcium[600] < 0.1 * largest, "{largest} uM");
+    for (method, bound) in [
+        (Method::RungeKutta4, 1e-6),
+        (Method::Stiff, 1e-4),
+        // Order 1: late by part of a step, at 200 mV/ms on the way up.
+        (Method::ForwardEuler, 0.02),
+        (Method::RushLarsen, 0.02),
+    ] {
+        let trace = beat(&model, Settings::of(method));
+        let off = largest_difference(&trace, &exact);
+        assert!(off < bound, "{method}: {off:e}");
+        assert!((trace.peak_tension().unwrap().value / 59.899 - 1.0).abs() < 1e-3, "{method}");
+    }
+}
+
+#[test]
+fn gates_of_their_own_let_rush_larsen_step_where_euler_cannot() {
+    let model = own_cell::mild();
+    let exact = exact(&model);
+    let run = |method, step_ms| {
+        let settings = Settings { step_ms, ..Settings::of(method) };
+        solve(&model, Protocol::once(model.default_stimulus()), settings, 600.0, 1.0)
+    };
+    let off = |step_ms| difference("V", &run(Method::RushLarsen, step_ms).unwrap(), &exact);
+    let order = (off(0.005) / off(0.0025)).log2();
+    assert!((order - 1.0).abs() < 0.06, "{order}");
+    // m takes 0.012 ms at rest: forward Euler is unstable from 0.025 ms on.
+    assert!(off(0.04) < 0.15, "{}", off(0.04));
+    let euler = run(Method::ForwardEuler, 0.04).map(|trace| difference("V", &trace, &exact));
+    assert!(euler.as_ref().map_or(true, |off| *off > 1.0), "{euler:?}");
+}
+
+#[test]
+fn forty_stiff_states_need_stiff_steps_and_get_them_as_exact_as_asked() {
+    let model = own_cell::stiff();
+    let fixed =
+        solve(&model, Protocol::once(model.default_stimulus()), Settings::default(), 600.0, 1.0);
+    assert!(matches!(fixed, Err(SolveError::NotFinite { .. })));
+    let exact = exact(&model);
+    for tolerance in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
+        let settings = Settings { tolerance, ..Settings::of(Method::Stiff) };
+        // Measured: 0.6 to 1.9 times the tolerance.
+        let off = largest_difference(&beat(&model, settings), &exact);
+        assert!(off < 5.0 * tolerance, "{tolerance:e}: {off:e}");
+        let by_differences = beat(&model.clone().without_jacobian(), settings);
+        let off = largest_difference(&by_differences, &exact);
+        assert!(off < 5.0 * tolerance, "{tolerance:e}, by differences: {off:e}");
+    }
+}
+
+#[test]
+fn adaptive_steps_by_name_are_those_of_the_adaptive_integrator() {
+    let model = coelho_2021::model();
+    let protocol = Protocol::once(model.default_stimulus());
+    let own = adaptive::Settings::default();
+    let mut alone = AdaptiveIntegrator::new(&model, protocol, own).unwrap();
+    let settings = Settings::of(Method::Adaptive);
+    let mut cell = CellIntegrator::new(Arc::new(model), protocol, settings).unwrap();
+    for time in [0.3, 49.0, 50.0, 51.7, 170.0, 600.0] {
+        alone.advance_to(time).unwrap();
+        cell.advance_to(time, 0.9, 0.0).unwrap();
+        assert_eq!((cell.time(), cell.state()), (time, alone.state()));
+    }
+}
+
+#[test]
+fn a_method_that_the_model_is_not_made_for_is_refused_with_what_serves_instead() {
+    let refusal = |model: Arc<dyn CellModel>, method| {
+        let settings = Settings::of(method);
+        CellIntegrator::new(model, Protocol::rest(), settings).err().unwrap().to_string()
+    };
+    let own = || Arc::new(own_cell::mild());
+    for (message, parts) in [
+        (refusal(own(), Method::Adaptive), ["`own_1`", "`adaptive`", "the minimal model only"]),
+        (refusal(own(), Method::StaggeredEuler), ["`own_1`", "`staggered-euler`", "`stiff`"]),
+        (
+            refusal(Arc::new(ToyModel::published()), Method::RushLarsen),
+            ["`toy_alpha`", "`rush-larsen`", "names its gates"],
+        ),
+        (
+            refusal(Arc::new(coelho_2021::model()), Method::Stiff),
+            ["`coelho_2021`", "where equations jump", "take `adaptive`"],
+        ),
+    ] {
+        for part in parts {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+}
+
+#[test]
+fn a_jump_moves_every_state_of_the_stimulus_in_proportion() {
+    let model = own_cell::mild();
+    let protocol = Protocol { start_ms: 0.0, ..Protocol::once(Stimulus::Jump { amplitude: 20.0 }) };
+    for method in [Method::RungeKutta4, Method::Stiff] {
+        let own: Arc<dyn CellModel> = Arc::new(model.clone());
+        let cell = CellIntegrator::new(own, protocol, Settings::of(method)).unwrap();
+        let mut expected = model.initial_state();
+        expected[0] += 20.0;
+        assert_eq!(cell.state(), expected, "{method}");
+        let two: Arc<dyn CellModel> = Arc::new(Follower::new());
+        let cell = CellIntegrator::new(two, protocol, Settings::of(method)).unwrap();
+        assert_eq!(cell.state(), [21.0, -5.0], "{method}");
+    }
+}
+
+#[test]
+fn its_tension_in_kilopascal_drives_a_cell_as_it_is() {
+    let model = own_cell::stiff();
+    let own = solve::reference_beat(&model, Settings::of(Method::Stiff)).unwrap();
+    for tension_scale in [TensionScale::Published, TensionScale::OwnPeak] {
+        let mut simulation = Simulation {
+            protocol: Protocol::once(model.default_stimulus()),
+            cell: Arc::new(model.clone()),
+            peak_tension: 20.0,
+            tension_scale,
+            ..Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap())
+        };
+        simulation.numerics.cell = Settings::of(Method::Stiff);
+        let outcome = simulation.prepare().unwrap().run(|_| true);
+        assert_eq!(outcome.stop, None);
+        let samples = &outcome.recording.samples;
+        let largest = samples.iter().map(|sample| sample.ta_kpa).fold(0.0, f64::max);
+        // Samples each 0.5 ms miss a flat peak by less.
+        assert!((largest / own.peak_tension - 1.0).abs() < 1e-4, "{largest} kPa");
+        let shortening = samples.iter().map(|sample| sample.shortening_pct).fold(0.0, f64::max);
+        assert!(shortening > 10.0, "{shortening} %");
+        assert!(samples.iter().all(|sample| sample.vm_mv == Some(sample.u)));
+    }
+}
+
+/// A state that follows the stretch and one that follows its rate: both exact in closed form.
+struct Follower {
+    parameters: ParameterSet,
+    states: Vec<StateVariable>,
+}
+
+impl Follower {
+    const TIME_MS: f64 = 7.0;
+
+    fn new() -> Self {
+        let state = |name: &'static str, start| StateVariable {
+            name: name.into(),
+            unit: "".into(),
+            start,
+            meaning: "what it felt".into(),
+        };
+        let states = vec![state("stretch", 1.0), state("rate", 0.0)];
+        Self { parameters: ParameterSet::new(Vec::new()), states }
+    }
+}
+
+impl CellModel for Follower {
+    fn name(&self) -> &'static str {
+        "follower"
+    }
+    fn description(&self) -> &'static str {
+        "follows what it feels"
+    }
+    fn citations(&self) -> Vec<&str> {
+        Vec::new()
+    }
+    fn parameters(&self) -> &ParameterSet {
+        &self.parameters
+    }
+    fn with_parameters(&self, _: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
+        Ok(Arc::new(Self::new()))
+    }
+    fn states(&self) -> &[StateVariable] {
+        &self.states
+    }
+    fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
+        rates[0] = (input.stretch - state[0]) / Self::TIME_MS + 4.0 * input.stimulus;
+        rates[1] = (input.stretch_rate - state[1]) / Self::TIME_MS - input.stimulus;
+    }
+    fn stimulation(&self) -> Stimulation {
+        use myospring::cell::Moved;
+        Stimulation {
+            default: Stimulus::Jump { amplitude: 0.0 },
+            current_unit: "1/ms".into(),
+            moves: vec![Moved { state: 0, weight: 4.0 }, Moved { state: 1, weight: -1.0 }].into(),
+        }
+    }
+    fn potential(&self, state: &[f64]) -> f64 {
+        state[0]
+    }
+    fn membrane_potential_mv(&self, _: &[f64]) -> Option<f64> {
+        None
+    }
+    fn tension(&self, _: &[f64]) -> f64 {
+        0.0
+    }
+    fn tension_kind(&self) -> TensionKind {
+        TensionKind::Kilopascal
+    }
+    fn feels_stretch(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_model_that_feels_feels_each_stretch_exactly_as_long_as_it_lasts() {
+    let felt = [(3.0, 0.9, -0.01), (3.1, 0.8, 0.5), (20.0, 1.1, 0.0), (20.25, 1.0, -2.0)];
+    for method in [Method::RungeKutta4, Method::Stiff] {
+        let settings = Settings { tolerance: 1e-9, ..Settings::of(method) };
+        let model: Arc<dyn CellModel> = Arc::new(Follower::new());
+        let mut cell = CellIntegrator::new(model, Protocol::rest(), settings).unwrap();
+        let (mut expected, mut before) = ([1.0, 0.0], 0.0);
+        for (time, stretch, rate) in felt {
+            // A trial leaves no trace.
+            let mut trial = cell.clone();
+            trial.advance_to(time + 1.0, 0.5, 3.0).unwrap();
+            cell.advance_to(time, stretch, rate).unwrap();
+            let left = f64::exp(-(time - before) / Follower::TIME_MS);
+            for (value, goal) in expected.iter_mut().zip([stretch, rate]) {
+                *value = goal + (*value - goal) * left;
+            }
+            before = time;
+            assert_eq!(cell.time(), time);
+            for (value, expected) in cell.state().iter().zip(expected) {
+                assert!((value - expected).abs() < 1e-9, "{method} at {time}: {value}, {expected}");
+            }
+        }
+    }
+}
