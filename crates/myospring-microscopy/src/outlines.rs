@@ -33,6 +33,7 @@ pub mod raster;
 pub mod trace;
 
 use myospring_core::mesh::outline::Outline;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 pub use cellpose::write_cellpose;
 pub use error::{OutlineFileError, OutlineWriteError};
@@ -150,8 +151,8 @@ pub enum Placement {
     /// In a picture that is not at hand: the picture is taken to end where the outlines do, on the
     /// right and below, so that the lowest point has y = 0.
     Bounds {
-        /// Side of a pixel, um.
-        pixel_size_um: f64,
+        /// Side of a pixel.
+        pixel_size: PixelSize,
     },
 }
 
@@ -182,8 +183,9 @@ struct Raw {
 ///
 /// # Example
 /// ```
+/// use myospring::mesh::pixel_size::PixelSize;
 /// use myospring::microscopy::outlines::{PixelFrame, Placement, ReadOptions, read_outlines};
-/// let frame = PixelFrame::new(64, 48, 0.5)?;
+/// let frame = PixelFrame::new(64, 48, PixelSize::new(0.5)?)?;
 /// let options = ReadOptions { placement: Placement::Picture(frame), silent_unit: Default::default() };
 /// let corners = br#"{"type": "Feature", "properties": {"unit": "pixel", "name": "left cell"},
 ///     "geometry": {"type": "Polygon", "coordinates": [[[2,8], [22,8], [22,18], [2,18], [2,8]]]}}"#;
@@ -209,13 +211,15 @@ pub fn read_outlines(
 ///
 /// # Example
 /// ```
+/// use myospring::mesh::pixel_size::PixelSize;
 /// use myospring::microscopy::outlines::{
 ///     OutlineFormat, Placement, ReadOptions, read_outlines_as,
 /// };
-/// let placement = Placement::Bounds { pixel_size_um: 1.0 };
+/// let placement = Placement::Bounds { pixel_size: PixelSize::new(1.0)? };
 /// let options = ReadOptions { placement, silent_unit: Default::default() };
 /// let error = read_outlines_as(OutlineFormat::ImageJRoi, b"12,30", "a.roi", &options).unwrap_err();
 /// assert_eq!(error.to_string(), "a.roi is no ImageJ ROI: it does not start with `Iout`");
+/// # Ok::<(), myospring::mesh::pixel_size::PixelSizeError>(())
 /// ```
 pub fn read_outlines_as(
     format: OutlineFormat,
@@ -268,9 +272,9 @@ fn frame_of(
     placement: Placement,
     notes: &mut Vec<String>,
 ) -> Result<PixelFrame, OutlineFileError> {
-    let pixel_size_um = match placement {
+    let pixel_size = match placement {
         Placement::Picture(frame) => return Ok(frame),
-        Placement::Bounds { pixel_size_um } => pixel_size_um,
+        Placement::Bounds { pixel_size } => pixel_size,
     };
     let in_pixels = || raw.iter().filter(|raw| raw.unit == CoordinateUnit::Pixel);
     let side = |axis: usize| {
@@ -278,7 +282,7 @@ fn frame_of(
         let largest = points.map(|point| point[axis]).filter(|x| x.is_finite()).fold(1.0, f64::max);
         largest.ceil() as usize
     };
-    let frame = PixelFrame::new(side(0), side(1), pixel_size_um)?;
+    let frame = PixelFrame::new(side(0), side(1), pixel_size)?;
     if in_pixels().next().is_some() {
         notes.push(format!(
             "the size of the picture is not known: it was taken to end with the outlines, at {} x {} \
@@ -305,7 +309,7 @@ fn place(
             *point = frame.to_um(*point);
         }
     } else {
-        ring::part_touching(&mut raw.rings, ring::CUT * frame.pixel_size_um());
+        ring::part_touching(&mut raw.rings, ring::CUT * frame.pixel_size().um());
     }
     let mut rings = raw.rings.into_iter();
     let exterior = rings.next().unwrap_or_default();

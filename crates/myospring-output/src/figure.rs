@@ -121,14 +121,6 @@ pub enum FigureError {
         /// Values given.
         found: usize,
     },
-    /// A pixel size that is no length.
-    #[error(
-        "pixel size {pixel_size} um is not a length above 0; give the width of one pixel in um"
-    )]
-    PixelSize {
-        /// What was given, um.
-        pixel_size: f64,
-    },
     /// A resolution that no printer has.
     #[error("a resolution of {dpi} dpi is outside 10 to 2400 dpi; 300 dpi suits a journal")]
     Resolution {

@@ -20,11 +20,10 @@ use super::stiffness::StiffnessMatrix;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::simplex::content_at;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Which law keeps the area.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AreaLaw {
     /// Minus the gradient of an energy of the area's deviation from rest.
@@ -38,15 +37,6 @@ pub enum AreaLaw {
 impl AreaLaw {
     /// All laws, in the order they are shown.
     pub const ALL: [Self; 3] = [Self::Gradient, Self::Barycentric, Self::Printed];
-
-    /// Name as written in a run file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Gradient => "gradient",
-            Self::Barycentric => "barycentric",
-            Self::Printed => "printed",
-        }
-    }
 }
 
 /// Area preservation on the triangles of a mesh.

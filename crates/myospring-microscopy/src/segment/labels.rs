@@ -1,5 +1,6 @@
 //! Masks and label images: the work was done elsewhere.
 
+use myospring_core::mesh::pixel_size::PixelSize;
 use std::collections::BTreeMap;
 
 use super::{Cell, Confidence, Modality, SegmentError, Segmentation, modality};
@@ -17,7 +18,7 @@ pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
 /// such as the luminance of colours, tell cells apart but are no labels.
 pub(super) fn segment(
     plane: &Plane,
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
     mut notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
     let (width, height) = (plane.width(), plane.height());
@@ -64,7 +65,7 @@ pub(super) fn segment(
             modality: "mask",
             threshold: "0".to_owned(),
             why: "every pixel is 0, the background".to_owned(),
-            pixel_size_um,
+            pixel_size,
         });
     }
     let mut order: Vec<(u32, usize)> = sizes.into_iter().collect();
@@ -83,11 +84,11 @@ pub(super) fn segment(
         number,
         label: if by_value { Some(mark) } else { only }.filter(|_| whole),
         pixels,
-        area_um2: pixels as f64 * pixel_size_um.powi(2),
+        area_um2: pixels as f64 * pixel_size.um().powi(2),
         pixels_on_the_frame: on_frame[number as usize],
         confidence: Confidence::full(),
     };
     let cells = (1..).zip(&order).map(cell).collect();
     let (modality, threshold) = (Modality::Mask, 0.0);
-    Ok(Segmentation { width, height, pixel_size_um, numbers, cells, modality, threshold, notes })
+    Ok(Segmentation { width, height, pixel_size, numbers, cells, modality, threshold, notes })
 }

@@ -12,6 +12,7 @@ use super::strain::check_mesh;
 use super::theme::{Colour, DOUBLE, INK, LABEL, LETTER, MUTED, TENSION, TICK, mm};
 use super::{Figure, FigureError};
 use myospring_core::mesh::Mesh;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Line of the chosen cell (Okabe-Ito yellow), readable on black and on grey.
 const CHOSEN: Colour = Colour(0xf0e442);
@@ -70,8 +71,8 @@ pub struct Overlay<'a> {
     pub height: usize,
     /// Grey values row by row from the top left.
     pub values: &'a [f32],
-    /// Side of one pixel, um.
-    pub pixel_size_um: f64,
+    /// Side of one pixel.
+    pub pixel_size: PixelSize,
     /// The cells that were found; may be none.
     pub cells: &'a [Contour<'a>],
     /// The lattice of the chosen cell, where there is one.
@@ -91,11 +92,12 @@ pub struct Overlay<'a> {
 /// pixels a side.
 ///
 /// # Errors
-/// A picture without pixels or with another number of values, a pixel size that is no length, outlines,
+/// A picture without pixels or with another number of values, outlines,
 /// fibres or a mesh with numbers that are not finite.
 ///
 /// # Example
 /// ```
+/// use myospring::mesh::pixel_size::PixelSize;
 /// use myospring::output::figure::{Contour, Overlay, overlay};
 /// let square = [[5.0, 5.0], [15.0, 5.0], [15.0, 15.0], [5.0, 15.0]];
 /// let cell = Contour { name: "1", rings: vec![&square], chosen: true };
@@ -105,14 +107,14 @@ pub struct Overlay<'a> {
 ///     width: 40,
 ///     height: 40,
 ///     values: &picture,
-///     pixel_size_um: 0.5,
+///     pixel_size: PixelSize::new(0.5)?,
 ///     cells: &[cell],
 ///     mesh: None,
 ///     fibres: &[],
 ///     warnings: &[],
 /// })?;
 /// assert!(figure.to_svg().contains("data:image/png;base64,"));
-/// # Ok::<(), myospring::output::figure::FigureError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn overlay(overlay: &Overlay<'_>) -> Result<Figure, FigureError> {
     check(overlay)?;
@@ -167,10 +169,6 @@ fn check(overlay: &Overlay<'_>) -> Result<(), FigureError> {
     if width.checked_mul(height) != Some(found) {
         return Err(FigureError::PictureShape { width, height, found });
     }
-    let pixel_size = overlay.pixel_size_um;
-    if !(pixel_size.is_finite() && pixel_size > 0.0) {
-        return Err(FigureError::PixelSize { pixel_size });
-    }
     for cell in overlay.cells {
         for (node, &[x, y]) in cell.rings.iter().flat_map(|ring| ring.iter()).enumerate() {
             if !(x.is_finite() && y.is_finite()) {
@@ -199,7 +197,7 @@ fn close_up(overlay: &Overlay<'_>, whole: View) -> Option<View> {
     if let Some(mesh) = overlay.mesh {
         points.extend((0..mesh.len()).map(|node| mesh.point(node)));
     }
-    let view = View::around(&points, whole, overlay.pixel_size_um)?;
+    let view = View::around(&points, whole, overlay.pixel_size.um())?;
     let gain = (whole.extent()[0] / view.extent()[0]).min(whole.extent()[1] / view.extent()[1]);
     let more_to_show = overlay.mesh.is_some() || !overlay.fibres.is_empty();
     (more_to_show || gain > 1.5).then_some(view)
