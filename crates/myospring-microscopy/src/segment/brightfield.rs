@@ -4,9 +4,8 @@ use myospring_core::mesh::pixel_size::PixelSize;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::{
-    Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
-};
+use super::confidence::Candidate;
+use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};

@@ -1,9 +1,8 @@
 //! A bright cell on a dark ground.
 
+use super::confidence::Candidate;
 use super::ground::Ground;
-use super::{
-    Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
-};
+use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};

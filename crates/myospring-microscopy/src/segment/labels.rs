@@ -3,15 +3,12 @@
 use myospring_core::mesh::pixel_size::PixelSize;
 use std::collections::BTreeMap;
 
-use super::{Cell, Confidence, Modality, SegmentError, Segmentation, modality};
+use super::{Cell, Confidence, LARGEST_LABEL, Modality, SegmentError, Segmentation, modality};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
 
 /// An island of which so many make the largest is a speck of the mask, not a cell.
 const SPECKS_IN_A_CELL: usize = 50;
-
-/// Largest label of a mask: `f32`, as which the pixels are held, tells no larger whole numbers apart.
-pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
 
 /// Cells of a picture in which every value that is not zero marks one. Where there is one such value, or so many
 /// that they are no labels but soft edges, the islands of all together are the cells. Values that are not whole,
