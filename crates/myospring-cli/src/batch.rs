@@ -8,6 +8,7 @@ use crate::{input, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use kept::Kept;
 use myospring::output::{files, json};
+use myospring::settings::{PICTURE_ENDINGS, Run, Value};
 use myospring::study::pictures::{self, CellRow, Picture, Which};
 use myospring::study::{self, Cause, Journal, Observer, Row, Status, Threads};
 use serde::Serialize;
@@ -33,8 +34,8 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let target = target(args);
     let pictures = pictures(args, &target)?;
     // Every setting is checked once, before any picture is opened.
-    let (_, run) = input::settle(Some(&pictures[0].path), args.beat.overrides())?;
-    let settings = settings(args, &run)?;
+    let (_, run) = input::settle(Some(&pictures[0].path), args.settings.overrides())?;
+    let settings = settings(args, &run);
     let journal = if args.output.force {
         Journal::begin_anew(&target, &settings, &kept::RESULTS)?
     } else {
@@ -46,7 +47,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let which = which(args);
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let report = study::run(&pictures, &journal, &threads, &seen, |picture| {
-        let (_, run) = input::settle(Some(&picture.path), args.beat.overrides())?;
+        let (_, run) = input::settle(Some(&picture.path), args.settings.overrides())?;
         pictures::rows(&picture.name, &run, which, &kept)
     })?;
     bar.finish_and_clear();
@@ -101,9 +102,9 @@ impl Observer<Picture> for Seen<'_> {
 
 /// All cells unless the arguments name one.
 fn which(args: &BatchArgs) -> Which {
-    let (shape, segmentation) = (&args.beat.shape, &args.beat.shape.segmentation);
-    let one = segmentation.cell.is_some() || segmentation.seed.is_some() || shape.label.is_some();
-    if segmentation.all() || !one { Which::Every } else { Which::Chosen }
+    let choices = ["segmentation.cell", "segmentation.seed", "shape.label"];
+    let one = choices.iter().any(|key| args.settings.get(key).is_some());
+    if args.settings.all_cells() || !one { Which::Every } else { Which::Chosen }
 }
 
 fn summary(outcome: &Outcome) -> String {
@@ -178,7 +179,7 @@ fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<Picture>, Failure> {
 
 fn is_wanted(file_name: &str, pattern: Option<&glob::Pattern>) -> bool {
     let lower = file_name.to_lowercase();
-    let picture = ["png", "tif", "tiff"].iter().any(|end| lower.ends_with(&format!(".{end}")));
+    let picture = PICTURE_ENDINGS.iter().any(|end| lower.ends_with(&format!(".{end}")));
     picture && pattern.is_none_or(|pattern| pattern.matches(file_name))
 }
 
@@ -191,16 +192,16 @@ fn name(args: &BatchArgs, picture: &Path) -> String {
 }
 
 /// Every setting that results depend on, as text.
-fn settings(args: &BatchArgs, run: &myospring::run_file::Run) -> Result<String, Failure> {
+fn settings(args: &BatchArgs, run: &Run) -> String {
     let mut file = run.to_run_file();
-    file.shape.picture = None;
-    let text = file.to_toml().map_err(|error| Failure::of_run_file(&error, None))?;
-    let cells = args.beat.shape.segmentation.cell.as_deref().unwrap_or("all");
+    file.remove("shape.picture");
+    let text = file.to_toml();
+    let cells = args.settings.get("segmentation.cell").and_then(Value::as_text).unwrap_or("all");
     let (version, figures) = (env!("CARGO_PKG_VERSION"), args.figures);
-    Ok(format!(
+    format!(
         "# What the results in this folder depend on; myospring batch goes on only with the same.\n\
          # version {version}, cells {cells}, figures {figures}\n\n{text}"
-    ))
+    )
 }
 
 fn progress_bar(quiet: bool, pictures: usize) -> ProgressBar {

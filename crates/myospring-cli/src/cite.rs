@@ -14,9 +14,9 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
             let is_run_file =
                 |path: &&Path| path.extension().is_some_and(|ending| ending == "toml");
             let run_file = args.input.as_deref().filter(is_run_file);
-            input::settle(run_file, args.beat.simulation.model())?.1.cell
+            input::settle(run_file, args.settings.model())?.1.cell
         }
-        Some(Command::Batch(args)) => input::settle(None, args.beat.simulation.model())?.1.cell,
+        Some(Command::Batch(args)) => input::settle(None, args.settings.model())?.1.cell,
         Some(Command::Models(ModelsArgs { name: Some(name), .. })) => {
             cell::model(name).map_err(Failure::new)?
         }

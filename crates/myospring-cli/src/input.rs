@@ -1,8 +1,9 @@
 //! From what stands on the command line to a run and the bytes of its shape.
 
-use crate::args::Overrides;
 use crate::failure::Failure;
+use crate::options::Given;
 use myospring::run_file::{Reader, Run, ShapeBytes, Shaped};
+use myospring::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS};
 use std::fs;
 use std::path::Path;
 
@@ -17,7 +18,7 @@ pub(crate) struct Input {
 }
 
 /// Reads and checks everything and meshes the shape.
-pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, Failure> {
+pub(crate) fn read(path: Option<&Path>, overrides: Vec<Given>) -> Result<Input, Failure> {
     let (name, run) = settle(path, overrides)?;
     let bytes = run.shape.bytes(|file| fs::read(file))?;
     let shaped = run.shape.mesh(&bytes)?;
@@ -25,7 +26,7 @@ pub(crate) fn read(path: Option<&Path>, overrides: Overrides) -> Result<Input, F
 }
 
 /// Reads and checks every setting; the name of the results, and the run.
-pub(crate) fn settle(path: Option<&Path>, overrides: Overrides) -> Result<(String, Run), Failure> {
+pub(crate) fn settle(path: Option<&Path>, overrides: Vec<Given>) -> Result<(String, Run), Failure> {
     let mut reader = Reader::new();
     let mut text = None;
     if let Some(path) = path {
@@ -39,11 +40,10 @@ pub(crate) fn settle(path: Option<&Path>, overrides: Overrides) -> Result<(Strin
                     .beside(path.parent().unwrap_or(Path::new("")));
                 text = Some(content);
             }
-            kind
-            @ ("png" | "tif" | "tiff" | "geojson" | "json" | "csv" | "roi" | "zip" | "txt") => {
+            kind if PICTURE_ENDINGS.contains(&kind) || OUTLINE_ENDINGS.contains(&kind) => {
                 // Before anything else is said about the picture.
                 fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
-                let is_picture = matches!(kind, "png" | "tif" | "tiff");
+                let is_picture = PICTURE_ENDINGS.contains(&kind);
                 let key = if is_picture { "shape.picture" } else { "shape.outline" };
                 let Some(name) = path.to_str() else {
                     return Err(Failure::new(format!("`{}` is not UTF-8", path.display())));
@@ -59,8 +59,9 @@ pub(crate) fn settle(path: Option<&Path>, overrides: Overrides) -> Result<(Strin
             }
         }
     }
-    for (option, key, value) in overrides {
-        reader = reader.option(option, key, value);
+    for (setting, value) in overrides {
+        let option = setting.option.map_or(setting.key, |option| option.name);
+        reader = reader.option(option, setting.key, value);
     }
     let run = reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
     let name = path

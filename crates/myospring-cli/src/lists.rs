@@ -76,7 +76,7 @@ fn parameters(model: &dyn CellModel) -> String {
 }
 
 pub(crate) fn init(args: &InitArgs) -> Result<ExitCode, Failure> {
-    let text = run_file::template().map_err(|error| Failure::of_run_file(&error, None))?;
+    let text = run_file::template();
     let Some(path) = &args.file else {
         print::out(&text);
         return Ok(ExitCode::SUCCESS);

@@ -7,6 +7,7 @@ mod failure;
 mod input;
 mod lists;
 mod mesh;
+mod options;
 mod overlay;
 mod paper;
 mod print;

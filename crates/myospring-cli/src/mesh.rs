@@ -12,9 +12,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
-    input::one_cell(args.shape.segmentation.all())?;
+    input::one_cell(args.settings.all_cells())?;
     let Input { name, run, shaped, .. } =
-        input::read(args.input.as_deref(), args.shape.overrides())?;
+        input::read(args.input.as_deref(), args.settings.overrides())?;
     let field = run.fibre_field(&shaped)?;
     let Shaped { mesh, report, outline, picture } = shaped;
     let target = args

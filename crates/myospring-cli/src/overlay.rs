@@ -66,7 +66,7 @@ pub(crate) fn draw(
         width: cells.plane.width(),
         height: cells.plane.height(),
         values: cells.plane.values(),
-        pixel_size_um: cells.pixel_size_um,
+        pixel_size: cells.pixel_size,
         cells: &contours,
         mesh: lattice.map(|lattice| lattice.mesh),
         fibres: &ticks,

@@ -11,7 +11,7 @@ use myospring::mesh::Mesh;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::{csv, json};
-use myospring::run_file::Shaped;
+use myospring::settings::{self, Shaped, Value};
 use myospring::simulation::{Effort, Outcome};
 use myospring::study::Threads;
 use rayon::prelude::*;
@@ -32,13 +32,10 @@ struct Record<'a> {
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
-    let rows = [
-        ("--spacing", "shape.spacing", &args.spacing),
-        ("--integrator", "numerics.integrator", &args.integrator),
-    ];
-    let overrides = rows.into_iter().filter_map(|(option, key, value)| {
-        Some((option, key, toml::Value::String(value.clone()?)))
-    });
+    let rows = [("shape.spacing", &args.spacing), ("numerics.integrator", &args.integrator)];
+    let overrides = rows
+        .into_iter()
+        .filter_map(|(key, value)| Some((settings::find(key)?, Value::Text(value.clone()?))));
     let Input { run, shaped: Shaped { mesh, .. }, .. } = input::read(None, overrides.collect())?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     let folder = Folder::claim(&target, args.output.force)?;

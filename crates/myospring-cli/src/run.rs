@@ -88,9 +88,9 @@ struct Numbers<'a> {
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     let mut timings = Timings::default();
-    input::one_cell(args.beat.shape.segmentation.all())?;
+    input::one_cell(args.settings.all_cells())?;
     let Input { name, run, bytes, shaped } =
-        input::read(args.input.as_deref(), args.beat.overrides())?;
+        input::read(args.input.as_deref(), args.settings.overrides())?;
     let field = run.fibre_field(&shaped)?;
     let Shaped { mesh, mut report, picture, .. } = shaped;
     if let (Some((cells, _)), Some(field)) = (&picture, &field) {
@@ -133,7 +133,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     write(&folder, &run, &simulation, &outcome, &summary, &stimuli)?;
     timings.figures_s = stage.elapsed().as_secs_f64();
     timings.total_s = start.elapsed().as_secs_f64();
-    let run_file = resolved(&run, &simulation, report.spacing_um, outcome.effort.time_step())?;
+    let run_file = resolved(&run, &simulation, report.spacing_um, outcome.effort.time_step());
     let record = Record {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
@@ -234,24 +234,19 @@ pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
 }
 
 /// The run file that repeats this run: spacing, time step and files spelled out.
-fn resolved(
-    run: &Run,
-    simulation: &Simulation,
-    spacing: f64,
-    time_step: Option<f64>,
-) -> Result<String, Failure> {
+fn resolved(run: &Run, simulation: &Simulation, spacing: f64, time_step: Option<f64>) -> String {
     let mut file = run.settled(spacing, time_step);
     for path in file.paths_mut() {
         if let Ok(absolute) = std::path::absolute(&*path) {
             *path = absolute.to_string_lossy().into_owned();
         }
     }
-    let text = file.to_toml().map_err(|error| Failure::of_run_file(&error, None))?;
+    let text = file.to_toml();
     let model = simulation.cell.name();
-    Ok(format!(
+    format!(
         "# Written by myospring {}: every setting of this run ({model}).\n{text}",
         env!("CARGO_PKG_VERSION")
-    ))
+    )
 }
 
 pub(crate) fn write(
@@ -417,7 +412,7 @@ fn plan(
         effort,
         spring_updates,
         estimated_s: estimate,
-        run_file: resolved(run, simulation, report.spacing_um, effort.time_step())?,
+        run_file: resolved(run, simulation, report.spacing_um, effort.time_step()),
         mesh: report,
     };
     if args.output.json {

@@ -72,14 +72,14 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
                 .advise("write .geojson, .roi, .zip (RoiSet), .txt (Cellpose) or .png (mask)"));
         }
     }
-    let (name, run) = input::settle(Some(&args.input), args.shape.overrides())?;
+    let (name, run) = input::settle(Some(&args.input), args.settings.overrides())?;
     let Source::Picture(source) = &run.shape.source else {
         let message = format!("`{}` is not a picture", args.input.display());
         return Err(Failure::new(message).advise("give a picture (.png, .tif, .tiff)"));
     };
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let cells = source.cells(&bytes)?;
-    let all = args.shape.segmentation.all();
+    let all = args.settings.all_cells();
     let chosen = if all {
         every_cell(&cells, source.allow_cut)
     } else {
@@ -143,7 +143,7 @@ fn report<'a>(args: &SegmentArgs, cells: &'a PictureCells, chosen: &'a [Chosen])
     Report {
         picture: args.input.display().to_string(),
         modality: cells.modality(),
-        pixel_size_um: cells.pixel_size_um,
+        pixel_size_um: cells.pixel_size.um(),
         pixel_size_source: cells.pixel_size_source,
         threshold: threshold.filter(|threshold| *threshold != 0.0),
         cells: chosen.iter().map(cell).collect(),

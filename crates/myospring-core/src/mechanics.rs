@@ -33,9 +33,11 @@ pub mod stiffness;
 pub mod support;
 mod system;
 mod tension;
+mod vectors;
 pub mod volume;
 
 pub use body::Body;
-pub use force::{Configuration, Force, Vectors, zeros};
+pub use force::{Configuration, Force};
 pub use system::System;
 pub use tension::{Following, Tension};
+pub use vectors::{Vectors, zeros};

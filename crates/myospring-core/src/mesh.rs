@@ -18,6 +18,7 @@ mod coverage;
 pub mod lattice;
 pub mod mask;
 pub mod outline;
+pub mod pixel_size;
 pub mod quality;
 mod selection;
 pub mod simplex;

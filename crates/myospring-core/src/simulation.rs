@@ -28,6 +28,7 @@ mod field;
 mod held;
 mod in_time;
 mod observer;
+mod outcome;
 pub mod quasi_static;
 mod ready;
 mod setup;
@@ -38,8 +39,9 @@ pub use fault::projected_area;
 pub use field::PreparedField;
 pub use in_time::Prepared;
 pub use observer::{Observer, Part, Progress};
+pub use outcome::{Effort, Outcome};
 pub use quasi_static::PreparedPath;
-pub use ready::{Effort, Outcome, Ready};
+pub use ready::Ready;
 pub use stop::{SetupError, StopReason};
 
 use crate::cell::pacing::Protocol;
@@ -55,7 +57,7 @@ use crate::mechanics::material::{Material, default_material};
 use crate::mechanics::support::SupportKind;
 use crate::mechanics::{Body, System};
 use crate::mesh::{Mesh, quality};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::sync::Arc;
 
 /// Numerical settings of a run; [`Default`] gives a converged beat.
@@ -100,8 +102,7 @@ impl Default for Numerics {
 pub const SAFETY: f64 = 0.95;
 
 /// What peak the cell model's tension has when it is scaled to the peak tension in kPa.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionScale {
     /// That of the model's published parameters ([`TensionKind::Relative`](crate::cell::TensionKind::Relative)): a changed parameter

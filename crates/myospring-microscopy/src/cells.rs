@@ -25,6 +25,7 @@ use super::segment::{
 use myospring_core::mesh::lattice::FEWEST_PIXELS;
 use myospring_core::mesh::mask::{Mask, MaskError};
 use myospring_core::mesh::outline::Outline;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// How far the pixel size that was given may be from the picture's own before it is said, 1 %.
 const SAME_PIXEL_SIZE: f64 = 0.01;
@@ -34,8 +35,8 @@ const SAME_PIXEL_SIZE: f64 = 0.01;
 pub struct Options {
     /// Which plane of the picture.
     pub selection: Selection,
-    /// Side of one pixel, um; `None` takes what the picture says.
-    pub pixel_size_um: Option<f64>,
+    /// Side of one pixel; `None` takes what the picture says.
+    pub pixel_size: Option<PixelSize>,
     /// How to find cells.
     pub segmentation: Settings,
 }
@@ -74,7 +75,7 @@ pub enum CellError {
     /// The file of outlines cannot be used.
     #[error(transparent)]
     Outlines(#[from] OutlineFileError),
-    /// The picture's size or pixel size is out of range.
+    /// The picture's size is out of range.
     #[error(transparent)]
     Frame(#[from] FrameError),
     /// The outline covers no pixel.
@@ -92,8 +93,8 @@ pub enum CellError {
 pub struct PictureCells {
     /// The plane that was looked at.
     pub plane: Plane,
-    /// Side of one pixel, um.
-    pub pixel_size_um: f64,
+    /// Side of one pixel.
+    pub pixel_size: PixelSize,
     /// Where the pixel size comes from, in words.
     pub pixel_size_source: &'static str,
     /// What a person should know about the picture.
@@ -140,7 +141,7 @@ impl PictureCells {
     /// ```
     pub fn find(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
         let mut seen = Self::read(bytes, options)?;
-        let found = segment(&seen.plane, seen.pixel_size_um, &options.segmentation)?;
+        let found = segment(&seen.plane, seen.pixel_size, &options.segmentation)?;
         seen.notes.extend(found.notes.iter().cloned());
         seen.cells = Cells::Found(found);
         Ok(seen)
@@ -169,32 +170,32 @@ impl PictureCells {
     fn read(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
         let picture = read_picture(bytes, &options.selection)?;
         let mut notes = picture.notes;
-        let (pixel_size_um, pixel_size_source) = match (options.pixel_size_um, picture.pixel_size) {
+        let (pixel_size, pixel_size_source) = match (options.pixel_size, picture.pixel_size) {
             (Some(given), own) => {
                 if let Some(own) = own
-                    && (own.um / given - 1.0).abs() > SAME_PIXEL_SIZE
+                    && (own.size.um() / given.um() - 1.0).abs() > SAME_PIXEL_SIZE
                 {
                     notes.push(format!(
-                        "the picture says that its pixels are {:.4} um wide ({}), but {given} um was given and is used",
-                        own.um,
+                        "the picture says that its pixels are {:.4} um wide ({}), but {given} was given and is used",
+                        own.size.um(),
                         words(own.source)
                     ));
                 }
                 (given, "given")
             }
-            (None, Some(own)) => (own.um, words(own.source)),
+            (None, Some(own)) => (own.size, words(own.source)),
             (None, None) => return Err(CellError::NoPixelSize),
         };
         let cells = Cells::Given(GivenOutlines { outlines: Vec::new(), notes: Vec::new() });
-        Ok(Self { plane: picture.plane, pixel_size_um, pixel_size_source, notes, cells })
+        Ok(Self { plane: picture.plane, pixel_size, pixel_size_source, notes, cells })
     }
 
     /// The picture's frame, which turns pixels into um.
     ///
     /// # Errors
-    /// A pixel size out of range.
+    /// A picture of no pixels or too many.
     pub fn frame(&self) -> Result<PixelFrame, CellError> {
-        Ok(PixelFrame::new(self.plane.width(), self.plane.height(), self.pixel_size_um)?)
+        Ok(PixelFrame::new(self.plane.width(), self.plane.height(), self.pixel_size)?)
     }
 
     /// How many cells there are.
@@ -340,7 +341,7 @@ impl PictureCells {
         long_axis: [f64; 2],
         settings: &FibreSettings,
     ) -> Result<FibreField, FibreError> {
-        fibres(&self.plane, cell.mask.inside(), self.pixel_size_um, long_axis, settings)
+        fibres(&self.plane, cell.mask.inside(), self.pixel_size, long_axis, settings)
     }
 }
 

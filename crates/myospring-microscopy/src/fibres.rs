@@ -22,6 +22,7 @@
 
 mod field;
 mod grid;
+mod settings;
 mod tensor;
 mod window;
 
@@ -29,80 +30,11 @@ use std::ops::RangeInclusive;
 
 use super::plane::Plane;
 pub use field::{Fibre, FibreField, FibreSummary};
-use myospring_core::mesh::mask::{PixelSizeError, checked_pixel_size};
+use myospring_core::mesh::pixel_size::PixelSize;
+pub use settings::{COHERENCY_BOUNDS, FibreSettings, SCALES_UM, Stain};
 
 /// Largest pixel, um: sarcomeres are 1.6 to 2.2 um long, and their stripes need more than two pixels.
 pub const COARSEST_PIXEL_UM: f64 = 0.7;
-
-/// Lengths that the settings may have, um.
-pub const SCALES_UM: RangeInclusive<f64> = 0.05..=100.0;
-
-/// Bounds of coherency that the settings may have.
-pub const COHERENCY_BOUNDS: RangeInclusive<f64> = 0.01..=0.9;
-
-/// What the picture shows of the myofibrils.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Stain {
-    /// Stripes that lie **across** the fibre: z-discs (alpha-actinin, titin's end), M-bands (myomesin).
-    ZDisc,
-    /// Threads that run **along** the fibre: actin (phalloidin).
-    Filament,
-}
-
-/// How directions are read from a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FibreSettings {
-    /// What the picture shows.
-    pub stain: Stain,
-    /// Standard deviation of the Gaussian whose derivative is the gradient, um. At least one pixel is
-    /// used, below which the directions of a square grid show through.
-    pub gradient_scale_um: f64,
-    /// Standard deviation of the Gaussian whose mean is taken off, um: wider things than about six
-    /// times this are light, not structure.
-    pub background_scale_um: f64,
-    /// Standard deviation of the Gaussian over the tensors, um.
-    pub smoothing_um: f64,
-    /// Width of the rim along the outline whose gradients are left out, um. Its outer part, all but
-    /// three gradient scales, is not looked at at all.
-    pub rim_um: f64,
-    /// Coherency at which picture and long axis weigh the same. From half of it to one and a half of it
-    /// the direction passes from the long axis to that of the picture.
-    pub least_coherency: f64,
-}
-
-impl FibreSettings {
-    /// The defaults for a stain.
-    ///
-    /// | setting | z-discs | filaments | why |
-    /// |---|---|---|---|
-    /// | gradient scale | 0.3 um | 0.5 um | a Gaussian's derivative answers most to stripes `2 pi` of its width apart: 1.9 um, a sarcomere; bundles of filaments are wider than z-discs |
-    /// | background scale | 1.2 um | 2 um | four times the gradient scale: keeps stripes whole |
-    /// | smoothing | 3 um | 3 um | about three sarcomeres to each side; fibres turn over more |
-    /// | rim | 1.5 um | 2 um | beyond the reach of the blurred outline through the gradient |
-    /// | least coherency | 0.2 | 0.2 | 99 of 100 places of a picture of noise alone stay below |
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::microscopy::fibres::{FibreSettings, Stain};
-    /// assert_eq!(FibreSettings::of(Stain::ZDisc).gradient_scale_um, 0.3);
-    /// ```
-    pub const fn of(stain: Stain) -> Self {
-        let (gradient, rim) = match stain {
-            Stain::ZDisc => (0.3, 1.5),
-            Stain::Filament => (0.5, 2.0),
-        };
-        Self {
-            stain,
-            gradient_scale_um: gradient,
-            background_scale_um: 4.0 * gradient,
-            smoothing_um: 3.0,
-            rim_um: rim,
-            least_coherency: 0.2,
-        }
-    }
-}
 
 /// Why a picture gives no directions.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -123,17 +55,14 @@ pub enum FibreError {
     /// No pixel is the cell.
     #[error("the mask is empty: fibres are sought within the cell, and no pixel belongs to it")]
     EmptyMask,
-    /// The pixel size is not a length that a microscope gives.
-    #[error(transparent)]
-    PixelSize(#[from] PixelSizeError),
     /// The pixels are too large to show myofibrils.
     #[error(
-        "pixels of {pixel_size} um are too coarse for myofibrils: stripes 1.6 to 2.2 um apart need \
+        "pixels of {pixel_size} are too coarse for myofibrils: stripes 1.6 to 2.2 um apart need \
          pixels of at most {COARSEST_PIXEL_UM} um; take the long axis or a fixed angle instead"
     )]
     TooCoarse {
-        /// Side of a pixel, um.
-        pixel_size: f64,
+        /// Side of a pixel.
+        pixel_size: PixelSize,
     },
     /// The long axis is not a direction.
     #[error("the long axis ({x}, {y}) has no finite length above 0; give a vector like (1, 0)")]
@@ -161,7 +90,7 @@ pub enum FibreError {
 
 /// The direction of the myofibrils everywhere in a cell.
 ///
-/// `inside` says row by row from the top left which pixels are the cell; `pixel_size_um` is the side
+/// `inside` says row by row from the top left which pixels are the cell; `pixel_size` is the side
 /// of a pixel. `long_axis` (of any length, y upward) is the direction where the picture shows none.
 /// Points of the field are um from the lower left corner of the picture, y upward, as in meshes made
 /// from a mask of that picture. Pixels that are not finite are left out.
@@ -170,26 +99,28 @@ pub enum FibreError {
 /// no error, it gives the long axis everywhere ([`FibreSummary::share_from_picture`] says so).
 ///
 /// # Errors
-/// A mask of another size or without a cell, pixels of no sensible size or too coarse, a long axis of
+/// A mask of another size or without a cell, pixels that are too coarse, a long axis of
 /// no length, settings outside [`SCALES_UM`] and [`COHERENCY_BOUNDS`].
 ///
 /// # Example
 /// ```
+/// use myospring::mesh::pixel_size::PixelSize;
 /// use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
 /// use myospring::microscopy::plane::Plane;
 /// // Upright z-discs 1.8 um apart: the fibre runs along x, although the cell stands upright.
 /// let stripes = |i: usize| (std::f32::consts::TAU * 0.2 * (i % 100) as f32 / 1.8).sin();
 /// let plane = Plane::new(100, 200, (0..20_000).map(stripes).collect()).unwrap();
 /// let settings = FibreSettings::of(Stain::ZDisc);
-/// let field = fibres(&plane, &[true; 20_000], 0.2, [0.0, 1.0], &settings)?;
+/// let pixel = PixelSize::new(0.2)?;
+/// let field = fibres(&plane, &[true; 20_000], pixel, [0.0, 1.0], &settings)?;
 /// let fibre = field.at([10.0, 20.0]);
 /// assert!(fibre.from_picture && fibre.angle_deg().abs() < 0.1);
-/// # Ok::<(), myospring::microscopy::fibres::FibreError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fibres(
     plane: &Plane,
     inside: &[bool],
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
     long_axis: [f64; 2],
     settings: &FibreSettings,
 ) -> Result<FibreField, FibreError> {
@@ -197,9 +128,8 @@ pub fn fibres(
     if inside.len() != width * height {
         return Err(FibreError::MaskShape { width, height, found: inside.len() });
     }
-    checked_pixel_size(pixel_size_um)?;
-    if pixel_size_um > COARSEST_PIXEL_UM {
-        return Err(FibreError::TooCoarse { pixel_size: pixel_size_um });
+    if pixel_size.um() > COARSEST_PIXEL_UM {
+        return Err(FibreError::TooCoarse { pixel_size });
     }
     let [x, y] = long_axis;
     let length = x.hypot(y);
@@ -207,8 +137,8 @@ pub fn fibres(
         return Err(FibreError::LongAxis { x, y });
     }
     check(settings)?;
-    let window =
-        window::Window::cut(plane, inside, pixel_size_um, settings).ok_or(FibreError::EmptyMask)?;
+    let window = window::Window::cut(plane, inside, pixel_size.um(), settings)
+        .ok_or(FibreError::EmptyMask)?;
     let tensors = tensor::tensors(&window, settings);
     let smoothed = tensors.smoothed(settings);
     let axis = [x / length, y / length];

@@ -22,22 +22,24 @@ mod cellpose;
 mod error;
 mod frame;
 mod geojson;
+mod reading;
 mod ring;
 mod roi;
 mod roi_set;
 mod roi_write;
-
 mod smooth;
 
 pub mod raster;
 pub mod trace;
 
 use myospring_core::mesh::outline::Outline;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 pub use cellpose::write_cellpose;
 pub use error::{OutlineFileError, OutlineWriteError};
 pub use frame::{FrameError, PixelFrame};
 pub use geojson::write_geojson;
+pub use reading::{read_outlines, read_outlines_as};
 pub use roi_set::write_roi_set;
 pub use roi_write::write_roi;
 
@@ -150,8 +152,8 @@ pub enum Placement {
     /// In a picture that is not at hand: the picture is taken to end where the outlines do, on the
     /// right and below, so that the lowest point has y = 0.
     Bounds {
-        /// Side of a pixel, um.
-        pixel_size_um: f64,
+        /// Side of a pixel.
+        pixel_size: PixelSize,
     },
 }
 
@@ -169,178 +171,4 @@ struct Raw {
     name: String,
     unit: CoordinateUnit,
     rings: Vec<Vec<[f64; 2]>>,
-}
-
-/// Reads a file of outlines in any of the formats above; `file_name` names what has no name of its
-/// own and stands in errors.
-///
-/// Lines and points in a RoiSet or GeoJSON that also holds cells are left out with a note.
-///
-/// # Errors
-/// Bytes of no known format, damaged or too large ones; kinds of ROI that enclose no area; an outline
-/// that lies outside the picture, or that [`Outline::new`] refuses, with its name.
-///
-/// # Example
-/// ```
-/// use myospring::microscopy::outlines::{PixelFrame, Placement, ReadOptions, read_outlines};
-/// let frame = PixelFrame::new(64, 48, 0.5)?;
-/// let options = ReadOptions { placement: Placement::Picture(frame), silent_unit: Default::default() };
-/// let corners = br#"{"type": "Feature", "properties": {"unit": "pixel", "name": "left cell"},
-///     "geometry": {"type": "Polygon", "coordinates": [[[2,8], [22,8], [22,18], [2,18], [2,8]]]}}"#;
-/// let given = read_outlines(corners, "cells.geojson", &options)?;
-/// assert_eq!(given.outlines[0].name, "left cell");
-/// // Row 8 to 18 of 48 rows of half a micrometre is 15 to 20 um above the lower side.
-/// assert_eq!(given.outlines[0].outline.bounds(), [[1.0, 15.0], [11.0, 20.0]]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_outlines(
-    bytes: &[u8],
-    file_name: &str,
-    options: &ReadOptions,
-) -> Result<GivenOutlines, OutlineFileError> {
-    let format = OutlineFormat::of(bytes).ok_or_else(|| OutlineFileError::unknown(bytes))?;
-    read_outlines_as(format, bytes, file_name, options)
-}
-
-/// As [`read_outlines`], for bytes whose format is known.
-///
-/// # Errors
-/// As [`read_outlines`].
-///
-/// # Example
-/// ```
-/// use myospring::microscopy::outlines::{
-///     OutlineFormat, Placement, ReadOptions, read_outlines_as,
-/// };
-/// let placement = Placement::Bounds { pixel_size_um: 1.0 };
-/// let options = ReadOptions { placement, silent_unit: Default::default() };
-/// let error = read_outlines_as(OutlineFormat::ImageJRoi, b"12,30", "a.roi", &options).unwrap_err();
-/// assert_eq!(error.to_string(), "a.roi is no ImageJ ROI: it does not start with `Iout`");
-/// ```
-pub fn read_outlines_as(
-    format: OutlineFormat,
-    bytes: &[u8],
-    file_name: &str,
-    options: &ReadOptions,
-) -> Result<GivenOutlines, OutlineFileError> {
-    let mut notes = Vec::new();
-    let raw = match format {
-        OutlineFormat::ImageJRoi => roi::read(bytes, file_name)?,
-        OutlineFormat::ImageJRoiSet => roi_set::read(bytes, &mut notes)?,
-        OutlineFormat::GeoJson => geojson::read(bytes, options.silent_unit, &mut notes)?,
-        OutlineFormat::CellposeText => cellpose::read(bytes)?,
-    };
-    if raw.is_empty() {
-        return Err(OutlineFileError::Empty { notes });
-    }
-    check_counts(&raw)?;
-    let frame = frame_of(&raw, options.placement, &mut notes)?;
-    let outlines =
-        raw.into_iter().map(|raw| place(raw, &frame, options)).collect::<Result<_, _>>()?;
-    Ok(GivenOutlines { outlines, notes })
-}
-
-fn check_counts(raw: &[Raw]) -> Result<(), OutlineFileError> {
-    let too_many = |what, found, bound| Err(OutlineFileError::TooMany { what, found, bound });
-    if raw.len() > MOST_OUTLINES {
-        return too_many("outlines", raw.len(), MOST_OUTLINES);
-    }
-    let mut all = 0;
-    for Raw { rings, .. } in raw {
-        let points: usize = rings.iter().map(Vec::len).sum();
-        if points > MOST_POINTS {
-            return too_many("points in one outline", points, MOST_POINTS);
-        }
-        if rings.len() > MOST_HOLES + 1 {
-            return too_many("holes in one outline", rings.len() - 1, MOST_HOLES);
-        }
-        all += points;
-    }
-    if all > MOST_POINTS_IN_FILE {
-        return too_many("points in all outlines", all, MOST_POINTS_IN_FILE);
-    }
-    Ok(())
-}
-
-/// The frame of the picture, or one that ends where the outlines do.
-fn frame_of(
-    raw: &[Raw],
-    placement: Placement,
-    notes: &mut Vec<String>,
-) -> Result<PixelFrame, OutlineFileError> {
-    let pixel_size_um = match placement {
-        Placement::Picture(frame) => return Ok(frame),
-        Placement::Bounds { pixel_size_um } => pixel_size_um,
-    };
-    let in_pixels = || raw.iter().filter(|raw| raw.unit == CoordinateUnit::Pixel);
-    let side = |axis: usize| {
-        let points = in_pixels().flat_map(|raw| raw.rings.iter().flatten());
-        let largest = points.map(|point| point[axis]).filter(|x| x.is_finite()).fold(1.0, f64::max);
-        largest.ceil() as usize
-    };
-    let frame = PixelFrame::new(side(0), side(1), pixel_size_um)?;
-    if in_pixels().next().is_some() {
-        notes.push(format!(
-            "the size of the picture is not known: it was taken to end with the outlines, at {} x {} \
-             pixels",
-            frame.width(),
-            frame.height()
-        ));
-    }
-    Ok(frame)
-}
-
-/// A file's polygon in um.
-fn place(
-    mut raw: Raw,
-    frame: &PixelFrame,
-    options: &ReadOptions,
-) -> Result<NamedOutline, OutlineFileError> {
-    if matches!(options.placement, Placement::Picture(_)) {
-        check_within(&raw, frame)?;
-    }
-    if raw.unit == CoordinateUnit::Pixel {
-        ring::part_touching(&mut raw.rings, ring::CUT);
-        for point in raw.rings.iter_mut().flatten() {
-            *point = frame.to_um(*point);
-        }
-    } else {
-        ring::part_touching(&mut raw.rings, ring::CUT * frame.pixel_size_um());
-    }
-    let mut rings = raw.rings.into_iter();
-    let exterior = rings.next().unwrap_or_default();
-    match Outline::new(exterior, rings.collect()) {
-        Ok(outline) => Ok(NamedOutline { name: raw.name, outline }),
-        Err(error) => Err(OutlineFileError::Outline { name: raw.name, error }),
-    }
-}
-
-/// Coordinates may leave the picture by a pixel, which is drawing and rounding; more than that is
-/// another picture or another unit.
-fn check_within(raw: &Raw, frame: &PixelFrame) -> Result<(), OutlineFileError> {
-    const SLACK: f64 = 1.0;
-    let within = |[x, y]: [f64; 2]| {
-        (-SLACK..=frame.width() as f64 + SLACK).contains(&x)
-            && (-SLACK..=frame.height() as f64 + SLACK).contains(&y)
-    };
-    let in_pixels = |&point: &[f64; 2]| match raw.unit {
-        CoordinateUnit::Pixel => point,
-        CoordinateUnit::Micrometre => frame.to_pixels(point),
-    };
-    let outside = raw
-        .rings
-        .iter()
-        .flatten()
-        .map(in_pixels)
-        .find(|&point| point.iter().all(|value| value.is_finite()) && !within(point));
-    match outside {
-        None => Ok(()),
-        Some([x, y]) => Err(OutlineFileError::Outside {
-            name: raw.name.clone(),
-            x: (x * 100.0).round() / 100.0,
-            y: (y * 100.0).round() / 100.0,
-            width: frame.width(),
-            height: frame.height(),
-        }),
-    }
 }

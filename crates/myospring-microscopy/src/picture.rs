@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use super::plane::Plane;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Which plane of a picture to take. Channels, frames and slices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -79,9 +80,9 @@ pub enum PixelSizeSource {
 
 /// Side of one pixel as the file states it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PixelSize {
-    /// Side, um.
-    pub um: f64,
+pub struct StatedPixelSize {
+    /// Side.
+    pub size: PixelSize,
     /// Where the file says so.
     pub source: PixelSizeSource,
 }
@@ -107,7 +108,7 @@ pub struct Picture {
     /// The plane that was selected.
     pub plane: Plane,
     /// Side of a pixel, where the file states one that makes sense under a microscope.
-    pub pixel_size: Option<PixelSize>,
+    pub pixel_size: Option<StatedPixelSize>,
     /// Kind of the numbers.
     pub samples: Samples,
     /// Whether red, green and blue differ somewhere in the plane.

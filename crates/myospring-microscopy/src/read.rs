@@ -3,22 +3,16 @@
 use super::picture::{Picture, Selection};
 
 mod canvas;
+mod check;
 mod error;
 mod kind;
+mod limits;
 mod pixel_size;
 mod png;
 mod tiff;
 
 pub use error::PictureError;
-
-/// Most pixels that a picture may declare.
-pub const MOST_PIXELS: u64 = 100_000_000;
-
-/// Longest side that a picture may declare, pixels.
-pub const LONGEST_SIDE: u32 = 32_768;
-
-/// Most memory that the decoded bytes of a picture, or of one of its strips or tiles, may take, bytes.
-const MOST_MEMORY: u64 = 1 << 29;
+pub use limits::{LONGEST_SIDE, MOST_PIXELS};
 
 /// Reads one plane of a PNG or TIFF file, with what the file says about itself.
 ///
@@ -59,30 +53,4 @@ pub fn read_picture(bytes: &[u8], selection: &Selection) -> Result<Picture, Pict
         kind::Kind::Png => png::read(bytes, selection),
         kind::Kind::Tiff => tiff::read(bytes, selection),
     }
-}
-
-/// Refuses sizes that no picture here may have; called before memory is taken.
-fn check_size(width: u32, height: u32) -> Result<(), PictureError> {
-    let pixels = u64::from(width) * u64::from(height);
-    if width > LONGEST_SIDE || height > LONGEST_SIDE || pixels > MOST_PIXELS {
-        return Err(PictureError::TooLarge { width, height });
-    }
-    Ok(())
-}
-
-/// Refuses a buffer that is larger than [`MOST_MEMORY`].
-fn check_memory(bytes: u64) -> Result<(), PictureError> {
-    if bytes <= MOST_MEMORY {
-        return Ok(());
-    }
-    Err(PictureError::TooMuch {
-        what: format!("{} MiB of memory at once", bytes >> 20),
-        most: format!("{} MiB are allowed", MOST_MEMORY >> 20),
-        mend: "cut out the cell, or save the picture as grey values",
-    })
-}
-
-/// Refuses a number that is not below `count`.
-fn check_range(what: &'static str, asked: usize, count: usize) -> Result<(), PictureError> {
-    if asked < count { Ok(()) } else { Err(PictureError::OutOfRange { what, asked, count }) }
 }

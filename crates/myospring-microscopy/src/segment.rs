@@ -12,6 +12,7 @@
 //! - **Mask** ([`Modality::Mask`]): every value that is not zero; labels are kept apart.
 
 mod brightfield;
+mod by_modality;
 mod confidence;
 mod fluorescence;
 mod ground;
@@ -20,17 +21,18 @@ mod modality;
 
 use serde::Serialize;
 
+pub use by_modality::segment;
 pub use confidence::Confidence;
-pub use labels::LARGEST_LABEL;
 
 use super::filter;
 use super::plane::Plane;
 use super::region::{Connectivity, Region};
-use myospring_core::mesh::mask::{Mask, MaskError, checked_pixel_size};
+use confidence::Candidate;
+use myospring_core::mesh::mask::{Mask, MaskError};
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// How the picture was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, serde::Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Modality {
     /// To be told from the grey values.
@@ -43,6 +45,9 @@ pub enum Modality {
     /// Not a picture but its segmentation: background 0.
     Mask,
 }
+
+/// Largest label of a mask: `f32`, as which the pixels are held, tells no larger whole numbers apart.
+pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
 
 /// Smallest island that is called a cell unless stated, um^2: a tenth of a small myocyte.
 pub const SMALLEST_CELL_UM2: f64 = 100.0;
@@ -112,8 +117,8 @@ pub struct Segmentation {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// Side of one pixel, um.
-    pub pixel_size_um: f64,
+    /// Side of one pixel.
+    pub pixel_size: PixelSize,
     /// Number of the cell of each pixel, row by row from the top left; 0 is background.
     pub numbers: Vec<u32>,
     /// The cells; number n stands at n - 1.
@@ -129,7 +134,7 @@ pub struct Segmentation {
 /// Why a plane has no cell to offer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SegmentError {
-    /// The pixel size is not a length that a microscope gives.
+    /// The pixels of a cell make no mask.
     #[error(transparent)]
     Mask(#[from] MaskError),
     /// A setting that is not a positive number.
@@ -172,7 +177,7 @@ pub enum SegmentError {
     /// Nothing that could be a cell.
     #[error(
         "no cell was found ({modality} picture, threshold {threshold}): {why}; try another --threshold, --smooth or \
-         --modality, check the pixel size of {pixel_size_um} um, or draw the outline by hand"
+         --modality, check the pixel size of {pixel_size}, or draw the outline by hand"
     )]
     NoCell {
         /// As what it was segmented.
@@ -181,8 +186,8 @@ pub enum SegmentError {
         threshold: String,
         /// What was seen instead.
         why: String,
-        /// Side of one pixel, um.
-        pixel_size_um: f64,
+        /// Side of one pixel.
+        pixel_size: PixelSize,
     },
     /// There is no cell of this number.
     #[error("cell {number} was asked for, but the picture has {cells}; 1 is the largest")]
@@ -252,68 +257,6 @@ pub enum SegmentError {
     },
 }
 
-/// Scales of smoothing that may be asked for, um.
-const SMOOTH_UM: [f64; 2] = [0.0, 20.0];
-
-/// Finds the cells of a plane.
-///
-/// # Errors
-/// A pixel size or setting out of range, pixels that are not finite, a blank picture, or no cell.
-///
-/// # Example
-/// ```
-/// use myospring::microscopy::plane::Plane;
-/// use myospring::microscopy::segment::{Choice, Settings, segment};
-/// // A bright disc of radius 20 um on a dark ground, pixels of 0.5 um.
-/// let value = |x: f64, y: f64| if (x - 60.0).hypot(y - 60.0) < 40.0 { 900.0 } else { 100.0 };
-/// let values = (0..120 * 120).map(|at| value(f64::from(at % 120), f64::from(at / 120)) as f32);
-/// let plane = Plane::new(120, 120, values.collect()).unwrap();
-/// let cells = segment(&plane, 0.5, &Settings::default()).unwrap();
-/// let cell = cells.choose(Choice::Largest, false).unwrap();
-/// assert!((cell.area_um2 / 1256.6 - 1.0).abs() < 0.05);
-/// ```
-pub fn segment(
-    plane: &Plane,
-    pixel_size_um: f64,
-    settings: &Settings,
-) -> Result<Segmentation, SegmentError> {
-    check(plane, pixel_size_um, settings)?;
-    let [low, high] = plane.range();
-    if low == high {
-        let (width, height) = (plane.width(), plane.height());
-        return Err(SegmentError::Blank { width, height, value: low });
-    }
-    let mut notes = Vec::new();
-    let modality = match settings.modality {
-        Modality::Auto => modality::guess(plane, pixel_size_um, &mut notes),
-        given => given,
-    };
-    match modality {
-        Modality::Mask => labels::segment(plane, pixel_size_um, notes),
-        Modality::Brightfield => brightfield::segment(plane, pixel_size_um, settings, notes),
-        _ => fluorescence::segment(plane, pixel_size_um, settings, notes),
-    }
-}
-
-fn check(plane: &Plane, pixel_size_um: f64, settings: &Settings) -> Result<(), SegmentError> {
-    checked_pixel_size(pixel_size_um).map_err(MaskError::from)?;
-    if let Some(at) = plane.values().iter().position(|value| !value.is_finite()) {
-        let (column, row) = (at % plane.width(), at / plane.width());
-        return Err(SegmentError::NotFinite { column, row, value: plane.values()[at] });
-    }
-    let [low, high] = SMOOTH_UM;
-    let smooth = settings.smooth_um.unwrap_or(low);
-    let range = |what, value: f64, unit, low, high| {
-        if (low..=high).contains(&value) {
-            return Ok(());
-        }
-        Err(SegmentError::Setting { what, value, unit, low, high })
-    };
-    range("the scale of smoothing", smooth, "um", low, high)?;
-    range("the smallest cell", settings.smallest_cell_um2, "um^2", 0.0, 1e6)?;
-    range("the threshold", settings.threshold.unwrap_or(0.0), "", -1e12, 1e12)
-}
-
 /// The plane at the pixels that a method works with.
 struct Working {
     plane: Plane,
@@ -325,9 +268,9 @@ struct Working {
 
 impl Working {
     /// Pixels are averaged as long as they stay as fine as `coarsest_um`.
-    fn of(plane: &Plane, pixel_size_um: f64, coarsest_um: f64) -> Self {
-        let factor = ((coarsest_um / pixel_size_um) as usize).max(1);
-        let pixel_um = pixel_size_um * factor as f64;
+    fn of(plane: &Plane, pixel_size: PixelSize, coarsest_um: f64) -> Self {
+        let factor = ((coarsest_um / pixel_size.um()) as usize).max(1);
+        let pixel_um = pixel_size.um() * factor as f64;
         Self { plane: filter::coarse(plane, factor), factor, pixel_um }
     }
 }
@@ -339,16 +282,6 @@ struct Found {
     modality: Modality,
     threshold: f64,
     notes: Vec<String>,
-}
-
-/// A cell as those see it who judge how sure it is.
-struct Candidate<'a> {
-    /// Its pixels, as places in the plane.
-    pixels: &'a [u32],
-    /// Those of them that have a neighbour outside, without those on the frame.
-    rim: &'a [u32],
-    /// Pixels on the frame.
-    on_frame: usize,
 }
 
 impl Segmentation {
@@ -430,7 +363,7 @@ impl Segmentation {
             let cells = counted(self.cells.len());
             return Err(SegmentError::NoSuchCell { number, cells });
         }
-        Ok(Mask::new(self.width, self.height, self.pixel_size_um, inside)?)
+        Ok(Mask::new(self.width, self.height, self.pixel_size, inside)?)
     }
 }
 
@@ -446,13 +379,13 @@ impl Found {
     fn finish(
         self,
         plane: &Plane,
-        pixel_size_um: f64,
+        pixel_size: PixelSize,
         smallest_um2: f64,
         judge: impl Fn(&Candidate<'_>) -> Confidence,
     ) -> Segmentation {
         let (width, height) = (plane.width(), plane.height());
         let islands = self.on_plane(width, height).islands(Connectivity::Four);
-        let smallest = smallest_um2 / pixel_size_um.powi(2);
+        let smallest = smallest_um2 / pixel_size.um().powi(2);
         let mut order: Vec<usize> = (0..islands.list.len())
             .filter(|&island| islands.list[island].pixels as f64 >= smallest)
             .collect();
@@ -475,14 +408,14 @@ impl Found {
                 number,
                 label: None,
                 pixels: pixels.len(),
-                area_um2: pixels.len() as f64 * pixel_size_um.powi(2),
+                area_um2: pixels.len() as f64 * pixel_size.um().powi(2),
                 pixels_on_the_frame: on_frame,
                 confidence: judge(&Candidate { pixels, rim: &rim, on_frame }),
             }
         };
         let cells = (1..).zip(&pixels).map(cell).collect();
         let Self { modality, threshold, notes, .. } = self;
-        Segmentation { width, height, pixel_size_um, numbers, cells, modality, threshold, notes }
+        Segmentation { width, height, pixel_size, numbers, cells, modality, threshold, notes }
     }
 
     /// The cells on the picture's own pixels; the steps of a coarser grid are smoothed away.

@@ -15,6 +15,7 @@
 //! perceptually uniform map that is light at rest; people with any colour vision can read both.
 
 mod chart;
+mod drawing;
 mod font;
 mod lattice;
 mod moments;
@@ -33,41 +34,8 @@ pub use moments::{Shape, key_shapes};
 pub use overlay::{Contour, Overlay, Tick, overlay};
 pub use overview::overview;
 pub use shapes::cell_shapes;
+pub use sheet::Figure;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
-
-/// A drawn figure.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    /// Width and height, px.
-    size: [f64; 2],
-    elements: Vec<sheet::Element>,
-}
-
-impl Figure {
-    /// The figure as SVG, with its printed size in mm.
-    pub fn to_svg(&self) -> String {
-        svg::svg(self)
-    }
-
-    /// Draws the figure as PNG with `dpi` pixels per inch of printed size; the file says so too.
-    ///
-    /// # Errors
-    /// A resolution outside 10 to 2400 dpi; more pixels than memory allows.
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::mesh::lattice;
-    /// use myospring::output::figure;
-    /// let figure = figure::mesh(&lattice::rectangle(40, 10, 2.0)?)?;
-    /// assert!(figure.to_svg().contains("width=\"178mm\""));
-    /// let png = figure.to_png(300.0)?;
-    /// assert_eq!(png[16..20], 2102u32.to_be_bytes()); // pixels across, 178 mm at 300 dpi
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn to_png(&self, dpi: f64) -> Result<Vec<u8>, FigureError> {
-        raster::png(self, dpi)
-    }
-}
 
 /// Why a figure was not drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -152,14 +120,6 @@ pub enum FigureError {
         height: usize,
         /// Values given.
         found: usize,
-    },
-    /// A pixel size that is no length.
-    #[error(
-        "pixel size {pixel_size} um is not a length above 0; give the width of one pixel in um"
-    )]
-    PixelSize {
-        /// What was given, um.
-        pixel_size: f64,
     },
     /// A resolution that no printer has.
     #[error("a resolution of {dpi} dpi is outside 10 to 2400 dpi; 300 dpi suits a journal")]

@@ -9,6 +9,7 @@ use std::io::Cursor;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use myospring::mesh::lattice;
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::cells::{Options, PictureCells};
 use myospring::microscopy::segment::Choice;
 use synthetic_cell::{Scene, Truth};
@@ -45,7 +46,8 @@ fn picture_to_mesh(criterion: &mut Criterion) {
         let field_um = (SIDE / cells_along_a_side) as f64 * pixel_um;
         let scene = Scene { pixel_um, field_um, contrast, beads: 2.0, ..Scene::default() };
         let bytes = tiff(&draw(&scene));
-        let options = Options { pixel_size_um: Some(pixel_um), ..Options::default() };
+        let options =
+            Options { pixel_size: Some(PixelSize::new(pixel_um).unwrap()), ..Options::default() };
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let cells = PictureCells::find(black_box(&bytes), &options).unwrap();

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::output::figure::{
     Contour, ContractionOptions, Figure, Overlay, Tick, action_potential_and_tension, cell_shapes,
     contraction, key_shapes, mesh, overlay, overview,
@@ -113,7 +114,7 @@ fn striped_picture() -> Result<Figure, Box<dyn std::error::Error>> {
         width: columns,
         height: rows,
         values: &values,
-        pixel_size_um: pixel,
+        pixel_size: PixelSize::new(pixel)?,
         cells: &cells,
         mesh: Some(&mesh),
         fibres: &fibres,

@@ -13,6 +13,7 @@
 #[path = "../tests/common/synthetic_cell.rs"]
 mod synthetic_cell;
 
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::segment::{Choice, Settings, segment};
 use synthetic_cell::{Scene, Truth};
 
@@ -27,7 +28,10 @@ fn worst(scene: Scene, draw: Draw) -> String {
     let mut doubtful = false;
     for seed in 1..=SEEDS {
         let truth = draw(&Scene { seed, ..scene });
-        let found = segment(&truth.plane, scene.pixel_um, &Settings::default());
+        let Ok(pixel) = PixelSize::new(scene.pixel_um) else {
+            return "none".to_owned();
+        };
+        let found = segment(&truth.plane, pixel, &Settings::default());
         let Ok(found) = found else {
             return "none".to_owned();
         };

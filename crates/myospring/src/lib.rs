@@ -40,7 +40,8 @@
 //! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
 //! [`integrate`] moves the masses; [`exchange`] says how cell and mesh meet, [`simulation`] joins them and
 //! fills a [`recording`];
-//! [`analysis`] makes metrics of it and `output` files and figures; `run_file` reads what a user wrote;
+//! [`analysis`] makes metrics of it and `output` files and figures; `settings` has what a user may choose, one row
+//! each, and `run_file` reads what was written;
 //! `study` does that for many at once; [`references`] has the papers that all of these cite.
 //!
 //! # Features
@@ -67,5 +68,7 @@ pub use myospring_output as output;
 
 #[cfg(feature = "run-file")]
 pub mod run_file;
+#[cfg(feature = "run-file")]
+pub mod settings;
 #[cfg(feature = "study")]
 pub mod study;

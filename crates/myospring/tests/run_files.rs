@@ -5,6 +5,7 @@
 
 use myospring::mechanics::support::SupportKind;
 use myospring::run_file::{RunFile, schema, template};
+use myospring::settings::Value;
 use std::path::{Path, PathBuf};
 
 fn files(folder: &str) -> Vec<(PathBuf, String)> {
@@ -51,7 +52,7 @@ fn every_good_run_file_and_example_resolves_to_a_run_that_survives_writing_and_r
     for (path, text) in files("tests/run_files/good").into_iter().chain(files("../../examples")) {
         let first = RunFile::from_text(&text).and_then(|file| file.resolve());
         let first = first.map_err(|error| format!("{}: {error}", path.display())).unwrap();
-        let written = first.to_run_file().to_toml().unwrap();
+        let written = first.to_run_file().to_toml();
         let second = RunFile::from_text(&written).unwrap().resolve().unwrap();
         assert_eq!(first.to_run_file(), second.to_run_file(), "{}", path.display());
         assert_eq!(first.material, second.material);
@@ -67,7 +68,7 @@ fn every_good_run_file_and_example_resolves_to_a_run_that_survives_writing_and_r
 
 #[test]
 fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
-    let text = template().unwrap();
+    let text = template();
     let from_template = RunFile::from_text(&text).unwrap().resolve().unwrap();
     let default = RunFile::default().resolve().unwrap();
     assert_eq!(from_template.to_run_file(), default.to_run_file());
@@ -86,8 +87,9 @@ fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
 
 #[test]
 fn every_commented_key_of_the_template_is_valid_where_it_stands() {
-    let text = template().unwrap();
+    let text = template();
     let alternatives = [
+        "tolerance",
         "spring_stiffness",
         "picture",
         "pixel_size",
@@ -178,4 +180,26 @@ fn the_schema_refuses_unknown_keys_and_knows_units_and_bounds() {
     assert_eq!(thickness["x-bounds"], "above 0 um, at most 100 um");
     assert_eq!(thickness["type"], serde_json::json!(["string"]));
     assert!(thickness["description"].as_str().unwrap().contains("Thickness"));
+}
+
+#[test]
+fn whole_numbers_outside_their_bounds_are_refused_and_not_replaced() {
+    let refused = |key: &str, value: Value| {
+        let mut file = RunFile::default();
+        file.set("shape.picture", "cell.tif").unwrap();
+        file.set(key, value).unwrap_err().to_string()
+    };
+    for (key, value) in [
+        ("stimulus.beats", -1),
+        ("stimulus.beats", 20_000),
+        ("shape.label", -3),
+        ("shape.label", 0),
+        ("segmentation.channel", -1),
+        ("segmentation.frame", -1),
+    ] {
+        let message = refused(key, value.into());
+        assert!(message.contains(key) && message.contains("whole number from"), "{message}");
+    }
+    let message = refused("segmentation.threshold", f64::NAN.into());
+    assert!(message.contains("segmentation.threshold"), "{message}");
 }

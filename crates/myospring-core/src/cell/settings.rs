@@ -6,7 +6,6 @@ use std::fmt;
 
 /// A method in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     #[serde(rename = "runge-kutta-4")]

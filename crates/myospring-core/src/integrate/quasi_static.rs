@@ -32,10 +32,12 @@ mod error;
 mod factor;
 mod field;
 mod shapes;
+mod tolerance;
 
 pub use error::{PathError, Place};
 pub use field::Equilibrium;
 pub use shapes::Shapes;
+pub use tolerance::Tolerance;
 
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
@@ -43,27 +45,6 @@ use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use equilibrium::{Failure, Rest, Solver, largest};
 use shapes::{Knot, interpolate};
 use std::ops::Deref;
-
-/// How exact a path is; [`Default`] is far inside what a laboratory can read.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tolerance {
-    /// Largest error of the interpolated positions, as a part of the body's largest extent; 1e-6.
-    pub interpolation: f64,
-    /// Largest last correction of Newton's method, as a part of the body's largest extent; 1e-9.
-    pub equilibrium: f64,
-    /// Smallest load step, as a part of the tension wanted; 1e-4. A tension at which the path ends is
-    /// found to this.
-    pub smallest_step: f64,
-    /// Longest time by which dampings may delay the shape, ms; 1. Up to here a contraction counts as
-    /// quasi-static.
-    pub longest_delay: f64,
-}
-
-impl Default for Tolerance {
-    fn default() -> Self {
-        Self { interpolation: 1e-6, equilibrium: 1e-9, smallest_step: 1e-4, longest_delay: 1.0 }
-    }
-}
 
 /// A step as short as allowed that misses by more than this multiple of what is allowed leads to
 /// another path: the cell snaps. A lesser one crosses a bend, and counts in [`Shapes::error`].

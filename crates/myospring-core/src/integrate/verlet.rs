@@ -20,11 +20,10 @@
 
 use super::stepper::{Poisoned, Stepper};
 use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Which form of Verlet's method moves the masses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
     /// Stoermer-Verlet, the paper's Eq. (16): positions of two times, no velocities.

@@ -22,20 +22,20 @@
 //! stretch d(stretch)` at rest, and motion takes the power `sum V0 c rate^2 stretch`, c the derivative of
 //! the tension with respect to the rate.
 
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::{Block, StiffnessMatrix};
 use super::tension::Tension;
+use super::vectors::Vectors;
 use crate::mesh::{Mesh, simplex};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::any::Any;
 use std::array::from_fn;
 use std::collections::HashMap;
 
 /// Which law carries the active tension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ActiveLaw {
     /// Stress along the fibre in each triangle; internal.

@@ -21,10 +21,13 @@
 //! Soft springs let the whole cell swing slowly on them: by numerical mass and drag its place, not its
 //! shape, lags in a run in time. A path of equilibria knows no such lag.
 
+pub use super::lattice_law::Anchor;
+
 use super::ends::end_nodes;
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::stiffness::StiffnessMatrix;
+use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use std::any::Any;
 
@@ -33,17 +36,6 @@ use std::any::Any;
 pub struct Anchors<const D: usize = 2> {
     name: &'static str,
     springs: Vec<Anchor<D>>,
-}
-
-/// A spring of no length from a node to a place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Anchor<const D: usize = 2> {
-    /// The node.
-    pub node: usize,
-    /// The place, um.
-    pub place: [f64; D],
-    /// nN/um.
-    pub stiffness: f64,
 }
 
 impl<const D: usize> Anchors<D> {

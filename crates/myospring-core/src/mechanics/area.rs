@@ -13,17 +13,17 @@
 //! Eq. (13) has no length scale: `k_prev area` must be a force. The factor `1/sqrt(A0)` gives all
 //! three laws the same `k` in nN/um.
 
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::StiffnessMatrix;
+use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::simplex::content_at;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Which law keeps the area.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "run-file", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AreaLaw {
     /// Minus the gradient of an energy of the area's deviation from rest.
@@ -37,15 +37,6 @@ pub enum AreaLaw {
 impl AreaLaw {
     /// All laws, in the order they are shown.
     pub const ALL: [Self; 3] = [Self::Gradient, Self::Barycentric, Self::Printed];
-
-    /// Name as written in a run file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Gradient => "gradient",
-            Self::Barycentric => "barycentric",
-            Self::Printed => "printed",
-        }
-    }
 }
 
 /// Area preservation on the triangles of a mesh.

@@ -1,7 +1,8 @@
 //! Moving point masses.
 
-use super::force::{Configuration, Vectors, zeros};
+use super::force::Configuration;
 use super::tension::Tension;
+use super::vectors::{Vectors, zeros};
 use crate::mesh::Mesh;
 
 /// Moving point masses.

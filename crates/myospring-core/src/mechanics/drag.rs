@@ -6,8 +6,9 @@
 //! [`Drag::of_slowest_mode`] inverts. Integrators take the drag implicitly
 //! ([`crate::integrate::verlet`]), so it never limits the time step.
 
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::stiffness::StiffnessMatrix;
+use super::vectors::Vectors;
 use std::f64::consts::PI;
 
 /// Drag in proportion to mass and velocity.

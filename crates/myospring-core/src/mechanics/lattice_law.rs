@@ -3,7 +3,16 @@
 //! A law only says what its coefficients are; whether they fit a lattice, and where they go, is for the
 //! kernel to find out.
 
-use super::anchor::Anchor;
+/// A spring of no length from a node to a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor<const D: usize = 2> {
+    /// The node.
+    pub node: usize,
+    /// The place, um.
+    pub place: [f64; D],
+    /// nN/um.
+    pub stiffness: f64,
+}
 
 /// The coefficients of a law on a flat mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -13,10 +13,11 @@
 //! The dashpot is stiffness-proportional damping: it holds down the fastest vibrations of the
 //! lattice and hardly touches the slow ones of a long cell; see [`super::drag`] for those.
 
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::{Block, StiffnessMatrix};
+use super::vectors::Vectors;
 use std::array::from_fn;
 
 /// Springs with dashpots between pairs of nodes, with any number of axes.

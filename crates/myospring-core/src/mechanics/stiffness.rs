@@ -4,7 +4,7 @@
 //! that act on each other, the upper half only. A force adds its part in
 //! [`super::Force::add_stiffness`].
 
-use super::force::{Vectors, zeros};
+use super::vectors::{Vectors, zeros};
 use std::array::from_fn;
 
 /// The part of a stiffness that joins two nodes, nN/um: `block[axis of the first][axis of the second]`.

@@ -11,7 +11,7 @@
 
 use super::anchor::Anchors;
 use super::ends::end_nodes;
-use super::force::Vectors;
+use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use serde::Serialize;
 

@@ -1,8 +1,9 @@
 //! All that acts on a body.
 
 use super::drag::Drag;
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::support::Support;
+use super::vectors::Vectors;
 
 /// All forces on a body, what holds it and what slows it.
 pub struct System<const D: usize = 2> {

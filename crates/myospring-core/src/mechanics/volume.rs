@@ -10,8 +10,9 @@
 //! volume lock: nearly incompressible, they hardly bend. With the ten of a cube to a group
 //! ([`crate::mesh::bar`]) a cube keeps its volume as a whole, and bends.
 
-use super::force::{Configuration, Force, Vectors};
+use super::force::{Configuration, Force};
 use super::stiffness::StiffnessMatrix;
+use super::vectors::Vectors;
 use crate::mesh::{Mesh, simplex};
 use std::array::from_fn;
 use std::ops::Range;

@@ -38,7 +38,7 @@ pub(super) trait Source {
 
 impl Source for Mask {
     fn shape(&self) -> Shape {
-        let pixel = self.pixel_size_um();
+        let pixel = self.pixel_size().um();
         let (mut count, mut sum) = (0.0, [0.0; 2]);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for [x, y] in pixels_up(self) {
@@ -81,7 +81,7 @@ impl Source for Mask {
             }
         }
         // The integral at a point within a pixel: bilinear, since pixels are constant.
-        let scale = 1.0 / self.pixel_size_um();
+        let scale = 1.0 / self.pixel_size().um();
         let place = |at: f64, limit: usize| {
             let at = (at * scale).clamp(0.0, limit as f64);
             let cell = (at as usize).min(limit - 1);

@@ -148,9 +148,10 @@ pub fn default_spacing(area_um2: f64, masses: usize) -> f64 {
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::{lattice, mask::Mask};
+/// use myospring::mesh::{lattice, mask::Mask, pixel_size::PixelSize};
 /// let disc = |i: usize| (i % 60).abs_diff(30).pow(2) + (i / 60).abs_diff(30).pow(2) < 600;
-/// let mask = Mask::new(60, 60, 0.5, (0..3600).map(disc).collect()).unwrap();
+/// let pixel = PixelSize::new(0.5).unwrap();
+/// let mask = Mask::new(60, 60, pixel, (0..3600).map(disc).collect()).unwrap();
 /// let (mesh, report) = lattice::from_mask(&mask, Some(1.0)).unwrap();
 /// assert_eq!(mesh.len(), report.masses);
 /// assert!(report.area_error_pct.abs() < 1.0);
@@ -180,11 +181,11 @@ pub fn from_mask(mask: &Mask, spacing: Option<f64>) -> Result<(Mesh, MeshReport)
             dropped.components, dropped.pixels
         ));
     }
-    if report.spacing_um < mask.pixel_size_um() {
+    if report.spacing_um < mask.pixel_size().um() {
         report.warnings.push(format!(
             "spacing {} um is finer than a pixel of {} um: the mesh shows the steps of the pixels",
             report.spacing_um,
-            mask.pixel_size_um()
+            mask.pixel_size().um()
         ));
     }
     Ok((mesh, report))

@@ -1,98 +1,12 @@
 //! The outline of a cell: a polygon in micrometres, from GeoJSON or a list of points, and back.
 
+mod error;
 mod simple;
 mod text;
 
-/// Smallest area that an outline may have, um^2.
-pub const SMALLEST_AREA_UM2: f64 = 1.0;
+pub use error::{LARGEST_EXTENT_UM, OutlineError, SMALLEST_AREA_UM2};
 
-/// Largest extent that an outline may have, um.
-pub const LARGEST_EXTENT_UM: f64 = 10_000.0;
-
-/// Why a text or a list of points is not the outline of a cell.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum OutlineError {
-    /// The text is not GeoJSON.
-    #[error("the outline is not GeoJSON: {reason}")]
-    NotGeoJson {
-        /// What the parser says.
-        reason: String,
-    },
-    /// The GeoJSON holds no polygon, or several.
-    #[error("the GeoJSON holds {found} polygons ({kinds}); exactly one, the cell, is needed")]
-    NotOnePolygon {
-        /// How many polygons.
-        found: usize,
-        /// The kinds of geometry that it holds.
-        kinds: String,
-    },
-    /// The GeoJSON says that its coordinates are not micrometres.
-    #[error("the outline's property `unit` is \"{unit}\", but coordinates must be in \"um\"")]
-    Unit {
-        /// What it says.
-        unit: String,
-    },
-    /// A line of the list of points is not two numbers.
-    #[error(
-        "line {line} of the list of points is `{text}`; two numbers, x and y in um, are needed"
-    )]
-    NotAPoint {
-        /// Line number, 1 is the first.
-        line: usize,
-        /// The line.
-        text: String,
-    },
-    /// A coordinate that is not finite.
-    #[error("point {point} of the outline's {ring} is ({x}, {y}) um; coordinates must be finite")]
-    NotFinite {
-        /// Which ring: exterior or hole.
-        ring: &'static str,
-        /// Which of its points, 0 is the first.
-        point: usize,
-        /// x, um.
-        x: f64,
-        /// y, um.
-        y: f64,
-    },
-    /// Too few different points.
-    #[error("the outline's {ring} has {found} different points; at least 3 are needed")]
-    TooFewPoints {
-        /// Which ring: exterior or hole.
-        ring: &'static str,
-        /// How many there are.
-        found: usize,
-    },
-    /// No area, or next to none.
-    #[error(
-        "the outline has an area of {area} um^2, less than {SMALLEST_AREA_UM2} um^2: coordinates \
-         must be in micrometres and go round the cell"
-    )]
-    TooSmall {
-        /// Its area, um^2.
-        area: f64,
-    },
-    /// Larger than any heart cell.
-    #[error(
-        "the outline is {extent} um long, more than {LARGEST_EXTENT_UM} um: coordinates must be in \
-         micrometres"
-    )]
-    TooLarge {
-        /// Its extent, um.
-        extent: f64,
-    },
-    /// Two edges cross.
-    #[error("the outline crosses or touches itself{place}: its edges must go once round the cell")]
-    SelfIntersecting {
-        /// Where, if it was found: ` at (x, y) um`.
-        place: String,
-    },
-    /// A hole that is not inside, or holes that overlap.
-    #[error("the outline's holes do not lie within it, apart from each other: {reason}")]
-    Holes {
-        /// What is wrong.
-        reason: String,
-    },
-}
+use simple::edges;
 
 /// A polygon in micrometres, y upward: the exterior counter-clockwise, holes clockwise, no ring
 /// repeats its first point; checked to be simple.
@@ -137,7 +51,7 @@ impl Outline {
         if extent * extent < SMALLEST_AREA_UM2 || outline.is_flat() {
             return Err(OutlineError::TooSmall { area: outline.area() });
         }
-        simple::check(&outline)?;
+        simple::check(&outline.rings().collect::<Vec<_>>())?;
         if outline.area() < SMALLEST_AREA_UM2 {
             return Err(OutlineError::TooSmall { area: outline.area() });
         }
@@ -286,11 +200,6 @@ fn tidy_ring(
         ring.reverse();
     }
     Ok(ring)
-}
-
-/// Pairs of neighbouring points, the last with the first.
-fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
-    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
 
 /// Area of a ring, positive when counter-clockwise, um^2.

@@ -1,6 +1,6 @@
 //! What a simulation is checked for before it runs.
 
-use super::{SetupError, Simulation};
+use super::Simulation;
 use crate::exchange::Sites;
 use crate::integrate::Method;
 use crate::mechanics::active::ActiveLaw;
@@ -100,12 +100,11 @@ fn is_no_unit(length: f64) -> bool {
 
 impl Simulation {
     /// Checks every setting.
-    pub(super) fn check(&self) -> Result<(), SetupError> {
+    pub(super) fn check(&self) -> Checked {
         self.check_times()?;
         self.check_material()?;
         self.check_lists()?;
-        self.check_choices()?;
-        Ok(())
+        self.check_choices()
     }
 
     fn check_times(&self) -> Checked {

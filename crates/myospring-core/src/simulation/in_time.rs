@@ -4,7 +4,7 @@ use super::coupling::{Observed, Shaping};
 use super::fault::{fault, projected_area};
 use super::held::Held;
 use super::observer::{Observer, Progress, Samples};
-use super::ready::{Effort, Outcome};
+use super::outcome::{Effort, Outcome};
 use super::setup::Setup;
 use super::{SAFETY, SetupError, Simulation, StopReason};
 use crate::exchange::Sites;

@@ -13,7 +13,7 @@
 use super::coupling::{Observed, Shaping};
 use super::fault::{fault, projected_area};
 use super::observer::{Observer, Progress, Samples};
-use super::ready::{Effort, Outcome};
+use super::outcome::{Effort, Outcome};
 use super::setup::{Assembly, Setup};
 use super::{SetupError, Simulation, StopReason};
 use crate::analysis::shape::ShapeMeter;

@@ -164,16 +164,16 @@ impl FibreField {
     ///
     /// # Example
     /// ```
-    /// use myospring::mesh::lattice;
+    /// use myospring::mesh::{lattice, pixel_size::PixelSize};
     /// use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
     /// use myospring::microscopy::plane::Plane;
     /// let plane = Plane::new(50, 50, vec![1.0; 2500]).unwrap();
     /// let settings = FibreSettings::of(Stain::ZDisc);
-    /// let field = fibres(&plane, &[true; 2500], 0.2, [0.0, 2.0], &settings)?;
+    /// let field = fibres(&plane, &[true; 2500], PixelSize::new(0.2)?, [0.0, 2.0], &settings)?;
     /// let mesh = lattice::rectangle(5, 5, 1.0).unwrap();
     /// // Nothing to see: the long axis.
     /// assert_eq!(field.on_mesh(&mesh), vec![[0.0, 1.0]; mesh.simplices.len()]);
-    /// # Ok::<(), myospring::microscopy::fibres::FibreError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn on_mesh(&self, mesh: &Mesh) -> Vec<[f64; 2]> {
         let centre = |nodes: [u32; 3]| {

@@ -1,8 +1,8 @@
 //! Structure tensors: products of gradients, summed over blocks of pixels, evened out and smoothed.
 
 use super::grid::Grid;
+use super::settings::{FibreSettings, Stain};
 use super::window::Window;
-use super::{FibreSettings, Stain};
 
 /// Part of the cell's median gradient energy below which a place counts as faint. A place with a third
 /// of the usual contrast has a ninth of its energy, and thus about half the weight.

@@ -2,8 +2,8 @@
 
 use super::super::dilation::{Norm, eroded};
 use super::super::plane::Plane;
-use super::FibreSettings;
 use super::grid::{Grid, Lines};
+use super::settings::FibreSettings;
 
 /// Pixels are put together until the gradient scale has no more than about twice this many.
 const ENOUGH_PIXELS: f64 = 1.25;

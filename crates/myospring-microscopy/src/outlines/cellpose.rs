@@ -108,11 +108,11 @@ fn around(chain: &[[isize; 2]]) -> Result<Vec<[f64; 2]>, String> {
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::outline::Outline;
+/// use myospring::mesh::{outline::Outline, pixel_size::PixelSize};
 /// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, write_cellpose};
 /// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
 /// let cell = NamedOutline { name: "1".to_owned(), outline: Outline::new(corners, vec![])? };
-/// let text = write_cellpose(&[cell], &PixelFrame::new(10, 8, 1.0)?)?;
+/// let text = write_cellpose(&[cell], &PixelFrame::new(10, 8, PixelSize::new(1.0)?)?)?;
 /// assert_eq!(text, "1,5,2,5,3,5,3,6,2,6,1,6\n");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -2,6 +2,7 @@
 
 use super::FrameError;
 use myospring_core::mesh::outline::OutlineError;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Why bytes are not usable outlines.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -173,7 +174,7 @@ pub enum OutlineWriteError {
     /// An outline that holds no pixel's centre.
     #[error(
         "outline `{name}` covers no pixel of the picture of {width} x {height} pixels of \
-         {pixel_size_um} um: is it from this picture?"
+         {pixel_size}: is it from this picture?"
     )]
     NoPixel {
         /// Name of the outline.
@@ -182,8 +183,8 @@ pub enum OutlineWriteError {
         width: usize,
         /// Rows of the picture.
         height: usize,
-        /// Side of a pixel, um.
-        pixel_size_um: f64,
+        /// Side of a pixel.
+        pixel_size: PixelSize,
     },
     /// The encoder refuses.
     #[error("the outlines cannot be written: {reason}")]

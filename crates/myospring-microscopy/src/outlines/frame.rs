@@ -1,6 +1,8 @@
 //! How the pixels of a picture lie in um.
 
-use myospring_core::mesh::mask::{Mask, PixelSizeError, checked_pixel_size};
+use myospring_core::mesh::mask::Mask;
+use myospring_core::mesh::outline::{Outline, OutlineError};
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Longest side that a frame may have, pixels.
 const LONGEST_SIDE: usize = 65_536;
@@ -11,9 +13,6 @@ const MOST_PIXELS: usize = 100_000_000;
 /// Why numbers do not describe a picture.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FrameError {
-    /// The pixel size is not a length that a microscope gives.
-    #[error(transparent)]
-    PixelSize(#[from] PixelSizeError),
     /// No pixel, or too many.
     #[error(
         "a picture of {width} x {height} pixels is not possible: 1 to {LONGEST_SIDE} per side and at \
@@ -36,42 +35,43 @@ pub enum FrameError {
 pub struct PixelFrame {
     width: usize,
     height: usize,
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
 }
 
 impl PixelFrame {
-    /// A picture of `width` x `height` pixels of side `pixel_size_um`.
+    /// A picture of `width` x `height` pixels.
     ///
     /// # Errors
-    /// No pixel, more than 65536 per side or 100 million in all, a pixel size outside
-    /// [`myospring_core::mesh::mask::PIXEL_SIZES_UM`].
+    /// No pixel, more than 65536 per side or 100 million in all.
     ///
     /// # Example
     /// ```
-    /// use myospring::microscopy::outlines::PixelFrame;
-    /// let frame = PixelFrame::new(100, 60, 0.5).unwrap();
+    /// use myospring::{mesh::pixel_size::PixelSize, microscopy::outlines::PixelFrame};
+    /// let frame = PixelFrame::new(100, 60, PixelSize::new(0.5)?)?;
     /// assert_eq!(frame.to_um([0.0, 60.0]), [0.0, 0.0]);
     /// assert_eq!(frame.to_pixels([50.0, 30.0]), [100.0, 0.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(width: usize, height: usize, pixel_size_um: f64) -> Result<Self, FrameError> {
-        checked_pixel_size(pixel_size_um)?;
+    pub fn new(width: usize, height: usize, pixel_size: PixelSize) -> Result<Self, FrameError> {
         let sides = 1..=LONGEST_SIDE;
         if !sides.contains(&width) || !sides.contains(&height) || width * height > MOST_PIXELS {
             return Err(FrameError::Size { width, height });
         }
-        Ok(Self { width, height, pixel_size_um })
+        Ok(Self { width, height, pixel_size })
     }
 
     /// The frame of a mask.
     ///
     /// # Example
     /// ```
-    /// use myospring::{mesh::mask::Mask, microscopy::outlines::PixelFrame};
-    /// let mask = Mask::new(2, 1, 0.5, vec![true, false]).unwrap();
+    /// use myospring::mesh::{mask::Mask, pixel_size::PixelSize};
+    /// use myospring::microscopy::outlines::PixelFrame;
+    /// let mask = Mask::new(2, 1, PixelSize::new(0.5)?, vec![true, false])?;
     /// assert_eq!(PixelFrame::of(&mask).width(), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn of(mask: &Mask) -> Self {
-        Self { width: mask.width(), height: mask.height(), pixel_size_um: mask.pixel_size_um() }
+        Self { width: mask.width(), height: mask.height(), pixel_size: mask.pixel_size() }
     }
 
     /// Number of columns.
@@ -84,18 +84,28 @@ impl PixelFrame {
         self.height
     }
 
-    /// Side of a pixel, um.
-    pub fn pixel_size_um(&self) -> f64 {
-        self.pixel_size_um
+    /// Side of a pixel.
+    pub fn pixel_size(&self) -> PixelSize {
+        self.pixel_size
+    }
+
+    /// The outline of rings in pixels, the exterior first.
+    pub(super) fn outline(&self, rings: Vec<Vec<[f64; 2]>>) -> Result<Outline, OutlineError> {
+        let in_um = |ring: Vec<[f64; 2]>| ring.into_iter().map(|point| self.to_um(point)).collect();
+        let mut rings = rings.into_iter().map(in_um);
+        let exterior = rings.next().unwrap_or_default();
+        Outline::new(exterior, rings.collect())
     }
 
     /// A point in pixels, y downward, as one in um, y upward.
     pub fn to_um(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [x * self.pixel_size_um, (self.height as f64 - y) * self.pixel_size_um]
+        let side = self.pixel_size.um();
+        [x * side, (self.height as f64 - y) * side]
     }
 
     /// A point in um, y upward, as one in pixels, y downward.
     pub fn to_pixels(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [x / self.pixel_size_um, self.height as f64 - y / self.pixel_size_um]
+        let side = self.pixel_size.um();
+        [x / side, self.height as f64 - y / side]
     }
 }

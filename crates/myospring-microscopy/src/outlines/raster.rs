@@ -18,16 +18,16 @@ const MOST_LABELS: usize = 65_535;
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::outline::Outline;
+/// use myospring::mesh::{outline::Outline, pixel_size::PixelSize};
 /// use myospring::microscopy::outlines::{PixelFrame, raster::rasterise};
 /// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
 /// let outline = Outline::new(corners, vec![])?;
-/// let mask = rasterise(&outline, &PixelFrame::new(10, 8, 0.5)?)?;
+/// let mask = rasterise(&outline, &PixelFrame::new(10, 8, PixelSize::new(0.5)?)?)?;
 /// assert_eq!((mask.cell_pixels(), mask.area_um2()), (24, outline.area()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn rasterise(outline: &Outline, frame: &PixelFrame) -> Result<Mask, MaskError> {
-    Mask::new(frame.width(), frame.height(), frame.pixel_size_um(), pixels(outline, frame))
+    Mask::new(frame.width(), frame.height(), frame.pixel_size(), pixels(outline, frame))
 }
 
 /// As [`rasterise`], empty and full ones included.
@@ -95,12 +95,12 @@ pub(super) fn fill(rings: &[Vec<[f64; 2]>], width: usize, height: usize) -> Vec<
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::outline::Outline;
+/// use myospring::mesh::{outline::Outline, pixel_size::PixelSize};
 /// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, raster::write_mask_png};
 /// use myospring::microscopy::{picture::Selection, read::read_picture};
 /// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
 /// let cell = NamedOutline { name: "a".to_owned(), outline: Outline::new(corners, vec![])? };
-/// let png = write_mask_png(&cell, &PixelFrame::new(10, 8, 0.5)?)?;
+/// let png = write_mask_png(&cell, &PixelFrame::new(10, 8, PixelSize::new(0.5)?)?)?;
 /// let read = read_picture(&png, &Selection::default())?.plane;
 /// assert_eq!(read.values().iter().filter(|&&value| value == 255.0).count(), 24);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -123,11 +123,11 @@ pub fn write_mask_png(
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::outline::Outline;
+/// use myospring::mesh::{outline::Outline, pixel_size::PixelSize};
 /// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, raster::write_labels_png};
 /// let corners = vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.0]];
 /// let cell = NamedOutline { name: "a".to_owned(), outline: Outline::new(corners, vec![])? };
-/// let png = write_labels_png(&[cell], &PixelFrame::new(10, 8, 0.5)?)?;
+/// let png = write_labels_png(&[cell], &PixelFrame::new(10, 8, PixelSize::new(0.5)?)?)?;
 /// assert!(png.starts_with(b"\x89PNG"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -188,6 +188,6 @@ pub(super) fn check_any(
         name: cell.name.clone(),
         width: frame.width(),
         height: frame.height(),
-        pixel_size_um: frame.pixel_size_um(),
+        pixel_size: frame.pixel_size(),
     })
 }

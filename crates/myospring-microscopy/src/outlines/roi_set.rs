@@ -67,11 +67,11 @@ fn hidden(name: &str) -> bool {
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::outline::Outline;
+/// use myospring::mesh::{outline::Outline, pixel_size::PixelSize};
 /// use myospring::microscopy::outlines::{NamedOutline, PixelFrame, write_roi_set};
 /// let square = vec![[5.0, 5.0], [9.0, 5.0], [9.0, 9.0], [5.0, 9.0]];
 /// let outline = Outline::new(square, vec![])?;
-/// let frame = PixelFrame::new(20, 20, 1.0)?;
+/// let frame = PixelFrame::new(20, 20, PixelSize::new(1.0)?)?;
 /// let zip = write_roi_set(&[NamedOutline { name: "1".to_owned(), outline }], &frame)?;
 /// assert!(zip.starts_with(b"PK"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -22,11 +22,11 @@ const LONGEST_POLYGON: usize = 65_535;
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::built_in;
+/// use myospring::mesh::{built_in, pixel_size::PixelSize};
 /// use myospring::microscopy::outlines::{
 ///     NamedOutline, PixelFrame, Placement, ReadOptions, read_outlines, write_roi,
 /// };
-/// let frame = PixelFrame::new(600, 300, 0.3)?;
+/// let frame = PixelFrame::new(600, 300, PixelSize::new(0.3)?)?;
 /// let outline = built_in::adult_ventricular().moved([90.0, 45.0]);
 /// let cell = NamedOutline { name: "cell".to_owned(), outline };
 /// let bytes = write_roi(&cell, &frame);

@@ -3,7 +3,6 @@
 use geo::Simplify;
 
 use super::PixelFrame;
-use super::trace::in_um;
 use myospring_core::mesh::outline::Outline;
 
 /// Largest distance of a left-out point from the smooth outline, pixels; halved where the result
@@ -31,7 +30,7 @@ const AREA_ERROR: f64 = 0.005;
 /// Joining the middles cuts each outer corner of a pixel and fills each inner one by the same
 /// triangle; a ring has four outer corners more, so the area falls by just half a pixel.
 pub(super) fn smooth(rings: &[Vec<[f64; 2]>], frame: &PixelFrame) -> Option<Outline> {
-    let pixel = frame.pixel_size_um();
+    let pixel = frame.pixel_size().um();
     let exact = rings.iter().map(|ring| signed_area(ring)).sum::<f64>().abs() * pixel * pixel;
     (0..=AVERAGES).rev().find_map(|times| {
         let fine: Vec<geo::Polygon> = rings
@@ -45,7 +44,7 @@ pub(super) fn smooth(rings: &[Vec<[f64; 2]>], frame: &PixelFrame) -> Option<Outl
                 let points = ring.simplify(deviation);
                 points.exterior().points().map(|point| [point.x(), point.y()]).collect()
             });
-            let outline = in_um(simple.collect(), frame).ok()?;
+            let outline = frame.outline(simple.collect()).ok()?;
             ((outline.area() - exact).abs() <= AREA_ERROR * exact).then_some(outline)
         })
     })

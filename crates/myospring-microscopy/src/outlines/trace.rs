@@ -60,10 +60,11 @@ pub enum TraceError {
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::mask::Mask;
+/// use myospring::mesh::{mask::Mask, pixel_size::PixelSize};
 /// use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 /// let disc = |i: usize| (i % 60).abs_diff(30).pow(2) + (i / 60).abs_diff(30).pow(2) < 600;
-/// let mask = Mask::new(60, 60, 0.5, (0..3600).map(disc).collect()).unwrap();
+/// let pixel = PixelSize::new(0.5).unwrap();
+/// let mask = Mask::new(60, 60, pixel, (0..3600).map(disc).collect()).unwrap();
 /// let [exact, smooth] = [Edge::Exact, Edge::Smooth].map(|edge| trace_mask(&mask, edge).unwrap());
 /// assert!((exact.area() - mask.area_um2()).abs() < 1e-9 * mask.area_um2());
 /// // The circle has a radius of 12.25 um; the staircase is as long as the square around
@@ -85,17 +86,7 @@ pub fn trace_mask(mask: &Mask, edge: Edge) -> Result<Outline, TraceError> {
         return Ok(outline);
     }
     part_touching(&mut rings, CUT);
-    Ok(in_um(rings, &frame)?)
-}
-
-pub(super) fn in_um(
-    rings: Vec<Vec<[f64; 2]>>,
-    frame: &PixelFrame,
-) -> Result<Outline, OutlineError> {
-    let mut rings =
-        rings.into_iter().map(|ring| ring.into_iter().map(|point| frame.to_um(point)).collect());
-    let exterior = rings.next().unwrap_or_default();
-    Outline::new(exterior, rings.collect())
+    Ok(frame.outline(rings)?)
 }
 
 /// Corners along the pixel edges of the one island that pixels make, the exterior first.

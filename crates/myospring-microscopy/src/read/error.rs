@@ -1,6 +1,6 @@
 //! Why bytes are not a picture, or not the plane that was asked for.
 
-use super::{LONGEST_SIDE, MOST_PIXELS};
+use super::limits::{LONGEST_SIDE, MOST_PIXELS};
 
 /// Why bytes are not a picture, or not the plane that was asked for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -155,4 +155,9 @@ fn numbered(what: &str, count: usize) -> String {
         1 => format!("only {what} 0"),
         count => format!("{count} {what}s, 0 to {}", count.saturating_sub(1)),
     }
+}
+
+/// A TIFF that is not as it should be.
+pub(super) fn damaged_tiff(reason: impl Into<String>) -> PictureError {
+    PictureError::Unreadable { format: "TIFF", reason: reason.into() }
 }

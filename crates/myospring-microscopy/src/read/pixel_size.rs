@@ -1,12 +1,8 @@
-//! Whether a pixel size makes sense under a microscope.
+//! Which of the pixel sizes that a file states is believed.
 
-use std::ops::RangeInclusive;
-
-use super::super::picture::{PixelSize, PixelSizeSource};
+use super::super::picture::{PixelSizeSource, StatedPixelSize};
 use super::PictureError;
-
-/// Pixel sizes that a file is believed, um: from beyond the resolution of light to a macro lens.
-const BELIEVED_UM: RangeInclusive<f64> = 0.01..=20.0;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Most by which the sides of a pixel may differ, as a fraction.
 const SQUARE: f64 = 0.01;
@@ -29,32 +25,37 @@ pub(super) struct Stated {
 pub(super) fn choose(
     stated: impl IntoIterator<Item = Stated>,
     notes: &mut Vec<String>,
-) -> Result<Option<PixelSize>, PictureError> {
-    for size in stated {
-        let Stated { x_um, y_um, source } = size;
-        if let Some(reason) = doubt(size) {
-            notes.push(format!("{} says {x_um:.4} um per pixel: {reason}", name(source)));
-            continue;
-        }
+) -> Result<Option<StatedPixelSize>, PictureError> {
+    for Stated { x_um, y_um, source } in stated {
+        let sides = believed(x_um, source).and_then(|size| believed(y_um, source).map(|_| size));
+        let size = match sides {
+            Ok(size) => size,
+            Err(reason) => {
+                notes.push(format!("{} says {x_um:.4} um per pixel: {reason}", name(source)));
+                continue;
+            }
+        };
         if (x_um - y_um).abs() > SQUARE * x_um.min(y_um) {
             return Err(PictureError::NotSquare { x_um, y_um });
         }
-        return Ok(Some(PixelSize { um: x_um, source }));
+        return Ok(Some(StatedPixelSize { size, source }));
     }
     Ok(None)
 }
 
-/// Why a statement is not believed.
-fn doubt(size: Stated) -> Option<String> {
-    if !BELIEVED_UM.contains(&size.x_um) || !BELIEVED_UM.contains(&size.y_um) {
-        let [least, most] = [BELIEVED_UM.start(), BELIEVED_UM.end()];
-        return Some(format!("outside {least} to {most} um, not believed"));
-    }
-    let per_inch = INCH_UM / size.x_um;
+/// The side of a pixel as it is stated, or why that is not believed.
+fn believed(um: f64, source: PixelSizeSource) -> Result<PixelSize, String> {
+    let size = PixelSize::new(um).map_err(|_| {
+        let [least, most] = [PixelSize::SMALLEST_UM, PixelSize::LARGEST_UM];
+        format!("outside {least} to {most} um, not believed")
+    })?;
+    let per_inch = INCH_UM / um;
     let from_resolution =
-        matches!(size.source, PixelSizeSource::TiffResolution | PixelSizeSource::PngResolution);
-    (from_resolution && is_print(per_inch))
-        .then(|| format!("a print setting of {per_inch:.0} dpi, not believed"))
+        matches!(source, PixelSizeSource::TiffResolution | PixelSizeSource::PngResolution);
+    if from_resolution && is_print(per_inch) {
+        return Err(format!("a print setting of {per_inch:.0} dpi, not believed"));
+    }
+    Ok(size)
 }
 
 /// Whether a resolution is one of printers, screens and scanners: round in pixels per inch, as near as

@@ -6,9 +6,10 @@ use std::io::Cursor;
 use ::png::{ColorType, DecodingError, Info, Limits, Reader, Transformations, Unit};
 
 use super::super::picture::{Depth, Picture, PixelSizeSource, Samples, Selection};
+use super::PictureError;
 use super::canvas::{Canvas, Colours, Row, Strand, unpack};
+use super::check::{check_memory, check_range, check_size};
 use super::pixel_size::{self, Stated};
-use super::{PictureError, check_memory, check_range, check_size};
 
 /// Most memory that the decoder may take beside the pixels (colour profiles, rows), bytes.
 const MOST_EXTRA_MEMORY: usize = 1 << 26;

@@ -2,7 +2,8 @@
 
 use super::super::picture::{Depth, Picture, Samples, Selection};
 use super::canvas::{Canvas, Colours, Row, Strand};
-use super::{PictureError, check_range, pixel_size};
+use super::check::check_range;
+use super::{PictureError, pixel_size};
 use chunk::Chunk;
 use directory::{Directory, File};
 use page::Page;
@@ -25,10 +26,6 @@ const WORK_OF_A_CHUNK: u64 = 2000;
 
 /// Largest whole number up to which `f32` holds all.
 const LARGEST_EXACT: f32 = 16_777_216.0;
-
-fn damaged(reason: impl Into<String>) -> PictureError {
-    PictureError::Unreadable { format: "TIFF", reason: reason.into() }
-}
 
 /// Reads the plane that is asked for.
 pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, PictureError> {

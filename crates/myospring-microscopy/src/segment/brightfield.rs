@@ -1,11 +1,11 @@
 //! A cell that shows by its edges.
 
+use myospring_core::mesh::pixel_size::PixelSize;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::{
-    Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
-};
+use super::confidence::Candidate;
+use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
@@ -44,12 +44,12 @@ const OUTLINE_UM: f64 = 0.6;
 
 pub(super) fn segment(
     plane: &Plane,
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
     settings: &Settings,
     notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
     let Working { plane: working, factor, pixel_um: pixel } =
-        Working::of(plane, pixel_size_um, WORKING_PIXEL_UM);
+        Working::of(plane, pixel_size, WORKING_PIXEL_UM);
     let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
     let gradient = Gradient::of(&relative(&working, pixel), smooth_um / pixel);
     let noise = gradient.noise();
@@ -88,7 +88,7 @@ pub(super) fn segment(
                 "no edges that hang together over {LEAST_EDGE_UM} um enclose {} um^2",
                 settings.smallest_cell_um2
             ),
-            pixel_size_um,
+            pixel_size,
         });
     }
     let guess = agreed.spread(coarse, seen.width(), seen.height());
@@ -140,7 +140,7 @@ pub(super) fn segment(
         confidence.weigh_shape(candidate, plane.width());
         confidence
     };
-    Ok(found.finish(plane, pixel_size_um, settings.smallest_cell_um2, judge))
+    Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
 }
 
 /// Pixels along the side of a block of the grid on which gaps are closed.

@@ -3,10 +3,18 @@
 use geo::{Area, ConvexHull, MultiPoint, Point};
 use serde::Serialize;
 
-use super::Candidate;
-
 /// Below this score a cell is doubtful and a person should look at it.
 pub(super) const DOUBTFUL: f64 = 0.5;
+
+/// A cell as those see it who judge how sure it is.
+pub(super) struct Candidate<'a> {
+    /// Its pixels, as places in the plane.
+    pub(super) pixels: &'a [u32],
+    /// Those of them that have a neighbour outside, without those on the frame.
+    pub(super) rim: &'a [u32],
+    /// Pixels on the frame.
+    pub(super) on_frame: usize,
+}
 
 /// How sure a cell is.
 #[derive(Debug, Clone, PartialEq, Serialize)]

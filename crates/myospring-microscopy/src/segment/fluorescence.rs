@@ -1,12 +1,12 @@
 //! A bright cell on a dark ground.
 
+use super::confidence::Candidate;
 use super::ground::Ground;
-use super::{
-    Candidate, Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working,
-};
+use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Scale of smoothing unless stated, um.
 const SMOOTH_UM: f64 = 0.5;
@@ -26,12 +26,12 @@ const EDGE: f32 = 0.5;
 
 pub(super) fn segment(
     plane: &Plane,
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
     settings: &Settings,
     notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
     let Working { plane: working, factor, pixel_um: pixel } =
-        Working::of(plane, pixel_size_um, WORKING_PIXEL_UM);
+        Working::of(plane, pixel_size, WORKING_PIXEL_UM);
     let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
     let smooth = filter::gaussian(&working, smooth_um / pixel);
     let ground = Ground::under(&smooth);
@@ -75,13 +75,13 @@ pub(super) fn segment(
             modality: "fluorescence",
             threshold: format!("grey value {threshold:.4}"),
             why: format!("nothing brighter is as large as {} um^2", settings.smallest_cell_um2),
-            pixel_size_um,
+            pixel_size,
         });
     }
     let found = Found { region, factor, modality: Modality::Fluorescence, threshold, notes };
     let view = View { lifted, factor, pixel, noise: ground.noise, separation };
     let judge = |candidate: &Candidate<'_>| view.judge(candidate, plane.width());
-    Ok(found.finish(plane, pixel_size_um, settings.smallest_cell_um2, judge))
+    Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
 }
 
 /// The picture as the judge sees it.

@@ -1,23 +1,21 @@
 //! Masks and label images: the work was done elsewhere.
 
+use myospring_core::mesh::pixel_size::PixelSize;
 use std::collections::BTreeMap;
 
-use super::{Cell, Confidence, Modality, SegmentError, Segmentation, modality};
+use super::{Cell, Confidence, LARGEST_LABEL, Modality, SegmentError, Segmentation, modality};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
 
 /// An island of which so many make the largest is a speck of the mask, not a cell.
 const SPECKS_IN_A_CELL: usize = 50;
 
-/// Largest label of a mask: `f32`, as which the pixels are held, tells no larger whole numbers apart.
-pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
-
 /// Cells of a picture in which every value that is not zero marks one. Where there is one such value, or so many
 /// that they are no labels but soft edges, the islands of all together are the cells. Values that are not whole,
 /// such as the luminance of colours, tell cells apart but are no labels.
 pub(super) fn segment(
     plane: &Plane,
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
     mut notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
     let (width, height) = (plane.width(), plane.height());
@@ -64,7 +62,7 @@ pub(super) fn segment(
             modality: "mask",
             threshold: "0".to_owned(),
             why: "every pixel is 0, the background".to_owned(),
-            pixel_size_um,
+            pixel_size,
         });
     }
     let mut order: Vec<(u32, usize)> = sizes.into_iter().collect();
@@ -83,11 +81,11 @@ pub(super) fn segment(
         number,
         label: if by_value { Some(mark) } else { only }.filter(|_| whole),
         pixels,
-        area_um2: pixels as f64 * pixel_size_um.powi(2),
+        area_um2: pixels as f64 * pixel_size.um().powi(2),
         pixels_on_the_frame: on_frame[number as usize],
         confidence: Confidence::full(),
     };
     let cells = (1..).zip(&order).map(cell).collect();
     let (modality, threshold) = (Modality::Mask, 0.0);
-    Ok(Segmentation { width, height, pixel_size_um, numbers, cells, modality, threshold, notes })
+    Ok(Segmentation { width, height, pixel_size, numbers, cells, modality, threshold, notes })
 }

@@ -1,5 +1,6 @@
 //! How a picture was taken, told from its grey values.
 
+use myospring_core::mesh::pixel_size::PixelSize;
 use std::collections::{BTreeSet, HashMap};
 
 use super::Modality;
@@ -27,13 +28,13 @@ const FLAT: u64 = 3;
 const CHANGES: usize = 12;
 
 /// Tells a mask, a fluorescence picture and a brightfield picture from each other.
-pub(super) fn guess(plane: &Plane, pixel_size_um: f64, notes: &mut Vec<String>) -> Modality {
+pub(super) fn guess(plane: &Plane, pixel_size: PixelSize, notes: &mut Vec<String>) -> Modality {
     if is_mask(plane) {
         return Modality::Mask;
     }
-    let factor = ((SMOOTH_UM / 2.0 / pixel_size_um).round() as usize).max(1);
+    let factor = ((SMOOTH_UM / 2.0 / pixel_size.um()).round() as usize).max(1);
     let coarse = filter::coarse(plane, factor);
-    let smooth = filter::gaussian(&coarse, SMOOTH_UM / (pixel_size_um * factor as f64));
+    let smooth = filter::gaussian(&coarse, SMOOTH_UM / (pixel_size.um() * factor as f64));
     let lifted = Ground::under(&smooth).taken_off(&smooth);
     let values = sample(lifted.values(), 200_000);
     let (up, down) = (quantile(&values, 1.0 - TAIL), -quantile(&values, TAIL));

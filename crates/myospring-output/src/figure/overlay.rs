@@ -1,17 +1,14 @@
 //! A picture with what was made of it: outline, lattice, fibres.
 
+mod layout;
 mod panel;
 mod photograph;
 
-use panel::{Panel, View};
+pub use layout::overlay;
 
-use super::font::text_width;
-use super::shapes::draw_scale_bar;
-use super::sheet::{Look, Sheet, Stroke, Style};
-use super::strain::check_mesh;
-use super::theme::{Colour, DOUBLE, INK, LABEL, LETTER, MUTED, TENSION, TICK, mm};
-use super::{Figure, FigureError};
+use super::theme::Colour;
 use myospring_core::mesh::Mesh;
+use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Line of the chosen cell (Okabe-Ito yellow), readable on black and on grey.
 const CHOSEN: Colour = Colour(0xf0e442);
@@ -21,18 +18,6 @@ const OTHER: Colour = Colour(0xcc79a7);
 const FIBRE: Colour = Colour(0x56b4e9);
 /// Fibres that the picture does not show.
 const STAND_IN: Colour = Colour(0xe6e6e6);
-
-/// Space around the panels and between them, px.
-const MARGIN: f64 = 8.0;
-/// Height of the line above a panel, and of the one below, px.
-const HEAD: f64 = 18.0;
-const FOOT: f64 = 22.0;
-/// Pictures wider than this many times their height stand above one another.
-const WIDE: f64 = 1.6;
-/// Greatest height of a panel, px.
-const TALLEST: f64 = mm(110.0);
-/// Greatest height of the upper of two panels, px.
-const TALLEST_ABOVE: f64 = mm(75.0);
 
 /// A cell of the picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,8 +55,8 @@ pub struct Overlay<'a> {
     pub height: usize,
     /// Grey values row by row from the top left.
     pub values: &'a [f32],
-    /// Side of one pixel, um.
-    pub pixel_size_um: f64,
+    /// Side of one pixel.
+    pub pixel_size: PixelSize,
     /// The cells that were found; may be none.
     pub cells: &'a [Contour<'a>],
     /// The lattice of the chosen cell, where there is one.
@@ -81,212 +66,4 @@ pub struct Overlay<'a> {
     pub fibres: &'a [Tick],
     /// What a person should know, a sentence each.
     pub warnings: &'a [String],
-}
-
-/// The picture with its outlines (A) and, larger, the chosen cell with lattice and fibres (B).
-///
-/// Grey values are stretched between percentiles of what a panel shows. Long cells stand below the
-/// picture, others beside it; without lattice and fibres, and where B would show little more than A, B
-/// is left out. Width: two columns, 178 mm. The pictures stand within the SVG as PNG of at most 1600
-/// pixels a side.
-///
-/// # Errors
-/// A picture without pixels or with another number of values, a pixel size that is no length, outlines,
-/// fibres or a mesh with numbers that are not finite.
-///
-/// # Example
-/// ```
-/// use myospring::output::figure::{Contour, Overlay, overlay};
-/// let square = [[5.0, 5.0], [15.0, 5.0], [15.0, 15.0], [5.0, 15.0]];
-/// let cell = Contour { name: "1", rings: vec![&square], chosen: true };
-/// let picture = vec![0.0; 40 * 40];
-/// let figure = overlay(&Overlay {
-///     title: "a square",
-///     width: 40,
-///     height: 40,
-///     values: &picture,
-///     pixel_size_um: 0.5,
-///     cells: &[cell],
-///     mesh: None,
-///     fibres: &[],
-///     warnings: &[],
-/// })?;
-/// assert!(figure.to_svg().contains("data:image/png;base64,"));
-/// # Ok::<(), myospring::output::figure::FigureError>(())
-/// ```
-pub fn overlay(overlay: &Overlay<'_>) -> Result<Figure, FigureError> {
-    check(overlay)?;
-    let mut sheet = Sheet::default();
-    let mut top = MARGIN - 4.0;
-    if !overlay.title.is_empty() {
-        sheet.text([MARGIN, top + 11.0], overlay.title, Style::new(LABEL));
-        top += 18.0;
-    }
-    let whole = View::whole(overlay);
-    let close = close_up(overlay, whole);
-    let (panels, bottom) = arranged(whole, close, top);
-    for (panel, letter) in panels.iter().zip(["A", "B"]) {
-        let head = [panel.place[0], panel.place[1] - HEAD + 11.0];
-        let of_two = panels.len() > 1;
-        if of_two {
-            sheet.text(head, letter, Style::new(LETTER).bold());
-        }
-        let caption = caption(overlay, letter, of_two);
-        let inset = if of_two { 16.0 } else { 0.0 };
-        sheet.text([head[0] + inset, head[1]], caption, Style::new(LABEL));
-        let detail = !of_two || letter == "B";
-        panel.draw(&mut sheet, overlay, detail, letter)?;
-        if of_two && !detail {
-            panel.draw_frame(&mut sheet, panels[1].view, "B");
-        }
-        let [width, height] = panel.size();
-        let below = [panel.place[0], panel.place[1] + height + 11.0];
-        let extent = [width / panel.scale, height / panel.scale];
-        draw_scale_bar(&mut sheet, below, panel.scale, extent);
-    }
-    let bottom = draw_legend(&mut sheet, overlay, bottom);
-    let bottom = draw_warnings(&mut sheet, overlay.warnings, bottom);
-    Ok(sheet.finish(DOUBLE, bottom + 4.0))
-}
-
-fn caption(overlay: &Overlay<'_>, letter: &str, of_two: bool) -> &'static str {
-    match (letter, overlay.mesh.is_some(), overlay.fibres.is_empty()) {
-        ("A", ..) if of_two || overlay.mesh.is_none() => "Picture and outline",
-        (_, true, true) => "Lattice",
-        (_, true, false) => "Lattice and fibres",
-        (_, false, false) => "Fibres",
-        (_, false, true) => "Chosen cell",
-    }
-}
-
-fn check(overlay: &Overlay<'_>) -> Result<(), FigureError> {
-    let (width, height, found) = (overlay.width, overlay.height, overlay.values.len());
-    if width == 0 || height == 0 {
-        return Err(FigureError::Nothing { what: "pixels" });
-    }
-    if width.checked_mul(height) != Some(found) {
-        return Err(FigureError::PictureShape { width, height, found });
-    }
-    let pixel_size = overlay.pixel_size_um;
-    if !(pixel_size.is_finite() && pixel_size > 0.0) {
-        return Err(FigureError::PixelSize { pixel_size });
-    }
-    for cell in overlay.cells {
-        for (node, &[x, y]) in cell.rings.iter().flat_map(|ring| ring.iter()).enumerate() {
-            if !(x.is_finite() && y.is_finite()) {
-                let what = format!("the outline of cell \"{}\"", cell.name);
-                return Err(FigureError::NotFinite { what, node, x, y });
-            }
-        }
-    }
-    for (node, tick) in overlay.fibres.iter().enumerate() {
-        let ([x, y], [along_x, along_y]) = (tick.point_um, tick.direction);
-        if !(x.is_finite() && y.is_finite()) {
-            return Err(FigureError::NotFinite { what: "the fibre field".to_owned(), node, x, y });
-        }
-        let length = along_x.hypot(along_y);
-        if !(length.is_finite() && length > 0.0) {
-            return Err(FigureError::Fibre { x: along_x, y: along_y });
-        }
-    }
-    overlay.mesh.map_or(Ok(()), check_mesh)
-}
-
-/// The part of the picture around the chosen cell, if it is worth a panel of its own.
-fn close_up(overlay: &Overlay<'_>, whole: View) -> Option<View> {
-    let rings = overlay.cells.iter().filter(|cell| cell.chosen).flat_map(|cell| &cell.rings);
-    let mut points: Vec<[f64; 2]> = rings.flat_map(|ring| ring.iter().copied()).collect();
-    if let Some(mesh) = overlay.mesh {
-        points.extend((0..mesh.len()).map(|node| mesh.point(node)));
-    }
-    let view = View::around(&points, whole, overlay.pixel_size_um)?;
-    let gain = (whole.extent()[0] / view.extent()[0]).min(whole.extent()[1] / view.extent()[1]);
-    let more_to_show = overlay.mesh.is_some() || !overlay.fibres.is_empty();
-    (more_to_show || gain > 1.5).then_some(view)
-}
-
-/// Panels from a top, and the px below them.
-fn arranged(whole: View, close: Option<View>, top: f64) -> (Vec<Panel>, f64) {
-    let room = DOUBLE - 2.0 * MARGIN;
-    let fitted = |view: View, left: f64, top: f64, width: f64, tallest: f64| {
-        let [across, up] = view.extent();
-        let scale = (width / across).min(tallest / up);
-        Panel { view, place: [left, top + HEAD], scale }
-    };
-    let below = |panel: &Panel| panel.place[1] + panel.size()[1] + FOOT;
-    let Some(close) = close else {
-        let panel = fitted(whole, MARGIN, top, room, TALLEST);
-        let bottom = below(&panel);
-        return (vec![panel], bottom);
-    };
-    let aspects = [whole, close].map(|view| view.extent()[0] / view.extent()[1]);
-    if aspects[0].max(aspects[1]) > WIDE {
-        let first = fitted(whole, MARGIN, top, room, TALLEST_ABOVE);
-        let second = fitted(close, MARGIN, below(&first), room, TALLEST);
-        let bottom = below(&second);
-        return (vec![first, second], bottom);
-    }
-    // Side by side and equally high.
-    let height = ((room - 12.0) / (aspects[0] + aspects[1])).min(TALLEST);
-    let first = fitted(whole, MARGIN, top, room, height);
-    let left = MARGIN + first.size()[0] + 12.0;
-    let second = fitted(close, left, top, room, height);
-    let bottom = below(&first).max(below(&second));
-    (vec![first, second], bottom)
-}
-
-/// What the lines mean, each on a chip as dark as the picture; gives the px below.
-fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
-    let any = |chosen: bool| overlay.cells.iter().any(|cell| cell.chosen == chosen);
-    let tick = |from: bool| overlay.fibres.iter().any(|tick| tick.from_picture == from);
-    let entries = [
-        (any(true), CHOSEN, 1.6, "chosen cell"),
-        (any(false), OTHER, 1.6, "other cells"),
-        (overlay.mesh.is_some(), Colour(0xa6a6a6), 0.8, "lattice"),
-        (tick(true), FIBRE, 1.8, "fibre (faint: less certain)"),
-        (tick(false), STAND_IN, 1.4, "fibre assumed, not from the picture"),
-    ];
-    let (mut x, mut y) = (MARGIN, top + 8.0);
-    for (_, colour, thick, words) in entries.into_iter().filter(|entry| entry.0) {
-        let width = 24.0 + text_width(words, TICK);
-        if x > MARGIN && x + width > DOUBLE - MARGIN {
-            (x, y) = (MARGIN, y + 15.0);
-        }
-        sheet.rect([x, y - 8.0], [19.0, 10.0], Look::fill(Colour(0x333333)));
-        sheet.line([x + 2.5, y - 3.0], [x + 16.5, y - 3.0], Stroke::new(colour, thick));
-        sheet.text([x + 23.0, y + 0.5], words, Style::new(TICK).colour(MUTED));
-        x += width + 12.0;
-    }
-    if x > MARGIN { y + 8.0 } else { top }
-}
-
-/// Warnings in lines as wide as the figure; gives the px below.
-fn draw_warnings(sheet: &mut Sheet, warnings: &[String], top: f64) -> f64 {
-    let mut y = top;
-    for warning in warnings {
-        let mut line = String::new();
-        let mut first = true;
-        let mut flush = |line: &mut String| {
-            y += 14.0;
-            if first {
-                sheet.rect([MARGIN, y - 7.0], [6.0, 6.0], Look::fill(TENSION));
-            }
-            first = false;
-            sheet.text([MARGIN + 11.0, y], line, Style::new(TICK).colour(INK));
-            line.clear();
-        };
-        for word in warning.split_whitespace() {
-            let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
-            if !line.is_empty() && text_width(&longer, TICK) > DOUBLE - 2.0 * MARGIN - 11.0 {
-                flush(&mut line);
-                word.clone_into(&mut line);
-            } else {
-                line = longer;
-            }
-        }
-        if !line.is_empty() {
-            flush(&mut line);
-        }
-    }
-    if warnings.is_empty() { top } else { y + 5.0 }
 }

@@ -6,9 +6,9 @@ use tiny_skia::{
     Pixmap, Rect, SpreadMode, StrokeDash, Transform,
 };
 
-use super::sheet::{Anchor, Area, Element, HALO, Look, Path, Picture, Step, Style};
+use super::sheet::{Anchor, Area, Element, Figure, HALO, Look, Path, Picture, Step, Style};
 use super::theme::Colour;
-use super::{Figure, FigureError, font};
+use super::{FigureError, font};
 
 /// Draws a figure with `dpi` pixels per inch.
 pub(super) fn png(figure: &Figure, dpi: f64) -> Result<Vec<u8>, FigureError> {

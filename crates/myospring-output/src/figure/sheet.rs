@@ -1,7 +1,14 @@
 //! A sheet of drawn elements, in px with y downward; `svg` writes it and `raster` paints it.
 
-use super::Figure;
 use super::theme::{BLACK, Colour, INK, WHITE, mm};
+
+/// A drawn figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Width and height, px.
+    pub(super) size: [f64; 2],
+    pub(super) elements: Vec<Element>,
+}
 
 /// What stands on a sheet.
 #[derive(Debug, Clone, PartialEq)]

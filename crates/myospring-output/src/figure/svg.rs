@@ -5,8 +5,7 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::Figure;
-use super::sheet::{Anchor, Area, Element, HALO, Look, Path, Step, Style, hundredths};
+use super::sheet::{Anchor, Area, Element, Figure, HALO, Look, Path, Step, Style, hundredths};
 use super::theme::{FONTS, WHITE, mm};
 
 /// The figure as SVG, with its printed size.

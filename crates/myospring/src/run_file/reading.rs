@@ -1,26 +1,14 @@
 //! From texts and options to one run file that remembers where each value came from.
 
-use super::error::{Origin, Problem, RunFileError};
-use super::{Run, RunFile, check, resolve, schema};
-use serde::Deserialize;
+use super::error::{Origin, RunFileError};
+use super::file::{RunFile, from_toml, to_toml};
+use super::rules;
+use crate::settings::{Failure, Problem, Run, Setting, Value, find, table, tables};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
-use toml::{Spanned, Table, Value};
-
-/// Keys of which one puts the others out of force.
-const ALTERNATIVES: [&[&str]; 2] = [
-    &["shape.built_in", "shape.picture", "shape.outline"],
-    &["material.young_modulus", "material.spring_stiffness"],
-];
-
-/// Keys that say something about one support only, and which.
-const OF_ONE_SUPPORT: [(&str, &str); 2] =
-    [("mechanics.end_stiffness", "spring-held-ends"), ("mechanics.bed_stiffness", "elastic-bed")];
-
-/// Keys that name a file.
-pub(super) const PATHS: [&str; 3] = ["shape.picture", "shape.outline", "segmentation.outline"];
+use toml::{Spanned, Table};
 
 /// Gathers a run file from a text and from options, which override it.
 ///
@@ -84,16 +72,16 @@ impl Reader {
     /// let reader = Reader::new().text("study/cell.toml", text)?.beside("study".as_ref());
     /// let run = reader.option("--outline", "segmentation.outline", "drawn.roi").resolve()?;
     /// let file = run.to_run_file();
-    /// assert_eq!(file.shape.picture.as_deref(), Some("study/cell.tif"));
-    /// assert_eq!(file.segmentation.outline.as_deref(), Some("drawn.roi"));
+    /// assert_eq!(file.get("shape.picture"), Some(&"study/cell.tif".into()));
+    /// assert_eq!(file.get("segmentation.outline"), Some(&"drawn.roi".into()));
     /// # Ok::<(), myospring::run_file::RunFileError>(())
     /// ```
     #[must_use]
     pub fn beside(mut self, folder: &Path) -> Self {
-        for key in PATHS {
-            if let Some((table, name)) = key.split_once('.')
-                && let Some(Value::Table(table)) = self.table.get_mut(table)
-                && let Some(Value::String(path)) = table.get_mut(name)
+        for setting in table().filter(|setting| setting.is_file()) {
+            if let Some((table, name)) = setting.key.split_once('.')
+                && let Some(toml::Value::Table(table)) = self.table.get_mut(table)
+                && let Some(toml::Value::String(path)) = table.get_mut(name)
             {
                 *path = folder.join(&*path).to_string_lossy().into_owned();
             }
@@ -116,25 +104,16 @@ impl Reader {
     /// Sets a key, `table.key`, by an option of the command line; what it excludes is dropped.
     #[must_use]
     pub fn option(mut self, option: &str, key: &str, value: impl Into<Value>) -> Self {
-        for group in ALTERNATIVES.iter().filter(|group| group.contains(&key)) {
-            for other in *group {
-                self.remove(other);
-            }
-        }
         let value = value.into();
-        if key == "mechanics.support" {
-            for (other, _) in OF_ONE_SUPPORT.iter().filter(|row| value.as_str() != Some(row.1)) {
-                self.remove(other);
-            }
+        for other in rules::put_out_of_force(key, &value) {
+            self.remove(other);
         }
-        if key == "numerics.integrator" && value.as_str() == Some("quasi-static") {
-            self.remove("numerics.time_step");
-        }
+        let value = to_toml(&value);
         let origin = Origin::Option(option.to_owned());
         self.origins.insert(key.to_owned(), Place { key: origin.clone(), value: origin });
         if let Some((table, name)) = key.split_once('.') {
             let table = self.table.entry(table).or_insert_with(|| Table::new().into());
-            if let Value::Table(table) = table {
+            if let toml::Value::Table(table) = table {
                 table.insert(name.to_owned(), value);
             }
         } else {
@@ -145,7 +124,7 @@ impl Reader {
 
     fn remove(&mut self, key: &str) {
         if let Some((table, name)) = key.split_once('.')
-            && let Some(Value::Table(table)) = self.table.get_mut(table)
+            && let Some(toml::Value::Table(table)) = self.table.get_mut(table)
         {
             table.remove(name);
         }
@@ -162,7 +141,7 @@ impl Reader {
         self.origins.get(key).or_else(|| self.origins.get(table))
     }
 
-    fn locate(&self, key: String, problem: Problem) -> RunFileError {
+    fn locate(&self, (key, problem): Failure) -> RunFileError {
         let place = self.place(&key);
         let at_key = matches!(problem, Problem::UnknownKey { .. });
         let origin = place.map_or(Origin::Unknown, |place| {
@@ -176,12 +155,33 @@ impl Reader {
     /// # Errors
     /// Unknown keys and names, values of the wrong kind.
     pub fn read(self) -> Result<(RunFile, Self), RunFileError> {
-        check::table(&schema(), &self.table, "")
-            .map_err(|(key, problem)| self.locate(key, problem))?;
-        let file = RunFile::deserialize(self.table.clone()).map_err(|error| {
-            RunFileError::bare("", Problem::Syntax { reason: error.message().to_owned() })
-        })?;
+        let file = self.gathered().map_err(|failure| self.locate(failure))?;
         Ok((file, self))
+    }
+
+    fn gathered(&self) -> Result<RunFile, Failure> {
+        let mut file = RunFile::default();
+        for (key, value) in &self.table {
+            if let Some(rows) = tables().iter().find(|rows| rows.name == key) {
+                let toml::Value::Table(table) = value else {
+                    let (found, wanted) = (found(value), "a table".to_owned());
+                    return Err((key.clone(), Problem::Kind { key: key.clone(), found, wanted }));
+                };
+                for (name, value) in table {
+                    let known = rows.settings.iter().map(Setting::name);
+                    take(&mut file, &join(key, name), value, |_| {
+                        Problem::unknown_key(name, key, known)
+                    })?;
+                }
+            } else {
+                let known = tables().iter().flat_map(|rows| match rows.name {
+                    "" => rows.settings.iter().map(|row| row.key).collect(),
+                    name => vec![name],
+                });
+                take(&mut file, key, value, |key| Problem::unknown_key(key, "", known))?;
+            }
+        }
+        Ok(file)
     }
 
     /// The run, every value checked and every default filled in.
@@ -190,10 +190,44 @@ impl Reader {
     /// All that [`Reader::read`] and [`RunFile::resolve`] refuse, with the place.
     pub fn resolve(self) -> Result<Run, RunFileError> {
         let (file, reader) = self.read()?;
-        resolve::resolve(&file).map_err(|(key, problem)| reader.locate(key, problem))
+        file.run().map_err(|failure| reader.locate(failure))
     }
 }
 
-pub(super) fn join(prefix: &str, key: &str) -> String {
+impl RunFile {
+    /// Reads the text of a run file.
+    ///
+    /// # Errors
+    /// Text that is not TOML, unknown keys and names, values of the wrong kind; with the place.
+    pub fn from_text(text: &str) -> Result<Self, RunFileError> {
+        Ok(Reader::new().text("", text)?.read()?.0)
+    }
+}
+
+/// Takes a value into the run file, if its key is known and its kind right.
+fn take(
+    file: &mut RunFile,
+    key: &str,
+    value: &toml::Value,
+    unknown: impl FnOnce(&str) -> Problem,
+) -> Result<(), Failure> {
+    let Some(setting) = find(key) else { return Err((key.to_owned(), unknown(key))) };
+    let Some(value) = from_toml(value) else {
+        let (found, wanted) = (found(value), setting.wanted().to_owned());
+        return Err((key.to_owned(), Problem::Kind { key: key.to_owned(), found, wanted }));
+    };
+    file.take(setting, value)
+}
+
+/// What a value is, in a sentence.
+fn found(value: &toml::Value) -> String {
+    match value {
+        toml::Value::Datetime(date) => format!("the date {date}"),
+        toml::Value::Array(_) => "a list".to_owned(),
+        other => from_toml(other).map_or("a table".to_owned(), |value| value.described()),
+    }
+}
+
+fn join(prefix: &str, key: &str) -> String {
     if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") }
 }

@@ -1,84 +1,56 @@
 //! A commented run file with every key and its default.
 
-use super::check::words;
-use super::{RunFile, RunFileError, schema};
-use serde_json::Value;
+use super::file::written;
+use super::schema::described;
+use crate::settings::{Run, Setting, tables};
 use std::fmt::Write;
 
 /// A run file with every key: those with a default set to it, the others as a comment, each with
 /// its meaning, unit and bounds. Read, it gives exactly the default run.
 ///
-/// # Errors
-/// None: it is made from the defaults.
-///
 /// # Example
 /// ```
 /// use myospring::run_file::{RunFile, template};
-/// let text = template()?;
+/// let text = template();
 /// assert!(text.contains("thickness = \"10 um\""));
 /// let defaults = RunFile::default().resolve()?.to_run_file();
 /// assert_eq!(RunFile::from_text(&text)?.resolve()?.to_run_file(), defaults);
 /// # Ok::<(), myospring::run_file::RunFileError>(())
 /// ```
-pub fn template() -> Result<String, RunFileError> {
-    let defaults = RunFile::default().resolve()?.to_run_file();
-    let defaults = serde_json::to_value(defaults).unwrap_or_default();
-    let schema = schema();
+pub fn template() -> String {
+    let run = Run::default_run();
     let mut text = String::from(
         "# Run file of Myospring: myospring run FILE.toml\n\
          # Every key may be left out; the values here are the defaults. Values carry their unit.\n",
     );
-    for (name, row) in properties(&schema) {
-        let values = &defaults[name];
-        if properties(row).next().is_none() {
-            text.push('\n');
-            key(&mut text, name, row, values);
-            continue;
+    for table in tables() {
+        text.push('\n');
+        if !table.name.is_empty() {
+            let _ = writeln!(text, "{}[{}]", comment(table.doc), table.name);
         }
-        let _ = write!(text, "\n{}[{name}]\n", comment(&describe(row)));
-        for (key_name, row) in properties(row) {
-            key(&mut text, key_name, row, &values[key_name]);
+        for setting in table.settings {
+            text.push_str(&comment(&about(setting)));
+            let name = setting.name();
+            let line = match (setting.get(&run), setting.example()) {
+                (Some(default), _) => format!("{name} = {}\n", written(&default)),
+                (None, Some(example)) => format!("# {name} = {}\n", written(&example)),
+                (None, None) => format!("# {name} = \"\"\n"),
+            };
+            text.push_str(&line);
         }
     }
-    Ok(text)
-}
-
-fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
-    schema.get("properties").and_then(Value::as_object).into_iter().flatten()
-}
-
-/// One key: a comment, then the key with its default, or in a comment with an example.
-fn key(text: &mut String, name: &str, schema: &Value, default: &Value) {
-    let about = describe(schema);
-    if !about.is_empty() {
-        text.push_str(&comment(&about));
-    }
-    let example = schema.get("examples").and_then(|examples| examples.get(0));
-    let line = match (default, example) {
-        (Value::Null, Some(example)) => format!("# {name} = {example}"),
-        (Value::Null, None) if name == "parameters" => {
-            format!("# {name} = {{ tau_si = \"1.9 ms\" }}")
-        }
-        (Value::Null, None) if name == "authors_step" => format!("# {name} = true"),
-        (Value::Null, None) => format!("# {name} = \"\""),
-        (value, _) => format!("{name} = {value}"),
-    };
-    text.push_str(&line);
-    text.push('\n');
+    text
 }
 
 /// Meaning, bounds and words of a key.
-fn describe(schema: &Value) -> String {
-    let mut about =
-        schema.get("description").and_then(Value::as_str).unwrap_or_default().replace('\n', " ");
-    if let Some(bounds) = schema.get("x-bounds").and_then(Value::as_str) {
+fn about(setting: &Setting) -> String {
+    let mut about = described(setting);
+    if let Some(bounds) = setting.bounds_in_words() {
         let _ = write!(about, " Bounds: {bounds}.");
-    } else if let (Some(low), Some(high)) = (schema.get("minimum"), schema.get("maximum")) {
-        let _ = write!(about, " Bounds: {low} to {high}.");
     }
-    let words = words(schema);
+    let words = setting.words();
     if !words.is_empty() {
-        let words: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+        let words: Vec<String> = words.iter().map(|word| format!("\"{}\"", word.name)).collect();
         let _ = write!(about, " One of {}.", words.join(", "));
     }
     about

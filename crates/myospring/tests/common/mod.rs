@@ -6,6 +6,7 @@ mod skipped;
 use std::path::{Path, PathBuf};
 
 use myospring::analysis::trace;
+use myospring::mesh::pixel_size::PixelSize;
 
 /// A file of the shared data, or `None` with a word about the test that is skipped.
 ///
@@ -24,13 +25,18 @@ pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
     None
 }
 
+/// Pixels of a side in um.
+pub(crate) fn pixels_of(um: f64) -> PixelSize {
+    PixelSize::new(um).expect("a pixel size")
+}
+
 /// The largest cell of a mask, whose pixels are 0.27 um wide.
 #[cfg(feature = "microscopy")]
 pub(crate) fn mask(file: PathBuf) -> myospring::mesh::mask::Mask {
     use myospring::microscopy::cells::{Options, PictureCells};
     use myospring::microscopy::segment::Choice;
     let bytes = std::fs::read(file).expect("the file is there");
-    let options = Options { pixel_size_um: Some(0.27), ..Options::default() };
+    let options = Options { pixel_size: Some(pixels_of(0.27)), ..Options::default() };
     let cells = PictureCells::find(&bytes, &options).expect("a mask has a cell");
     assert_eq!(cells.modality(), "mask");
     cells.cell(Choice::Largest, false).expect("the largest cell is whole").mask

@@ -1,6 +1,7 @@
 //! What must hold for any bytes that are given as outlines; tests and the fuzz target run it.
 
 use myospring::mesh::mask::Mask;
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::outlines::raster::{rasterise, write_labels_png};
 use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 use myospring::microscopy::outlines::{
@@ -22,11 +23,12 @@ pub(crate) fn exercise(bytes: &[u8]) {
         3 => OutlineFormat::CellposeText,
         _ => return mask(rest),
     };
-    let frame = PixelFrame::new(128, 96, 0.5).expect("a frame");
-    let pixel_size_um = frame.pixel_size_um();
+    let frame =
+        PixelFrame::new(128, 96, PixelSize::new(0.5).expect("a pixel size")).expect("a frame");
+    let pixel_size = frame.pixel_size();
     for (placement, silent_unit) in [
         (Placement::Picture(frame), CoordinateUnit::Micrometre),
-        (Placement::Bounds { pixel_size_um }, CoordinateUnit::Pixel),
+        (Placement::Bounds { pixel_size }, CoordinateUnit::Pixel),
     ] {
         let options = ReadOptions { placement, silent_unit };
         let given = match read_outlines_as(format, rest, "fuzz.bin", &options) {
@@ -37,7 +39,7 @@ pub(crate) fn exercise(bytes: &[u8]) {
             }
         };
         assert!(!given.outlines.is_empty());
-        let same = ReadOptions { placement: Placement::Bounds { pixel_size_um }, silent_unit };
+        let same = ReadOptions { placement: Placement::Bounds { pixel_size }, silent_unit };
         let text = write_geojson(&given.outlines);
         let again = read_outlines_as(OutlineFormat::GeoJson, text.as_bytes(), "a", &same);
         assert_eq!(again.expect("our own GeoJSON").outlines, given.outlines);
@@ -58,7 +60,8 @@ fn mask(bytes: &[u8]) {
     let width = usize::from(width % 32) + 1;
     let height = rest.len().min(1024) / width;
     let inside = rest[..width * height].iter().map(|&value| value % 4 == 1).collect();
-    let Ok(mask) = Mask::new(width, height, 2.0, inside) else { return };
+    let pixel = PixelSize::new(2.0).expect("a pixel size");
+    let Ok(mask) = Mask::new(width, height, pixel, inside) else { return };
     let frame = PixelFrame::of(&mask);
     trace_mask(&mask, Edge::Smooth).expect("a part of 4 um^2 or more");
     let exact = trace_mask(&mask, Edge::Exact).expect("a part of 4 um^2 or more");

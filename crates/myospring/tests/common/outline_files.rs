@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use myospring::mesh::outline::Outline;
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::outlines::{
     CoordinateUnit, GivenOutlines, NamedOutline, OutlineFileError, PixelFrame, Placement,
     ReadOptions, read_outlines,
@@ -12,7 +13,7 @@ use myospring::microscopy::outlines::{
 pub(crate) const PIXEL_UM: f64 = 0.5;
 
 pub(crate) fn frame() -> PixelFrame {
-    PixelFrame::new(80, 60, PIXEL_UM).unwrap()
+    PixelFrame::new(80, 60, PixelSize::new(PIXEL_UM).unwrap()).unwrap()
 }
 
 pub(crate) fn options() -> ReadOptions {

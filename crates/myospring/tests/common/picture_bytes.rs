@@ -1,5 +1,6 @@
 //! Any bytes as a picture, and as one that holds cells: an answer or an error, in little time and memory.
 
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::cells::{Options, PictureCells};
 use myospring::microscopy::picture::{Depth, Selection};
 use myospring::microscopy::read::read_picture;
@@ -21,7 +22,8 @@ pub(crate) fn exercise(bytes: &[u8]) -> usize {
         }
         for modality in [Modality::Mask, Modality::Fluorescence, Modality::Brightfield] {
             let segmentation = Settings { modality, ..Settings::default() };
-            let options = Options { selection, pixel_size_um: Some(1.0), segmentation };
+            let options =
+                Options { selection, pixel_size: Some(PixelSize::MICROMETRE), segmentation };
             if let Ok(cells) = PictureCells::find(bytes, &options) {
                 let _ = cells.cell(Choice::Largest, true);
             }

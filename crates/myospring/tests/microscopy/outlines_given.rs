@@ -1,6 +1,7 @@
 //! Outlines drawn elsewhere: every format read and written.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::common::pixels_of;
 use crate::outline_files;
 
 use myospring::mesh::built_in;
@@ -33,7 +34,7 @@ fn bounds(cell: &NamedOutline) -> [f64; 4] {
 
 /// The label picture of `make.py` with its cells by label, along the edges of their pixels.
 fn labels() -> (Plane, PixelFrame, Vec<NamedOutline>) {
-    let options = Options { pixel_size_um: Some(PIXEL_UM), ..Options::default() };
+    let options = Options { pixel_size: Some(pixels_of(PIXEL_UM)), ..Options::default() };
     let found = PictureCells::find(&fixture("labels.png"), &options).unwrap();
     let mut cells = found.outlines();
     cells.sort_by_key(|cell| cell.name.parse::<u32>().unwrap());
@@ -240,7 +241,7 @@ fn with_value(png: &[u8], value: f32) -> Vec<bool> {
 
 #[test]
 fn many_labels_take_sixteen_bits() {
-    let frame = PixelFrame::new(600, 2, 2.0).unwrap();
+    let frame = PixelFrame::new(600, 2, pixels_of(2.0)).unwrap();
     let square = |x: f64| vec![[x, 0.0], [x + 2.0, 0.0], [x + 2.0, 2.0], [x, 2.0]];
     let cell = |index: usize| NamedOutline {
         name: index.to_string(),
@@ -261,7 +262,7 @@ fn cellposes_outlines_are_those_of_its_masks() {
     let given = read_outlines(&fixture("cellpose_outlines.txt"), "x", &options).unwrap();
     assert_eq!(names(&given.outlines), ["1", "2", "3"]);
     for (cell, label) in given.outlines.iter().zip([1.0, 2.0, 7.0]) {
-        let mask = Mask::new(64, 48, PIXEL_UM, label_mask(&plane, label)).unwrap();
+        let mask = Mask::new(64, 48, pixels_of(PIXEL_UM), label_mask(&plane, label)).unwrap();
         let traced = trace_mask(&mask, Edge::Exact).unwrap();
         let filled = outline(traced.exterior().to_vec(), vec![]);
         assert_eq!(
@@ -379,7 +380,7 @@ fn the_reader_of_one_outline_agrees_with_that_of_many() {
     let given = read_outlines(
         cell.to_geojson().as_bytes(),
         "a.geojson",
-        &ReadOptions { placement: Placement::Bounds { pixel_size_um: 1.0 }, ..options() },
+        &ReadOptions { placement: Placement::Bounds { pixel_size: pixels_of(1.0) }, ..options() },
     );
     assert_eq!(given.unwrap().outlines[0].outline, cell);
 }
@@ -388,7 +389,7 @@ fn the_reader_of_one_outline_agrees_with_that_of_many() {
 
 #[test]
 fn without_the_picture_its_frame_ends_with_the_outlines() {
-    let placement = Placement::Bounds { pixel_size_um: 2.0 };
+    let placement = Placement::Bounds { pixel_size: pixels_of(2.0) };
     let given =
         read_outlines(&fixture("rectangle.roi"), "a.roi", &ReadOptions { placement, ..options() });
     let given = given.unwrap();
@@ -398,7 +399,7 @@ fn without_the_picture_its_frame_ends_with_the_outlines() {
 
 #[test]
 fn an_outline_of_another_picture_is_refused() {
-    let small = PixelFrame::new(30, 30, PIXEL_UM).unwrap();
+    let small = PixelFrame::new(30, 30, pixels_of(PIXEL_UM)).unwrap();
     let options = ReadOptions { placement: Placement::Picture(small), ..options() };
     let error = read_outlines(&fixture("rectangle.roi"), "a.roi", &options).unwrap_err();
     assert_eq!(
@@ -420,8 +421,9 @@ fn an_outline_that_crosses_itself_is_refused_with_its_name_and_place() {
 
 #[test]
 fn absurd_frames_are_refused() {
-    assert!(PixelFrame::new(0, 5, 1.0).is_err() && PixelFrame::new(70_000, 1, 1.0).is_err());
-    assert!(PixelFrame::new(50_000, 50_000, 1.0).is_err());
-    let message = PixelFrame::new(5, 5, 0.0).unwrap_err().to_string();
-    assert!(message.contains("pixel size 0 um is outside 0.001 to 50 um"), "{message}");
+    assert!(
+        PixelFrame::new(0, 5, pixels_of(1.0)).is_err()
+            && PixelFrame::new(70_000, 1, pixels_of(1.0)).is_err()
+    );
+    assert!(PixelFrame::new(50_000, 50_000, pixels_of(1.0)).is_err());
 }

@@ -1,7 +1,7 @@
 //! Masks to outlines and back.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::common;
+use crate::common::{self, pixels_of};
 use crate::outline_files;
 
 use myospring::mesh::lattice;
@@ -23,7 +23,7 @@ fn rod(width: usize, height: usize, angle_deg: f64) -> Mask {
             u.abs() < 1.0 + 0.1 * (8.0 * v).sin() && v.abs() < 1.0 && (u - 0.3).hypot(v - 1.0) > 0.2
         })
         .collect();
-    Mask::new(width, height, 0.4, inside).unwrap()
+    Mask::new(width, height, pixels_of(0.4), inside).unwrap()
 }
 
 #[test]
@@ -59,7 +59,8 @@ fn a_smooth_outline_keeps_the_area_and_has_the_right_length() {
             let (x, y) = ((index % side) as f64 + 0.5, (index / side) as f64 + 0.5);
             (x - centre).hypot(y - centre) < radius
         };
-        let mask = Mask::new(side, side, 1.0, (0..side * side).map(disc).collect()).unwrap();
+        let mask =
+            Mask::new(side, side, pixels_of(1.0), (0..side * side).map(disc).collect()).unwrap();
         let smooth = trace_mask(&mask, Edge::Smooth).unwrap();
         assert!((smooth.area() / mask.area_um2() - 1.0).abs() < 0.005);
         let length = smooth.perimeter() / (std::f64::consts::TAU * radius);
@@ -77,7 +78,7 @@ fn a_mask_of_noise_is_refused_before_it_fills_the_memory() {
     // A chequerboard: one island with a hole for each white square.
     let side = 400;
     let chequer = (0..side * side).map(|index| (index / side + index) % 2 == 1).collect();
-    let mask = Mask::new(side, side, 2.0, chequer).unwrap();
+    let mask = Mask::new(side, side, pixels_of(2.0), chequer).unwrap();
     for edge in [Edge::Exact, Edge::Smooth] {
         let error = trace_mask(&mask, edge).unwrap_err().to_string();
         assert!(error.contains("is this the picture itself, not its mask?"), "{error}");
@@ -97,7 +98,7 @@ proptest! {
         let inside: Vec<bool> = seeds[..width * height].iter().map(|&seed| seed < share).collect();
         prop_assume!(inside.contains(&true) && inside.contains(&false));
         // Each pixel is larger than the smallest outline.
-        let mask = Mask::new(width, height, 2.0, inside.clone()).unwrap();
+        let mask = Mask::new(width, height, pixels_of(2.0), inside.clone()).unwrap();
         let frame = PixelFrame::of(&mask);
         let mut area = 0.0;
         // Part by part, until none is left.
@@ -112,7 +113,7 @@ proptest! {
             if !left.contains(&true) {
                 break;
             }
-            rest = Mask::new(width, height, 2.0, left).unwrap();
+            rest = Mask::new(width, height, pixels_of(2.0), left).unwrap();
         }
         // Bridges at corners, at most one for each pixel, of a millionth of a pixel.
         prop_assert!((area - mask.area_um2()).abs() <= 1e-6 * 4.0 * (width * height) as f64);

@@ -4,12 +4,12 @@
 //! place, so that the values here do not come from our own reader.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::common;
+use crate::common::{self, pixels_of};
 
 use std::path::Path;
 
 use myospring::microscopy::picture::{
-    Depth, Picture, PixelSize, PixelSizeSource, Samples, Selection,
+    Depth, Picture, PixelSizeSource, Samples, Selection, StatedPixelSize,
 };
 use myospring::microscopy::read::{PictureError, read_picture};
 use tiff::encoder::colortype::RGB8;
@@ -66,7 +66,7 @@ fn every_plane_of_a_stack_is_found_in_every_order_of_its_axes() {
             let size = picture.pixel_size.unwrap();
             assert_eq!(size.source, source, "{name}");
             // ImageJ's resolution is a fraction of 32-bit numbers.
-            assert!((size.um - 0.27).abs() < 1e-8, "{name}: {size:?}");
+            assert!((size.size.um() - 0.27).abs() < 1e-8, "{name}: {size:?}");
             assert_eq!(picture.samples, Samples::Integer { bits: 16 });
             assert_eq!(picture.notes, Vec::<String>::new());
         }
@@ -131,7 +131,7 @@ fn pages_without_meaning_are_frames_unless_a_depth_is_asked_for() {
     check(name, &picture, 1, |column, row| pixel(column, row) + 20.0);
     assert_eq!((picture.frames, picture.slices), (3, 1));
     assert_eq!(picture.notes, [note("frames")]);
-    let size = PixelSize { um: 0.25, source: PixelSizeSource::ImageJ };
+    let size = StatedPixelSize { size: pixels_of(0.25), source: PixelSizeSource::ImageJ };
     assert_eq!(picture.pixel_size, Some(size));
 
     let picture = read(name, &Selection { depth: Some(Depth::Mean), ..FIRST });
@@ -275,12 +275,12 @@ fn the_pixel_size_of_the_resolution_tags_is_believed_unless_it_is_a_print_settin
     let size = read("centimetre.tif", &FIRST).pixel_size.unwrap();
     assert_eq!(size.source, PixelSizeSource::TiffResolution);
     // The tag is a fraction of 32-bit numbers.
-    assert!((size.um - 0.27).abs() < 1e-8, "{size:?}");
+    assert!((size.size.um() - 0.27).abs() < 1e-8, "{size:?}");
     let picture = read("print.tif", &FIRST);
     assert_eq!(picture.pixel_size, None);
     assert_eq!(
         picture.notes,
-        ["the TIFF resolution says 84.6667 um per pixel: outside 0.01 to 20 um, not believed"]
+        ["the TIFF resolution says 84.6667 um per pixel: outside 0.001 to 50 um, not believed"]
     );
 }
 
@@ -298,10 +298,10 @@ fn the_pixel_size_of_a_png_is_believed_unless_it_is_a_print_setting() {
         [&png[..33], &chunk, &png[33..]].concat()
     };
     let picture = read_picture(&with_size([4_000_000; 2]), &FIRST).unwrap();
-    let size = PixelSize { um: 0.25, source: PixelSizeSource::PngResolution };
+    let size = StatedPixelSize { size: pixels_of(0.25), source: PixelSizeSource::PngResolution };
     assert_eq!(picture.pixel_size, Some(size));
     for (per_metre, words) in
-        [(2835, "outside 0.01 to 20 um"), (94488, "print setting of 2400 dpi")]
+        [(2835, "outside 0.001 to 50 um"), (94488, "print setting of 2400 dpi")]
     {
         let picture = read_picture(&with_size([per_metre; 2]), &FIRST).unwrap();
         assert_eq!(picture.pixel_size, None);

@@ -1,7 +1,7 @@
 //! The shape report: closed forms, warnings, and real cells.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::common;
+use crate::common::{self, pixels_of};
 
 use std::f64::consts::{PI, TAU};
 
@@ -65,7 +65,7 @@ fn warnings_name_what_is_odd() {
 
 #[test]
 fn pixels_on_the_frame_are_counted() {
-    let frame = PixelFrame::new(240, 60, 0.5).unwrap();
+    let frame = PixelFrame::new(240, 60, pixels_of(0.5)).unwrap();
     let outline = Outline::new(rectangle(100.0, 20.0).to_vec(), vec![]).unwrap();
     // 200 pixels on the lower side, 40 on the left one, one on both.
     let touching = shape_report(&outline, Some(&frame));

@@ -235,3 +235,23 @@ fn the_program_in_the_readme_is_the_example_that_is_compiled() {
     assert!(program.ends_with(shown), "{shown}");
     assert_eq!(shown.lines().count(), 5);
 }
+
+#[test]
+fn files_use_each_other_without_a_circle() {
+    let library = library();
+    let name = |path: &Path| path.strip_prefix(crates()).unwrap().display().to_string();
+    let uses = library.uses();
+    let circles: Vec<String> = library::circles(&uses)
+        .into_values()
+        .map(|circle| {
+            // One path says enough of each pair.
+            let pairs: BTreeMap<_, _> =
+                circle.iter().rev().map(|used| ((used.from, used.to), &used.path)).collect();
+            let lines = pairs
+                .into_iter()
+                .map(|((from, to), path)| format!("{} uses {}: {path}", name(from), name(to)));
+            lines.collect::<Vec<_>>().join("\n")
+        })
+        .collect();
+    assert!(circles.is_empty(), "files use each other in circles:\n{}", circles.join("\n\n"));
+}

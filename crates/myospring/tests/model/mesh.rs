@@ -1,6 +1,7 @@
 //! Meshes from outlines, masks and generators: counts in closed form, area, real cells, refusals.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)]
 
+use crate::common::pixels_of;
 use myospring::mesh::mask::Mask;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::{Mesh, MeshError, SpringKind, built_in, lattice, quality};
@@ -28,7 +29,7 @@ fn ellipse_mask(a: f64, b: f64, angle: f64, pixel: f64) -> Mask {
             (along / a).powi(2) + (across / b).powi(2) < 1.0
         })
         .collect();
-    Mask::new(side, side, pixel, inside).unwrap()
+    Mask::new(side, side, pixels_of(pixel), inside).unwrap()
 }
 
 fn rectangle_outline(width: f64, height: f64) -> Outline {
@@ -102,7 +103,7 @@ fn a_rectangle_of_whole_squares_is_filled_exactly_from_outline_and_mask() {
 
     // The same rectangle in pixels of 0.5 um, 3 pixels from the left and 2 from the bottom.
     let inside = |i: usize| (3..63).contains(&(i % 70)) && (4..28).contains(&(i / 70));
-    let mask = Mask::new(70, 30, 0.5, (0..2100).map(inside).collect()).unwrap();
+    let mask = Mask::new(70, 30, pixels_of(0.5), (0..2100).map(inside).collect()).unwrap();
     let (painted, _) = lattice::from_mask(&mask, Some(1.5)).unwrap();
     assert_eq!(painted.springs, mesh.springs);
     assert_eq!(painted.point(0), [1.5, 1.0]);
@@ -141,7 +142,7 @@ fn pictures_do_not_come_out_mirrored() {
     // An L: a long stroke down the left, a short one along the bottom.
     let rows = ["##....", "##....", "##....", "######", "######"];
     let enlarge = |i: usize| rows[i / 60 / 10].as_bytes()[i % 60 / 10] == b'#';
-    let mask = Mask::new(60, 50, 0.5, (0..3000).map(enlarge).collect()).unwrap();
+    let mask = Mask::new(60, 50, pixels_of(0.5), (0..3000).map(enlarge).collect()).unwrap();
     let (mesh, _) = lattice::from_mask(&mask, Some(1.0)).unwrap();
     let has = |x: f64, y: f64| (0..mesh.len()).any(|node| mesh.point(node) == [x, y]);
     assert!(has(0.0, 25.0) && has(30.0, 0.0) && has(0.0, 0.0) && !has(30.0, 25.0));
@@ -163,8 +164,9 @@ fn islands_are_dropped_and_reported() {
     let inside = (0..100 * 40).map(|i| (i % 100, i / 100));
     let mask =
         |keep: &dyn Fn(usize, usize) -> bool| inside.clone().map(|(x, y)| keep(x, y)).collect();
-    let alone = Mask::new(100, 40, 1.0, mask(&cell)).unwrap();
-    let both = Mask::new(100, 40, 1.0, mask(&|x, y| cell(x, y) || islands(x, y))).unwrap();
+    let alone = Mask::new(100, 40, pixels_of(1.0), mask(&cell)).unwrap();
+    let both =
+        Mask::new(100, 40, pixels_of(1.0), mask(&|x, y| cell(x, y) || islands(x, y))).unwrap();
     let (expected, clean) = lattice::from_mask(&alone, Some(2.0)).unwrap();
     let (mesh, report) = lattice::from_mask(&both, Some(2.0)).unwrap();
     assert_eq!(mesh, expected);
@@ -202,7 +204,8 @@ fn a_neck_thinner_than_the_squares_drops_the_smaller_side_and_says_so() {
 
 #[test]
 fn a_cell_that_touches_the_frame_gets_a_warning() {
-    let mask = Mask::new(100, 40, 1.0, (0..4000).map(|i| i % 100 < 60).collect()).unwrap();
+    let mask =
+        Mask::new(100, 40, pixels_of(1.0), (0..4000).map(|i| i % 100 < 60).collect()).unwrap();
     let (_, report) = lattice::from_mask(&mask, None).unwrap();
     assert!(report.touches_frame);
     assert!(report.warnings[0].contains("touches the frame"), "{report}");
@@ -293,7 +296,9 @@ fn an_absurd_spacing_is_refused_with_the_bound_and_a_better_one() {
 
 #[test]
 fn a_cell_of_three_pixels_is_refused() {
-    let mask = Mask::new(10, 10, 0.27, (0..100).map(|i| (44..47).contains(&i)).collect()).unwrap();
+    let mask =
+        Mask::new(10, 10, pixels_of(0.27), (0..100).map(|i| (44..47).contains(&i)).collect())
+            .unwrap();
     assert_eq!(
         lattice::from_mask(&mask, None).unwrap_err().to_string(),
         "the cell has only 3 pixels (0.219 um^2); at least 25 are needed: is this the right mask and \

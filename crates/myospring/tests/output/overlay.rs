@@ -1,6 +1,7 @@
 //! The overlay: a made-up picture with lines over it.
 
 use myospring::mesh::Mesh;
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::output::figure::{Contour, Figure, FigureError, Overlay, Tick, overlay};
 
 use super::drawn::{Pixels, size};
@@ -26,7 +27,7 @@ fn plain(values: &[f32]) -> Overlay<'_> {
         width: SIZE[0],
         height: SIZE[1],
         values,
-        pixel_size_um: PIXEL,
+        pixel_size: PixelSize::new(PIXEL).unwrap(),
         cells: &[],
         mesh: None,
         fibres: &[],
@@ -220,8 +221,6 @@ fn what_cannot_be_drawn_is_an_error_that_names_it() {
         (Overlay { width: 0, ..full.clone() }, "given 0 pixels"),
         (Overlay { height: 99, ..full.clone() }, "120 x 99 pixels needs 11880 values, but 12000"),
         (Overlay { width: usize::MAX, ..full.clone() }, "but 12000 were given"),
-        (Overlay { pixel_size_um: 0.0, ..full.clone() }, "pixel size 0 um"),
-        (Overlay { pixel_size_um: f64::NAN, ..full.clone() }, "pixel size NaN um"),
         (Overlay { cells: &broken, ..full.clone() }, "the outline of cell \"5\" puts point 1 at"),
         (Overlay { fibres: &[tick], ..full.clone() }, "fibre direction (0, 0)"),
         (Overlay { fibres: &lost, ..full.clone() }, "the fibre field puts point 0 at (inf, 0)"),
@@ -246,7 +245,7 @@ fn several_cells_carry_their_names_in_a_single_panel_too() {
         width: 20,
         height: 20,
         values: &[0.5; 400],
-        pixel_size_um: 1.0,
+        pixel_size: PixelSize::MICROMETRE,
         cells: &cells,
         mesh: None,
         fibres: &[],

@@ -7,22 +7,16 @@
 
 mod dense;
 mod dissection;
+mod error;
 mod fronts;
+
+pub(super) use error::FactorError;
 
 use crate::mechanics::Vectors;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use dense::Eliminate;
 use dissection::{Graph, dissect};
 use fronts::{Front, Fronts};
-
-/// Why there is no factor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum FactorError {
-    /// The stiffness is not positive definite.
-    Indefinite,
-    /// The factor does not fit into memory, or has too many entries to be numbered.
-    TooLarge,
-}
 
 /// A factor that is made anew for each stiffness.
 pub(super) struct Factor<'a, const D: usize = 2> {

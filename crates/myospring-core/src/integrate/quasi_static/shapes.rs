@@ -1,6 +1,6 @@
 //! Shapes as functions of the tension: what a path has found.
 
-use super::Tolerance;
+use super::tolerance::Tolerance;
 use crate::mechanics::{Vectors, zeros};
 
 /// One load step's end.

@@ -1,6 +1,5 @@
 //! From forces on a mesh to coefficients by lattice place, in the order the sweep reads them.
 
-use super::sweep::laws;
 use crate::mechanics::lattice_law::LatticeLaw;
 use crate::mechanics::support::Support;
 use crate::mesh::Lattice;
@@ -21,6 +20,16 @@ pub(super) const AREA: usize = 12;
 pub(super) const INVERSE_MASS: usize = 13;
 /// Blocks in a record.
 pub(super) const RECORD: usize = 14;
+
+/// Whether forces other than springs and dashpots act.
+pub(super) mod laws {
+    /// The area law.
+    pub(in super::super) const AREA: u8 = 1;
+    /// The fibre tension.
+    pub(in super::super) const FIBRE: u8 = 2;
+    /// Springs to places of rest.
+    pub(in super::super) const ANCHORS: u8 = 4;
+}
 
 /// Relative difference below which coefficients count as equal: far above the rounding of a mesh's
 /// coordinates, far below anything a user states.

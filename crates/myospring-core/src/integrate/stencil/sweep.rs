@@ -14,7 +14,9 @@
 //! the old positions.
 
 use super::lanes::{Lanes, prefetch};
-use super::plan::{AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, RECORD, STIFFNESS};
+use super::plan::{
+    AREA, BLOCK, Class, DAMPING, FIBRE, INVERSE_MASS, Plan, RECORD, STIFFNESS, laws,
+};
 use std::ops::Range;
 
 /// What a pass over a row does with the forces.
@@ -23,16 +25,6 @@ pub(super) mod purpose {
     pub(in super::super) const MOVE: u8 = 0;
     /// Writes the velocities at the full step, and moves nothing.
     pub(in super::super) const LOOK: u8 = 1;
-}
-
-/// Whether forces other than springs and dashpots act.
-pub(super) mod laws {
-    /// The area law.
-    pub(in super::super) const AREA: u8 = 1;
-    /// The fibre tension.
-    pub(in super::super) const FIBRE: u8 = 2;
-    /// Springs to places of rest.
-    pub(in super::super) const ANCHORS: u8 = 4;
 }
 
 /// Forces on the corner b and by the corner c of a square, x and y each: see [`Row::left`].

@@ -21,8 +21,8 @@
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
 use super::lanes::{Lanes, Portable, Units};
-use super::plan::{BLOCK, Block, Plan};
-use super::sweep::{Handover, Row, laws, pass, purpose};
+use super::plan::{BLOCK, Block, Plan, laws};
+use super::sweep::{Handover, Row, pass, purpose};
 use std::cell::UnsafeCell;
 use std::ops::Range;
 

@@ -4,7 +4,12 @@ use geo::algorithm::Validation;
 use geo::coordinate_position::{CoordPos, CoordinatePosition};
 use geo::line_intersection::{LineIntersection, line_intersection};
 
-use super::{Outline, OutlineError, edges};
+use super::error::OutlineError;
+
+/// Pairs of neighbouring points, the last with the first.
+pub(super) fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
+}
 
 /// One edge with the ring that it belongs to and its place in it.
 struct Edge {
@@ -25,14 +30,14 @@ impl Edge {
     }
 }
 
-/// Checks an outline whose rings are tidy; see [`Outline::new`] for what is refused.
+/// Checks tidy rings, the exterior first; see [`super::Outline::new`] for what is refused.
 ///
 /// Edges are sorted by their left end and only those compared that overlap in x and y, so that an
 /// outline of a hundred thousand short edges takes a fraction of a second.
-pub(super) fn check(outline: &Outline) -> Result<(), OutlineError> {
-    let sizes: Vec<usize> = outline.rings().map(<[_]>::len).collect();
-    let mut sorted: Vec<Edge> = outline
-        .rings()
+pub(super) fn check(rings: &[&[[f64; 2]]]) -> Result<(), OutlineError> {
+    let sizes: Vec<usize> = rings.iter().map(|points| points.len()).collect();
+    let mut sorted: Vec<Edge> = rings
+        .iter()
         .enumerate()
         .flat_map(|(ring, points)| {
             edges(points).enumerate().map(move |(place, (p, q))| Edge {
@@ -68,7 +73,7 @@ pub(super) fn check(outline: &Outline) -> Result<(), OutlineError> {
             }
         }
     }
-    if rings_touch { check_touching(outline) } else { check_apart(outline) }
+    if rings_touch { check_touching(rings) } else { check_apart(rings) }
 }
 
 fn neighbours(a: usize, b: usize, count: usize) -> bool {
@@ -88,7 +93,7 @@ fn place(meeting: &LineIntersection<f64>) -> String {
 
 /// Rings that share no point: each hole lies within the exterior and not within another hole when
 /// one of its points does.
-fn check_apart(outline: &Outline) -> Result<(), OutlineError> {
+fn check_apart(rings: &[&[[f64; 2]]]) -> Result<(), OutlineError> {
     let ring = |points: &[[f64; 2]]| {
         let polygon = geo::Polygon::new(points.iter().copied().collect(), Vec::new());
         (polygon, bounds(points))
@@ -97,9 +102,9 @@ fn check_apart(outline: &Outline) -> Result<(), OutlineError> {
         (0..2).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]))
             && polygon.coordinate_position(&point.into()) == CoordPos::Inside
     };
-    let exterior = ring(outline.exterior());
-    let holes: Vec<_> = outline.holes().iter().map(|hole| ring(hole)).collect();
-    for (index, hole) in outline.holes().iter().enumerate() {
+    let (exterior, inner) = (ring(rings[0]), &rings[1..]);
+    let holes: Vec<_> = inner.iter().map(|hole| ring(hole)).collect();
+    for (index, hole) in inner.iter().enumerate() {
         if !within(hole[0], &exterior) {
             return Err(OutlineError::Holes {
                 reason: format!("hole {index} is not within the exterior"),
@@ -125,18 +130,16 @@ fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
 
 /// Rings that meet in single points may do so by the rules for polygons as long as they do not
 /// cross there; the general check knows, but takes time with the square of the number of edges.
-fn check_touching(outline: &Outline) -> Result<(), OutlineError> {
+fn check_touching(rings: &[&[[f64; 2]]]) -> Result<(), OutlineError> {
     use geo::algorithm::validation::InvalidPolygon as Invalid;
     const LONGEST: usize = 20_000;
-    if outline.rings().map(<[_]>::len).sum::<usize>() > LONGEST {
+    if rings.iter().map(|points| points.len()).sum::<usize>() > LONGEST {
         let reason = "two of its rings touch".to_owned();
         return Err(OutlineError::Holes { reason });
     }
     let ring = |points: &[[f64; 2]]| points.iter().copied().collect::<geo::LineString>();
-    let polygon = geo::Polygon::new(
-        ring(&outline.exterior),
-        outline.holes.iter().map(|hole| ring(hole)).collect(),
-    );
+    let polygon =
+        geo::Polygon::new(ring(rings[0]), rings[1..].iter().map(|hole| ring(hole)).collect());
     match polygon.check_validation() {
         Ok(()) => Ok(()),
         Err(Invalid::SelfIntersection(_)) => {

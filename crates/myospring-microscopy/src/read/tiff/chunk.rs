@@ -8,11 +8,11 @@ use std::io::Cursor;
 
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 
-use super::damaged;
 use super::directory::{Directory, File, Tag};
 use super::page::{Format, Page};
 use crate::read::PictureError;
 use crate::read::canvas::unpack;
+use crate::read::error::damaged_tiff;
 
 /// More than any of the compressions can shrink: LZW has codes of 12 bits for up to 4096 bytes.
 const MOST_EXPANSION: u64 = 4096;
@@ -64,7 +64,7 @@ impl Chunk {
         ];
         let mut bytes = head(file.big_endian, &tags);
         bytes.extend_from_slice(data);
-        let failed = |error| damaged(format!("strip or tile {index}: {error}"));
+        let failed = |error| damaged_tiff(format!("strip or tile {index}: {error}"));
         let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?;
         // Sizes were checked when the page was read.
         decoder = decoder.with_limits(Limits::unlimited());
@@ -116,7 +116,7 @@ fn data<'a>(
     };
     let whole = file.bytes.len() as u64;
     let decoded = page.row_bytes() * u64::from(rows);
-    let missing = || damaged(format!("strip or tile {index} is not in its list"));
+    let missing = || damaged_tiff(format!("strip or tile {index} is not in its list"));
     let start = file.integer(directory, offsets, index).ok_or_else(missing)?;
     // Of uncompressed data the length is known; some programs state it wrongly.
     let (length, cut) = if page.compression == 1 {
@@ -126,14 +126,16 @@ fn data<'a>(
     };
     let end = start.saturating_add(length);
     if start >= whole || (cut && end > whole) {
-        return Err(damaged(format!(
+        return Err(damaged_tiff(format!(
             "strip or tile {index} lies at bytes {start} to {end}, but the file has {whole} bytes"
         )));
     }
     let data = &file.bytes[start as usize..end.min(whole) as usize];
     if decoded > (data.len() as u64 + 1) * MOST_EXPANSION {
         let found = data.len();
-        return Err(damaged(format!("strip or tile {index}: {found} bytes cannot hold {decoded}")));
+        return Err(damaged_tiff(format!(
+            "strip or tile {index}: {found} bytes cannot hold {decoded}"
+        )));
     }
     Ok(data)
 }

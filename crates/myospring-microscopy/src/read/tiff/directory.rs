@@ -4,8 +4,8 @@
 
 use std::collections::HashSet;
 
-use super::damaged;
 use crate::read::PictureError;
+use crate::read::error::damaged_tiff;
 
 /// Most pages that a file may have.
 const MOST_PAGES: usize = 100_000;
@@ -119,11 +119,12 @@ impl<'a> File<'a> {
     /// All pages in the order of the file.
     pub(super) fn directories(&self) -> Result<Vec<Directory>, PictureError> {
         let (at, size) = if self.wide { (8, 8) } else { (4, 4) };
-        let mut next = self.number(at, size).ok_or_else(|| damaged("it ends in its header"))?;
+        let mut next =
+            self.number(at, size).ok_or_else(|| damaged_tiff("it ends in its header"))?;
         let (mut directories, mut seen, mut entries) = (Vec::new(), HashSet::new(), 0);
         while next != 0 {
             if !seen.insert(next) {
-                return Err(damaged("its list of pages runs in a circle"));
+                return Err(damaged_tiff("its list of pages runs in a circle"));
             }
             let page = directories.len();
             if page == MOST_PAGES || entries > MOST_ENTRIES {
@@ -134,13 +135,13 @@ impl<'a> File<'a> {
                 });
             }
             let (directory, count, following) = self.directory(next).ok_or_else(|| {
-                damaged(format!("the tags of page {page} lie beyond the end of the file"))
+                damaged_tiff(format!("the tags of page {page} lie beyond the end of the file"))
             })?;
             directories.push(directory);
             entries += count;
             next = following;
         }
-        if directories.is_empty() { Err(damaged("it has no pages")) } else { Ok(directories) }
+        if directories.is_empty() { Err(damaged_tiff("it has no pages")) } else { Ok(directories) }
     }
 
     /// One directory, the number of its entries, and where the next one is (0: there is none);

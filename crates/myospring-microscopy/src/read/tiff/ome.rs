@@ -7,10 +7,10 @@ use std::borrow::Cow;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use super::damaged;
 use super::planes::{Axis, CHANNEL_FIRST, MOST_PLANES, Planes, Run};
 use crate::picture::PixelSizeSource;
 use crate::read::PictureError;
+use crate::read::error::damaged_tiff;
 use crate::read::pixel_size::{Stated, unit_um};
 
 /// Longest description that is read, bytes.
@@ -51,7 +51,7 @@ pub(super) fn is_ome(description: &str) -> bool {
 impl Ome {
     /// Reads the document.
     pub(super) fn read(xml: &str) -> Result<Self, PictureError> {
-        let unclear = |error: String| damaged(format!("its OME-XML is damaged ({error})"));
+        let unclear = |error: String| damaged_tiff(format!("its OME-XML is damaged ({error})"));
         if xml.len() > MOST_XML {
             return Err(unclear(format!("{} bytes, at most {MOST_XML} are read", xml.len())));
         }

@@ -1,9 +1,10 @@
 //! What one page of a TIFF file holds, checked.
 
-use super::damaged;
 use super::directory::{Directory, File, Tag};
 use crate::picture::Samples;
-use crate::read::{PictureError, check_memory, check_size};
+use crate::read::PictureError;
+use crate::read::check::{check_memory, check_size};
+use crate::read::error::damaged_tiff;
 
 /// Most samples that a pixel may have.
 const MOST_SAMPLES: u64 = 1024;
@@ -58,7 +59,7 @@ impl Grid {
 pub(super) fn size(file: &File, directory: &Directory) -> Result<(u32, u32), PictureError> {
     let side = |tag, name| {
         let side = file.integer(directory, tag, 0);
-        side.ok_or_else(|| damaged(format!("a page does not say its {name}")))
+        side.ok_or_else(|| damaged_tiff(format!("a page does not say its {name}")))
             .map(|side| u32::try_from(side).unwrap_or(u32::MAX))
     };
     Ok((side(Tag::Width, "width")?, side(Tag::Height, "height")?))
@@ -70,7 +71,7 @@ impl Page {
         let (width, height) = size(file, directory)?;
         check_size(width, height)?;
         if width == 0 || height == 0 {
-            return Err(damaged(format!("it declares {width} x {height} pixels")));
+            return Err(damaged_tiff(format!("it declares {width} x {height} pixels")));
         }
         let value = |tag, otherwise| file.integer(directory, tag, 0).unwrap_or(otherwise);
         let compression = value(Tag::Compression, 1) as u16;
@@ -262,6 +263,6 @@ fn grid(file: &File, directory: &Directory, width: u32, height: u32) -> Result<G
             across: width.div_ceil(columns),
             down: height.div_ceil(rows),
         }),
-        _ => Err(damaged(format!("its strips or tiles are {columns} x {rows} pixels"))),
+        _ => Err(damaged_tiff(format!("its strips or tiles are {columns} x {rows} pixels"))),
     }
 }

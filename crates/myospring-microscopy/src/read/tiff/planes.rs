@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::read::{PictureError, check_range};
+use crate::read::PictureError;
+use crate::read::check::check_range;
 
 /// Most channels, frames or slices that a file may declare.
 pub(super) const MOST_PLANES: u64 = 1_000_000;

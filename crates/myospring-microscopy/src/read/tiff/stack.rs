@@ -1,6 +1,5 @@
 //! What the pages of a file mean, from OME-XML, ImageJ's description, or neither.
 
-use super::damaged;
 use super::directory::{Directory, File, Tag};
 use super::imagej::{self, ImageJ};
 use super::ome::{self, Ome};
@@ -8,6 +7,7 @@ use super::page::{self, Page};
 use super::planes::{Axis, Planes};
 use crate::picture::{PixelSizeSource, Selection};
 use crate::read::PictureError;
+use crate::read::error::damaged_tiff;
 use crate::read::pixel_size::Stated;
 
 /// What the pages of a file mean, and what it says about the size of a pixel.
@@ -76,7 +76,7 @@ impl Stack {
         }
         let axis = if selection.depth.is_some() { Axis::Slice } else { Axis::Frame };
         let planes = planes.or_else(|| imagej::series(axis, count));
-        let planes = planes.ok_or_else(|| damaged(format!("it has {count} pages")))?;
+        let planes = planes.ok_or_else(|| damaged_tiff(format!("it has {count} pages")))?;
         Ok(Self { planes, pages, sizes })
     }
 

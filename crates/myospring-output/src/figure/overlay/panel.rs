@@ -31,7 +31,7 @@ pub(super) struct View {
 
 impl View {
     pub(super) fn whole(overlay: &Overlay<'_>) -> Self {
-        let pixel = overlay.pixel_size_um;
+        let pixel = overlay.pixel_size.um();
         let [width, height] = [overlay.width, overlay.height];
         Self {
             pixels: [0, width, 0, height],

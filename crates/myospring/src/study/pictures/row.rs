@@ -38,7 +38,7 @@ impl CellRow {
             numbers: Vec::new(),
             warnings: cells.notes.join("; "),
         };
-        row.number("pixel_size_um", cells.pixel_size_um);
+        row.number("pixel_size_um", cells.pixel_size.um());
         row.number("confidence", cell.confidence.score);
         row.number("contrast", cell.confidence.contrast);
         row.number("area_um2", shape.area_um2);

@@ -5,8 +5,8 @@
 //! leave behind; eliminated, they are columns of the factor, and what remains is the front's own update
 //! (multifrontal method, `liu_1992`). All that depends on the pattern alone is found here.
 
-use super::FactorError;
 use super::dissection::{Dissection, Graph};
+use super::error::FactorError;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use std::ops::Range;
 

@@ -4,6 +4,7 @@ use crate::mesh::Mesh;
 use crate::mesh::built_in::BuiltIn;
 use crate::mesh::lattice::{self, LatticeError};
 use crate::mesh::outline::{Outline, OutlineError};
+use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::MeshReport;
 use crate::microscopy::cells::{CellError, Options, PictureCell, PictureCells};
 use crate::microscopy::outlines::{
@@ -39,11 +40,53 @@ pub enum Source {
     Outline {
         /// The file, as written.
         path: String,
-        /// Side of one pixel, um, of outlines in pixels.
-        pixel_size: Option<f64>,
+        /// Side of one pixel of outlines in pixels.
+        pixel_size: Option<PixelSize>,
         /// Which of several outlines.
         choice: Choice,
     },
+}
+
+/// Endings of pictures, without the dot.
+pub const PICTURE_ENDINGS: &[&str] = &["png", "tif", "tiff"];
+
+/// Endings of files of outlines, without the dot.
+pub const OUTLINE_ENDINGS: &[&str] = &["geojson", "json", "csv", "roi", "zip", "txt"];
+
+impl Source {
+    /// The picture, if it is one.
+    pub fn picture(&self) -> Option<&PictureSource> {
+        match self {
+            Self::Picture(picture) => Some(picture),
+            _ => None,
+        }
+    }
+
+    /// The picture, if it is one.
+    pub fn picture_mut(&mut self) -> Option<&mut PictureSource> {
+        match self {
+            Self::Picture(picture) => Some(picture),
+            _ => None,
+        }
+    }
+
+    /// Which cell of a picture or of a file of outlines is taken.
+    pub fn choice(&self) -> Option<Choice> {
+        match self {
+            Self::BuiltIn(_) => None,
+            Self::Picture(picture) => Some(picture.choice),
+            Self::Outline { choice, .. } => Some(*choice),
+        }
+    }
+
+    /// Which cell of a picture or of a file of outlines is taken.
+    pub fn choice_mut(&mut self) -> Option<&mut Choice> {
+        match self {
+            Self::BuiltIn(_) => None,
+            Self::Picture(picture) => Some(&mut picture.choice),
+            Self::Outline { choice, .. } => Some(choice),
+        }
+    }
 }
 
 /// The bytes of the files that hold the shape.
@@ -262,10 +305,12 @@ impl Shape {
         let drawn = matches!(ending.as_str(), "roi" | "zip" | "txt");
         let several = pixel_size.is_some() || choice != Choice::Largest;
         let (outline, notes) = if drawn || (several && ending != "csv") {
-            let Some(pixel_size_um) = pixel_size.or((!drawn).then_some(1.0)) else {
+            // What has a unit of its own needs none.
+            let own_unit = (!drawn).then_some(PixelSize::MICROMETRE);
+            let Some(pixel_size) = pixel_size.or(own_unit) else {
                 return Err(ShapeError::NoPixelSize { path });
             };
-            chosen(&path, bytes, pixel_size_um, choice)?
+            chosen(&path, bytes, pixel_size, choice)?
         } else {
             let Ok(text) = std::str::from_utf8(bytes) else {
                 return Err(ShapeError::NotText { path });
@@ -307,10 +352,10 @@ impl PictureSource {
 fn chosen(
     path: &str,
     bytes: &[u8],
-    pixel_size_um: f64,
+    pixel_size: PixelSize,
     choice: Choice,
 ) -> Result<(Outline, Vec<String>), ShapeError> {
-    let placement = Placement::Bounds { pixel_size_um };
+    let placement = Placement::Bounds { pixel_size };
     let options = ReadOptions { placement, silent_unit: CoordinateUnit::default() };
     let mut given = read_outlines(bytes, path, &options)
         .map_err(|cause| ShapeError::OutlineFile { path: path.to_owned(), cause })?;

@@ -1,0 +1,158 @@
+//! The options that stand for settings, made from the library's table of them.
+
+use clap::builder::ValueParser;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
+use myospring::settings::{CommandOption, Kind, Setting, Table, Value, tables};
+use std::marker::PhantomData;
+
+/// A setting that was given, with its value.
+pub(crate) type Given = (&'static Setting, Value);
+
+/// Which tables of settings a command has options for.
+pub(crate) trait Scope {
+    /// Whether it has those of a table.
+    fn has(table: &Table) -> bool;
+}
+
+/// Where the cell's shape comes from.
+#[derive(Debug)]
+pub(crate) struct Shape;
+
+impl Scope for Shape {
+    fn has(table: &Table) -> bool {
+        ["shape", "segmentation"].contains(&table.name)
+    }
+}
+
+/// What beats, and how: every table.
+#[derive(Debug)]
+pub(crate) struct Beat;
+
+impl Scope for Beat {
+    fn has(_: &Table) -> bool {
+        true
+    }
+}
+
+/// The settings that options give.
+#[derive(Debug)]
+pub(crate) struct Settings<S> {
+    given: Vec<Given>,
+    scope: PhantomData<S>,
+}
+
+impl<S> Settings<S> {
+    /// The value of a key, if its option was given.
+    pub(crate) fn get(&self, key: &str) -> Option<&Value> {
+        self.given.iter().find(|(setting, _)| setting.key == key).map(|(_, value)| value)
+    }
+
+    /// Whether every cell was asked for.
+    pub(crate) fn all_cells(&self) -> bool {
+        self.given.iter().any(is_all_cells)
+    }
+
+    /// What overrides a run file; `--cell all` does not.
+    pub(crate) fn overrides(&self) -> Vec<Given> {
+        self.given.iter().filter(|given| !is_all_cells(given)).cloned().collect()
+    }
+
+    /// Of these the cell model alone.
+    pub(crate) fn model(&self) -> Vec<Given> {
+        self.given.iter().filter(|(setting, _)| setting.key == "cell.model").cloned().collect()
+    }
+}
+
+fn is_all_cells((setting, value): &Given) -> bool {
+    setting.key == "segmentation.cell" && value.as_text() == Some("all")
+}
+
+/// The settings with an option, in the order of the help: the cell's shape comes first.
+fn options<S: Scope>() -> impl Iterator<Item = (&'static Table, &'static Setting, CommandOption)> {
+    let of = |shape| move |table: &&Table| Shape::has(table) == shape && S::has(table);
+    let tables = tables().iter().filter(of(true)).chain(tables().iter().filter(of(false)));
+    tables
+        .flat_map(|table| table.settings.iter().map(move |setting| (table, setting)))
+        .filter_map(|(table, setting)| Some((table, setting, setting.option?)))
+}
+
+impl<S: Scope> Args for Settings<S> {
+    fn augment_args(command: Command) -> Command {
+        options::<S>().fold(command, |command, (table, setting, option)| {
+            command.arg(argument(table, setting, option))
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<S: Scope> FromArgMatches for Settings<S> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let given = options::<S>()
+            .filter_map(|(_, setting, _)| Some((setting, value(setting, matches)?)))
+            .collect();
+        Ok(Self { given, scope: PhantomData })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// The option of a setting, which clap knows by its key.
+fn argument(table: &Table, setting: &'static Setting, option: CommandOption) -> Arg {
+    let argument = Arg::new(setting.key)
+        .long(option.name.trim_start_matches('-'))
+        .help(help(setting, option))
+        .help_heading(table.heading);
+    let parser = match setting.kind {
+        Kind::Flag { .. } => return argument.action(ArgAction::SetTrue),
+        Kind::Whole { .. } => value_parser!(i64).into(),
+        _ => ValueParser::string(),
+    };
+    // What may be negative, so that a wrong sign gets the message on its bounds.
+    let signed =
+        matches!(setting.kind, Kind::Whole { .. } | Kind::Quantity { .. } | Kind::Written { .. });
+    argument.value_name(option.value).value_parser(parser).allow_hyphen_values(signed)
+}
+
+fn value(setting: &Setting, matches: &ArgMatches) -> Option<Value> {
+    match setting.kind {
+        Kind::Flag { .. } => matches.get_flag(setting.key).then_some(Value::Flag(true)),
+        Kind::Whole { .. } => matches.get_one(setting.key).copied().map(Value::Whole),
+        _ => matches.get_one(setting.key).cloned().map(Value::Text),
+    }
+}
+
+/// What it is, its words or an example, and what happens where it is left out.
+fn help(setting: &Setting, option: CommandOption) -> String {
+    let about = option.help.unwrap_or(setting.doc.trim_end_matches('.'));
+    let names: Vec<&str> = setting.words().iter().map(|word| word.name).collect();
+    // Some explain their words one by one.
+    let words = if names.iter().any(|name| about.contains(name)) || names.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", names.join(", "))
+    };
+    let default = match setting.otherwise {
+        Some(otherwise) => Some(otherwise.to_owned()),
+        None => match setting.default() {
+            // A value with a space is written in quotes.
+            Some(Value::Text(text)) if !text.contains(' ') => Some(text),
+            value => value.map(|value| value.to_string()),
+        },
+    };
+    let example = match (setting.kind, setting.example()) {
+        (Kind::Quantity { .. }, Some(example @ Value::Text(_))) => format!(" ({example})"),
+        _ => String::new(),
+    };
+    match default {
+        None => format!("{about}{words}{example}"),
+        // A default with its unit is an example, too.
+        Some(default) if default.starts_with('"') => format!("{about}{words} [default: {default}]"),
+        Some(default) => format!("{about}{words}{example} [default: {default}]"),
+    }
+}

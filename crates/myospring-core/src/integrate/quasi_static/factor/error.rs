@@ -1,0 +1,10 @@
+//! Why a stiffness has no factor.
+
+/// Why there is no factor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum FactorError {
+    /// The stiffness is not positive definite.
+    Indefinite,
+    /// The factor does not fit into memory, or has too many entries to be numbered.
+    TooLarge,
+}

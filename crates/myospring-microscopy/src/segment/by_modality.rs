@@ -1,0 +1,70 @@
+//! The plane is checked, and segmented as the picture was taken.
+
+use super::{
+    Modality, SegmentError, Segmentation, Settings, brightfield, fluorescence, labels, modality,
+};
+use crate::plane::Plane;
+use myospring_core::mesh::pixel_size::PixelSize;
+
+/// Scales of smoothing that may be asked for, um.
+const SMOOTH_UM: [f64; 2] = [0.0, 20.0];
+
+/// Finds the cells of a plane.
+///
+/// # Errors
+/// A pixel size or setting out of range, pixels that are not finite, a blank picture, or no cell.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::pixel_size::PixelSize;
+/// use myospring::microscopy::plane::Plane;
+/// use myospring::microscopy::segment::{Choice, Settings, segment};
+/// // A bright disc of radius 20 um on a dark ground, pixels of 0.5 um.
+/// let value = |x: f64, y: f64| if (x - 60.0).hypot(y - 60.0) < 40.0 { 900.0 } else { 100.0 };
+/// let values = (0..120 * 120).map(|at| value(f64::from(at % 120), f64::from(at / 120)) as f32);
+/// let plane = Plane::new(120, 120, values.collect()).unwrap();
+/// let pixel = PixelSize::new(0.5).unwrap();
+/// let cells = segment(&plane, pixel, &Settings::default()).unwrap();
+/// let cell = cells.choose(Choice::Largest, false).unwrap();
+/// assert!((cell.area_um2 / 1256.6 - 1.0).abs() < 0.05);
+/// ```
+pub fn segment(
+    plane: &Plane,
+    pixel_size: PixelSize,
+    settings: &Settings,
+) -> Result<Segmentation, SegmentError> {
+    check(plane, settings)?;
+    let [low, high] = plane.range();
+    if low == high {
+        let (width, height) = (plane.width(), plane.height());
+        return Err(SegmentError::Blank { width, height, value: low });
+    }
+    let mut notes = Vec::new();
+    let modality = match settings.modality {
+        Modality::Auto => modality::guess(plane, pixel_size, &mut notes),
+        given => given,
+    };
+    match modality {
+        Modality::Mask => labels::segment(plane, pixel_size, notes),
+        Modality::Brightfield => brightfield::segment(plane, pixel_size, settings, notes),
+        _ => fluorescence::segment(plane, pixel_size, settings, notes),
+    }
+}
+
+fn check(plane: &Plane, settings: &Settings) -> Result<(), SegmentError> {
+    if let Some(at) = plane.values().iter().position(|value| !value.is_finite()) {
+        let (column, row) = (at % plane.width(), at / plane.width());
+        return Err(SegmentError::NotFinite { column, row, value: plane.values()[at] });
+    }
+    let [low, high] = SMOOTH_UM;
+    let smooth = settings.smooth_um.unwrap_or(low);
+    let range = |what, value: f64, unit, low, high| {
+        if (low..=high).contains(&value) {
+            return Ok(());
+        }
+        Err(SegmentError::Setting { what, value, unit, low, high })
+    };
+    range("the scale of smoothing", smooth, "um", low, high)?;
+    range("the smallest cell", settings.smallest_cell_um2, "um^2", 0.0, 1e6)?;
+    range("the threshold", settings.threshold.unwrap_or(0.0), "", -1e12, 1e12)
+}

@@ -1,0 +1,127 @@
+//! A run file as values by key, and as TOML.
+
+use super::error::RunFileError;
+use crate::settings::{Failure, Named, Problem, Setting, Value, find, table, tables};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// A run file as it was written: values by key, of which every one may be absent.
+///
+/// # Example
+/// ```
+/// use myospring::run_file::RunFile;
+/// let mut file = RunFile::default();
+/// file.set("material.thickness", "8 um")?;
+/// assert_eq!(file.resolve()?.material.thickness, 8.0);
+/// assert_eq!(file.to_toml(), "[material]\nthickness = \"8 um\"\n");
+/// # Ok::<(), myospring::run_file::RunFileError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RunFile {
+    pub(super) values: BTreeMap<&'static str, Value>,
+}
+
+impl RunFile {
+    /// The value of a key, if it was given.
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        self.values.get(key)
+    }
+
+    /// Whether a key was given.
+    pub fn has(&self, key: &str) -> bool {
+        self.values.contains_key(key)
+    }
+
+    /// Gives a key a value.
+    ///
+    /// # Errors
+    /// An unknown key, or a value of the wrong kind.
+    pub fn set(&mut self, key: &str, value: impl Into<Value>) -> Result<(), RunFileError> {
+        let Some(setting) = find(key) else {
+            let known = table().map(|setting| setting.key);
+            return Err(RunFileError::bare((key.to_owned(), Problem::unknown_key(key, "", known))));
+        };
+        self.take(setting, value.into()).map_err(RunFileError::bare)
+    }
+
+    /// Takes a key out.
+    pub fn remove(&mut self, key: &str) {
+        self.values.remove(key);
+    }
+
+    pub(super) fn take(&mut self, setting: &Setting, value: Value) -> Result<(), Failure> {
+        self.values.insert(setting.key, setting.accept(value)?);
+        Ok(())
+    }
+
+    /// The names of files in it.
+    pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        self.values.iter_mut().filter_map(|(key, value)| match value {
+            Value::Text(path) if find(key).is_some_and(Setting::is_file) => Some(path),
+            _ => None,
+        })
+    }
+
+    /// The run file as TOML; reading it gives the same run file.
+    pub fn to_toml(&self) -> String {
+        let mut parts = Vec::new();
+        for table in tables() {
+            let mut part = String::new();
+            let given = table.settings.iter().filter_map(|row| Some((row, self.get(row.key)?)));
+            for (setting, value) in given {
+                match value {
+                    // The last of its table, so that the table's other keys stay its own.
+                    Value::Named(values) => {
+                        let _ = write!(part, "\n[{}]\n{}", setting.key, rows(values));
+                    }
+                    value => {
+                        let _ = writeln!(part, "{} = {}", setting.name(), written(value));
+                    }
+                }
+            }
+            if !part.is_empty() {
+                let head = if table.name.is_empty() {
+                    String::new()
+                } else {
+                    format!("[{}]\n", table.name)
+                };
+                parts.push(head + &part);
+            }
+        }
+        parts.join("\n")
+    }
+}
+
+/// A value as TOML has it.
+pub(super) fn written(value: &Value) -> String {
+    to_toml(value).to_string()
+}
+
+pub(super) fn to_toml(value: &Value) -> toml::Value {
+    match value {
+        Value::Flag(flag) => (*flag).into(),
+        Value::Whole(number) => (*number).into(),
+        Value::Number(number) => (*number).into(),
+        Value::Text(text) => text.as_str().into(),
+        Value::Named(values) => toml::Value::Table(rows(values)),
+    }
+}
+
+fn rows(values: &Named) -> toml::Table {
+    values.iter().map(|(name, value)| (name.clone(), to_toml(value))).collect()
+}
+
+/// A value of TOML; `None` for lists and dates, which no setting takes.
+pub(super) fn from_toml(value: &toml::Value) -> Option<Value> {
+    Some(match value {
+        toml::Value::Boolean(flag) => Value::Flag(*flag),
+        toml::Value::Integer(number) => Value::Whole(*number),
+        toml::Value::Float(number) => Value::Number(*number),
+        toml::Value::String(text) => Value::from(text.as_str()),
+        toml::Value::Table(rows) => {
+            let rows = rows.iter().map(|(name, value)| Some((name.clone(), from_toml(value)?)));
+            Value::Named(rows.collect::<Option<_>>()?)
+        }
+        toml::Value::Array(_) | toml::Value::Datetime(_) => return None,
+    })
+}

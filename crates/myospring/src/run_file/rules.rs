@@ -1,0 +1,261 @@
+//! What several settings have to keep together.
+
+use super::file::RunFile;
+use crate::cell::pacing::Stimulus;
+use crate::integrate::Method;
+use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::area::AreaLaw;
+use crate::mechanics::support::SupportKind;
+use crate::settings::{self, Failure, Fibre, Problem, Run, Source, Value};
+
+type Checked = Result<(), Failure>;
+
+/// Most samples and shapes that a run may record.
+const MOST_SAMPLES: f64 = 5e6;
+const MOST_FRAMES: f64 = 1e5;
+
+/// Keys of which only one may be given, and what to do.
+const ALTERNATIVES: [(&[&str], &str); 3] = [
+    (
+        &["shape.built_in", "shape.picture", "shape.outline"],
+        "a cell has one shape; leave one of them out",
+    ),
+    (
+        &["material.young_modulus", "material.spring_stiffness"],
+        "each follows from the other; leave one of them out",
+    ),
+    (
+        &["shape.label", "segmentation.seed", "segmentation.cell"],
+        "each chooses the cell; leave one of them out",
+    ),
+];
+
+/// A support that gives way: its word, the key of its stiffness, why that is needed, and what to do
+/// where another support has it.
+struct Springs {
+    support: &'static str,
+    key: &'static str,
+    reason: &'static str,
+    advice: &'static str,
+}
+
+const SPRINGS: [Springs; 2] = [
+    Springs {
+        support: "spring-held-ends",
+        key: "mechanics.end_stiffness",
+        reason: "the springs at the ends need their stiffness: give it like end_stiffness = \
+                 \"100 nN/um\", or --end-stiffness \"100 nN/um\"",
+        advice: "only support = \"spring-held-ends\" has it; choose that support or leave it out",
+    },
+    Springs {
+        support: "elastic-bed",
+        key: "mechanics.bed_stiffness",
+        reason: "an elastic bed needs its stiffness: give it like bed_stiffness = \"0.5 \
+                 kPa/um\", or --bed-stiffness \"0.5 kPa/um\"",
+        advice: "only support = \"elastic-bed\" has it; choose that support or leave it out",
+    },
+];
+
+/// Keys that an option puts out of force, when it sets this key to this value.
+pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
+    let word = value.as_text();
+    match key {
+        "mechanics.support" => {
+            let others = SPRINGS.iter().filter(|springs| word != Some(springs.support));
+            others.map(|springs| springs.key).collect()
+        }
+        "numerics.integrator" if word == Some("quasi-static") => vec!["numerics.time_step"],
+        _ => {
+            let groups = ALTERNATIVES.iter().map(|(keys, _)| *keys);
+            groups.filter(|keys| keys.contains(&key)).flatten().copied().collect()
+        }
+    }
+}
+
+/// Checks a run against the run file that it was made from.
+pub(super) fn check(file: &RunFile, run: &Run) -> Checked {
+    alternatives(file)?;
+    cell_model(file, run)?;
+    stimulus(file, run)?;
+    shape(file, run)?;
+    fibre(file, run)?;
+    support(file, run)?;
+    method(file, run)?;
+    times(run)
+}
+
+fn exclude(first: &'static str, second: &'static str, advice: &'static str) -> Checked {
+    Err((second.to_owned(), Problem::Conflict { first, second, advice }))
+}
+
+fn alternatives(file: &RunFile) -> Checked {
+    for (keys, advice) in ALTERNATIVES {
+        let mut given = keys.iter().filter(|key| file.has(key));
+        if let (Some(first), Some(second)) = (given.next(), given.next()) {
+            return exclude(first, second, advice);
+        }
+    }
+    Ok(())
+}
+
+fn cell_model(file: &RunFile, run: &Run) -> Checked {
+    let authors = file.get("cell.authors_step") == Some(&Value::Flag(true));
+    let taken = ["cell.method", "cell.step", "cell.tolerance"];
+    if let Some(second) = taken.into_iter().find(|key| authors && file.has(key)) {
+        return exclude("cell.authors_step", second, "leave one of them out");
+    }
+    let (second, advice) = if run.numerics.cell.method.chooses_steps() {
+        ("cell.step", "this method chooses its steps by the tolerance; leave the step out")
+    } else {
+        ("cell.tolerance", "only method = \"adaptive\" or \"stiff\" has it; leave it out")
+    };
+    if file.has(second) { exclude("cell.method", second, advice) } else { Ok(()) }
+}
+
+fn stimulus(file: &RunFile, run: &Run) -> Checked {
+    let missing = |reason| {
+        Err(("stimulus".to_owned(), Problem::Missing { key: "stimulus.amplitude", reason }))
+    };
+    let sized = file.has("stimulus.amplitude");
+    let lasts = file.has("stimulus.duration");
+    match (run.protocol.stimulus, run.cell.default_stimulus()) {
+        (Stimulus::Jump { .. }, _) if lasts => {
+            return exclude(
+                "stimulus.kind",
+                "stimulus.duration",
+                "a jump takes no time; leave the duration out or give kind = \"pulse\"",
+            );
+        }
+        (Stimulus::Jump { .. }, Stimulus::Pulse { .. }) if !sized => {
+            return missing("this cell model has no jump of its own; give its size");
+        }
+        (Stimulus::Pulse { .. }, Stimulus::Jump { .. }) if !(sized && lasts) => {
+            return missing("this cell model has no pulse of its own; give its size and duration");
+        }
+        _ => {}
+    }
+    let valid = run.protocol.validate();
+    valid.map_err(|error| ("stimulus".to_owned(), Problem::Stimulus(error)))
+}
+
+/// Keys that only a picture has, or only a picture and a file of outlines.
+fn shape(file: &RunFile, run: &Run) -> Checked {
+    const ADVICE: &str = "only a picture has it; leave it out";
+    let source = match run.shape.source {
+        Source::Picture(_) => {
+            if file.has("shape.rotate") {
+                let advice =
+                    "a picture is not turned; the fibre follows the cell's long axis anyway";
+                return exclude("shape.picture", "shape.rotate", advice);
+            }
+            return Ok(());
+        }
+        Source::Outline { .. } => "shape.outline",
+        Source::BuiltIn(_) => "shape.built_in",
+    };
+    let of_outlines = ["shape.pixel_size", "shape.label", "segmentation.cell"];
+    let of_pictures = settings::table()
+        .map(|setting| setting.key)
+        .filter(|key| key.starts_with("segmentation.") && !of_outlines.contains(key));
+    let built_in = matches!(run.shape.source, Source::BuiltIn(_));
+    let refused = of_pictures.chain(of_outlines.into_iter().filter(|_| built_in));
+    match refused.into_iter().find(|key| file.has(key)) {
+        Some(key) => exclude(source, key, ADVICE),
+        None => Ok(()),
+    }
+}
+
+fn fibre(file: &RunFile, run: &Run) -> Checked {
+    if matches!(run.fibre, Fibre::Picture(_)) {
+        if matches!(run.shape.source, Source::Picture(_)) {
+            return Ok(());
+        }
+        let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \
+                      \"long axis\" or an angle";
+        let problem = Problem::Missing { key: "shape.picture", reason };
+        return Err(("mechanics.fibre".to_owned(), problem));
+    }
+    let of_picture = ["mechanics.stain", "mechanics.fibre_smoothing"];
+    match of_picture.into_iter().find(|key| file.has(key)) {
+        Some(second) => exclude(
+            "mechanics.fibre",
+            second,
+            "only fibre = \"picture\" has it; choose that or leave it out",
+        ),
+        None => Ok(()),
+    }
+}
+
+fn support(file: &RunFile, run: &Run) -> Checked {
+    let holder = match run.support {
+        SupportKind::SpringHeldEnds { .. } => Some("spring-held-ends"),
+        SupportKind::ElasticBed { .. } => Some("elastic-bed"),
+        SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => None,
+    };
+    for Springs { support, key, reason, advice } in SPRINGS {
+        match (holder == Some(support), file.has(key)) {
+            (true, false) => {
+                let problem = Problem::Missing { key, reason };
+                return Err(("mechanics.support".to_owned(), problem));
+            }
+            (false, true) => return exclude("mechanics.support", key, advice),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Settings without a path of equilibria stand in the way of a quasi-static run.
+fn method(file: &RunFile, run: &Run) -> Checked {
+    if run.numerics.method != Method::QuasiStatic {
+        return Ok(());
+    }
+    let hindrances = [
+        (
+            run.material.area_law != AreaLaw::Gradient,
+            "material.area_law",
+            "this area law has no energy, so the shape is no function of the tension; use \
+             area_law = \"gradient\", or integrator = \"verlet\"",
+        ),
+        (
+            run.active == ActiveLaw::Ends,
+            "mechanics.active",
+            "loads on the ends push the cell from outside and have no path of equilibria; use \
+             active = \"fibre\", or integrator = \"verlet\"",
+        ),
+        (
+            file.has("numerics.time_step"),
+            "numerics.time_step",
+            "equilibria know no time step; leave it out, or use integrator = \"verlet\"",
+        ),
+    ];
+    match hindrances.into_iter().find(|(stands, ..)| *stands) {
+        None => Ok(()),
+        Some((_, second, advice)) => exclude("integrator = \"quasi-static\"", second, advice),
+    }
+}
+
+/// Intervals must divide each other, and there must be room for what they record.
+fn times(run: &Run) -> Checked {
+    let exchange = ("numerics.exchange_interval", run.numerics.exchange_interval);
+    let output = ("numerics.output_interval", run.numerics.output_interval);
+    let frame = ("numerics.frame_interval", run.numerics.frame_interval);
+    let duration = ("run.duration", run.duration);
+    for ((key, value), (unit_key, unit)) in
+        [(output, exchange), (frame, output), (duration, exchange)]
+    {
+        let ratio = value / unit;
+        // A part in a million allows for decimal fractions that binary numbers cannot hold.
+        if ratio.round() < 1.0 || (ratio - ratio.round()).abs() > 1e-6 * ratio {
+            return Err((key.to_owned(), Problem::NotAMultiple { key, value, unit_key, unit }));
+        }
+    }
+    let limits = [(output, "samples", MOST_SAMPLES), (frame, "shapes", MOST_FRAMES)];
+    for ((key, value), what, most) in limits {
+        let count = run.duration / value;
+        if count > most {
+            return Err((key.to_owned(), Problem::TooMany { key, value, count, what, most }));
+        }
+    }
+    Ok(())
+}

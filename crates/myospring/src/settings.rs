@@ -1,0 +1,184 @@
+//! Settings: everything that a user may choose, one row each, and the [`Run`] that they make.
+//!
+//! A row ([`Setting`]) has the key, what its values may be, what it is, its option on the command line, and how it
+//! is read from a run and put into one. Run files, their JSON Schema and template, the options of the
+//! program and its help, and what is written beside results are made from this one table. To add a
+//! setting: one row in `settings/rows/`, and what reads it in [`Run`].
+//!
+//! # Example
+//! ```
+//! use myospring::settings;
+//!
+//! // Every setting with its unit and bounds, such as a form on a page would show it.
+//! for setting in settings::table().filter(|setting| setting.key.starts_with("material.")) {
+//!     let bounds = setting.bounds_in_words().unwrap_or_default();
+//!     println!("{}: {} {bounds} {:?}", setting.key, setting.doc, setting.default());
+//! }
+//! let thickness = settings::find("material.thickness").unwrap();
+//! assert_eq!(thickness.unit(), Some("um"));
+//! assert_eq!(thickness.bounds_in_words().unwrap(), "above 0 um, at most 100 um");
+//! assert_eq!(thickness.default(), Some("10 um".into()));
+//! ```
+
+mod bounds;
+mod problem;
+mod rows;
+mod run;
+mod setting;
+mod shape;
+mod value;
+mod words;
+
+pub use bounds::{Bounds, Whole};
+pub use problem::{Failure, Problem};
+pub use rows::Table;
+pub use run::{Fibre, Run};
+pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
+pub use shape::{
+    OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,
+};
+pub use value::Value;
+pub use words::Word;
+
+/// All settings, table by table.
+pub fn tables() -> &'static [Table] {
+    rows::TABLES
+}
+
+/// All settings in the order in which they are shown and put into a run.
+pub fn table() -> impl Iterator<Item = &'static Setting> {
+    tables().iter().flat_map(|table| table.settings)
+}
+
+/// The setting of a key, if there is one.
+///
+/// # Example
+/// ```
+/// use myospring::settings;
+/// assert!(settings::find("shape.spacing").is_some());
+/// assert!(settings::find("spacing").is_none());
+/// ```
+pub fn find(key: &str) -> Option<&'static Setting> {
+    table().find(|setting| setting.key == key)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::HashSet;
+
+    /// A run in which a setting has a place: some are of a picture, of one support, or of a pulse.
+    fn run_with_place(setting: &Setting) -> Run {
+        let mut run = Run::default_run();
+        let before: &[(&str, &str)] = match setting.key {
+            "cell.tolerance" => &[("cell.method", "adaptive")],
+            "stimulus.duration" => &[("stimulus.kind", "pulse")],
+            "shape.pixel_size" | "shape.label" => &[("shape.picture", "cell.tif")],
+            "mechanics.stain" | "mechanics.fibre_smoothing" => &[("mechanics.fibre", "picture")],
+            "mechanics.end_stiffness" => &[("mechanics.support", "spring-held-ends")],
+            "mechanics.bed_stiffness" => &[("mechanics.support", "elastic-bed")],
+            key if key.starts_with("segmentation.") => &[("shape.picture", "cell.tif")],
+            _ => &[],
+        };
+        for (key, value) in before {
+            find(key).unwrap().set(&mut run, &(*value).into()).unwrap();
+        }
+        run
+    }
+
+    /// What a run has after a setting was put into it.
+    fn round(setting: &Setting, value: &Value) -> Option<Value> {
+        let mut run = run_with_place(setting);
+        setting.set(&mut run, value).unwrap_or_else(|(key, problem)| panic!("{key}: {problem}"));
+        setting.get(&run)
+    }
+
+    #[test]
+    fn every_setting_is_explained_in_its_own_table_under_a_key_and_an_option_of_its_own() {
+        let (mut keys, mut options) = (HashSet::new(), HashSet::new());
+        for table in tables() {
+            for setting in table.settings {
+                let key = setting.key;
+                assert!(keys.insert(key), "{key} twice");
+                assert_eq!(key.rsplit_once('.').map_or("", |(table, _)| table), table.name);
+                assert!(setting.doc.ends_with('.'), "{key}: {}", setting.doc);
+                let Some(option) = setting.option else { continue };
+                assert!(options.insert(option.name), "{} twice", option.name);
+                // Who knows the key knows the option.
+                assert_eq!(option.name, format!("--{}", setting.name().replace('_', "-")));
+                assert_eq!(option.value.is_empty(), matches!(setting.kind, Kind::Flag { .. }));
+            }
+        }
+        assert!(keys.len() > 50);
+    }
+
+    #[test]
+    fn every_default_and_every_example_is_within_the_bounds_and_comes_back() {
+        for setting in table() {
+            for value in setting.default().into_iter().chain(setting.example()) {
+                let back = match setting.key {
+                    // It stands for a method and a step, which come back instead.
+                    "cell.authors_step" => None,
+                    // A parameter comes back as a number in its own unit.
+                    "cell.parameters" => {
+                        Some(Value::Named([("tau_si".to_owned(), 1.9.into())].into()))
+                    }
+                    _ => Some(value.clone()),
+                };
+                assert_eq!(round(setting, &value), back, "{}", setting.key);
+            }
+        }
+    }
+
+    #[test]
+    fn every_word_comes_back() {
+        for setting in table() {
+            for word in setting.words() {
+                // Two names of one method: the shorter comes back.
+                let back = if word.name == "stoermer-verlet" { "verlet" } else { word.name };
+                assert_eq!(round(setting, &word.name.into()), Some(back.into()), "{}", setting.key);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_number_within_its_bounds_comes_back_and_every_other_is_refused(
+            share in 0.0..=1.0_f64, beyond in 1e-9..1e6_f64,
+        ) {
+            for setting in table() {
+                match setting.kind {
+                    Kind::Quantity { bounds, .. } => {
+                        let Bounds { dimension, minimum, maximum, .. } = bounds;
+                        let number = minimum * (1.0 - share) + maximum * share;
+                        let value = bounds.write(number);
+                        if bounds.contains(number) {
+                            prop_assert_eq!(round(setting, &value), Some(value), "{}", setting.key);
+                        }
+                        for outside in [minimum - beyond, maximum + beyond] {
+                            if outside.is_finite() && !bounds.contains(outside) {
+                                let value = crate::units::format(outside, dimension).into();
+                                let set = setting.set(&mut run_with_place(setting), &value);
+                                prop_assert!(
+                                    matches!(set, Err((_, Problem::OutOfBounds { .. }))),
+                                    "{}: {:?}", setting.key, value
+                                );
+                            }
+                        }
+                    }
+                    Kind::Whole { bounds: Whole { minimum, maximum, .. }, .. } => {
+                        let [low, high] = [minimum, maximum].map(i64::from);
+                        let number = low + ((high - low) as f64 * share) as i64;
+                        let value = Value::Whole(number);
+                        prop_assert_eq!(round(setting, &value), Some(value), "{}", setting.key);
+                        for outside in [low - 1 - beyond as i64, high + 1 + beyond as i64] {
+                            prop_assert!(setting.accept(outside.into()).is_err(), "{}", setting.key);
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+}

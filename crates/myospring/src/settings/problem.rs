@@ -1,0 +1,227 @@
+//! What can be wrong with a setting, and how to mend it.
+
+use crate::cell::pacing::ProtocolError;
+use crate::cell::{ModelError, UnknownModel};
+use crate::parameter::ParameterError;
+use crate::units::UnitError;
+
+/// The key to blame, with its tables, and what is wrong.
+pub type Failure = (String, Problem);
+
+/// What is wrong.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// The text is not TOML.
+    #[error("this is not TOML: {reason}")]
+    Syntax {
+        /// What the parser says.
+        reason: String,
+    },
+    /// A key that does not exist.
+    #[error("unknown key `{key}`{}{}", place(table), guess(suggestion.as_ref()))]
+    UnknownKey {
+        /// What was written.
+        key: String,
+        /// The table in which it was written; empty at the top.
+        table: String,
+        /// The key that may be meant.
+        suggestion: Option<String>,
+        /// The keys there are.
+        known: Vec<String>,
+    },
+    /// A word that is none of a list.
+    #[error("`{key}` = \"{word}\" is none of: {}{}", known.join(", "), guess(suggestion.as_ref()))]
+    UnknownWord {
+        /// The key.
+        key: String,
+        /// What was written.
+        word: String,
+        /// The word that may be meant.
+        suggestion: Option<String>,
+        /// The words there are.
+        known: Vec<String>,
+    },
+    /// A value of the wrong kind.
+    #[error("`{key}` is {found}, but {wanted} is needed")]
+    Kind {
+        /// The key.
+        key: String,
+        /// What was written.
+        found: String,
+        /// What is needed.
+        wanted: String,
+    },
+    /// NaN or infinity.
+    #[error("`{key}` = {value} is not a finite number")]
+    NotFinite {
+        /// The key.
+        key: String,
+        /// What was written.
+        value: f64,
+    },
+    /// A value with a wrong unit, or without one.
+    #[error("`{key}`: {cause}")]
+    Unit {
+        /// The key.
+        key: String,
+        /// What is wrong with it.
+        cause: UnitError,
+        /// How it might be written.
+        example: String,
+    },
+    /// A value outside its bounds.
+    #[error("`{key}` = {value} is outside its bounds, {bounds}")]
+    OutOfBounds {
+        /// The key.
+        key: &'static str,
+        /// What was given, with its unit.
+        value: String,
+        /// The bounds, in words.
+        bounds: String,
+        /// A value that would do.
+        example: &'static str,
+    },
+    /// Keys that exclude each other.
+    #[error("`{first}` and `{second}` exclude each other; {advice}")]
+    Conflict {
+        /// One key.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// A key that another one needs.
+    #[error("`{key}` is missing; {reason}")]
+    Missing {
+        /// The key.
+        key: &'static str,
+        /// Why it is needed.
+        reason: &'static str,
+    },
+    /// An interval that does not divide another.
+    #[error("`{key}` = {value} ms is not a multiple of `{unit_key}` = {unit} ms")]
+    NotAMultiple {
+        /// The longer one's key.
+        key: &'static str,
+        /// The longer one, ms.
+        value: f64,
+        /// The shorter one's key.
+        unit_key: &'static str,
+        /// The shorter one, ms.
+        unit: f64,
+    },
+    /// Too much to record.
+    #[error("`{key}` = {value} ms would record {count:.0} {what}, more than {most:.0}")]
+    TooMany {
+        /// The interval's key.
+        key: &'static str,
+        /// The interval, ms.
+        value: f64,
+        /// How many records there would be.
+        count: f64,
+        /// Of what.
+        what: &'static str,
+        /// How many there may be.
+        most: f64,
+    },
+    /// A file whose name does not say what it holds.
+    #[error("`{key}` = \"{path}\" has an ending that is not known")]
+    Ending {
+        /// The key.
+        key: &'static str,
+        /// The file.
+        path: String,
+        /// Endings that are known.
+        known: String,
+    },
+    /// No cell model of that name.
+    #[error("`cell.model`: {0}")]
+    Model(UnknownModel),
+    /// A parameter that does not exist, or a value outside its range.
+    #[error("`cell.parameters`: {0}")]
+    Parameter(ParameterError),
+    /// Parameters that contradict each other.
+    #[error("`cell.parameters`: {0}")]
+    Parameters(ModelError),
+    /// A stimulus that cannot be given.
+    #[error("`stimulus`: {0}")]
+    Stimulus(ProtocolError),
+}
+
+fn place(table: &str) -> String {
+    if table.is_empty() { String::new() } else { format!(" in [{table}]") }
+}
+
+fn guess(suggestion: Option<&String>) -> String {
+    suggestion.map(|word| format!("; did you mean `{word}`?")).unwrap_or_default()
+}
+
+impl Problem {
+    /// A key that is none of those that a table has.
+    pub(crate) fn unknown_key<'a>(
+        key: &str,
+        table: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
+        let (key, table) = (key.to_owned(), table.to_owned());
+        Self::UnknownKey { suggestion: nearest(&key, &known), key, table, known }
+    }
+
+    /// A word that is none of those that a key takes.
+    pub(crate) fn unknown_word<'a>(
+        key: &str,
+        word: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
+        let (key, word) = (key.to_owned(), word.to_owned());
+        Self::UnknownWord { suggestion: nearest(&word, &known), key, word, known }
+    }
+
+    /// How to mend it, where `name` stands before a value.
+    pub(crate) fn advice(&self, name: &str) -> Option<String> {
+        match self {
+            Self::Syntax { .. } => {
+                Some("`myospring init` writes a run file with every key to start from".to_owned())
+            }
+            Self::UnknownKey { table, known, .. } if table.is_empty() => {
+                Some(format!("tables and keys at the top: {}", known.join(", ")))
+            }
+            Self::UnknownKey { table, known, .. } => {
+                Some(format!("keys in [{table}]: {}", known.join(", ")))
+            }
+            Self::Unit { example, .. } => Some(format!("write it like {name}\"{example}\"")),
+            Self::OutOfBounds { example, .. } => {
+                Some(format!("give a value within the bounds, like {name}\"{example}\""))
+            }
+            Self::NotFinite { .. } => Some("give a number, or leave the key out".to_owned()),
+            Self::NotAMultiple { unit, .. } => {
+                Some(format!("give a multiple of {unit} ms, or change that one too"))
+            }
+            Self::TooMany { .. } => Some("give a longer interval or a shorter run".to_owned()),
+            Self::Ending { known, .. } => Some(format!("files that are read: {known}")),
+            Self::Model(_) => Some("`myospring models` lists the cell models".to_owned()),
+            Self::Parameter(_) | Self::Parameters(_) => {
+                Some("`myospring models NAME` lists the parameters with their ranges".to_owned())
+            }
+            Self::UnknownWord { .. }
+            | Self::Kind { .. }
+            | Self::Conflict { .. }
+            | Self::Missing { .. }
+            | Self::Stimulus(_) => None,
+        }
+    }
+}
+
+/// The known word that is most like a written one, if any is alike.
+fn nearest(written: &str, known: &[String]) -> Option<String> {
+    let written = written.to_lowercase();
+    known
+        .iter()
+        .map(|word| (strsim::jaro_winkler(&written, word), word))
+        .filter(|(likeness, _)| *likeness > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, word)| word.clone())
+}

@@ -1,0 +1,228 @@
+//! `[cell]`.
+
+use super::super::bounds::Bounds;
+use super::super::problem::{Failure, Problem};
+use super::super::run::Run;
+use super::super::setting::{Kind, Named, Setting};
+use super::super::value::Value;
+use super::super::words::{Word, Worded, choose, worded};
+use crate::cell::solve::{Method, Settings};
+use crate::cell::{self, CellModel, coelho_2021};
+use crate::simulation::TensionScale;
+use crate::units::{self, Dimension};
+use std::sync::Arc;
+
+worded! { TensionScale {
+    TensionScale::Published = "published":
+        "That of the model's published parameters: a changed parameter changes the strength of \
+         the cell.",
+    TensionScale::OwnPeak = "own-peak":
+        "That of the model as it is, by a reference beat of its own: every cell has the same \
+         peak tension, whatever its parameters.",
+} }
+
+worded! { Method {
+    Method::RungeKutta4 = "runge-kutta-4":
+        "Classical Runge-Kutta, order 4 where the equations are smooth; fixed steps.",
+    Method::ForwardEuler = "forward-euler": "Forward Euler, order 1; fixed steps.",
+    Method::StaggeredEuler = "staggered-euler":
+        "Forward Euler that updates one block of the minimal model after the other, each with the \
+         new values of those before it, order 1; fixed steps. The authors of `coelho_2021` step so.",
+    Method::RushLarsen = "rush-larsen":
+        "Gates by their exact solution at constant potential, the rest by forward Euler, order 1; \
+         fixed steps. For models that name their gates.",
+    Method::Adaptive = "adaptive":
+        "Steps as long as the accuracy allows, cut at the model's switches; for the minimal model \
+         only.",
+    Method::Stiff = "stiff":
+        "Implicit steps as long as the accuracy allows, for models whose equations do not jump; \
+         made for stiff ones.",
+} }
+
+const PARAMETERS: &str = "cell.parameters";
+
+pub(super) const ROWS: &[Setting] = &[
+    Setting::new(
+        "cell.model",
+        "Cell model; `myospring models` lists them.",
+        Kind::Text { get: |run| Some(run.cell.name().to_owned()), set: set_model },
+    )
+    .option("--model", "NAME"),
+    Setting::quantity(
+        "cell.peak_tension",
+        "Peak of the active tension of one default beat with the model's published parameters; \
+         changed parameters make the cell stronger or weaker than that.",
+        Bounds::any(Dimension::Pressure, "50 kPa").from(0.0).to(500.0),
+        |run| Some(run.peak_tension),
+        |run, tension| run.peak_tension = tension,
+    )
+    .option_saying("--peak-tension", "TENSION", "Peak of the active tension"),
+    Setting::new(
+        "cell.tension_scale",
+        "Whose peak is scaled to `peak_tension`: that of the published parameters, or the \
+         model's own, whatever its parameters.",
+        Kind::Words {
+            words: TensionScale::WORDS,
+            get: |run| Some(run.tension_scale.word()),
+            set: |run, word| choose(&mut run.tension_scale, word),
+        },
+    )
+    .option_saying(
+        "--tension-scale",
+        "NAME",
+        "Whose peak is scaled to that: published (of the model's published parameters; changed \
+         ones make the cell stronger or weaker) or own-peak (the model's own, whatever its \
+         parameters)",
+    ),
+    Setting::new(
+        "cell.authors_step",
+        "Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 \
+         ms); its peak tension is 4 % low, its onset 20 ms late. Not together with method or \
+         step.",
+        // A run is written back with the method and step that this stands for.
+        Kind::Flag { get: |_| None, set: set_authors_step },
+    )
+    .option_saying(
+        "--authors-step",
+        "",
+        "Integrate the cell model as the authors of `coelho_2021` did",
+    ),
+    Setting::new(
+        "cell.method",
+        "Integration method of the cell model, with fixed steps or with steps of its own choice.",
+        Kind::Words {
+            words: Method::WORDS,
+            get: |run| Some(run.numerics.cell.method.word()),
+            set: |run, word| choose(&mut run.numerics.cell.method, word),
+        },
+    ),
+    Setting::quantity(
+        "cell.step",
+        "Largest time step of the cell model, for a method with fixed steps.",
+        Bounds::any(Dimension::Time, "0.005 ms").above(0.0).to(1.0),
+        |run| {
+            let Settings { method, step_ms, .. } = run.numerics.cell;
+            (!method.chooses_steps()).then_some(step_ms)
+        },
+        |run, step| run.numerics.cell.step_ms = step,
+    ),
+    Setting::quantity(
+        "cell.tolerance",
+        "Largest error of a step over the size of each variable, for a method that chooses its \
+         steps.",
+        Bounds::any(Dimension::Number, "0.00001")
+            .from(Settings::TOLERANCES[0])
+            .to(Settings::TOLERANCES[1]),
+        |run| {
+            let Settings { method, tolerance, .. } = run.numerics.cell;
+            method.chooses_steps().then_some(tolerance)
+        },
+        |run, tolerance| run.numerics.cell.tolerance = tolerance,
+    )
+    .otherwise("0.00001"),
+    Setting::new(
+        PARAMETERS,
+        "Parameters of the cell model that differ from the published ones, by name: \"1.9 ms\", \
+         or a plain number in the parameter's own unit; `myospring models NAME` lists them.",
+        Kind::Named {
+            example: ("tau_si", "1.9 ms"),
+            get: |run| Some(changed_parameters(&*run.cell)),
+            set: set_parameters,
+        },
+    ),
+];
+
+fn set_model(run: &mut Run, name: &str) -> Result<(), Problem> {
+    run.cell = cell::model(name).map_err(Problem::Model)?;
+    run.protocol.stimulus = run.cell.default_stimulus();
+    Ok(())
+}
+
+fn set_authors_step(run: &mut Run, authors: bool) {
+    if !authors {
+        return;
+    }
+    run.numerics.cell = coelho_2021::authors_step();
+    if run.cell.name() == coelho_2021::IDENTITY.name {
+        run.cell = Arc::new(coelho_2021::authors_model());
+        run.protocol.start_ms = coelho_2021::authors_protocol().start_ms;
+    }
+}
+
+/// Parameters that differ from the published ones, each in its own unit.
+fn changed_parameters(cell: &dyn CellModel) -> Named {
+    let Ok(published) = cell::model(cell.name()) else { return Named::new() };
+    let rows = cell.parameters().rows().iter();
+    rows.filter(|row| published.parameters().get(&row.name) != Some(row.value))
+        .map(|row| (row.name.to_string(), Value::Number(row.value)))
+        .collect()
+}
+
+fn set_parameters(run: &mut Run, values: &Named) -> Result<(), Failure> {
+    let mut parameters = run.cell.parameters().clone();
+    for (name, value) in values {
+        let key = format!("{PARAMETERS}.{name}");
+        let Some(row) = parameters.rows().iter().find(|row| row.name == *name) else {
+            let known = parameters.rows().iter().map(|row| &*row.name);
+            return Err((key, Problem::unknown_key(name, PARAMETERS, known)));
+        };
+        let set = in_unit(&key, value, &row.unit)
+            .and_then(|number| parameters.set(name, number).map_err(Problem::Parameter));
+        set.map_err(|problem| (key, problem))?;
+    }
+    run.cell = run
+        .cell
+        .with_parameters(parameters)
+        .map_err(|error| (PARAMETERS.to_owned(), Problem::Parameters(error)))?;
+    Ok(())
+}
+
+/// A parameter's value in its row's unit: a bare number, or text with a unit of the same kind.
+fn in_unit(key: &str, value: &Value, unit: &str) -> Result<f64, Problem> {
+    if let Value::Number(number) = value {
+        return Ok(*number);
+    }
+    let text = value.written();
+    let Some(dimension) = Dimension::of_unit(unit) else {
+        // A unit that only the model knows is taken as it is written there, and no other.
+        let number = text.strip_suffix(unit).and_then(|number| number.trim().parse().ok());
+        return number.ok_or_else(|| Problem::Kind {
+            key: key.to_owned(),
+            found: value.described(),
+            wanted: format!("a plain number, or a number in {unit} like \"1.5 {unit}\","),
+        });
+    };
+    // The row's unit is the internal one of its dimension.
+    units::parse(&text, dimension).map_err(|cause| {
+        let example = units::format(1.5, dimension);
+        Problem::Unit { key: key.to_owned(), cause, example }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_methods_are_written_as_the_cell_models_name_them() {
+        for method in Method::ALL {
+            assert_eq!(method.word(), method.name());
+        }
+    }
+
+    #[test]
+    fn a_parameter_in_a_unit_of_its_own_is_read_in_that_unit_or_refused() {
+        let read = |text: &str, unit| in_unit("cell.parameters.g", &Value::from(text), unit);
+        assert_eq!(read("1.5 mol/l", "mol/l").unwrap(), 1.5);
+        assert_eq!(in_unit("g", &Value::Number(1.5), "mol/l").unwrap(), 1.5);
+        for wrong in ["1.5 ms", "1.5 %", "1.5", "mol/l", "1.5 mol"] {
+            let problem = read(wrong, "mol/l").unwrap_err().to_string();
+            assert!(problem.contains("cell.parameters.g"), "{wrong}: {problem}");
+            assert!(problem.contains("mol/l"), "{wrong}: {problem}");
+        }
+        assert_eq!(read("0.0019 s", "ms").unwrap(), 1.9);
+        assert_eq!(read("0.5 mM", "uM").unwrap(), 500.0);
+        assert_eq!(read("1.5 nS/pF", "mS/uF").unwrap(), 1.5);
+        assert_eq!(read("50 %", "").unwrap(), 0.5);
+    }
+}

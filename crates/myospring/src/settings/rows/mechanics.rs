@@ -1,0 +1,223 @@
+//! `[mechanics]`.
+
+use super::super::bounds::Bounds;
+use super::super::problem::Problem;
+use super::super::run::{Fibre, Run};
+use super::super::setting::{Kind, Setting};
+use super::super::value::Value;
+use super::super::words::{Word, Worded, choose, worded};
+use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::support::SupportKind;
+use crate::microscopy::fibres::{FibreSettings, Stain};
+use crate::units::Dimension;
+
+worded! { ActiveLaw {
+    ActiveLaw::Fibre = "fibre": "Stress along the fibre in each triangle; internal.",
+    ActiveLaw::Ends = "ends": "The paper's load on the end nodes along the long axis; external.",
+} }
+
+worded! { Stain {
+    Stain::ZDisc = "z-disc":
+        "Stripes that lie across the fibre: z-discs (alpha-actinin, titin's end), M-bands \
+         (myomesin).",
+    Stain::Filament = "filament": "Threads that run along the fibre: actin (phalloidin).",
+} }
+
+/// Which support holds the cell, without its numbers.
+#[derive(Clone, Copy)]
+enum SupportName {
+    MassCentre,
+    ClampedEnd,
+    ClampedEnds,
+    SpringHeldEnds,
+    ElasticBed,
+}
+
+worded! { SupportName {
+    SupportName::MassCentre = "mass-centre":
+        "Mass centre and orientation fixed; otherwise free.",
+    SupportName::ClampedEnd = "clamped-end": "The end where the long axis starts is clamped.",
+    SupportName::ClampedEnds = "clamped-ends":
+        "Both ends are clamped: an isometric contraction.",
+    SupportName::SpringHeldEnds = "spring-held-ends":
+        "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs \
+         `end_stiffness`.",
+    SupportName::ElasticBed = "elastic-bed":
+        "Every point is tied to its resting place, as on a gel; needs `bed_stiffness`.",
+} }
+
+const FIBRE: &str = "mechanics.fibre";
+const FIBRE_ANGLE: Bounds = Bounds::any(Dimension::Angle, "15 deg").from(-360.0).to(360.0);
+const LONG_AXIS: &str = "long axis";
+const PICTURE: &str = "picture";
+
+pub(super) const ROWS: &[Setting] = &[
+    Setting::new(
+        "mechanics.active",
+        "How the tension acts.",
+        Kind::Words {
+            words: ActiveLaw::WORDS,
+            get: |run| Some(run.active.word()),
+            set: |run, word| choose(&mut run.active, word),
+        },
+    )
+    .option("--active", "LAW"),
+    Setting::new(
+        FIBRE,
+        "Direction of the fibres: \"long axis\" of the cell, an angle counter-clockwise from x, \
+         or \"picture\", which reads it from the stripes or filaments of the picture.",
+        Kind::Written {
+            bounds: Some(FIBRE_ANGLE),
+            numbers: false,
+            example: FIBRE_ANGLE.example,
+            get: |run| {
+                Some(match run.fibre {
+                    Fibre::LongAxis => Value::from(LONG_AXIS),
+                    Fibre::Angle(degrees) => FIBRE_ANGLE.write(degrees),
+                    Fibre::Picture(_) => Value::from(PICTURE),
+                })
+            },
+            set: set_fibre,
+        },
+    )
+    .option_saying(
+        "--fibre",
+        "DIRECTION",
+        "Fibre direction: \"long axis\", an angle (\"15 deg\"), or picture, which reads it from \
+         stripes or filaments",
+    ),
+    Setting::new(
+        "mechanics.stain",
+        "What the picture shows, for fibre = \"picture\": stripes across the fibre, or \
+         filaments along it.",
+        Kind::Words {
+            words: Stain::WORDS,
+            get: |run| of_picture(run).map(|settings| settings.stain.word()),
+            set: |run, word| {
+                let stain = Stain::of_word(word)?;
+                if let Fibre::Picture(settings) = &mut run.fibre {
+                    *settings = FibreSettings::of(stain);
+                }
+                Some(())
+            },
+        },
+    )
+    .otherwise("z-disc")
+    .option_saying(
+        "--stain",
+        "NAME",
+        "What the picture shows, for --fibre picture: z-disc (stripes across the fibre, such as \
+         alpha-actinin) or filament (along it, such as phalloidin)",
+    ),
+    Setting::quantity(
+        "mechanics.fibre_smoothing",
+        "Scale over which directions from the picture are averaged.",
+        Bounds::any(Dimension::Length, "3 um").from(0.1).to(20.0),
+        |run| of_picture(run).map(|settings| settings.smoothing_um),
+        |run, scale| {
+            if let Fibre::Picture(settings) = &mut run.fibre {
+                settings.smoothing_um = scale;
+            }
+        },
+    )
+    .otherwise("\"3 um\"")
+    .option_saying(
+        "--fibre-smoothing",
+        "LENGTH",
+        "Scale over which --fibre picture averages directions",
+    ),
+    Setting::new(
+        "mechanics.support",
+        "What holds the cell.",
+        Kind::Words {
+            words: SupportName::WORDS,
+            get: |run| Some(support_name(run.support).word()),
+            set: |run, word| {
+                run.support = support(SupportName::of_word(word)?);
+                Some(())
+            },
+        },
+    )
+    .option("--support", "KIND"),
+    Setting::quantity(
+        "mechanics.end_stiffness",
+        "Stiffness of each of the two springs of \"spring-held-ends\", such as carbon fibres.",
+        Bounds::any(Dimension::Stiffness, "100 nN/um").above(0.0).to(1e8),
+        |run| match run.support {
+            SupportKind::SpringHeldEnds { stiffness } => Some(stiffness),
+            _ => None,
+        },
+        |run, value| {
+            if let SupportKind::SpringHeldEnds { stiffness } = &mut run.support {
+                *stiffness = value;
+            }
+        },
+    )
+    .option_saying(
+        "--end-stiffness",
+        "STIFFNESS",
+        "Stiffness of each spring of spring-held-ends, such as a carbon fibre",
+    ),
+    Setting::quantity(
+        "mechanics.bed_stiffness",
+        "Stiffness of an \"elastic-bed\", traction per displacement: of a thin layer its shear \
+         modulus over its thickness.",
+        Bounds::any(Dimension::BedStiffness, "0.5 kPa/um").above(0.0).to(1e6),
+        |run| match run.support {
+            SupportKind::ElasticBed { stiffness } => Some(stiffness),
+            _ => None,
+        },
+        |run, value| {
+            if let SupportKind::ElasticBed { stiffness } = &mut run.support {
+                *stiffness = value;
+            }
+        },
+    )
+    .option_saying(
+        "--bed-stiffness",
+        "STIFFNESS",
+        "Stiffness of an elastic-bed, such as a gel, traction per displacement",
+    ),
+];
+
+fn of_picture(run: &Run) -> Option<&FibreSettings> {
+    match &run.fibre {
+        Fibre::Picture(settings) => Some(settings),
+        _ => None,
+    }
+}
+
+fn set_fibre(run: &mut Run, value: &Value) -> Result<(), Problem> {
+    let text = value.written();
+    run.fibre = match text.as_str() {
+        LONG_AXIS => Fibre::LongAxis,
+        PICTURE => Fibre::Picture(FibreSettings::of(Stain::ZDisc)),
+        words if !words.contains(|c: char| c.is_ascii_digit()) => {
+            let known = [LONG_AXIS, PICTURE, "an angle like 15 deg"];
+            return Err(Problem::unknown_word(FIBRE, words, known));
+        }
+        _ => Fibre::Angle(FIBRE_ANGLE.read(FIBRE, value)?),
+    };
+    Ok(())
+}
+
+fn support_name(support: SupportKind) -> SupportName {
+    match support {
+        SupportKind::MassCentre => SupportName::MassCentre,
+        SupportKind::ClampedEnd => SupportName::ClampedEnd,
+        SupportKind::ClampedEnds => SupportName::ClampedEnds,
+        SupportKind::SpringHeldEnds { .. } => SupportName::SpringHeldEnds,
+        SupportKind::ElasticBed { .. } => SupportName::ElasticBed,
+    }
+}
+
+/// The support of a name; the rules of run files ask for the stiffness of one that gives way.
+fn support(name: SupportName) -> SupportKind {
+    match name {
+        SupportName::MassCentre => SupportKind::MassCentre,
+        SupportName::ClampedEnd => SupportKind::ClampedEnd,
+        SupportName::ClampedEnds => SupportKind::ClampedEnds,
+        SupportName::SpringHeldEnds => SupportKind::SpringHeldEnds { stiffness: 0.0 },
+        SupportName::ElasticBed => SupportKind::ElasticBed { stiffness: 0.0 },
+    }
+}

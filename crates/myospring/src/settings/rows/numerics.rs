@@ -1,0 +1,99 @@
+//! `[numerics]`.
+
+use super::super::bounds::Bounds;
+use super::super::setting::{Kind, Setting};
+use super::super::words::{Word, Worded, worded};
+use crate::integrate::Method;
+use crate::integrate::verlet::Integrator;
+use crate::units::Dimension;
+
+/// How the mesh follows the tension.
+#[derive(Clone, Copy)]
+enum IntegratorName {
+    Verlet,
+    StoermerVerlet,
+    VelocityVerlet,
+    QuasiStatic,
+}
+
+worded! { IntegratorName {
+    IntegratorName::Verlet = "verlet":
+        "In time, by the paper's form of Verlet's method: the same as \"stoermer-verlet\".",
+    IntegratorName::StoermerVerlet = "stoermer-verlet": "Stoermer-Verlet, the paper's Eq. (16).",
+    IntegratorName::VelocityVerlet = "velocity-verlet":
+        "Velocity Verlet: the same positions to rounding.",
+    IntegratorName::QuasiStatic = "quasi-static":
+        "Along the path of equilibria: fast, for tension along the fibre and the area law \
+         \"gradient\".",
+} }
+
+pub(super) const ROWS: &[Setting] = &[
+    Setting::new(
+        "numerics.integrator",
+        "How the mesh follows the tension: in time by Verlet's method, of which \"verlet\" is \
+         the paper's form, or along its equilibria.",
+        Kind::Words {
+            words: IntegratorName::WORDS,
+            get: |run| Some(name(run.numerics.method).word()),
+            set: |run, word| {
+                run.numerics.method = method(IntegratorName::of_word(word)?);
+                Some(())
+            },
+        },
+    )
+    .option_saying(
+        "--integrator",
+        "NAME",
+        "verlet (in time, as in the paper) or quasi-static (along the equilibria, many times \
+         faster); also stoermer-verlet, velocity-verlet",
+    ),
+    Setting::quantity(
+        "numerics.time_step",
+        "Mechanical time step; one above the stability limit is refused. Not for \
+         \"quasi-static\".",
+        Bounds::any(Dimension::Time, "0.004 ms").from(1e-7).to(10.0),
+        |run| run.numerics.time_step,
+        |run, step| run.numerics.time_step = Some(step),
+    )
+    .otherwise("0.95 of the stability limit")
+    .option_saying("--time-step", "TIME", "Mechanical time step of Verlet's method"),
+    Setting::quantity(
+        "numerics.exchange_interval",
+        "Interval at which cell model and mesh exchange tension and stretch.",
+        Bounds::any(Dimension::Time, "0.25 ms").from(1e-3).to(10.0),
+        |run| Some(run.numerics.exchange_interval),
+        |run, interval| run.numerics.exchange_interval = interval,
+    ),
+    Setting::quantity(
+        "numerics.output_interval",
+        "Interval of the rows in traces.csv, a multiple of the exchange interval.",
+        Bounds::any(Dimension::Time, "0.5 ms").from(1e-3).to(1e4),
+        |run| Some(run.numerics.output_interval),
+        |run, interval| run.numerics.output_interval = interval,
+    ),
+    Setting::quantity(
+        "numerics.frame_interval",
+        "Interval of the recorded shapes, a multiple of the output interval.",
+        Bounds::any(Dimension::Time, "5 ms").from(1e-3).to(1e5),
+        |run| Some(run.numerics.frame_interval),
+        |run, interval| run.numerics.frame_interval = interval,
+    ),
+];
+
+fn name(method: Method) -> IntegratorName {
+    match method {
+        Method::Verlet(Integrator::StoermerVerlet) => IntegratorName::Verlet,
+        Method::Verlet(Integrator::VelocityVerlet) => IntegratorName::VelocityVerlet,
+        Method::QuasiStatic => IntegratorName::QuasiStatic,
+    }
+}
+
+fn method(name: IntegratorName) -> Method {
+    match name {
+        IntegratorName::Verlet | IntegratorName::StoermerVerlet => {
+            Method::Verlet(Integrator::StoermerVerlet)
+        }
+        IntegratorName::VelocityVerlet => Method::Verlet(Integrator::VelocityVerlet),
+        IntegratorName::QuasiStatic => Method::QuasiStatic,
+    }
+}

@@ -1,0 +1,130 @@
+//! `[shape]`.
+
+use super::super::bounds::{Bounds, Whole};
+use super::super::problem::Problem;
+use super::super::run::Run;
+use super::super::setting::{Kind, Setting};
+use super::super::shape::{OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Source};
+use crate::mesh::built_in;
+use crate::mesh::pixel_size::PixelSize;
+use crate::microscopy::cells::Options;
+use crate::microscopy::segment::{Choice, LARGEST_LABEL};
+use crate::units::Dimension;
+
+pub(super) const ROWS: &[Setting] = &[
+    Setting::new(
+        "shape.built_in",
+        "A cell that comes with the program.",
+        Kind::Text {
+            get: |run| match run.shape.source {
+                Source::BuiltIn(cell) => Some(cell.name.to_owned()),
+                _ => None,
+            },
+            set: set_built_in,
+        },
+    ),
+    Setting::new(
+        "shape.picture",
+        "Picture of the cell from a microscope, or its mask: PNG, TIFF or OME-TIFF; relative to \
+         this file.",
+        Kind::File {
+            endings: PICTURE_ENDINGS,
+            example: "cell.png",
+            get: |run| run.shape.source.picture().map(|picture| picture.path.clone()),
+            set: |run, path| {
+                run.shape.source = Source::Picture(Box::new(PictureSource {
+                    path,
+                    outline: None,
+                    options: Options::default(),
+                    choice: Choice::Largest,
+                    allow_cut: false,
+                }));
+            },
+        },
+    ),
+    Setting::new(
+        "shape.outline",
+        "Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or \
+         RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
+        Kind::File {
+            endings: OUTLINE_ENDINGS,
+            example: "cell.geojson",
+            get: |run| match &run.shape.source {
+                Source::Outline { path, .. } => Some(path.clone()),
+                _ => None,
+            },
+            set: |run, path| {
+                let choice = Choice::Largest;
+                run.shape.source = Source::Outline { path, pixel_size: None, choice };
+            },
+        },
+    ),
+    Setting::quantity(
+        "shape.pixel_size",
+        "Side of one pixel of a picture, or of an outline in pixels. Never guessed.",
+        Bounds::any(Dimension::Length, "0.27 um")
+            .from(PixelSize::SMALLEST_UM)
+            .to(PixelSize::LARGEST_UM),
+        |run| match &run.shape.source {
+            Source::BuiltIn(_) => None,
+            Source::Picture(picture) => picture.options.pixel_size.map(PixelSize::um),
+            Source::Outline { pixel_size, .. } => pixel_size.map(PixelSize::um),
+        },
+        |run, size| match &mut run.shape.source {
+            Source::BuiltIn(_) => {}
+            // The bounds of this row are those of the type.
+            Source::Picture(picture) => picture.options.pixel_size = PixelSize::new(size).ok(),
+            Source::Outline { pixel_size, .. } => *pixel_size = PixelSize::new(size).ok(),
+        },
+    )
+    .otherwise("what the picture says of itself")
+    .option_saying("--pixel-size", "LENGTH", "Side of one pixel of a picture"),
+    Setting::new(
+        "shape.label",
+        "In a label mask, the grey value of the cell.",
+        Kind::Whole {
+            bounds: Whole { minimum: 1, maximum: LARGEST_LABEL, example: 3 },
+            get: |run| match run.shape.source.choice() {
+                Some(Choice::Label(label)) => Some(label),
+                _ => None,
+            },
+            set: |run, label| {
+                if let Some(choice) = run.shape.source.choice_mut() {
+                    *choice = Choice::Label(label);
+                }
+            },
+        },
+    )
+    .otherwise("the largest cell")
+    .option("--label", "N"),
+    Setting::quantity(
+        "shape.rotate",
+        "Turns an outline or built-in cell counter-clockwise before it is meshed.",
+        Bounds::any(Dimension::Angle, "30 deg").from(-360.0).to(360.0),
+        |run| (!matches!(run.shape.source, Source::Picture(_))).then_some(run.shape.rotate),
+        |run, angle| run.shape.rotate = angle,
+    )
+    .option_saying(
+        "--rotate",
+        "ANGLE",
+        "Turn an outline or the built-in cell counter-clockwise",
+    ),
+    Setting::quantity(
+        "shape.spacing",
+        "Distance of neighbouring masses.",
+        // The mesh checks it against the shape.
+        Bounds::any(Dimension::Length, "1.1 um").above(0.0).to(1000.0),
+        |run| run.shape.spacing,
+        |run, spacing| run.shape.spacing = Some(spacing),
+    )
+    .otherwise("such that the cell has about 2000 of them")
+    .option("--spacing", "LENGTH"),
+];
+
+fn set_built_in(run: &mut Run, name: &str) -> Result<(), Problem> {
+    let known = built_in::CELLS.iter().map(|cell| cell.name);
+    let cell =
+        built_in::find(name).ok_or_else(|| Problem::unknown_word("shape.built_in", name, known))?;
+    run.shape.source = Source::BuiltIn(cell);
+    Ok(())
+}

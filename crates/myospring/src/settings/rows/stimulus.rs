@@ -1,0 +1,123 @@
+//! `[stimulus]`; what is absent comes from the cell model.
+
+use super::super::bounds::{Bounds, Whole};
+use super::super::problem::Problem;
+use super::super::run::Run;
+use super::super::setting::{Kind, Setting};
+use super::super::value::Value;
+use super::super::words::{Word, Worded, worded};
+use crate::cell::pacing::Stimulus;
+use crate::units::Dimension;
+
+/// How a stimulus acts.
+#[derive(Clone, Copy)]
+enum StimulusKind {
+    Jump,
+    Pulse,
+}
+
+worded! { StimulusKind {
+    StimulusKind::Jump = "jump": "The potential variable jumps at once.",
+    StimulusKind::Pulse = "pulse": "A constant current for a while.",
+} }
+
+const AMPLITUDE: &str = "stimulus.amplitude";
+const JUMP: Bounds = Bounds::any(Dimension::Number, "0.325").from(-10.0).to(10.0);
+const PULSE: Bounds = Bounds::any(Dimension::Rate, "0.5 1/ms").from(-100.0).to(100.0);
+
+pub(super) const ROWS: &[Setting] = &[
+    Setting::new(
+        "stimulus.kind",
+        "A jump of the potential variable, or a pulse of current.",
+        Kind::Words {
+            words: StimulusKind::WORDS,
+            get: |run| Some(kind(run).word()),
+            set: |run, word| {
+                // The rules of run files ask for the size where the model has none of this kind.
+                match (StimulusKind::of_word(word)?, run.protocol.stimulus) {
+                    (StimulusKind::Jump, Stimulus::Pulse { .. }) => {
+                        run.protocol.stimulus = Stimulus::Jump { amplitude: 0.0 };
+                    }
+                    (StimulusKind::Pulse, Stimulus::Jump { .. }) => {
+                        run.protocol.stimulus =
+                            Stimulus::Pulse { amplitude: 0.0, duration_ms: 0.0 };
+                    }
+                    _ => {}
+                }
+                Some(())
+            },
+        },
+    )
+    .otherwise("the cell model's own"),
+    Setting::new(
+        AMPLITUDE,
+        "Size: a pure number for a jump of u, a rate (\"0.5 1/ms\") for a pulse.",
+        Kind::Written {
+            bounds: Some(JUMP),
+            numbers: true,
+            example: JUMP.example,
+            get: |run| {
+                Some(match run.protocol.stimulus {
+                    Stimulus::Jump { amplitude } => JUMP.write(amplitude),
+                    Stimulus::Pulse { amplitude, .. } => PULSE.write(amplitude),
+                })
+            },
+            set: set_amplitude,
+        },
+    )
+    .otherwise("the cell model's own"),
+    Setting::quantity(
+        "stimulus.duration",
+        "How long a pulse lasts; not for a jump.",
+        Bounds::any(Dimension::Time, "1 ms").above(0.0).to(1000.0),
+        |run| match run.protocol.stimulus {
+            Stimulus::Jump { .. } => None,
+            Stimulus::Pulse { duration_ms, .. } => Some(duration_ms),
+        },
+        |run, duration| {
+            if let Stimulus::Pulse { duration_ms, .. } = &mut run.protocol.stimulus {
+                *duration_ms = duration;
+            }
+        },
+    ),
+    Setting::quantity(
+        "stimulus.start",
+        "Time of the first stimulus.",
+        Bounds::any(Dimension::Time, "50 ms").from(0.0).to(1e5),
+        |run| Some(run.protocol.start_ms),
+        |run, start| run.protocol.start_ms = start,
+    ),
+    Setting::new(
+        "stimulus.beats",
+        "Number of stimuli; 0 leaves the cell at rest.",
+        Kind::Whole {
+            bounds: Whole { minimum: 0, maximum: 10_000, example: 3 },
+            get: |run| Some(run.protocol.beats),
+            set: |run, beats| run.protocol.beats = beats,
+        },
+    )
+    .option("--beats", "N"),
+    Setting::quantity(
+        "stimulus.cycle_length",
+        "Time from one stimulus to the next.",
+        Bounds::any(Dimension::Time, "1000 ms").above(0.0).to(1e5),
+        |run| Some(run.protocol.cycle_length_ms),
+        |run, cycle| run.protocol.cycle_length_ms = cycle,
+    )
+    .option("--cycle-length", "TIME"),
+];
+
+fn kind(run: &Run) -> StimulusKind {
+    match run.protocol.stimulus {
+        Stimulus::Jump { .. } => StimulusKind::Jump,
+        Stimulus::Pulse { .. } => StimulusKind::Pulse,
+    }
+}
+
+fn set_amplitude(run: &mut Run, value: &Value) -> Result<(), Problem> {
+    match &mut run.protocol.stimulus {
+        Stimulus::Jump { amplitude } => *amplitude = JUMP.read(AMPLITUDE, value)?,
+        Stimulus::Pulse { amplitude, .. } => *amplitude = PULSE.read(AMPLITUDE, value)?,
+    }
+    Ok(())
+}

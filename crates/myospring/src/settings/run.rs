@@ -1,0 +1,197 @@
+//! A run: everything checked, in internal units, every default filled in.
+
+use super::shape::{Shape, Shaped, Source};
+use crate::cell::pacing::Protocol;
+use crate::cell::{CellModel, coelho_2021};
+use crate::integrate::Method;
+use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::area::AreaLaw;
+use crate::mechanics::material::{Material, default_material};
+use crate::mechanics::support::SupportKind;
+use crate::mesh::quality::{MeshReport, long_axis};
+use crate::mesh::{Mesh, built_in};
+use crate::microscopy::fibres::{FibreError, FibreField, FibreSettings};
+use crate::simulation::{Numerics, Simulation, TensionScale};
+use std::sync::Arc;
+
+/// Peak tension unless stated, kPa: the largest of `coelho_2021`, Fig. 6.
+const PEAK_TENSION: f64 = 50.0;
+/// Time after the last stimulus that a run lasts unless stated, ms: the paper's 600 ms.
+const AFTER_LAST_STIMULUS: f64 = 550.0;
+
+/// Direction of the fibres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fibre {
+    /// Along the cell's long axis.
+    LongAxis,
+    /// At an angle counter-clockwise from x, degrees.
+    Angle(f64),
+    /// As the picture shows it; along the long axis where it shows nothing.
+    Picture(FibreSettings),
+}
+
+/// A run ready to be meshed and simulated.
+pub struct Run {
+    /// Title, for people; may be empty.
+    pub title: String,
+    /// The cell model with its parameters.
+    pub cell: Arc<dyn CellModel>,
+    /// Peak of the active tension, kPa.
+    pub peak_tension: f64,
+    /// Whose peak is scaled to it.
+    pub tension_scale: TensionScale,
+    /// Stimuli.
+    pub protocol: Protocol,
+    /// The cell's shape.
+    pub shape: Shape,
+    /// What the cell is made of.
+    pub material: Material,
+    /// How the tension acts.
+    pub active: ActiveLaw,
+    /// Direction of the fibres.
+    pub fibre: Fibre,
+    /// What holds the cell.
+    pub support: SupportKind,
+    /// Numerical settings.
+    pub numerics: Numerics,
+    /// Time simulated, ms.
+    pub duration: f64,
+}
+
+impl Run {
+    /// The run of an empty run file: the built-in cell, beaten as in `coelho_2021`.
+    pub fn default_run() -> Self {
+        let cell = coelho_2021::model();
+        let protocol = Protocol::once(cell.default_stimulus());
+        let numerics = Numerics::default();
+        Self {
+            title: String::new(),
+            cell: Arc::new(cell),
+            peak_tension: PEAK_TENSION,
+            tension_scale: TensionScale::Published,
+            protocol,
+            shape: Shape {
+                source: Source::BuiltIn(&built_in::CELLS[0]),
+                rotate: 0.0,
+                spacing: None,
+            },
+            material: default_material(),
+            active: ActiveLaw::Fibre,
+            fibre: Fibre::LongAxis,
+            support: SupportKind::MassCentre,
+            duration: usual_duration(&protocol, &numerics),
+            numerics,
+        }
+    }
+
+    /// Time that this run lasts unless stated, ms: 550 ms after the last stimulus.
+    pub(crate) fn usual_duration(&self) -> f64 {
+        usual_duration(&self.protocol, &self.numerics)
+    }
+
+    /// The direction of the fibres in a picture, if that is where this run takes them from.
+    ///
+    /// # Errors
+    /// A picture in which no myofibrils can be seen: its pixels are too coarse.
+    pub fn fibre_field(&self, shaped: &Shaped) -> Result<Option<FibreField>, FibreError> {
+        match (self.fibre, &shaped.picture) {
+            (Fibre::Picture(settings), Some((cells, cell))) => {
+                cells.fibres(cell, long_axis(&shaped.mesh), &settings).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The direction of the fibres in each triangle of a mesh, unit vectors: from the picture where it gave them.
+    pub fn fibres(&self, mesh: &Mesh, field: Option<&FibreField>) -> Vec<[f64; 2]> {
+        let everywhere = match (field, self.fibre) {
+            (Some(field), _) => return field.on_mesh(mesh),
+            (None, Fibre::Angle(degrees)) => {
+                let (sine, cosine) = degrees.to_radians().sin_cos();
+                [cosine, sine]
+            }
+            (None, Fibre::LongAxis | Fibre::Picture(_)) => long_axis(mesh),
+        };
+        vec![everywhere; mesh.simplices.len()]
+    }
+
+    /// The simulation of this run on a mesh, with the direction of its fibres where a picture gave it.
+    ///
+    /// # Errors
+    /// None that a resolved run can cause: the cell model is made from parameters that were checked.
+    pub fn simulation(
+        &self,
+        mesh: Mesh,
+        field: Option<&FibreField>,
+    ) -> Result<Simulation, crate::cell::ModelError> {
+        let (long_axis, fibres) = (long_axis(&mesh), self.fibres(&mesh, field));
+        Ok(Simulation {
+            cell: self.cell.with_parameters(self.cell.parameters().clone())?,
+            activation: None,
+            myofibril_content: None,
+            stepper: None,
+            protocol: self.protocol,
+            peak_tension: self.peak_tension,
+            tension_scale: self.tension_scale,
+            long_axis,
+            fibres,
+            mesh,
+            material: self.material.clone(),
+            active: self.active,
+            support: self.support,
+            duration: self.duration,
+            numerics: self.numerics.clone(),
+        })
+    }
+
+    /// Times of the stimuli that fall within the run, ms.
+    pub fn stimulus_times(&self) -> Vec<f64> {
+        self.protocol.stimulus_times().take_while(|time| *time < self.duration).collect()
+    }
+
+    /// What a person should look at, the mesh's own warnings first.
+    pub fn warnings(&self, mesh: &MeshReport) -> Vec<String> {
+        let mut warnings = mesh.warnings.clone();
+        let size = &mesh.dimensions;
+        let critical = self.material.buckling_tension(size.length_um, size.mean_width_um);
+        let free = self.support == SupportKind::MassCentre;
+        if self.active == ActiveLaw::Ends && free && self.peak_tension > critical {
+            warnings.push(format!(
+                "active = \"ends\" presses with {} kPa on a strip that buckles above about \
+                 {critical:.1} kPa (Euler); active = \"fibre\" does not",
+                self.peak_tension
+            ));
+        }
+        if self.material.area_law == AreaLaw::Printed {
+            warnings.push(format!(
+                "area_law = \"printed\" pulls a resting cell together and collapses it from about a \
+                 third of Young's modulus on: area_modulus is {} kPa, Young's modulus {} kPa; \
+                 area_law = \"gradient\" keeps the area",
+                self.material.area_modulus,
+                self.material.young_modulus()
+            ));
+        }
+        let Protocol { start_ms, beats, .. } = self.protocol;
+        if beats > 0 && start_ms >= self.duration {
+            warnings.push(format!(
+                "the run ends at {} ms, before the first stimulus at {start_ms} ms: the cell stays \
+                 at rest",
+                self.duration
+            ));
+        }
+        if self.material.slowest_period > 2.0 && self.numerics.method != Method::QuasiStatic {
+            warnings.push(format!(
+                "slowest_period = {} ms is above 2 ms: inertia may be seen in the contraction",
+                self.material.slowest_period
+            ));
+        }
+        warnings
+    }
+}
+
+fn usual_duration(protocol: &Protocol, numerics: &Numerics) -> f64 {
+    let last = f64::from(protocol.beats.saturating_sub(1)) * protocol.cycle_length_ms;
+    let exchange = numerics.exchange_interval;
+    // The authors' stimulus falls one of their steps before 50 ms; the run still lasts 600 ms.
+    ((protocol.start_ms + last + AFTER_LAST_STIMULUS) / exchange).ceil() * exchange
+}

@@ -1,0 +1,383 @@
+//! One setting: its key, what it may be, and how it is read from a run and put into one.
+
+use super::bounds::{Bounds, Whole};
+use super::problem::{Failure, Problem};
+use super::run::Run;
+use super::value::Value;
+use super::words::Word;
+use crate::units::Dimension;
+use std::collections::BTreeMap;
+
+/// A setting: one row of the table.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting {
+    /// The key with its table: `material.thickness`.
+    pub key: &'static str,
+    /// What it is, in sentences; unit, bounds and words are not repeated.
+    pub doc: &'static str,
+    /// What happens where it is left out, if no value says that: `0.95 of the stability limit`.
+    pub otherwise: Option<&'static str>,
+    /// Its option on the command line, if there is one.
+    pub option: Option<CommandOption>,
+    /// Kind of its values, and its place in a [`Run`].
+    pub kind: Kind,
+}
+
+/// How a setting is written on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CommandOption {
+    /// With its dashes: `--thickness`.
+    pub name: &'static str,
+    /// What stands for its value in the help: `LENGTH`; empty for a flag.
+    pub value: &'static str,
+    /// A sentence without its stop, instead of the setting's own.
+    pub help: Option<&'static str>,
+}
+
+/// Reads a value from a run; `None` where the run has no such value.
+pub type Get<T> = fn(&Run) -> Option<T>;
+/// Puts a value into a run. What has no place in it, such as the label of a cell that is built in, is
+/// passed over: the rules of run files refuse it.
+pub type Set<T> = fn(&mut Run, T);
+/// Values by name.
+pub type Named = BTreeMap<String, Value>;
+
+/// Kind of a setting's values, with the reader and the writer of its place in a [`Run`].
+#[derive(Debug, Clone, Copy)]
+pub enum Kind {
+    /// Any text, or a name from a list that is kept elsewhere.
+    Text {
+        /// Reader.
+        get: Get<String>,
+        /// Writer.
+        set: fn(&mut Run, &str) -> Result<(), Problem>,
+    },
+    /// The name of a file.
+    File {
+        /// Endings that are known, without the dot.
+        endings: &'static [&'static str],
+        /// As a person writes it.
+        example: &'static str,
+        /// Reader.
+        get: Get<String>,
+        /// Writer.
+        set: Set<String>,
+    },
+    /// One of some words.
+    Words {
+        /// The words.
+        words: &'static [Word],
+        /// Reader.
+        get: Get<&'static str>,
+        /// Writer; `None` for any other word.
+        set: fn(&mut Run, &str) -> Option<()>,
+    },
+    /// True or false.
+    Flag {
+        /// Reader.
+        get: Get<bool>,
+        /// Writer.
+        set: Set<bool>,
+    },
+    /// A whole number.
+    Whole {
+        /// What it may be.
+        bounds: Whole,
+        /// Reader.
+        get: Get<u32>,
+        /// Writer.
+        set: Set<u32>,
+    },
+    /// A number with a unit, or a pure number.
+    Quantity {
+        /// What it may be.
+        bounds: Bounds,
+        /// Reader, in the internal unit.
+        get: Get<f64>,
+        /// Writer, in the internal unit.
+        set: Set<f64>,
+    },
+    /// Text or a number in a form of its own.
+    Written {
+        /// What it may be where it is a quantity.
+        bounds: Option<Bounds>,
+        /// Whether it may be a bare number.
+        numbers: bool,
+        /// As a person writes it.
+        example: &'static str,
+        /// Reader.
+        get: Get<Value>,
+        /// Writer.
+        set: fn(&mut Run, &Value) -> Result<(), Problem>,
+    },
+    /// Quantities by name, each a number with its unit or a bare one.
+    Named {
+        /// A name and its value.
+        example: (&'static str, &'static str),
+        /// Reader.
+        get: Get<Named>,
+        /// Writer; a failure says which of them is to blame.
+        set: fn(&mut Run, &Named) -> Result<(), Failure>,
+    },
+}
+
+impl Setting {
+    pub(super) const fn new(key: &'static str, doc: &'static str, kind: Kind) -> Self {
+        Self { key, doc, otherwise: None, option: None, kind }
+    }
+
+    pub(super) const fn quantity(
+        key: &'static str,
+        doc: &'static str,
+        bounds: Bounds,
+        get: Get<f64>,
+        set: Set<f64>,
+    ) -> Self {
+        Self::new(key, doc, Kind::Quantity { bounds, get, set })
+    }
+
+    /// What happens where it is left out.
+    pub(super) const fn otherwise(mut self, otherwise: &'static str) -> Self {
+        self.otherwise = Some(otherwise);
+        self
+    }
+
+    /// An option of the command line, explained by the setting's own sentences.
+    pub(super) const fn option(mut self, name: &'static str, value: &'static str) -> Self {
+        self.option = Some(CommandOption { name, value, help: None });
+        self
+    }
+
+    /// An option of the command line with an explanation of its own.
+    pub(super) const fn option_saying(
+        mut self,
+        name: &'static str,
+        value: &'static str,
+        help: &'static str,
+    ) -> Self {
+        self.option = Some(CommandOption { name, value, help: Some(help) });
+        self
+    }
+
+    /// The key within its table: `thickness`.
+    pub fn name(&self) -> &'static str {
+        self.key.rsplit_once('.').map_or(self.key, |(_, name)| name)
+    }
+
+    /// What a number may be, if it is one.
+    pub fn bounds(&self) -> Option<Bounds> {
+        match self.kind {
+            Kind::Quantity { bounds, .. } => Some(bounds),
+            Kind::Written { bounds, .. } => bounds,
+            _ => None,
+        }
+    }
+
+    /// The internal unit; empty for a pure number, `None` for what is no number.
+    pub fn unit(&self) -> Option<&'static str> {
+        match self.kind {
+            Kind::Whole { .. } => Some(""),
+            _ => self.bounds().map(|bounds| bounds.dimension.unit()),
+        }
+    }
+
+    /// The bounds in words: `above 0 um, at most 100 um`.
+    pub fn bounds_in_words(&self) -> Option<String> {
+        match self.kind {
+            Kind::Whole { bounds, .. } => Some(format!("{} to {}", bounds.minimum, bounds.maximum)),
+            _ => self.bounds()?.words(),
+        }
+    }
+
+    /// Whether it names a file.
+    pub fn is_file(&self) -> bool {
+        matches!(self.kind, Kind::File { .. })
+    }
+
+    /// The words that it may be; none where it may be anything else.
+    pub fn words(&self) -> &'static [Word] {
+        match self.kind {
+            Kind::Words { words, .. } => words,
+            _ => &[],
+        }
+    }
+
+    /// Its value in the run of an empty run file; `None` where that has none.
+    pub fn default(&self) -> Option<Value> {
+        self.get(&Run::default_run())
+    }
+
+    /// Whether it is written as text: with a unit, in words, or as a name.
+    fn reads_text(&self) -> bool {
+        !matches!(self.kind, Kind::Flag { .. } | Kind::Whole { .. } | Kind::Named { .. })
+    }
+
+    /// Whether it may be a bare number, besides text.
+    pub fn takes_numbers(&self) -> bool {
+        match self.kind {
+            Kind::Quantity { bounds, .. } => bounds.dimension == Dimension::Number,
+            Kind::Written { numbers, .. } => numbers,
+            _ => false,
+        }
+    }
+
+    /// A value as a person writes it; `None` where any text will do.
+    pub fn example(&self) -> Option<Value> {
+        Some(match self.kind {
+            Kind::Text { .. } => return None,
+            Kind::File { example, .. } => Value::from(example),
+            Kind::Words { words, .. } => Value::from(words.first()?.name),
+            Kind::Flag { .. } => Value::Flag(true),
+            Kind::Whole { bounds, .. } => Value::Whole(bounds.example.into()),
+            Kind::Quantity { bounds: Bounds { example, .. }, .. }
+            | Kind::Written { example, .. } => {
+                // A pure number is written without quotes.
+                let number = example.parse().ok().filter(|_| self.unit() == Some(""));
+                number.map_or(Value::from(example), Value::Number)
+            }
+            Kind::Named { example: (name, value), .. } => {
+                Value::Named([(name.to_owned(), Value::from(value))].into())
+            }
+        })
+    }
+
+    /// The value that a run has for this setting, as it is written; `None` where it has none, or where
+    /// the shape or the stability limit decides.
+    pub fn get(&self, run: &Run) -> Option<Value> {
+        match self.kind {
+            Kind::Text { get, .. } | Kind::File { get, .. } => get(run).map(Value::Text),
+            Kind::Words { get, .. } => get(run).map(Value::from),
+            Kind::Flag { get, .. } => get(run).map(Value::Flag),
+            Kind::Whole { get, .. } => get(run).map(|number| Value::Whole(number.into())),
+            Kind::Quantity { bounds, get, .. } => get(run).map(|number| bounds.write(number)),
+            Kind::Written { get, .. } => get(run),
+            Kind::Named { get, .. } => {
+                get(run).filter(|values| !values.is_empty()).map(Value::Named)
+            }
+        }
+    }
+
+    /// The value, if it is of the right kind; units and the bounds of quantities are looked at by
+    /// [`Setting::set`].
+    ///
+    /// # Errors
+    /// A number for a word, a table for a number, an infinite number, an unknown word.
+    pub fn accept(&self, value: Value) -> Result<Value, Failure> {
+        let key = self.key;
+        let fail = |problem| Err((key.to_owned(), problem));
+        let whole = matches!(self.kind, Kind::Whole { .. });
+        let value = match value {
+            Value::Whole(number) if !whole => Value::Number(number as f64),
+            value => value,
+        };
+        match (self.kind, value) {
+            (_, Value::Number(value)) if !value.is_finite() => {
+                fail(Problem::NotFinite { key: key.to_owned(), value })
+            }
+            (Kind::Words { words, .. }, Value::Text(word)) => {
+                if words.iter().any(|known| known.name == word) {
+                    return Ok(Value::Text(word));
+                }
+                fail(Problem::unknown_word(key, &word, words.iter().map(|word| word.name)))
+            }
+            (Kind::Whole { bounds, .. }, Value::Whole(number)) => match bounds.read(key, number) {
+                Ok(number) => Ok(Value::Whole(number.into())),
+                Err(problem) => fail(problem),
+            },
+            (Kind::Named { .. }, Value::Named(values)) => {
+                let values = values.into_iter().map(|(name, value)| {
+                    let number = named(&format!("{key}.{name}"), value)?;
+                    Ok((name, number))
+                });
+                Ok(Value::Named(values.collect::<Result<_, Failure>>()?))
+            }
+            (Kind::Flag { .. }, value @ Value::Flag(_)) => Ok(value),
+            (_, value @ Value::Text(_)) if self.reads_text() => Ok(value),
+            // A bare number where a unit is needed goes on to the reader of units, which says so.
+            (_, value @ Value::Number(_)) if self.takes_numbers() || self.bounds().is_some() => {
+                Ok(value)
+            }
+            (_, value) => {
+                let (key, wanted) = (key.to_owned(), self.wanted().to_owned());
+                fail(Problem::Kind { key, found: value.described(), wanted })
+            }
+        }
+    }
+
+    /// The kind of its values, in a sentence.
+    pub(crate) fn wanted(&self) -> &'static str {
+        match self.kind {
+            Kind::Flag { .. } => "true or false",
+            Kind::Whole { .. } => "a whole number",
+            Kind::Named { .. } => "a table",
+            Kind::Quantity { .. } | Kind::Written { .. } if self.unit() == Some("") => "a number",
+            _ => "text in quotes",
+        }
+    }
+
+    /// Puts a value into a run.
+    ///
+    /// Settings build on each other: a run is right only after all of them in the order of the table,
+    /// and after the rules that several of them have to keep; a run file sees to both.
+    ///
+    /// # Errors
+    /// A value of the wrong kind, with a wrong unit or outside its bounds; the key to blame with it.
+    pub fn set(&self, run: &mut Run, value: &Value) -> Result<(), Failure> {
+        let key = self.key;
+        let accepted = self.accept(value.clone())?;
+        let done = match (self.kind, &accepted) {
+            (Kind::Named { set, .. }, Value::Named(values)) => return set(run, values),
+            (Kind::Text { set, .. }, Value::Text(text)) => set(run, text),
+            (Kind::File { endings, set, .. }, Value::Text(path)) => {
+                check_ending(key, path, endings).map(|()| set(run, path.clone()))
+            }
+            (Kind::Words { words, set, .. }, Value::Text(word)) => {
+                set(run, word).ok_or_else(|| {
+                    Problem::unknown_word(key, word, words.iter().map(|word| word.name))
+                })
+            }
+            (Kind::Flag { set, .. }, Value::Flag(flag)) => {
+                set(run, *flag);
+                Ok(())
+            }
+            (Kind::Whole { bounds, set, .. }, Value::Whole(number)) => {
+                bounds.read(key, *number).map(|number| set(run, number))
+            }
+            (Kind::Quantity { bounds, set, .. }, value) => {
+                bounds.read(key, value).map(|number| set(run, number))
+            }
+            (Kind::Written { set, .. }, value) => set(run, value),
+            (_, value) => Err(Problem::Kind {
+                key: key.to_owned(),
+                found: value.described(),
+                wanted: self.wanted().to_owned(),
+            }),
+        };
+        done.map_err(|problem| (key.to_owned(), problem))
+    }
+}
+
+/// A named quantity, if it is a number or text.
+fn named(key: &str, value: Value) -> Result<Value, Failure> {
+    let key = key.to_owned();
+    match value {
+        Value::Number(value) if !value.is_finite() => {
+            Err((key.clone(), Problem::NotFinite { key, value }))
+        }
+        Value::Whole(number) => Ok(Value::Number(number as f64)),
+        Value::Number(_) | Value::Text(_) => Ok(value),
+        Value::Flag(_) | Value::Named(_) => {
+            let (found, wanted) = (value.described(), "a number".to_owned());
+            Err((key.clone(), Problem::Kind { key, found, wanted }))
+        }
+    }
+}
+
+fn check_ending(key: &'static str, path: &str, endings: &[&str]) -> Result<(), Problem> {
+    let lower = path.to_lowercase();
+    if endings.iter().any(|ending| lower.ends_with(&format!(".{ending}"))) {
+        return Ok(());
+    }
+    let known = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ");
+    Err(Problem::Ending { key, path: path.to_owned(), known })
+}
