@@ -128,5 +128,6 @@ plain!(
     JsonError,
     FigureError,
     FibreError,
+    myospring::settings::ContentError,
     myospring::cell::ModelError
 );

@@ -100,6 +100,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 
     let stage = Instant::now();
     let mut simulation = run.simulation(mesh, field.as_ref())?;
+    let cells = picture.as_ref().map(|(cells, _)| cells);
+    simulation.myofibril_content =
+        run.myofibril_content(&simulation.mesh, cells, |file| std::fs::read(file))?;
     let default = || stencil::worthwhile_threads(simulation.mesh.len());
     simulation.numerics.engine.threads = args.threads.map_or_else(default, usize::from);
     let prepared = simulation.build()?;

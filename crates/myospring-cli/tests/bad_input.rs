@@ -18,6 +18,7 @@ fn workplace() -> tempfile::TempDir {
         encoder.write_image_data(&pixels).unwrap();
     };
     save("good.png", 80, &|x, y| (10..70).contains(&x) && (30..50).contains(&y));
+    save("dark.png", 80, &|x, y| x < 3 && y < 3);
     save("black.png", 40, &|_, _| false);
     save("white.png", 40, &|_, _| true);
     save("speck.png", 40, &|x, y| y == 20 && (20..23).contains(&x));
@@ -25,6 +26,8 @@ fn workplace() -> tempfile::TempDir {
     fs::write(folder.path().join("truncated.png"), &good[..good.len() / 2]).unwrap();
     fs::write(folder.path().join("text.png"), "this is no picture").unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
+    fs::write(folder.path().join("content.csv"), "content\n1\n-1\n").unwrap();
+    fs::write(folder.path().join("rows.csv"), "content\n1\n1\n").unwrap();
     // A header that declares 100 000 x 100 000 pixels, with its right checksum.
     let mut huge = good.clone();
     huge[16..20].copy_from_slice(&100_000_u32.to_be_bytes());
@@ -110,6 +113,34 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         (
             vec!["run", "slow.toml"],
             &["delay the shape by", "drag_ratio", "Verlet", "more than 1 ms"],
+        ),
+        (
+            vec!["run", "--engine", "fused", "--active", "ends"],
+            &["engine = \"fused\"", "`end tension`", "engine = \"plain\""],
+        ),
+        (
+            vec!["run", "--engine", "fused", "--integrator", "velocity-verlet"],
+            &["engine = \"fused\"", "velocity Verlet"],
+        ),
+        (
+            vec!["run", "--myofibril-content", "content.csv"],
+            &["content.csv", "line 3", "content is -1", "0 or above"],
+        ),
+        (
+            vec!["run", "--myofibril-content", "rows.csv"],
+            &["rows.csv", "2 rows", "triangles: give one for each"],
+        ),
+        (
+            vec!["run", "--myofibril-content", "good.png"],
+            &["`good.png` is a picture", "give a table (.csv)"],
+        ),
+        (
+            vec!["run", "good.png", PIXELS[0], PIXELS[1], "--myofibril-content", "dark.png"],
+            &["`dark.png` is black everywhere in the cell"],
+        ),
+        (
+            vec!["run", "good.png", PIXELS[0], PIXELS[1], "--myofibril-content", "speck.png"],
+            &["`speck.png` has [40, 40] pixels", "[80, 80]", "same frame"],
         ),
         (vec!["run", "--integrator", "quasistatic"], &["did you mean `quasi-static`?"]),
         (vec!["run", "--support", "elastic-bed"], &["bed_stiffness` is missing", "kPa/um"]),

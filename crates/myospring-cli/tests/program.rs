@@ -346,8 +346,9 @@ fn a_run_that_the_fast_kernel_does_not_serve_says_so() {
         stderr(&myospring(folder.path(), &[&run[..], more].concat()))
     };
     for (options, hindrance) in [
-        (["--active", "ends"], "active = \"ends\""),
-        (["--area-law", "barycentric"], "area_law = \"barycentric\""),
+        (["--active", "ends"], "`end tension`"),
+        (["--area-law", "barycentric"], "`barycentric area preservation`"),
+        (["--integrator", "velocity-verlet"], "velocity Verlet"),
     ] {
         let said = dry(&options);
         assert!(said.contains("plain loops") && said.contains(hindrance), "{said}");
@@ -355,6 +356,59 @@ fn a_run_that_the_fast_kernel_does_not_serve_says_so() {
     for served in [&["--support", "clamped-ends"][..], &["--integrator", "quasi-static"], &[]] {
         assert_eq!(dry(served), "");
     }
+}
+
+#[test]
+fn the_engine_that_moves_the_masses_is_the_one_that_was_asked_for_and_stands_in_the_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = |name: &str| {
+        let quick = ["--spacing", "5 um", "--duration", "60 ms", "-q", "-o", name];
+        let output = myospring(folder.path(), &[&["run", "--engine", name], &quick[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let record = std::fs::read(folder.path().join(name).join("run.json")).unwrap();
+        let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+        record["engine"].clone()
+    };
+    assert_eq!(engine("plain"), serde_json::json!({ "loops": "plain" }));
+    for fused in [engine("fused"), engine("auto")] {
+        assert_eq!((&fused["loops"], &fused["threads"]), (&"fused".into(), &1.into()), "{fused}");
+        assert!(fused["vector_units"].is_string(), "{fused}");
+    }
+    // The same beat, whoever makes it; the fused kernel rounds otherwise.
+    let [plain, fused] = ["plain", "fused"].map(|name| {
+        let traces = std::fs::read_to_string(folder.path().join(name).join("traces.csv")).unwrap();
+        let last: Vec<f64> =
+            traces.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+        last[3]
+    });
+    assert!((plain - fused).abs() < 1e-6, "{plain} um, {fused} um");
+}
+
+#[test]
+fn a_table_of_myofibrils_makes_the_tension_uneven() {
+    let folder = tempfile::tempdir().unwrap();
+    // Half as many in the left half of the cell, whose middle is the origin.
+    let table = "# drawn by hand\nx_um,y_um,content\n-35,0,0.5\n35,0,1.0\n";
+    std::fs::write(folder.path().join("content.csv"), table).unwrap();
+    let shortening = |more: &[&str]| {
+        let name = format!("out{}", more.len());
+        let quick =
+            ["run", "--integrator", "quasi-static", "--spacing", "4 um", "--json", "-q", "-o"];
+        let output = myospring(folder.path(), &[&quick[..], &[&name], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let said = json(&output);
+        let contraction = said["beats"][0]["contraction"].as_array().unwrap().clone();
+        let row = contraction.iter().find(|row| row["name"] == "peak_shortening").unwrap().clone();
+        row["value"].as_f64().unwrap()
+    };
+    let (even, uneven) = (shortening(&[]), shortening(&["--myofibril-content", "content.csv"]));
+    // One half shortens as before, the other by half as much, but that the law is not quite linear.
+    assert!((uneven / even - 0.75).abs() < 0.02, "{uneven} % of {even} %");
+    // What was written runs again.
+    let again = myospring(folder.path(), &["run", "out2/run.toml", "--json", "-q", "-o", "again"]);
+    assert_eq!(again.status.code(), Some(0), "{}", stderr(&again));
+    let traces = |name: &str| std::fs::read(folder.path().join(name).join("traces.csv")).unwrap();
+    assert_eq!(traces("out2"), traces("again"));
 }
 
 #[test]

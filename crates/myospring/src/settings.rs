@@ -21,6 +21,7 @@
 //! ```
 
 mod bounds;
+mod content;
 mod problem;
 mod rows;
 mod run;
@@ -30,6 +31,7 @@ mod value;
 mod words;
 
 pub use bounds::{Bounds, Whole};
+pub use content::{CONTENT_ENDINGS, ContentError};
 pub use problem::{Failure, Problem};
 pub use rows::Table;
 pub use run::{Fibre, Run};

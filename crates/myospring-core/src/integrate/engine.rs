@@ -20,20 +20,6 @@ pub enum Loops {
     Fused,
 }
 
-impl Loops {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Plain, Self::Fused];
-
-    /// Name as written in a run file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Plain => "plain",
-            Self::Fused => "fused",
-        }
-    }
-}
-
 /// What moves the masses, as it is asked for; [`Default`] is the fastest that can, on one thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Engine {

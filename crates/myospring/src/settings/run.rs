@@ -50,6 +50,8 @@ pub struct Run {
     pub active: ActiveLaw,
     /// Direction of the fibres.
     pub fibre: Fibre,
+    /// The file that has the content of myofibrils, as written; `None` is the same everywhere.
+    pub myofibril_content: Option<String>,
     /// What holds the cell.
     pub support: SupportKind,
     /// Numerical settings.
@@ -78,6 +80,7 @@ impl Run {
             material: default_material(),
             active: ActiveLaw::Fibre,
             fibre: Fibre::LongAxis,
+            myofibril_content: None,
             support: SupportKind::MassCentre,
             duration: usual_duration(&protocol, &numerics),
             numerics,

@@ -1,6 +1,7 @@
 //! `[mechanics]`.
 
 use super::super::bounds::Bounds;
+use super::super::content::CONTENT_ENDINGS;
 use super::super::problem::Problem;
 use super::super::run::{Fibre, Run};
 use super::super::setting::{Kind, Setting};
@@ -125,6 +126,25 @@ pub(super) const ROWS: &[Setting] = &[
         "--fibre-smoothing",
         "LENGTH",
         "Scale over which --fibre picture averages directions",
+    ),
+    Setting::new(
+        "mechanics.myofibril_content",
+        "File that says how many myofibrils there are in each place, relative to the cell's mean: tension is \
+         in proportion. A table (.csv) with the header content, a row for each triangle, or \
+         x_um,y_um,content; or a picture of the same frame as the cell's. Relative to this file.",
+        Kind::File {
+            endings: CONTENT_ENDINGS,
+            example: "content.csv",
+            get: |run| run.myofibril_content.clone(),
+            set: |run, path| run.myofibril_content = Some(path),
+        },
+    )
+    .otherwise("the same everywhere")
+    .option_saying(
+        "--myofibril-content",
+        "FILE",
+        "Content of myofibrils by place, to which tension is in proportion: a table (.csv: content, or \
+         x_um,y_um,content) or a picture of the same frame",
     ),
     Setting::new(
         "mechanics.support",

@@ -2,8 +2,9 @@
 
 use super::super::bounds::Bounds;
 use super::super::setting::{Kind, Setting};
-use super::super::words::{Word, Worded, worded};
+use super::super::words::{Word, Worded, choose, worded};
 use crate::integrate::Method;
+use crate::integrate::engine::Loops;
 use crate::integrate::verlet::Integrator;
 use crate::units::Dimension;
 
@@ -27,6 +28,13 @@ worded! { IntegratorName {
          \"gradient\".",
 } }
 
+worded! { Loops {
+    Loops::Auto = "auto": "The fused kernel where it can, else the plain loops.",
+    Loops::Plain = "plain":
+        "Plain loops over all laws: any mesh, force, tension and form of Verlet's method.",
+    Loops::Fused = "fused": "The fused kernel of a lattice, or nothing.",
+} }
+
 pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "numerics.integrator",
@@ -47,6 +55,16 @@ pub(super) const ROWS: &[Setting] = &[
         "verlet (in time, as in the paper) or quasi-static (along the equilibria, many times \
          faster); also stoermer-verlet, velocity-verlet",
     ),
+    Setting::new(
+        "numerics.engine",
+        "What moves the masses in time; one that cannot is refused, and run.json says which did.",
+        Kind::Words {
+            words: Loops::WORDS,
+            get: |run| Some(run.numerics.engine.loops.word()),
+            set: |run, word| choose(&mut run.numerics.engine.loops, word),
+        },
+    )
+    .option("--engine", "NAME"),
     Setting::quantity(
         "numerics.time_step",
         "Mechanical time step; one above the stability limit is refused. Not for \

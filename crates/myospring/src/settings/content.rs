@@ -1,0 +1,308 @@
+//! The content of myofibrils in each triangle, from a table or a picture.
+//!
+//! - A table (`.csv`) with the header `content` has one row for each triangle, in the order of the mesh;
+//!   one with the header `x_um,y_um,content` has points, of which each triangle takes the nearest.
+//! - A picture (`.png`, `.tif`) covers the same frame as the picture of the cell: its grey values, averaged
+//!   over a lattice square about each triangle, relative to their mean over the cell.
+
+use super::run::Run;
+use crate::mesh::Mesh;
+use crate::microscopy::cells::PictureCells;
+use crate::microscopy::picture::Selection;
+use crate::microscopy::plane::Plane;
+use crate::microscopy::read::{PictureError, read_picture};
+use serde::Deserialize;
+use std::io;
+
+/// Endings of files that hold a content of myofibrils, without the dot.
+pub const CONTENT_ENDINGS: &[&str] = &["csv", "png", "tif", "tiff"];
+
+/// Most points of a table: each triangle looks at all of them.
+const MOST_POINTS: usize = 100_000;
+
+/// Why a file gives no content of myofibrils.
+#[derive(Debug, thiserror::Error)]
+pub enum ContentError {
+    /// The file could not be read.
+    #[error("cannot read `{path}`: {cause}")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// It is no table of contents.
+    #[error(
+        "`{path}`: {cause}; a table of the content of myofibrils has the header `content`, with one row for \
+         each triangle, or `x_um,y_um,content`"
+    )]
+    Table {
+        /// The file.
+        path: String,
+        /// What is wrong, with the line.
+        cause: String,
+    },
+    /// A number that no content can be.
+    #[error("`{path}`, line {line}: {column} is {value}; it must be {must}")]
+    Value {
+        /// The file.
+        path: String,
+        /// Its line, from 1.
+        line: usize,
+        /// Column of the table.
+        column: &'static str,
+        /// The value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// Too few or too many rows.
+    #[error("`{path}` has {rows} rows; {must}")]
+    Rows {
+        /// The file.
+        path: String,
+        /// How many rows it has.
+        rows: usize,
+        /// How many it may have, and why.
+        must: String,
+    },
+    /// The picture cannot be read.
+    #[error("`{path}`: {cause}")]
+    Picture {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        cause: PictureError,
+    },
+    /// A picture, but none of the cell to lay it on.
+    #[error(
+        "`{path}` is a picture, but the cell is from none, so nobody knows where it lies; give a table \
+         (.csv), or the picture of the cell as its shape"
+    )]
+    NoFrame {
+        /// The file.
+        path: String,
+    },
+    /// A picture of another frame.
+    #[error(
+        "`{path}` has {found:?} pixels, the picture of the cell {expected:?}; the content needs a picture of \
+         the same frame"
+    )]
+    Frame {
+        /// The file.
+        path: String,
+        /// Its columns and rows.
+        found: [usize; 2],
+        /// Those of the picture of the cell.
+        expected: [usize; 2],
+    },
+    /// A picture that is black where the cell is.
+    #[error("`{path}` is black everywhere in the cell, so it says nothing about its myofibrils")]
+    Black {
+        /// The file.
+        path: String,
+    },
+}
+
+#[derive(Deserialize)]
+struct Row {
+    x_um: Option<f64>,
+    y_um: Option<f64>,
+    content: f64,
+}
+
+impl Run {
+    /// The content of myofibrils in each triangle of a mesh, if a file says what it is; `read` reads a file by its
+    /// name as written, `picture` is that of the cell.
+    ///
+    /// # Errors
+    /// A file that cannot be read, that is no such table or picture, or that does not fit the mesh.
+    pub fn myofibril_content(
+        &self,
+        mesh: &Mesh,
+        picture: Option<&PictureCells>,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<Option<Vec<f64>>, ContentError> {
+        let Some(path) = &self.myofibril_content else { return Ok(None) };
+        let bytes = read(path).map_err(|cause| ContentError::Read { path: path.clone(), cause })?;
+        let content = if path.to_lowercase().ends_with(".csv") {
+            of_table(path, &bytes, mesh)?
+        } else {
+            of_picture(path, &bytes, mesh, picture)?
+        };
+        Ok(Some(content))
+    }
+}
+
+fn of_table(path: &str, bytes: &[u8], mesh: &Mesh) -> Result<Vec<f64>, ContentError> {
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes);
+    let mut rows: Vec<Row> = Vec::new();
+    for (at, row) in reader.deserialize().enumerate() {
+        let row: Row = row.map_err(|error: csv::Error| ContentError::Table {
+            path: path.to_owned(),
+            cause: error.to_string(),
+        })?;
+        let wrong = |column, value, must| {
+            let path = path.to_owned();
+            Err(ContentError::Value { path, line: at + 2, column, value, must })
+        };
+        if !(row.content.is_finite() && row.content >= 0.0) {
+            return wrong("content", row.content, "a finite number, 0 or above");
+        }
+        for (column, value) in [("x_um", row.x_um), ("y_um", row.y_um)] {
+            if let Some(value) = value.filter(|value| !value.is_finite()) {
+                return wrong(column, value, "a finite number");
+            }
+        }
+        rows.push(row);
+    }
+    let refused =
+        |must: String| ContentError::Rows { path: path.to_owned(), rows: rows.len(), must };
+    let points: Vec<[f64; 3]> =
+        rows.iter().filter_map(|row| Some([row.x_um?, row.y_um?, row.content])).collect();
+    if points.is_empty() {
+        let triangles = mesh.simplices.len();
+        if rows.len() != triangles {
+            return Err(refused(format!("the mesh has {triangles} triangles: give one for each")));
+        }
+        return Ok(rows.iter().map(|row| row.content).collect());
+    }
+    if points.len() != rows.len() || points.len() > MOST_POINTS {
+        return Err(refused(format!("each needs x_um and y_um, and there may be {MOST_POINTS}")));
+    }
+    let nearest = |[x, y]: [f64; 2]| {
+        let distance = |point: &&[f64; 3]| (point[0] - x).powi(2) + (point[1] - y).powi(2);
+        points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or(1.0, |p| p[2])
+    };
+    Ok(centres(mesh).map(nearest).collect())
+}
+
+fn of_picture(
+    path: &str,
+    bytes: &[u8],
+    mesh: &Mesh,
+    cell: Option<&PictureCells>,
+) -> Result<Vec<f64>, ContentError> {
+    let path = || path.to_owned();
+    let cell = cell.ok_or_else(|| ContentError::NoFrame { path: path() })?;
+    let picture = read_picture(bytes, &Selection::default())
+        .map_err(|cause| ContentError::Picture { path: path(), cause })?;
+    let size = |plane: &Plane| [plane.width(), plane.height()];
+    let (found, expected) = (size(&picture.plane), size(&cell.plane));
+    if found != expected {
+        return Err(ContentError::Frame { path: path(), found, expected });
+    }
+    let pixel = cell.pixel_size.um();
+    let spacing = mesh.lattice.as_ref().map_or(pixel, |lattice| lattice.spacing);
+    let reach = 0.5 * spacing / pixel;
+    // Columns, or rows from the bottom, of the pixels that a square about a place covers.
+    let covered = |at: f64, count: usize| {
+        let last = count as f64 - 1.0;
+        let [first, end] = [at - reach, at + reach].map(|edge| edge.floor().clamp(0.0, last));
+        first as usize..=end as usize
+    };
+    let grey: Vec<f64> = centres(mesh)
+        .map(|[x, y]| {
+            let rows = covered(y / pixel, expected[1]);
+            let pixels = rows.flat_map(|row| {
+                let row = expected[1] - 1 - row;
+                covered(x / pixel, expected[0]).map(move |column| [column, row])
+            });
+            let values = pixels.map(|[column, row]| f64::from(picture.plane.at(column, row)));
+            let (sum, count) =
+                values.fold((0.0, 0.0), |(sum, n), grey| (sum + grey.max(0.0), n + 1.0));
+            sum / count
+        })
+        .collect();
+    let weights = mesh.simplices.iter().map(|triangle| triangle.weight);
+    let (sum, whole) = grey
+        .iter()
+        .zip(weights)
+        .fold((0.0, 0.0), |(sum, whole), (grey, weight)| (sum + grey * weight, whole + weight));
+    let mean = sum / whole;
+    if !(mean.is_finite() && mean > 0.0) {
+        return Err(ContentError::Black { path: path() });
+    }
+    Ok(grey.into_iter().map(|grey| grey / mean).collect())
+}
+
+/// The centre of each triangle, um.
+fn centres(mesh: &Mesh) -> impl Iterator<Item = [f64; 2]> {
+    mesh.simplices.iter().map(|triangle| {
+        let corners = triangle.nodes.map(|node| mesh.point(node as usize));
+        [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::lattice;
+    use crate::mesh::pixel_size::PixelSize;
+    use crate::microscopy::cells::Options;
+
+    /// A picture of 40 x 20 pixels as a PNG.
+    fn png(grey: impl Fn(u32, u32) -> u8) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 40, 20).write_header().unwrap();
+        let pixels: Vec<u8> = (0..40 * 20).map(|at| grey(at % 40, at / 40)).collect();
+        encoder.write_image_data(&pixels).unwrap();
+        encoder.finish().unwrap();
+        bytes
+    }
+
+    fn run(path: &str) -> Run {
+        Run { myofibril_content: Some(path.to_owned()), ..Run::default_run() }
+    }
+
+    #[test]
+    fn grey_values_about_a_triangle_become_its_content_relative_to_the_mean_of_the_cell() {
+        let options =
+            Options { pixel_size: Some(PixelSize::new(1.0).unwrap()), ..Options::default() };
+        let cell = png(|x, y| if (4..36).contains(&x) && (4..16).contains(&y) { 200 } else { 0 });
+        let cells = PictureCells::find(&cell, &options).unwrap();
+        // A mesh over columns 4 to 36, rows 4 to 16 of the picture, y upward.
+        let mut mesh = lattice::rectangle(16, 6, 2.0).unwrap();
+        mesh.points.iter_mut().flatten().for_each(|x| *x += 4.0);
+        // The upper half of the picture, low rows, is three times as bright as the lower.
+        let read = |_: &str| Ok(png(|_, y| if y < 10 { 150 } else { 50 }));
+        let content = run("stain.png").myofibril_content(&mesh, Some(&cells), read).unwrap();
+        for (triangle, content) in mesh.simplices.iter().zip(content.unwrap()) {
+            let y =
+                triangle.nodes.map(|node| mesh.points[1][node as usize]).iter().sum::<f64>() / 3.0;
+            let expected = if y > 10.0 { 1.5 } else { 0.5 };
+            // Squares about triangles beside the border see both halves.
+            let near = (y - 10.0).abs() < 1.5;
+            assert!(near || (content - expected).abs() < 0.02, "{content} at y = {y}");
+        }
+    }
+
+    #[test]
+    fn a_row_for_each_triangle_is_taken_as_it_stands_and_points_by_their_nearness() {
+        let mesh = lattice::rectangle(2, 1, 1.0).unwrap();
+        let table = |text: &'static str| {
+            run("content.csv")
+                .myofibril_content(&mesh, None, |_| Ok(text.into()))
+                .map(Option::unwrap)
+        };
+        let rows = table("content\n0\n1\n2\n3\n4\n5\n6\n7\n").unwrap();
+        assert_eq!(rows, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let points = table("x_um, y_um, content\n0.5, 0.5, 0.25\n1.5, 0.5, 2\n").unwrap();
+        for (triangle, content) in mesh.simplices.iter().zip(points) {
+            let left = triangle.nodes.iter().all(|&node| mesh.points[0][node as usize] <= 1.0);
+            assert_eq!(content, if left { 0.25 } else { 2.0 });
+        }
+        for (text, message) in [
+            ("content\n1\n", "give one for each"),
+            ("x_um,y_um,content\n0,0,1\n,,1\n", "each needs x_um and y_um"),
+            ("amount\n1\n", "has the header `content`"),
+            ("content\nnan\n", "line 2: content is NaN"),
+            ("x_um,y_um,content\ninf,0,1\n", "x_um is inf"),
+        ] {
+            let error = table(text).unwrap_err().to_string();
+            assert!(error.contains(message), "{message}: {error}");
+        }
+        assert_eq!(run("x.csv").myofibril_content.as_deref(), Some("x.csv"));
+    }
+}
