@@ -8,7 +8,7 @@ use super::{Cause, Member, Row as _, Status, sha256};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::report::Summary;
-use crate::run_file::{PictureSource, Run, ShapeError, Source};
+use crate::settings::{PictureSource, Run, ShapeError, Source};
 use crate::simulation::{Outcome, Progress, Simulation};
 use std::fs;
 use std::path::PathBuf;
