@@ -74,7 +74,7 @@ mod tests {
     fn run_with_place(setting: &Setting) -> Run {
         let mut run = Run::default_run();
         let before: &[(&str, &str)] = match setting.key {
-            "cell.tolerance" => &[("cell.method", "adaptive")],
+            "cell.tolerance" => &[("cell.integrator", "adaptive")],
             "stimulus.duration" => &[("stimulus.kind", "pulse")],
             "shape.pixel_size" | "shape.label" => &[("shape.picture", "cell.tif")],
             "mechanics.stain" | "mechanics.fibre_smoothing" => &[("mechanics.fibre", "picture")],

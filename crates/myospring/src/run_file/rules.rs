@@ -100,16 +100,16 @@ fn alternatives(file: &RunFile) -> Checked {
 
 fn cell_model(file: &RunFile, run: &Run) -> Checked {
     let authors = file.get("cell.authors_step") == Some(&Value::Flag(true));
-    let taken = ["cell.method", "cell.step", "cell.tolerance"];
+    let taken = ["cell.integrator", "cell.step", "cell.tolerance"];
     if let Some(second) = taken.into_iter().find(|key| authors && file.has(key)) {
         return exclude("cell.authors_step", second, "leave one of them out");
     }
     let (second, advice) = if run.numerics.cell.method.chooses_steps() {
         ("cell.step", "this method chooses its steps by the tolerance; leave the step out")
     } else {
-        ("cell.tolerance", "only method = \"adaptive\" or \"stiff\" has it; leave it out")
+        ("cell.tolerance", "only integrator = \"adaptive\" or \"stiff\" has it; leave it out")
     };
-    if file.has(second) { exclude("cell.method", second, advice) } else { Ok(()) }
+    if file.has(second) { exclude("cell.integrator", second, advice) } else { Ok(()) }
 }
 
 fn stimulus(file: &RunFile, run: &Run) -> Checked {

@@ -88,13 +88,19 @@ pub(super) const ROWS: &[Setting] = &[
         "Integrate the cell model as the authors of `coelho_2021` did",
     ),
     Setting::new(
-        "cell.method",
+        "cell.integrator",
         "Integration method of the cell model, with fixed steps or with steps of its own choice.",
         Kind::Words {
             words: Method::WORDS,
             get: |run| Some(run.numerics.cell.method.word()),
             set: |run, word| choose(&mut run.numerics.cell.method, word),
         },
+    )
+    .option_saying(
+        "--cell-integrator",
+        "NAME",
+        "How the cell model is integrated: runge-kutta-4, forward-euler, staggered-euler, rush-larsen, adaptive \
+         or stiff",
     ),
     Setting::quantity(
         "cell.step",
