@@ -1,7 +1,7 @@
 //! The numbers of one run, each with unit and definition.
 
-use myospring_core::analysis::beat::{self, BANDS, Band, Beat};
-use myospring_core::analysis::{Metric, Spread, beat_to_beat};
+use myospring_core::analysis::beat::{Band, Beat, Beats};
+use myospring_core::analysis::{Metric, Spread};
 use myospring_core::mesh::quality::MeshReport;
 use myospring_core::recording::Recording;
 use serde::Serialize;
@@ -31,14 +31,12 @@ impl Summary {
         mesh: MeshReport,
         warnings: Vec<String>,
     ) -> Self {
-        let beats = beat::beats(&recording.samples, stimulus_times_ms);
-        let all: Vec<Vec<Metric>> =
-            beats.iter().map(|beat| beat.metrics().cloned().collect()).collect();
+        let beats = Beats::of(&recording.samples, stimulus_times_ms);
         Self {
-            beat_to_beat: if beats.len() > 1 { beat_to_beat(&all) } else { Vec::new() },
-            energy: beat::energy(&recording.samples),
-            beats,
-            reference_bands: BANDS,
+            beat_to_beat: beats.spread(),
+            energy: beats.energy,
+            reference_bands: beats.bands,
+            beats: beats.list,
             mesh,
             warnings,
         }

@@ -1,8 +1,9 @@
 //! What each beat of a run amounts to, where its work went, and what is known of such numbers.
 
-use super::{Metric, action_potential, contraction, trace, value};
+use super::{Metric, Spread, action_potential, beat_to_beat, contraction, trace, value};
 use crate::recording::Sample;
 use serde::Serialize;
+use std::ops::Deref;
 
 /// Time before each later stimulus over which the resting length of that beat is taken, ms.
 const BASELINE: f64 = 20.0;
@@ -84,6 +85,55 @@ impl Beat {
     /// The value of a metric by its name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.metrics().find(|metric| metric.name == name)?.value
+    }
+}
+
+/// What the beats of a run amount to; a list of [`Beat`]s, one for each stimulus within the run.
+///
+/// # Example
+/// ```
+/// use myospring::prelude::*;
+/// let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
+/// simulation.numerics.method = Method::QuasiStatic;
+/// let beats = simulation.build()?.run(|_progress| true).beats();
+/// assert_eq!(beats.len(), 1);
+/// let shortening = beats[0].value("peak_shortening").unwrap();
+/// let band = beats.bands.iter().find(|band| band.name == "peak_shortening").unwrap();
+/// assert!(shortening <= 1.01 * band.high, "{shortening} {}", band.unit);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beats {
+    /// In order.
+    pub list: Vec<Beat>,
+    /// Where the work of the active force went, at the end of the run.
+    pub energy: Vec<Metric>,
+    /// What is known of these quantities.
+    pub bands: [Band; 4],
+}
+
+impl Beats {
+    /// Of the samples of a run whose stimuli fell at these times, ms.
+    pub fn of(samples: &[Sample], stimulus_times_ms: &[f64]) -> Self {
+        Self { list: beats(samples, stimulus_times_ms), energy: energy(samples), bands: BANDS }
+    }
+
+    /// Mean and standard deviation over the beats of every metric, where there are several.
+    pub fn spread(&self) -> Vec<Spread> {
+        if self.list.len() < 2 {
+            return Vec::new();
+        }
+        let all: Vec<Vec<Metric>> =
+            self.list.iter().map(|beat| beat.metrics().cloned().collect()).collect();
+        beat_to_beat(&all)
+    }
+}
+
+impl Deref for Beats {
+    type Target = [Beat];
+
+    fn deref(&self) -> &[Beat] {
+        &self.list
     }
 }
 

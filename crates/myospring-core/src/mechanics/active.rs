@@ -27,7 +27,7 @@ use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::{Block, StiffnessMatrix};
 use super::tension::Tension;
-use super::vectors::Vectors;
+use super::vectors::{Vectors, dot};
 use crate::mesh::{Mesh, simplex};
 use serde::Serialize;
 use std::any::Any;
@@ -295,14 +295,6 @@ impl<const D: usize, const N: usize> FibreTension<D, N> {
             }
         }
     }
-}
-
-fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
-    let mut sum = a[0] * b[0];
-    for axis in 1..D {
-        sum += a[axis] * b[axis];
-    }
-    sum
 }
 
 fn length<const D: usize>(vector: [f64; D]) -> f64 {

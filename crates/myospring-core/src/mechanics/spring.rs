@@ -17,7 +17,7 @@ use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::{Block, StiffnessMatrix};
-use super::vectors::Vectors;
+use super::vectors::{Vectors, dot};
 use std::array::from_fn;
 
 /// Springs with dashpots between pairs of nodes, with any number of axes.
@@ -136,16 +136,6 @@ impl Springs {
 #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 fn parts<const D: usize>(vectors: &Vectors<D>, first: usize, len: usize) -> [&[f64]; D] {
     from_fn(|axis| &vectors[axis][first..first + len])
-}
-
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
-fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
-    let mut sum = a[0] * b[0];
-    for axis in 1..D {
-        sum += a[axis] * b[axis];
-    }
-    sum
 }
 
 impl<const D: usize> Force<D> for Springs {

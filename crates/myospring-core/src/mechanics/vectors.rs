@@ -7,3 +7,14 @@ pub type Vectors<const D: usize = 2> = [Vec<f64>; D];
 pub fn zeros<const D: usize>(count: usize) -> Vectors<D> {
     std::array::from_fn(|_| vec![0.0; count])
 }
+
+/// Scalar product.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised loops that use it")]
+pub(super) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    let mut sum = a[0] * b[0];
+    for axis in 1..D {
+        sum += a[axis] * b[axis];
+    }
+    sum
+}

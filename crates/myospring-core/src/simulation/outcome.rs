@@ -1,8 +1,7 @@
 //! What came of a run, and what it took.
 
 use super::StopReason;
-use crate::analysis::Metric;
-use crate::analysis::beat::{self, Beat};
+use crate::analysis::beat::Beats;
 use crate::integrate::engine::EngineUsed;
 use crate::recording::Recording;
 use serde::Serialize;
@@ -23,26 +22,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// What the beats amount to, one for each stimulus: tension, contraction, width and area, action
-    /// potential.
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::prelude::*;
-    /// let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
-    /// simulation.numerics.method = Method::QuasiStatic;
-    /// let outcome = simulation.build()?.run(|_progress| true);
-    /// let beats = outcome.beats();
-    /// assert!((beats[0].value("peak_shortening").unwrap() - 12.0).abs() < 0.1); // %
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn beats(&self) -> Vec<Beat> {
-        beat::beats(&self.recording.samples, &self.stimulus_times_ms)
-    }
-
-    /// Where the work of the active force went, at the end of the run.
-    pub fn energy(&self) -> Vec<Metric> {
-        beat::energy(&self.recording.samples)
+    /// What the beats amount to: tension, contraction, width and area, action potential of each, where the
+    /// energy went, and the bands of what is known.
+    pub fn beats(&self) -> Beats {
+        Beats::of(&self.recording.samples, &self.stimulus_times_ms)
     }
 }
 
