@@ -1,6 +1,6 @@
 //! The loop: cell tension in, shape out.
 //!
-//! Every exchange interval the [`Activation`](crate::exchange::Activation), a cell model unless another is
+//! Every exchange interval the [`Activation`], a cell model unless another is
 //! given, moves on under what it feels of the mesh; its tension goes to the mesh (linearly over the
 //! interval), and the masses follow. Every output interval a [`Sample`](crate::recording::Sample) is recorded,
 //! every frame interval a [`Frame`](crate::recording::Frame).

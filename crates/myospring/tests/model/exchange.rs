@@ -398,6 +398,9 @@ fn a_stepper_from_outside_moves_the_masses() {
     assert_eq!(own.recording, halved.recording);
 }
 
+/// What makes a simulation impossible.
+type Change = Box<dyn Fn(&mut Simulation)>;
+
 #[test]
 fn a_run_that_cannot_be_is_refused_with_the_setting_its_value_and_its_bound() {
     let mesh = strip();
@@ -410,7 +413,6 @@ fn a_run_that_cannot_be_is_refused_with_the_setting_its_value_and_its_bound() {
     let field = move |count: usize| -> Option<Box<dyn Activation>> {
         Some(Box::new(Toy::new(Sites::PerElement(count), 1.0, |_, _| 1.0)))
     };
-    type Change = Box<dyn Fn(&mut Simulation)>;
     let cases: Vec<(Change, &str)> = vec![
         (Box::new(|s| s.numerics.time_step = Some(0.0)), "the time step is 0 ms"),
         (Box::new(|s| s.numerics.time_step = Some(f64::NAN)), "the time step is NaN ms"),
