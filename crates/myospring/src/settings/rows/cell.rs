@@ -95,12 +95,6 @@ pub(super) const ROWS: &[Setting] = &[
             get: |run| Some(run.numerics.cell.method.word()),
             set: |run, word| choose(&mut run.numerics.cell.method, word),
         },
-    )
-    .option_saying(
-        "--cell-integrator",
-        "NAME",
-        "How the cell model is integrated: runge-kutta-4, forward-euler, staggered-euler, rush-larsen, adaptive \
-         or stiff",
     ),
     Setting::quantity(
         "cell.step",
