@@ -398,9 +398,6 @@ fn a_stepper_from_outside_moves_the_masses() {
     assert_eq!(own.recording, halved.recording);
 }
 
-/// What makes a simulation impossible.
-type Change = Box<dyn Fn(&mut Simulation)>;
-
 #[test]
 fn a_run_that_cannot_be_is_refused_with_the_setting_its_value_and_its_bound() {
     type Change = Box<dyn Fn(&mut Simulation)>;
