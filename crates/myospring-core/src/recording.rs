@@ -11,7 +11,7 @@ pub struct Sample {
     pub u: f64,
     /// Membrane potential, mV, where the model defines it.
     pub vm_mv: Option<f64>,
-    /// Active tension, kPa.
+    /// Active tension, kPa; of one that differs from place to place, its mean over the cell.
     pub ta_kpa: f64,
     /// End-to-end length along the reference long axis after rigid rotation is removed, um.
     pub length_um: f64,
@@ -54,8 +54,11 @@ pub struct Signal {
 pub struct Frame<const D: usize = 2> {
     /// Time, ms.
     pub t_ms: f64,
-    /// Active tension, kPa.
+    /// Active tension, kPa; of one that differs from place to place, its mean over the cell, each triangle by
+    /// its volume and its content of myofibrils.
     pub ta_kpa: f64,
+    /// Active tension of each triangle, kPa, where it differs.
+    pub ta_by_triangle_kpa: Option<Vec<f64>>,
     /// Positions, um: `positions[axis][node]`.
     pub positions: [Vec<f64>; D],
 }

@@ -284,7 +284,12 @@ impl Setup {
             }
             observer.begins(Part::Recording);
             let tension = meeting.tension.average(&self.volumes);
-            let snapshot = || Frame { t_ms: time, ta_kpa: tension, positions: shaping.positions() };
+            let snapshot = || Frame {
+                t_ms: time,
+                ta_kpa: tension,
+                ta_by_triangle_kpa: meeting.tension.by_element().map(<[f64]>::to_vec),
+                positions: shaping.positions(),
+            };
             if index % per_sample == 0 {
                 let observed = shaping.observe();
                 recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));

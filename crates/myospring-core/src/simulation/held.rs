@@ -27,6 +27,14 @@ impl Held {
         }
     }
 
+    /// One for each triangle, where they differ.
+    pub(super) fn by_element(&self) -> Option<&[f64]> {
+        match self {
+            Self::Uniform(_) => None,
+            Self::PerElement(list) => Some(list),
+        }
+    }
+
     /// The mean of this and another.
     pub(super) fn mean(&self, other: &Self) -> Self {
         match (self, other) {

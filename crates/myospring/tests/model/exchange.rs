@@ -289,6 +289,11 @@ fn a_front_of_tension_that_travels_shortens_the_cell_at_the_known_rate() {
         // The tension that is recorded is the mean over the cell.
         assert!((pair[1].ta_kpa - tension * pair[1].t_ms / 60.0).abs() < 1e-9);
     }
+    // A shape knows the tension of each triangle: behind the front, and before it.
+    let half = outcome.recording.frames.iter().find(|frame| frame.t_ms == 30.0).unwrap();
+    let tensions = half.ta_by_triangle_kpa.as_ref().unwrap();
+    assert_eq!(tensions.iter().filter(|t| **t == tension).count(), tensions.len() / 2);
+    assert_eq!(tensions.iter().filter(|t| **t == 0.0).count(), tensions.len() / 2);
     let (end, peak) = (samples.last().unwrap().shortening_pct / 100.0, behind);
     assert!((end - peak).abs() < 2e-6, "the front has passed: {end}, {peak}");
 }
