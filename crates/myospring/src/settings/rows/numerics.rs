@@ -64,7 +64,12 @@ pub(super) const ROWS: &[Setting] = &[
             set: |run, word| choose(&mut run.numerics.engine.loops, word),
         },
     )
-    .option("--engine", "NAME"),
+    .option_saying(
+        "--engine",
+        "NAME",
+        "What moves the masses in time: auto (the fused kernel where it can), plain, or fused, which is refused \
+         where it cannot",
+    ),
     Setting::quantity(
         "numerics.time_step",
         "Mechanical time step; one above the stability limit is refused. Not for \
