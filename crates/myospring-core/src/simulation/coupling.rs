@@ -162,6 +162,8 @@ impl<'a> Exchange<'a> {
         let mut step = miss.clamp(-first, first);
         // The highest tension known to be too low, and the lowest known to be too high.
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        // Why the mesh cannot bear a tension, which is then too high.
+        let mut refused = None;
         for _ in 0..TRIES {
             if miss.abs() <= enough {
                 self.tension = Held::Uniform(tension);
@@ -180,12 +182,21 @@ impl<'a> Exchange<'a> {
                     tension + miss
                 };
             }
-            let there = excess(next, self)?;
+            let there = match excess(next, self) {
+                Ok(there) => there,
+                Err(reason) if next > low && low.is_finite() => {
+                    high = next;
+                    step = 0.5 * (low + high) - tension;
+                    refused = Some(reason);
+                    continue;
+                }
+                Err(reason) => return Err(reason),
+            };
             let slope = (there - miss) / (next - tension);
             (tension, miss) = (next, there);
             step = if slope < 0.0 { -miss / slope } else { miss };
         }
-        Err(StopReason::NoExchange { time, tension, miss })
+        Err(refused.unwrap_or(StopReason::NoExchange { time, tension, miss }))
     }
 
     /// The activation's tangent about a stretch, as the forces take it.
@@ -263,6 +274,8 @@ impl Setup {
         let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
 
         let mut meeting = Exchange::new(self);
+        // A tension at 0 ms may have shortened the cell already.
+        meeting.stretch = meeting.felt(shaping);
         let signal = |output: Output| Signal {
             name: output.name.into_owned(),
             unit: output.unit.into_owned(),
