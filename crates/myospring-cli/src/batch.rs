@@ -35,10 +35,6 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let pictures = pictures(args, &target)?;
     // Every setting is checked once, before any picture is opened.
     let (_, run) = input::settle(Some(&pictures[0].path), args.settings.overrides())?;
-    if run.myofibril_content.is_some() {
-        return Err(Failure::new("--myofibril-content belongs to one cell, but a batch has many")
-            .advise("leave it out, or beat that cell with myospring run"));
-    }
     let settings = settings(args, &run);
     let journal = if args.output.force {
         Journal::begin_anew(&target, &settings, &kept::RESULTS)?

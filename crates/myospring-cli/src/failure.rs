@@ -128,6 +128,6 @@ plain!(
     JsonError,
     FigureError,
     FibreError,
-    myospring::settings::ContentError,
+    myospring::settings::MakeError,
     myospring::cell::ModelError
 );

@@ -15,7 +15,7 @@ use myospring::integrate::stencil;
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::report::Summary;
 use myospring::output::{csv, json};
-use myospring::run_file::{Run, Shaped};
+use myospring::settings::{Made, Run};
 use myospring::simulation::{
     Effort, Observer, Outcome, Part, Progress, Ready, Simulation, StopReason,
 };
@@ -91,18 +91,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
     let Input { name, run, bytes, shaped } =
         input::read(args.input.as_deref(), args.settings.overrides())?;
-    let field = run.fibre_field(&shaped)?;
-    let Shaped { mesh, mut report, picture, .. } = shaped;
-    if let (Some((cells, _)), Some(field)) = (&picture, &field) {
-        report.warnings.extend(cells.fibre_warnings(field));
-    }
+    let Made { mut simulation, report, field, picture } =
+        run.make(shaped, |file| std::fs::read(file))?;
     timings.mesh_s = start.elapsed().as_secs_f64();
 
     let stage = Instant::now();
-    let mut simulation = run.simulation(mesh, field.as_ref())?;
-    let cells = picture.as_ref().map(|(cells, _)| cells);
-    simulation.myofibril_content =
-        run.myofibril_content(&simulation.mesh, cells, |file| std::fs::read(file))?;
     let default = || stencil::worthwhile_threads(simulation.mesh.len());
     simulation.numerics.engine.threads = args.threads.map_or_else(default, usize::from);
     let prepared = simulation.build()?;
@@ -342,6 +335,9 @@ fn for_people(name: &str, run: &Run, summary: &Summary) -> String {
 /// What the run took, in a line.
 fn in_words(effort: &Effort) -> String {
     match *effort {
+        Effort::OwnStepper { time_step_ms, steps, .. } => {
+            format!("own stepper: {steps} steps of {time_step_ms:.4} ms")
+        }
         Effort::Verlet { time_step_ms, stability_limit_ms, steps } => format!(
             "Verlet: {steps} steps of {time_step_ms:.4} ms, stable up to {stability_limit_ms:.4} ms"
         ),
@@ -449,6 +445,10 @@ fn plan(
         Effort::Field { .. } => {
             rows.push(("integrator", "quasi-static, tension by place".to_owned()));
         }
+        Effort::OwnStepper { time_step_ms, .. } => rows.extend([
+            ("integrator", "own stepper, in time".to_owned()),
+            ("time step", format!("{time_step_ms:.4} ms")),
+        ]),
     }
     if let Some(updates) = spring_updates {
         rows.push(("spring updates", format!("{updates:.2e}")));

@@ -157,6 +157,11 @@ pub trait Activation: Send + Sync {
         None
     }
 
+    /// When it is stimulated, ms: beats are measured from one to the next; nothing by default.
+    fn stimulus_times_ms(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// What it tells besides, such as calcium: name and unit, the same at all times; nothing by default.
     fn outputs(&self) -> Vec<Output> {
         Vec::new()

@@ -21,6 +21,11 @@ pub enum Method {
 }
 
 impl Method {
+    /// Whether the masses move in time, step by step; otherwise time steps, engines and inertia mean nothing.
+    pub fn is_in_time(self) -> bool {
+        matches!(self, Self::Verlet(_))
+    }
+
     /// The form of Verlet's method for a motion in time; for a method that has none, the paper's.
     pub fn in_time(self) -> Integrator {
         match self {

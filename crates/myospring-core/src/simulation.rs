@@ -166,7 +166,8 @@ pub struct Simulation {
     pub duration: f64,
     /// Numerical settings.
     pub numerics: Numerics,
-    /// Another way through time than Verlet's, for a motion in time.
+    /// Another way through time than Verlet's, for a motion in time. Its time step is that of the numerical
+    /// settings, however long; unless stated, what Verlet's method would have.
     pub stepper: Option<MakeStepper>,
 }
 

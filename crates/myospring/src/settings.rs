@@ -34,7 +34,7 @@ pub use bounds::{Bounds, Whole};
 pub use content::{CONTENT_ENDINGS, ContentError};
 pub use problem::{Failure, Problem};
 pub use rows::Table;
-pub use run::{Fibre, Run};
+pub use run::{Fibre, Made, MakeError, Run};
 pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
 pub use shape::{
     OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,

@@ -7,7 +7,7 @@ mod skipped;
 use myospring::integrate::engine::{Engine, EngineError, EngineUsed, Loops, Task};
 use myospring::integrate::fused::FusedMotion;
 use myospring::integrate::stencil::{Stencil, Units, worthwhile_threads};
-use myospring::integrate::stepper::{Poisoned, Stepper};
+use myospring::integrate::stepper::{StepError, Stepper};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::{ActiveLaw, FibreTension};
 use myospring::mechanics::anchor::Anchors;
@@ -348,7 +348,7 @@ fn a_motion_that_a_panic_has_interrupted_says_so_and_its_threads_end() {
     for mut motion in both {
         let panicked = catch_unwind(AssertUnwindSafe(|| motion.advance(5, [0.0.into(); 2])));
         assert!(panicked.is_err());
-        assert_eq!(motion.advance(5, [0.0.into(); 2]), Err(Poisoned));
+        assert_eq!(motion.advance(5, [0.0.into(); 2]), Err(StepError::Poisoned));
     }
 }
 

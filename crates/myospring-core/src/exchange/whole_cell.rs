@@ -18,6 +18,7 @@ pub struct WholeCell {
     strongest: Strongest,
     /// With respect to stretch, kPa, and to its rate, kPa ms.
     tangent: Option<[[f64; 1]; 2]>,
+    stimulus_times_ms: Vec<f64>,
 }
 
 impl WholeCell {
@@ -34,8 +35,9 @@ impl WholeCell {
         strongest: Strongest,
     ) -> Result<Self, SolveError> {
         let tangent = model.feels_stretch().then_some([[0.0]; 2]);
+        let stimulus_times_ms = protocol.stimulus_times().collect();
         let kept = CellIntegrator::new(model, protocol, settings)?;
-        Ok(Self { moved: kept.clone(), kept, scale, strongest, tangent })
+        Ok(Self { moved: kept.clone(), kept, scale, strongest, tangent, stimulus_times_ms })
     }
 
     /// Tension at a time under a stretch and rate, from the state that was kept, kPa.
@@ -94,6 +96,10 @@ impl Activation for WholeCell {
 
     fn membrane_potential_mv(&self) -> Option<f64> {
         self.moved.model().membrane_potential_mv(self.moved.state())
+    }
+
+    fn stimulus_times_ms(&self) -> Vec<f64> {
+        self.stimulus_times_ms.clone()
     }
 
     fn outputs(&self) -> Vec<Output> {

@@ -135,7 +135,7 @@ fn fused<'a>(task: &Task<'a>, threads: usize, units: Units) -> Result<FusedMotio
     let Task { system, body, lattice, form, time_step, uniform_tension } = *task;
     let lattice = lattice.ok_or("a mesh that is no square lattice")?;
     if form != Integrator::StoermerVerlet {
-        return Err("velocity Verlet (it makes Stoermer-Verlet's steps)".to_owned());
+        return Err(format!("{} (it makes Stoermer-Verlet's steps)", form.name()));
     }
     if !uniform_tension {
         return Err("a tension that differs from place to place".to_owned());

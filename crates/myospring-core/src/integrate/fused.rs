@@ -1,7 +1,7 @@
 //! Stoermer-Verlet by the fused kernel of a lattice ([`super::stencil`]).
 
 use super::stencil::{Hindrance, Stencil, Units};
-use super::stepper::{Poisoned, Stepper};
+use super::stepper::{StepError, Stepper};
 use super::verlet::{Integrator, Motion};
 use crate::mechanics::{Body, System, Tension, Vectors};
 use crate::mesh::Lattice;
@@ -40,7 +40,7 @@ impl<'a> FusedMotion<'a> {
     ///
     /// # Errors
     /// If a panic has interrupted this or an earlier call.
-    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
+    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), StepError> {
         Stepper::advance(self, steps, tensions.map(Tension::Uniform))
     }
 
@@ -59,7 +59,7 @@ impl<'a> FusedMotion<'a> {
         self.kernel.put(&self.plain.body.positions, self.plain.half_velocities());
     }
 
-    fn step_on(&mut self, steps: usize, [start, end]: [f64; 2]) -> Result<(), Poisoned> {
+    fn step_on(&mut self, steps: usize, [start, end]: [f64; 2]) -> Result<(), StepError> {
         let (mut start, mut left) = (start, steps);
         if self.plain.steps() == 0 && steps > 0 {
             let next = start + (end - start) / steps as f64;
@@ -77,14 +77,14 @@ impl<'a> FusedMotion<'a> {
 impl Stepper for FusedMotion<'_> {
     /// # Panics
     /// If the tension is not the same everywhere.
-    fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), Poisoned> {
+    fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), StepError> {
         let [Some(start), Some(end)] = tensions.map(|tension| tension.uniform()) else {
             unreachable!(
                 "the fused kernel is not chosen for a tension that differs from place to place"
             );
         };
         if std::mem::replace(&mut self.under_way, true) {
-            return Err(Poisoned);
+            return Err(StepError::Poisoned);
         }
         self.step_on(steps, [start, end])?;
         self.under_way = false;

@@ -34,7 +34,7 @@ mod tiles;
 pub use lanes::Units;
 use plan::{LatticeTerms, Plan};
 
-use super::stepper::Poisoned;
+use super::stepper::StepError;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, System, Vectors};
 use crate::mesh::Lattice;
@@ -130,7 +130,7 @@ impl Stencil {
     ///
     /// # Errors
     /// If a thread has panicked, now or before: the state is of no use then.
-    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), Poisoned> {
+    pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), StepError> {
         self.team.obey(Command::Advance { steps, tensions })
     }
 
@@ -142,7 +142,7 @@ impl Stencil {
         &mut self,
         tension: f64,
         velocities: &mut Vectors,
-    ) -> Result<(), Poisoned> {
+    ) -> Result<(), StepError> {
         self.team.obey(Command::Look { tension })?;
         let (plan, _, seen) = self.team.parts();
         // A row of `seen` is half as long as one of the state.

@@ -10,9 +10,9 @@ pub trait Stepper<const D: usize = 2>: Send {
     /// Moves `steps` steps on, while the tension goes linearly from `tensions[0]` to `tensions[1]`.
     ///
     /// # Errors
-    /// If a panic, of a force or of a thread, has interrupted this or an earlier call: the body then
-    /// stands between two steps.
-    fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), Poisoned>;
+    /// [`StepError::Poisoned`] if a panic, of a force or of a thread, has interrupted this or an earlier call;
+    /// [`StepError::Failed`] if the method gives up. The body may then stand between two steps.
+    fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), StepError>;
 
     /// The body now; its velocities belong to the same time as its positions.
     fn body(&self) -> &Body<D>;
@@ -31,7 +31,13 @@ pub trait Stepper<const D: usize = 2>: Send {
     fn back(&mut self);
 }
 
-/// A thread has panicked while it moved the masses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a panic interrupted the motion, so the masses stand between two steps")]
-pub struct Poisoned;
+/// Why a body cannot move on.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum StepError {
+    /// A force or a thread has panicked while it moved the masses.
+    #[error("a panic interrupted the motion, so the masses stand between two steps")]
+    Poisoned,
+    /// The method has failed, and says why.
+    #[error("{0}")]
+    Failed(String),
+}

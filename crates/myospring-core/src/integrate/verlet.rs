@@ -18,7 +18,7 @@
 //! see the half-step velocity `(x_{n+1} - x_n)/dt`, the last one known when `f_{n+1}` is computed.
 //! One force evaluation a step; the first half-kick uses the force at the start.
 
-use super::stepper::{Poisoned, Stepper};
+use super::stepper::{StepError, Stepper};
 use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
 use serde::Serialize;
 
@@ -35,6 +35,22 @@ pub enum Integrator {
 impl Integrator {
     /// All integrators.
     pub const ALL: [Self; 2] = [Self::StoermerVerlet, Self::VelocityVerlet];
+
+    /// Its name in messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::StoermerVerlet => "Stoermer-Verlet",
+            Self::VelocityVerlet => "velocity Verlet",
+        }
+    }
+
+    /// Whether a step ends without the velocities at its end.
+    const fn leaves_half_kick(self) -> bool {
+        match self {
+            Self::StoermerVerlet => true,
+            Self::VelocityVerlet => false,
+        }
+    }
 }
 
 /// A body in motion under a system of forces, by plain loops over all laws.
@@ -58,7 +74,7 @@ impl Integrator {
 /// motion.advance(500, [0.0; 2])?;
 /// let [x, _] = &motion.body.positions;
 /// assert!((x[1] - x[0] - 0.9).abs() < 1e-5);
-/// # Ok::<(), myospring::integrate::stepper::Poisoned>(())
+/// # Ok::<(), myospring::integrate::stepper::StepError>(())
 /// ```
 pub struct Motion<'a, const D: usize = 2> {
     system: &'a System<D>,
@@ -123,7 +139,7 @@ impl<'a, const D: usize> Motion<'a, D> {
         &mut self,
         steps: usize,
         tensions: [impl Into<Tension<'t>>; 2],
-    ) -> Result<(), Poisoned> {
+    ) -> Result<(), StepError> {
         Stepper::advance(self, steps, tensions.map(Into::into))
     }
 
@@ -154,7 +170,7 @@ impl<'a, const D: usize> Motion<'a, D> {
             self.state.steps += 1;
         }
         self.tensions = buffer;
-        if self.integrator == Integrator::StoermerVerlet {
+        if self.integrator.leaves_half_kick() {
             // Eq. (17) without waiting for the next step: put Eq. (16) for x_{n+1} into it.
             self.last_half_kick();
         }
@@ -234,9 +250,9 @@ impl<'a, const D: usize> Motion<'a, D> {
 }
 
 impl<const D: usize> Stepper<D> for Motion<'_, D> {
-    fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), Poisoned> {
+    fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), StepError> {
         if std::mem::replace(&mut self.under_way, true) {
-            return Err(Poisoned);
+            return Err(StepError::Poisoned);
         }
         self.step_on(steps, tensions);
         self.under_way = false;

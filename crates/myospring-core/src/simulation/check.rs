@@ -2,7 +2,6 @@
 
 use super::Simulation;
 use crate::exchange::Sites;
-use crate::integrate::Method;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
@@ -207,7 +206,7 @@ impl Simulation {
             let because = "loads on the ends know one tension only; take the fibre law";
             return conflict("a tension for each triangle", "the law of the ends", because);
         }
-        if self.stepper.is_some() && self.numerics.method == Method::QuasiStatic {
+        if self.stepper.is_some() && !self.numerics.method.is_in_time() {
             let because = "a path of equilibria has no steps in time; take a method in time";
             return conflict("a stepper of your own", "the quasi-static method", because);
         }

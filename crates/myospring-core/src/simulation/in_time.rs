@@ -35,7 +35,9 @@ impl Simulation {
         let setup = self.set_up()?;
         let (system, body) = (&setup.assembly.system, &setup.assembly.body);
         let limit = setup.under_strongest(|tension| StabilityLimit::of(system, body, tension));
+        // A stepper from outside may bear more than Verlet's method.
         if let Some(time_step) = self.numerics.time_step
+            && self.stepper.is_none()
             && time_step > limit.time_step
         {
             let node = limit.stiffest_node;
@@ -102,10 +104,10 @@ impl Prepared {
                 (0, Recording::default(), Some(stop))
             }
         };
-        let effort = Effort::Verlet {
-            time_step_ms: self.time_step(),
-            stability_limit_ms: self.limit.time_step,
-            steps,
+        let (time_step_ms, stability_limit_ms) = (self.time_step(), self.limit.time_step);
+        let effort = match self.engine {
+            EngineUsed::Own => Effort::OwnStepper { time_step_ms, stability_limit_ms, steps },
+            _ => Effort::Verlet { time_step_ms, stability_limit_ms, steps },
         };
         let (engine, stimulus_times_ms) = (Some(self.engine.clone()), self.setup.stimulus_times());
         Outcome { recording, stop, effort, engine, stimulus_times_ms }

@@ -42,6 +42,15 @@ pub enum Effort {
         /// Mechanical steps made.
         steps: u64,
     },
+    /// In time, by a stepper from outside.
+    OwnStepper {
+        /// Mechanical time step, ms.
+        time_step_ms: f64,
+        /// Largest time step with which Verlet's method is stable, ms.
+        stability_limit_ms: f64,
+        /// Mechanical steps made.
+        steps: u64,
+    },
     /// Along the path of equilibria.
     QuasiStatic {
         /// Load steps of the path.
@@ -71,7 +80,9 @@ impl Effort {
     /// The mechanical time step, ms, where there is one.
     pub fn time_step(&self) -> Option<f64> {
         match *self {
-            Self::Verlet { time_step_ms, .. } => Some(time_step_ms),
+            Self::Verlet { time_step_ms, .. } | Self::OwnStepper { time_step_ms, .. } => {
+                Some(time_step_ms)
+            }
             Self::QuasiStatic { .. } | Self::Field { .. } => None,
         }
     }

@@ -111,10 +111,8 @@ impl Ready {
 impl Setup {
     /// Times of the stimuli that fall within the run, ms.
     pub(super) fn stimulus_times(&self) -> Vec<f64> {
-        let Simulation { activation, protocol, duration, .. } = &self.simulation;
-        if activation.is_some() {
-            return Vec::new();
-        }
-        protocol.stimulus_times().take_while(|time| time < duration).collect()
+        let Simulation { duration, .. } = &self.simulation;
+        let times = self.activation.stimulus_times_ms();
+        times.into_iter().take_while(|time| time < duration).collect()
     }
 }

@@ -3,7 +3,7 @@
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::solve::{Settings, reference_beat, solve};
-use crate::cell::{CellModel, Gate, Input, TensionKind};
+use crate::cell::{CellModel, Gate, Input, TensionKind, is_as_published};
 use std::sync::Arc;
 
 /// Checks everything that [`CellModel`] promises, by one default beat with the default settings and at
@@ -275,6 +275,13 @@ fn check_beat(model: &(dyn CellModel + 'static), settings: Settings) {
         assert!(
             published_peak.is_finite() && published_peak > 0.0,
             "{name}: the peak of tension of its published parameters is {published_peak}"
+        );
+        // What finer steps may change, see below.
+        let off = (beat.peak_tension / published_peak - 1.0).abs();
+        assert!(
+            !is_as_published(model) || off < 5e-3,
+            "{name}: its published parameters give a peak of {}, not {published_peak}",
+            beat.peak_tension
         );
     }
     let rest = model.tension(&model.initial_state());

@@ -45,9 +45,11 @@ pub fn segment(
         given => given,
     };
     match modality {
+        Modality::Auto | Modality::Fluorescence => {
+            fluorescence::segment(plane, pixel_size, settings, notes)
+        }
         Modality::Mask => labels::segment(plane, pixel_size, notes),
         Modality::Brightfield => brightfield::segment(plane, pixel_size, settings, notes),
-        _ => fluorescence::segment(plane, pixel_size, settings, notes),
     }
 }
 

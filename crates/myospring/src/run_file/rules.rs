@@ -2,7 +2,7 @@
 
 use super::file::RunFile;
 use crate::cell::pacing::Stimulus;
-use crate::integrate::Method;
+use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
@@ -207,7 +207,7 @@ fn support(file: &RunFile, run: &Run) -> Checked {
 
 /// Settings without a path of equilibria stand in the way of a quasi-static run.
 fn method(file: &RunFile, run: &Run) -> Checked {
-    if run.numerics.method != Method::QuasiStatic {
+    if run.numerics.method.is_in_time() {
         return Ok(());
     }
     let hindrances = [
@@ -222,6 +222,11 @@ fn method(file: &RunFile, run: &Run) -> Checked {
             "mechanics.active",
             "loads on the ends push the cell from outside and have no path of equilibria; use \
              active = \"fibre\", or integrator = \"verlet\"",
+        ),
+        (
+            run.numerics.engine.loops == Loops::Fused,
+            "numerics.engine",
+            "equilibria need no engine; leave it out, or use integrator = \"verlet\"",
         ),
         (
             file.has("numerics.time_step"),

@@ -5,7 +5,6 @@
 //! - A picture (`.png`, `.tif`) covers the same frame as the picture of the cell: its grey values, averaged
 //!   over a lattice square about each triangle, relative to their mean over the cell.
 
-use super::run::Run;
 use crate::mesh::Mesh;
 use crate::microscopy::cells::PictureCells;
 use crate::microscopy::picture::Selection;
@@ -111,26 +110,19 @@ struct Row {
     content: f64,
 }
 
-impl Run {
-    /// The content of myofibrils in each triangle of a mesh, if a file says what it is; `read` reads a file by its
-    /// name as written, `picture` is that of the cell.
-    ///
-    /// # Errors
-    /// A file that cannot be read, that is no such table or picture, or that does not fit the mesh.
-    pub fn myofibril_content(
-        &self,
-        mesh: &Mesh,
-        picture: Option<&PictureCells>,
-        read: impl Fn(&str) -> io::Result<Vec<u8>>,
-    ) -> Result<Option<Vec<f64>>, ContentError> {
-        let Some(path) = &self.myofibril_content else { return Ok(None) };
-        let bytes = read(path).map_err(|cause| ContentError::Read { path: path.clone(), cause })?;
-        let content = if path.to_lowercase().ends_with(".csv") {
-            of_table(path, &bytes, mesh)?
-        } else {
-            of_picture(path, &bytes, mesh, picture)?
-        };
-        Ok(Some(content))
+/// The content of myofibrils in each triangle of a mesh that a file has; `read` reads a file by its name as
+/// written, `picture` is that of the cell.
+pub(super) fn read_content(
+    path: &str,
+    mesh: &Mesh,
+    picture: Option<&PictureCells>,
+    read: impl Fn(&str) -> io::Result<Vec<u8>>,
+) -> Result<Vec<f64>, ContentError> {
+    let bytes = read(path).map_err(|cause| ContentError::Read { path: path.to_owned(), cause })?;
+    if path.to_lowercase().ends_with(".csv") {
+        of_table(path, &bytes, mesh)
+    } else {
+        of_picture(path, &bytes, mesh, picture)
     }
 }
 
@@ -252,10 +244,6 @@ mod tests {
         bytes
     }
 
-    fn run(path: &str) -> Run {
-        Run { myofibril_content: Some(path.to_owned()), ..Run::default_run() }
-    }
-
     #[test]
     fn grey_values_about_a_triangle_become_its_content_relative_to_the_mean_of_the_cell() {
         let options =
@@ -267,8 +255,8 @@ mod tests {
         mesh.points.iter_mut().flatten().for_each(|x| *x += 4.0);
         // The upper half of the picture, low rows, is three times as bright as the lower.
         let read = |_: &str| Ok(png(|_, y| if y < 10 { 150 } else { 50 }));
-        let content = run("stain.png").myofibril_content(&mesh, Some(&cells), read).unwrap();
-        for (triangle, content) in mesh.simplices.iter().zip(content.unwrap()) {
+        let content = read_content("stain.png", &mesh, Some(&cells), read).unwrap();
+        for (triangle, content) in mesh.simplices.iter().zip(content) {
             let y =
                 triangle.nodes.map(|node| mesh.points[1][node as usize]).iter().sum::<f64>() / 3.0;
             let expected = if y > 10.0 { 1.5 } else { 0.5 };
@@ -281,11 +269,8 @@ mod tests {
     #[test]
     fn a_row_for_each_triangle_is_taken_as_it_stands_and_points_by_their_nearness() {
         let mesh = lattice::rectangle(2, 1, 1.0).unwrap();
-        let table = |text: &'static str| {
-            run("content.csv")
-                .myofibril_content(&mesh, None, |_| Ok(text.into()))
-                .map(Option::unwrap)
-        };
+        let table =
+            |text: &'static str| read_content("content.csv", &mesh, None, |_| Ok(text.into()));
         let rows = table("content\n0\n1\n2\n3\n4\n5\n6\n7\n").unwrap();
         assert_eq!(rows, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
         let points = table("x_um, y_um, content\n0.5, 0.5, 0.25\n1.5, 0.5, 2\n").unwrap();
@@ -303,6 +288,5 @@ mod tests {
             let error = table(text).unwrap_err().to_string();
             assert!(error.contains(message), "{message}: {error}");
         }
-        assert_eq!(run("x.csv").myofibril_content.as_deref(), Some("x.csv"));
     }
 }

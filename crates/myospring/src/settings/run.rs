@@ -1,17 +1,19 @@
 //! A run: everything checked, in internal units, every default filled in.
 
+use super::content::{self, ContentError};
 use super::shape::{Shape, Shaped, Source};
 use crate::cell::pacing::Protocol;
 use crate::cell::{CellModel, coelho_2021};
-use crate::integrate::Method;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, default_material};
 use crate::mechanics::support::SupportKind;
 use crate::mesh::quality::{MeshReport, long_axis};
 use crate::mesh::{Mesh, built_in};
+use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::{FibreError, FibreField, FibreSettings};
 use crate::simulation::{Numerics, Simulation, TensionScale};
+use std::io;
 use std::sync::Arc;
 
 /// Peak tension unless stated, kPa: the largest of `coelho_2021`, Fig. 6.
@@ -58,6 +60,29 @@ pub struct Run {
     pub numerics: Numerics,
     /// Time simulated, ms.
     pub duration: f64,
+}
+
+/// A run on its mesh.
+pub struct Made {
+    /// Ready to be built.
+    pub simulation: Simulation,
+    /// What the mesh is like, with warnings of all that came before it and of the fibres.
+    pub report: MeshReport,
+    /// The direction of the fibres in the picture, if that is where the run takes them from.
+    pub field: Option<FibreField>,
+    /// The picture with its cells, and the one that was taken.
+    pub picture: Option<(PictureCells, PictureCell)>,
+}
+
+/// Why a shape did not become a simulation.
+#[derive(Debug, thiserror::Error)]
+pub enum MakeError {
+    /// The picture shows no fibres.
+    #[error(transparent)]
+    Fibre(#[from] FibreError),
+    /// No content of myofibrils.
+    #[error(transparent)]
+    Content(#[from] ContentError),
 }
 
 impl Run {
@@ -118,20 +143,54 @@ impl Run {
         vec![everywhere; mesh.simplices.len()]
     }
 
-    /// The simulation of this run on a mesh, with the direction of its fibres where a picture gave it.
+    /// The simulation of this run on a shape that was meshed, with the fibres and the content of myofibrils that
+    /// pictures and tables give; `read` reads a file by its name as written.
     ///
     /// # Errors
-    /// None that a resolved run can cause: the cell model is made from parameters that were checked.
+    /// Fibres that the picture does not show, or a file of contents that does not fit.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::run_file::RunFile;
+    /// let run = RunFile::from_text("[numerics]\nintegrator = \"quasi-static\"")?.resolve()?;
+    /// let read = |file: &str| std::fs::read(file);
+    /// let shaped = run.shape.mesh(&run.shape.bytes(read)?)?;
+    /// let made = run.make(shaped, read)?;
+    /// let outcome = made.simulation.build()?.run(|_progress| true);
+    /// assert!(outcome.beats()[0].value("peak_shortening").unwrap() > 11.9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn make(
+        &self,
+        shaped: Shaped,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<Made, MakeError> {
+        let field = self.fibre_field(&shaped)?;
+        let Shaped { mesh, mut report, picture, .. } = shaped;
+        let cells = picture.as_ref().map(|(cells, _)| cells);
+        if let (Some(cells), Some(field)) = (cells, &field) {
+            report.warnings.extend(cells.fibre_warnings(field));
+        }
+        let content = self.myofibril_content.as_ref();
+        let content =
+            content.map(|path| content::read_content(path, &mesh, cells, read)).transpose()?;
+        let simulation = self.simulation(mesh, field.as_ref(), content);
+        Ok(Made { simulation, report, field, picture })
+    }
+
+    /// The simulation of this run on a mesh, with the direction of its fibres where a picture gave it, and the
+    /// content of myofibrils of each triangle.
     pub fn simulation(
         &self,
         mesh: Mesh,
         field: Option<&FibreField>,
-    ) -> Result<Simulation, crate::cell::ModelError> {
+        myofibril_content: Option<Vec<f64>>,
+    ) -> Simulation {
         let (long_axis, fibres) = (long_axis(&mesh), self.fibres(&mesh, field));
-        Ok(Simulation {
-            cell: self.cell.with_parameters(self.cell.parameters().clone())?,
+        Simulation {
+            cell: Arc::clone(&self.cell),
             activation: None,
-            myofibril_content: None,
+            myofibril_content,
             stepper: None,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
@@ -144,7 +203,7 @@ impl Run {
             support: self.support,
             duration: self.duration,
             numerics: self.numerics.clone(),
-        })
+        }
     }
 
     /// Times of the stimuli that fall within the run, ms.
@@ -182,7 +241,7 @@ impl Run {
                 self.duration
             ));
         }
-        if self.material.slowest_period > 2.0 && self.numerics.method != Method::QuasiStatic {
+        if self.material.slowest_period > 2.0 && self.numerics.method.is_in_time() {
             warnings.push(format!(
                 "slowest_period = {} ms is above 2 ms: inertia may be seen in the contraction",
                 self.material.slowest_period

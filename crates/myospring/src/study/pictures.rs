@@ -8,7 +8,7 @@ use super::{Cause, Member, Row as _, Status, sha256};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::report::Summary;
-use crate::settings::{PictureSource, Run, ShapeError, Source};
+use crate::settings::{Made, PictureSource, Run, ShapeError, Source};
 use crate::simulation::{Outcome, Progress, Simulation};
 use std::fs;
 use std::path::PathBuf;
@@ -189,20 +189,17 @@ fn beat(
     let start = Instant::now();
     let name = cell.name.clone();
     let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
-    let field = run.fibre_field(&shaped)?;
-    let mut report = shaped.report;
+    let Made { simulation, report, field, .. } = run.make(shaped, |file| std::fs::read(file))?;
     row.number("spacing_um", report.spacing_um);
-    row.number("masses", shaped.mesh.len() as f64);
-    row.number("springs", shaped.mesh.springs.len() as f64);
-    row.number("triangles", shaped.mesh.simplices.len() as f64);
+    row.number("masses", simulation.mesh.len() as f64);
+    row.number("springs", simulation.mesh.springs.len() as f64);
+    row.number("triangles", simulation.mesh.simplices.len() as f64);
     if let Some(field) = &field {
-        report.warnings.extend(cells.fibre_warnings(field));
         let fibres = field.summary();
         row.number("fibres_from_picture_pct", 100.0 * fibres.share_from_picture);
         row.number("fibre_angle_to_axis_deg", fibres.mean_angle_deg);
         row.number("fibre_order", fibres.order);
     }
-    let simulation = run.simulation(shaped.mesh, field.as_ref())?;
     let prepared = simulation.build()?;
     let finished = prepared.run(|Progress { .. }| true);
     let mut warnings = run.warnings(&report);

@@ -370,7 +370,7 @@ fn a_stepper_from_outside_moves_the_masses() {
             &mut self,
             steps: usize,
             tensions: [Tension<'_>; 2],
-        ) -> Result<(), myospring::integrate::stepper::Poisoned> {
+        ) -> Result<(), myospring::integrate::stepper::StepError> {
             Stepper::advance(&mut self.0, 2 * steps, tensions)
         }
         fn body(&self) -> &Body {
@@ -403,6 +403,7 @@ fn a_stepper_from_outside_moves_the_masses() {
     halved.numerics.time_step = Some(0.5 * step);
     let [halved, own] = [halved, own].map(|simulation| run(&simulation));
     assert_eq!((&own.engine, own.effort.time_step()), (&Some(EngineUsed::Own), Some(step)));
+    assert!(matches!(own.effort, Effort::OwnStepper { .. }), "{:?}", own.effort);
     assert_eq!(own.recording, halved.recording);
 }
 

@@ -13,7 +13,7 @@ use super::bands::{Board, Claim, Progress};
 use super::lanes::Units;
 use super::plan::Plan;
 use super::tiles::{Command, Tiles, Tiling};
-use crate::integrate::stepper::Poisoned;
+use crate::integrate::stepper::StepError;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -102,7 +102,7 @@ impl Team {
 
     /// # Errors
     /// If a thread panics, or has panicked before.
-    pub(super) fn obey(&mut self, command: Command) -> Result<(), Poisoned> {
+    pub(super) fn obey(&mut self, command: Command) -> Result<(), StepError> {
         let shared = Arc::clone(&self.shared);
         let closing = Closing(&shared.board);
         let first = shared.board.asked();
@@ -124,7 +124,7 @@ impl Team {
     }
 
     /// Works until the command is done.
-    fn lead(&mut self) -> Result<(), Poisoned> {
+    fn lead(&mut self) -> Result<(), StepError> {
         let shared = Arc::clone(&self.shared);
         let begun = (!self.workers.is_empty()).then(Instant::now);
         let (mut next, mut pieces) = (0, 0);
@@ -146,7 +146,7 @@ impl Team {
                     self.judge(wait, begun, pieces);
                     return Ok(());
                 }
-                Progress::Broken => return Err(Poisoned),
+                Progress::Broken => return Err(StepError::Poisoned),
                 Progress::Open => wait.turn(),
             }
         }

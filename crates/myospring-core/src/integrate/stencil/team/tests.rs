@@ -48,7 +48,7 @@ fn team(threads: usize, hook: impl Fn(usize, &Claim<'_>) + Send + Sync + 'static
     team
 }
 
-fn advance(team: &mut Team) -> Result<(), Poisoned> {
+fn advance(team: &mut Team) -> Result<(), StepError> {
     team.obey(Command::Advance { steps: 25, tensions: [0.0; 2] })
 }
 
@@ -112,8 +112,8 @@ fn when_a_worker_panics_every_command_from_then_on_is_an_error() {
                 commands += 1;
                 assert!(commands < 100_000, "the worker never came to work");
             }
-            assert_eq!(advance(&mut team), Err(Poisoned));
-            assert_eq!(team.obey(Command::Look { tension: 0.0 }), Err(Poisoned));
+            assert_eq!(advance(&mut team), Err(StepError::Poisoned));
+            assert_eq!(team.obey(Command::Look { tension: 0.0 }), Err(StepError::Poisoned));
         }
     });
 }
@@ -138,7 +138,7 @@ fn when_the_caller_panics_nobody_is_at_work_any_more() {
             let state = team.parts().1.to_vec();
             std::thread::sleep(Duration::from_millis(2));
             assert!(team.parts().1 == state, "{threads} threads: somebody is at work");
-            assert_eq!(advance(&mut team), Err(Poisoned));
+            assert_eq!(advance(&mut team), Err(StepError::Poisoned));
         }
     });
 }
