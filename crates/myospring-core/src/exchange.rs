@@ -47,8 +47,8 @@ pub struct Felt<'a> {
     pub rate: &'a [f64],
 }
 
-/// How the tension of each site depends on what it feels there; as many entries as there are sites, none
-/// negative: a longer site pulls at least as strongly, and so does one that is drawn out.
+/// How the tension of each site depends on what it feels there; of one site for the whole cell only that it does,
+/// the lists are not read. Of triangles as many entries as there are sites, none negative: a longer site pulls at least as strongly, and so does one that is drawn out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tangent<'a> {
     /// Derivative of the tension at the time reached with respect to the stretch felt, kPa.
@@ -86,7 +86,6 @@ pub struct ActivationError(pub String);
 /// #[derive(Clone)]
 /// struct Ramp {
 ///     tension: f64,
-///     slope: [f64; 1],
 /// }
 ///
 /// impl Activation for Ramp {
@@ -95,7 +94,6 @@ pub struct ActivationError(pub String);
 ///     }
 ///     fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
 ///         self.tension = to_ms * (1.0 + 2.0 * (felt.stretch[0] - 1.0));
-///         self.slope = [2.0 * to_ms];
 ///         Ok(())
 ///     }
 ///     fn keep(&mut self) {}
@@ -103,7 +101,7 @@ pub struct ActivationError(pub String);
 ///         self.tension.into()
 ///     }
 ///     fn tangent(&self) -> Option<Tangent<'_>> {
-///         Some(Tangent { per_stretch: &self.slope, per_rate: &[0.0] })
+///         Some(Tangent { per_stretch: &[], per_rate: &[] })
 ///     }
 ///     fn strongest(&self) -> Strongest {
 ///         Strongest { tension: 60.0, per_stretch: 120.0, per_rate: 0.0 }
@@ -115,7 +113,7 @@ pub struct ActivationError(pub String);
 ///
 /// use myospring::prelude::*;
 /// let simulation = Simulation {
-///     activation: Some(Box::new(Ramp { tension: 0.0, slope: [0.0] })),
+///     activation: Some(Box::new(Ramp { tension: 0.0 })),
 ///     duration: 50.0,
 ///     ..Simulation::new(lattice::rectangle(20, 4, 5.0)?)
 /// };

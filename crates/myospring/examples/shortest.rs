@@ -3,6 +3,6 @@
 
 use myospring::prelude::*;
 fn main() -> Result<(), SetupError> {
-    let outcome = Simulation::new(built_in::adult_ventricular_mesh()).build()?.run(|_| true);
-    Ok(println!("shortens by {:.1?} %", outcome.beats()[0].value("peak_shortening")))
+    let beats = Simulation::new(built_in::adult_ventricular_mesh()).build()?.run(|_| true).beats();
+    Ok(println!("{:.1} % shorter", beats[0].value("peak_shortening").unwrap_or_default()))
 }

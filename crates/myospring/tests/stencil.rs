@@ -353,6 +353,33 @@ fn a_motion_that_a_panic_has_interrupted_says_so_and_its_threads_end() {
 }
 
 #[test]
+fn a_motion_that_goes_back_makes_the_same_steps_again_to_the_bit() {
+    let mesh = lattice::rectangle(60, 40, 1.0).unwrap();
+    let (body, system) = varied(&mesh, Support::Free, 9);
+    for begun in [0, 7] {
+        let steppers: [Box<dyn Stepper>; 4] = [
+            Box::new(Motion::new(&system, body.clone(), Integrator::StoermerVerlet, 1e-4)),
+            Box::new(Motion::new(&system, body.clone(), Integrator::VelocityVerlet, 1e-4)),
+            Box::new(fused(&mesh, &system, &body, 1e-4, 1, Units::best())),
+            Box::new(fused(&mesh, &system, &body, 1e-4, 3, Units::best())),
+        ];
+        for mut motion in steppers {
+            let mut go = |motion: &mut dyn Stepper, steps, tensions: [f64; 2]| {
+                motion.advance(steps, tensions.map(Into::into)).unwrap();
+                (motion.body().clone(), motion.steps())
+            };
+            go(&mut *motion, begun, [0.0, 10.0]);
+            motion.mark();
+            let first = go(&mut *motion, 11, [10.0, 40.0]);
+            motion.back();
+            go(&mut *motion, 5, [10.0, 90.0]);
+            motion.back();
+            assert_eq!(go(&mut *motion, 11, [10.0, 40.0]), first);
+        }
+    }
+}
+
+#[test]
 fn small_meshes_are_worth_one_thread_and_none_more_than_there_are_cores() {
     let cores = std::thread::available_parallelism().unwrap().get();
     assert_eq!(worthwhile_threads(0), 1);

@@ -16,8 +16,7 @@ pub struct WholeCell {
     /// kPa per unit of the model's tension.
     scale: f64,
     strongest: Strongest,
-    /// With respect to stretch, kPa, and to its rate, kPa ms.
-    tangent: Option<[[f64; 1]; 2]>,
+    feels_stretch: bool,
     stimulus_times_ms: Vec<f64>,
 }
 
@@ -34,23 +33,12 @@ impl WholeCell {
         scale: f64,
         strongest: Strongest,
     ) -> Result<Self, SolveError> {
-        let tangent = model.feels_stretch().then_some([[0.0]; 2]);
+        let feels_stretch = model.feels_stretch();
         let stimulus_times_ms = protocol.stimulus_times().collect();
         let kept = CellIntegrator::new(model, protocol, settings)?;
-        Ok(Self { moved: kept.clone(), kept, scale, strongest, tangent, stimulus_times_ms })
-    }
-
-    /// Tension at a time under a stretch and rate, from the state that was kept, kPa.
-    fn tried(&self, to_ms: f64, stretch: f64, rate: f64) -> Result<f64, SolveError> {
-        let mut cell = self.kept.clone();
-        cell.advance_to(to_ms, stretch, rate)?;
-        Ok(self.scale * cell.model().tension(cell.state()))
+        Ok(Self { moved: kept.clone(), kept, scale, strongest, feels_stretch, stimulus_times_ms })
     }
 }
-
-/// Differences of stretch, and of the rate in 1/ms, by which the tangent is read.
-const STRETCH: f64 = 1e-6;
-const RATE: f64 = 1e-8;
 
 impl Activation for WholeCell {
     fn sites(&self) -> Sites {
@@ -62,14 +50,6 @@ impl Activation for WholeCell {
         let (stretch, rate) = (felt.stretch[0], felt.rate[0]);
         self.moved.clone_from(&self.kept);
         self.moved.advance_to(to_ms, stretch, rate).map_err(failed)?;
-        if self.tangent.is_some() {
-            let slope = |by: f64, more: f64, less: f64| ((more - less) / (2.0 * by)).max(0.0);
-            let tried = |stretch, rate| self.tried(to_ms, stretch, rate).map_err(failed);
-            self.tangent = Some([
-                [slope(STRETCH, tried(stretch + STRETCH, rate)?, tried(stretch - STRETCH, rate)?)],
-                [slope(RATE, tried(stretch, rate + RATE)?, tried(stretch, rate - RATE)?)],
-            ]);
-        }
         Ok(())
     }
 
@@ -82,8 +62,7 @@ impl Activation for WholeCell {
     }
 
     fn tangent(&self) -> Option<Tangent<'_>> {
-        let [per_stretch, per_rate] = self.tangent.as_ref()?;
-        Some(Tangent { per_stretch, per_rate })
+        self.feels_stretch.then_some(Tangent { per_stretch: &[], per_rate: &[] })
     }
 
     fn strongest(&self) -> Strongest {

@@ -1,7 +1,8 @@
 //! What a simulation is checked for before it runs.
 
 use super::Simulation;
-use crate::exchange::Sites;
+use crate::exchange::{Sites, Strongest};
+use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
@@ -97,6 +98,17 @@ fn is_no_unit(length: f64) -> bool {
     length.is_nan() || (length - 1.0).abs() > SLACK
 }
 
+/// What an activation says to expect: finite, and slopes that hold the mesh and do not drive it.
+pub(super) fn check_strongest(strongest: Strongest) -> Checked {
+    let Strongest { tension, per_stretch, per_rate } = strongest;
+    if !tension.is_finite() {
+        let (what, must) = ("the strongest tension of the activation", "a finite number");
+        return Err(SettingError::Value { what, value: tension, unit: "kPa", must });
+    }
+    value("the steepest slope of the activation by stretch", per_stretch, "kPa", false)?;
+    value("the steepest slope of the activation by rate of stretch", per_rate, "kPa ms", false)
+}
+
 impl Simulation {
     /// Checks every setting.
     pub(super) fn check(&self) -> Checked {
@@ -169,7 +181,13 @@ impl Simulation {
         let Some(content) = &self.myofibril_content else { return Ok(()) };
         length("the content of myofibrils", content.len())?;
         match content.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
-            None => Ok(()),
+            None if content.iter().sum::<f64>() > 0.0 => Ok(()),
+            None => Err(SettingError::Value {
+                what: "the content of myofibrils of all triangles together",
+                value: content.iter().sum(),
+                unit: "",
+                must: "above 0",
+            }),
             Some(triangle) => {
                 let (what, must) = ("the content of myofibrils", "a finite number, 0 or above");
                 Err(SettingError::Entry { what, triangle, value: content[triangle], must })
@@ -205,6 +223,15 @@ impl Simulation {
         if ends && field {
             let because = "loads on the ends know one tension only; take the fibre law";
             return conflict("a tension for each triangle", "the law of the ends", because);
+        }
+        let chosen = self.numerics.engine.loops != Loops::Auto;
+        if chosen && !self.numerics.method.is_in_time() {
+            let because = "equilibria need no engine; take Loops::Auto, or a method in time";
+            return conflict("an engine", "the quasi-static method", because);
+        }
+        if chosen && self.stepper.is_some() {
+            let because = "the stepper moves the masses; take Loops::Auto";
+            return conflict("an engine", "a stepper of your own", because);
         }
         if self.stepper.is_some() && !self.numerics.method.is_in_time() {
             let because = "a path of equilibria has no steps in time; take a method in time";

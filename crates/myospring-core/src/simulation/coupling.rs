@@ -20,7 +20,7 @@ use super::observer::{Observer, Part, Progress};
 use super::setup::Setup;
 use super::{Simulation, StopReason};
 use crate::cell::Output;
-use crate::exchange::{Activation, ActivationError, Felt, Sites};
+use crate::exchange::{Activation, ActivationError, Felt, Sites, Tangent};
 use crate::mechanics::{Following, Tension, Vectors};
 use crate::recording::{Frame, Recording, Sample, Signal};
 
@@ -71,6 +71,8 @@ struct Exchange<'a> {
     tension: Held,
     stretch: Vec<f64>,
     rate: Vec<f64>,
+    /// Time over which a change of stretch has its mean rate, ms; endless before the run begins.
+    interval: f64,
 }
 
 impl<'a> Exchange<'a> {
@@ -81,6 +83,7 @@ impl<'a> Exchange<'a> {
             tension: Held::of(activation.tension()),
             stretch: vec![1.0; sites],
             rate: vec![0.0; sites],
+            interval: f64::INFINITY,
             activation,
             setup,
         }
@@ -96,7 +99,65 @@ impl<'a> Exchange<'a> {
     /// Moves the activation on under these stretches and the mean rates that lead to them.
     fn ask(&mut self, time: f64, stretch: &[f64], rate: &[f64]) -> Result<(), StopReason> {
         let failed = |ActivationError(cause)| StopReason::CellModel { cause };
-        self.activation.advance(time, Felt { stretch, rate }).map_err(failed)
+        self.activation.advance(time, Felt { stretch, rate }).map_err(failed)?;
+        self.check_answer(time).map_err(|cause| StopReason::CellModel { cause })
+    }
+
+    /// Whether the activation answers for as many sites as it has, within what it said to expect.
+    fn check_answer(&self, time: f64) -> Result<(), String> {
+        let sites = self.activation.sites();
+        match (sites, self.activation.tension()) {
+            (Sites::Whole, Tension::Uniform(_)) => return Ok(()),
+            (Sites::PerElement(count), Tension::PerElement(list)) if list.len() == count => {}
+            (sites, _) => {
+                return Err(format!(
+                    "at t = {time} ms its tension is not one for each of {sites:?}"
+                ));
+            }
+        }
+        let Some(Tangent { per_stretch, per_rate }) = self.activation.tangent() else {
+            return Ok(());
+        };
+        let strongest = self.setup.strongest;
+        for (what, slopes, most) in [
+            ("stretch", per_stretch, strongest.per_stretch),
+            ("rate of stretch", per_rate, strongest.per_rate),
+        ] {
+            if slopes.len() != sites.count() {
+                let found = slopes.len();
+                return Err(format!(
+                    "at t = {time} ms it has {found} slopes with respect to the {what} for {} sites",
+                    sites.count()
+                ));
+            }
+            // A hair for rounding.
+            let within = |slope: &f64| (0.0..=most * (1.0 + 1e-9)).contains(slope);
+            if let Some(site) = slopes.iter().position(|slope| !within(slope)) {
+                return Err(format!(
+                    "at t = {time} ms the slope of its tension with respect to the {what} is {} at site {site}, \
+                     but it said 0 to {most}, for which the steps are stable",
+                    slopes[site]
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Before the run begins: a mesh that is at rest under every tension is at rest under this one.
+    fn begin(&mut self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
+        self.stretch = self.felt(shaping);
+        if self.activation.tangent().is_some() && shaping.is_static() {
+            let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
+            self.ask(0.0, &stretch, &rate)?;
+            match self.activation.sites() {
+                Sites::Whole => self.find_together(0.0, shaping)?,
+                Sites::PerElement(_) => self.rest_together(0.0, shaping)?,
+            }
+            self.activation.keep();
+            self.stretch = self.felt(shaping);
+        }
+        self.interval = self.setup.simulation.numerics.exchange_interval;
+        Ok(())
     }
 
     /// Takes activation and mesh over one interval.
@@ -130,21 +191,15 @@ impl<'a> Exchange<'a> {
 
     /// Mean rates over the interval that ends with these stretches, 1/ms.
     fn rates(&self, now: &[f64]) -> Vec<f64> {
-        let interval = self.setup.simulation.numerics.exchange_interval;
-        now.iter().zip(&self.stretch).map(|(now, before)| (now - before) / interval).collect()
+        let rate = |(now, before): (&f64, &f64)| (now - before) / self.interval;
+        now.iter().zip(&self.stretch).map(rate).collect()
     }
 
     /// One site: the tension that the activation answers with when it is tried.
     fn find_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         let start = self.tension.tension().at(0);
-        let interval = self.setup.simulation.numerics.exchange_interval;
-        let steepest = self
-            .activation
-            .tangent()
-            .map_or(0.0, |tangent| tangent.per_stretch[0] + tangent.per_rate[0] / interval);
-        // Rounding in the length comes back as tension.
-        let rounding = 256.0 * f64::EPSILON * steepest;
-        let enough = AGREED * self.setup.strongest.tension.max(start.abs()) + rounding;
+        let strongest = self.setup.strongest.tension.abs();
+        let enough = AGREED * strongest.max(start.abs());
         shaping.mark();
         // What the answer is above the tension that was tried.
         let mut excess = |tension: f64, this: &mut Self| {
@@ -158,14 +213,16 @@ impl<'a> Exchange<'a> {
         let mut tension = start;
         let mut miss = excess(tension, self)?;
         // A small step tells the slope, which is -1 or steeper.
-        let first = 1e-3 * self.setup.strongest.tension;
+        let first = 1e-3 * strongest;
         let mut step = miss.clamp(-first, first);
         // The highest tension known to be too low, and the lowest known to be too high.
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         // Why the mesh cannot bear a tension, which is then too high.
         let mut refused = None;
         for _ in 0..TRIES {
-            if miss.abs() <= enough {
+            // Rounding in the length comes back as tension, and no smaller step of it tells anything.
+            let last = high - low <= AGREED * enough || step.abs() <= f64::EPSILON * tension.abs();
+            if miss.abs() <= enough || last {
                 self.tension = Held::Uniform(tension);
                 return Ok(());
             }
@@ -201,7 +258,6 @@ impl<'a> Exchange<'a> {
 
     /// The activation's tangent about a stretch, as the forces take it.
     fn law(&self, stretch: &[f64], rate: &[f64], whole: bool) -> [Vec<f64>; 5] {
-        let interval = self.setup.simulation.numerics.exchange_interval;
         let tension = Held::of(self.activation.tension());
         let list = (0..stretch.len()).map(|e| tension.tension().at(e)).collect();
         let none = vec![0.0; stretch.len()];
@@ -212,7 +268,8 @@ impl<'a> Exchange<'a> {
         );
         if whole {
             // At rest a rate is a difference of stretches over the interval.
-            let both = per_stretch.iter().zip(&per_rate).map(|(s, r)| s + r / interval).collect();
+            let both =
+                per_stretch.iter().zip(&per_rate).map(|(s, r)| s + r / self.interval).collect();
             return [list, both, none.clone(), stretch.to_vec(), none];
         }
         [list, per_stretch, per_rate, stretch.to_vec(), rate.to_vec()]
@@ -274,8 +331,6 @@ impl Setup {
         let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
 
         let mut meeting = Exchange::new(self);
-        // A tension at 0 ms may have shortened the cell already.
-        meeting.stretch = meeting.felt(shaping);
         let signal = |output: Output| Signal {
             name: output.name.into_owned(),
             unit: output.unit.into_owned(),
@@ -286,7 +341,8 @@ impl Setup {
             ..Recording::default()
         };
         let mut strongest: Option<Frame> = None;
-        let mut stop = None;
+        let mut stop = meeting.begin(shaping).err();
+        let exchanges = if stop.is_some() { 0 } else { exchanges };
         for index in 0..=exchanges {
             let time = index as f64 * exchange;
             if index > 0

@@ -15,8 +15,9 @@ use super::fault::{fault, projected_area};
 use super::observer::{Observer, Progress, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::{Assembly, Setup};
-use super::{SetupError, Simulation, StopReason};
+use super::{SettingError, SetupError, Simulation, StopReason};
 use crate::analysis::shape::ShapeMeter;
+use crate::exchange::Sites;
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
 use crate::mechanics::{Configuration, System, Tension, Vectors, zeros};
 use crate::mesh::Mesh;
@@ -47,6 +48,13 @@ impl Simulation {
     /// A path that ends before the peak is no error but [`PreparedPath::end`].
     pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<PreparedPath, SetupError> {
         let setup = self.set_up()?;
+        if let Sites::PerElement(_) = setup.sites() {
+            return Err(SetupError::Setting(SettingError::Conflict {
+                what: "a tension for each triangle",
+                with: "a path of equilibria, which is solved in advance",
+                because: "take Simulation::build, or prepare_field, which goes from one to the next",
+            }));
+        }
         let Assembly { system, body, .. } = &setup.assembly;
         let mut path = Path::start(system, body, tolerance)?;
         let end = path.extend((1.0 + MARGIN) * setup.strongest.tension).err();

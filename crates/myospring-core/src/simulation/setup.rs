@@ -1,5 +1,6 @@
 //! What every run starts from: forces assembled, an activation in its first state, a meter.
 
+use super::check::check_strongest;
 use super::{SetupError, Simulation, TensionScale};
 use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::solve::{self, SolveError};
@@ -50,6 +51,7 @@ impl Simulation {
         let assembly = self.assembled();
         let (activation, strength) = self.activation()?;
         let strongest = activation.strongest();
+        check_strongest(strongest)?;
         let field = matches!(activation.sites(), Sites::PerElement(_));
         let volumes = self.mesh.simplices.iter().enumerate().map(|(element, simplex)| {
             let content = self.myofibril_content.as_ref().map_or(1.0, |content| content[element]);

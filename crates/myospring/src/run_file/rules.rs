@@ -224,7 +224,7 @@ fn method(file: &RunFile, run: &Run) -> Checked {
              active = \"fibre\", or integrator = \"verlet\"",
         ),
         (
-            run.numerics.engine.loops == Loops::Fused,
+            run.numerics.engine.loops != Loops::Auto,
             "numerics.engine",
             "equilibria need no engine; leave it out, or use integrator = \"verlet\"",
         ),

@@ -2,7 +2,8 @@
 //!
 //! - A table (`.csv`) with the header `content` has one row for each triangle, in the order of the mesh;
 //!   one with the header `x_um,y_um,content` has points, of which each triangle takes the nearest.
-//! - A picture (`.png`, `.tif`) covers the same frame as the picture of the cell: its grey values, averaged
+//! - A picture (`.png`, `.tif`) covers the same frame as the picture of the cell, and its plane is chosen in the
+//!   same way (channel, frame, depth): its grey values, averaged
 //!   over a lattice square about each triangle, relative to their mean over the cell.
 
 use crate::mesh::Mesh;
@@ -47,7 +48,7 @@ pub enum ContentError {
         /// The file.
         path: String,
         /// Its line, from 1.
-        line: usize,
+        line: u64,
         /// Column of the table.
         column: &'static str,
         /// The value.
@@ -111,11 +112,11 @@ struct Row {
 }
 
 /// The content of myofibrils in each triangle of a mesh that a file has; `read` reads a file by its name as
-/// written, `picture` is that of the cell.
+/// written, `picture` is that of the cell, with the plane that was taken of it.
 pub(super) fn read_content(
     path: &str,
     mesh: &Mesh,
-    picture: Option<&PictureCells>,
+    picture: Option<(&PictureCells, &Selection)>,
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
 ) -> Result<Vec<f64>, ContentError> {
     let bytes = read(path).map_err(|cause| ContentError::Read { path: path.to_owned(), cause })?;
@@ -129,43 +130,46 @@ pub(super) fn read_content(
 fn of_table(path: &str, bytes: &[u8], mesh: &Mesh) -> Result<Vec<f64>, ContentError> {
     let mut reader =
         csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes);
-    let mut rows: Vec<Row> = Vec::new();
-    for (at, row) in reader.deserialize().enumerate() {
-        let row: Row = row.map_err(|error: csv::Error| ContentError::Table {
-            path: path.to_owned(),
-            cause: error.to_string(),
-        })?;
+    let failed =
+        |error: csv::Error| ContentError::Table { path: path.to_owned(), cause: error.to_string() };
+    let header = reader.headers().map_err(failed)?.clone();
+    let of_points = header.iter().any(|name| matches!(name, "x_um" | "y_um"));
+    let (mut points, mut content) = (Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(failed)?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let row: Row = record.deserialize(Some(&header)).map_err(failed)?;
         let wrong = |column, value, must| {
-            let path = path.to_owned();
-            Err(ContentError::Value { path, line: at + 2, column, value, must })
+            Err(ContentError::Value { path: path.to_owned(), line, column, value, must })
         };
         if !(row.content.is_finite() && row.content >= 0.0) {
             return wrong("content", row.content, "a finite number, 0 or above");
         }
-        for (column, value) in [("x_um", row.x_um), ("y_um", row.y_um)] {
-            if let Some(value) = value.filter(|value| !value.is_finite()) {
+        let [x, y] = [row.x_um, row.y_um].map(|value| value.unwrap_or(f64::NAN));
+        for (column, value) in [("x_um", x), ("y_um", y)] {
+            if of_points && !value.is_finite() {
                 return wrong(column, value, "a finite number");
             }
         }
-        rows.push(row);
+        points.push([x, y]);
+        content.push(row.content);
     }
-    let refused =
-        |must: String| ContentError::Rows { path: path.to_owned(), rows: rows.len(), must };
-    let points: Vec<[f64; 3]> =
-        rows.iter().filter_map(|row| Some([row.x_um?, row.y_um?, row.content])).collect();
-    if points.is_empty() {
+    let rows = content.len();
+    let refused = |must: String| Err(ContentError::Rows { path: path.to_owned(), rows, must });
+    if !of_points {
         let triangles = mesh.simplices.len();
-        if rows.len() != triangles {
-            return Err(refused(format!("the mesh has {triangles} triangles: give one for each")));
+        if rows != triangles {
+            return refused(format!("the mesh has {triangles} triangles: give one for each"));
         }
-        return Ok(rows.iter().map(|row| row.content).collect());
+        return Ok(content);
     }
-    if points.len() != rows.len() || points.len() > MOST_POINTS {
-        return Err(refused(format!("each needs x_um and y_um, and there may be {MOST_POINTS}")));
+    if rows == 0 || rows > MOST_POINTS {
+        return refused(format!("there may be 1 to {MOST_POINTS} points"));
     }
     let nearest = |[x, y]: [f64; 2]| {
-        let distance = |point: &&[f64; 3]| (point[0] - x).powi(2) + (point[1] - y).powi(2);
-        points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or(1.0, |p| p[2])
+        let square = |at: usize| (points[at][0] - x).powi(2) + (points[at][1] - y).powi(2);
+        let at = (0..rows).min_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or(0);
+        content[at]
     };
     Ok(centres(mesh).map(nearest).collect())
 }
@@ -174,11 +178,11 @@ fn of_picture(
     path: &str,
     bytes: &[u8],
     mesh: &Mesh,
-    cell: Option<&PictureCells>,
+    cell: Option<(&PictureCells, &Selection)>,
 ) -> Result<Vec<f64>, ContentError> {
     let path = || path.to_owned();
-    let cell = cell.ok_or_else(|| ContentError::NoFrame { path: path() })?;
-    let picture = read_picture(bytes, &Selection::default())
+    let (cell, selection) = cell.ok_or_else(|| ContentError::NoFrame { path: path() })?;
+    let picture = read_picture(bytes, selection)
         .map_err(|cause| ContentError::Picture { path: path(), cause })?;
     let size = |plane: &Plane| [plane.width(), plane.height()];
     let (found, expected) = (size(&picture.plane), size(&cell.plane));
@@ -255,7 +259,8 @@ mod tests {
         mesh.points.iter_mut().flatten().for_each(|x| *x += 4.0);
         // The upper half of the picture, low rows, is three times as bright as the lower.
         let read = |_: &str| Ok(png(|_, y| if y < 10 { 150 } else { 50 }));
-        let content = read_content("stain.png", &mesh, Some(&cells), read).unwrap();
+        let content =
+            read_content("stain.png", &mesh, Some((&cells, &Selection::default())), read).unwrap();
         for (triangle, content) in mesh.simplices.iter().zip(content) {
             let y =
                 triangle.nodes.map(|node| mesh.points[1][node as usize]).iter().sum::<f64>() / 3.0;
@@ -280,7 +285,9 @@ mod tests {
         }
         for (text, message) in [
             ("content\n1\n", "give one for each"),
-            ("x_um,y_um,content\n0,0,1\n,,1\n", "each needs x_um and y_um"),
+            ("x_um,y_um,content\n0,0,1\n,,1\n", "line 3: x_um is NaN"),
+            ("# drawn\nx_um,content\n0,1\n", "line 3: y_um is NaN"),
+            ("x_um,y_um,content\n", "1 to 100000 points"),
             ("amount\n1\n", "has the header `content`"),
             ("content\nnan\n", "line 2: content is NaN"),
             ("x_um,y_um,content\ninf,0,1\n", "x_um is inf"),

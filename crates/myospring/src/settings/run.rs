@@ -171,9 +171,12 @@ impl Run {
         if let (Some(cells), Some(field)) = (cells, &field) {
             report.warnings.extend(cells.fibre_warnings(field));
         }
-        let content = self.myofibril_content.as_ref();
-        let content =
-            content.map(|path| content::read_content(path, &mesh, cells, read)).transpose()?;
+        let chosen = self.shape.source.picture().map(|picture| &picture.options.selection);
+        let content = self
+            .myofibril_content
+            .as_ref()
+            .map(|path| content::read_content(path, &mesh, cells.zip(chosen), read));
+        let content = content.transpose()?;
         let simulation = self.simulation(mesh, field.as_ref(), content);
         Ok(Made { simulation, report, field, picture })
     }

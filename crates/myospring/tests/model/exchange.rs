@@ -222,6 +222,72 @@ fn unloaded(mut simulation: Simulation, level: f64) -> Simulation {
 }
 
 #[test]
+fn a_cell_that_begins_under_tension_begins_at_rest_and_stays_there() {
+    let mesh = strip();
+    for sites in both(&mesh) {
+        for (per_stretch, per_rate) in [(0.0, 2000.0), (3.0, 0.0), (3.0, 2000.0)] {
+            let constant = Toy::new(sites, 30.0, |_, _| 30.0);
+            let toy = Toy { per_stretch, per_rate, ..constant };
+            let outcome = run(&beat(mesh.clone(), toy, Method::QuasiStatic, 5.0));
+            let first = &outcome.recording.samples[0];
+            let law = 30.0 * (1.0 - per_stretch * first.shortening_pct / 100.0);
+            assert!((first.ta_kpa - law).abs() < 1e-7, "{sites:?}: {} {law} kPa", first.ta_kpa);
+            for sample in &outcome.recording.samples {
+                // What Newton's method and the trials leave, times 2000 kPa ms.
+                let moved = (sample.shortening_pct - first.shortening_pct).abs();
+                assert!(moved < 1e-5, "{sites:?}: {moved} % at {} ms", sample.t_ms);
+            }
+        }
+    }
+}
+
+/// Steeper than it says: the time step would not be stable.
+#[derive(Clone)]
+struct Understated(Toy);
+impl Activation for Understated {
+    fn sites(&self) -> Sites {
+        self.0.sites()
+    }
+    fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+        self.0.advance(to_ms, felt)
+    }
+    fn keep(&mut self) {}
+    fn tension(&self) -> Tension<'_> {
+        self.0.tension()
+    }
+    fn tangent(&self) -> Option<Tangent<'_>> {
+        self.0.tangent()
+    }
+    fn strongest(&self) -> Strongest {
+        Strongest { tension: self.0.highest, ..Strongest::default() }
+    }
+    fn boxed(&self) -> Box<dyn Activation> {
+        Box::new(self.clone())
+    }
+}
+
+#[test]
+fn an_activation_that_does_not_keep_its_word_is_stopped_and_named() {
+    let mesh = strip();
+    let triangles = Sites::PerElement(mesh.simplices.len());
+    let toy = Toy { per_rate: 100.0, ..Toy::new(triangles, 10.0, |t, _| t) };
+    let understated: Box<dyn Activation> = Box::new(Understated(toy));
+    let simulation = Simulation {
+        activation: Some(understated),
+        duration: 5.0,
+        ..Simulation::new(mesh.clone())
+    };
+    let outcome = simulation.build().unwrap().run(|_| true);
+    let Some(StopReason::CellModel { cause }) = &outcome.stop else { panic!("{:?}", outcome.stop) };
+    assert!(cause.contains("rate of stretch is 100 at site 0, but it said 0 to 0"), "{cause}");
+    // A path cannot be solved in advance for a tension that differs.
+    let field = Toy::new(triangles, 10.0, |t, _| t);
+    let field = Simulation { activation: Some(Box::new(field)), ..simulation };
+    let refused = field.run_quasi_static(Tolerance::default(), |_| true).unwrap_err().to_string();
+    assert!(refused.contains("prepare_field"), "{refused}");
+}
+
+#[test]
 fn the_same_relaxation_is_found_in_time() {
     let (mesh, small, tau) = (lattice::rectangle(8, 2, 5.0).unwrap(), 0.02, 2.0);
     let compliance = compliance(&mesh);
@@ -434,6 +500,24 @@ fn a_run_that_cannot_be_is_refused_with_the_setting_its_value_and_its_bound() {
         (Box::new(|s| s.material.thickness = f64::INFINITY), "the thickness is inf um"),
         (Box::new(|s| s.peak_tension = f64::NAN), "the peak tension is NaN kPa"),
         (Box::new(|s| s.myofibril_content = Some(vec![1.0; 2])), "content of myofibrils has 2"),
+        (
+            Box::new(move |s| s.myofibril_content = Some(vec![0.0; triangles])),
+            "of all triangles together is 0",
+        ),
+        (
+            Box::new(|s| {
+                let toy = Toy::new(Sites::Whole, f64::NAN, |_, _| 0.0);
+                s.activation = Some(Box::new(toy));
+            }),
+            "the strongest tension of the activation is NaN kPa",
+        ),
+        (
+            Box::new(|s| {
+                s.numerics.method = Method::QuasiStatic;
+                s.numerics.engine.loops = Loops::Fused;
+            }),
+            "equilibria need no engine",
+        ),
         (
             Box::new(move |s| s.myofibril_content = Some(vec![-0.5; triangles])),
             "the content of myofibrils of triangle 0 is -0.5",

@@ -129,9 +129,9 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "mechanics.myofibril_content",
-        "File that says how many myofibrils there are in each place, relative to the cell's mean: tension is \
-         in proportion. A table (.csv) with the header content, a row for each triangle, or \
-         x_um,y_um,content; or a picture of the same frame as the cell's. Relative to this file.",
+        "File that says how many myofibrils there are in each place: tension is in proportion. A table (.csv) \
+         with the header content, a row for each triangle, or x_um,y_um,content, taken as it stands; or a \
+         picture of the same frame as the cell's, taken relative to its mean; relative to this file.",
         Kind::File {
             endings: CONTENT_ENDINGS,
             example: "content.csv",
