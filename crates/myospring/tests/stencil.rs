@@ -364,7 +364,7 @@ fn a_motion_that_goes_back_makes_the_same_steps_again_to_the_bit() {
             Box::new(fused(&mesh, &system, &body, 1e-4, 3, Units::best())),
         ];
         for mut motion in steppers {
-            let mut go = |motion: &mut dyn Stepper, steps, tensions: [f64; 2]| {
+            let go = |motion: &mut dyn Stepper, steps, tensions: [f64; 2]| {
                 motion.advance(steps, tensions.map(Into::into)).unwrap();
                 (motion.body().clone(), motion.steps())
             };
