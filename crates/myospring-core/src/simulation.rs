@@ -34,7 +34,7 @@ mod ready;
 mod setup;
 mod stop;
 
-pub use check::SettingError;
+pub use check::{MOST_FRAMES, MOST_SAMPLES, SettingError, divides};
 pub use fault::projected_area;
 pub use field::PreparedField;
 pub use in_time::Prepared;

@@ -85,12 +85,30 @@ fn value(what: &'static str, value: f64, unit: &'static str, positive: bool) -> 
 }
 
 fn multiple(what: &'static str, long: f64, of: &'static str, short: f64) -> Checked {
+    if divides(short, long) {
+        Ok(())
+    } else {
+        Err(SettingError::Interval { what, long, of, short })
+    }
+}
+
+/// Most samples that a run may record.
+pub const MOST_SAMPLES: f64 = 5e6;
+/// Most shapes that a run may record.
+pub const MOST_FRAMES: f64 = 1e5;
+
+/// Whether an interval holds a whole number of a shorter one, but for what decimal fractions lose as binary
+/// numbers.
+///
+/// # Example
+/// ```
+/// use myospring::simulation::divides;
+/// assert!(divides(0.1, 600.0) && !divides(0.25, 600.1) && !divides(0.25, 200_000.1));
+/// ```
+pub fn divides(short: f64, long: f64) -> bool {
     let parts = long / short;
     let whole = parts.round();
-    if whole >= 1.0 && (parts - whole).abs() <= SLACK * whole {
-        return Ok(());
-    }
-    Err(SettingError::Interval { what, long, of, short })
+    whole >= 1.0 && (parts - whole).abs() <= (SLACK * whole).min(1e-3)
 }
 
 /// Whether a length is not that of a unit vector.
@@ -131,7 +149,21 @@ impl Simulation {
         value("the frame interval", frame, "ms", true)?;
         multiple("the output interval", output, "the exchange interval", exchange)?;
         multiple("the frame interval", frame, "the output interval", output)?;
-        multiple("the duration", self.duration, "the exchange interval", exchange)
+        multiple("the duration", self.duration, "the exchange interval", exchange)?;
+        for (what, interval, most, must) in [
+            (
+                "the output interval",
+                output,
+                MOST_SAMPLES,
+                "so long that there are at most 5e6 samples",
+            ),
+            ("the frame interval", frame, MOST_FRAMES, "so long that there are at most 1e5 shapes"),
+        ] {
+            if self.duration / interval > most {
+                return Err(SettingError::Value { what, value: interval, unit: "ms", must });
+            }
+        }
+        Ok(())
     }
 
     fn check_material(&self) -> Checked {

@@ -7,12 +7,9 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
 use crate::settings::{self, Failure, Fibre, Problem, Run, Source, Value};
+use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
 
 type Checked = Result<(), Failure>;
-
-/// Most samples and shapes that a run may record.
-const MOST_SAMPLES: f64 = 5e6;
-const MOST_FRAMES: f64 = 1e5;
 
 /// Keys of which only one may be given, and what to do.
 const ALTERNATIVES: [(&[&str], &str); 3] = [
@@ -249,9 +246,7 @@ fn times(run: &Run) -> Checked {
     for ((key, value), (unit_key, unit)) in
         [(output, exchange), (frame, output), (duration, exchange)]
     {
-        let ratio = value / unit;
-        // A part in a million allows for decimal fractions that binary numbers cannot hold.
-        if ratio.round() < 1.0 || (ratio - ratio.round()).abs() > 1e-6 * ratio {
+        if !divides(unit, value) {
             return Err((key.to_owned(), Problem::NotAMultiple { key, value, unit_key, unit }));
         }
     }

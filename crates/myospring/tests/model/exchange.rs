@@ -222,6 +222,67 @@ fn unloaded(mut simulation: Simulation, level: f64) -> Simulation {
 }
 
 #[test]
+fn a_tension_that_bends_with_the_stretch_of_its_triangle_is_followed_by_repeating_the_interval() {
+    /// Falls from 30 kPa to 10 within some width of stretch: a straight law misses it within an interval.
+    #[derive(Clone)]
+    struct Bent {
+        width: f64,
+        tension: Vec<f64>,
+        slopes: [Vec<f64>; 2],
+    }
+    impl Activation for Bent {
+        fn sites(&self) -> Sites {
+            Sites::PerElement(self.tension.len())
+        }
+        fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+            for (site, stretch) in felt.stretch.iter().enumerate() {
+                let bend = ((stretch - 0.97) / self.width).tanh();
+                let rise = (to_ms / 10.0).min(1.0);
+                self.tension[site] = rise * (20.0 + 10.0 * bend);
+                self.slopes[0][site] = rise * 10.0 / self.width * (1.0 - bend * bend);
+            }
+            Ok(())
+        }
+        fn keep(&mut self) {}
+        fn tension(&self) -> Tension<'_> {
+            Tension::PerElement(&self.tension)
+        }
+        fn tangent(&self) -> Option<Tangent<'_>> {
+            let [per_stretch, per_rate] = &self.slopes;
+            Some(Tangent { per_stretch, per_rate })
+        }
+        fn strongest(&self) -> Strongest {
+            Strongest { tension: 30.0, per_stretch: 10.0 / self.width, per_rate: 0.0 }
+        }
+        fn boxed(&self) -> Box<dyn Activation> {
+            Box::new(self.clone())
+        }
+    }
+    let mesh = lattice::rectangle(8, 2, 5.0).unwrap();
+    let none = vec![0.0; mesh.simplices.len()];
+    let until_8_ms = |width: f64, exchange: f64| {
+        let bent = Bent { width, tension: none.clone(), slopes: [none.clone(), none.clone()] };
+        let mut simulation = Simulation {
+            activation: Some(Box::new(bent)),
+            duration: 8.0,
+            ..Simulation::new(mesh.clone())
+        };
+        simulation.numerics.exchange_interval = exchange;
+        simulation.build().unwrap().run(|_| true)
+    };
+    let [coarse, fine] = [0.25, 0.025].map(|exchange| {
+        let outcome = until_8_ms(0.01, exchange);
+        assert_eq!(outcome.stop, None);
+        *last(&outcome)
+    });
+    // Twice the thousandth of 30 kPa that an interval may miss.
+    assert!((coarse.ta_kpa - fine.ta_kpa).abs() < 0.06, "{coarse:?}\n{fine:?}");
+    // So steep that a triangle swings over all of the bend within an interval: refused, not guessed.
+    let steep = until_8_ms(0.002, 0.25).stop.unwrap().to_string();
+    assert!(steep.contains("take a shorter exchange interval"), "{steep}");
+}
+
+#[test]
 fn a_cell_that_begins_under_tension_begins_at_rest_and_stays_there() {
     let mesh = strip();
     for sites in both(&mesh) {
@@ -493,6 +554,8 @@ fn a_run_that_cannot_be_is_refused_with_the_setting_its_value_and_its_bound() {
         (Box::new(|s| s.numerics.output_interval = 0.6), "no multiple of the exchange interval"),
         (Box::new(|s| s.numerics.frame_interval = 5.2), "no multiple of the output interval"),
         (Box::new(|s| s.duration = 600.1), "no multiple of the exchange interval"),
+        (Box::new(|s| s.duration = 200_000.1), "no multiple of the exchange interval"),
+        (Box::new(|s| s.duration = 1e7), "at most 5e6 samples"),
         (Box::new(|s| s.duration = -1.0), "the duration is -1 ms"),
         (Box::new(|s| s.fibres.truncate(3)), "the list of fibres has 3 entries"),
         (Box::new(|s| s.fibres[7] = [2.0, 0.0]), "the length of the fibre of triangle 7 is 2"),
