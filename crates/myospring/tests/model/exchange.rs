@@ -1,8 +1,6 @@
 //! The meeting of tension and stretch: toys whose answers are known.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::{CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind};
 use myospring::exchange::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use myospring::integrate::Method;
 use myospring::integrate::engine::{EngineUsed, Loops};
@@ -12,7 +10,6 @@ use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::{Body, System, Tension};
 use myospring::mesh::{Mesh, lattice};
-use myospring::parameter::ParameterSet;
 use myospring::recording::Sample;
 use myospring::simulation::{Effort, Outcome, Simulation, StopReason};
 use std::sync::Arc;
@@ -650,118 +647,4 @@ fn an_activation_that_fails_stops_the_run_and_keeps_what_was_recorded() {
     let Some(StopReason::CellModel { cause }) = &outcome.stop else { panic!("{:?}", outcome.stop) };
     assert!(cause.contains("5 ms"), "{cause}");
     assert_eq!(last(&outcome).t_ms, 5.0);
-}
-
-/// A muscle that pulls more where it is longer and less while it shortens, with 5 ms of delay:
-/// `dTa/dt = (T0 (1 + b (stretch - 1)) + c dstretch/dt - Ta)/tau`, in kPa.
-struct Muscle {
-    parameters: ParameterSet,
-    states: [StateVariable; 1],
-}
-
-impl Muscle {
-    const STRONGEST: f64 = 30.0;
-    /// Twice as stiff as the cell is without it: exchange with the last stretch would be unstable.
-    const STIFFNESS: f64 = 600.0;
-    const VISCOSITY: f64 = 2000.0;
-    const DELAY: f64 = 5.0;
-
-    fn new() -> Self {
-        let state = StateVariable {
-            name: "Ta".into(),
-            unit: "kPa".into(),
-            start: 0.0,
-            meaning: "active tension".into(),
-        };
-        Self { parameters: ParameterSet::new(Vec::new()), states: [state] }
-    }
-}
-
-impl CellModel for Muscle {
-    fn name(&self) -> &'static str {
-        "muscle"
-    }
-    fn description(&self) -> &'static str {
-        "feels its stretch and its rate"
-    }
-    fn citations(&self) -> Vec<&str> {
-        Vec::new()
-    }
-    fn parameters(&self) -> &ParameterSet {
-        &self.parameters
-    }
-    fn with_parameters(&self, _: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
-        Ok(Arc::new(Self::new()))
-    }
-    fn states(&self) -> &[StateVariable] {
-        &self.states
-    }
-    fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
-        let wanted = Self::STRONGEST
-            + Self::STIFFNESS * (input.stretch - 1.0)
-            + Self::VISCOSITY * input.stretch_rate;
-        rates[0] = (wanted - state[0]) / Self::DELAY;
-    }
-    fn stimulation(&self) -> Stimulation {
-        Stimulation::of_first_state(Stimulus::Jump { amplitude: 0.0 })
-    }
-    fn potential(&self, state: &[f64]) -> f64 {
-        state[0]
-    }
-    fn membrane_potential_mv(&self, _: &[f64]) -> Option<f64> {
-        None
-    }
-    fn tension(&self, state: &[f64]) -> f64 {
-        state[0]
-    }
-    fn tension_kind(&self) -> TensionKind {
-        TensionKind::Kilopascal
-    }
-    fn feels_stretch(&self) -> bool {
-        true
-    }
-}
-
-#[test]
-fn a_cell_model_that_feels_its_stretch_settles_where_its_law_and_the_mesh_agree() {
-    let curve = |method: Method, exchange: f64| {
-        let mut simulation = Simulation {
-            cell: Arc::new(Muscle::new()),
-            protocol: Protocol::rest(),
-            duration: 100.0,
-            ..Simulation::new(strip())
-        };
-        simulation.numerics.method = method;
-        simulation.numerics.exchange_interval = exchange;
-        simulation.numerics.output_interval = 1.0;
-        run(&simulation).recording.samples
-    };
-    let rest = |tension: f64| {
-        let equilibria =
-            Simulation::new(strip()).equilibria(&[30.0], Tolerance::default()).unwrap();
-        equilibria.follow(&[[0.0, tension]]).unwrap()[0].shortening_pct
-    };
-    let fine = curve(Method::QuasiStatic, 0.05);
-    for (method, exchange) in
-        [(Method::QuasiStatic, 1.0), (Method::QuasiStatic, 0.25), (IN_TIME, 0.25)]
-    {
-        let samples = curve(method, exchange);
-        let end = samples.last().unwrap();
-        // At rest: the law of the muscle, and that of the mesh.
-        let law = Muscle::STRONGEST - Muscle::STIFFNESS * end.shortening_pct / 100.0;
-        assert!((end.ta_kpa - law).abs() < 1e-3, "{method:?}, {exchange} ms: {} {law}", end.ta_kpa);
-        assert!((rest(end.ta_kpa) - end.shortening_pct).abs() < 1e-3, "{method:?}, {exchange} ms");
-        // On the way: first order in the interval, without a swing.
-        for (a, b) in samples.iter().zip(&fine) {
-            let off = (a.shortening_pct - b.shortening_pct).abs() / end.shortening_pct;
-            assert!(
-                off < 0.06 * exchange.max(0.25),
-                "{method:?}, {exchange} ms: {off} at {}",
-                a.t_ms
-            );
-        }
-        let swings =
-            samples.windows(2).filter(|p| p[1].shortening_pct < p[0].shortening_pct - 1e-3);
-        assert_eq!(swings.count(), 0, "{method:?}, {exchange} ms");
-    }
 }

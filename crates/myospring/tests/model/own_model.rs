@@ -11,8 +11,11 @@ use myospring::cell::solve::{self, Method, Settings, SolveError, solve};
 use myospring::cell::toy::ToyModel;
 use myospring::cell::trace::CellTrace;
 use myospring::cell::{
-    CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind, coelho_2021,
+    CellModel, Input, ModelError, Moved, StateVariable, Stimulation, TensionKind, coelho_2021,
 };
+use myospring::integrate::Method as Way;
+use myospring::integrate::quasi_static::Tolerance;
+use myospring::integrate::verlet::Integrator;
 use myospring::mesh::lattice;
 use myospring::parameter::ParameterSet;
 use myospring::simulation::{Simulation, TensionScale};
@@ -188,7 +191,7 @@ fn a_jump_moves_every_state_of_the_stimulus_in_proportion() {
         let mut expected = model.initial_state();
         expected[0] += 20.0;
         assert_eq!(cell.state(), expected, "{method}");
-        let two: Arc<dyn CellModel> = Arc::new(Follower::new());
+        let two: Arc<dyn CellModel> = Arc::new(follower());
         let cell = CellIntegrator::new(two, protocol, Settings::of(method)).unwrap();
         assert_eq!(cell.state(), [21.0, -5.0], "{method}");
     }
@@ -219,30 +222,40 @@ fn its_tension_in_kilopascal_drives_a_cell_as_it_is() {
     }
 }
 
-/// A state that follows the stretch and one that follows its rate: both exact in closed form.
-struct Follower {
+/// A model that feels, made of its states and two functions.
+struct Feeling {
     parameters: ParameterSet,
     states: Vec<StateVariable>,
+    stimulation: Stimulation,
+    rates: fn(&[f64], &Input, &mut [f64]),
+    tension: fn(&[f64]) -> f64,
 }
 
-impl Follower {
-    const TIME_MS: f64 = 7.0;
-
-    fn new() -> Self {
-        let state = |name: &'static str, start| StateVariable {
+impl Feeling {
+    fn new(
+        states: &[(&'static str, f64)],
+        rates: fn(&[f64], &Input, &mut [f64]),
+        tension: fn(&[f64]) -> f64,
+    ) -> Self {
+        let state = |&(name, start): &(&'static str, f64)| StateVariable {
             name: name.into(),
             unit: "".into(),
             start,
-            meaning: "what it felt".into(),
+            meaning: "what follows from what it felt".into(),
         };
-        let states = vec![state("stretch", 1.0), state("rate", 0.0)];
-        Self { parameters: ParameterSet::new(Vec::new()), states }
+        Self {
+            parameters: ParameterSet::new(Vec::new()),
+            states: states.iter().map(state).collect(),
+            stimulation: Stimulation::of_first_state(Stimulus::Jump { amplitude: 0.0 }),
+            rates,
+            tension,
+        }
     }
 }
 
-impl CellModel for Follower {
+impl CellModel for Feeling {
     fn name(&self) -> &'static str {
-        "follower"
+        "feeling"
     }
     fn description(&self) -> &'static str {
         "follows what it feels"
@@ -253,23 +266,22 @@ impl CellModel for Follower {
     fn parameters(&self) -> &ParameterSet {
         &self.parameters
     }
-    fn with_parameters(&self, _: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
-        Ok(Arc::new(Self::new()))
+    fn with_parameters(&self, parameters: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
+        Ok(Arc::new(Self {
+            parameters,
+            states: self.states.clone(),
+            stimulation: self.stimulation.clone(),
+            ..*self
+        }))
     }
     fn states(&self) -> &[StateVariable] {
         &self.states
     }
     fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]) {
-        rates[0] = (input.stretch - state[0]) / Self::TIME_MS + 4.0 * input.stimulus;
-        rates[1] = (input.stretch_rate - state[1]) / Self::TIME_MS - input.stimulus;
+        (self.rates)(state, input, rates);
     }
     fn stimulation(&self) -> Stimulation {
-        use myospring::cell::Moved;
-        Stimulation {
-            default: Stimulus::Jump { amplitude: 0.0 },
-            current_unit: "1/ms".into(),
-            moves: vec![Moved { state: 0, weight: 4.0 }, Moved { state: 1, weight: -1.0 }].into(),
-        }
+        self.stimulation.clone()
     }
     fn potential(&self, state: &[f64]) -> f64 {
         state[0]
@@ -277,8 +289,8 @@ impl CellModel for Follower {
     fn membrane_potential_mv(&self, _: &[f64]) -> Option<f64> {
         None
     }
-    fn tension(&self, _: &[f64]) -> f64 {
-        0.0
+    fn tension(&self, state: &[f64]) -> f64 {
+        (self.tension)(state)
     }
     fn tension_kind(&self) -> TensionKind {
         TensionKind::Kilopascal
@@ -288,12 +300,32 @@ impl CellModel for Follower {
     }
 }
 
+/// How long a follower takes to follow, ms.
+const FOLLOWING_MS: f64 = 7.0;
+
+/// A state that follows the stretch and one that follows its rate: both exact in closed form.
+fn follower() -> Feeling {
+    let rates = |state: &[f64], input: &Input, rates: &mut [f64]| {
+        rates[0] = (input.stretch - state[0]) / FOLLOWING_MS + 4.0 * input.stimulus;
+        rates[1] = (input.stretch_rate - state[1]) / FOLLOWING_MS - input.stimulus;
+    };
+    let moves = vec![Moved { state: 0, weight: 4.0 }, Moved { state: 1, weight: -1.0 }];
+    Feeling {
+        stimulation: Stimulation {
+            default: Stimulus::Jump { amplitude: 0.0 },
+            current_unit: "1/ms".into(),
+            moves: moves.into(),
+        },
+        ..Feeling::new(&[("stretch", 1.0), ("rate", 0.0)], rates, |_| 0.0)
+    }
+}
+
 #[test]
 fn a_model_that_feels_feels_each_stretch_exactly_as_long_as_it_lasts() {
     let felt = [(3.0, 0.9, -0.01), (3.1, 0.8, 0.5), (20.0, 1.1, 0.0), (20.25, 1.0, -2.0)];
     for method in [Method::RungeKutta4, Method::Stiff] {
         let settings = Settings { tolerance: 1e-9, ..Settings::of(method) };
-        let model: Arc<dyn CellModel> = Arc::new(Follower::new());
+        let model: Arc<dyn CellModel> = Arc::new(follower());
         let mut cell = CellIntegrator::new(model, Protocol::rest(), settings).unwrap();
         let (mut expected, mut before) = ([1.0, 0.0], 0.0);
         for (time, stretch, rate) in felt {
@@ -301,7 +333,7 @@ fn a_model_that_feels_feels_each_stretch_exactly_as_long_as_it_lasts() {
             let mut trial = cell.clone();
             trial.advance_to(time + 1.0, 0.5, 3.0).unwrap();
             cell.advance_to(time, stretch, rate).unwrap();
-            let left = f64::exp(-(time - before) / Follower::TIME_MS);
+            let left = f64::exp(-(time - before) / FOLLOWING_MS);
             for (value, goal) in expected.iter_mut().zip([stretch, rate]) {
                 *value = goal + (*value - goal) * left;
             }
@@ -311,5 +343,73 @@ fn a_model_that_feels_feels_each_stretch_exactly_as_long_as_it_lasts() {
                 assert!((value - expected).abs() < 1e-9, "{method} at {time}: {value}, {expected}");
             }
         }
+    }
+}
+
+/// What the muscle pulls by at its first length, kPa.
+const STRONGEST_KPA: f64 = 30.0;
+/// Twice as stiff as the cell is without it: exchange with the last stretch would be unstable.
+const STIFFNESS_KPA: f64 = 600.0;
+
+/// A muscle that pulls more where it is longer and less while it shortens, with 5 ms of delay:
+/// `dTa/dt = (T0 + k (stretch - 1) + c dstretch/dt - Ta)/tau`, in kPa.
+fn muscle() -> Feeling {
+    const VISCOSITY_KPA_MS: f64 = 2000.0;
+    const DELAY_MS: f64 = 5.0;
+    let rates = |state: &[f64], input: &Input, rates: &mut [f64]| {
+        let wanted = STRONGEST_KPA
+            + STIFFNESS_KPA * (input.stretch - 1.0)
+            + VISCOSITY_KPA_MS * input.stretch_rate;
+        rates[0] = (wanted - state[0]) / DELAY_MS;
+    };
+    Feeling::new(&[("Ta", 0.0)], rates, |state| state[0])
+}
+
+#[test]
+fn a_cell_model_that_feels_its_stretch_settles_where_its_law_and_the_mesh_agree() {
+    let mesh = lattice::rectangle(12, 3, 5.0).unwrap();
+    let curve = |method: Way, exchange: f64| {
+        let mut simulation = Simulation {
+            cell: Arc::new(muscle()),
+            protocol: Protocol::rest(),
+            duration: 100.0,
+            ..Simulation::new(mesh.clone())
+        };
+        simulation.numerics.method = method;
+        simulation.numerics.exchange_interval = exchange;
+        simulation.numerics.output_interval = 1.0;
+        let outcome = simulation.build().unwrap().run(|_| true);
+        assert_eq!(outcome.stop, None);
+        outcome.recording.samples
+    };
+    let rest = |tension: f64| {
+        let equilibria =
+            Simulation::new(mesh.clone()).equilibria(&[30.0], Tolerance::default()).unwrap();
+        equilibria.follow(&[[0.0, tension]]).unwrap()[0].shortening_pct
+    };
+    let fine = curve(Way::QuasiStatic, 0.05);
+    for (method, exchange) in [
+        (Way::QuasiStatic, 1.0),
+        (Way::QuasiStatic, 0.25),
+        (Way::Verlet(Integrator::StoermerVerlet), 0.25),
+    ] {
+        let samples = curve(method, exchange);
+        let end = samples.last().unwrap();
+        // At rest: the law of the muscle, and that of the mesh.
+        let law = STRONGEST_KPA - STIFFNESS_KPA * end.shortening_pct / 100.0;
+        assert!((end.ta_kpa - law).abs() < 1e-3, "{method:?}, {exchange} ms: {} {law}", end.ta_kpa);
+        assert!((rest(end.ta_kpa) - end.shortening_pct).abs() < 1e-3, "{method:?}, {exchange} ms");
+        // On the way: first order in the interval, without a swing.
+        for (a, b) in samples.iter().zip(&fine) {
+            let off = (a.shortening_pct - b.shortening_pct).abs() / end.shortening_pct;
+            assert!(
+                off < 0.06 * exchange.max(0.25),
+                "{method:?}, {exchange} ms: {off} at {}",
+                a.t_ms
+            );
+        }
+        let swings =
+            samples.windows(2).filter(|p| p[1].shortening_pct < p[0].shortening_pct - 1e-3);
+        assert_eq!(swings.count(), 0, "{method:?}, {exchange} ms");
     }
 }
