@@ -27,6 +27,10 @@ fn workplace() -> tempfile::TempDir {
     fs::write(folder.path().join("text.png"), "this is no picture").unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
     fs::write(folder.path().join("content.csv"), "content\n1\n-1\n").unwrap();
+    fs::write(folder.path().join("beside.csv"), "x_um,y_um,content\n900,900,1\n990,900,2\n")
+        .unwrap();
+    fs::write(folder.path().join("mm.csv"), "x_mm,y_mm,content\n0,0,1\n").unwrap();
+    fs::write(folder.path().join("tabs.csv"), "x_um\ty_um\tcontent\n0\t0\t1\n").unwrap();
     fs::write(folder.path().join("rows.csv"), "content\n1\n1\n").unwrap();
     // A header that declares 100 000 x 100 000 pixels, with its right checksum.
     let mut huge = good.clone();
@@ -125,6 +129,18 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         (
             vec!["run", "--myofibril-content", "content.csv"],
             &["content.csv", "line 3", "content is -1", "0 or above"],
+        ),
+        (
+            vec!["run", "--myofibril-content", "beside.csv"],
+            &["beside.csv", "[900.0, 900.0] to [990.0, 900.0] um", "same origin"],
+        ),
+        (
+            vec!["run", "--myofibril-content", "mm.csv"],
+            &["mm.csv", "its columns are `x_mm`, `y_mm`, `content`", "`x_um,y_um,content`"],
+        ),
+        (
+            vec!["run", "--myofibril-content", "tabs.csv"],
+            &["tabs.csv", "its one column, as commas part them", "`x_um,y_um,content`"],
         ),
         (
             vec!["run", "--myofibril-content", "rows.csv"],

@@ -11,7 +11,7 @@ use crate::mechanics::support::SupportKind;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingError {
     /// A number out of range, or none.
-    #[error("{what} is {value} {unit}; it must be {must}")]
+    #[error("{what} is {value}{gap}{unit}; it must be {must}", gap = if unit.is_empty() { "" } else { " " })]
     Value {
         /// Which setting.
         what: &'static str,

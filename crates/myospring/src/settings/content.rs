@@ -66,6 +66,24 @@ pub enum ContentError {
         /// How many it may have, and why.
         must: String,
     },
+    /// Places that all lie beside the cell: of another origin or unit.
+    #[error(
+        "`{path}` has places from {first:.1?} to {last:.1?} um, the cell lies from {cell_first:.1?} to \
+         {cell_last:.1?} um, so they say nothing about it; give x_um and y_um from the same origin as the \
+         cell's nodes"
+    )]
+    Beside {
+        /// The file.
+        path: String,
+        /// Least x and y of the places, um.
+        first: [f64; 2],
+        /// Largest x and y of the places, um.
+        last: [f64; 2],
+        /// Least x and y of the cell's triangles, um.
+        cell_first: [f64; 2],
+        /// Largest x and y of the cell's triangles, um.
+        cell_last: [f64; 2],
+    },
     /// The picture cannot be read.
     #[error("`{path}`: {cause}")]
     Picture {
@@ -133,7 +151,18 @@ fn of_table(path: &str, bytes: &[u8], mesh: &Mesh) -> Result<Vec<f64>, ContentEr
     let failed =
         |error: csv::Error| ContentError::Table { path: path.to_owned(), cause: error.to_string() };
     let header = reader.headers().map_err(failed)?.clone();
-    let of_points = header.iter().any(|name| matches!(name, "x_um" | "y_um"));
+    let mut columns: Vec<&str> = header.iter().collect();
+    columns.sort_unstable();
+    let of_points = columns == ["content", "x_um", "y_um"];
+    if !of_points && columns != ["content"] {
+        let found: Vec<_> = header.iter().map(|name| format!("`{name}`")).collect();
+        let cause = match found.len() {
+            0 => "it is empty".to_owned(),
+            1 => format!("its one column, as commas part them, is {}", found[0]),
+            _ => format!("its columns are {}", found.join(", ")),
+        };
+        return Err(ContentError::Table { path: path.to_owned(), cause });
+    }
     let (mut points, mut content) = (Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record.map_err(failed)?;
@@ -166,12 +195,30 @@ fn of_table(path: &str, bytes: &[u8], mesh: &Mesh) -> Result<Vec<f64>, ContentEr
     if rows == 0 || rows > MOST_POINTS {
         return refused(format!("there may be 1 to {MOST_POINTS} points"));
     }
+    let ([first, last], [cell_first, cell_last]) =
+        (bounds(&points), bounds(&centres(mesh).collect::<Vec<_>>()));
+    if (0..2).any(|axis| first[axis] > cell_last[axis] || last[axis] < cell_first[axis]) {
+        let path = path.to_owned();
+        return Err(ContentError::Beside { path, first, last, cell_first, cell_last });
+    }
     let nearest = |[x, y]: [f64; 2]| {
         let square = |at: usize| (points[at][0] - x).powi(2) + (points[at][1] - y).powi(2);
         let at = (0..rows).min_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or(0);
         content[at]
     };
     Ok(centres(mesh).map(nearest).collect())
+}
+
+/// Least and largest x and y of points.
+fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let of = |most: fn(f64, f64) -> f64| {
+        points
+            .iter()
+            .copied()
+            .reduce(|[x, y], [u, v]| [most(x, u), most(y, v)])
+            .unwrap_or([f64::NAN; 2])
+    };
+    [of(f64::min), of(f64::max)]
 }
 
 fn of_picture(
