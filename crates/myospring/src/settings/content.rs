@@ -79,9 +79,9 @@ pub enum ContentError {
         first: [f64; 2],
         /// Largest x and y of the places, um.
         last: [f64; 2],
-        /// Least x and y of the cell's triangles, um.
+        /// Least x and y of the cell's nodes, um.
         cell_first: [f64; 2],
-        /// Largest x and y of the cell's triangles, um.
+        /// Largest x and y of the cell's nodes, um.
         cell_last: [f64; 2],
     },
     /// The picture cannot be read.
@@ -195,8 +195,10 @@ fn of_table(path: &str, bytes: &[u8], mesh: &Mesh) -> Result<Vec<f64>, ContentEr
     if rows == 0 || rows > MOST_POINTS {
         return refused(format!("there may be 1 to {MOST_POINTS} points"));
     }
-    let ([first, last], [cell_first, cell_last]) =
-        (bounds(&points), bounds(&centres(mesh).collect::<Vec<_>>()));
+    let ([first, last], [cell_first, cell_last]) = (
+        bounds(&points),
+        bounds(&(0..mesh.len()).map(|node| mesh.point(node)).collect::<Vec<_>>()),
+    );
     if (0..2).any(|axis| first[axis] > cell_last[axis] || last[axis] < cell_first[axis]) {
         let path = path.to_owned();
         return Err(ContentError::Beside { path, first, last, cell_first, cell_last });
@@ -333,7 +335,8 @@ mod tests {
         for (text, message) in [
             ("content\n1\n", "give one for each"),
             ("x_um,y_um,content\n0,0,1\n,,1\n", "line 3: x_um is NaN"),
-            ("# drawn\nx_um,content\n0,1\n", "line 3: y_um is NaN"),
+            ("# drawn\nx_um,content\n0,1\n", "its columns are `x_um`, `content`"),
+            ("x_um,y_um,content\n0,5,1\n2,5,1\n", "the cell lies from [0.0, 0.0] to [2.0, 1.0] um"),
             ("x_um,y_um,content\n", "1 to 100000 points"),
             ("amount\n1\n", "has the header `content`"),
             ("content\nnan\n", "line 2: content is NaN"),
