@@ -34,7 +34,7 @@ impl Lattice<'_> {
         let tick = |(point_um, fibre): ([f64; 2], Fibre)| Tick {
             point_um,
             direction: fibre.direction,
-            coherency: fibre.coherency,
+            coherency: fibre.order,
             from_picture: fibre.from_picture,
         };
         field.on_grid(TICKS_UM).into_iter().map(tick).collect()

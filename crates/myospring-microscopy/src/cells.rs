@@ -318,7 +318,7 @@ impl PictureCells {
 
     /// What a person should know before they trust the direction of the fibres, a sentence each.
     pub fn fibre_warnings(&self, field: &FibreField) -> Vec<String> {
-        let mut warnings = field.summary().warnings();
+        let mut warnings = field.warnings();
         let modality = self.segmentation().map(|found| found.modality);
         if modality == Some(Modality::Brightfield) {
             warnings.push(

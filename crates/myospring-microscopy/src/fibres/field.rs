@@ -12,10 +12,16 @@ const LEAST_SHARE: f32 = 1e-3;
 pub struct Fibre {
     /// Unit vector along the fibre, y upward; of the two the one that points along the long axis.
     pub direction: [f64; 2],
-    /// Coherency of the picture, 0 for none to 1 for one direction only.
-    pub coherency: f64,
-    /// Whether the picture has the larger say; otherwise the long axis has.
+    /// Whether the picture has the larger say; otherwise the long axis has, and what the picture shows here
+    /// (order, coverage) is too little to read a direction from.
     pub from_picture: bool,
+    /// Length of a sarcomere, um: the period of the stripes along the fibre. None where the picture shows
+    /// none, and with stains that have no stripes.
+    pub sarcomere_um: Option<f64>,
+    /// How sharply the picture shows one direction and one period, 0 for not at all to 1.
+    pub order: f64,
+    /// Part of the neighbourhood within the cell that answered, 0 to 1.
+    pub coverage: f64,
 }
 
 impl Fibre {
@@ -24,7 +30,13 @@ impl Fibre {
     /// # Example
     /// ```
     /// use myospring::microscopy::fibres::Fibre;
-    /// let fibre = Fibre { direction: [0.0, -1.0], coherency: 1.0, from_picture: true };
+    /// let fibre = Fibre {
+    ///     direction: [0.0, -1.0],
+    ///     from_picture: true,
+    ///     sarcomere_um: Some(1.8),
+    ///     order: 0.9,
+    ///     coverage: 1.0,
+    /// };
     /// assert_eq!(fibre.angle_deg(), 90.0);
     /// ```
     pub fn angle_deg(&self) -> f64 {
@@ -46,49 +58,15 @@ pub struct FibreSummary {
     pub share_from_picture: f64,
     /// Mean direction against the long axis, degrees counter-clockwise, above -90 and up to 90.
     pub mean_angle_deg: f64,
-    /// Order parameter over the cell, `|mean of (cos 2 theta, sin 2 theta)|`: 1 for parallel fibres, 0 for
-    /// fibres in all directions. Places where the long axis stands in count as such.
-    pub order: f64,
-    /// Mean coherency of the picture over the cell.
-    pub mean_coherency: f64,
-}
-
-/// Below this part of the cell, and above this angle from its long axis, a person is told.
-const SMALL_SHARE: f64 = 0.25;
-const LARGE_ANGLE_DEG: f64 = 45.0;
-
-impl FibreSummary {
-    /// What a person should know before they trust the field, a sentence each: that the picture decided
-    /// in a small part of the cell only, that the fibres lie across the cell.
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::microscopy::fibres::FibreSummary;
-    /// let summary = FibreSummary {
-    ///     share_from_picture: 0.8,
-    ///     mean_angle_deg: -85.0,
-    ///     order: 0.9,
-    ///     mean_coherency: 0.5,
-    /// };
-    /// assert!(summary.warnings()[0].contains("is the stain right?"));
-    /// ```
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if self.share_from_picture < SMALL_SHARE {
-            warnings.push(format!(
-                "the picture shows fibres in only {:.0} % of the cell; elsewhere the long axis stands in",
-                100.0 * self.share_from_picture
-            ));
-        }
-        if self.mean_angle_deg.abs() > LARGE_ANGLE_DEG {
-            warnings.push(format!(
-                "the fibres lie across the cell, at {:.0} degrees from its long axis on average: is the \
-                 stain right? Z-discs lie across the fibre, filaments along it",
-                self.mean_angle_deg
-            ));
-        }
-        warnings
-    }
+    /// How parallel the fibres of the cell are, `|mean of (cos 2 theta, sin 2 theta)|`: 1 for all in one direction,
+    /// 0 for all directions. Places where the long axis stands in count as such.
+    pub alignment: f64,
+    /// Mean over the cell of how sharply the picture shows one direction and one period, 0 to 1.
+    pub mean_order: f64,
+    /// Median length of the sarcomeres that were read, um, each place weighed by its area.
+    pub median_sarcomere_um: Option<f64>,
+    /// First and third quartile of that length, um.
+    pub sarcomere_quartiles_um: Option<[f64; 2]>,
 }
 
 /// Directions of the myofibrils everywhere in a cell; see [`fibres`](super::fibres()).
@@ -100,7 +78,13 @@ pub struct FibreField {
     least_coherency: f64,
     /// Unit vector.
     long_axis: [f64; 2],
+    /// Part of each place's neighbourhood in which the picture has the larger say.
+    coverage: Vec<f32>,
 }
+
+/// Below this part of the cell, and above this angle from its long axis, a person is told.
+const SMALL_SHARE: f64 = 0.25;
+const LARGE_ANGLE_DEG: f64 = 45.0;
 
 impl FibreField {
     /// Mixes the picture's directions with the long axis, and smooths the border between the two.
@@ -141,7 +125,21 @@ impl FibreField {
                 [0, 1].map(|i: usize| mixed[i][at] / weight[at])
             })
             .collect();
-        Self { smoothed, mixed, least_coherency, long_axis }
+        let mut answered: Vec<f32> = (smoothed.doubled.iter().zip(share))
+            .map(
+                |(&[x, y], share)| {
+                    if f64::from(x.hypot(y)) >= least_coherency { *share } else { 0.0 }
+                },
+            )
+            .collect();
+        grid.blur(&mut answered, 2.0 * border_um / block_um);
+        let mut cell = share.clone();
+        grid.blur(&mut cell, 2.0 * border_um / block_um);
+        let part = |(answered, cell): (f32, f32)| {
+            if cell < LEAST_SHARE { 0.0 } else { (answered / cell).min(1.0) }
+        };
+        let coverage = answered.into_iter().zip(cell).map(part).collect();
+        Self { smoothed, mixed, least_coherency, long_axis, coverage }
     }
 
     /// The fibre at a point, um from the lower left corner of the picture, y upward.
@@ -155,7 +153,33 @@ impl FibreField {
                 places.iter().map(|&(at, part)| part * f64::from(vectors[at][axis])).sum::<f64>()
             })
         };
-        self.fibre(between(&self.smoothed.doubled), between(&self.mixed))
+        let coverage = places.iter().map(|&(at, part)| part * f64::from(self.coverage[at])).sum();
+        self.fibre(between(&self.smoothed.doubled), between(&self.mixed), coverage)
+    }
+
+    /// The fibre in each triangle of a mesh (`mesh.simplices`), at the triangle's centre: what the picture shows
+    /// there and the direction that was taken. The mesh must lie where the cell lies in the picture, as
+    /// [`lattice::from_mask`](myospring_core::mesh::lattice::from_mask) makes it.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::{lattice, pixel_size::PixelSize};
+    /// use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
+    /// use myospring::microscopy::plane::Plane;
+    /// let plane = Plane::new(50, 50, vec![1.0; 2500]).unwrap();
+    /// let settings = FibreSettings::of(Stain::ZDisc);
+    /// let field = fibres(&plane, &[true; 2500], PixelSize::new(0.2)?, [0.0, 2.0], &settings)?;
+    /// let triangles = field.on_triangles(&lattice::rectangle(5, 5, 1.0).unwrap());
+    /// // Nothing to see: the long axis, and no sarcomere.
+    /// assert!(triangles.iter().all(|fibre| !fibre.from_picture && fibre.sarcomere_um.is_none()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn on_triangles(&self, mesh: &Mesh) -> Vec<Fibre> {
+        let centre = |nodes: [u32; 3]| {
+            let [a, b, c] = nodes.map(|node| mesh.point(node as usize));
+            [0, 1].map(|axis: usize| (a[axis] + b[axis] + c[axis]) / 3.0)
+        };
+        mesh.simplices.iter().map(|triangle| self.at(centre(triangle.nodes))).collect()
     }
 
     /// One unit vector for each triangle of a mesh (`mesh.simplices`), at the triangle's centre, as
@@ -176,11 +200,7 @@ impl FibreField {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn on_mesh(&self, mesh: &Mesh) -> Vec<[f64; 2]> {
-        let centre = |nodes: [u32; 3]| {
-            let [a, b, c] = nodes.map(|node| mesh.point(node as usize));
-            [0, 1].map(|axis: usize| (a[axis] + b[axis] + c[axis]) / 3.0)
-        };
-        mesh.simplices.iter().map(|triangle| self.at(centre(triangle.nodes)).direction).collect()
+        self.on_triangles(mesh).into_iter().map(|fibre| fibre.direction).collect()
     }
 
     /// Points of a square grid within the cell with their fibres, row by row from the top: what a
@@ -215,23 +235,25 @@ impl FibreField {
 
     /// Numbers over the whole cell, each part of it weighed by its area.
     pub fn summary(&self) -> FibreSummary {
-        let (mut area, mut from_picture, mut coherency) = (0.0, 0.0, 0.0);
+        let (mut area, mut from_picture, mut order) = (0.0, 0.0, 0.0);
         let mut sum = [0.0; 2];
         let [along_x, along_y] = self.long_axis;
         let vectors = self.smoothed.doubled.iter().zip(&self.mixed);
-        for ((doubled, mixed), &share) in vectors.zip(&self.smoothed.place.share) {
+        for (at, ((doubled, mixed), &share)) in vectors.zip(&self.smoothed.place.share).enumerate()
+        {
             if share == 0.0 {
                 continue;
             }
             let share = f64::from(share);
-            let fibre = self.fibre(doubled.map(f64::from), mixed.map(f64::from));
+            let coverage = f64::from(self.coverage[at]);
+            let fibre = self.fibre(doubled.map(f64::from), mixed.map(f64::from), coverage);
             let [x, y] = fibre.direction;
             // Along and across the long axis.
             let turned = [x * along_x + y * along_y, y * along_x - x * along_y];
             let doubled = double(turned);
             area += share;
             from_picture += if fibre.from_picture { share } else { 0.0 };
-            coherency += share * fibre.coherency;
+            order += share * fibre.order;
             sum = [sum[0] + share * doubled[0], sum[1] + share * doubled[1]];
         }
         if area == 0.0 {
@@ -240,9 +262,44 @@ impl FibreField {
         FibreSummary {
             share_from_picture: from_picture / area,
             mean_angle_deg: line_angle_deg(0.5 * sum[1].atan2(sum[0])),
-            order: (sum[0].hypot(sum[1]) / area).min(1.0),
-            mean_coherency: coherency / area,
+            alignment: (sum[0].hypot(sum[1]) / area).min(1.0),
+            mean_order: order / area,
+            median_sarcomere_um: None,
+            sarcomere_quartiles_um: None,
         }
+    }
+
+    /// What a person should know before they trust the field, a sentence each: that the picture decided
+    /// in a small part of the cell only, that the fibres lie across the cell.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::pixel_size::PixelSize;
+    /// use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
+    /// use myospring::microscopy::plane::Plane;
+    /// let plane = Plane::new(50, 50, vec![1.0; 2500]).unwrap();
+    /// let settings = FibreSettings::of(Stain::ZDisc);
+    /// let field = fibres(&plane, &[true; 2500], PixelSize::new(0.2)?, [0.0, 2.0], &settings)?;
+    /// assert!(field.warnings()[0].starts_with("the picture shows fibres in only 0 % of the cell"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn warnings(&self) -> Vec<String> {
+        let summary = self.summary();
+        let mut warnings = Vec::new();
+        if summary.share_from_picture < SMALL_SHARE {
+            warnings.push(format!(
+                "the picture shows fibres in only {:.0} % of the cell; elsewhere the long axis stands in",
+                100.0 * summary.share_from_picture
+            ));
+        }
+        if summary.mean_angle_deg.abs() > LARGE_ANGLE_DEG {
+            warnings.push(format!(
+                "the fibres lie across the cell, at {:.0} degrees from its long axis on average: is the \
+                 stain right? Z-discs lie across the fibre, filaments along it",
+                summary.mean_angle_deg
+            ));
+        }
+        warnings
     }
 
     /// The four blocks around a point with their parts.
@@ -261,19 +318,20 @@ impl FibreField {
     }
 
     /// The fibre of the picture's doubled vector and of the mixed one.
-    fn fibre(&self, doubled: [f64; 2], [x, y]: [f64; 2]) -> Fibre {
-        let coherency = doubled[0].hypot(doubled[1]).min(1.0);
-        let from_picture = coherency >= self.least_coherency;
+    fn fibre(&self, doubled: [f64; 2], [x, y]: [f64; 2], coverage: f64) -> Fibre {
+        let order = doubled[0].hypot(doubled[1]).min(1.0);
+        let from_picture = order >= self.least_coherency;
+        let fibre =
+            |direction| Fibre { direction, from_picture, sarcomere_um: None, order, coverage };
         // Picture and long axis may cancel: then there is no direction between the two. Where there is
         // only the long axis it stays as it was given, to the last digit.
         let axis = double(self.long_axis);
         if x.hypot(y) < 1e-6 || (x - axis[0]).hypot(y - axis[1]) < 1e-6 {
-            return Fibre { direction: self.long_axis, coherency, from_picture };
+            return fibre(self.long_axis);
         }
         let (sin, cos) = (0.5 * y.atan2(x)).sin_cos();
         let along = cos * self.long_axis[0] + sin * self.long_axis[1];
-        let direction = if along < 0.0 { [-cos, -sin] } else { [cos, sin] };
-        Fibre { direction, coherency, from_picture }
+        fibre(if along < 0.0 { [-cos, -sin] } else { [cos, sin] })
     }
 }
 

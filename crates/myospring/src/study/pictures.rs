@@ -198,7 +198,7 @@ fn beat(
         let fibres = field.summary();
         row.number("fibres_from_picture_pct", 100.0 * fibres.share_from_picture);
         row.number("fibre_angle_to_axis_deg", fibres.mean_angle_deg);
-        row.number("fibre_order", fibres.order);
+        row.number("fibre_order", fibres.alignment);
     }
     let prepared = simulation.build()?;
     let finished = prepared.run(|Progress { .. }| true);

@@ -139,7 +139,7 @@ fn stripes_at_any_angle_give_the_fibre_across_them_within_a_degree_everywhere() 
             let summary = field.summary();
             assert_eq!(summary.share_from_picture, 1.0);
             // Parallel fibres are fully ordered; 1e-3 stands for less than a degree and a half of spread.
-            assert!(summary.order > 0.999 && summary.mean_coherency > 0.8, "{summary:?}");
+            assert!(summary.alignment > 0.999 && summary.mean_order > 0.8, "{summary:?}");
             assert!(apart(summary.mean_angle_deg, angle - scene.axis_deg) < 0.3, "{summary:?}");
         }
     }
@@ -223,7 +223,7 @@ fn pictures_without_stripes_give_the_long_axis() {
         let field = scene.field(&plane, Stain::ZDisc);
         let summary = field.summary();
         assert!(summary.share_from_picture <= most, "{name}: {summary:?}");
-        assert!(summary.mean_coherency < 0.2, "{name}: {summary:?}");
+        assert!(summary.mean_order < 0.2, "{name}: {summary:?}");
         assert!(summary.mean_angle_deg.abs() < 3.0, "{name}: {summary:?}");
         let [x, y] = field.at(scene.point([0.0; 2])).direction;
         assert!(x * scene.axis()[0] + y * scene.axis()[1] > 0.99, "{name}: ({x}, {y})");
@@ -387,7 +387,7 @@ fn odd_pictures_neither_panic_nor_give_anything_but_unit_vectors() {
             assert!((x.hypot(y) - 1.0).abs() < 1e-12, "{point:?}: ({x}, {y})");
         }
         let summary = field.summary();
-        assert!(summary.order.is_finite() && summary.mean_angle_deg.is_finite(), "{summary:?}");
+        assert!(summary.alignment.is_finite() && summary.mean_angle_deg.is_finite(), "{summary:?}");
         assert!(field.on_grid(0.0).len() <= 4000 && field.on_grid(f64::NAN).len() <= 4000);
     };
     for [width, height] in [[1, 1], [1, 40], [40, 1], [50, 70]] {
