@@ -30,7 +30,8 @@ const OUTPUT: &str = "Output";
         myospring init beat.toml && myospring run beat.toml\n  \
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
         Values carry their unit: \"50 kPa\", \"1.1 um\", \"600 ms\", \"30 deg\".\n\
-        Exit codes: 0 done, 1 a run stopped early or a check was not met, 2 bad input or usage."
+        Exit codes: 0 done, 1 a run stopped early or a check was not met, 2 bad input or usage, or what was\n\
+        found could not be written, 130 ended by Ctrl-C, 143 by SIGTERM."
 )]
 pub(crate) struct Cli {
     /// Print what to cite, as BibTeX
@@ -180,7 +181,7 @@ pub(crate) struct SegmentArgs {
     myospring batch pictures --pixel-size \"0.27 um\" --output beats\n  \
     myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n\n\
     Results: cells.csv, one row a cell, failed pictures with their reason; cells.parquet, the same; overlays/;\n\
-    with --figures a folder for each cell. Interrupted, the same command goes on where it was.\n\
+    with --figures a folder for each cell. Interrupted (Ctrl-C), the same command goes on where it was.\n\
     Exit codes: 0 all pictures gave a cell that beat, 1 some failed, 2 bad input or usage.")]
 pub(crate) struct BatchArgs {
     /// Folder of pictures (.png, .tif), searched with all folders in it

@@ -4,7 +4,7 @@ mod kept;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
-use crate::{input, print};
+use crate::{input, interrupt, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use kept::Kept;
 use myospring::output::{files, json};
@@ -12,6 +12,7 @@ use myospring::settings::{PICTURE_ENDINGS, Run, Value};
 use myospring::study::pictures::{self, CellRow, Picture, Which};
 use myospring::study::{self, Cause, Journal, Observer, Row, Status, Threads};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -26,6 +27,8 @@ struct Outcome {
     cells: usize,
     left_out: usize,
     failed: usize,
+    /// Whether it was stopped before its last picture.
+    interrupted: bool,
     seconds: f64,
 }
 
@@ -41,6 +44,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     } else {
         Journal::open(&target, &settings)?
     };
+    interrupt::heed("the pictures under way are given up");
     let bar = progress_bar(args.output.quiet, pictures.len());
     let seen = Seen { bar: &bar, quiet: args.output.quiet, target: &target };
     let kept = Kept { figures: args.figures, target: &target };
@@ -59,12 +63,21 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         cells: report.count(Status::Ok),
         left_out: report.count(Status::LeftOut),
         failed: report.count(Status::Failed),
+        interrupted: report.stopped,
         seconds: start.elapsed().as_secs_f64(),
     };
     if args.output.json {
-        print::out(&json::pretty(&outcome)?);
+        print::out(&json::pretty(&outcome)?)?;
     } else {
-        print::out(&summary(&outcome));
+        print::out(&summary(&outcome))?;
+    }
+    if report.stopped {
+        let done: BTreeSet<&str> = report.rows.iter().map(|row| row.picture.as_str()).collect();
+        print::note(&format!(
+            "interrupted: {} of {} pictures are done and kept; the same command goes on with the others",
+            done.len(),
+            pictures.len()
+        ));
     }
     Ok(ExitCode::from(u8::from(outcome.failed > 0)))
 }
@@ -90,7 +103,7 @@ impl Observer<Picture> for Seen<'_> {
             self.bar.suspend(|| print::warn(&format!("{}: {}", picture.name, row.reason)));
         }
         self.bar.inc(1);
-        true
+        !interrupt::asked()
     }
 
     fn table(&self, rows: &[CellRow]) -> Result<(), Cause> {

@@ -33,10 +33,10 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
         "@software{{myospring,\n  author  = {{{{The Myospring developers}}}},\n  title   = \
          {{Myospring: from a microscope picture of a heart cell to its beat}},\n  version = \
          {{{version}}},\n  year    = {{2026}}\n}}"
-    ));
+    ))?;
     for key in keys {
         if let Some(entry) = references::entry(key) {
-            print::out(&format!("\n{entry}"));
+            print::out(&format!("\n{entry}"))?;
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -16,7 +16,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 
 /// Bad input or usage.
-const BAD_INPUT: u8 = 2;
+pub(crate) const BAD_INPUT: u8 = 2;
 
 /// A message with advice and, where there is one, the place in a file; exit code 2.
 #[derive(Debug)]

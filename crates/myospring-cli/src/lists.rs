@@ -38,20 +38,20 @@ pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode, Failure> {
         let model = cell::model(name).map_err(Failure::new)?;
         let text =
             if args.json { json::pretty(&Model::of(&*model, true))? } else { parameters(&*model) };
-        print::out(&text);
+        print::out(&text)?;
         return Ok(ExitCode::SUCCESS);
     }
     let models = cell::models();
     if args.json {
         let list: Vec<Model<'_>> = models.iter().map(|model| Model::of(&**model, false)).collect();
-        print::out(&json::pretty(&list)?);
+        print::out(&json::pretty(&list)?)?;
     } else {
         let rows: Vec<Vec<String>> = models
             .iter()
             .map(|model| vec![model.name().to_owned(), model.description().to_owned()])
             .collect();
-        print::out(&aligned(&rows, &[]));
-        print::out("\n`myospring models NAME` shows the parameters of one");
+        print::out(&aligned(&rows, &[]))?;
+        print::out("\n`myospring models NAME` shows the parameters of one")?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -78,7 +78,7 @@ fn parameters(model: &dyn CellModel) -> String {
 pub(crate) fn init(args: &InitArgs) -> Result<ExitCode, Failure> {
     let text = run_file::template();
     let Some(path) = &args.file else {
-        print::out(&text);
+        print::out(&text)?;
         return Ok(ExitCode::SUCCESS);
     };
     if path.exists() && !args.force {
@@ -91,6 +91,6 @@ pub(crate) fn init(args: &InitArgs) -> Result<ExitCode, Failure> {
 }
 
 pub(crate) fn schema() -> Result<ExitCode, Failure> {
-    print::out(&json::pretty(&run_file::schema())?);
+    print::out(&json::pretty(&run_file::schema())?)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -5,6 +5,7 @@ mod batch;
 mod cite;
 mod failure;
 mod input;
+mod interrupt;
 mod lists;
 mod mesh;
 mod options;
@@ -19,13 +20,26 @@ mod table;
 use args::{Cli, Command};
 use clap::Parser;
 use failure::Failure;
+use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    match dispatch(&cli) {
-        Ok(code) => code,
-        Err(failure) => failure.report(),
+    interrupt::large_files_are_errors();
+    let code = read_and_do().unwrap_or_else(Failure::report);
+    interrupt::end(code)
+}
+
+fn read_and_do() -> Result<ExitCode, Failure> {
+    match Cli::try_parse() {
+        Ok(cli) => dispatch(&cli),
+        // Help and version, too.
+        Err(answer) => {
+            let printed = answer.print().and_then(|()| std::io::stdout().flush());
+            if !answer.use_stderr() {
+                print::check(printed)?;
+            }
+            Ok(ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(failure::BAD_INPUT)))
+        }
     }
 }
 

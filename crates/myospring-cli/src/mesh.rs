@@ -3,6 +3,7 @@
 use crate::args::MeshArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::interrupt;
 use crate::overlay::{self, Lattice};
 use crate::print;
 use crate::results::Folder;
@@ -22,6 +23,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
         .output
         .clone()
         .unwrap_or_else(|| Path::new("results").join(format!("{name}_mesh")));
+    interrupt::heed(interrupt::WRITING);
     let folder = Folder::claim(&target, args.output.force)?;
     folder.write("mesh.json", json::pretty(&report)?)?;
     folder.write("outline.geojson", outline.to_geojson())?;
@@ -34,13 +36,13 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     }
     let target = folder.finish()?;
     if args.output.json {
-        print::out(&json::pretty(&report)?);
+        print::out(&json::pretty(&report)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let text = report.to_string();
     let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("warning")).collect();
-    print::out(&lines.join("\n"));
-    print::out(&format!("\nresults in {}", target.display()));
+    print::out(&lines.join("\n"))?;
+    print::out(&format!("\nresults in {}", target.display()))?;
     if !args.output.quiet {
         for warning in &report.warnings {
             print::warn(warning);

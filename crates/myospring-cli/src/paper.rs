@@ -3,6 +3,7 @@
 use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::interrupt;
 use crate::print;
 use crate::results::Folder;
 use crate::run::progress_bar;
@@ -38,6 +39,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         .filter_map(|(key, value)| Some((settings::find(key)?, Value::Text(value.clone()?))));
     let Input { run, shaped: Shaped { mesh, .. }, .. } = input::read(None, overrides.collect())?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
+    interrupt::heed("nothing is written");
     let folder = Folder::claim(&target, args.output.force)?;
 
     let threads = Threads::new(args.threads)?;
@@ -50,7 +52,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         Ok(simulation.build()?.run(|progress| {
             bar.inc((progress.time - before).round() as u64);
             before += (progress.time - before).round();
-            true
+            !interrupt::asked()
         }))
     };
     // Kept in the order of the tensions, whichever run ends first.
@@ -58,6 +60,9 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         threads.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
     bar.finish_and_clear();
     let outcomes = outcomes?;
+    if interrupt::asked() {
+        return Ok(ExitCode::from(1));
+    }
 
     let runs: Vec<PaperRun<'_>> = TENSIONS
         .iter()
@@ -82,10 +87,10 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let target = folder.finish()?;
 
     if args.output.json {
-        print::out(&record_text);
+        print::out(&record_text)?;
     } else {
-        print::out(&for_people(&findings));
-        print::out(&format!("\nresults in {} ({total_s:.1} s)", target.display()));
+        print::out(&for_people(&findings))?;
+        print::out(&format!("\nresults in {} ({total_s:.1} s)", target.display()))?;
     }
     for stop in &record.stopped_early {
         print::note(&format!("error: a run stopped early: {stop}"));

@@ -1,21 +1,34 @@
 //! All that the program prints goes through here.
 
+use crate::failure::Failure;
 use std::io::{self, IsTerminal, Write};
 
-/// Data, to stdout. A reader that has gone away is no error.
-pub(crate) fn out(text: &str) {
-    write(io::stdout().lock(), text);
+/// Data, to stdout. A reader that has gone away, like `head`, is no error; a full disk is one.
+pub(crate) fn out(text: &str) -> Result<(), Failure> {
+    check(write(io::stdout().lock(), text))
 }
 
 /// A message, to stderr.
 pub(crate) fn note(text: &str) {
-    write(io::stderr().lock(), text);
+    // Nobody is left to tell about a failure here.
+    write(io::stderr().lock(), text).ok();
 }
 
-fn write(mut stream: impl Write, text: &str) {
+/// Whether what went to stdout has arrived.
+pub(crate) fn check(written: io::Result<()>) -> Result<(), Failure> {
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::new(format!("cannot write to the standard output: {error}"))
+                .advise("check that the disk has room, where it goes to a file"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn write(mut stream: impl Write, text: &str) -> io::Result<()> {
     let newline = if text.ends_with('\n') { "" } else { "\n" };
-    // Nobody is left to tell about a failure here.
-    stream.write_all(format!("{text}{newline}").as_bytes()).and_then(|()| stream.flush()).ok();
+    stream.write_all(format!("{text}{newline}").as_bytes())?;
+    stream.flush()
 }
 
 /// A warning, to stderr.

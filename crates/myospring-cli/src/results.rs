@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use myospring::output::figure::{Figure, FigureError};
-use myospring::output::files;
+use myospring::output::files::{self, Draft, FileError};
 use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,43 +16,53 @@ pub(crate) type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 /// A folder under way: files go to a hidden folder until all are there.
 pub(crate) struct Folder {
     target: PathBuf,
-    work: PathBuf,
-    done: bool,
+    draft: Draft,
+    force: bool,
 }
 
 impl Folder {
-    /// Makes room for results in `target`; refuses a folder that holds anything unless `force`.
+    /// Makes room for results in `target`; refuses a folder that holds anything unless `force`, and one that
+    /// another run is writing to.
     pub(crate) fn claim(target: &Path, force: bool) -> Result<Self, Failure> {
-        let unusable = |error: &std::io::Error| {
-            Failure::new(format!("cannot write results to `{}`: {error}", target.display()))
-                .advise("choose a folder that you may write to, like --output results/mine")
-        };
-        let occupied = match fs::read_dir(target) {
-            Ok(mut entries) => entries.next().is_some(),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => false,
-            Err(error) => return Err(unusable(&error)),
-        };
-        if occupied && !force {
+        let draft = Draft::begin(target).map_err(|error| match error {
+            FileError::NoName { .. } => {
+                Failure::new(format!("`{}` names no folder", target.display()))
+                    .advise("give a folder like --output results/mine")
+            }
+            FileError::InUse { .. } => {
+                Failure::new(error).advise("--output DIR names another folder")
+            }
+            FileError::Folder { source, .. } => unusable(target, &source),
+            error => error.into(),
+        })?;
+        let folder = Self { target: target.to_owned(), draft, force };
+        if !force && folder.is_occupied().map_err(|error| unusable(target, &error))? {
             let message = format!("`{}` already holds files", target.display());
             return Err(Failure::new(message).advise(
                 "choose another folder with --output DIR, or replace results with --force",
             ));
         }
-        let Some(name) = target.file_name() else {
-            let message = format!("`{}` names no folder", target.display());
-            return Err(Failure::new(message).advise("give a folder like --output results/mine"));
+        Ok(folder)
+    }
+
+    /// Whether the folder holds anything beside what is under way.
+    fn is_occupied(&self) -> std::io::Result<bool> {
+        let entries = match fs::read_dir(&self.target) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+            entries => entries?,
         };
-        let part = format!(".{}.{}.part", name.to_string_lossy(), std::process::id());
-        // Beside a folder that is yet to be made; in one that is there, which may be a disk of its own.
-        let work = if target.is_dir() { target.join(part) } else { target.with_file_name(part) };
-        fs::create_dir_all(&work).map_err(|error| unusable(&error))?;
-        Ok(Self { target: target.to_owned(), work, done: false })
+        for entry in entries {
+            if !self.draft.is(&entry?.path()) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Writes one file.
     pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), Failure> {
         debug_assert!(is_ours(name), "{name} is not in the list of what runs write");
-        let path = self.work.join(name);
+        let path = self.draft.folder().join(name);
         if let Some(parent) = path.parent() {
             files::create_folder(parent)?;
         }
@@ -78,22 +88,38 @@ impl Folder {
         }
     }
 
-    /// Gives the folder its name. Earlier results there go, all of them; what no run writes stays.
-    pub(crate) fn finish(mut self) -> Result<PathBuf, Failure> {
-        let failed = |error: &std::io::Error| {
-            Failure::new(format!("cannot write results to `{}`: {error}", self.target.display()))
+    /// Gives the folder its name. Earlier results there go, all of them; what no run writes stays. Where somebody
+    /// else has put files there since it was claimed, the results get a name beside it.
+    pub(crate) fn finish(self) -> Result<PathBuf, Failure> {
+        let target = &self.target;
+        let failed = |error: std::io::Error| {
+            Failure::new(format!("cannot write results to `{}`: {error}", target.display()))
         };
-        let outcome = if self.target.exists() {
-            remove_ours(&self.target, "")
-                .and_then(|()| merge(&self.work, &self.target))
-                .and_then(|()| fs::remove_dir_all(&self.work))
-        } else {
-            fs::rename(&self.work, &self.target)
-        };
-        outcome.map_err(|error| failed(&error))?;
-        self.done = true;
-        Ok(self.target.clone())
+        let work = self.draft.folder();
+        if !target.exists() {
+            fs::rename(&work, target).map_err(failed)?;
+            return Ok(target.clone());
+        }
+        if !self.force && self.is_occupied().map_err(failed)? {
+            let name = target.file_name().unwrap_or_default().to_string_lossy();
+            let beside = |number: u32| target.with_file_name(format!("{name}_{number}"));
+            let free = (2..10_000).map(beside).find(|path| !path.exists()).unwrap_or(beside(2));
+            fs::rename(&work, &free).map_err(failed)?;
+            crate::print::warn(&format!(
+                "`{}` has got files in the meantime, which stay; the results are in `{}`",
+                target.display(),
+                free.display()
+            ));
+            return Ok(free);
+        }
+        remove_ours(target, "").and_then(|()| merge(&work, target)).map_err(failed)?;
+        Ok(target.clone())
     }
+}
+
+fn unusable(target: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(format!("cannot write results to `{}`: {error}", target.display()))
+        .advise("choose a folder that you may write to, like --output results/mine")
 }
 
 /// Removes the files that runs write from a folder; `within` is its place in the results.
@@ -158,13 +184,4 @@ fn is_ours(name: &str) -> bool {
     FILES.contains(&name)
         || name.starts_with("traces_") && name.ends_with("_kPa.csv")
         || figure.is_some_and(|name| FIGURES.contains(&name))
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        if !self.done {
-            // Nothing half-written stays; a failure here leaves a folder named `.part`.
-            fs::remove_dir_all(&self.work).ok();
-        }
-    }
 }

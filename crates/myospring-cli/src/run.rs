@@ -3,6 +3,7 @@
 use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::interrupt;
 use crate::overlay::{self, Lattice};
 use crate::print;
 use crate::results::Folder;
@@ -113,6 +114,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         plan(args, &run, &simulation, &prepared, &report, &target)?;
         return Ok(ExitCode::SUCCESS);
     }
+    interrupt::heed("the run ends here, and what it has computed is written");
     let folder = Folder::claim(&target, args.output.force)?;
 
     let outcome = beat(&prepared, quiet, &mut timings);
@@ -158,11 +160,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         let stop = Stop::of(&outcome);
         let numbers = Numbers { summary: &summary, integration: outcome.effort };
         let printed = Printed { results: &target, stop, timings, numbers };
-        print::out(&json::pretty(&printed)?);
+        print::out(&json::pretty(&printed)?)?;
     } else {
-        print::out(&for_people(&name, &run, &summary));
-        print::out(&in_words(&outcome.effort));
-        print::out(&format!("\nresults in {} ({:.2} s)", target.display(), timings.total_s));
+        print::out(&for_people(&name, &run, &summary))?;
+        print::out(&in_words(&outcome.effort))?;
+        print::out(&format!("\nresults in {} ({:.2} s)", target.display(), timings.total_s))?;
     }
     if let Some(stop) = &outcome.stop {
         print::note(&format!("error: the run stopped early: {stop}"));
@@ -208,7 +210,7 @@ impl Observer for Watch<'_> {
     fn sample(&mut self, Progress { time, duration }: Progress) -> bool {
         self.bar.set_length(duration as u64);
         self.bar.set_position(time as u64);
-        true
+        !interrupt::asked()
     }
 
     fn begins(&mut self, part: Part) {
@@ -415,7 +417,7 @@ fn plan(
         mesh: report,
     };
     if args.output.json {
-        print::out(&json::pretty(&plan)?);
+        print::out(&json::pretty(&plan)?)?;
         return Ok(());
     }
     let mut rows = vec![
@@ -460,7 +462,7 @@ fn plan(
     // Warnings have gone to stderr.
     let mesh = report.to_string();
     let mesh: Vec<&str> = mesh.lines().filter(|line| !line.starts_with("warning")).collect();
-    print::out(&format!("Mesh\n{}\n\nPlan\n{}", mesh.join("\n"), aligned(&rows, &[])));
-    print::out("nothing was written (--dry-run)");
+    print::out(&format!("Mesh\n{}\n\nPlan\n{}", mesh.join("\n"), aligned(&rows, &[])))?;
+    print::out("nothing was written (--dry-run)")?;
     Ok(())
 }

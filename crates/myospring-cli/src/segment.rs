@@ -4,7 +4,7 @@ use crate::args::SegmentArgs;
 use crate::failure::Failure;
 use crate::overlay::{self, Lattice};
 use crate::results::Folder;
-use crate::{input, print};
+use crate::{input, interrupt, print};
 use myospring::mesh::Mesh;
 use myospring::mesh::quality::MeshReport;
 use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
@@ -94,10 +94,10 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     let figure = draw(&report, &run, &cells, &chosen, &notes)?;
     let written = write(args, &name, &cells, &chosen, &report, &figure)?;
     if args.json {
-        print::out(&json::pretty(&report)?);
+        print::out(&json::pretty(&report)?)?;
     } else {
-        print::out(&for_people(&report));
-        print::out(&format!("\nwritten: {}", written.join(", ")));
+        print::out(&for_people(&report))?;
+        print::out(&format!("\nwritten: {}", written.join(", ")))?;
     }
     if !args.quiet {
         for note in &notes {
@@ -202,6 +202,7 @@ fn write(
     report: &Report<'_>,
     figure: &Figure,
 ) -> Result<Vec<String>, Failure> {
+    interrupt::heed(interrupt::WRITING);
     let frame = cells.frame().map_err(Failure::new)?;
     let named: Vec<NamedOutline> = chosen
         .iter()

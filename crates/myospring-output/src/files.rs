@@ -1,48 +1,16 @@
 //! Whole files or none: the only place of the library that writes to the disk, beside the journal of a study.
 
-use std::fs::{self, File};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+mod draft;
+mod error;
+mod hold;
 
-/// Why a file was not written.
-#[derive(Debug, thiserror::Error)]
-pub enum FileError {
-    /// The path ends in no file name.
-    #[error(
-        "`{path}` names no file; give a path that ends in a file name, like results/traces.csv"
-    )]
-    NoName {
-        /// The path that was given.
-        path: PathBuf,
-    },
-    /// The folder could not be made.
-    #[error("cannot make the folder `{path}`: {source}; choose a folder that you may write to")]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The bytes could not be written next to the file.
-    #[error(
-        "cannot write `{path}`: {source}; check that its folder exists, that you may write to it \
-         and that the disk has room"
-    )]
-    Write {
-        /// The file that was asked for.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The finished file could not take its name.
-    #[error("cannot replace `{path}`: {source}; close programs that hold it open")]
-    Rename {
-        /// The file that was asked for.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-}
+pub use draft::Draft;
+pub use error::FileError;
+pub use hold::{Hold, hold};
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
 
 /// Makes a folder with all above it; one that exists is fine.
 ///
@@ -55,7 +23,7 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
 /// Writes a file so that a reader sees the old one or the new one, never a part.
 ///
 /// The bytes go to `<name>.part` in the same folder, which then takes the file's name. After an
-/// error the file is as it was before.
+/// error the file is as it was before; a part that a killed process has left is written anew.
 ///
 /// # Errors
 /// When the system refuses; the error names the file.
@@ -75,8 +43,17 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
     let mut part_name = name.to_owned();
     part_name.push(".part");
     let part = path.with_file_name(part_name);
-    let outcome = write_through(&part, contents.as_ref())
-        .map_err(|source| FileError::Write { path: path.to_owned(), source })
+    let failed = |source| FileError::Write { path: path.to_owned(), source };
+    // Held until it has its name, so that nobody else writes into it or takes it for a leftover.
+    let mut file = match hold(&part).map_err(failed)? {
+        Hold::Ours(file) | Hold::Unknown(file) => file,
+        Hold::Others => return Err(FileError::InUse { path: path.to_owned() }),
+    };
+    let outcome = file
+        .set_len(0)
+        .and_then(|()| file.write_all(contents.as_ref()))
+        .and_then(|()| file.sync_all())
+        .map_err(failed)
         .and_then(|()| {
             fs::rename(&part, path)
                 .map_err(|source| FileError::Rename { path: path.to_owned(), source })
@@ -86,12 +63,6 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
         fs::remove_file(&part).ok();
     }
     outcome
-}
-
-fn write_through(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
 }
 
 #[cfg(test)]
@@ -106,6 +77,20 @@ mod tests {
         write(&path, "new").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_part_that_was_left_is_written_anew_and_one_that_is_held_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, part) = (folder.path().join("a.svg"), folder.path().join("a.svg.part"));
+        fs::write(&part, "half of a file that was longer").unwrap();
+        let held = hold(&part).unwrap();
+        let error = write(&path, "new").unwrap_err();
+        assert!(matches!(error, FileError::InUse { .. }) && part.exists(), "{error}");
+        drop(held);
+        write(&path, "new").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+        assert!(!part.exists());
     }
 
     #[test]

@@ -69,7 +69,7 @@ pub mod pictures;
 mod runner;
 mod threads;
 
-pub use error::{Cause, StudyError};
+pub use error::{Cause, Interrupted, StudyError};
 pub use hash::sha256;
 pub use journal::Journal;
 pub use member::{Member, Row, Status};

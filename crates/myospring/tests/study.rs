@@ -11,7 +11,8 @@ use myospring::run_file::Reader;
 use myospring::study::cells::{self, BeatRow, PacedCell};
 use myospring::study::pictures::{self, CellRow, Picture, Which};
 use myospring::study::{
-    self, Cause, Journal, Member, Observer, Report, Row, Status, StudyError, Threads, sha256,
+    self, Cause, Interrupted, Journal, Member, Observer, Report, Row, Status, StudyError, Threads,
+    sha256,
 };
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
@@ -134,6 +135,7 @@ fn a_study_that_was_interrupted_goes_on_and_gives_the_same_rows() {
     assert_eq!((rest.resumed, rest.stopped), (2, false));
     assert_eq!(seen.seen.into_inner(), 6);
     assert_eq!(rest.rows, whole.rows);
+    drop(journal);
     let lines = std::fs::read_to_string(&path).unwrap();
     assert!(lines.lines().count() == 8 && lines.starts_with("{\"number\":\"n0\",\"sha256\":\""));
 }
@@ -168,6 +170,47 @@ fn results_of_other_settings_are_kept_unless_it_begins_anew() {
     let is_there = |name| folder.path().join(name).exists();
     assert!(!is_there("drawings") && is_there("notes.txt"));
     assert!(matches!(open("a = 1"), Err(StudyError::OtherSettings { .. })));
+}
+
+#[test]
+fn a_member_that_is_interrupted_is_not_done_and_ends_the_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let numbers = numbers(4);
+    let open = || Journal::open(folder.path(), "").unwrap();
+    let report = study::run(&numbers, &open(), &threads(1), &(), |number| {
+        if number.name == "n1" { Err(Interrupted.into()) } else { square(number) }
+    });
+    let report = report.unwrap();
+    assert!(report.stopped && report.rows.len() == 1, "{report:?}");
+    let rest = squares(&numbers, &open(), &());
+    assert_eq!((rest.resumed, rest.stopped, rest.rows.len()), (1, false, 4));
+}
+
+#[test]
+fn a_second_study_in_one_folder_is_refused_while_the_first_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let numbers = numbers(3);
+    let first = Journal::open(folder.path(), "").unwrap();
+    for second in [
+        Journal::<Number>::open(folder.path(), ""),
+        Journal::<Number>::begin_anew(folder.path(), "", &["drawings"]),
+    ] {
+        let refused = second.err().unwrap().to_string();
+        assert!(refused.contains("another run is writing to"), "{refused}");
+    }
+    assert_eq!(squares(&numbers, &first, &()).rows.len(), 3);
+    drop(first);
+    assert_eq!(squares(&numbers, &Journal::open(folder.path(), "").unwrap(), &()).resumed, 3);
+}
+
+#[test]
+fn a_study_that_died_before_its_settings_were_written_begins_again() {
+    let folder = tempfile::tempdir().unwrap();
+    for left in ["progress.jsonl", "settings.toml.part"] {
+        std::fs::write(folder.path().join(left), "").unwrap();
+    }
+    assert_eq!(squares(&numbers(2), &Journal::open(folder.path(), "").unwrap(), &()).rows.len(), 2);
+    assert!(!folder.path().join("settings.toml.part").exists());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
 use crate::results::Folder;
-use crate::{overlay, run};
+use crate::{interrupt, overlay, run};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files;
 use myospring::study::Cause;
@@ -52,6 +52,10 @@ impl Keeper for Kept<'_> {
         run::write(&folder, run, simulation, finished, summary, &run.stimulus_times())?;
         folder.finish()?;
         Ok(())
+    }
+
+    fn goes_on(&self) -> bool {
+        !interrupt::asked()
     }
 }
 

@@ -1,11 +1,11 @@
 //! What is done, line by line, so that an interrupted study goes on where it was.
 
 use super::{Member, StudyError};
-use crate::output::files;
+use crate::output::files::{self, FileError, Hold, hold};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::fs::{self, DirEntry, File};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -24,7 +24,8 @@ struct Entry<R> {
 }
 
 /// The journal of a study: `progress.jsonl`, a line for each member that is done, beside `settings.toml`, all
-/// that they have in common. A study goes on only with the same settings to the letter.
+/// that they have in common. A study goes on only with the same settings to the letter. While it goes on, the
+/// journal is locked: a second study in its folder is refused.
 pub struct Journal<M: Member> {
     state: Mutex<State<M::Row>>,
 }
@@ -45,53 +46,74 @@ impl<M: Member> Journal<M> {
     /// `settings` is what the rows depend on beside the members' input, as text.
     ///
     /// # Errors
-    /// A folder that holds results of other settings, or anything else, or cannot be written to.
+    /// A folder that holds results of other settings, or anything else, that another study is writing to, or that
+    /// cannot be written to.
     pub fn open(folder: &Path, settings: &str) -> Result<Self, StudyError> {
         files::create_folder(folder)?;
-        let before = fs::read_to_string(folder.join(SETTINGS)).ok();
-        if before.as_deref() == Some(settings) {
-            let path = folder.join(FILE);
-            let entries = entries::<M>(&path).map_err(|source| unwritten(&path, source))?;
-            return Self::write(folder, settings, entries);
-        }
-        let occupied =
-            fs::read_dir(folder).map_err(|source| unwritten(folder, source))?.next().is_some();
-        let folder_path = folder.to_owned();
-        match (before, occupied) {
-            (Some(_), _) => Err(StudyError::OtherSettings { folder: folder_path }),
-            (None, true) => Err(StudyError::Occupied { folder: folder_path }),
-            (None, false) => Self::write(folder, settings, BTreeMap::new()),
-        }
+        Self::belongs(folder, settings)?;
+        let (path, mut file) = Self::hold(folder)?;
+        // Another study may have begun there in between.
+        Self::belongs(folder, settings)?;
+        let failed = |source| unwritten(&path, source);
+        let known = known::<M>(&mut file).map_err(failed)?;
+        files::write(&folder.join(SETTINGS), settings)?;
+        Ok(Self::of(path, file, known))
     }
 
     /// Begins a journal in a folder, whatever it holds; of an earlier study there its journal and the files
     /// and folders named by `results` are removed.
     ///
     /// # Errors
-    /// A folder that cannot be written to.
+    /// A folder that another study is writing to, or that cannot be written to.
     pub fn begin_anew(folder: &Path, settings: &str, results: &[&str]) -> Result<Self, StudyError> {
         files::create_folder(folder)?;
+        let (path, file) = Self::hold(folder)?;
         if folder.join(SETTINGS).exists() {
             for name in results {
                 let path = folder.join(name);
                 remove(&path).map_err(|source| unwritten(&path, source))?;
             }
         }
-        Self::write(folder, settings, BTreeMap::new())
+        file.set_len(0).map_err(|source| unwritten(&path, source))?;
+        files::write(&folder.join(SETTINGS), settings)?;
+        Ok(Self::of(path, file, BTreeMap::new()))
     }
 
-    /// Writes what is known, which also drops a line that was cut off, and stays open for more.
-    fn write(
-        folder: &Path,
-        settings: &str,
-        entries: BTreeMap<String, Entry<M::Row>>,
-    ) -> Result<Self, StudyError> {
-        files::write(&folder.join(SETTINGS), settings)?;
+    fn of(path: PathBuf, file: File, entries: BTreeMap<String, Entry<M::Row>>) -> Self {
+        Self { state: Mutex::new(State { file: Some((path, file)), entries }) }
+    }
+
+    /// Whether a study of these settings may go on or begin in a folder.
+    fn belongs(folder: &Path, settings: &str) -> Result<(), StudyError> {
+        let folder_path = || folder.to_owned();
+        match fs::read_to_string(folder.join(SETTINGS)).ok() {
+            Some(before) if before == settings => Ok(()),
+            Some(_) => Err(StudyError::OtherSettings { folder: folder_path() }),
+            None => {
+                // A study that was about to begin has left its journal, with nothing in it.
+                let begun = |entry: &DirEntry| {
+                    let (name, length) = (entry.file_name(), entry.metadata().map(|of| of.len()));
+                    name == FILE && length.is_ok_and(|length| length == 0)
+                        || name.to_string_lossy().strip_suffix(".part") == Some(SETTINGS)
+                };
+                let mut entries =
+                    fs::read_dir(folder).map_err(|source| unwritten(folder, source))?.flatten();
+                if entries.any(|entry| !begun(&entry)) {
+                    return Err(StudyError::Occupied { folder: folder_path() });
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The journal's file, which no other study may write to as long as it is open.
+    fn hold(folder: &Path) -> Result<(PathBuf, File), StudyError> {
         let path = folder.join(FILE);
-        files::write(&path, lines(entries.values())?)?;
-        let file = OpenOptions::new().append(true).open(&path);
-        let file = file.map_err(|source| unwritten(&path, source))?;
-        Ok(Self { state: Mutex::new(State { file: Some((path, file)), entries }) })
+        match hold(&path) {
+            Ok(Hold::Ours(file) | Hold::Unknown(file)) => Ok((path, file)),
+            Ok(Hold::Others) => Err(FileError::InUse { path: folder.to_owned() }.into()),
+            Err(source) => Err(unwritten(&path, source)),
+        }
     }
 
     fn state(&self) -> MutexGuard<'_, State<M::Row>> {
@@ -126,8 +148,7 @@ impl<M: Member> Journal<M> {
         let lines = lines(&entries)?;
         let mut state = self.state();
         if let Some((path, file)) = &mut state.file {
-            let written = file.write_all(lines.as_bytes()).and_then(|()| file.sync_data());
-            written.map_err(|source| unwritten(path, source))?;
+            append(file, lines.as_bytes()).map_err(|source| unwritten(path, source))?;
         }
         state.entries.extend(entries.into_iter().filter_map(named::<M>));
         Ok(())
@@ -166,13 +187,27 @@ fn lines<'a, R: Serialize + 'a>(
     Ok(lines)
 }
 
-/// The entries of a journal; the last line may have been cut off.
-fn entries<M: Member>(path: &Path) -> io::Result<BTreeMap<String, Entry<M::Row>>> {
-    let text = match fs::read_to_string(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
-        text => text?,
-    };
-    let entries = text.lines().filter_map(|line| serde_json::from_str(line).ok());
+/// Adds whole lines at the end of a journal, or nothing.
+fn append(file: &mut File, lines: &[u8]) -> io::Result<()> {
+    let end = file.seek(SeekFrom::End(0))?;
+    let written = file.write_all(lines).and_then(|()| file.sync_data());
+    if written.is_err() {
+        // A part of a line that stays is cut off by the next study.
+        file.set_len(end).ok();
+    }
+    written
+}
+
+/// The entries of a journal, of several of one name the last; a last line that was cut off is removed.
+fn known<M: Member>(file: &mut File) -> io::Result<BTreeMap<String, Entry<M::Row>>> {
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    if whole < bytes.len() {
+        file.set_len(whole as u64)?;
+    }
+    let lines = bytes[..whole].split(|byte| *byte == b'\n');
+    let entries = lines.filter_map(|line| serde_json::from_slice(line).ok());
     Ok(entries.filter_map(named::<M>).collect())
 }
 

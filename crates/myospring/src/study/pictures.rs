@@ -4,12 +4,12 @@ mod row;
 
 pub use row::CellRow;
 
-use super::{Cause, Member, Row as _, Status, sha256};
+use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::report::Summary;
 use crate::settings::{Made, PictureSource, Run, ShapeError, Source};
-use crate::simulation::{Outcome, Progress, Simulation};
+use crate::simulation::{Outcome, Progress, Simulation, StopReason};
 use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -86,6 +86,11 @@ pub trait Keeper: Sync {
     fn beaten(&self, _beaten: &Beaten<'_>) -> Result<(), Cause> {
         Ok(())
     }
+
+    /// Asked often while a cell beats; `false` leaves the picture undone, with [`Interrupted`].
+    fn goes_on(&self) -> bool {
+        true
+    }
 }
 
 impl Keeper for () {}
@@ -95,8 +100,8 @@ impl Keeper for () {}
 /// Each beat is moved by as many threads as the run says, one unless told otherwise.
 ///
 /// # Errors
-/// A run without a picture, a picture that cannot be read or shows no cell, or what `keeper` says. What is
-/// wrong with one of several cells is a row.
+/// A run without a picture, a picture that cannot be read or shows no cell, or what `keeper` says; [`Interrupted`]
+/// where it ends the beats. What is wrong with one of several cells is a row.
 pub fn rows(
     picture: &str,
     run: &Run,
@@ -113,6 +118,9 @@ pub fn rows(
     let (chosen, mut rows) = chosen(source, &cells, which, picture)?;
     let reason = |cell: &PictureCell| left_out(cell, which, source.allow_cut);
     let to_beat: Vec<&PictureCell> = chosen.iter().filter(|cell| reason(cell).is_none()).collect();
+    if !keeper.goes_on() {
+        return Err(Interrupted.into());
+    }
     keeper.found(picture, &cells, &to_beat)?;
     for cell in chosen {
         let mut row = CellRow::of(picture, &cells, &cell);
@@ -120,6 +128,9 @@ pub fn rows(
         if let Some(reason) = reason(&cell) {
             row.is_not_ok(Status::LeftOut, reason);
         } else if let Err(cause) = beat(run, &cells, cell, &mut row, keeper) {
+            if cause.is::<Interrupted>() {
+                return Err(cause);
+            }
             row.is_not_ok(Status::Failed, cause.to_string());
         }
         rows.push(row);
@@ -201,7 +212,10 @@ fn beat(
         row.number("fibre_order", fibres.alignment);
     }
     let prepared = simulation.build()?;
-    let finished = prepared.run(|Progress { .. }| true);
+    let finished = prepared.run(|Progress { .. }| keeper.goes_on());
+    if matches!(finished.stop, Some(StopReason::Interrupted { .. })) {
+        return Err(Interrupted.into());
+    }
     let mut warnings = run.warnings(&report);
     warnings.extend(prepared.warnings());
     row.warnings = warnings.join("; ");

@@ -1,6 +1,8 @@
 //! The loop over the members of a study.
 
-use super::{Cause, Journal, Member, Observer, Row, Status, StudyError, TABLE_EVERY, Threads};
+use super::{
+    Cause, Interrupted, Journal, Member, Observer, Row, Status, StudyError, TABLE_EVERY, Threads,
+};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
@@ -28,7 +30,8 @@ impl<R: Row> Report<R> {
 
 /// Works on every member that the journal does not have; `work` gives the rows of one, at least one.
 ///
-/// What `work` says of a failure becomes the member's row. If it panics, the row asks for a report.
+/// What `work` says of a failure becomes the member's row; if that is [`Interrupted`], there is no row and the study
+/// ends. If it panics, the row asks for a report.
 ///
 /// # Errors
 /// Two members of one name, a journal that cannot be written, or what the observer says.
@@ -65,10 +68,16 @@ pub fn run_together<M: Member>(
     let last_table = Mutex::new(Instant::now());
     let group = |group: &[&M]| {
         let keys: Vec<Option<String>> = group.iter().map(|member| member.key()).collect();
-        let rows = guarded(group, &work);
-        journal.add(group.iter().zip(keys).zip(&rows).map(|((m, key), r)| (*m, key, r.clone())))?;
-        let mut goes_on = true;
-        for (member, rows) in group.iter().zip(&rows) {
+        let answers = guarded(group, &work);
+        let mut goes_on = answers.iter().all(Option::is_some);
+        let done: Vec<_> = group
+            .iter()
+            .zip(keys)
+            .zip(answers)
+            .filter_map(|((member, key), rows)| Some((*member, key, rows?)))
+            .collect();
+        journal.add(done.iter().cloned())?;
+        for (member, _, rows) in &done {
             goes_on &= observer.finished(member, rows);
         }
         let mut last = last_table.lock().unwrap_or_else(PoisonError::into_inner);
@@ -101,11 +110,12 @@ impl From<StudyError> for End {
     }
 }
 
-/// The rows of each member of a group, at least one; whatever goes wrong is a row.
+/// The rows of each member of a group, at least one, or `None` of one that was interrupted; whatever goes wrong is
+/// a row.
 fn guarded<M: Member>(
     group: &[&M],
     work: &(impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync),
-) -> Vec<Vec<M::Row>> {
+) -> Vec<Option<Vec<M::Row>>> {
     // A fault of ours in one member must not cost the others.
     let answers = catch_unwind(AssertUnwindSafe(|| work(group)));
     if answers.is_err() && group.len() > 1 {
@@ -113,11 +123,12 @@ fn guarded<M: Member>(
     }
     let mut answers = answers.unwrap_or_default().into_iter();
     let rows = |member: &&M| match answers.next() {
-        Some(Ok(rows)) if !rows.is_empty() => rows,
-        Some(Err(cause)) => vec![M::Row::failed(member.name(), cause.to_string())],
+        Some(Ok(rows)) if !rows.is_empty() => Some(rows),
+        Some(Err(cause)) if cause.is::<Interrupted>() => None,
+        Some(Err(cause)) => Some(vec![M::Row::failed(member.name(), cause.to_string())]),
         _ => {
             let reason = "the program made a mistake; please report it with this";
-            vec![M::Row::failed(member.name(), format!("{reason} {}", M::KIND))]
+            Some(vec![M::Row::failed(member.name(), format!("{reason} {}", M::KIND))])
         }
     };
     group.iter().map(rows).collect()

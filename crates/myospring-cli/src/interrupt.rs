@@ -1,0 +1,84 @@
+//! Ctrl-C and its like. Until there is something to lose they end the program as they end any other; from then
+//! on the first asks it to end in good order, and the second ends it at once.
+
+use crate::print;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::io;
+use std::process::ExitCode;
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// Which signal came, 0 as long as none did.
+static ASKED: AtomicUsize = AtomicUsize::new(0);
+/// Whether the next one ends the program.
+static AGAIN: AtomicBool = AtomicBool::new(false);
+
+/// What is done where writing has begun.
+pub(crate) const WRITING: &str = "what was begun is still written";
+
+/// How soon people hear that they were heard.
+const SOON: Duration = Duration::from_millis(50);
+
+/// From now on a signal asks for an end in good order; `doing` says what that is, once it is asked for.
+pub(crate) fn heed(doing: &'static str) {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // Without it, a signal ends the program as it does any other, and the next run clears what was left.
+        if [SIGINT, SIGTERM].into_iter().try_for_each(register).is_ok() {
+            thread::spawn(move || {
+                while !asked() {
+                    thread::sleep(SOON);
+                }
+                print::note(&format!("interrupted: {doing} (again ends at once)"));
+            });
+        }
+    });
+}
+
+fn register(signal: i32) -> io::Result<()> {
+    // The order matters: the first signal arms what only the second one meets.
+    #[cfg(unix)]
+    flag::register_conditional_default(signal, &AGAIN)?;
+    #[cfg(not(unix))]
+    flag::register_conditional_shutdown(signal, i32::from(code(signal as usize)), &AGAIN)?;
+    flag::register(signal, &AGAIN)?;
+    flag::register_usize(signal, &ASKED, signal as usize)?;
+    Ok(())
+}
+
+/// Whether the program is to end.
+pub(crate) fn asked() -> bool {
+    ASKED.load(Ordering::SeqCst) != 0
+}
+
+/// Ends the program: of the signal, if one came, so that a shell's loop over many runs ends as well.
+pub(crate) fn end(code_otherwise: ExitCode) -> ExitCode {
+    match ASKED.load(Ordering::SeqCst) {
+        0 => code_otherwise,
+        signal => {
+            #[cfg(unix)]
+            if let Ok(signal) = i32::try_from(signal) {
+                signal_hook::low_level::emulate_default_handler(signal).ok();
+            }
+            ExitCode::from(code(signal))
+        }
+    }
+}
+
+/// What a shell makes of a program that died of a signal: 130 for Ctrl-C, 143 for SIGTERM.
+fn code(signal: usize) -> u8 {
+    128_u8.saturating_add(signal as u8)
+}
+
+/// Makes a file that outgrows the limit of the shell (`ulimit -f`) an error of its writing, where the system would
+/// end the program without a word.
+pub(crate) fn large_files_are_errors() {
+    #[cfg(unix)]
+    {
+        static SEEN: AtomicBool = AtomicBool::new(false);
+        flag::register(signal_hook::consts::SIGXFSZ, &SEEN).ok();
+    }
+}

@@ -1,0 +1,186 @@
+//! A folder under way.
+
+use super::error::FileError;
+use super::hold::{Hold, hold, try_hold};
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The file that a live process holds in its hidden folder; the name says whose folder it is.
+const LOCK: &str = "myospring.lock";
+/// Where the files stand in it.
+const FILES: &str = "files";
+/// Often enough that a folder which others clear at the same moment is made again.
+const TRIES: usize = 10;
+
+/// A hidden folder, `.NAME.part`, for what will stand in a folder of that name: beside it where it is yet to be
+/// made, in it where it is there, since it may be a disk of its own.
+///
+/// One process at a time may have it. Dropping it removes it; what a process that was killed has left there is
+/// removed when the next one begins in the same place.
+#[derive(Debug)]
+pub struct Draft {
+    folder: PathBuf,
+    /// Held as long as the draft lasts.
+    lock: Option<File>,
+}
+
+impl Draft {
+    /// Begins what will be the folder `target`.
+    ///
+    /// # Errors
+    /// [`FileError::InUse`] where another process is at it; a path that names no folder; a place that cannot be
+    /// written to.
+    pub fn begin(target: &Path) -> Result<Self, FileError> {
+        let Some(name) = target.file_name() else {
+            return Err(FileError::NoName { path: target.to_owned() });
+        };
+        let part = format!(".{}.part", name.to_string_lossy());
+        let folder = if target.is_dir() { target.join(part) } else { target.with_file_name(part) };
+        let failed = |source| FileError::Folder { path: target.to_owned(), source };
+        let in_use = || FileError::InUse { path: target.to_owned() };
+        let lock = Self::lock(&folder, failed)?.ok_or_else(in_use)?;
+        let files = folder.join(FILES);
+        match lock {
+            Hold::Ours(lock) => {
+                let draft = Self { folder, lock: Some(lock) };
+                // Of a process that is no more.
+                remove_folder(&files).map_err(failed)?;
+                fs::create_dir(&files).map_err(failed)?;
+                draft.clear_leftovers();
+                Ok(draft)
+            }
+            // On a disk without locks, what is there may be of a process that lives.
+            Hold::Unknown(_) => match fs::create_dir(&files) {
+                Ok(()) => Ok(Self { folder, lock: None }),
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(in_use()),
+                Err(error) => Err(failed(error)),
+            },
+            Hold::Others => Err(in_use()),
+        }
+    }
+
+    /// The lock of a hidden folder, which is made; `None` where others take it away again and again.
+    fn lock(
+        folder: &Path,
+        failed: impl Fn(io::Error) -> FileError,
+    ) -> Result<Option<Hold>, FileError> {
+        for _ in 0..TRIES {
+            fs::create_dir_all(folder).map_err(&failed)?;
+            match hold(&folder.join(LOCK)) {
+                Ok(held) => return Ok(Some(held)),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => return Err(failed(error)),
+            }
+        }
+        Ok(None)
+    }
+
+    /// Where its files go.
+    pub fn folder(&self) -> PathBuf {
+        self.folder.join(FILES)
+    }
+
+    /// Whether this is the hidden folder itself, which no user has put there.
+    pub fn is(&self, path: &Path) -> bool {
+        path == self.folder
+    }
+
+    /// Removes the hidden folders beside this one that no live process holds.
+    fn clear_leftovers(&self) {
+        let Some(entries) = self.folder.parent().and_then(|place| fs::read_dir(place).ok()) else {
+            return;
+        };
+        for entry in entries.flatten() {
+            let (name, path) = (entry.file_name(), entry.path());
+            let name = name.to_string_lossy();
+            if name.starts_with('.') && name.ends_with(".part") && !self.is(&path) {
+                // A leftover that cannot be removed disturbs nobody.
+                if let Ok(Hold::Ours(lock)) = try_hold(&path.join(LOCK), false) {
+                    drop(Self { folder: path, lock: Some(lock) });
+                }
+            }
+        }
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        // What cannot be removed here is cleared by the next process. The lock goes last and while it is
+        // held, so that whoever comes now makes a new one.
+        remove_folder(&self.folder.join(FILES)).ok();
+        fs::remove_file(self.folder.join(LOCK)).ok();
+        fs::remove_dir(&self.folder).ok();
+        self.lock = None;
+    }
+}
+
+/// Removes a folder with all in it, if it is there.
+fn remove_folder(path: &Path) -> io::Result<()> {
+    fs::remove_dir_all(path).or_else(|error| match error.kind() {
+        io::ErrorKind::NotFound => Ok(()),
+        _ => Err(error),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_folder_is_drafted_by_one_at_a_time_and_nothing_is_left() {
+        let place = tempfile::tempdir().unwrap();
+        let target = place.path().join("beat");
+        let first = Draft::begin(&target).unwrap();
+        fs::write(first.folder().join("traces.csv"), "t_ms\n").unwrap();
+        let error = Draft::begin(&target).unwrap_err();
+        assert!(matches!(error, FileError::InUse { .. }), "{error}");
+        assert!(first.folder().join("traces.csv").exists(), "the first keeps its files");
+        let other = Draft::begin(&place.path().join("other")).unwrap();
+        assert!(first.folder().exists(), "it is held, so it is no leftover");
+        drop((first, other));
+        assert_eq!(names(place.path()), [""; 0]);
+        Draft::begin(&target).unwrap();
+    }
+
+    #[test]
+    fn what_a_killed_process_has_left_is_cleared_and_what_is_not_ours_stays() {
+        let place = tempfile::tempdir().unwrap();
+        // Its own and that of another name: nobody holds their locks.
+        for name in [".beat.part", ".old.part"] {
+            fs::create_dir_all(place.path().join(name).join(FILES)).unwrap();
+            fs::write(place.path().join(name).join(LOCK), "").unwrap();
+            fs::write(place.path().join(name).join(FILES).join("traces.csv"), "t_").unwrap();
+        }
+        fs::create_dir(place.path().join(".mine.part")).unwrap();
+        let draft = Draft::begin(&place.path().join("beat")).unwrap();
+        assert_eq!(names(&draft.folder()), [""; 0]);
+        drop(draft);
+        assert_eq!(names(place.path()), [".mine.part"]);
+    }
+
+    #[test]
+    fn many_at_once_in_one_place_each_have_their_own() {
+        let place = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for thread in 0..4 {
+                let place = place.path();
+                scope.spawn(move || {
+                    for turn in 0..25 {
+                        let target = place.join(format!("cell_{thread}"));
+                        let draft = Draft::begin(&target).unwrap();
+                        let file = draft.folder().join("traces.csv");
+                        fs::write(&file, format!("{turn}")).unwrap();
+                        assert_eq!(fs::read_to_string(&file).unwrap(), format!("{turn}"));
+                    }
+                });
+            }
+        });
+        assert_eq!(names(place.path()), [""; 0]);
+    }
+}
