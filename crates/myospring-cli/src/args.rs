@@ -179,16 +179,25 @@ pub(crate) struct SegmentArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     myospring batch pictures --pixel-size \"0.27 um\" --output beats\n  \
-    myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n\n\
-    Results: cells.csv, one row a cell, failed pictures with their reason; cells.parquet, the same; overlays/;\n\
-    with --figures a folder for each cell. Interrupted (Ctrl-C), the same command goes on where it was.\n\
+    myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n  \
+    myospring batch --table pictures.csv              each picture with its own settings\n\n\
+    Results: cells.csv, one row a cell, failed pictures with their reason; cells.parquet, the same; overlays/\n\
+    of all pictures; with --figures a folder for each cell. Cells that the frame cuts, doubtful ones and those\n\
+    beside --min-area and --max-area are left out with the reason. Interrupted (Ctrl-C), the same command goes on\n\
+    where it was.\n\
     Exit codes: 0 all pictures gave a cell that beat, 1 some failed, 2 bad input or usage.")]
 pub(crate) struct BatchArgs {
-    /// Folder of pictures (.png, .tif), searched with all folders in it
-    #[arg(value_name = "FOLDER")]
-    pub(crate) folder: PathBuf,
+    /// Folder of pictures (.png, .tif), searched with all folders in it; with --table, where its files are
+    /// [default: beside the table]
+    #[arg(value_name = "FOLDER", required_unless_present = "table")]
+    pub(crate) folder: Option<PathBuf>,
+    /// Pictures with settings of their own (.csv): a column `file`, and any of `pixel_size`, modality, channel,
+    /// threshold, seed, outline, stain or another option; `group` goes on to cells.csv. Several lines for one
+    /// file are several cells of it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) table: Option<PathBuf>,
     /// Only files whose name matches (* and ? stand for anything) [default: *.png, *.tif, *.tiff]
-    #[arg(long, value_name = "PATTERN")]
+    #[arg(long, value_name = "PATTERN", conflicts_with = "table")]
     pub(crate) pattern: Option<String>,
     /// Pictures at a time, at most one for each core [default: all cores]
     #[arg(long, value_name = "N")]

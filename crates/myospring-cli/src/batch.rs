@@ -1,15 +1,16 @@
-//! `myospring batch`: every picture of a folder, one row a cell.
+//! `myospring batch`: every picture of a folder or a table, one row a cell.
 
 mod kept;
+mod members;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
-use crate::{input, interrupt, print};
+use crate::{interrupt, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use kept::Kept;
 use myospring::output::{files, json};
-use myospring::settings::{PICTURE_ENDINGS, Run, Value};
-use myospring::study::pictures::{self, CellRow, Picture, Which};
+use myospring::settings::{Run, Value};
+use myospring::study::pictures::{self, CellRow, Picture};
 use myospring::study::{self, Cause, Journal, Observer, Row, Status, Threads};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -35,10 +36,18 @@ struct Outcome {
 pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     let target = target(args);
-    let pictures = pictures(args, &target)?;
+    let (pictures, notes) = members::pictures(args, &target)?;
     // Every setting is checked once, before any picture is opened.
-    let (_, run) = input::settle(Some(&pictures[0].path), args.settings.overrides())?;
-    let settings = settings(args, &run);
+    for picture in &pictures {
+        members::settled(args, picture)?;
+    }
+    let common = Picture::new(String::new(), pictures[0].path.clone());
+    let settings = settings(args, &members::settled(args, &common)?);
+    if !args.output.quiet {
+        for note in &notes {
+            print::warn(note);
+        }
+    }
     let journal = if args.output.force {
         Journal::begin_anew(&target, &settings, &kept::RESULTS)?
     } else {
@@ -48,11 +57,10 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let bar = progress_bar(args.output.quiet, pictures.len());
     let seen = Seen { bar: &bar, quiet: args.output.quiet, target: &target };
     let kept = Kept { figures: args.figures, target: &target };
-    let which = which(args);
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let report = study::run(&pictures, &journal, &threads, &seen, |picture| {
-        let (_, run) = input::settle(Some(&picture.path), args.settings.overrides())?;
-        pictures::rows(&picture.name, &run, which, &kept)
+        let run = members::settled(args, picture)?;
+        pictures::rows(picture, &run, members::which(&args.settings, picture), &kept)
     })?;
     bar.finish_and_clear();
 
@@ -113,13 +121,6 @@ impl Observer<Picture> for Seen<'_> {
     }
 }
 
-/// All cells unless the arguments name one.
-fn which(args: &BatchArgs) -> Which {
-    let choices = ["segmentation.cell", "segmentation.seed", "shape.label"];
-    let one = choices.iter().any(|key| args.settings.get(key).is_some());
-    if args.settings.all_cells() || !one { Which::Every } else { Which::Chosen }
-}
-
 fn summary(outcome: &Outcome) -> String {
     let Outcome { pictures, cells, left_out, failed, seconds, .. } = outcome;
     let count = |count: &usize, words: &str| match count {
@@ -128,7 +129,7 @@ fn summary(outcome: &Outcome) -> String {
     };
     format!(
         "{pictures} pictures: {cells} cells beat{}{}\nresults in {} ({seconds:.1} s)",
-        count(left_out, "left out (cut by the frame or doubtful)"),
+        count(left_out, "left out (cut by the frame, of unusual size or doubtful)"),
         count(failed, "failed (the column reason says why)"),
         outcome.results.display()
     )
@@ -137,71 +138,12 @@ fn summary(outcome: &Outcome) -> String {
 /// The folder for the results.
 fn target(args: &BatchArgs) -> PathBuf {
     args.output.output.clone().unwrap_or_else(|| {
-        let folder = std::path::absolute(&args.folder).unwrap_or_else(|_| args.folder.clone());
-        let name =
-            folder.file_name().map_or_else(|| "folder".into(), |name| name.to_string_lossy());
+        let of = args.folder.as_deref().or(args.table.as_deref()).unwrap_or(Path::new(""));
+        let of = std::path::absolute(of).unwrap_or_else(|_| of.to_owned());
+        let name = if of.is_dir() { of.file_name() } else { of.file_stem() };
+        let name = name.map_or_else(|| "folder".into(), |name| name.to_string_lossy());
         Path::new("results").join(format!("{name}_batch"))
     })
-}
-
-/// The pictures of the folder and all folders in it, each with its name, in the order of the paths.
-fn pictures(args: &BatchArgs, target: &Path) -> Result<Vec<Picture>, Failure> {
-    let pattern = args
-        .pattern
-        .as_deref()
-        .map(|text| {
-            glob::Pattern::new(text).map_err(|error| {
-                Failure::new(format!("--pattern \"{text}\": {error}"))
-                    .advise("write something like --pattern \"*_actinin.tif\"")
-            })
-        })
-        .transpose()?;
-    let own = std::path::absolute(target).ok();
-    let mut found = Vec::new();
-    let mut folders = vec![args.folder.clone()];
-    while let Some(folder) = folders.pop() {
-        let failed = |error: std::io::Error| {
-            Failure::new(format!("cannot read the folder `{}`: {error}", folder.display()))
-                .advise("give a folder that holds pictures")
-        };
-        for entry in std::fs::read_dir(&folder).map_err(failed)? {
-            let entry = entry.map_err(failed)?;
-            let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
-            let file_name = entry.file_name().to_string_lossy().into_owned();
-            if file_name.starts_with('.') {
-                continue;
-            }
-            // A link to a folder could lead in a circle.
-            if kind.is_dir() {
-                if std::path::absolute(&path).ok() != own {
-                    folders.push(path);
-                }
-            } else if is_wanted(&file_name, pattern.as_ref()) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    if found.is_empty() {
-        let wanted = args.pattern.as_deref().unwrap_or("*.png, *.tif, *.tiff");
-        let message = format!("`{}` holds no file like {wanted}", args.folder.display());
-        return Err(Failure::new(message).advise("give another folder or --pattern"));
-    }
-    Ok(found.into_iter().map(|path| Picture { name: name(args, &path), path }).collect())
-}
-
-fn is_wanted(file_name: &str, pattern: Option<&glob::Pattern>) -> bool {
-    let lower = file_name.to_lowercase();
-    let picture = PICTURE_ENDINGS.iter().any(|end| lower.ends_with(&format!(".{end}")));
-    picture && pattern.is_none_or(|pattern| pattern.matches(file_name))
-}
-
-/// A picture's name within the folder, with `/` on every system.
-fn name(args: &BatchArgs, picture: &Path) -> String {
-    let within = picture.strip_prefix(&args.folder).unwrap_or(picture);
-    let parts: Vec<_> =
-        within.components().map(|part| part.as_os_str().to_string_lossy()).collect();
-    parts.join("/")
 }
 
 /// Every setting that results depend on, as text.

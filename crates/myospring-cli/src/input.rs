@@ -2,8 +2,9 @@
 
 use crate::failure::Failure;
 use crate::options::Given;
-use myospring::run_file::{Reader, Run, ShapeBytes, Shaped};
-use myospring::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS};
+use myospring::microscopy::read;
+use myospring::run_file::{Origin, Reader, Run, ShapeBytes, Shaped};
+use myospring::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS, Value};
 use std::fs;
 use std::path::Path;
 
@@ -27,6 +28,15 @@ pub(crate) fn read(path: Option<&Path>, overrides: Vec<Given>) -> Result<Input, 
 
 /// Reads and checks every setting; the name of the results, and the run.
 pub(crate) fn settle(path: Option<&Path>, overrides: Vec<Given>) -> Result<(String, Run), Failure> {
+    settle_with(path, overrides, [])
+}
+
+/// As [`settle`], with values from elsewhere that override the options.
+pub(crate) fn settle_with(
+    path: Option<&Path>,
+    overrides: Vec<Given>,
+    own: impl IntoIterator<Item = (Origin, &'static str, Value)>,
+) -> Result<(String, Run), Failure> {
     let mut reader = Reader::new();
     let mut text = None;
     if let Some(path) = path {
@@ -51,17 +61,16 @@ pub(crate) fn settle(path: Option<&Path>, overrides: Vec<Given>) -> Result<(Stri
                 reader = reader.option(name, key, name);
             }
             _ => {
-                let message = format!("`{}` has an ending that is not known", path.display());
-                return Err(Failure::new(message).advise(
-                    "give a picture or mask (.png, .tif, .tiff), an outline (.geojson, .json, .csv, .roi, .zip, \
-                     .txt) or a run file (.toml)",
-                ));
+                return Err(unread(path));
             }
         }
     }
     for (setting, value) in overrides {
         let option = setting.option.map_or(setting.key, |option| option.name);
         reader = reader.option(option, setting.key, value);
+    }
+    for (origin, key, value) in own {
+        reader = reader.overriding(origin, key, value);
     }
     let run = reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
     let name = path
@@ -81,11 +90,33 @@ pub(crate) fn one_cell(all: bool) -> Result<(), Failure> {
         .advise(advice))
 }
 
-fn ending(path: &Path) -> String {
+/// Why a file is not read whose ending is none of those that are.
+fn unread(path: &Path) -> Failure {
+    const KNOWN: &str = "give a picture or mask (.png, .tif, .tiff), an outline (.geojson, .json, .csv, .roi, \
+                         .zip, .txt) or a run file (.toml)";
+    let file = path.display();
+    match fs::metadata(path) {
+        Ok(data) if data.is_dir() => Failure::new(format!("`{file}` is a folder"))
+            .advise(format!("myospring batch {file} beats the cells of all pictures in it")),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => cannot_read(path, &error),
+        _ => match unread_picture(&ending(path)) {
+            Some(kind) => Failure::new(format!("`{file}`: this is a {kind}")).advise(KNOWN),
+            None => Failure::new(format!("`{file}` has an ending that is not known")).advise(KNOWN),
+        },
+    }
+}
+
+/// What a picture of this ending is, and what to do with it, if it is one that is not read: `JPEG picture, ...`.
+pub(crate) fn unread_picture(ending: &str) -> Option<String> {
+    let text = read::unread_kind(ending)?.to_string();
+    Some(text.trim_start_matches("this is a ").to_owned())
+}
+
+pub(crate) fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-fn cannot_read(path: &Path, error: &std::io::Error) -> Failure {
+pub(crate) fn cannot_read(path: &Path, error: &std::io::Error) -> Failure {
     Failure::new(format!("cannot read `{}`: {error}", path.display()))
         .advise("check the path and its spelling")
 }

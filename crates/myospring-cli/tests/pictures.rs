@@ -242,3 +242,53 @@ fn a_folder_of_good_and_broken_pictures_gives_a_row_each_and_goes_on_where_it_wa
     assert_eq!(other.status.code(), Some(2));
     assert!(text(&other.stderr).contains("results of other settings"), "{}", text(&other.stderr));
 }
+
+#[test]
+fn a_table_beats_each_cell_with_its_own_settings_and_hands_its_group_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("pictures");
+    std::fs::create_dir_all(&pictures).unwrap();
+    cell(&pictures.join("a.png"));
+    labels_of_32_bits(&pictures.join("labels.tif"));
+    cell(&pictures.join("not in it.png"));
+    let table = "file,pixel_size,label,group\na.png,0.5,,control\nlabels.tif,0.5 um,3,drug\n\
+                 labels.tif,0.5 um,70000,drug\n";
+    std::fs::write(folder.path().join("pictures.csv"), table).unwrap();
+    let batch = ["batch", "pictures", "--table", "pictures.csv", "--integrator", "quasi-static"];
+    let batch = [&batch[..], &["-o", "out", "--json"]].concat();
+    let first = myospring(folder.path(), &batch);
+    let message = text(&first.stderr);
+    assert_eq!(first.status.code(), Some(0), "{message}");
+    assert!(message.contains("1 pictures in `pictures` are not in `pictures.csv`"), "{message}");
+    let cells = std::fs::read_to_string(folder.path().join("out/cells.csv")).unwrap();
+    let rows: Vec<&str> = cells.lines().collect();
+    assert!(rows[0].starts_with("picture,cell,group,status,"), "{cells}");
+    assert!(rows[1].starts_with("a.png,1,control,ok,,fluorescence,0.5"), "{cells}");
+    assert!(rows[2].starts_with("labels.tif,3,drug,ok,,mask,0.5"), "{cells}");
+    assert!(rows[3].starts_with("labels.tif,70000,drug,ok,,mask,0.5"), "{cells}");
+    for overlay in ["a_png.png", "labels_tif.png", "labels_tif-2.png"] {
+        assert!(folder.path().join("out/overlays").join(overlay).exists(), "{overlay}");
+    }
+
+    // A line that has changed is done again, the others are not; a wrong value is refused before all that.
+    let changed = table.replace("a.png,0.5", "a.png,0.4");
+    std::fs::write(folder.path().join("pictures.csv"), &changed).unwrap();
+    let outcome: serde_json::Value =
+        serde_json::from_slice(&myospring(folder.path(), &batch).stdout).unwrap();
+    assert_eq!((&outcome["resumed"], &outcome["cells"]), (&2.into(), &3.into()), "{outcome}");
+    for (from, to, expected) in [
+        (
+            "0.4",
+            "0.4 kg",
+            "pictures.csv, line 2, column `pixel_size`: `shape.pixel_size`: `0.4 kg`",
+        ),
+        ("70000", "0", "pictures.csv, line 4, column `label`: `shape.label` is 0"),
+        ("a.png", "b.png", "line 2, column `file`: there is no file `pictures/b.png`"),
+        ("group", "grop", "there is no setting `grop`; did you mean `group`?"),
+    ] {
+        std::fs::write(folder.path().join("pictures.csv"), changed.replacen(from, to, 1)).unwrap();
+        let refused = myospring(folder.path(), &batch);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains(expected), "{}", text(&refused.stderr));
+    }
+}

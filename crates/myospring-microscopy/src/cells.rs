@@ -9,6 +9,7 @@
 use geo::Distance;
 
 use super::fibres::{FibreError, FibreField, FibreSettings, fibres};
+use super::hot;
 use super::outlines::raster::rasterise;
 use super::outlines::trace::{Edge, TraceError, trace_mask};
 use super::outlines::{
@@ -18,7 +19,7 @@ use super::outlines::{
 use super::picture::{PixelSizeSource, Selection};
 use super::plane::Plane;
 use super::read::{PictureError, read_picture};
-use super::report::{ShapeReport, shape_report};
+use super::report::{ShapeReport, USUAL_AREAS_UM2, pixels_on_frame, shape_report_of, unusual_area};
 use super::segment::{
     self, Choice, Confidence, Modality, SegmentError, Segmentation, Settings, counted, segment,
 };
@@ -31,7 +32,7 @@ use myospring_core::mesh::pixel_size::PixelSize;
 const SAME_PIXEL_SIZE: f64 = 0.01;
 
 /// What to look for in a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Which plane of the picture.
     pub selection: Selection,
@@ -39,6 +40,21 @@ pub struct Options {
     pub pixel_size: Option<PixelSize>,
     /// How to find cells.
     pub segmentation: Settings,
+    /// Least and largest area that is expected of a cell, um^2; others are warned about, and studies leave them
+    /// out.
+    pub areas_um2: [f64; 2],
+}
+
+impl Default for Options {
+    /// What the picture says of itself, and the areas of single heart cells.
+    fn default() -> Self {
+        Self {
+            selection: Selection::default(),
+            pixel_size: None,
+            segmentation: Settings::default(),
+            areas_um2: USUAL_AREAS_UM2,
+        }
+    }
 }
 
 /// Why a picture gives no cell.
@@ -99,6 +115,7 @@ pub struct PictureCells {
     pub pixel_size_source: &'static str,
     /// What a person should know about the picture.
     pub notes: Vec<String>,
+    areas_um2: [f64; 2],
     cells: Cells,
 }
 
@@ -127,6 +144,13 @@ pub struct PictureCell {
     pub confidence: Confidence,
 }
 
+impl PictureCell {
+    /// What a person should know before they trust the outline, a sentence each.
+    pub fn warnings(&self) -> impl Iterator<Item = String> + '_ {
+        self.confidence.warning().into_iter().chain(self.shape.warnings.iter().cloned())
+    }
+}
+
 impl PictureCells {
     /// Reads a picture and finds its cells.
     ///
@@ -140,8 +164,11 @@ impl PictureCells {
     /// assert!(error.to_string().starts_with("this is not a picture"));
     /// ```
     pub fn find(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
-        let mut seen = Self::read(bytes, options)?;
-        let found = segment(&seen.plane, seen.pixel_size, &options.segmentation)?;
+        let mut seen = Self::unsegmented(bytes, options)?;
+        let [least, _] = options.areas_um2;
+        let mut settings = options.segmentation;
+        settings.smallest_cell_um2 = settings.smallest_cell_um2.min(least);
+        let found = segment(&seen.plane, seen.pixel_size, &settings)?;
         seen.notes.extend(found.notes.iter().cloned());
         seen.cells = Cells::Found(found);
         Ok(seen)
@@ -157,7 +184,7 @@ impl PictureCells {
         file_name: &str,
         options: &Options,
     ) -> Result<Self, CellError> {
-        let mut seen = Self::read(bytes, options)?;
+        let mut seen = Self::unsegmented(bytes, options)?;
         let placement = Placement::Picture(seen.frame()?);
         let reading = ReadOptions { placement, silent_unit: CoordinateUnit::default() };
         let mut given = read_outlines(outlines, file_name, &reading)?;
@@ -167,9 +194,19 @@ impl PictureCells {
         Ok(seen)
     }
 
-    fn read(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
+    /// Reads a picture, without looking for cells: what there is to show where none is found.
+    ///
+    /// # Errors
+    /// A picture that cannot be read, or no pixel size.
+    pub fn unsegmented(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
         let picture = read_picture(bytes, &options.selection)?;
-        let mut notes = picture.notes;
+        let (mut plane, mut notes) = (picture.plane, picture.notes);
+        if !segment::is_taken_for_mask(&plane, &options.segmentation)
+            && let Some((cooled, note)) = hot::cooled(&plane)
+        {
+            plane = cooled;
+            notes.push(note);
+        }
         let (pixel_size, pixel_size_source) = match (options.pixel_size, picture.pixel_size) {
             (Some(given), own) => {
                 if let Some(own) = own
@@ -187,7 +224,8 @@ impl PictureCells {
             (None, None) => return Err(CellError::NoPixelSize),
         };
         let cells = Cells::Given(GivenOutlines { outlines: Vec::new(), notes: Vec::new() });
-        Ok(Self { plane: picture.plane, pixel_size, pixel_size_source, notes, cells })
+        let areas_um2 = options.areas_um2;
+        Ok(Self { plane, pixel_size, pixel_size_source, notes, areas_um2, cells })
     }
 
     /// The picture's frame, which turns pixels into um.
@@ -209,6 +247,20 @@ impl PictureCells {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// How the cells were found, in words: `fluorescence picture, pixels of 0.27 um (given), threshold 120.5`.
+    pub fn method(&self) -> String {
+        let (size, source) = (self.pixel_size, self.pixel_size_source);
+        let found = self.segmentation().filter(|found| found.threshold != 0.0);
+        let threshold = found.map(|found| format!(", threshold {:.4}", found.threshold));
+        let threshold = threshold.unwrap_or_default();
+        format!("{} picture, pixels of {size} ({source}){threshold}", self.modality())
+    }
+
+    /// What is unusual about the area of a cell, if it is beside [`Options::areas_um2`].
+    pub fn unusual_area(&self, cell: &PictureCell) -> Option<String> {
+        unusual_area(cell.shape.area_um2, self.areas_um2)
     }
 
     /// What segmentation found; `None` where outlines were given.
@@ -246,9 +298,12 @@ impl PictureCells {
                 let edge =
                     if found.modality == Modality::Mask { Edge::Exact } else { Edge::Smooth };
                 let outline = trace_mask(&mask, edge)?;
-                let name = cell.label.unwrap_or(cell.number).to_string();
-                let shape = shape_report(&outline, Some(&frame));
+                // The one value of a mask says what is cell, not which.
+                let labelled = found.cells.iter().any(|other| other.label != cell.label);
+                let name = cell.label.filter(|_| labelled).unwrap_or(cell.number).to_string();
                 let confidence = cell.confidence.clone();
+                let on_frame = cell.pixels_on_the_frame;
+                let shape = shape_report_of(&outline, on_frame, self.areas_um2, &confidence);
                 Ok(PictureCell { number: cell.number, name, outline, mask, shape, confidence })
             }
             Cells::Given(given) => {
@@ -256,9 +311,10 @@ impl PictureCells {
                 let NamedOutline { name, outline } = given.outlines[at].clone();
                 let mask = rasterise(&outline, &frame)
                     .map_err(|cause| CellError::Rasterise { name: name.clone(), cause })?;
-                let shape = shape_report(&outline, Some(&frame));
                 let number = at as u32 + 1;
                 let confidence = Confidence::full();
+                let on_frame = pixels_on_frame(&outline, &frame);
+                let shape = shape_report_of(&outline, on_frame, self.areas_um2, &confidence);
                 Ok(PictureCell { number, name, outline, mask, shape, confidence })
             }
         }

@@ -1,13 +1,14 @@
 //! Pictures to cells: bytes in, outlines, masks and fibre directions out; no file is opened here.
 //!
-//! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`segment`] finds the cells
-//! in the plane; [`outlines`] reads those that were drawn elsewhere, and writes ours; [`report`] says what shape
+//! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`hot`] takes its hot pixels
+//! out; [`segment`] finds the cells in the plane; [`outlines`] reads those that were drawn elsewhere, and writes ours; [`report`] says what shape
 //! a cell has; [`fibres`] reads the direction of its myofibrils. [`cells`] strings these together.
 
 pub mod cells;
 mod dilation;
 pub mod fibres;
 pub mod filter;
+pub mod hot;
 pub mod outlines;
 pub mod picture;
 pub mod plane;

@@ -14,6 +14,20 @@ mod tiff;
 pub use error::PictureError;
 pub use limits::{LONGEST_SIDE, MOST_PIXELS};
 
+/// Kinds of pictures that are not read, by the ending of their name without its dot: the error says what they are and
+/// what to do. `None` for endings of pictures that are read, and for any other.
+///
+/// # Example
+/// ```
+/// use myospring::microscopy::read::unread_kind;
+/// let error = unread_kind("czi").unwrap().to_string();
+/// assert!(error.starts_with("this is a Zeiss CZI file, which is not read here; export it as OME-TIFF"));
+/// assert!(unread_kind("tif").is_none());
+/// ```
+pub fn unread_kind(ending: &str) -> Option<PictureError> {
+    kind::unread(ending)
+}
+
 /// Reads one plane of a PNG or TIFF file, with what the file says about itself.
 ///
 /// PNG of every kind; TIFF and `BigTIFF` with one page or many, OME-TIFF, ImageJ hyperstacks; whole

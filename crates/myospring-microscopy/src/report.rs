@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::outlines::PixelFrame;
 use super::outlines::raster::pixels;
+use super::segment::Confidence;
 use myospring_core::mesh::outline::Outline;
 use myospring_core::mesh::quality::{Dimensions, outline_dimensions, write_report};
 
@@ -15,9 +16,11 @@ use myospring_core::mesh::quality::{Dimensions, outline_dimensions, write_report
 /// with the steps of their intercalated discs; two rods of 5:1 in an L have 0.53, in a T 0.60.
 pub const LEAST_SOLIDITY: f64 = 0.8;
 
-/// Areas of single heart cells, um^2: from the smallest neonatal ones to widely spread or failing
-/// adult ones. A pixel size that is wrong by three or more leaves this range.
-pub const USUAL_AREAS_UM2: [f64; 2] = [200.0, 20_000.0];
+/// Areas that are expected of single heart cells unless others are stated, um^2. Narrow patterned hiPSC
+/// cardiomyocytes have 800, neonatal rat cells in culture mostly 600 to 2000, adult rods 2000 to 4500, widely
+/// spread hiPSC cardiomyocytes up to 10 000; debris, stripes and vessels mostly lie below 500, sheets and clumps
+/// above 20 000. A pixel size that is wrong by three or more leaves this range.
+pub const USUAL_AREAS_UM2: [f64; 2] = [500.0, 20_000.0];
 
 /// Longest usual cell, um: adult ventricular cells have 100 to 150, in failing hearts up to 200.
 pub const LONGEST_USUAL_UM: f64 = 250.0;
@@ -53,7 +56,8 @@ pub struct ShapeReport {
     pub warnings: Vec<String>,
 }
 
-/// Measures an outline, and its place in a picture where that is known.
+/// Measures an outline, and its place in a picture where that is known; warns of an area beside
+/// [`USUAL_AREAS_UM2`].
 ///
 /// # Example
 /// ```
@@ -63,6 +67,18 @@ pub struct ShapeReport {
 /// assert_eq!(report.dimensions.length_um.round(), 140.0);
 /// ```
 pub fn shape_report(outline: &Outline, frame: Option<&PixelFrame>) -> ShapeReport {
+    let on_frame = frame.map_or(0, |frame| pixels_on_frame(outline, frame));
+    shape_report_of(outline, on_frame, USUAL_AREAS_UM2, &Confidence::full())
+}
+
+/// Measures an outline of which so many pixels lie on the frame; warns of an area beside those that are expected,
+/// and of nothing that its confidence has said.
+pub(super) fn shape_report_of(
+    outline: &Outline,
+    pixels_on_frame: usize,
+    areas_um2: [f64; 2],
+    said: &Confidence,
+) -> ShapeReport {
     let (area_um2, perimeter_um) = (outline.area(), outline.perimeter());
     let exterior = geo::Polygon::new(outline.exterior().iter().copied().collect(), Vec::new());
     let holes_area = exterior.unsigned_area() - area_um2;
@@ -73,14 +89,39 @@ pub fn shape_report(outline: &Outline, frame: Option<&PixelFrame>) -> ShapeRepor
         solidity: area_um2 / exterior.convex_hull().unsigned_area(),
         circularity: 4.0 * PI * area_um2 / (perimeter_um * perimeter_um),
         holes: outline.holes().len(),
-        pixels_on_frame: frame.map_or(0, |frame| pixels_on_frame(outline, frame)),
+        pixels_on_frame,
         warnings: Vec::new(),
     };
-    report.warnings = warnings(&report, 100.0 * holes_area / (area_um2 + holes_area));
+    let holes_pct = 100.0 * holes_area / (area_um2 + holes_area);
+    report.warnings = warnings(&report, holes_pct, areas_um2, said);
     report
 }
 
-fn pixels_on_frame(outline: &Outline, frame: &PixelFrame) -> usize {
+/// What is unusual about the area of a cell, as people read it; `None` within those that are expected, um^2.
+///
+/// # Example
+/// ```
+/// use myospring::microscopy::report::{USUAL_AREAS_UM2, unusual_area};
+/// assert_eq!(unusual_area(2500.0, USUAL_AREAS_UM2), None);
+/// let debris = unusual_area(130.0, USUAL_AREAS_UM2).unwrap();
+/// assert!(debris.starts_with("its area of 130 um^2 is below 500 um^2"));
+/// ```
+pub fn unusual_area(area_um2: f64, [least, most]: [f64; 2]) -> Option<String> {
+    if area_um2 < least {
+        return Some(format!(
+            "its area of {area_um2:.0} um^2 is below {least} um^2, the least that is expected of a heart cell: is it \
+             debris, a vessel or a piece of a cell, or is the pixel size wrong? (--min-area)"
+        ));
+    }
+    (area_um2 > most).then(|| {
+        format!(
+            "its area of {area_um2:.0} um^2 is above {most} um^2, the most that is expected of a heart cell: are they \
+             several cells, or is the pixel size wrong? (--max-area)"
+        )
+    })
+}
+
+pub(super) fn pixels_on_frame(outline: &Outline, frame: &PixelFrame) -> usize {
     let inside = pixels(outline, frame);
     let (last_column, last_row) = (frame.width() - 1, frame.height() - 1);
     let on_frame = |index: usize| {
@@ -90,37 +131,36 @@ fn pixels_on_frame(outline: &Outline, frame: &PixelFrame) -> usize {
     inside.iter().enumerate().filter(|&(index, &inside)| inside && on_frame(index)).count()
 }
 
-fn warnings(report: &ShapeReport, holes_pct: f64) -> Vec<String> {
+fn warnings(
+    report: &ShapeReport,
+    holes_pct: f64,
+    areas_um2: [f64; 2],
+    said: &Confidence,
+) -> Vec<String> {
     let mut warnings = Vec::new();
-    let [least, most] = USUAL_AREAS_UM2;
     let Dimensions { length_um, aspect_ratio, .. } = report.dimensions;
-    if report.pixels_on_frame > 0 {
+    if report.pixels_on_frame > 0 && !said.says_cut() {
         warnings.push(format!(
             "the cell touches the frame of the picture with {} pixels and may be cut: its length, width \
              and shortening are then not those of a whole cell",
             report.pixels_on_frame
         ));
     }
-    if report.solidity < LEAST_SOLIDITY {
+    if report.solidity < LEAST_SOLIDITY && !said.says_ragged() {
         warnings.push(format!(
             "solidity {:.2} is below {LEAST_SOLIDITY}: the outline is ragged, or two cells, or has large \
              holes",
             report.solidity
         ));
     }
-    if report.area_um2 < least {
+    let unusual = unusual_area(report.area_um2, areas_um2);
+    if unusual.is_none() && length_um > LONGEST_USUAL_UM {
         warnings.push(format!(
-            "the area of {:.0} um^2 is below {least} um^2: is the pixel size right, is it a whole cell?",
-            report.area_um2
+            "the cell is {length_um:.0} um long, more than the usual {LONGEST_USUAL_UM} um: is the pixel size right, \
+             is it one cell?"
         ));
     }
-    if report.area_um2 > most || length_um > LONGEST_USUAL_UM {
-        warnings.push(format!(
-            "the cell is large, {:.0} um^2 and {length_um:.0} um long (usual are up to {most} um^2 and \
-             {LONGEST_USUAL_UM} um): is the pixel size right, is it one cell?",
-            report.area_um2
-        ));
-    }
+    warnings.extend(unusual);
     if aspect_ratio > LARGEST_USUAL_ASPECT {
         warnings.push(format!(
             "the cell is {aspect_ratio:.0} times as long as wide, more than {LARGEST_USUAL_ASPECT}: is it \

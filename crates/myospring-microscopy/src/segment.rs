@@ -21,6 +21,7 @@ mod modality;
 
 use serde::Serialize;
 
+pub(crate) use by_modality::is_taken_for_mask;
 pub use by_modality::segment;
 pub use confidence::Confidence;
 

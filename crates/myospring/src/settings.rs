@@ -32,6 +32,7 @@ mod words;
 
 pub use bounds::{Bounds, Whole};
 pub use content::{CONTENT_ENDINGS, ContentError};
+pub(crate) use problem::nearest;
 pub use problem::{Failure, Problem};
 pub use rows::Table;
 pub use run::{Fibre, Made, MakeError, Run};
@@ -130,6 +131,16 @@ mod tests {
                 };
                 assert_eq!(round(setting, &value), back, "{}", setting.key);
             }
+        }
+    }
+
+    #[test]
+    fn the_areas_that_are_expected_are_stated_as_they_are() {
+        use crate::microscopy::report::USUAL_AREAS_UM2;
+        for (key, area) in ["min", "max"].into_iter().zip(USUAL_AREAS_UM2) {
+            let setting = find(&format!("segmentation.{key}_area")).unwrap();
+            let stated = crate::units::format(area, crate::units::Dimension::Area);
+            assert_eq!(setting.otherwise, Some(format!("\"{stated}\"").as_str()));
         }
     }
 

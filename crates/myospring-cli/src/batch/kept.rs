@@ -5,8 +5,8 @@ use crate::{interrupt, overlay, run};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files;
 use myospring::study::Cause;
-use myospring::study::pictures::{Beaten, Keeper};
-use std::path::Path;
+use myospring::study::pictures::{Beaten, Keeper, Picture};
+use std::path::{Component, Path};
 
 /// The table for people and for programs.
 pub(super) const CSV: &str = "cells.csv";
@@ -30,12 +30,13 @@ pub(super) struct Kept<'a> {
 impl Keeper for Kept<'_> {
     fn found(
         &self,
-        picture: &str,
+        picture: &Picture,
         cells: &PictureCells,
         to_beat: &[&PictureCell],
+        notes: &[String],
     ) -> Result<(), Cause> {
-        let figure = overlay::draw(picture, cells, to_beat, None, &cells.notes)?;
-        let file = self.target.join(OVERLAYS).join(format!("{}.png", own(picture)));
+        let figure = overlay::draw(&picture.name, cells, to_beat, None, notes)?;
+        let file = self.target.join(OVERLAYS).join(format!("{}.png", own(&picture.name)));
         if let Some(folder) = file.parent() {
             files::create_folder(folder)?;
         }
@@ -47,7 +48,7 @@ impl Keeper for Kept<'_> {
             return Ok(());
         }
         let Beaten { picture, cell, run, simulation, finished, summary } = beaten;
-        let name = format!("{}_{}", own(picture), cell.replace('/', "_"));
+        let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
         let folder = Folder::claim(&self.target.join(CELLS).join(name), true)?;
         run::write(&folder, run, simulation, finished, summary, &run.stimulus_times())?;
         folder.finish()?;
@@ -59,7 +60,14 @@ impl Keeper for Kept<'_> {
     }
 }
 
-/// A name without ending that no other picture has: `a/b.tif` gives `a/b_tif`, for there may be an `a/b.png`.
+/// A name within the results, without ending, that no other picture has: `a/b.tif` gives `a/b_tif`, for there may be
+/// an `a/b.png`; `../b.tif` gives `up/b_tif`.
 fn own(name: &str) -> String {
-    name.rsplit_once('.').map_or(name.to_owned(), |(stem, ending)| format!("{stem}_{ending}"))
+    let parts = Path::new(name).components().filter_map(|part| match part {
+        Component::Normal(part) => Some(part.to_string_lossy().into_owned()),
+        Component::ParentDir => Some("up".to_owned()),
+        _ => None,
+    });
+    let name = parts.collect::<Vec<_>>().join("/");
+    name.rsplit_once('.').map_or(name.clone(), |(stem, ending)| format!("{stem}_{ending}"))
 }

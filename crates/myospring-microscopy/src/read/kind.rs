@@ -40,6 +40,49 @@ const PICTURES: [Marks; 10] = [
     (&[(0, b"P6")], "PNM"),
 ];
 
+/// Endings of those, in small letters.
+const CONTAINER_ENDINGS: [(&str, &str); 18] = [
+    ("czi", "Zeiss CZI"),
+    ("zvi", "Zeiss ZVI"),
+    ("lsm", "Zeiss LSM"),
+    ("nd2", "Nikon ND2"),
+    ("lif", "Leica LIF"),
+    ("lof", "Leica LOF"),
+    ("xlef", "Leica XLEF"),
+    ("oib", "Olympus OIB"),
+    ("oif", "Olympus OIF"),
+    ("oir", "Olympus OIR"),
+    ("vsi", "Olympus VSI"),
+    ("ims", "Imaris IMS"),
+    ("stk", "MetaMorph STK"),
+    ("dv", "DeltaVision"),
+    ("dcm", "DICOM"),
+    ("h5", "HDF5"),
+    ("npy", "NumPy"),
+    ("zarr", "Zarr"),
+];
+const PICTURE_ENDINGS: [(&str, &str); 9] = [
+    ("jpg", "JPEG"),
+    ("jpeg", "JPEG"),
+    ("gif", "GIF"),
+    ("bmp", "BMP"),
+    ("webp", "WEBP"),
+    ("heic", "HEIC"),
+    ("avif", "AVIF"),
+    ("jp2", "JPEG 2000"),
+    ("pgm", "PNM"),
+];
+
+/// What a file of this ending is, if it is a picture that is not read.
+pub(super) fn unread(ending: &str) -> Option<PictureError> {
+    let ending = ending.to_lowercase();
+    let named = |kinds: &[(&str, &'static str)]| {
+        kinds.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format)
+    };
+    let container = named(&CONTAINER_ENDINGS).map(|format| PictureError::Container { format });
+    container.or_else(|| named(&PICTURE_ENDINGS).map(|format| PictureError::Format { format }))
+}
+
 /// Tells what the bytes are.
 pub(super) fn recognise(bytes: &[u8]) -> Result<Kind, PictureError> {
     let starts = |start: &[u8]| bytes.starts_with(start);

@@ -53,6 +53,15 @@ pub fn segment(
     }
 }
 
+/// Whether a plane is segmented as a mask: said, or told from the values.
+pub(crate) fn is_taken_for_mask(plane: &Plane, settings: &Settings) -> bool {
+    match settings.modality {
+        Modality::Mask => true,
+        Modality::Auto => modality::is_mask(plane),
+        Modality::Fluorescence | Modality::Brightfield => false,
+    }
+}
+
 fn check(plane: &Plane, settings: &Settings) -> Result<(), SegmentError> {
     if let Some(at) = plane.values().iter().position(|value| !value.is_finite()) {
         let (column, row) = (at % plane.width(), at / plane.width());

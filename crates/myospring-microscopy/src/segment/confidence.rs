@@ -6,6 +6,10 @@ use serde::Serialize;
 /// Below this score a cell is doubtful and a person should look at it.
 pub(super) const DOUBTFUL: f64 = 0.5;
 
+/// How the reasons begin that the report of a cell's shape would repeat.
+const CUT: &str = "the frame cuts it";
+const RAGGED: &str = "it fills little of its convex hull";
+
 /// A cell as those see it who judge how sure it is.
 pub(super) struct Candidate<'a> {
     /// Its pixels, as places in the plane.
@@ -61,6 +65,16 @@ impl Confidence {
             .then(|| format!("{what} (confidence {:.2} of 1): {reasons}", self.score))
     }
 
+    /// Whether the reasons have that the frame cuts it.
+    pub(crate) fn says_cut(&self) -> bool {
+        self.reasons.iter().any(|reason| reason.starts_with(CUT))
+    }
+
+    /// Whether the reasons have that it is ragged, or two cells.
+    pub(crate) fn says_ragged(&self) -> bool {
+        self.reasons.iter().any(|reason| reason.starts_with(RAGGED))
+    }
+
     /// Multiplies a factor in: 1 where `value` reaches `good`, 0 where it is at `bad`, linear between. Below
     /// 0.8 the reason is kept.
     pub(super) fn weigh(
@@ -83,14 +97,12 @@ impl Confidence {
         let on_frame = candidate.on_frame;
         if on_frame > 0 {
             self.score *= 0.5;
-            self.reasons.push(format!("the frame cuts it: {on_frame} of its pixels lie there"));
+            self.reasons.push(format!("{CUT}: {on_frame} of its pixels lie there"));
         }
         let solidity = solidity(candidate, width);
         self.weigh(solidity, 0.45, 0.75, || {
-            format!(
-                "it fills only {:.0} % of its convex hull: is it ragged, branched, or two cells that touch?",
-                100.0 * solidity
-            )
+            // Its number is the solidity of the report.
+            format!("{RAGGED}: is it ragged, branched, or two cells that touch?")
         });
     }
 }

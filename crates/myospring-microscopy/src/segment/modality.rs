@@ -51,7 +51,7 @@ pub(super) fn guess(plane: &Plane, pixel_size: PixelSize, notes: &mut Vec<String
 }
 
 /// Whether the values are those of a mask: few, none below 0, 0 among them, and neighbours mostly equal.
-fn is_mask(plane: &Plane) -> bool {
+pub(super) fn is_mask(plane: &Plane) -> bool {
     let mut values = BTreeSet::new();
     let mut changes = 0;
     let mut last = f32::NAN;

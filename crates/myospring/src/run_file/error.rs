@@ -22,6 +22,15 @@ pub enum Origin {
     },
     /// An option of the command line: `--thickness`.
     Option(String),
+    /// A cell of a table.
+    Table {
+        /// Name of the file.
+        file: String,
+        /// Line, the header is 1.
+        line: u64,
+        /// The column's name.
+        column: String,
+    },
 }
 
 impl Origin {
@@ -45,6 +54,9 @@ impl fmt::Display for Origin {
                 write!(formatter, "{file}, line {line}, column {column}: ")
             }
             Self::Option(name) => write!(formatter, "option {name}: "),
+            Self::Table { file, line, column } => {
+                write!(formatter, "{file}, line {line}, column `{column}`: ")
+            }
         }
     }
 }
@@ -67,6 +79,7 @@ impl RunFileError {
     pub fn advice(&self) -> Option<String> {
         let name = match &self.origin {
             Origin::Option(option) => format!("{option} "),
+            Origin::Table { column, .. } => format!("{column}: "),
             _ => format!("{} = ", self.key.rsplit('.').next().unwrap_or_default()),
         };
         self.problem.advice(&name)

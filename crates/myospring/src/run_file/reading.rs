@@ -103,13 +103,18 @@ impl Reader {
 
     /// Sets a key, `table.key`, by an option of the command line; what it excludes is dropped.
     #[must_use]
-    pub fn option(mut self, option: &str, key: &str, value: impl Into<Value>) -> Self {
+    pub fn option(self, option: &str, key: &str, value: impl Into<Value>) -> Self {
+        self.overriding(Origin::Option(option.to_owned()), key, value)
+    }
+
+    /// Sets a key as [`Reader::option`] does, with the place that stands in messages.
+    #[must_use]
+    pub fn overriding(mut self, origin: Origin, key: &str, value: impl Into<Value>) -> Self {
         let value = value.into();
         for other in rules::put_out_of_force(key, &value) {
             self.remove(other);
         }
         let value = to_toml(&value);
-        let origin = Origin::Option(option.to_owned());
         self.origins.insert(key.to_owned(), Place { key: origin.clone(), value: origin });
         if let Some((table, name)) = key.split_once('.') {
             let table = self.table.entry(table).or_insert_with(|| Table::new().into());

@@ -145,6 +145,11 @@ fn shape(file: &RunFile, run: &Run) -> Checked {
                     "a picture is not turned; the fibre follows the cell's long axis anyway";
                 return exclude("shape.picture", "shape.rotate", advice);
             }
+            let areas = run.shape.source.picture().map(|picture| picture.options.areas_um2);
+            if areas.is_some_and(|[least, most]| least >= most) {
+                let advice = "the least area must be below the largest one";
+                return exclude("segmentation.min_area", "segmentation.max_area", advice);
+            }
             return Ok(());
         }
         Source::Outline { .. } => "shape.outline",

@@ -216,7 +216,7 @@ impl Problem {
 }
 
 /// The known word that is most like a written one, if any is alike.
-fn nearest(written: &str, known: &[String]) -> Option<String> {
+pub(crate) fn nearest(written: &str, known: &[String]) -> Option<String> {
     let written = written.to_lowercase();
     known
         .iter()

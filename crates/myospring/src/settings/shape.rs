@@ -266,8 +266,7 @@ impl Shape {
                 cell.outline.area()
             ));
         }
-        report.warnings.extend(cell.confidence.warning());
-        report.warnings.extend(cell.shape.warnings.iter().cloned());
+        report.warnings.extend(cell.warnings());
         let outline = cell.outline.clone();
         Ok(Shaped { mesh, report, outline, picture: Some((cells, cell)) })
     }
@@ -336,6 +335,14 @@ impl PictureSource {
             _ => PictureCells::find(&bytes.shape, &self.options),
         };
         cells.map_err(|cause| self.failed(cause))
+    }
+
+    /// Reads the picture without looking for its cells: what there is to show where none is found.
+    ///
+    /// # Errors
+    /// A picture that cannot be read, or no pixel size.
+    pub fn unsegmented(&self, bytes: &ShapeBytes) -> Result<PictureCells, ShapeError> {
+        PictureCells::unsegmented(&bytes.shape, &self.options).map_err(|cause| self.failed(cause))
     }
 
     /// An error with the name of the file that caused it.

@@ -1,8 +1,10 @@
 //! Pictures as members of a study: the cells of each found, meshed and beaten, one row a cell.
 
 mod row;
+mod table;
 
 pub use row::CellRow;
+pub use table::{Given, TableError, read_table};
 
 use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
 use crate::microscopy::cells::{PictureCell, PictureCells};
@@ -17,13 +19,34 @@ use std::time::Instant;
 /// How many cells the reason of a picture without any names.
 const FEW: usize = 3;
 
-/// A picture of a study.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A picture of a study, or one cell of it that has settings of its own.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// Its name in the table.
+    /// Its name, which no other member of the study has.
     pub name: String,
+    /// Its name in the table of results, which several cells of it have.
+    pub file: String,
     /// The file.
     pub path: PathBuf,
+    /// The group to which it belongs, for statistics.
+    pub group: Option<String>,
+    /// Settings of its own.
+    pub given: Vec<Given>,
+    /// Files that these name.
+    pub files: Vec<PathBuf>,
+}
+
+impl Picture {
+    /// A picture without settings of its own.
+    pub fn new(name: String, path: PathBuf) -> Self {
+        let (file, group) = (name.clone(), None);
+        Self { name, file, path, group, given: Vec::new(), files: Vec::new() }
+    }
+
+    /// The row of this picture, of which nothing is known but why it failed.
+    pub fn failed(&self, reason: String) -> CellRow {
+        CellRow { group: self.group.clone(), ..CellRow::failed(&self.file, reason) }
+    }
 }
 
 impl Member for Picture {
@@ -34,24 +57,35 @@ impl Member for Picture {
         &self.name
     }
 
+    /// Of the picture, and of the settings and files of its own.
     fn key(&self) -> Option<String> {
-        fs::read(&self.path).ok().map(|bytes| sha256(&bytes))
+        let picture = sha256(&fs::read(&self.path).ok()?);
+        if self.given.is_empty() && self.group.is_none() {
+            return Some(picture);
+        }
+        let mut parts = vec![picture, format!("{:?}", self.group)];
+        parts.extend(self.given.iter().map(|given| format!("{} = {}", given.key, given.value)));
+        for file in &self.files {
+            parts.push(sha256(&fs::read(file).ok()?));
+        }
+        Some(sha256(parts.join("\n").as_bytes()))
     }
 }
 
-/// Which cells of a picture are beaten.
+/// Which cells of a picture are beaten. Cells that the frame cuts, that are doubtful or of an area that is not
+/// expected are left out with the reason, unless one was pointed at: by its number, label or place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// All that the frame does not cut and that are not doubtful; the others are left out with the reason.
+    /// All.
     Every,
-    /// The one that the run chooses, whatever speaks against it.
+    /// The one that the run chooses; it is an error if the frame cuts it.
     Chosen,
 }
 
 /// A cell that has beaten.
 pub struct Beaten<'a> {
-    /// The picture's name.
-    pub picture: &'a str,
+    /// The picture.
+    pub picture: &'a Picture,
     /// The cell's name.
     pub cell: &'a str,
     /// The settings.
@@ -66,15 +100,17 @@ pub struct Beaten<'a> {
 
 /// Keeps more than rows, such as drawings; `()` keeps nothing. What it cannot keep fails the row.
 pub trait Keeper: Sync {
-    /// A picture's cells were found; those `to_beat` will be beaten.
+    /// A picture was looked at; those of its cells `to_beat` will be beaten, and `notes` say what a person should
+    /// know, such as why there is none.
     ///
     /// # Errors
     /// Whatever cannot be kept; the picture fails.
     fn found(
         &self,
-        _picture: &str,
+        _picture: &Picture,
         _cells: &PictureCells,
         _to_beat: &[&PictureCell],
+        _notes: &[String],
     ) -> Result<(), Cause> {
         Ok(())
     }
@@ -95,15 +131,32 @@ pub trait Keeper: Sync {
 
 impl Keeper for () {}
 
-/// Finds the cells of a picture and beats them; `run` has the settings, with the picture as its shape.
+/// Finds the cells of a picture and beats them; `run` has the settings, with the picture as its shape. At least one
+/// row: what is wrong with the picture or one of its cells is a row with the reason.
 ///
 /// Each beat is moved by as many threads as the run says, one unless told otherwise.
 ///
 /// # Errors
-/// A run without a picture, a picture that cannot be read or shows no cell, or what `keeper` says; [`Interrupted`]
-/// where it ends the beats. What is wrong with one of several cells is a row.
+/// [`Interrupted`], where `keeper` ends the beats; nothing else.
 pub fn rows(
-    picture: &str,
+    picture: &Picture,
+    run: &Run,
+    which: Which,
+    keeper: &impl Keeper,
+) -> Result<Vec<CellRow>, Cause> {
+    let mut rows = match found_and_beaten(picture, run, which, keeper) {
+        Err(cause) if cause.is::<Interrupted>() => return Err(cause),
+        Err(cause) => vec![picture.failed(cause.to_string())],
+        Ok(rows) => rows,
+    };
+    for row in &mut rows {
+        row.group.clone_from(&picture.group);
+    }
+    Ok(rows)
+}
+
+fn found_and_beaten(
+    picture: &Picture,
     run: &Run,
     which: Which,
     keeper: &impl Keeper,
@@ -113,21 +166,41 @@ pub fn rows(
         return Err("the run takes its shape from no picture; give it shape.picture".into());
     };
     let bytes = run.shape.bytes(|file| fs::read(file))?;
-    let cells = source.cells(&bytes)?;
+    // What there is to see is kept, whatever became of it.
+    let refused = |seen: &PictureCells, cause: ShapeError| -> Cause {
+        let notes = [vec![cause.to_string()], seen.notes.clone()].concat();
+        match keeper.found(picture, seen, &[], &notes) {
+            Ok(()) => cause.into(),
+            Err(unkept) => format!("{cause}; and its overlay cannot be kept: {unkept}").into(),
+        }
+    };
+    let cells = match source.cells(&bytes) {
+        Ok(cells) => cells,
+        Err(cause) => match source.unsegmented(&bytes) {
+            Ok(seen) => return Err(refused(&seen, cause)),
+            Err(_) => return Err(cause.into()),
+        },
+    };
     let segment_s = start.elapsed().as_secs_f64();
-    let (chosen, mut rows) = chosen(source, &cells, which, picture)?;
-    let reason = |cell: &PictureCell| left_out(cell, which, source.allow_cut);
+    let (chosen, mut rows) =
+        chosen(source, &cells, which, &picture.file).map_err(|cause| refused(&cells, cause))?;
+    let pointed_at = which == Which::Chosen && source.choice != Choice::Largest;
+    let reason = |cell: &PictureCell| {
+        if pointed_at { None } else { left_out(&cells, cell, source.allow_cut) }
+    };
     let to_beat: Vec<&PictureCell> = chosen.iter().filter(|cell| reason(cell).is_none()).collect();
     if !keeper.goes_on() {
         return Err(Interrupted.into());
     }
-    keeper.found(picture, &cells, &to_beat)?;
+    let mut notes = notes(&cells, &chosen, reason);
+    notes.extend(rows.iter().map(|row: &CellRow| row.reason.clone()));
+    keeper.found(picture, &cells, &to_beat, &notes)?;
     for cell in chosen {
-        let mut row = CellRow::of(picture, &cells, &cell);
+        let mut row = CellRow::of(&picture.file, &cells, &cell);
         row.number("segment_s", segment_s);
         if let Some(reason) = reason(&cell) {
             row.is_not_ok(Status::LeftOut, reason);
-        } else if let Err(cause) = beat(run, &cells, cell, &mut row, keeper) {
+        } else if let Err(cause) = beat(picture, run, &cells, cell, &mut row, keeper) {
             if cause.is::<Interrupted>() {
                 return Err(cause);
             }
@@ -141,10 +214,28 @@ pub fn rows(
             .take(FEW)
             .map(|row| format!("cell {}: {}", row.cell.as_deref().unwrap_or("?"), row.reason))
             .collect();
-        let reason = format!("no cell is whole and sure enough to beat: {}", reasons.join("; "));
-        rows.push(CellRow::failed(picture, reason));
+        let none = "no cell is whole, sure enough and of an expected size";
+        rows.push(picture.failed(format!("{none}: {}", reasons.join("; "))));
     }
     Ok(rows)
+}
+
+/// What a person should know when they look at the picture.
+fn notes(
+    cells: &PictureCells,
+    chosen: &[PictureCell],
+    left_out: impl Fn(&PictureCell) -> Option<String>,
+) -> Vec<String> {
+    let mut notes = cells.notes.clone();
+    let several = chosen.len() > 1;
+    for cell in chosen {
+        let who = if several { format!("cell {}: ", cell.name) } else { String::new() };
+        match left_out(cell) {
+            Some(reason) => notes.push(format!("{who}left out: {reason}")),
+            None => notes.extend(cell.warnings().map(|warning| format!("{who}{warning}"))),
+        }
+    }
+    notes
 }
 
 /// The cells to be looked at, and rows of those that cannot be outlined.
@@ -172,15 +263,15 @@ fn chosen(
 }
 
 /// Why a cell is not beaten.
-fn left_out(cell: &PictureCell, which: Which, allow_cut: bool) -> Option<String> {
-    if which == Which::Chosen {
-        return None;
-    }
+fn left_out(cells: &PictureCells, cell: &PictureCell, allow_cut: bool) -> Option<String> {
     let on_frame = cell.shape.pixels_on_frame;
     if on_frame > 0 && !allow_cut {
         return Some(format!(
             "the frame cuts it ({on_frame} pixels); --allow-cut beats it nevertheless"
         ));
+    }
+    if let Some(unusual) = cells.unusual_area(cell) {
+        return Some(unusual);
     }
     if cell.confidence.is_doubtful() {
         let reasons = cell.confidence.reasons.join("; ");
@@ -191,6 +282,7 @@ fn left_out(cell: &PictureCell, which: Which, allow_cut: bool) -> Option<String>
 
 /// Beats one cell and adds its numbers to the row.
 fn beat(
+    picture: &Picture,
     run: &Run,
     cells: &PictureCells,
     cell: PictureCell,
@@ -221,7 +313,7 @@ fn beat(
     row.warnings = warnings.join("; ");
     let summary = Summary::new(&finished.recording, &run.stimulus_times(), report, warnings);
     row.metrics(&summary);
-    let (picture, simulation, finished) = (row.picture.as_str(), &simulation, &finished);
+    let (simulation, finished) = (&simulation, &finished);
     keeper.beaten(&Beaten {
         picture,
         cell: &name,

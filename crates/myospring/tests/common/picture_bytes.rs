@@ -22,8 +22,12 @@ pub(crate) fn exercise(bytes: &[u8]) -> usize {
         }
         for modality in [Modality::Mask, Modality::Fluorescence, Modality::Brightfield] {
             let segmentation = Settings { modality, ..Settings::default() };
-            let options =
-                Options { selection, pixel_size: Some(PixelSize::MICROMETRE), segmentation };
+            let options = Options {
+                selection,
+                pixel_size: Some(PixelSize::MICROMETRE),
+                segmentation,
+                ..Options::default()
+            };
             if let Ok(cells) = PictureCells::find(bytes, &options) {
                 let _ = cells.cell(Choice::Largest, true);
             }

@@ -15,6 +15,7 @@ mod synthetic_cell;
 
 mod fibres;
 mod fuzz_corpus;
+mod hot_pixels;
 mod masks;
 mod outlines_damaged;
 mod outlines_given;

@@ -53,8 +53,9 @@ fn warnings_name_what_is_odd() {
     let l_shape =
         [[0.0, 0.0], [100.0, 0.0], [100.0, 20.0], [20.0, 20.0], [20.0, 100.0], [0.0, 100.0]];
     assert!(warned(&l_shape).contains("solidity 0.53 is below 0.8: the outline is ragged, or two"));
-    assert!(warned(&rectangle(20.0, 5.0)).contains("area of 100 um^2 is below 200 um^2"));
-    assert!(warned(&rectangle(300.0, 90.0)).contains("27000 um^2 and 300 um long"));
+    assert!(warned(&rectangle(20.0, 5.0)).contains("area of 100 um^2 is below 500 um^2"));
+    assert!(warned(&rectangle(300.0, 90.0)).contains("its area of 27000 um^2 is above 20000 um^2"));
+    assert!(warned(&rectangle(300.0, 30.0)).contains("300 um long, more than the usual 250 um"));
     assert!(warned(&rectangle(160.0, 8.0)).contains("20 times as long as wide"));
     let hole = vec![[40.0, 5.0], [60.0, 5.0], [60.0, 15.0], [40.0, 15.0]];
     let holed = Outline::new(rectangle(100.0, 20.0).to_vec(), vec![hole]).unwrap();
@@ -80,7 +81,7 @@ fn it_prints_as_a_table_with_units() {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "area                 100.0 um^2");
     assert_eq!(lines[2], "length                20.0 um");
-    assert!(lines.last().unwrap().starts_with("warning: the area of 100 um^2"));
+    assert!(lines.last().unwrap().starts_with("warning: its area of 100 um^2"));
     let json = serde_json::to_value(report(&rectangle(20.0, 5.0))).unwrap();
     assert_eq!((&json["area_um2"], &json["length_um"]), (&100.0.into(), &20.0.into()));
 }

@@ -19,6 +19,9 @@ worded! { Modality {
     Modality::Mask = "mask": "Not a picture but its segmentation: background 0.",
 } }
 
+/// Largest area that a bound on the areas of cells may be, um^2: a square of 10 mm.
+const LARGEST_AREA_UM2: f64 = 1e8;
+
 const DEPTH: &str = "segmentation.z";
 const SEED: &str = "segmentation.seed";
 const CELL: &str = "segmentation.cell";
@@ -172,6 +175,44 @@ pub(super) const ROWS: &[Setting] = &[
         "Which cell: largest, or a number by size, 1 being the largest; segment and batch also \
          take all",
     ),
+    Setting::quantity(
+        "segmentation.min_area",
+        "Least area that is expected of a cell: batch leaves out smaller ones, as debris, and elsewhere they are \
+         warned about.",
+        Bounds::any(Dimension::Area, "200 um^2").from(0.0).to(LARGEST_AREA_UM2),
+        |run| run.shape.source.picture().map(|picture| picture.options.areas_um2[0]),
+        |run, area| {
+            if let Some(picture) = run.shape.source.picture_mut() {
+                picture.options.areas_um2[0] = area;
+            }
+        },
+    )
+    .otherwise("\"500 um^2\"")
+    .option_saying(
+        "--min-area",
+        "AREA",
+        "Least area that is expected of a cell: batch leaves out smaller ones (debris), elsewhere they are \
+         warned about",
+    ),
+    Setting::quantity(
+        "segmentation.max_area",
+        "Largest area that is expected of a cell: batch leaves out larger ones, as sheets and clumps, and elsewhere \
+         they are warned about.",
+        Bounds::any(Dimension::Area, "40000 um^2").above(0.0).to(LARGEST_AREA_UM2),
+        |run| run.shape.source.picture().map(|picture| picture.options.areas_um2[1]),
+        |run, area| {
+            if let Some(picture) = run.shape.source.picture_mut() {
+                picture.options.areas_um2[1] = area;
+            }
+        },
+    )
+    .otherwise("\"20000 um^2\"")
+    .option_saying(
+        "--max-area",
+        "AREA",
+        "Largest area that is expected of a cell: batch leaves out larger ones (sheets, clumps), elsewhere they \
+         are warned about",
+    ),
     Setting::new(
         "segmentation.allow_cut",
         "Takes a cell although the frame of the picture cuts it.",
@@ -221,7 +262,8 @@ fn set_depth(run: &mut Run, value: &Value) -> Result<(), Problem> {
 /// `120, 85`: column and row in pixels.
 fn set_seed(run: &mut Run, value: &Value) -> Result<(), Problem> {
     let text = value.written();
-    let numbers: Vec<Option<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let parts = text.split([',', ';', ' ']).filter(|part| !part.is_empty());
+    let numbers: Vec<Option<f64>> = parts.map(|part| part.parse().ok()).collect();
     let [Some(x), Some(y)] = numbers[..] else { return Err(no_place(value)) };
     if !(x.is_finite() && y.is_finite()) {
         return Err(no_place(value));

@@ -13,6 +13,8 @@ pub struct CellRow {
     pub picture: String,
     /// The cell's name; none where the picture failed.
     pub cell: Option<String>,
+    /// The group to which the picture belongs.
+    pub group: Option<String>,
     /// What became of it.
     pub status: Status,
     /// Why it is not ok; else empty.
@@ -32,6 +34,7 @@ impl CellRow {
         let mut row = Self {
             picture: picture.to_owned(),
             cell: Some(cell.name.clone()),
+            group: None,
             status: Status::Ok,
             reason: String::new(),
             modality: Some(cells.modality().to_owned()),
@@ -80,6 +83,7 @@ impl Row for CellRow {
         Self {
             picture: picture.to_owned(),
             cell: None,
+            group: None,
             status: Status::Failed,
             reason,
             modality: None,
@@ -109,10 +113,15 @@ impl Row for CellRow {
         let mut columns = vec![
             text("picture", |row| Some(row.picture.clone())),
             text("cell", |row| row.cell.clone()),
+        ];
+        if rows.iter().any(|row| row.group.is_some()) {
+            columns.push(text("group", |row| row.group.clone()));
+        }
+        columns.extend([
             text("status", |row| Some(row.status.to_string())),
             text("reason", |row| Some(row.reason.clone())),
             text("modality", |row| row.modality.clone()),
-        ];
+        ]);
         columns.extend(names.into_iter().map(|name| {
             let value = |row: &Self| row.numbers.iter().find(|(other, _)| other == name)?.1;
             Column::Number { name: name.clone(), values: rows.iter().map(value).collect() }

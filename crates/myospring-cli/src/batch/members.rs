@@ -1,0 +1,172 @@
+//! Which pictures a batch works on: those of a folder, or those of a table with the settings of each.
+
+use crate::args::BatchArgs;
+use crate::failure::Failure;
+use crate::input;
+use crate::options::{Beat, Settings};
+use myospring::run_file::Origin;
+use myospring::settings::{PICTURE_ENDINGS, Run};
+use myospring::study::pictures::{Given, Picture, Which, read_table};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The keys that choose one cell.
+const CHOICES: [&str; 3] = ["segmentation.cell", "segmentation.seed", "shape.label"];
+
+/// The pictures of the table or the folder, and what there is to say about them.
+pub(super) fn pictures(
+    args: &BatchArgs,
+    target: &Path,
+) -> Result<(Vec<Picture>, Vec<String>), Failure> {
+    match (&args.table, &args.folder) {
+        (Some(table), folder) => of_table(table, folder.as_deref()),
+        (None, Some(folder)) => of_folder(args, folder, target),
+        // Which the arguments do not allow.
+        (None, None) => Err(Failure::new("neither a folder nor a table of pictures was given")),
+    }
+}
+
+fn of_table(table: &Path, folder: Option<&Path>) -> Result<(Vec<Picture>, Vec<String>), Failure> {
+    let bytes = std::fs::read(table).map_err(|error| input::cannot_read(table, &error))?;
+    let beside = folder.or(table.parent()).unwrap_or(Path::new(""));
+    let pictures = read_table(&bytes, &table.display().to_string(), beside).map_err(|error| {
+        Failure::new(error).advise(
+            "a table has a line for each picture, like\n  file,pixel_size,group\n  dish1/a.tif,0.27 um,control\n\
+             with files named relative to the folder given, or else to the table",
+        )
+    })?;
+    let mut notes = Vec::new();
+    if let Some(folder) = folder {
+        let named: Vec<PathBuf> =
+            pictures.iter().filter_map(|it| it.path.canonicalize().ok()).collect();
+        let found = within(folder, None)?;
+        let passed_over = |path: &&PathBuf| {
+            is_picture(path) && path.canonicalize().is_ok_and(|path| !named.contains(&path))
+        };
+        let left = found.iter().filter(passed_over).count();
+        if left > 0 {
+            let (folder, table) = (folder.display(), table.display());
+            notes.push(format!(
+                "{left} pictures in `{folder}` are not in `{table}` and were passed over"
+            ));
+        }
+    }
+    Ok((pictures, notes))
+}
+
+/// The pictures of the folder and all folders in it, each with its name, in the order of the paths.
+fn of_folder(
+    args: &BatchArgs,
+    folder: &Path,
+    target: &Path,
+) -> Result<(Vec<Picture>, Vec<String>), Failure> {
+    let pattern = args
+        .pattern
+        .as_deref()
+        .map(|text| {
+            glob::Pattern::new(text).map_err(|error| {
+                Failure::new(format!("--pattern \"{text}\": {error}"))
+                    .advise("write something like --pattern \"*_actinin.tif\"")
+            })
+        })
+        .transpose()?;
+    let files = within(folder, Some(target))?;
+    let matches = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        pattern.as_ref().is_none_or(|pattern| pattern.matches(&name))
+    };
+    let (wanted, others): (Vec<_>, Vec<_>) =
+        files.into_iter().partition(|path| is_picture(path) && matches(path));
+    let unread = unread(&others);
+    if wanted.is_empty() {
+        let kinds = args.pattern.as_deref().unwrap_or("*.png, *.tif, *.tiff");
+        let message = format!("`{}` holds no file like {kinds}", folder.display());
+        let advice = unread.unwrap_or("give another folder or --pattern".to_owned());
+        return Err(Failure::new(message).advise(advice));
+    }
+    let named = |path: PathBuf| Picture::new(name(folder, &path), path);
+    Ok((wanted.into_iter().map(named).collect(), unread.into_iter().collect()))
+}
+
+/// What to do about pictures of kinds that are not read.
+fn unread(files: &[PathBuf]) -> Option<String> {
+    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    for ending in files.iter().map(|path| input::ending(path)) {
+        if input::unread_picture(&ending).is_some() {
+            *kinds.entry(ending).or_default() += 1;
+        }
+    }
+    let (ending, _) = kinds.iter().max_by_key(|(_, count)| **count)?;
+    let advice = input::unread_picture(ending)?;
+    let kinds: Vec<String> =
+        kinds.iter().map(|(ending, count)| format!("{count} .{ending}")).collect();
+    Some(format!("not read: {} (a {advice})", kinds.join(", ")))
+}
+
+/// Every file in a folder and all folders in it, sorted, without what is hidden and without one folder.
+fn within(folder: &Path, but: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
+    let but = but.and_then(|but| std::path::absolute(but).ok());
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let failed = |error: std::io::Error| {
+            Failure::new(format!("cannot read the folder `{}`: {error}", folder.display()))
+                .advise("give a folder that holds pictures")
+        };
+        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
+            if entry.file_name().to_string_lossy().starts_with('.') {
+                continue;
+            }
+            // A link to a folder could lead in a circle.
+            if !kind.is_dir() {
+                found.push(path);
+            } else if but.is_none() || std::path::absolute(&path).ok() != but {
+                folders.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn is_picture(path: &Path) -> bool {
+    PICTURE_ENDINGS.contains(&input::ending(path).as_str())
+}
+
+/// A picture's name within the folder, with `/` on every system.
+fn name(folder: &Path, picture: &Path) -> String {
+    let within = picture.strip_prefix(folder).unwrap_or(picture);
+    let parts: Vec<_> =
+        within.components().map(|part| part.as_os_str().to_string_lossy()).collect();
+    parts.join("/")
+}
+
+/// The run of a picture: its own settings override those of the options.
+pub(super) fn settled(args: &BatchArgs, picture: &Picture) -> Result<Run, Failure> {
+    let file = args.table.as_deref().unwrap_or(Path::new("")).display().to_string();
+    let own = picture.given.iter().filter(|given| !is_all_cells(given)).map(|given| {
+        let Given { key, value, line, column } = given.clone();
+        (Origin::Table { file: file.clone(), line, column }, key, value)
+    });
+    let mut options = args.settings.overrides();
+    if picture.given.iter().any(is_all_cells) {
+        options.retain(|(setting, _)| !CHOICES.contains(&setting.key));
+    }
+    Ok(input::settle_with(Some(&picture.path), options, own)?.1)
+}
+
+/// All cells unless the picture's settings or the options name one.
+pub(super) fn which(settings: &Settings<Beat>, picture: &Picture) -> Which {
+    if picture.given.iter().any(is_all_cells) {
+        return Which::Every;
+    }
+    let own = picture.given.iter().any(|given| CHOICES.contains(&given.key));
+    let one = own || CHOICES.iter().any(|key| settings.get(key).is_some()) && !settings.all_cells();
+    if one { Which::Chosen } else { Which::Every }
+}
+
+fn is_all_cells(given: &Given) -> bool {
+    given.key == "segmentation.cell" && given.value.as_text() == Some("all")
+}

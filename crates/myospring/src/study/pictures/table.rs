@@ -1,0 +1,406 @@
+//! A table of pictures: the settings that each of them has of its own, and its group.
+
+use super::Picture;
+use crate::settings::{Kind, Setting, Value, nearest, table};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Columns that name the picture.
+const FILE: [&str; 2] = ["file", "picture"];
+/// Column that is handed on to the results.
+const GROUP: &str = "group";
+/// Keys that say what a run is about, or would name its shape a second time.
+const NO_COLUMNS: [&str; 4] = ["title", "shape.built_in", "shape.picture", "shape.outline"];
+/// How many missing files are named.
+const FEW: usize = 10;
+
+/// Why a table names no pictures.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TableError {
+    /// It is no table of text.
+    #[error(
+        "`{table}`: {cause}; save it as CSV in UTF-8, with the names of the columns in the first line"
+    )]
+    Unreadable {
+        /// The table.
+        table: String,
+        /// What is wrong, with the line.
+        cause: String,
+    },
+    /// A column that stands for no setting.
+    #[error(
+        "`{table}`, line 1, column {column}: there is no setting `{name}`{}; columns are file, group, and any option \
+         or key of a run file, like pixel_size, modality, channel, threshold, seed, outline, stain",
+        guess(suggestion.as_ref())
+    )]
+    UnknownColumn {
+        /// The table.
+        table: String,
+        /// Which column, from 1.
+        column: usize,
+        /// Its name.
+        name: String,
+        /// The name that may be meant.
+        suggestion: Option<String>,
+    },
+    /// Two columns of one meaning.
+    #[error(
+        "`{table}`, line 1: the columns {first} and {second} both stand for `{name}`; leave one out"
+    )]
+    SameColumn {
+        /// The table.
+        table: String,
+        /// The first, from 1.
+        first: usize,
+        /// The second.
+        second: usize,
+        /// What they stand for.
+        name: String,
+    },
+    /// No column of files.
+    #[error("`{table}`, line 1: no column is named `file`; its columns are {columns}")]
+    NoFiles {
+        /// The table.
+        table: String,
+        /// Those that it has.
+        columns: String,
+    },
+    /// More values than columns.
+    #[error(
+        "`{table}`, line {line} has {found} values, but the first line names {columns} columns; a value with a comma \
+         needs quotes, like \"120,85\""
+    )]
+    TooMany {
+        /// The table.
+        table: String,
+        /// The line.
+        line: u64,
+        /// How many values it has.
+        found: usize,
+        /// How many columns there are.
+        columns: usize,
+    },
+    /// Lines without a file, or files that are not there.
+    #[error("`{table}`: {}", missing(places))]
+    Missing {
+        /// The table.
+        table: String,
+        /// Each place with what is missing there.
+        places: Vec<String>,
+    },
+    /// A line that says what another one says.
+    #[error(
+        "`{table}`, line {line} says the same as line {first}: the cell would count twice; leave one out, or give them \
+         seeds"
+    )]
+    Twice {
+        /// The table.
+        table: String,
+        /// The line.
+        line: u64,
+        /// The one before.
+        first: u64,
+    },
+    /// Nothing below the header.
+    #[error("`{table}` names no picture; give each a line below the names of the columns")]
+    Empty {
+        /// The table.
+        table: String,
+    },
+}
+
+fn guess(suggestion: Option<&String>) -> String {
+    suggestion.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+}
+
+fn missing(places: &[String]) -> String {
+    let more = places.len().saturating_sub(FEW);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    format!("{}{more}", places[..places.len().min(FEW)].join("; "))
+}
+
+/// A setting that a line of a table gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// Key of the setting.
+    pub key: &'static str,
+    /// Its value.
+    pub value: Value,
+    /// Line of the table, the header is 1.
+    pub line: u64,
+    /// Name of the column, as written.
+    pub column: String,
+}
+
+/// What a column stands for.
+#[derive(Clone, Copy)]
+enum Column {
+    File,
+    Group,
+    Setting(&'static Setting),
+}
+
+impl Column {
+    fn name(self) -> &'static str {
+        match self {
+            Self::File => FILE[0],
+            Self::Group => GROUP,
+            Self::Setting(setting) => setting.key,
+        }
+    }
+
+    /// The column of a name: that of an option or key, with or without the unit behind it.
+    fn of(name: &str) -> Option<Self> {
+        let name = plain(name);
+        if FILE.contains(&name.as_str()) {
+            return Some(Self::File);
+        }
+        if name == GROUP {
+            return Some(Self::Group);
+        }
+        let setting = settings().find(|setting| {
+            let short = setting.name();
+            let with_unit = || format!("{short}_{}", unit(setting).replace('^', ""));
+            let by_option = setting.option.is_some() && (name == short || name == with_unit());
+            by_option || name == setting.key
+        });
+        setting.map(Self::Setting)
+    }
+}
+
+/// `--pixel-size` and `Pixel size` give `pixel_size`.
+fn plain(name: &str) -> String {
+    name.trim().trim_start_matches("--").to_lowercase().replace(['-', ' '], "_")
+}
+
+fn unit(setting: &Setting) -> &'static str {
+    setting.unit().unwrap_or_default()
+}
+
+/// Settings that may be columns.
+fn settings() -> impl Iterator<Item = &'static Setting> {
+    table().filter(|setting| {
+        !NO_COLUMNS.contains(&setting.key) && !matches!(setting.kind, Kind::Named { .. })
+    })
+}
+
+/// Reads a table of pictures: `bytes` are those of the file `name`, and files are looked for in `folder`.
+///
+/// The first line names the columns: `file`; `group`, which is handed on to the results; and any option or key of a
+/// setting. Values are written as options take them, numbers also without their unit, which is then um, ms, kPa and
+/// so on; an empty one leaves the setting as it is for all. Commas, semicolons or tabs part the columns. Several
+/// lines may name one file, for several of its cells.
+///
+/// # Errors
+/// A table that cannot be read, columns that stand for nothing, files that are not there, a line that repeats
+/// another.
+///
+/// # Example
+/// ```
+/// use myospring::study::pictures::read_table;
+/// let folder = tempfile::tempdir()?;
+/// std::fs::write(folder.path().join("dish.tif"), "")?;
+/// let table = "file,pixel_size,seed,group\ndish.tif,0.27,\"120,85\",drug\ndish.tif,0.27 um,\"40,60\",drug\n";
+/// let pictures = read_table(table.as_bytes(), "pictures.csv", folder.path())?;
+/// assert_eq!(pictures[1].name, "dish.tif-2");
+/// assert_eq!(pictures[1].group.as_deref(), Some("drug"));
+/// assert_eq!(pictures[0].given[0].value, "0.27 um".into());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_table(bytes: &[u8], name: &str, folder: &Path) -> Result<Vec<Picture>, TableError> {
+    let table = name.to_owned();
+    let unreadable = |cause: String| TableError::Unreadable { table: table.clone(), cause };
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let before = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
+        let line = before.matches('\n').count() + 1;
+        unreadable(format!("line {line} is not UTF-8"))
+    })?;
+    let text = text.trim_start_matches('\u{feff}');
+    let separator = separator(text);
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(separator)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let names = reader.headers().map_err(|error| unreadable(error.to_string()))?.clone();
+    let columns = columns(&names, name)?;
+    let mut lines = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| unreadable(error.to_string()))?;
+        let line = line_of(text, record.position());
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
+        if record.iter().skip(columns.len()).any(|value| !value.is_empty()) {
+            let (found, columns) = (record.len(), columns.len());
+            return Err(TableError::TooMany { table, line, found, columns });
+        }
+        let values = columns.iter().zip(&names).zip(record.iter());
+        lines.push(values.fold(Line::new(line), |mut entry, ((column, name), value)| {
+            if !value.is_empty() {
+                entry.take(*column, name, value, separator == b';', folder);
+            }
+            entry
+        }));
+    }
+    checked(lines, table, folder)
+}
+
+/// The line of a record, from 1; a position stands before the empty lines and comments that were passed over.
+fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
+    let byte = position.map_or(0, |position| position.byte() as usize).min(text.len());
+    let (before, rest) = text.split_at(byte);
+    let passed = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#'));
+    (before.matches('\n').count() + passed.count() + 1) as u64
+}
+
+/// What parts the columns: whatever the first line has most of.
+fn separator(text: &str) -> u8 {
+    let lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
+    let first = lines.take(1).collect::<String>();
+    let count = |byte: &u8| first.bytes().filter(|other| other == byte).count();
+    // Of equals the last counts.
+    [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
+}
+
+fn columns(names: &csv::StringRecord, table: &str) -> Result<Vec<Option<Column>>, TableError> {
+    let mut columns: Vec<Option<Column>> = Vec::new();
+    for (at, name) in names.iter().enumerate() {
+        let column = Column::of(name);
+        // Spreadsheets add columns without a name.
+        if column.is_none() && !name.is_empty() {
+            let known = settings().filter(|setting| setting.option.is_some()).map(Setting::name);
+            let known: Vec<String> = known.chain([FILE[0], GROUP]).map(str::to_owned).collect();
+            let suggestion = nearest(&plain(name), &known);
+            let (table, name) = (table.to_owned(), name.to_owned());
+            return Err(TableError::UnknownColumn { table, column: at + 1, name, suggestion });
+        }
+        let stands_for = |column: &Option<Column>| column.map(Column::name);
+        let first = columns.iter().position(|other| stands_for(other) == stands_for(&column));
+        if let (Some(column), Some(first)) = (column, first) {
+            let (table, name) = (table.to_owned(), column.name().to_owned());
+            return Err(TableError::SameColumn { table, first: first + 1, second: at + 1, name });
+        }
+        columns.push(column);
+    }
+    if !columns.iter().any(|column| matches!(column, Some(Column::File))) {
+        let columns: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        let (table, columns) = (table.to_owned(), columns.join(", "));
+        return Err(TableError::NoFiles { table, columns });
+    }
+    Ok(columns)
+}
+
+/// A line of the table.
+#[derive(Default)]
+struct Line {
+    number: u64,
+    file: Option<String>,
+    group: Option<String>,
+    given: Vec<Given>,
+    /// Other files, each with its column.
+    files: Vec<(PathBuf, String)>,
+}
+
+impl Line {
+    fn new(number: u64) -> Self {
+        Self { number, ..Self::default() }
+    }
+
+    fn take(
+        &mut self,
+        column: Option<Column>,
+        name: &str,
+        value: &str,
+        decimal_commas: bool,
+        folder: &Path,
+    ) {
+        match column {
+            None => {}
+            Some(Column::File) => self.file = Some(value.to_owned()),
+            Some(Column::Group) => self.group = Some(value.to_owned()),
+            Some(Column::Setting(setting)) => {
+                let mut value = read(setting, value, decimal_commas);
+                if let (true, Value::Text(path)) = (setting.is_file(), &mut value) {
+                    let place = folder.join(&*path);
+                    *path = place.to_string_lossy().into_owned();
+                    self.files.push((place, name.to_owned()));
+                }
+                let (line, column) = (self.number, name.to_owned());
+                self.given.push(Given { key: setting.key, value, line, column });
+            }
+        }
+    }
+
+    /// All that makes it differ from other lines.
+    fn content(&self) -> String {
+        let given: Vec<String> =
+            self.given.iter().map(|given| format!("{} = {}", given.key, given.value)).collect();
+        format!("{:?}\n{}", self.file, given.join("\n"))
+    }
+}
+
+/// A value as an option takes it; a bare number has the internal unit.
+fn read(setting: &Setting, text: &str, decimal_commas: bool) -> Value {
+    match setting.kind {
+        Kind::Flag { .. } => match text.to_lowercase().as_str() {
+            "true" | "yes" | "1" => Value::Flag(true),
+            "false" | "no" | "0" => Value::Flag(false),
+            _ => Value::from(text),
+        },
+        // Spreadsheets write 2.0 where 2 was meant.
+        Kind::Whole { .. } => match text.parse::<f64>() {
+            Ok(number) if number.fract() == 0.0 => Value::Whole(number as i64),
+            _ => Value::from(text),
+        },
+        Kind::Quantity { .. } => {
+            let text = if decimal_commas { text.replacen(',', ".", 1) } else { text.to_owned() };
+            match (text.parse::<f64>(), unit(setting)) {
+                (Ok(number), "") => Value::Number(number),
+                (Ok(_), unit) => Value::Text(format!("{text} {unit}")),
+                (Err(_), _) => Value::Text(text),
+            }
+        }
+        _ => Value::from(text),
+    }
+}
+
+/// The pictures of the lines, each with a name of its own.
+fn checked(lines: Vec<Line>, table: String, folder: &Path) -> Result<Vec<Picture>, TableError> {
+    if lines.is_empty() {
+        return Err(TableError::Empty { table });
+    }
+    let mut places = Vec::new();
+    for Line { number: line, file, files, .. } in &lines {
+        let Some(file) = file else {
+            places.push(format!("line {line} names no file"));
+            continue;
+        };
+        let own = (folder.join(file), FILE[0].to_owned());
+        for (path, column) in [&own].into_iter().chain(files).filter(|(path, _)| !path.is_file()) {
+            let path = path.display();
+            places.push(format!("line {line}, column `{column}`: there is no file `{path}`"));
+        }
+    }
+    if !places.is_empty() {
+        return Err(TableError::Missing { table, places });
+    }
+    let mut seen: BTreeMap<String, u64> = BTreeMap::new();
+    let mut of_file: BTreeMap<String, usize> = BTreeMap::new();
+    let mut pictures = Vec::new();
+    for line in lines {
+        if let Some(first) = seen.insert(line.content(), line.number) {
+            return Err(TableError::Twice { table, line: line.number, first });
+        }
+        let Line { file, group, given, files, .. } = line;
+        let file = file.unwrap_or_default();
+        let count = of_file.entry(file.clone()).or_default();
+        *count += 1;
+        let name = if *count == 1 { file.clone() } else { format!("{file}-{count}") };
+        let path = folder.join(&file);
+        let files = files.into_iter().map(|(path, _)| path).collect();
+        pictures.push(Picture { name, file, path, group, given, files });
+    }
+    Ok(pictures)
+}
