@@ -1,9 +1,12 @@
 //! From what stands on the command line to a run and the bytes of its shape.
 
+use crate::args::OutputArgs;
 use crate::failure::Failure;
 use crate::options::Given;
+use crate::refused::{Place, Refused};
+use crate::segment;
 use myospring::microscopy::read;
-use myospring::run_file::{Origin, Reader, Run, ShapeBytes, Shaped};
+use myospring::run_file::{Origin, Reader, Run, ShapeBytes, Shaped, Source};
 use myospring::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS, Value};
 use std::fs;
 use std::path::Path;
@@ -18,11 +21,36 @@ pub(crate) struct Input {
     pub(crate) shaped: Shaped,
 }
 
-/// Reads and checks everything and meshes the shape.
-pub(crate) fn read(path: Option<&Path>, overrides: Vec<Given>) -> Result<Input, Failure> {
+/// Reads and checks everything and meshes the shape. Of a picture that gives no cell an overlay is written beside
+/// the results that there will not be, unless nothing is to be written.
+pub(crate) fn read(
+    path: Option<&Path>,
+    overrides: Vec<Given>,
+    results: Option<&OutputArgs>,
+) -> Result<Input, Failure> {
     let (name, run) = settle(path, overrides)?;
     let bytes = run.shape.bytes(|file| fs::read(file))?;
-    let shaped = run.shape.mesh(&bytes)?;
+    let shaped = match (&run.shape.source, results) {
+        (Source::Picture(source), Some(args)) => {
+            let folder = args.output.as_ref().and_then(|output| {
+                let beside = output.file_name()?.to_string_lossy();
+                Some(output.with_file_name(format!("{beside}_outline")))
+            });
+            let place = Place::Folder(folder.unwrap_or_else(|| segment::folder(&name)));
+            let (picture, shape) = (source.path.as_str(), &run.shape);
+            let refused = Refused { picture, shape, place };
+            match source.cells(&bytes) {
+                Err(cause) => return Err(refused.without_cells(cause, &bytes)),
+                Ok(cells) => match cells.cell(source.choice, source.allow_cut) {
+                    Ok(cell) => run.shape.mesh_cell(cells, cell)?,
+                    Err(cause) => {
+                        return Err(refused.with_cells(source.failed(cause), &cells, false));
+                    }
+                },
+            }
+        }
+        _ => run.shape.mesh(&bytes)?,
+    };
     Ok(Input { name, run, bytes, shaped })
 }
 

@@ -12,6 +12,7 @@ mod options;
 mod overlay;
 mod paper;
 mod print;
+mod refused;
 mod results;
 mod run;
 mod segment;

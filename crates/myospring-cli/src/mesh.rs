@@ -15,7 +15,7 @@ use std::process::ExitCode;
 pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
     let Input { name, run, shaped, .. } =
-        input::read(args.input.as_deref(), args.settings.overrides())?;
+        input::read(args.input.as_deref(), args.settings.overrides(), Some(&args.output))?;
     let field = run.fibre_field(&shaped)?;
     let Shaped { mesh, report, outline, picture } = shaped;
     let target = args

@@ -37,7 +37,8 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let overrides = rows
         .into_iter()
         .filter_map(|(key, value)| Some((settings::find(key)?, Value::Text(value.clone()?))));
-    let Input { run, shaped: Shaped { mesh, .. }, .. } = input::read(None, overrides.collect())?;
+    let Input { run, shaped: Shaped { mesh, .. }, .. } =
+        input::read(None, overrides.collect(), None)?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     interrupt::heed("nothing is written");
     let folder = Folder::claim(&target, args.output.force)?;

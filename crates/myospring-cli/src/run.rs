@@ -90,8 +90,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     let mut timings = Timings::default();
     input::one_cell(args.settings.all_cells())?;
+    let results = Some(&args.output).filter(|_| !args.dry_run);
     let Input { name, run, bytes, shaped } =
-        input::read(args.input.as_deref(), args.settings.overrides())?;
+        input::read(args.input.as_deref(), args.settings.overrides(), results)?;
     let Made { mut simulation, report, field, picture } =
         run.make(shaped, |file| std::fs::read(file))?;
     timings.mesh_s = start.elapsed().as_secs_f64();

@@ -1,23 +1,24 @@
 //! `myospring segment`.
 
+pub(crate) mod report;
+
 use crate::args::SegmentArgs;
 use crate::failure::Failure;
 use crate::overlay::{self, Lattice};
+use crate::refused::{self, Place, Refused};
 use crate::results::Folder;
 use crate::{input, interrupt, print};
-use myospring::mesh::Mesh;
-use myospring::mesh::quality::MeshReport;
 use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
 use myospring::microscopy::outlines::raster::{write_labels_png, write_mask_png};
 use myospring::microscopy::outlines::{
     NamedOutline, PixelFrame, write_cellpose, write_geojson, write_roi, write_roi_set,
 };
-use myospring::microscopy::report::ShapeReport;
-use myospring::microscopy::segment::{Choice, Confidence, SegmentError};
+use myospring::microscopy::segment::{Choice, SegmentError};
 use myospring::output::figure::Figure;
 use myospring::output::{files, json};
-use myospring::run_file::{Run, ShapeError, Source};
-use serde::Serialize;
+use myospring::run_file::{Run, Source};
+use myospring::settings::PictureSource;
+use report::{Chosen, LeftOut, Report};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -26,43 +27,6 @@ const DPI: f64 = 200.0;
 
 /// Endings of files of outlines, in the order of the help.
 const ENDINGS: [&str; 6] = ["geojson", "json", "roi", "zip", "txt", "png"];
-
-/// What was found, for machines.
-#[derive(Serialize)]
-struct Report<'a> {
-    picture: String,
-    modality: &'static str,
-    pixel_size_um: f64,
-    pixel_size_source: &'static str,
-    threshold: Option<f64>,
-    cells: Vec<CellReport<'a>>,
-    notes: &'a [String],
-}
-
-#[derive(Serialize)]
-struct CellReport<'a> {
-    number: u32,
-    name: &'a str,
-    confidence: &'a Confidence,
-    #[serde(flatten)]
-    shape: &'a ShapeReport,
-    lattice: Option<LatticeReport>,
-}
-
-/// The lattice that `myospring run` would take, with the same --spacing.
-#[derive(Serialize)]
-struct LatticeReport {
-    spacing_um: f64,
-    masses: usize,
-    springs: usize,
-    triangles: usize,
-}
-
-/// A cell with its lattice, where the pixels give one.
-struct Chosen {
-    cell: PictureCell,
-    lattice: Result<(Mesh, MeshReport), ShapeError>,
-}
 
 pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     for file in &args.output {
@@ -78,25 +42,31 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         return Err(Failure::new(message).advise("give a picture (.png, .tif, .tiff)"));
     };
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
-    let cells = source.cells(&bytes)?;
+    let picture = args.input.display().to_string();
+    let place = match args.output.first() {
+        Some(first) => Place::File(beside(first)),
+        None => Place::Folder(folder(&name)),
+    };
+    let refused = Refused { picture: &picture, shape: &run.shape, place };
+    let cells = match source.cells(&bytes) {
+        Ok(cells) => cells,
+        Err(cause) => return Err(refused.without_cells(cause, &bytes)),
+    };
     let all = args.settings.all_cells();
-    let chosen = if all {
-        every_cell(&cells, source.allow_cut)
-    } else {
-        cells.cell(source.choice, source.allow_cut).map(|cell| vec![cell])
-    }
-    .map_err(|cause| source.failed(cause))?;
-    let meshed = |cell| Chosen { lattice: run.shape.lattice(&cells, &cell), cell };
-    let chosen: Vec<Chosen> = chosen.into_iter().map(meshed).collect();
+    let (chosen, left_out) = match chosen(&cells, source, all) {
+        Ok(chosen) => chosen,
+        Err(cause) => return Err(refused.with_cells(source.failed(cause), &cells, all)),
+    };
+    let chosen = Chosen::of(&run.shape, &cells, chosen);
 
-    let report = report(args, &cells, &chosen);
-    let notes = notes(&cells, &chosen, all);
+    let report = Report::of(picture, &cells, &chosen, left_out);
+    let notes = report::notes(&cells, &chosen, &report.left_out, all);
     let figure = draw(&report, &run, &cells, &chosen, &notes)?;
     let written = write(args, &name, &cells, &chosen, &report, &figure)?;
     if args.json {
         print::out(&json::pretty(&report)?)?;
     } else {
-        print::out(&for_people(&report))?;
+        print::out(&report.for_people(&cells))?;
         print::out(&format!("\nwritten: {}", written.join(", ")))?;
     }
     if !args.quiet {
@@ -107,72 +77,30 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Every cell; those that the frame cuts only where that is allowed, or if there are no others an error.
-fn every_cell(cells: &PictureCells, allow_cut: bool) -> Result<Vec<PictureCell>, CellError> {
-    let mut cut = None;
-    let mut every = Vec::new();
+/// The cells that were asked for, and of all of them those that are left out, each with the reason.
+fn chosen(
+    cells: &PictureCells,
+    source: &PictureSource,
+    all: bool,
+) -> Result<(Vec<PictureCell>, Vec<LeftOut>), CellError> {
+    if !all {
+        return Ok((vec![cells.cell(source.choice, source.allow_cut)?], Vec::new()));
+    }
+    let (mut every, mut left_out, mut first) = (Vec::new(), Vec::new(), None);
     for number in 1..=cells.len() as u32 {
-        match cells.cell(Choice::Number(number), allow_cut) {
+        match cells.cell(Choice::Number(number), source.allow_cut) {
             Ok(cell) => every.push(cell),
-            Err(CellError::Segment(error @ SegmentError::Cut { .. })) => {
-                cut.get_or_insert(error);
+            Err(error) => {
+                let cut = matches!(error, CellError::Segment(SegmentError::Cut { .. }));
+                left_out.push(LeftOut { number, reason: error.to_string(), cut });
+                first.get_or_insert(error);
             }
-            Err(error) => return Err(error),
         }
     }
-    match cut {
-        Some(error) if every.is_empty() => Err(error.into()),
-        _ => Ok(every),
+    match first {
+        Some(error) if every.is_empty() => Err(error),
+        _ => Ok((every, left_out)),
     }
-}
-
-fn report<'a>(args: &SegmentArgs, cells: &'a PictureCells, chosen: &'a [Chosen]) -> Report<'a> {
-    let threshold = cells.segmentation().map(|found| found.threshold);
-    let cell = |Chosen { cell, lattice }: &'a Chosen| CellReport {
-        number: cell.number,
-        name: &cell.name,
-        confidence: &cell.confidence,
-        shape: &cell.shape,
-        lattice: lattice.as_ref().ok().map(|(mesh, report)| LatticeReport {
-            spacing_um: report.spacing_um,
-            masses: mesh.len(),
-            springs: mesh.springs.len(),
-            triangles: mesh.simplices.len(),
-        }),
-    };
-    Report {
-        picture: args.input.display().to_string(),
-        modality: cells.modality(),
-        pixel_size_um: cells.pixel_size.um(),
-        pixel_size_source: cells.pixel_size_source,
-        threshold: threshold.filter(|threshold| *threshold != 0.0),
-        cells: chosen.iter().map(cell).collect(),
-        notes: &cells.notes,
-    }
-}
-
-/// What a person should look at.
-fn notes(cells: &PictureCells, chosen: &[Chosen], all: bool) -> Vec<String> {
-    let mut notes = cells.notes.clone();
-    let left_out = cells.len() - chosen.len();
-    if all && left_out > 0 {
-        notes.push(format!(
-            "{left_out} of {} cells are cut by the frame and were left out; --allow-cut takes them",
-            cells.len()
-        ));
-    } else if left_out > 0 {
-        notes.push(format!(
-            "the picture has {} cells; --cell all writes all of them, --cell N or --seed X,Y another",
-            cells.len()
-        ));
-    }
-    for Chosen { cell, lattice } in chosen {
-        let who = if chosen.len() > 1 { format!("cell {}: ", cell.name) } else { String::new() };
-        let warnings = cell.confidence.warning().into_iter().chain(cell.shape.warnings.clone());
-        notes.extend(warnings.map(|warning| format!("{who}{warning}")));
-        notes.extend(lattice.as_ref().err().map(|error| format!("{who}no lattice: {error}")));
-    }
-    notes
 }
 
 /// The overlay; with lattice and fibres where there is one cell.
@@ -212,8 +140,9 @@ fn write(
         })
         .collect();
     if args.output.is_empty() {
-        let target = Path::new("results").join(format!("{name}_outline"));
-        let folder = Folder::claim(&target, args.force)?;
+        let target = folder(name);
+        let force = args.force || refused::is_all_there_is(&target);
+        let folder = Folder::claim(&target, force)?;
         let one = if named.len() == 1 { "cell.roi" } else { "cells.zip" };
         for file in ["outline.geojson", "mask.png", one] {
             folder.write(file, encoded(Path::new(file), &named, &frame)?)?;
@@ -241,6 +170,11 @@ fn write(
             Ok(file.display().to_string())
         })
         .collect()
+}
+
+/// Where the outlines of a picture of this name go unless they are named.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    Path::new("results").join(format!("{name}_outline"))
 }
 
 /// `cell.roi` gives `cell_overlay.png`.
@@ -271,35 +205,4 @@ fn encoded(file: &Path, cells: &[NamedOutline], frame: &PixelFrame) -> Result<Ve
         _ => Ok(write_geojson(cells).into_bytes()),
     };
     encoded.map_err(|error| Failure::new(format!("`{}`: {error}", file.display())))
-}
-
-fn for_people(report: &Report<'_>) -> String {
-    let threshold =
-        report.threshold.map(|threshold| format!(", threshold {threshold:.4}")).unwrap_or_default();
-    let mut parts = vec![format!(
-        "{}: {} picture, pixels of {} um ({}){threshold}",
-        report.picture, report.modality, report.pixel_size_um, report.pixel_size_source
-    )];
-    for cell in &report.cells {
-        let contrast = cell.confidence.contrast;
-        let contrast = contrast.map(|contrast| format!(", contrast {contrast:.1} times the noise"));
-        parts.push(format!(
-            "cell {}, confidence {:.2} of 1{}",
-            cell.name,
-            cell.confidence.score,
-            contrast.unwrap_or_default()
-        ));
-        // Warnings go to stderr.
-        let shape = cell.shape.to_string();
-        let lines: Vec<&str> = shape.lines().filter(|line| !line.starts_with("warning")).collect();
-        parts.push(lines.join("\n"));
-        if let Some(LatticeReport { spacing_um, masses, springs, triangles }) = &cell.lattice {
-            parts.push(format!(
-                "{:<20} {masses} masses, {springs} springs, {triangles} triangles, spacing {spacing_um} um",
-                "lattice"
-            ));
-        }
-        parts.push(String::new());
-    }
-    parts.join("\n")
 }

@@ -292,3 +292,75 @@ fn a_table_beats_each_cell_with_its_own_settings_and_hands_its_group_on() {
         assert!(text(&refused.stderr).contains(expected), "{}", text(&refused.stderr));
     }
 }
+
+#[test]
+fn of_a_picture_that_gives_no_cell_there_is_an_overlay_to_look_at_and_nothing_else_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let grey = |name: &str, value: &dyn Fn(u32, u32) -> u8| {
+        let file = std::fs::File::create(folder.path().join(name)).unwrap();
+        let pixels: Vec<u8> = (0..240 * 120).map(|at| value(at % 240, at / 240)).collect();
+        let mut writer = png::Encoder::new(file, 240, 120).write_header().unwrap();
+        writer.write_image_data(&pixels).unwrap();
+    };
+    let noise = |x: u32, y: u32| ((x * 240 + y).wrapping_mul(2_654_435_761) >> 27) as u8;
+    grey("cut.png", &|x, y| noise(x, y) + if x < 150 && (40..90).contains(&y) { 180 } else { 20 });
+    grey("noise.png", &|x, y| noise(x, y) + noise(y + 7, x));
+    grey("speck.png", &|x, y| if (50..53).contains(&x) && y == 30 { 255 } else { 0 });
+    cell(&folder.path().join("cell.png"));
+    let exists = |path: &str| folder.path().join(path).exists();
+    let refused = |arguments: &[&str], expected: &[&str]| {
+        let output = myospring(folder.path(), &[arguments, &["--pixel-size", "0.5 um"]].concat());
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        for part in expected {
+            assert!(message.contains(part), "{arguments:?} lacks `{part}`: {message}");
+        }
+    };
+    let found = " um^2 (fluorescence picture, pixels of 0.5 um (given), threshold";
+    let cut = ["is cut by the frame", found, "results/cut_outline/overlay.png"];
+    refused(&["segment", "cut.png"], &cut);
+    let report = std::fs::read_to_string(folder.path().join("results/cut_outline/report.json"));
+    let report: serde_json::Value = serde_json::from_str(&report.unwrap()).unwrap();
+    assert_eq!(report["cells"][0]["pixels_on_frame"], 50);
+    assert!(report["refused"].as_str().unwrap().contains("50 of its pixels"), "{report}");
+    // Whoever asks, it is written over, for it is no result.
+    refused(&["segment", "cut.png", "--cell", "all"], &cut);
+    refused(&["run", "cut.png"], &cut);
+    refused(
+        &["mesh", "cut.png", "-o", "mine"],
+        &["found one cell of 187", "mine_outline/overlay.png"],
+    );
+    refused(&["segment", "cut.png", "-o", "cut.roi"], &["look at cut_overlay.png"]);
+    assert!(!exists("results/cut") && !exists("mine") && !exists("cut.roi"));
+    let allowed = ["segment", "cut.png", "--allow-cut", "--pixel-size", "0.5 um"];
+    assert!(myospring(folder.path(), &allowed).status.success());
+    assert!(exists("results/cut_outline/cell.roi"));
+
+    // What was found before stays.
+    refused(&["run", "cut.png"], &["results/cut_outline_refused/overlay.png"]);
+    assert!(exists("results/cut_outline/cell.roi"));
+
+    let none = ["no cell was found", "pixel size of 0.5 um", "results/noise_outline/overlay.png"];
+    refused(&["mesh", "noise.png", "--modality", "fluorescence"], &none);
+    refused(&["run", "speck.png"], &["only 3 pixels", "at least 25", "speck_outline/overlay.png"]);
+    let beside =
+        ["no cell lies at 5, 5", "the nearest is cell 1", "results/cell_outline/overlay.png"];
+    refused(&["run", "cell.png", "--seed", "5,5"], &beside);
+    refused(
+        &["run", "noise.png", "--modality", "fluorescence", "--dry-run", "-o", "dry"],
+        &none[..1],
+    );
+    assert!(!exists("dry_outline"));
+
+    let names = ["cut", "noise", "speck", "cell"];
+    std::fs::create_dir(folder.path().join("dish")).unwrap();
+    for name in names.map(|name| format!("{name}.png")) {
+        std::fs::rename(folder.path().join(&name), folder.path().join("dish").join(&name)).unwrap();
+    }
+    let batch = ["batch", "dish", "--pixel-size", "0.5 um", "--integrator", "quasi-static"];
+    let batch = [&batch[..], &["--modality", "fluorescence", "-o", "out"]].concat();
+    assert_eq!(myospring(folder.path(), &batch).status.code(), Some(1));
+    for name in names {
+        assert!(exists(&format!("out/overlays/{name}_png.png")), "{name}");
+    }
+}

@@ -90,6 +90,7 @@ pub fn overlay(overlay: &Overlay<'_>) -> Result<Figure, FigureError> {
 
 fn caption(overlay: &Overlay<'_>, letter: &str, of_two: bool) -> &'static str {
     match (letter, overlay.mesh.is_some(), overlay.fibres.is_empty()) {
+        _ if overlay.cells.is_empty() && !of_two && overlay.mesh.is_none() => "Picture",
         ("A", ..) if of_two || overlay.mesh.is_none() => "Picture and outline",
         (_, true, true) => "Lattice",
         (_, true, false) => "Lattice and fibres",

@@ -1,0 +1,171 @@
+//! What there is to see of a picture of which no cell is taken: an overlay beside the refusal.
+
+use crate::failure::Failure;
+use crate::overlay;
+use crate::results::Folder;
+use crate::segment::report::{Chosen, Report};
+use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
+use myospring::microscopy::segment::{Choice, SegmentError};
+use myospring::output::{files, json};
+use myospring::run_file::{Shape, ShapeBytes, ShapeError, Source};
+use std::path::{Path, PathBuf};
+
+/// Resolution of the overlay, dots per inch.
+const DPI: f64 = 200.0;
+
+/// All that is written to a folder.
+const OVERLAY: &str = "overlay.png";
+const REPORT: &str = "report.json";
+
+/// Where it is written.
+pub(crate) enum Place {
+    /// A file for the overlay.
+    File(PathBuf),
+    /// A folder for overlay and report.
+    Folder(PathBuf),
+}
+
+/// A picture that is refused.
+pub(crate) struct Refused<'a> {
+    pub(crate) picture: &'a str,
+    pub(crate) shape: &'a Shape,
+    /// Earlier results there stay.
+    pub(crate) place: Place,
+}
+
+impl Refused<'_> {
+    /// The refusal of a picture in which no cell was found.
+    pub(crate) fn without_cells(&self, cause: ShapeError, bytes: &ShapeBytes) -> Failure {
+        let seen = match &self.shape.source {
+            Source::Picture(source) if is_worth_seeing(&cause) => source.unsegmented(bytes).ok(),
+            _ => None,
+        };
+        match seen {
+            Some(seen) => self.shown(cause, &seen, Vec::new(), None),
+            None => cause.into(),
+        }
+    }
+
+    /// The refusal of a picture with cells, none of which is the one that was asked for, or is whole.
+    pub(crate) fn with_cells(&self, cause: ShapeError, cells: &PictureCells, all: bool) -> Failure {
+        if !is_worth_seeing(&cause) {
+            return cause.into();
+        }
+        let choice = match &self.shape.source {
+            Source::Picture(source) => source.choice,
+            _ => Choice::Largest,
+        };
+        let wanted: Vec<PictureCell> = if all {
+            (1..=cells.len() as u32)
+                .filter_map(|n| cells.cell(Choice::Number(n), true).ok())
+                .collect()
+        } else {
+            cells.cell(choice, true).into_iter().collect()
+        };
+        let found = match (cells.len(), wanted.as_slice()) {
+            (1, [one]) => format!("one cell of {:.0} um^2", one.shape.area_um2),
+            (count, [one]) => {
+                format!(
+                    "{count} cells, of which cell {} has {:.0} um^2",
+                    one.name, one.shape.area_um2
+                )
+            }
+            (1, _) => "one cell".to_owned(),
+            (count, _) => format!("{count} cells"),
+        };
+        let found = format!("{found} ({})", cells.method());
+        self.shown(cause, cells, wanted, Some(found))
+    }
+
+    fn shown(
+        &self,
+        cause: ShapeError,
+        seen: &PictureCells,
+        wanted: Vec<PictureCell>,
+        found: Option<String>,
+    ) -> Failure {
+        // The title names the file.
+        let mut notes = vec![match &cause {
+            ShapeError::Picture { cause, .. } => cause.to_string(),
+            other => other.to_string(),
+        }];
+        notes.extend(found.iter().map(|found| format!("found {found}")));
+        notes.extend(seen.notes.iter().cloned());
+        let chosen = Chosen::of(self.shape, seen, wanted);
+        let where_to_look = match self.write(&notes, seen, &chosen, found.is_some()) {
+            Ok(place) => format!("look at {}", place.display()),
+            Err(failure) => format!("no overlay was written: {failure}"),
+        };
+        let found = found.map(|found| format!("found {found}; ")).unwrap_or_default();
+        let notes: Vec<String> = seen.notes.iter().map(|note| format!("\n{note}")).collect();
+        Failure::new(cause).advise(format!("{found}{where_to_look}{}", notes.concat()))
+    }
+
+    fn write(
+        &self,
+        notes: &[String],
+        seen: &PictureCells,
+        chosen: &[Chosen],
+        has_cells: bool,
+    ) -> Result<PathBuf, Failure> {
+        let cells: Vec<&PictureCell> = chosen.iter().map(|chosen| &chosen.cell).collect();
+        let figure = overlay::draw(self.picture, seen, &cells, None, notes)?;
+        match &self.place {
+            Place::File(file) => {
+                let file = if file.exists() { &refused_beside(file) } else { file };
+                if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty())
+                {
+                    files::create_folder(folder)?;
+                }
+                files::write(file, figure.to_png(DPI)?)?;
+                Ok(file.clone())
+            }
+            Place::Folder(target) => {
+                let free = !target.exists() || is_all_there_is(target);
+                let target = if free { target } else { &refused_beside(target) };
+                let folder = Folder::claim(target, is_all_there_is(target))?;
+                folder.write(OVERLAY, figure.to_png(DPI)?)?;
+                if has_cells {
+                    let mut report = Report::of(self.picture.to_owned(), seen, chosen, Vec::new());
+                    report.refused = notes.first().cloned();
+                    folder.write(REPORT, json::pretty(&report)?)?;
+                }
+                Ok(folder.finish()?.join(OVERLAY))
+            }
+        }
+    }
+}
+
+/// `cell_outline` gives `cell_outline_refused`, so that earlier results stay.
+fn refused_beside(place: &Path) -> PathBuf {
+    let stem = place.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = place.extension().map(|ending| format!(".{}", ending.to_string_lossy()));
+    place.with_file_name(format!("{stem}_refused{}", ending.unwrap_or_default()))
+}
+
+/// Whether a folder holds what was written beside an earlier refusal and nothing else, so that it may be replaced.
+pub(crate) fn is_all_there_is(folder: &Path) -> bool {
+    let Ok(entries) = std::fs::read_dir(folder) else { return false };
+    let names: Vec<String> =
+        entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let ours = |name: &String| name == OVERLAY || name == REPORT || name.starts_with('.');
+    names.iter().any(|name| name == OVERLAY) && names.iter().all(ours)
+}
+
+/// Whether the picture shows what the refusal is about.
+fn is_worth_seeing(cause: &ShapeError) -> bool {
+    let ShapeError::Picture { cause, .. } = cause else { return false };
+    matches!(
+        **cause,
+        CellError::TooSmall { .. }
+            | CellError::Trace(_)
+            | CellError::Rasterise { .. }
+            | CellError::Segment(
+                SegmentError::NoCell { .. }
+                    | SegmentError::NoSuchCell { .. }
+                    | SegmentError::NotThere { .. }
+                    | SegmentError::Cut { .. }
+                    | SegmentError::Mask(_)
+            )
+    )
+}
