@@ -121,6 +121,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let outcome = beat(&prepared, quiet, &mut timings);
 
     let stage = Instant::now();
+    let afterwards = prepared.warnings_after(&outcome);
+    if !quiet {
+        for warning in &afterwards {
+            print::warn(warning);
+        }
+    }
+    warnings.extend(afterwards);
     let stimuli = run.stimulus_times();
     let summary = Summary::new(&outcome.recording, &stimuli, report.clone(), warnings);
     if let Some((cells, cell)) = &picture {

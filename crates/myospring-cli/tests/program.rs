@@ -83,6 +83,18 @@ fn the_resolved_run_file_repeats_the_run_to_the_bit() {
 }
 
 #[test]
+fn a_beat_beyond_what_the_material_was_made_for_says_so_once_and_in_its_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let strong = ["--peak-tension", "500 kPa", "--integrator", "quasi-static"];
+    let output = myospring(folder.path(), &[&QUICK[..], &strong].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stderr(&output);
+    assert_eq!(text.matches("the material law was not made for that").count(), 1, "{text}");
+    let summary = folder.path().join("results/adult_ventricular/summary.json");
+    assert!(fs::read_to_string(summary).unwrap().contains("law was not made for that"));
+}
+
+#[test]
 fn results_are_not_overwritten_without_force() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("mine")).unwrap();

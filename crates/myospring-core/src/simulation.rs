@@ -33,8 +33,9 @@ pub mod quasi_static;
 mod ready;
 mod setup;
 mod stop;
+mod strain;
 
-pub use check::{MOST_FRAMES, MOST_SAMPLES, SettingError, divides};
+pub use check::{MOST_FRAME_MEMORY, MOST_FRAMES, MOST_SAMPLES, SettingError, divides};
 pub use fault::projected_area;
 pub use field::PreparedField;
 pub use in_time::Prepared;
@@ -43,6 +44,7 @@ pub use outcome::{Effort, Outcome};
 pub use quasi_static::PreparedPath;
 pub use ready::Ready;
 pub use stop::{SetupError, StopReason};
+pub use strain::MOST_STRAIN;
 
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::Settings;

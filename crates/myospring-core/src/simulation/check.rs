@@ -58,6 +58,23 @@ pub enum SettingError {
         /// What it must be.
         must: &'static str,
     },
+    /// More shapes than there is room for.
+    #[error(
+        "{shapes:.0} shapes of {masses} masses take {gigabytes:.1} GB of memory, more than {most:.1} GB; take a frame \
+         interval of {interval:.0} ms or more, a shorter run or a coarser mesh"
+    )]
+    Memory {
+        /// How many shapes would be recorded.
+        shapes: f64,
+        /// Masses of the mesh.
+        masses: usize,
+        /// What the shapes would take.
+        gigabytes: f64,
+        /// What they may take.
+        most: f64,
+        /// The shortest frame interval that does, ms.
+        interval: f64,
+    },
     /// Two choices that exclude each other.
     #[error("{what} and {with} do not go together: {because}")]
     Conflict {
@@ -96,6 +113,9 @@ fn multiple(what: &'static str, long: f64, of: &'static str, short: f64) -> Chec
 pub const MOST_SAMPLES: f64 = 5e6;
 /// Most shapes that a run may record.
 pub const MOST_FRAMES: f64 = 1e5;
+/// Most memory that the shapes of a run may take, bytes: a beat of a million masses with the default interval takes
+/// half of it.
+pub const MOST_FRAME_MEMORY: f64 = 4e9;
 
 /// Whether an interval holds a whole number of a shorter one, but for what decimal fractions lose as binary
 /// numbers.
@@ -131,6 +151,7 @@ impl Simulation {
     /// Checks every setting.
     pub(super) fn check(&self) -> Checked {
         self.check_times()?;
+        self.check_memory()?;
         self.check_material()?;
         self.check_lists()?;
         self.check_choices()
@@ -164,6 +185,29 @@ impl Simulation {
             }
         }
         Ok(())
+    }
+
+    fn check_memory(&self) -> Checked {
+        let (duration, interval) = (self.duration, self.numerics.frame_interval);
+        let masses = self.mesh.len();
+        let field = matches!(
+            self.activation.as_ref().map(|activation| activation.sites()),
+            Some(Sites::PerElement(_))
+        );
+        let numbers = 2 * masses + if field { self.mesh.simplices.len() } else { 0 };
+        let bytes = (numbers * size_of::<f64>()) as f64;
+        // One at 0 ms, and one at the peak of tension.
+        let shapes = duration / interval + 2.0;
+        if shapes * bytes <= MOST_FRAME_MEMORY {
+            return Ok(());
+        }
+        Err(SettingError::Memory {
+            shapes,
+            masses,
+            gigabytes: shapes * bytes / 1e9,
+            most: MOST_FRAME_MEMORY / 1e9,
+            interval: (duration / (MOST_FRAME_MEMORY / bytes - 2.0).max(1.0)).ceil(),
+        })
     }
 
     fn check_material(&self) -> Checked {

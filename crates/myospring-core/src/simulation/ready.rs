@@ -60,7 +60,7 @@ impl Simulation {
 }
 
 impl Ready {
-    fn setup(&self) -> &Setup {
+    pub(super) fn setup(&self) -> &Setup {
         match self {
             Self::InTime(prepared) => &prepared.setup,
             Self::AlongPath(prepared) => &prepared.setup,

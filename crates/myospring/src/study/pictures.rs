@@ -310,6 +310,7 @@ fn beat(
     }
     let mut warnings = run.warnings(&report);
     warnings.extend(prepared.warnings());
+    warnings.extend(prepared.warnings_after(&finished));
     row.warnings = warnings.join("; ");
     let summary = Summary::new(&finished.recording, &run.stimulus_times(), report, warnings);
     row.metrics(&summary);

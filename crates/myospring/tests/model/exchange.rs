@@ -8,6 +8,7 @@ use myospring::integrate::quasi_static::Tolerance;
 use myospring::integrate::stepper::Stepper;
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::ActiveLaw;
+use myospring::mechanics::support::SupportKind;
 use myospring::mechanics::{Body, System, Tension};
 use myospring::mesh::{Mesh, lattice};
 use myospring::recording::Sample;
@@ -513,6 +514,53 @@ fn a_stepper_from_outside_moves_the_masses() {
     assert_eq!((&own.engine, own.effort.time_step()), (&Some(EngineUsed::Own), Some(step)));
     assert!(matches!(own.effort, Effort::OwnStepper { .. }), "{:?}", own.effort);
     assert_eq!(own.recording, halved.recording);
+}
+
+#[test]
+fn more_shapes_than_there_is_memory_for_are_refused_with_an_interval_that_would_do() {
+    let mut simulation = Simulation::new(lattice::rectangle(300, 200, 0.5).unwrap());
+    simulation.numerics.frame_interval = 0.5;
+    simulation.duration = 6000.0;
+    let error = simulation.build().err().unwrap().to_string();
+    // 12 002 shapes of 301 x 201 masses, two numbers of 8 bytes for each.
+    assert!(error.contains("12002 shapes of 60501 masses take 11.6 GB of memory"), "{error}");
+    assert!(error.contains("a frame interval of 2 ms or more"), "{error}");
+    simulation.numerics.frame_interval = 2.0;
+    assert!(simulation.build().is_ok());
+}
+
+#[test]
+fn a_cell_that_is_strained_beyond_what_the_law_was_made_for_is_said_and_no_other() {
+    let beaten = |peak_tension: f64, support: SupportKind| {
+        let mut simulation = Simulation::new(strip());
+        simulation.numerics.method = Method::QuasiStatic;
+        (simulation.peak_tension, simulation.support) = (peak_tension, support);
+        let ready = simulation.build().unwrap();
+        ready.warnings_after(&ready.run(|_| true))
+    };
+    let ends = SupportKind::ClampedEnds;
+    // 12 % and 18 % shorter; what isometric tests ask of a cell.
+    for (tension, support) in
+        [(50.0, SupportKind::MassCentre), (75.0, SupportKind::MassCentre), (100.0, ends)]
+    {
+        assert_eq!(beaten(tension, support), [""; 0], "{tension} kPa");
+    }
+    // A quarter and more.
+    for tension in [120.0, 250.0] {
+        let warnings = beaten(tension, SupportKind::MassCentre);
+        let [warning] = &warnings[..] else { panic!("{warnings:?}") };
+        assert!(
+            warning.contains("% of the cell is strained by more than 20 % along its fibres"),
+            "{warning}"
+        );
+        assert!(
+            warning.contains("% shorter): the material law was not made for that"),
+            "{warning}"
+        );
+    }
+    // One that pushes: strips grow longer.
+    let warnings = beaten(-150.0, SupportKind::MassCentre);
+    assert!(warnings.iter().any(|warning| warning.contains("% longer)")), "{warnings:?}");
 }
 
 #[test]

@@ -286,12 +286,12 @@ fn an_absurd_spacing_is_refused_with_the_bound_and_a_better_one() {
     lattice::from_outline(&cell, Some(7.0)).unwrap();
     assert_eq!(
         message(0.001),
-        "spacing 0.001 um would give about 2.9e9 masses, more than 5000000; give more than 0.02 um, \
+        "spacing 0.001 um would give about 2.9e9 masses, more than 2500000; give more than 0.03 um, \
          or leave it out for 1.3 um"
     );
-    assert!(message(1e-300).contains("masses, more than 5000000"), "{}", message(1e-300));
+    assert!(message(1e-300).contains("masses, more than 2500000"), "{}", message(1e-300));
     let error = lattice::rectangle(1_000_000, 1_000_000, 1.0).unwrap_err().to_string();
-    assert!(error.contains("about 1.0e12 masses, more than 5000000"), "{error}");
+    assert!(error.contains("about 1.0e12 masses, more than 2500000"), "{error}");
 }
 
 #[test]
