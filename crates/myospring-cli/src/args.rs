@@ -1,6 +1,6 @@
 //! The command line: names, help, examples.
 
-use crate::options::{Beat, Settings, Shape};
+use crate::options::{Beat, Fibres, Settings, Shape};
 use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand};
@@ -134,6 +134,7 @@ pub(crate) struct PaperArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     myospring mesh cell.png --pixel-size \"0.27 um\"\n  \
+    myospring mesh cell.tif --fibre picture --stain z-disc     look at figures/overlay.png\n  \
     myospring mesh cell.geojson --spacing \"0.8 um\" --output mesh")]
 pub(crate) struct MeshArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
@@ -141,7 +142,7 @@ pub(crate) struct MeshArgs {
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) settings: Settings<Shape>,
+    pub(crate) settings: Settings<Fibres>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

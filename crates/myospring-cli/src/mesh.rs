@@ -17,7 +17,10 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     let Input { name, run, shaped, .. } =
         input::read(args.input.as_deref(), args.settings.overrides(), Some(&args.output))?;
     let field = run.fibre_field(&shaped)?;
-    let Shaped { mesh, report, outline, picture } = shaped;
+    let Shaped { mesh, mut report, outline, picture } = shaped;
+    if let (Some((cells, _)), Some(field)) = (&picture, &field) {
+        report.warnings.extend(cells.fibre_warnings(field));
+    }
     let target = args
         .output
         .output

@@ -10,8 +10,8 @@ pub(crate) type Given = (&'static Setting, Value);
 
 /// Which tables of settings a command has options for.
 pub(crate) trait Scope {
-    /// Whether it has those of a table.
-    fn has(table: &Table) -> bool;
+    /// Whether it has that of a setting.
+    fn has(table: &Table, setting: &Setting) -> bool;
 }
 
 /// Where the cell's shape comes from.
@@ -19,8 +19,19 @@ pub(crate) trait Scope {
 pub(crate) struct Shape;
 
 impl Scope for Shape {
-    fn has(table: &Table) -> bool {
+    fn has(table: &Table, _: &Setting) -> bool {
         ["shape", "segmentation"].contains(&table.name)
+    }
+}
+
+/// The shape, and the direction of its fibres.
+#[derive(Debug)]
+pub(crate) struct Fibres;
+
+impl Scope for Fibres {
+    fn has(table: &Table, setting: &Setting) -> bool {
+        let of_fibres = ["mechanics.fibre", "mechanics.stain", "mechanics.fibre_smoothing"];
+        Shape::has(table, setting) || of_fibres.contains(&setting.key)
     }
 }
 
@@ -29,7 +40,7 @@ impl Scope for Shape {
 pub(crate) struct Beat;
 
 impl Scope for Beat {
-    fn has(_: &Table) -> bool {
+    fn has(_: &Table, _: &Setting) -> bool {
         true
     }
 }
@@ -69,10 +80,14 @@ fn is_all_cells((setting, value): &Given) -> bool {
 
 /// The settings with an option, in the order of the help: the cell's shape comes first.
 fn options<S: Scope>() -> impl Iterator<Item = (&'static Table, &'static Setting, CommandOption)> {
-    let of = |shape| move |table: &&Table| Shape::has(table) == shape && S::has(table);
-    let tables = tables().iter().filter(of(true)).chain(tables().iter().filter(of(false)));
-    tables
-        .flat_map(|table| table.settings.iter().map(move |setting| (table, setting)))
+    let all = || {
+        let rows = |table: &'static Table| table.settings.iter().map(move |row| (table, row));
+        tables().iter().flat_map(rows).filter(|(table, row)| S::has(table, row))
+    };
+    let of_shape = |(table, row): &(&Table, &Setting)| Shape::has(table, row);
+    all()
+        .filter(of_shape)
+        .chain(all().filter(move |row| !of_shape(row)))
         .filter_map(|(table, setting)| Some((table, setting, setting.option?)))
 }
 

@@ -26,6 +26,14 @@ fn workplace() -> tempfile::TempDir {
     fs::write(folder.path().join("truncated.png"), &good[..good.len() / 2]).unwrap();
     fs::write(folder.path().join("text.png"), "this is no picture").unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
+    fs::write(folder.path().join("cell.czi"), "ZISRAWFILE").unwrap();
+    fs::write(folder.path().join("cell.JPG"), "no JPEG even").unwrap();
+    fs::create_dir(folder.path().join("dish")).unwrap();
+    fs::write(folder.path().join("dish/a.lif"), "").unwrap();
+    fs::write(folder.path().join("czi.toml"), "[shape]\npicture = \"cell.czi\"\n").unwrap();
+    fs::write(folder.path().join("damaged.roi"), "[Iou").unwrap();
+    fs::write(folder.path().join("beat.csv"), "t_ms,length_um\n0,120\n1,118\n2,119\n").unwrap();
+    fs::write(folder.path().join("pictures.csv"), "file\ncell.tif\n").unwrap();
     fs::write(folder.path().join("content.csv"), "content\n1\n-1\n").unwrap();
     fs::write(folder.path().join("beside.csv"), "x_um,y_um,content\n900,900,1\n990,900,2\n")
         .unwrap();
@@ -175,6 +183,55 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         ),
         (vec!["run", "nothing.toml"], &["cannot read `nothing.toml`"]),
         (vec!["run", "file"], &["has an ending that is not known", ".png"]),
+        (
+            vec!["run", "cell.czi"],
+            &["`cell.czi`: this is a Zeiss CZI file", "export it as OME-TIFF"],
+        ),
+        (vec!["segment", "cell.JPG"], &["`cell.JPG`: this is a JPEG picture", "save the original"]),
+        (vec!["run", "missing.nd2"], &["cannot read `missing.nd2`"]),
+        (vec!["segment", "dish"], &["`dish` is a folder", "myospring batch dish"]),
+        (vec!["run", "dish"], &["`dish` is a folder", "myospring batch dish"]),
+        (vec!["batch", "dish"], &["holds no file like *.png", "1 .lif", "Leica LIF", "OME-TIFF"]),
+        (
+            vec!["run", "czi.toml"],
+            &["shape.picture", "this is a Zeiss CZI file", "export it as OME-TIFF"],
+        ),
+        (
+            vec!["run", "damaged.roi", PIXELS[0], PIXELS[1]],
+            &["damaged.roi is damaged, or no ImageJ ROI", "save it again in Fiji"],
+        ),
+        (
+            vec!["run", "good.png", PIXELS[0], PIXELS[1], "--outline", "damaged.roi"],
+            &["damaged.roi is damaged, or no ImageJ ROI"],
+        ),
+        (
+            vec!["run", "beat.csv"],
+            &[
+                "`beat.csv`",
+                "`t_ms`, `length_um`",
+                "curve in time",
+                "does not read yet",
+                "x_um,y_um",
+            ],
+        ),
+        (
+            vec!["batch", "--table", "pictures.csv"],
+            &["`pictures.csv`", "line 2, column `file`", "cell.tif"],
+        ),
+        (vec!["batch"], &["<FOLDER>"]),
+        (
+            vec![
+                "run",
+                "good.png",
+                PIXELS[0],
+                PIXELS[1],
+                "--min-area",
+                "9000 um^2",
+                "--max-area",
+                "900 um^2",
+            ],
+            &["segmentation.min_area", "the least area must be below the largest"],
+        ),
         (vec!["run", "--output", "file/results"], &["cannot write results to `file/results`"]),
         (vec!["run", "--output", "file"], &["cannot write results to `file`"]),
         (vec!["mesh", "--output", "file/results"], &["cannot write results"]),

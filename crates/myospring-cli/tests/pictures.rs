@@ -181,6 +181,11 @@ fn what_speaks_against_outline_and_fibres_is_said() {
     assert_eq!(warned(&["--fibre", "picture", "--stain", "z-disc"]), "");
     let across = warned(&["--fibre", "picture", "--stain", "filament"]);
     assert!(across.contains("the fibres lie across the cell"), "{across}");
+    // A mesh has the same fibres, and says the same.
+    let mesh =
+        ["mesh", "cell.png", "--pixel-size", "0.5 um", "--fibre", "picture", "--stain", "filament"];
+    let meshed = myospring(folder.path(), &mesh);
+    assert!(meshed.status.success() && text(&meshed.stderr).contains("the fibres lie across"));
     let unsure = warned(&["--fibre", "picture", "--modality", "brightfield"]);
     assert!(unsure.contains("were read from a brightfield picture"), "{unsure}");
 }
@@ -344,7 +349,7 @@ fn of_a_picture_that_gives_no_cell_there_is_an_overlay_to_look_at_and_nothing_el
     refused(&["mesh", "noise.png", "--modality", "fluorescence"], &none);
     refused(&["run", "speck.png"], &["only 3 pixels", "at least 25", "speck_outline/overlay.png"]);
     let beside =
-        ["no cell lies at 5, 5", "the nearest is cell 1", "results/cell_outline/overlay.png"];
+        ["no cell was found at 5, 5", "--threshold below", "results/cell_outline/overlay.png"];
     refused(&["run", "cell.png", "--seed", "5,5"], &beside);
     refused(
         &["run", "noise.png", "--modality", "fluorescence", "--dry-run", "-o", "dry"],

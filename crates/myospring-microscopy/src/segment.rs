@@ -230,8 +230,8 @@ pub enum SegmentError {
     },
     /// No cell lies there.
     #[error(
-        "no cell lies at {x}, {y} (column and row in pixels from the top left, picture {width} x {height}); the \
-         nearest is {nearest}"
+        "no cell was found at {x}, {y} (column and row in pixels from the top left, picture {width} x {height}); \
+         the nearest is {nearest}"
     )]
     NotThere {
         /// Column.
@@ -342,13 +342,23 @@ impl Segmentation {
                 nearest = Some((distance, at));
             }
         }
-        let nearest = nearest.map_or_else(
+        let mut nearest = nearest.map_or_else(
             || "nowhere: there is none".to_owned(),
-            |(_, at)| {
+            |(distance, at)| {
                 let (column, row) = (at % self.width, at / self.width);
-                format!("cell {} at {column}, {row}", self.numbers[at])
+                let number = self.numbers[at];
+                format!("cell {number} at {column}, {row}, {distance:.0} pixels away")
             },
         );
+        if !inside {
+            nearest += "; the place lies outside the picture: is it in pixels, column first?";
+        } else if self.modality != Modality::Mask {
+            let threshold = self.threshold;
+            nearest = format!(
+                "{nearest}; if you see a cell there, try a --threshold below {threshold:.4}, which takes in more, or draw it and \
+                 give --outline"
+            );
+        }
         let (width, height) = (self.width, self.height);
         Err(SegmentError::NotThere { x, y, width, height, nearest })
     }

@@ -27,6 +27,16 @@ pub enum OutlineFileError {
         /// The file, or the entry of the zip.
         name: String,
     },
+    /// A file that is named like one of ImageJ's, but is none.
+    #[error(
+        "{name} is damaged, or no {kind}: its first bytes are not those of one; save it again in Fiji"
+    )]
+    NotOfImageJ {
+        /// The file.
+        name: String,
+        /// What its name says.
+        kind: &'static str,
+    },
     /// A ROI whose bytes end too early.
     #[error(
         "{name} is cut off: {needed} bytes are needed, {found} are there; save it again in Fiji"

@@ -35,8 +35,25 @@ pub fn read_outlines(
     file_name: &str,
     options: &ReadOptions,
 ) -> Result<GivenOutlines, OutlineFileError> {
-    let format = OutlineFormat::of(bytes).ok_or_else(|| OutlineFileError::unknown(bytes))?;
-    read_outlines_as(format, bytes, file_name, options)
+    let format = OutlineFormat::of(bytes);
+    let read = match format {
+        Some(format) => read_outlines_as(format, bytes, file_name, options),
+        None => Err(OutlineFileError::unknown(bytes)),
+    };
+    // What is named like a file of ImageJ's and cannot be read as anything else is one that is damaged.
+    let ending = file_name.rsplit_once('.').map(|(_, ending)| ending.to_lowercase());
+    let kind = match ending.as_deref() {
+        Some("roi") => "ImageJ ROI",
+        Some("zip") => "RoiSet zip",
+        _ => return read,
+    };
+    let of_imagej = matches!(format, Some(OutlineFormat::ImageJRoi | OutlineFormat::ImageJRoiSet));
+    read.map_err(|error| {
+        if of_imagej {
+            return error;
+        }
+        OutlineFileError::NotOfImageJ { name: file_name.to_owned(), kind }
+    })
 }
 
 /// As [`read_outlines`], for bytes whose format is known.

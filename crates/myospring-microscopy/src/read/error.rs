@@ -17,8 +17,8 @@ pub enum PictureError {
     },
     /// A picture of another kind.
     #[error(
-        "this is a {format} picture, which is not read here; save it as PNG or TIFF without lossy \
-         compression"
+        "this is a {format} picture, which is not read here; save the original as PNG or TIFF without lossy \
+         compression, which invents edges that stay when it is saved anew"
     )]
     Format {
         /// What it is.

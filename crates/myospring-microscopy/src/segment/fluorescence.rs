@@ -113,6 +113,9 @@ impl View {
         let contrast = bright / f64::from(self.noise).max(1e-12 * bright.abs()).max(1e-30);
         confidence.contrast = Some(contrast);
         confidence.weigh(contrast, 1.0, 5.0, || {
+            if contrast <= 0.0 {
+                return "it is no brighter than the background".to_owned();
+            }
             format!(
                 "it is only {contrast:.1} times the background's noise brighter than the background"
             )

@@ -126,7 +126,7 @@ pub enum Problem {
         most: f64,
     },
     /// A file whose name does not say what it holds.
-    #[error("`{key}` = \"{path}\" has an ending that is not known")]
+    #[error("`{key}` = \"{path}\"{}", kind.as_ref().map_or(" has an ending that is not known".to_owned(), |kind| format!(": {kind}")))]
     Ending {
         /// The key.
         key: &'static str,
@@ -134,6 +134,8 @@ pub enum Problem {
         path: String,
         /// Endings that are known.
         known: String,
+        /// What it is, and what to do, where the ending says so.
+        kind: Option<String>,
     },
     /// No cell model of that name.
     #[error("`cell.model`: {0}")]

@@ -5,6 +5,7 @@ use super::problem::{Failure, Problem};
 use super::run::Run;
 use super::value::Value;
 use super::words::Word;
+use crate::microscopy::read::unread_kind;
 use crate::units::Dimension;
 use std::collections::BTreeMap;
 
@@ -379,5 +380,6 @@ fn check_ending(key: &'static str, path: &str, endings: &[&str]) -> Result<(), P
         return Ok(());
     }
     let known = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ");
-    Err(Problem::Ending { key, path: path.to_owned(), known })
+    let kind = lower.rsplit('.').next().and_then(unread_kind).map(|kind| kind.to_string());
+    Err(Problem::Ending { key, path: path.to_owned(), known, kind })
 }

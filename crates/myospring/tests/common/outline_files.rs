@@ -30,7 +30,7 @@ pub(crate) fn fixture(name: &str) -> Vec<u8> {
 }
 
 pub(crate) fn read(bytes: &[u8]) -> Result<GivenOutlines, OutlineFileError> {
-    read_outlines(bytes, "some/cell.roi", &options())
+    read_outlines(bytes, "some/cell.file", &options())
 }
 
 pub(crate) fn refused(bytes: &[u8]) -> String {

@@ -188,7 +188,8 @@ fn what_is_not_a_picture_is_refused() {
     );
     assert_eq!(
         error(b"\xff\xd8\xff\xe0\0\x10JFIF\0"),
-        "this is a JPEG picture, which is not read here; save it as PNG or TIFF without lossy compression"
+        "this is a JPEG picture, which is not read here; save the original as PNG or TIFF without lossy compression, \
+         which invents edges that stay when it is saved anew"
     );
 }
 

@@ -6,7 +6,8 @@ use crate::outline_files;
 
 use std::path::Path;
 
-use outline_files::{fixture, folder, outline, read, refused, zipped};
+use myospring::microscopy::outlines::read_outlines;
+use outline_files::{fixture, folder, options, outline, read, refused, zipped};
 
 #[test]
 fn files_cut_off_anywhere_are_refused_or_read_and_never_panic() {
@@ -34,7 +35,7 @@ fn files_cut_off_anywhere_are_refused_or_read_and_never_panic() {
 fn a_cut_roi_says_how_much_is_missing() {
     assert_eq!(
         refused(&fixture("polygon.roi")[..70]),
-        "some/cell.roi is cut off: 80 bytes are needed, 70 are there; save it again in Fiji"
+        "some/cell.file is cut off: 80 bytes are needed, 70 are there; save it again in Fiji"
     );
     assert!(refused(b"Iout").contains("64 bytes are needed, 4 are there"));
 }
@@ -68,6 +69,13 @@ fn other_files_are_told_from_outlines() {
          ImageJ .roi or RoiSet .zip, GeoJSON, or Cellpose's _outlines.txt"
     );
     assert!(refused(b"").contains("0 bytes"));
+    // A file that says by its name whose it is has been damaged.
+    for (name, kind) in [("a.roi", "ImageJ ROI"), ("a.ZIP", "RoiSet zip")] {
+        for bytes in [&b"[Iout"[..], b"12,x", b"\0\0\0", b""] {
+            let error = read_outlines(bytes, name, &options()).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{name} is damaged, or no {kind}")), "{error}");
+        }
+    }
     assert!(refused(b"{}").contains("not GeoJSON"));
     assert!(refused(b"PK\x03\x04 and no more").contains("the RoiSet zip cannot be read"));
     assert!(

@@ -113,7 +113,7 @@ fn rois_that_enclose_nothing_are_refused_by_name() {
         assert_eq!(
             refused(&fixture(&format!("{kind}.roi"))),
             format!(
-                "some/cell.roi is an ImageJ {kind} ROI, which is not the outline of a cell; draw round the \
+                "some/cell.file is an ImageJ {kind} ROI, which is not the outline of a cell; draw round the \
                  cell with a polygon, freehand or brush tool"
             )
         );

@@ -294,5 +294,5 @@ fn given_outlines_are_chosen_as_cells_are() {
         refused(Choice::Label(9))
     );
     let beside = refused(Choice::At([52.0, 20.0]));
-    assert!(beside.contains("no cell lies at 52, 20") && beside.ends_with("`2`"), "{beside}");
+    assert!(beside.contains("no cell was found at 52, 20") && beside.ends_with("`2`"), "{beside}");
 }

@@ -77,8 +77,31 @@ fn a_list_of_points_is_read_with_the_usual_separators_and_headers() {
         "x_um,y_um\r\n0,0\r\n10,0\r\n10,10\r\n0,10\r\n0,0\r\n",
         "\u{feff}\"X\";\"Y\"\n0;0\n10;0\n10;10\n0;10\n",
         "# drawn by hand\n\n0 0\n10\t0\n10  10\n0, 10",
+        "X (µm),Y (µm)\n0,0\n10,0\n10,10\n0,10\n",
+        "x_coord y_coord\n0 0\n10 0\n10 10\n0 10\n",
     ] {
         assert_eq!(Outline::from_csv(text).unwrap().area(), 100.0, "{text:?}");
+    }
+}
+
+#[test]
+fn a_curve_in_time_is_no_outline_and_its_header_says_so() {
+    let rows: Vec<String> = (0..40).map(|k| format!("{k},{}\n", 120 - k % 7)).collect();
+    for (header, expected) in [
+        (
+            "t_ms,length_um\n",
+            "its columns are `t_ms`, `length_um`: this seems to be a curve in time",
+        ),
+        ("Time (s);Length (um)\n", "its columns are `Time (s)`, `Length (um)`: this seems"),
+        ("frame,length,width\n", "its columns are `frame`, `length`, `width`: this seems"),
+        ("x_px,y_px\n", "its columns are `x_px`, `y_px`; a list of points of an outline has"),
+        ("y,x\n", "its columns are `y`, `x`; a list of points"),
+        ("", "x only grows or only falls along its 40 points: this seems to be a curve"),
+        ("x,y\n", "x only grows or only falls along its 40 points"),
+    ] {
+        let error =
+            Outline::from_csv(&format!("{header}{}", rows.concat())).unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{error}");
     }
 }
 

@@ -6,6 +6,10 @@ pub const SMALLEST_AREA_UM2: f64 = 1.0;
 /// Largest extent that an outline may have, um.
 pub const LARGEST_EXTENT_UM: f64 = 10_000.0;
 
+/// What a list of points may be that is no outline.
+pub(super) const CURVE: &str = ": this seems to be a curve in time, such as a contraction, which Myospring does not \
+                                read yet, and no outline of a cell";
+
 /// Why a text or a list of points is not the outline of a cell.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OutlineError {
@@ -28,6 +32,25 @@ pub enum OutlineError {
     Unit {
         /// What it says.
         unit: String,
+    },
+    /// The header of a list names other columns than x and y.
+    #[error(
+        "its columns are {columns}{curve}; a list of points of an outline has the columns x_um,y_um, one point a \
+         line, in um, around the cell"
+    )]
+    Columns {
+        /// Their names.
+        columns: String,
+        /// What the file seems to be instead; empty where that is not clear.
+        curve: &'static str,
+    },
+    /// The points run in one direction and do not come back.
+    #[error(
+        "x only grows or only falls along its {points} points{CURVE}; the points of an outline go around the cell"
+    )]
+    OneWay {
+        /// How many points there are.
+        points: usize,
     },
     /// A line of the list of points is not two numbers.
     #[error(

@@ -2,7 +2,11 @@
 
 use geojson::{Feature, GeoJson, Geometry, GeometryValue, Position};
 
+use super::error::CURVE;
 use super::{Outline, OutlineError};
+
+/// So many points of an outline do not all run in one direction.
+const ONE_WAY: usize = 8;
 
 impl Outline {
     /// Reads GeoJSON with exactly one `Polygon`: bare, in a `Feature`, a collection, or a
@@ -53,10 +57,12 @@ impl Outline {
     }
 
     /// Reads a list of points, one `x,y` per line in um, y upward; a header line, blank lines and
-    /// lines that start with `#` are skipped; comma, semicolon, tab or spaces part the columns.
+    /// lines that start with `#` are skipped; comma, semicolon, tab or spaces part the columns. A header must name
+    /// x and y.
     ///
     /// # Errors
-    /// A line that is not two numbers, or what [`Outline::new`] refuses.
+    /// A header of other columns, a line that is not two numbers, points that do not come back, or what
+    /// [`Outline::new`] refuses.
     ///
     /// # Example
     /// ```
@@ -80,11 +86,19 @@ impl Outline {
             let numbers: Vec<f64> = fields.iter().filter_map(|field| field.parse().ok()).collect();
             if let (2, [x, y]) = (fields.len(), numbers.as_slice()) {
                 points.push([*x, *y]);
-            } else if !(first && numbers.is_empty()) {
+            } else if first && numbers.is_empty() {
+                check_header(line)?;
+            } else {
                 let text = line.chars().take(60).collect();
                 return Err(OutlineError::NotAPoint { line: index + 1, text });
             }
             first = false;
+        }
+        let steps = || points.windows(2).map(|pair| pair[1][0] - pair[0][0]);
+        if points.len() >= ONE_WAY
+            && (steps().all(|step| step > 0.0) || steps().all(|step| step < 0.0))
+        {
+            return Err(OutlineError::OneWay { points: points.len() });
         }
         Self::new(points, Vec::new())
     }
@@ -111,6 +125,37 @@ impl Outline {
         feature.set_property("unit", "um");
         feature.to_string()
     }
+}
+
+/// Refuses a header that does not name x and y in um.
+fn check_header(line: &str) -> Result<(), OutlineError> {
+    let parted = |by: &[char]| -> Vec<String> {
+        let names = line.split(by).map(|name| name.trim().trim_matches('"'));
+        names.filter(|name| !name.is_empty()).map(str::to_owned).collect()
+    };
+    let mut names = parted(&[',', ';', '\t']);
+    if names.len() == 1 {
+        names = parted(&[' ']);
+    }
+    let plain: Vec<String> = names
+        .iter()
+        .map(|name| name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect())
+        .collect();
+    let is = |name: &String, axis: &str| {
+        let of_other_unit =
+            ["mm", "nm", "px", "pixel", "pixels"].iter().any(|unit| name.ends_with(unit));
+        name.starts_with(axis) && !of_other_unit
+    };
+    if let [x, y] = plain.as_slice()
+        && is(x, "x")
+        && is(y, "y")
+    {
+        return Ok(());
+    }
+    let in_time =
+        plain.first().is_some_and(|name| name.starts_with('t') || name.starts_with("frame"));
+    let columns = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    Err(OutlineError::Columns { columns, curve: if in_time { CURVE } else { "" } })
 }
 
 fn collect_feature(
