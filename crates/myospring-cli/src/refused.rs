@@ -162,6 +162,7 @@ fn is_worth_seeing(cause: &ShapeError) -> bool {
             | CellError::Rasterise { .. }
             | CellError::Segment(
                 SegmentError::NoCell { .. }
+                    | SegmentError::NothingStandsOut { .. }
                     | SegmentError::NoSuchCell { .. }
                     | SegmentError::NotThere { .. }
                     | SegmentError::Cut { .. }

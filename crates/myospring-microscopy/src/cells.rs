@@ -255,7 +255,11 @@ impl PictureCells {
         let found = self.segmentation().filter(|found| found.threshold != 0.0);
         let threshold = found.map(|found| format!(", threshold {:.4}", found.threshold));
         let threshold = threshold.unwrap_or_default();
-        format!("{} picture, pixels of {size} ({source}){threshold}", self.modality())
+        let modality = self.modality();
+        let reason = self.modality_reason();
+        let reason = reason.map(|reason| format!("; taken for {modality} since {reason}"));
+        let reason = reason.unwrap_or_default();
+        format!("{modality} picture, pixels of {size} ({source}){threshold}{reason}")
     }
 
     /// What is unusual about the area of a cell, if it is beside [`Options::areas_um2`].
@@ -279,6 +283,11 @@ impl PictureCells {
             Some(Modality::Brightfield) => "brightfield",
             Some(Modality::Fluorescence | Modality::Auto) => "fluorescence",
         }
+    }
+
+    /// Why the picture was taken for that, in words, where nobody said it.
+    pub fn modality_reason(&self) -> Option<&str> {
+        self.segmentation()?.modality_reason.as_deref()
     }
 
     /// One cell.

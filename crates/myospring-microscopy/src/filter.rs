@@ -144,6 +144,33 @@ pub(super) fn largest_nearby(plane: &Plane, reach: usize) -> Plane {
     Plane::new(width, height, values).unwrap_or_else(|| plane.clone())
 }
 
+/// The smallest value within a square of `reach` pixels to each side.
+pub(super) fn smallest_nearby(plane: &Plane, reach: usize) -> Plane {
+    largest_nearby(&plane.map(|value| -value), reach).map(|value| -value)
+}
+
+/// With dark gaps of up to `2 reach` pixels as bright as what lies on both sides.
+pub(super) fn closed(plane: &Plane, reach: usize) -> Plane {
+    smallest_nearby(&largest_nearby(plane, reach), reach)
+}
+
+/// Slopes along rows and down columns, per pixel, by central differences.
+pub(super) fn slopes(plane: &Plane) -> [Vec<f32>; 2] {
+    let (width, height) = (plane.width(), plane.height());
+    let values = plane.values();
+    let (mut along, mut down) = (vec![0.0; values.len()], vec![0.0; values.len()]);
+    for row in 0..height {
+        let (above, below) = (row.saturating_sub(1), (row + 1).min(height - 1));
+        for column in 0..width {
+            let (left, right) = (column.saturating_sub(1), (column + 1).min(width - 1));
+            let at = row * width + column;
+            along[at] = (values[row * width + right] - values[row * width + left]) / 2.0;
+            down[at] = (values[below * width + column] - values[above * width + column]) / 2.0;
+        }
+    }
+    [along, down]
+}
+
 /// The value below which lies the part `share` (0 to 1) of all values.
 ///
 /// # Example

@@ -102,6 +102,30 @@ impl Window {
         self.rows = both(&self.rows, &other.rows);
     }
 
+    /// A window within this one, as one of the picture.
+    pub(super) fn part(&self, within: &Self) -> Self {
+        let shifted =
+            |own: &Range<usize>, part: &Range<usize>| own.start + part.start..own.start + part.end;
+        Self {
+            columns: shifted(&self.columns, &within.columns),
+            rows: shifted(&self.rows, &within.rows),
+        }
+    }
+
+    /// Where a column and row of the window lie in the picture.
+    pub(super) fn place(&self, column: usize, row: usize) -> [usize; 2] {
+        [self.columns.start + column, self.rows.start + row]
+    }
+
+    /// The same on pixels of which `factor` x `factor` make one of these, with `margin` more around it, as far as a
+    /// picture of this size has any.
+    pub(super) fn finer(&self, factor: usize, margin: usize, [width, height]: [usize; 2]) -> Self {
+        let widened = |range: &Range<usize>, count: usize| {
+            (range.start * factor).saturating_sub(margin)..(range.end * factor + margin).min(count)
+        };
+        Self { columns: widened(&self.columns, width), rows: widened(&self.rows, height) }
+    }
+
     /// The values within, of a picture of so many columns.
     pub(super) fn cut<T: Copy>(&self, values: &[T], width: usize) -> Vec<T> {
         let row = |row: usize| &values[row * width..][self.columns.clone()];
@@ -174,6 +198,27 @@ impl Region {
             self.inside[pixel / width / factor * self.width + pixel % width / factor]
         };
         Self::new(width, height, (0..width * height).map(at))
+    }
+
+    /// On finer pixels, of which `factor` x `factor` make one of this region's, within a window of them; the region
+    /// lies in a window of the coarse ones.
+    pub(super) fn spread_within(&self, coarse: &Window, factor: usize, fine: &Window) -> Self {
+        let inside = |at: usize| {
+            let [column, row] = fine.place(at % fine.width(), at / fine.width());
+            let column = (column / factor).wrapping_sub(coarse.columns.start);
+            let row = (row / factor).wrapping_sub(coarse.rows.start);
+            column < self.width && row < self.height && self.inside[row * self.width + column]
+        };
+        Self::new(fine.width(), fine.height(), (0..fine.width() * fine.height()).map(inside))
+    }
+
+    /// Puts a part where a window is, apart from what is there already: two pixels at least from it, so that smoothing does not join them.
+    pub(super) fn put_apart(&mut self, part: &Self, window: &Window) {
+        let there = self.cut(window).grown(2.0);
+        for at in (0..part.pixels()).filter(|&at| part.contains(at) && !there.contains(at)) {
+            let [column, row] = window.place(at % window.width(), at / window.width());
+            self.inside[row * self.width + column] = true;
+        }
     }
 
     /// The least window that holds the region and `margin` pixels around it, as far as there are any, and begins

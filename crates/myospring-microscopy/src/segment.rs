@@ -3,20 +3,24 @@
 //! [`segment`] smooths, thresholds and tidies; lengths are micrometres, so that one setting serves every
 //! magnification. [`Segmentation`] keeps the cells apart, largest first, each with a [`Confidence`].
 //!
-//! - **Fluorescence** ([`Modality::Fluorescence`]): the slowly varying background is fitted and taken off,
-//!   brightness is counted in units of noise on a scale that is logarithmic above it, and Otsu's threshold
-//!   (Otsu 1979) parts cell from background; stripes and gaps are closed, holes filled.
+//! - **Fluorescence** ([`Modality::Fluorescence`]): the slowly varying background is fitted and taken off, and
+//!   brightness is counted in units of noise on a scale that is logarithmic above it. Of the outlines at all levels,
+//!   those are taken that the picture explains best, each cell's at its own level.
 //! - **Brightfield** ([`Modality::Brightfield`]): a cell is as grey as what surrounds it, but it has edges.
 //!   Crests of the gradient (Canny 1986) that hang together over some um are kept, which leaves out beads and
 //!   debris; gaps between them are closed by the least radius after which the area stays, and filled.
+//! - **Auto** ([`Modality::Auto`]): as fluorescence if what stands out does so by its brightness, as brightfield if
+//!   by its texture.
 //! - **Mask** ([`Modality::Mask`]): every value that is not zero; labels are kept apart.
 
 mod brightfield;
 mod by_modality;
 mod confidence;
+mod evidence;
 mod fluorescence;
 mod ground;
 mod labels;
+mod ladder;
 mod modality;
 
 use serde::Serialize;
@@ -126,6 +130,8 @@ pub struct Segmentation {
     pub cells: Vec<Cell>,
     /// How the picture was taken, as said or as found.
     pub modality: Modality,
+    /// Why it was taken for that, in words; `None` where it was said, and for masks.
+    pub modality_reason: Option<String>,
     /// The threshold that was used, in the unit of [`Settings::threshold`]; 0 for a mask.
     pub threshold: f64,
     /// What a person should know.
@@ -187,6 +193,18 @@ pub enum SegmentError {
         threshold: String,
         /// What was seen instead.
         why: String,
+        /// Side of one pixel.
+        pixel_size: PixelSize,
+    },
+    /// Nothing that could be a cell, in whatever way the picture was taken.
+    #[error(
+        "no cell was found: nothing as large as {smallest_um2} um^2 stands out by its brightness, its texture or \
+         its edges; is this the right channel, frame or slice, and is a pixel {pixel_size}? Otherwise give \
+         --modality and a --threshold, or draw the outline by hand"
+    )]
+    NothingStandsOut {
+        /// Smallest island that is called a cell, um^2.
+        smallest_um2: f64,
         /// Side of one pixel.
         pixel_size: PixelSize,
     },
@@ -282,7 +300,6 @@ struct Found {
     factor: usize,
     modality: Modality,
     threshold: f64,
-    notes: Vec<String>,
 }
 
 impl Segmentation {
@@ -425,8 +442,18 @@ impl Found {
             }
         };
         let cells = (1..).zip(&pixels).map(cell).collect();
-        let Self { modality, threshold, notes, .. } = self;
-        Segmentation { width, height, pixel_size, numbers, cells, modality, threshold, notes }
+        let Self { modality, threshold, .. } = self;
+        Segmentation {
+            width,
+            height,
+            pixel_size,
+            numbers,
+            cells,
+            modality,
+            modality_reason: None,
+            threshold,
+            notes: Vec::new(),
+        }
     }
 
     /// The cells on the picture's own pixels; the steps of a coarser grid are smoothed away.

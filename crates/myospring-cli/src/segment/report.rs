@@ -16,6 +16,9 @@ const NOISELESS: f64 = 1000.0;
 pub(crate) struct Report<'a> {
     pub(crate) picture: String,
     modality: &'static str,
+    /// Why it was taken for that, where nobody said it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    modality_reason: Option<&'a str>,
     pixel_size_um: f64,
     pixel_size_source: &'static str,
     threshold: Option<f64>,
@@ -94,6 +97,7 @@ impl<'a> Report<'a> {
         Self {
             picture,
             modality: cells.modality(),
+            modality_reason: cells.modality_reason(),
             pixel_size_um: cells.pixel_size.um(),
             pixel_size_source: cells.pixel_size_source,
             threshold: threshold.filter(|threshold| *threshold != 0.0),

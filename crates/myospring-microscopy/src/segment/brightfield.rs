@@ -46,7 +46,6 @@ pub(super) fn segment(
     plane: &Plane,
     pixel_size: PixelSize,
     settings: &Settings,
-    notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
     let Working { plane: working, factor, pixel_um: pixel } =
         Working::of(plane, pixel_size, WORKING_PIXEL_UM);
@@ -110,7 +109,7 @@ pub(super) fn segment(
     }
     let [region, near_edges] =
         [region, near_edges].map(|part| part.pasted(&seen, working.width(), working.height()));
-    let found = Found { region, factor, modality: Modality::Brightfield, threshold, notes };
+    let found = Found { region, factor, modality: Modality::Brightfield, threshold };
     let judge = |candidate: &Candidate<'_>| {
         let place = |&pixel: &u32| {
             let at = pixel as usize;
@@ -170,17 +169,7 @@ impl Gradient {
     fn of(plane: &Plane, sigma: f64) -> Self {
         let smooth = filter::gaussian(plane, sigma);
         let (width, height) = (plane.width(), plane.height());
-        let values = smooth.values();
-        let (mut along, mut down) = (vec![0.0; values.len()], vec![0.0; values.len()]);
-        for row in 0..height {
-            let (above, below) = (row.saturating_sub(1), (row + 1).min(height - 1));
-            for column in 0..width {
-                let (left, right) = (column.saturating_sub(1), (column + 1).min(width - 1));
-                let at = row * width + column;
-                along[at] = (values[row * width + right] - values[row * width + left]) / 2.0;
-                down[at] = (values[below * width + column] - values[above * width + column]) / 2.0;
-            }
-        }
+        let [along, down] = filter::slopes(&smooth);
         let strength = along.iter().zip(&down).map(|(x, y): (&f32, &f32)| x.hypot(*y)).collect();
         let strength = Plane::new(width, height, strength).unwrap_or(smooth);
         Self { along, down, strength }

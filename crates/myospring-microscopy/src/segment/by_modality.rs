@@ -1,5 +1,6 @@
 //! The plane is checked, and segmented as the picture was taken.
 
+use super::fluorescence::Bright;
 use super::{
     Modality, SegmentError, Segmentation, Settings, brightfield, fluorescence, labels, modality,
 };
@@ -39,17 +40,52 @@ pub fn segment(
         let (width, height) = (plane.width(), plane.height());
         return Err(SegmentError::Blank { width, height, value: low });
     }
-    let mut notes = Vec::new();
-    let modality = match settings.modality {
-        Modality::Auto => modality::guess(plane, pixel_size, &mut notes),
-        given => given,
-    };
-    match modality {
-        Modality::Auto | Modality::Fluorescence => {
-            fluorescence::segment(plane, pixel_size, settings, notes)
+    match settings.modality {
+        Modality::Mask => labels::segment(plane, pixel_size),
+        Modality::Auto if modality::is_mask(plane) => labels::segment(plane, pixel_size),
+        Modality::Auto => told_apart(plane, pixel_size, settings),
+        Modality::Fluorescence => {
+            let bright = Bright::of(plane, pixel_size, settings);
+            fluorescence::segment(bright, plane, pixel_size, settings)
         }
-        Modality::Mask => labels::segment(plane, pixel_size, notes),
-        Modality::Brightfield => brightfield::segment(plane, pixel_size, settings, notes),
+        Modality::Brightfield => brightfield::segment(plane, pixel_size, settings),
+    }
+}
+
+/// As what explains the picture better.
+fn told_apart(
+    plane: &Plane,
+    pixel_size: PixelSize,
+    settings: &Settings,
+) -> Result<Segmentation, SegmentError> {
+    let bright = Bright::of(plane, pixel_size, settings);
+    let told = modality::by_evidence(&bright, settings.smallest_cell_um2);
+    let Some((modality, reason)) = told else {
+        // Edges may show what has neither, if they close.
+        return brightfield::segment(plane, pixel_size, settings)
+            .ok()
+            .filter(|found| found.cells.iter().any(|cell| !cell.confidence.is_doubtful()))
+            .map(|found| {
+                let reason = "only edges stand out, neither brightness nor texture".to_owned();
+                Segmentation { modality_reason: Some(reason), ..found }
+            })
+            .ok_or(SegmentError::NothingStandsOut {
+                smallest_um2: settings.smallest_cell_um2,
+                pixel_size,
+            });
+    };
+    let found = if modality == Modality::Fluorescence {
+        fluorescence::segment(bright, plane, pixel_size, settings)
+    } else {
+        brightfield::segment(plane, pixel_size, settings)
+    };
+    match found {
+        Ok(found) => Ok(Segmentation { modality_reason: Some(reason), ..found }),
+        Err(SegmentError::NoCell { modality, threshold, why, pixel_size }) => {
+            let why = format!("{why} (taken for {modality} since {reason})");
+            Err(SegmentError::NoCell { modality, threshold, why, pixel_size })
+        }
+        Err(error) => Err(error),
     }
 }
 

@@ -20,6 +20,15 @@ pub(super) struct Candidate<'a> {
     pub(super) on_frame: usize,
 }
 
+impl Candidate<'_> {
+    fn solidity(&self, width: usize) -> f64 {
+        let on_rim = if self.rim.is_empty() { self.pixels } else { self.rim };
+        let place =
+            |&pixel: &u32| [(pixel as usize % width) as f64, (pixel as usize / width) as f64];
+        solidity(on_rim.iter().map(place), self.pixels.len())
+    }
+}
+
 /// How sure a cell is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confidence {
@@ -99,7 +108,7 @@ impl Confidence {
             self.score *= 0.5;
             self.reasons.push(format!("{CUT}: {on_frame} of its pixels lie there"));
         }
-        let solidity = solidity(candidate, width);
+        let solidity = candidate.solidity(width);
         self.weigh(solidity, 0.45, 0.75, || {
             // Its number is the solidity of the report.
             format!("{RAGGED}: is it ragged, branched, or two cells that touch?")
@@ -107,13 +116,11 @@ impl Confidence {
     }
 }
 
-/// Area over that of the convex hull of the pixels' corners.
-fn solidity(candidate: &Candidate<'_>, width: usize) -> f64 {
-    let on_rim = if candidate.rim.is_empty() { candidate.pixels } else { candidate.rim };
-    let corners = on_rim.iter().flat_map(|&pixel| {
-        let (x, y) = ((pixel as usize % width) as f64, (pixel as usize / width) as f64);
+/// Area, pixels, over that of the convex hull of the corners of the pixels on the rim (column, row).
+pub(super) fn solidity(rim: impl Iterator<Item = [f64; 2]>, pixels: usize) -> f64 {
+    let corners = rim.flat_map(|[x, y]| {
         [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[dx, dy]| Point::new(x + dx, y + dy))
     });
     let hull = MultiPoint::new(corners.collect()).convex_hull().unsigned_area();
-    (candidate.pixels.len() as f64 / hull.max(1.0)).min(1.0)
+    (pixels as f64 / hull.max(1.0)).min(1.0)
 }

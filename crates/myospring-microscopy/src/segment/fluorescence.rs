@@ -1,75 +1,152 @@
 //! A bright cell on a dark ground.
 
 use super::confidence::Candidate;
-use super::ground::Ground;
+use super::evidence::{Evidence, Grid, SMOOTH_UM};
+use super::ladder::{Climbed, Rough};
 use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
-use crate::filter::{self, otsu, quantile, sample};
+use crate::filter::{self, quantile};
 use crate::plane::Plane;
-use crate::region::{Connectivity, Region};
+use crate::region::{Connectivity, Region, Window};
 use myospring_core::mesh::pixel_size::PixelSize;
 
-/// Scale of smoothing unless stated, um.
-const SMOOTH_UM: f64 = 0.5;
 /// Coarsest pixel that the work needs, um; finer pictures are averaged.
 const WORKING_PIXEL_UM: f64 = 0.25;
 /// Radius by which gaps are closed, um: stripes of a myocyte are 1.6 to 2.2 um apart, and between two
 /// stripes of the rim the outline is to go on.
 const CLOSING_UM: f64 = 1.5;
-/// Part of the brightest by which the unit of brightness is at least measured: below it is stray light
-/// rather than noise.
-const LEAST_UNIT: f32 = 0.03;
-/// Least brightness of a cell above the background, in standard deviations of the smoothed background.
-const LEAST_NOISES: f32 = 3.5;
 /// Brightness of the edge as part of the largest within two scales of smoothing: that of a step that was
 /// blurred.
 const EDGE: f32 = 0.5;
+/// How far the outline may lie from where the coarser pixels of the ladder have it, um.
+const AROUND_UM: f64 = 2.5;
+/// Parts of a cell that are thinner than twice this, um, and smaller than this share of it do not tie it to the
+/// frame.
+const SPUR_UM: f64 = 3.0;
+const SPUR_SHARE: f64 = 0.02;
+
+/// What a picture shows by its brightness.
+pub(super) struct Bright {
+    working: Working,
+    smooth_um: f64,
+    pub(super) climbed: Climbed,
+}
+
+impl Bright {
+    /// Looks for what is brighter than its surroundings.
+    pub(super) fn of(plane: &Plane, pixel_size: PixelSize, settings: &Settings) -> Self {
+        let working = Working::of(plane, pixel_size, WORKING_PIXEL_UM);
+        let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
+        let grid = Grid::of(&working);
+        let readings = Evidence::brightness(&working, smooth_um, grid);
+        let climbed = Climbed::best(readings, grid, settings.smallest_cell_um2);
+        Self { working, smooth_um, climbed }
+    }
+
+    /// How well the best cell is explained by its texture instead.
+    pub(super) fn by_texture(&self, smallest_um2: f64) -> Climbed {
+        let grid = self.climbed.grid;
+        Climbed::best(Evidence::texture(&self.working, grid), grid, smallest_um2)
+    }
+
+    /// The outlines on the finer grid: where brightness crosses the level that explains the cell best, and half
+    /// of what is brightest nearby.
+    fn region(&self, settings: &Settings) -> Region {
+        let Self { working, climbed: Climbed { evidence, levels, grid, rough, .. }, .. } = self;
+        let (width, height) = (levels.width(), levels.height());
+        let pixel = working.pixel_um;
+        let lifted = &evidence.lifted;
+        if let Some(threshold) = settings.threshold {
+            let smooth = filter::gaussian(&working.plane, self.smooth_um / pixel);
+            let above = smooth.values().iter().map(|&value| f64::from(value) > threshold);
+            return self.tidied(&Region::new(width, height, above), settings);
+        }
+        // The light of a bright place spreads over the outline; half of it marks the edge.
+        let near = filter::largest_nearby(lifted, (2.0 * self.smooth_um / pixel).round() as usize);
+        let around = AROUND_UM / pixel;
+        let mut all = Region::new(width, height, std::iter::empty());
+        for Rough { window, region, level, .. } in rough {
+            let margin = (2.0 * around.max(CLOSING_UM / pixel)).ceil() as usize;
+            let fine = window.finer(grid.factor, margin, [width, height]);
+            let near_by = region.spread_within(window, grid.factor, &fine).grown(around);
+            let cut = |plane: &Plane| fine.cut(plane.values(), width);
+            let (levels, lifted, near) = (cut(levels), cut(lifted), cut(&near));
+            let inside = (0..near_by.pixels()).map(|at| {
+                near_by.contains(at) && levels[at] > *level && lifted[at] > EDGE * near[at]
+            });
+            let own = self.tidied(&Region::new(fine.width(), fine.height(), inside), settings);
+            let own = without_spurs_to_the_frame(own, &fine, [width, height], SPUR_UM / pixel);
+            all.put_apart(&own, &fine);
+        }
+        all
+    }
+
+    /// Without specks, gaps, holes and spikes.
+    fn tidied(&self, region: &Region, settings: &Settings) -> Region {
+        let pixel = self.working.pixel_um;
+        let smallest = settings.smallest_cell_um2 / pixel.powi(2);
+        // Specks first: they would be joined to the cell or each other.
+        let speck = std::f64::consts::PI * (CLOSING_UM / 2.0 / pixel).powi(2);
+        let region = region.kept(Connectivity::Eight, |island| island.pixels as f64 > speck);
+        // Only around what is left: distances over a whole field of view cost more than all the rest.
+        let window = region.window((2.0 * CLOSING_UM / pixel).ceil() as usize, 1);
+        region
+            .cut(&window)
+            .closed(CLOSING_UM / pixel)
+            .filled(usize::MAX)
+            .opened(self.smooth_um / pixel)
+            .kept(Connectivity::Four, |island| island.pixels as f64 >= smallest)
+            .smoothed(self.smooth_um / pixel)
+            .pasted(&window, region.width(), region.height())
+    }
+}
+
+/// Without thin parts by which alone a cell reaches the frame, where they are small: dust and threads that lie
+/// beside it.
+fn without_spurs_to_the_frame(
+    region: Region,
+    window: &Window,
+    [width, height]: [usize; 2],
+    radius: f64,
+) -> Region {
+    let columns = window.width();
+    let on_frame = |at: usize| {
+        let [column, row] = window.place(at % columns, at / columns);
+        column == 0 || row == 0 || column + 1 == width || row + 1 == height
+    };
+    let reaches =
+        |region: &Region| (0..region.pixels()).any(|at| region.contains(at) && on_frame(at));
+    if !reaches(&region) {
+        return region;
+    }
+    let thick = region.opened(radius);
+    if reaches(&thick) {
+        return region;
+    }
+    let thin = region.inside().zip(thick.inside()).map(|(all, thick)| all && !thick);
+    let islands = Region::new(columns, window.height(), thin).islands(Connectivity::Eight);
+    let mut spur = vec![false; islands.list.len() + 1];
+    for (at, &number) in islands.numbers.iter().enumerate() {
+        spur[number as usize] |= number > 0 && on_frame(at);
+    }
+    let kept = |(inside, &number): (bool, &u32)| inside && !spur[number as usize];
+    let without =
+        Region::new(columns, window.height(), region.inside().zip(&islands.numbers).map(kept));
+    let most_lost = SPUR_SHARE * region.count() as f64;
+    if (region.count() - without.count()) as f64 <= most_lost { without } else { region }
+}
 
 pub(super) fn segment(
+    bright: Bright,
     plane: &Plane,
     pixel_size: PixelSize,
     settings: &Settings,
-    notes: Vec<String>,
 ) -> Result<Segmentation, SegmentError> {
-    let Working { plane: working, factor, pixel_um: pixel } =
-        Working::of(plane, pixel_size, WORKING_PIXEL_UM);
-    let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
-    let smooth = filter::gaussian(&working, smooth_um / pixel);
-    let ground = Ground::under(&smooth);
-    let lifted = ground.taken_off(&smooth);
-    let bright = quantile(&sample(lifted.values(), 400_000), 0.995);
-    let unit = ground.noise.max(LEAST_UNIT * bright).max(f32::MIN_POSITIVE);
-    // Linear in the noise, logarithmic above it.
-    let levels = lifted.map(|value| (value / unit).asinh());
-    let (level, separation) = match otsu(&sample(levels.values(), 400_000)) {
-        Some([level, share]) => (level, share),
-        None => (f32::INFINITY, 0.0),
-    };
-    // Otsu's level sinks into the noise where the cell is small or faint.
-    let level = level.max((LEAST_NOISES * ground.noise / unit).asinh());
-    // The light of a bright place spreads over the outline; half of it marks the edge.
-    let near = filter::largest_nearby(&lifted, (2.0 * smooth_um / pixel).round() as usize);
-    let inside = |at: usize| match settings.threshold {
-        Some(threshold) => f64::from(smooth.values()[at]) > threshold,
-        None => levels.values()[at] > level && lifted.values()[at] > EDGE * near.values()[at],
-    };
-    let count = working.values().len();
-    let region = Region::new(working.width(), working.height(), (0..count).map(inside));
-    let smallest = settings.smallest_cell_um2 / pixel.powi(2);
-    // Specks first: they would be joined to the cell or each other.
-    let speck = std::f64::consts::PI * (CLOSING_UM / 2.0 / pixel).powi(2);
-    let region = region.kept(Connectivity::Eight, |island| island.pixels as f64 > speck);
-    // Only around what is left: distances over a whole field of view cost more than all the rest.
-    let window = region.window((2.0 * CLOSING_UM / pixel).ceil() as usize, 1);
-    let region = region
-        .cut(&window)
-        .closed(CLOSING_UM / pixel)
-        .filled(usize::MAX)
-        .opened(smooth_um / pixel)
-        .kept(Connectivity::Four, |island| island.pixels as f64 >= smallest)
-        .smoothed(smooth_um / pixel)
-        .pasted(&window, working.width(), working.height());
-    let middle = ground.middle();
-    let threshold = settings.threshold.unwrap_or(f64::from(middle + unit * level.sinh()));
+    let region = bright.region(settings);
+    let Bright { working: Working { factor, pixel_um: pixel, .. }, climbed, .. } = bright;
+    let Climbed { evidence, rough, .. } = climbed;
+    let largest = rough.iter().max_by(|a, b| a.explained.area_um2.total_cmp(&b.explained.area_um2));
+    let level = largest.map_or_else(|| evidence.least(), |rough| rough.level);
+    let threshold = settings.threshold.unwrap_or_else(|| f64::from(evidence.value(level)));
     if region.count() == 0 {
         return Err(SegmentError::NoCell {
             modality: "fluorescence",
@@ -78,8 +155,8 @@ pub(super) fn segment(
             pixel_size,
         });
     }
-    let found = Found { region, factor, modality: Modality::Fluorescence, threshold, notes };
-    let view = View { lifted, factor, pixel, noise: ground.noise, separation };
+    let found = Found { region, factor, modality: Modality::Fluorescence, threshold };
+    let view = View { lifted: evidence.lifted, factor, pixel, noise: evidence.noise };
     let judge = |candidate: &Candidate<'_>| view.judge(candidate, plane.width());
     Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
 }
@@ -90,7 +167,6 @@ struct View {
     factor: usize,
     pixel: f64,
     noise: f32,
-    separation: f32,
 }
 
 impl View {
@@ -138,9 +214,6 @@ impl View {
         let radius_um = (area / std::f64::consts::PI).sqrt();
         confidence.weigh(-fall_um / radius_um, -1.0, -0.35, || {
             format!("its rim is blurred: its brightness falls over some {fall_um:.1} um; is it out of focus?")
-        });
-        confidence.weigh(f64::from(self.separation), 0.3, 0.6, || {
-            "cell and background differ little in brightness over the whole picture".to_owned()
         });
         confidence.weigh_shape(candidate, width);
         confidence

@@ -9,6 +9,15 @@ const BLOCKS: usize = 64;
 /// Rounds of fitting: each lets the surface reach further from where it began.
 const ROUNDS: usize = 12;
 
+/// Side of the blocks of which the darkest are taken, um.
+const BLOCK_UM: f64 = 4.0;
+
+/// Part of them that is.
+const DARK: f64 = 0.05;
+
+/// Standard deviation of smoothed noise over that within blocks, as measured.
+const WITHIN_BLOCKS: f32 = 1.5;
+
 /// The background: a surface of second degree, and how much pixels scatter about it.
 pub(super) struct Ground {
     surface: Plane,
@@ -67,6 +76,25 @@ impl Ground {
             .collect();
         let noise = bulk(&sample(&scatter, 200_000))[1];
         Self { surface, noise }
+    }
+
+    /// The darkest of the picture, everywhere the same: where cells, haze or others' light fill most of it, no surface
+    /// can be told.
+    pub(super) fn darkest(smooth: &Plane, pixel_um: f64) -> Self {
+        let side = ((BLOCK_UM / pixel_um).ceil() as usize).max(4);
+        let [means, squares] = [smooth.clone(), smooth.map(|value| value * value)]
+            .map(|plane| filter::coarse(&plane, side));
+        let dark = quantile(means.values(), DARK);
+        let scatter: Vec<f32> = means
+            .values()
+            .iter()
+            .zip(squares.values())
+            .filter(|(mean, _)| **mean <= dark)
+            .map(|(mean, square)| (square - mean * mean).max(0.0).sqrt())
+            .collect();
+        // Blocks are not much larger than the grains of smoothed noise, and so differ among each other, too.
+        let noise = WITHIN_BLOCKS * quantile(&scatter, 0.5);
+        Self { surface: smooth.map(|_| dark), noise }
     }
 
     /// The plane above the background.

@@ -13,11 +13,8 @@ const SPECKS_IN_A_CELL: usize = 50;
 /// Cells of a picture in which every value that is not zero marks one. Where there is one such value, or so many
 /// that they are no labels but soft edges, the islands of all together are the cells. Values that are not whole,
 /// such as the luminance of colours, tell cells apart but are no labels.
-pub(super) fn segment(
-    plane: &Plane,
-    pixel_size: PixelSize,
-    mut notes: Vec<String>,
-) -> Result<Segmentation, SegmentError> {
+pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentation, SegmentError> {
+    let mut notes = Vec::new();
     let (width, height) = (plane.width(), plane.height());
     let no_label = |value: &f32| !(0.0..=LARGEST_LABEL as f32).contains(value);
     if let Some(at) = plane.values().iter().position(no_label) {
@@ -87,5 +84,16 @@ pub(super) fn segment(
     };
     let cells = (1..).zip(&order).map(cell).collect();
     let (modality, threshold) = (Modality::Mask, 0.0);
-    Ok(Segmentation { width, height, pixel_size, numbers, cells, modality, threshold, notes })
+    let modality_reason = None;
+    Ok(Segmentation {
+        width,
+        height,
+        pixel_size,
+        numbers,
+        cells,
+        modality,
+        modality_reason,
+        threshold,
+        notes,
+    })
 }

@@ -1,22 +1,18 @@
 //! How a picture was taken, told from its grey values.
 
-use myospring_core::mesh::pixel_size::PixelSize;
 use std::collections::{BTreeSet, HashMap};
 
 use super::Modality;
-use super::ground::Ground;
-use crate::filter::{self, quantile, sample};
+use super::fluorescence::Bright;
 use crate::plane::Plane;
 
-/// A fluorescent cell is brighter than the background by so many times what anything is darker; in brightfield
-/// a cell has darker places as well as brighter ones, and noise has as much of both.
-const BRIGHTER: f32 = 2.0;
+/// Brightness explains a fluorescent cell so many times as well as texture does, at least: texture is spread over
+/// some um, and what it finds is larger than the cell.
+const AS_WELL: f64 = 0.6;
 
-/// Scale of smoothing before that is asked, um: noise is as often darker as brighter.
-const SMOOTH_UM: f64 = 1.0;
-
-/// Part of the picture that may be brighter or darker without counting: dust, dead pixels.
-const TAIL: f64 = 0.005;
+/// Below this ratio of the two the kind of picture is not sure; above the other nobody asks how much.
+const SURE: f64 = 1.4;
+const MUCH: f64 = 10.0;
 
 /// Most values of a mask with labels of its own.
 const MOST_LABELS: usize = 4096;
@@ -27,27 +23,28 @@ const FLAT: u64 = 3;
 /// A picture changes from pixel to pixel; the rows of a mask do so in one pixel of so many at the most.
 const CHANGES: usize = 12;
 
-/// Tells a mask, a fluorescence picture and a brightfield picture from each other.
-pub(super) fn guess(plane: &Plane, pixel_size: PixelSize, notes: &mut Vec<String>) -> Modality {
-    if is_mask(plane) {
-        return Modality::Mask;
-    }
-    let factor = ((SMOOTH_UM / 2.0 / pixel_size.um()).round() as usize).max(1);
-    let coarse = filter::coarse(plane, factor);
-    let smooth = filter::gaussian(&coarse, SMOOTH_UM / (pixel_size.um() * factor as f64));
-    let lifted = Ground::under(&smooth).taken_off(&smooth);
-    let values = sample(lifted.values(), 200_000);
-    let (up, down) = (quantile(&values, 1.0 - TAIL), -quantile(&values, TAIL));
-    let brighter = up / down.max(1e-6 * up.abs()).max(f32::MIN_POSITIVE);
-    let modality = if brighter > BRIGHTER { Modality::Fluorescence } else { Modality::Brightfield };
-    let word = if modality == Modality::Fluorescence { "fluorescence" } else { "brightfield" };
-    if (BRIGHTER / 1.5..BRIGHTER * 1.5).contains(&brighter) {
-        notes.push(format!(
-            "the picture was taken for {word}, though not surely: its brightest places are {brighter:.1} times as far \
-             from the background as its darkest; say --modality if that is wrong"
-        ));
-    }
-    modality
+/// Tells fluorescence and brightfield from each other, with the reason in words: by which the cells are better
+/// explained, their brightness or their texture. In brightfield a cell has darker places as well as brighter ones.
+/// `None` where neither stands out.
+pub(super) fn by_evidence(bright: &Bright, smallest_um2: f64) -> Option<(Modality, String)> {
+    let texture = bright.by_texture(smallest_um2).value().sqrt();
+    let brightness = bright.climbed.value().sqrt();
+    let (modality, more, less, ratio) = if brightness > AS_WELL * texture {
+        (Modality::Fluorescence, "brightness", "texture", brightness / (AS_WELL * texture))
+    } else {
+        (Modality::Brightfield, "texture", "brightness", AS_WELL * texture / brightness)
+    };
+    let reason = match ratio {
+        ratio if ratio.is_nan() => return None,
+        ratio if ratio > MUCH => {
+            format!("what stands out does so by its {more}, not by its {less}")
+        }
+        ratio => format!(
+            "what stands out does so {ratio:.1} times as clearly by its {more} as by its {less}"
+        ),
+    };
+    let reason = if ratio < SURE { format!("{reason}, so this is not sure") } else { reason };
+    Some((modality, reason))
 }
 
 /// Whether the values are those of a mask: few, none below 0, 0 among them, and neighbours mostly equal.

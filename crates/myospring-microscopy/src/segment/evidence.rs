@@ -1,0 +1,178 @@
+//! What speaks for a cell at each place: that it is brighter than its surroundings, or that it has a texture.
+
+use super::Working;
+use super::ground::Ground;
+use crate::filter::{self, otsu, quantile};
+use crate::plane::Plane;
+use crate::region::{Connectivity, Region};
+
+/// Scale on which brightness is smoothed unless stated, um.
+pub(super) const SMOOTH_UM: f64 = 0.5;
+/// Dark gaps of up to twice this are taken for as bright as what lies on both sides, um: stripes of a myocyte
+/// are 1.6 to 2.2 um apart.
+const GAP_UM: f64 = 1.2;
+/// Scales between which texture lies, standard deviations of Gaussians, um: stripes, threads and grains.
+const TEXTURE_UM: [f64; 2] = [0.35, 1.2];
+/// Scale over which the texture's energy is averaged, um: more than a period.
+const ENERGY_UM: f64 = 2.5;
+/// Part of the brightest by which the unit of evidence is at least measured: below it is stray light rather
+/// than noise.
+const LEAST_UNIT: f32 = 0.03;
+/// What covers less than this is no measure of how bright the brightest is, um^2: debris, hot pixels.
+const BRIGHT_UM2: f64 = 50.0;
+/// Least evidence of a cell, in standard deviations of the background.
+const LEAST_NOISES: f32 = 3.5;
+/// A ground that scatters more than so many times what the quietest dark places do may be none.
+const UNEVEN: f32 = 2.0;
+/// The mean of the background is taken from within so much of what stands out, um, so that it does not matter
+/// how large the field of view is.
+const AROUND_UM: f64 = 10.0;
+
+/// The working grid, and the coarser one of islands.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    /// Side of a pixel of the working grid, um.
+    pub(super) working_um: f64,
+    /// Pixels of the working grid along the side of a coarse one.
+    pub(super) factor: usize,
+}
+
+impl Grid {
+    /// As fine as islands need it, and so coarse that the work on a large field of view stays within bounds.
+    pub(super) fn of(working: &Working) -> Self {
+        let pixels = (working.plane.width() * working.plane.height()) as f64;
+        let affordable_um = working.pixel_um * (pixels / MOST_PIXELS).sqrt();
+        let pixel_um = affordable_um.clamp(FINEST_PIXEL_UM, COARSEST_PIXEL_UM);
+        let factor = ((pixel_um / working.pixel_um).round() as usize).max(1);
+        Self { working_um: working.pixel_um, factor }
+    }
+
+    /// Side of a coarse pixel, um.
+    pub(super) fn pixel_um(self) -> f64 {
+        self.working_um * self.factor as f64
+    }
+}
+
+/// Pixels of the coarse grid, um: the larger the field of view, the coarser.
+const FINEST_PIXEL_UM: f64 = 0.4;
+const COARSEST_PIXEL_UM: f64 = 1.0;
+const MOST_PIXELS: f64 = 250_000.0;
+
+/// A plane that is large in a cell and small outside, above its slowly varying ground.
+///
+/// It is counted in units of noise, logarithmically above it, so that a bright cell does not hide a dim one.
+pub(super) struct Evidence {
+    /// The plane above its ground.
+    pub(super) lifted: Plane,
+    /// The same on the coarse grid.
+    pub(super) coarse: Plane,
+    /// The same before gaps were filled.
+    pub(super) plain: Plane,
+    /// Standard deviation of the ground.
+    pub(super) noise: f32,
+    /// What counts as one.
+    unit: f32,
+    /// A value of the ground.
+    middle: f32,
+    /// Means of background and cells on the logarithmic scale, as Otsu's threshold parts them (Otsu 1979).
+    means: [f32; 2],
+}
+
+/// What the ground may be.
+pub(super) struct Readings {
+    pub(super) first: Evidence,
+    pub(super) other: Option<Evidence>,
+}
+
+impl Evidence {
+    /// How bright the plane is, with gaps as between stripes filled; `smooth_um` is the scale of noise.
+    pub(super) fn brightness(working: &Working, smooth_um: f64, grid: Grid) -> Readings {
+        let pixel = working.pixel_um;
+        let smooth = filter::gaussian(&working.plane, smooth_um / pixel);
+        Self::readings(&filter::closed(&smooth, (GAP_UM / pixel).round() as usize), &smooth, grid)
+    }
+
+    /// How much the plane varies on the scale of stripes and grains.
+    pub(super) fn texture(working: &Working, grid: Grid) -> Readings {
+        let pixel = working.pixel_um;
+        let [fine, rough] = TEXTURE_UM.map(|um| filter::gaussian(&working.plane, um / pixel));
+        let squares = fine.values().iter().zip(rough.values()).map(|(a, b)| (a - b).powi(2));
+        let (width, height) = (fine.width(), fine.height());
+        let squares = Plane::new(width, height, squares.collect()).unwrap_or(fine);
+        let energy = filter::slow_part(&squares, ENERGY_UM / pixel).map(f32::sqrt);
+        Self::readings(&energy, &energy, grid)
+    }
+
+    /// Above the surface that the ground seems to be; and if what lies about that scatters more than ground does,
+    /// so that cells or haze may fill most of the picture, also above the darkest of it.
+    fn readings(plane: &Plane, plain: &Plane, grid: Grid) -> Readings {
+        let (surface, dark) = (Ground::under(plane), Ground::darkest(plane, grid.working_um));
+        let doubtful = surface.noise > UNEVEN * dark.noise;
+        Readings {
+            first: Self::above(&surface, plane, plain, grid),
+            other: doubtful.then(|| Self::above(&dark, plane, plain, grid)),
+        }
+    }
+
+    fn above(ground: &Ground, plane: &Plane, plain: &Plane, grid: Grid) -> Self {
+        let lifted = ground.taken_off(plane);
+        let coarse = filter::coarse(&lifted, grid.factor);
+        let plain = filter::coarse(&ground.taken_off(plain), grid.factor);
+        let in_pixels = |um2: f64| um2 / grid.pixel_um().powi(2);
+        let share = in_pixels(BRIGHT_UM2) / coarse.values().len() as f64;
+        let bright = quantile(coarse.values(), 1.0 - share.min(0.5));
+        let (noise, middle) = (ground.noise, ground.middle());
+        let unit = noise.max(LEAST_UNIT * bright).max(f32::MIN_POSITIVE);
+        let mut evidence = Self { lifted, coarse, plain, noise, unit, middle, means: [0.0, 1.0] };
+        let coarse = &evidence.coarse;
+        let least = LEAST_NOISES * noise;
+        let stands_out = coarse.values().iter().map(|&value| value > least);
+        let near = Region::new(coarse.width(), coarse.height(), stands_out)
+            .kept(Connectivity::Eight, |island| island.pixels as f64 >= in_pixels(BRIGHT_UM2))
+            .grown(AROUND_UM / grid.pixel_um());
+        let near = coarse.values().iter().zip(near.inside()).filter(|(_, near)| *near);
+        let near: Vec<f32> = near.map(|(&value, _)| evidence.scaled(value)).collect();
+        if let Some(means) = classes(&near) {
+            evidence.means = means;
+        }
+        evidence
+    }
+
+    fn scaled(&self, lifted: f32) -> f32 {
+        (lifted / self.unit).asinh()
+    }
+
+    /// The evidence at each place: 0 as in the background, 1 as in the cells.
+    pub(super) fn levels(&self) -> Plane {
+        let [low, high] = self.means;
+        self.lifted.map(|value| (self.scaled(value) - low) / (high - low))
+    }
+
+    /// The least level that noise does not reach.
+    pub(super) fn least(&self) -> f32 {
+        let [low, high] = self.means;
+        (self.scaled(LEAST_NOISES * self.noise) - low) / (high - low)
+    }
+
+    /// A level above the ground, in the unit of the plane.
+    pub(super) fn above_ground(&self, level: f32) -> f32 {
+        let [low, high] = self.means;
+        self.unit * (low + level * (high - low)).sinh()
+    }
+
+    /// The value in the plane, where the ground is as in most places.
+    pub(super) fn value(&self, level: f32) -> f32 {
+        self.middle + self.above_ground(level)
+    }
+}
+
+/// Means of Otsu's classes; `None` where all are equal.
+fn classes(values: &[f32]) -> Option<[f32; 2]> {
+    let [level, _] = otsu(values)?;
+    let mean = |of: &dyn Fn(f32) -> bool| {
+        let chosen: Vec<f32> = values.iter().copied().filter(|&value| of(value)).collect();
+        chosen.iter().sum::<f32>() / chosen.len().max(1) as f32
+    };
+    let [low, high] = [mean(&|value| value <= level), mean(&|value| value > level)];
+    (high > low).then_some([low, high])
+}

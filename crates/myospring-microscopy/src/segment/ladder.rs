@@ -1,0 +1,273 @@
+//! The outlines that explain best where evidence lies: of all levels, each cell at its own.
+//!
+//! At each rung of a ladder of levels, what lies above it falls into islands; those of a rung lie in those of the
+//! rung below. An island is the better explained as a cell, the more the evidence falls across its outline, the
+//! more of the outline this holds for, the less of it is cut by the frame, and the more compact it is. Of
+//! an island and those within it on higher rungs, that is taken which explains more: so one
+//! threshold need not serve a whole picture, and two cells that only haze joins are two (component trees, Jones
+//! 1999; extremal regions that are chosen by how stable they are, Matas et al. 2002, are kin).
+
+use super::confidence::solidity;
+use super::evidence::{Evidence, Grid, Readings};
+use crate::filter::{self, quantile};
+use crate::plane::Plane;
+use crate::region::{Connectivity, Region, Window};
+
+/// Distance of the rungs, of the way from background to cell.
+const RUNG: f32 = 0.05;
+/// Highest rung.
+const TOP: f32 = 1.3;
+/// Gaps that are closed, points and necks that are taken off, radii in um.
+const CLOSING_UM: f64 = 0.5;
+const OPENING_UM: f64 = 1.5;
+/// Scale on which the slope across an outline is measured, um.
+const SLOPE_UM: f64 = 0.5;
+/// Scale on which the direction across an outline is measured, um.
+const ACROSS_UM: f64 = 1.0;
+/// What lies beside an island, from and to so far from it, um.
+const BESIDE_UM: [f64; 2] = [1.5, 5.0];
+/// An outline within another that explains as much but for this is taken: light strays outward.
+const AS_GOOD: f64 = 0.8;
+/// Least slope that counts as a fall, per um.
+const FALL_PER_UM: f32 = 0.03;
+
+/// How well an island is explained as a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Explained {
+    /// Mean slope of the evidence across the outline, where the frame does not cut it, per um.
+    pub(super) slope_per_um: f64,
+    /// Part of that outline across which it falls.
+    pub(super) falling: f64,
+    /// Part of the outline that lies on the frame.
+    pub(super) on_frame: f64,
+    /// How much higher most of the inside is than what lies beside it, gaps not filled, in parts of half its mean
+    /// height with gaps filled, from -1 to 1: a bright halo alone is not a bright cell.
+    pub(super) inside: f64,
+    /// Area over that of the convex hull.
+    pub(super) solidity: f64,
+    /// Area, um^2.
+    pub(super) area_um2: f64,
+}
+
+impl Explained {
+    /// What counts for an island, for each unit of its area.
+    fn quality(&self) -> f64 {
+        let whole = 1.0 - self.on_frame;
+        let rises = self.slope_per_um.max(0.0) * self.inside.max(0.0);
+        rises * self.falling * whole.powi(3) * self.solidity.powi(2)
+    }
+
+    /// What it explains: of several islands the sum counts.
+    pub(super) fn value(&self) -> f64 {
+        self.area_um2 * self.quality().powi(2)
+    }
+}
+
+/// An island that was taken for a cell.
+pub(super) struct Rough {
+    /// Where it lies.
+    pub(super) window: Window,
+    /// Its pixels, within the window.
+    pub(super) region: Region,
+    /// The level of its outline.
+    pub(super) level: f32,
+    pub(super) explained: Explained,
+}
+
+/// Evidence with the islands that it explains.
+pub(super) struct Climbed {
+    pub(super) evidence: Evidence,
+    /// Its levels, on the working grid.
+    pub(super) levels: Plane,
+    pub(super) grid: Grid,
+    /// The islands, on the coarse grid.
+    pub(super) rough: Vec<Rough>,
+    /// Part of all light that they explain, where it is not sure what is ground and what is not.
+    share: f64,
+}
+
+impl Climbed {
+    fn of(evidence: Evidence, grid: Grid, smallest_um2: f64) -> Self {
+        let levels = evidence.levels();
+        let coarse = filter::coarse(&levels, grid.factor);
+        let ladder = Ladder::on(&coarse, &evidence, grid.pixel_um(), smallest_um2);
+        let rough = ladder.climb(evidence.least());
+        Self { evidence, levels, grid, rough, share: 1.0 }
+    }
+
+    /// Of several readings that which explains most.
+    pub(super) fn best(readings: Readings, grid: Grid, smallest_um2: f64) -> Self {
+        let mut first = Self::of(readings.first, grid, smallest_um2);
+        let Some(other) = readings.other else { return first };
+        let mut other = Self::of(other, grid, smallest_um2);
+        // Above the darkest there is all the light that wants to be explained.
+        let light = filter::coarse(&other.evidence.lifted, grid.factor);
+        (first.share, other.share) = (first.share_of(&light), other.share_of(&light));
+        if other.value() > first.value() { other } else { first }
+    }
+
+    /// How much all islands explain.
+    pub(super) fn value(&self) -> f64 {
+        // A sum of nothing is -0.
+        let sum = self.rough.iter().fold(0.0, |sum, rough| sum + rough.explained.value());
+        sum * self.share.powi(2)
+    }
+
+    /// Part of all light that lies in the islands.
+    fn share_of(&self, light: &Plane) -> f64 {
+        let sum = |values: &mut dyn Iterator<Item = f32>| -> f64 {
+            values.map(|value| f64::from(value.max(0.0))).sum()
+        };
+        let within = |rough: &Rough| {
+            let values = rough.window.cut(light.values(), light.width());
+            let inside = values.into_iter().zip(rough.region.inside());
+            sum(&mut inside.filter(|(_, inside)| *inside).map(|(value, _)| value))
+        };
+        let all = sum(&mut light.values().iter().copied());
+        self.rough.iter().map(within).sum::<f64>() / all.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// A ladder on a plane of evidence.
+pub(super) struct Ladder<'a> {
+    levels: &'a Plane,
+    evidence: &'a Evidence,
+    /// Slopes along rows and columns, per um.
+    slopes: [Vec<f32>; 2],
+    pixel_um: f64,
+    smallest_um2: f64,
+}
+
+impl<'a> Ladder<'a> {
+    /// On the levels of a plane whose pixels are `pixel_um` wide, for cells of at least `smallest_um2`.
+    fn on(levels: &'a Plane, evidence: &'a Evidence, pixel_um: f64, smallest_um2: f64) -> Self {
+        let smooth = filter::gaussian(levels, SLOPE_UM / pixel_um);
+        let slopes = filter::slopes(&smooth).map(|slopes| {
+            slopes.into_iter().map(|slope| slope / pixel_um as f32).collect::<Vec<f32>>()
+        });
+        Self { levels, evidence, slopes, pixel_um, smallest_um2 }
+    }
+
+    /// The islands that explain most, from the level `least` on.
+    fn climb(&self, least: f32) -> Vec<Rough> {
+        let (width, height) = (self.levels.width(), self.levels.height());
+        let least = least.max(RUNG);
+        let above = Region::new(width, height, self.levels.values().iter().map(|&v| v > least));
+        let smallest = self.smallest_um2 / self.pixel_um.powi(2) / 4.0;
+        // Noise first: it is most of the islands.
+        let above = above.kept(Connectivity::Eight, |island| island.pixels as f64 >= smallest);
+        let mut found = Vec::new();
+        for window in above.windows((BESIDE_UM[1] / self.pixel_um).ceil() as usize) {
+            found.extend(self.best(&above.cut(&window), &window, least).1);
+        }
+        found
+    }
+
+    /// The islands within a region that explain most, and how much that is.
+    fn best(&self, region: &Region, window: &Window, level: f32) -> (f64, Vec<Rough>) {
+        let (mut value, mut found) = (0.0, Vec::new());
+        if level > TOP {
+            return (value, found);
+        }
+        let width = self.levels.width();
+        let values = window.cut(self.levels.values(), width);
+        let above = region.inside().zip(&values).map(|(inside, &value)| inside && value > level);
+        let tidy = Region::new(region.width(), region.height(), above)
+            .closed(CLOSING_UM / self.pixel_um)
+            .filled(usize::MAX)
+            .opened((OPENING_UM / self.pixel_um).max(1.0));
+        let islands = tidy.islands(Connectivity::Four);
+        let smallest = self.smallest_um2 / self.pixel_um.powi(2);
+        let margin = (BESIDE_UM[1] / self.pixel_um).ceil() as usize;
+        for (number, island) in (1..).zip(&islands.list) {
+            if (island.pixels as f64) < smallest {
+                continue;
+            }
+            let own = Region::new(
+                tidy.width(),
+                tidy.height(),
+                islands.numbers.iter().map(|&other| other == number),
+            );
+            let within = own.window(margin, 1);
+            let (own_region, within) = (own.cut(&within), window.part(&within));
+            let explained = self.explained(&own_region, &within);
+            let (sum, parts) = self.best(&own_region, &within, level + RUNG);
+            let own = explained.value();
+            let tighter = match parts.as_slice() {
+                [part] => part.explained.value() >= AS_GOOD * own,
+                _ => sum > own,
+            };
+            value += sum.max(own);
+            if tighter {
+                found.extend(parts);
+            } else {
+                found.push(Rough { window: within, region: own_region, level, explained });
+            }
+        }
+        (value, found)
+    }
+
+    fn explained(&self, region: &Region, window: &Window) -> Explained {
+        let (width, height) = (self.levels.width(), self.levels.height());
+        let [along, down] = self.slopes.each_ref().map(|slopes| window.cut(slopes, width));
+        let step = region.inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
+        let inward = Plane::new(region.width(), region.height(), step)
+            .map(|step| filter::slopes(&filter::gaussian(&step, ACROSS_UM / self.pixel_um)))
+            .unwrap_or_default();
+        let (mut on_frame, mut rim, mut count) = (0_usize, Vec::new(), 0_usize);
+        let (mut falling, mut slopes) = (0_usize, 0.0);
+        let (columns, rows) = (region.width(), region.height());
+        for at in (0..region.pixels()).filter(|&at| region.contains(at)) {
+            let (x, y) = (at % columns, at / columns);
+            let [column, row] = window.place(x, y);
+            if column == 0 || row == 0 || column + 1 == width || row + 1 == height {
+                on_frame += 1;
+                rim.push([x as f64, y as f64]);
+                continue;
+            }
+            let outside = |x: usize, y: usize| !region.contains(y * columns + x);
+            let is_rim = x == 0
+                || y == 0
+                || x + 1 == columns
+                || y + 1 == rows
+                || outside(x - 1, y)
+                || outside(x + 1, y)
+                || outside(x, y - 1)
+                || outside(x, y + 1);
+            if is_rim {
+                rim.push([x as f64, y as f64]);
+                let (u, v) = (inward[0][at], inward[1][at]);
+                let slope = (along[at] * u + down[at] * v) / u.hypot(v).max(1e-9);
+                count += 1;
+                falling += usize::from(slope > FALL_PER_UM);
+                slopes += f64::from(slope);
+            }
+        }
+        let plain = window.cut(self.evidence.plain.values(), width);
+        let [apart, beyond] = BESIDE_UM.map(|um| region.grown((um / self.pixel_um).max(1.0)));
+        let median = |of: &dyn Fn(usize) -> bool| {
+            let values: Vec<f32> =
+                (0..plain.len()).filter(|&at| of(at)).map(|at| plain[at]).collect();
+            (!values.is_empty()).then(|| quantile(&values, 0.5))
+        };
+        let heights = window.cut(self.evidence.coarse.values(), width);
+        let heights = heights.into_iter().zip(region.inside()).filter(|(_, inside)| *inside);
+        let sum: f32 = heights.map(|(height, _)| height).sum();
+        let height = sum / region.count().max(1) as f32;
+        let own = median(&|at| region.contains(at));
+        let beside = median(&|at| beyond.contains(at) && !apart.contains(at));
+        let inside = match (own, beside) {
+            (Some(own), Some(beside)) => 2.0 * (own - beside) / height.max(f32::MIN_POSITIVE),
+            _ => 1.0,
+        };
+        let count = count.max(1) as f64;
+        Explained {
+            slope_per_um: slopes / count,
+            falling: falling as f64 / count,
+            on_frame: on_frame as f64 / (count + on_frame as f64),
+            inside: f64::from(inside.clamp(-1.0, 1.0)),
+            solidity: solidity(rim.into_iter(), region.count()),
+            area_um2: region.count() as f64 * self.pixel_um.powi(2),
+        }
+    }
+}
