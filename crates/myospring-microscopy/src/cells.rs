@@ -307,9 +307,7 @@ impl PictureCells {
                 let edge =
                     if found.modality == Modality::Mask { Edge::Exact } else { Edge::Smooth };
                 let outline = trace_mask(&mask, edge)?;
-                // The one value of a mask says what is cell, not which.
-                let labelled = found.cells.iter().any(|other| other.label != cell.label);
-                let name = cell.label.filter(|_| labelled).unwrap_or(cell.number).to_string();
+                let name = found.name(cell);
                 let confidence = cell.confidence.clone();
                 let on_frame = cell.pixels_on_the_frame;
                 let shape = shape_report_of(&outline, on_frame, self.areas_um2, &confidence);

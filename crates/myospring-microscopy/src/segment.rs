@@ -265,12 +265,12 @@ pub enum SegmentError {
     },
     /// The cell reaches the frame.
     #[error(
-        "cell {number} is cut by the frame of the picture ({pixels} of its pixels lie on it), so its true shape is \
+        "cell {name} is cut by the frame of the picture ({pixels} of its pixels lie on it), so its true shape is \
          not known; take a picture with the whole cell, choose another cell, or allow it with --allow-cut"
     )]
     Cut {
-        /// Its number.
-        number: u32,
+        /// Its name: its label, or its number.
+        name: String,
         /// How many of its pixels lie on the frame.
         pixels: usize,
     },
@@ -323,10 +323,17 @@ impl Segmentation {
             return Err(SegmentError::NoSuchCell { number, cells: counted(self.cells.len()) });
         };
         if cell.pixels_on_the_frame > 0 && !allow_cut {
-            let (number, pixels) = (cell.number, cell.pixels_on_the_frame);
-            return Err(SegmentError::Cut { number, pixels });
+            let (name, pixels) = (self.name(cell), cell.pixels_on_the_frame);
+            return Err(SegmentError::Cut { name, pixels });
         }
         Ok(cell)
+    }
+
+    /// The name of a cell: its label, where the labels of a mask tell cells apart, else its number.
+    pub fn name(&self, cell: &Cell) -> String {
+        // The one value of a mask says what is cell, not which.
+        let labelled = self.cells.iter().any(|other| other.label != cell.label);
+        cell.label.filter(|_| labelled).unwrap_or(cell.number).to_string()
     }
 
     fn labelled(&self, label: u32) -> Result<&Cell, SegmentError> {

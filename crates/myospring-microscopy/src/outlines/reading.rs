@@ -10,11 +10,12 @@ use myospring_core::mesh::outline::Outline;
 /// Reads a file of outlines in any of the formats that [`super`] lists; `file_name` names what has no name of its
 /// own and stands in errors.
 ///
-/// Lines and points in a RoiSet or GeoJSON that also holds cells are left out with a note.
+/// Lines and points in a RoiSet or GeoJSON that also holds cells are left out with a note, and so are outlines that
+/// [`Outline::new`] refuses where others are right.
 ///
 /// # Errors
 /// Bytes of no known format, damaged or too large ones; kinds of ROI that enclose no area; an outline
-/// that lies outside the picture, or that [`Outline::new`] refuses, with its name.
+/// that lies outside the picture, or none that [`Outline::new`] takes, with the name of the first.
 ///
 /// # Example
 /// ```
@@ -91,8 +92,22 @@ pub fn read_outlines_as(
     }
     check_counts(&raw)?;
     let frame = frame_of(&raw, options.placement, &mut notes)?;
-    let outlines =
-        raw.into_iter().map(|raw| place(raw, &frame, options)).collect::<Result<_, _>>()?;
+    let mut outlines = Vec::with_capacity(raw.len());
+    let mut first = None;
+    for raw in raw {
+        match place(raw, &frame, options) {
+            Ok(outline) => outlines.push(outline),
+            // One that cannot be meshed does not cost the others.
+            Err(error @ OutlineFileError::Outline { .. }) => {
+                notes.push(format!("left out: {error}"));
+                first.get_or_insert(error);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if let (Some(error), true) = (first, outlines.is_empty()) {
+        return Err(error);
+    }
     Ok(GivenOutlines { outlines, notes })
 }
 

@@ -11,8 +11,8 @@ pub(super) const CUT: f64 = 1.0 / 1024.0;
 /// Parts rings where they touch in a common vertex, by cutting both corners there by `cut`, in the unit
 /// of the points.
 ///
-/// Traced outlines pass a corner twice where two pixels meet only there, which an outline may not.
-/// Nothing else is changed.
+/// Traced outlines pass a corner twice where two pixels meet only there, which an outline may not. Threads without
+/// width, along which a ring runs there and back, are taken off. Nothing else is changed.
 pub(super) fn part_touching(rings: &mut [Vec<[f64; 2]>], cut: f64) {
     let key = |point: [f64; 2]| point.map(|value| (value + 0.0).to_bits());
     let mut passes: HashMap<[u64; 2], u32> = HashMap::new();
@@ -21,6 +21,7 @@ pub(super) fn part_touching(rings: &mut [Vec<[f64; 2]>], cut: f64) {
         while ring.len() > 1 && ring.first() == ring.last() {
             ring.pop();
         }
+        take_threads_off(ring);
         for &point in ring.iter() {
             *passes.entry(key(point)).or_default() += 1;
         }
@@ -42,6 +43,30 @@ pub(super) fn part_touching(rings: &mut [Vec<[f64; 2]>], cut: f64) {
         }
         *ring = parted;
     }
+}
+
+/// Takes off what a ring runs there and back: `a b a` is `a`.
+fn take_threads_off(ring: &mut Vec<[f64; 2]>) {
+    let mut kept: Vec<[f64; 2]> = Vec::with_capacity(ring.len());
+    for &point in ring.iter() {
+        if kept.len() > 1 && kept[kept.len() - 2] == point {
+            kept.pop();
+        } else if kept.last() != Some(&point) {
+            kept.push(point);
+        }
+    }
+    // A thread that begins or ends the ring.
+    let (mut first, mut last) = (0, kept.len());
+    while last - first > 2 {
+        if kept[last - 2] == kept[first] {
+            last -= 2;
+        } else if kept[last - 1] == kept[first + 1] {
+            (first, last) = (first + 1, last - 1);
+        } else {
+            break;
+        }
+    }
+    *ring = kept[first..last].to_vec();
 }
 
 /// A point `cut` from `from` on the way to `to`, at most a quarter of the way.
@@ -110,6 +135,21 @@ mod tests {
 
     fn square(low: f64, high: f64) -> Vec<[f64; 2]> {
         vec![[low, low], [high, low], [high, high], [low, high]]
+    }
+
+    #[test]
+    fn threads_without_width_are_taken_off_wherever_the_ring_begins() {
+        let square = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        // A thread of two steps with a fork at its end, out of a corner and back.
+        let thread = [[5.0, 5.0], [6.0, 5.0], [5.0, 5.0], [5.0, 6.0], [5.0, 5.0], [4.0, 4.0]];
+        let ring = [&square[..3], &thread, &square[3..]].concat();
+        for start in 0..ring.len() {
+            let mut turned = vec![[&ring[start..], &ring[..start]].concat()];
+            part_touching(&mut turned, CUT);
+            let place = turned[0].iter().position(|point| *point == square[0]).unwrap();
+            turned[0].rotate_left(place);
+            assert_eq!(turned[0], square, "from {start} on");
+        }
     }
 
     #[test]

@@ -85,6 +85,15 @@ fn other_files_are_told_from_outlines() {
 }
 
 #[test]
+fn an_outline_that_crosses_itself_does_not_cost_the_others() {
+    let bow_tie = "30,2,40,12,30,12,40,2\n";
+    let given = read(format!("2,2,22,2,22,12,2,12\n{bow_tie}").as_bytes()).unwrap();
+    assert_eq!(given.outlines.len(), 1);
+    assert!(given.notes[0].starts_with("left out: outline `2`: the outline crosses"), "{given:?}");
+    assert!(refused(bow_tie.as_bytes()).starts_with("outline `1`: the outline crosses"));
+}
+
+#[test]
 fn zip_bombs_do_not_go_off() {
     let mut large = fixture("rectangle.roi");
     large.resize(4_000_000, 0);
