@@ -109,14 +109,14 @@ pub(super) fn shape_report_of(
 pub fn unusual_area(area_um2: f64, [least, most]: [f64; 2]) -> Option<String> {
     if area_um2 < least {
         return Some(format!(
-            "its area of {area_um2:.0} um^2 is below {least} um^2, the least that is expected of a heart cell: is it \
-             debris, a vessel or a piece of a cell, or is the pixel size wrong? (--min-area)"
+            "its area of {area_um2:.0} um^2 is below {least} um^2 (--min-area): is it debris, or a piece of a cell, or \
+             is the pixel size wrong?"
         ));
     }
     (area_um2 > most).then(|| {
         format!(
-            "its area of {area_um2:.0} um^2 is above {most} um^2, the most that is expected of a heart cell: are they \
-             several cells, or is the pixel size wrong? (--max-area)"
+            "its area of {area_um2:.0} um^2 is above {most} um^2 (--max-area): are they several cells, or is the pixel \
+             size wrong?"
         )
     })
 }

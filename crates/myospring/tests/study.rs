@@ -578,7 +578,13 @@ fn debris_is_left_out_of_a_table_unless_it_is_pointed_at_and_every_picture_is_sh
     assert_eq!((nothing.len(), nothing[0].status), (1, Status::Failed));
     let shown = shown.0.into_inner().unwrap();
     assert_eq!(shown.len(), 5);
-    assert!(shown[0].2.contains("cell 3: left out: its area of 24150 um^2"), "{}", shown[0].2);
+    assert!(
+        shown[0]
+            .2
+            .contains("for their size (--min-area, --max-area): 3 (24150 um^2), 2 (200 um^2)"),
+        "{}",
+        shown[0].2
+    );
     let (name, beaten, notes) = &shown[4];
     assert_eq!((name.as_str(), *beaten), ("grains.png", 0));
     assert!(notes.contains("no cell was found"), "{notes}");

@@ -1,10 +1,13 @@
 //! Pictures as members of a study: the cells of each found, meshed and beaten, one row a cell.
 
+mod left_out;
 mod row;
 mod table;
 
 pub use row::CellRow;
 pub use table::{Given, TableError, read_table};
+
+use left_out::{LeftOut, notes};
 
 use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
 use crate::microscopy::cells::{PictureCell, PictureCells};
@@ -186,7 +189,7 @@ fn found_and_beaten(
         chosen(source, &cells, which, &picture.file).map_err(|cause| refused(&cells, cause))?;
     let pointed_at = which == Which::Chosen && source.choice != Choice::Largest;
     let reason = |cell: &PictureCell| {
-        if pointed_at { None } else { left_out(&cells, cell, source.allow_cut) }
+        if pointed_at { None } else { LeftOut::of(&cells, cell, source.allow_cut) }
     };
     let to_beat: Vec<&PictureCell> = chosen.iter().filter(|cell| reason(cell).is_none()).collect();
     if !keeper.goes_on() {
@@ -199,7 +202,7 @@ fn found_and_beaten(
         let mut row = CellRow::of(&picture.file, &cells, &cell);
         row.number("segment_s", segment_s);
         if let Some(reason) = reason(&cell) {
-            row.is_not_ok(Status::LeftOut, reason);
+            row.is_not_ok(Status::LeftOut, reason.to_string());
         } else if let Err(cause) = beat(picture, run, &cells, cell, &mut row, keeper) {
             if cause.is::<Interrupted>() {
                 return Err(cause);
@@ -218,24 +221,6 @@ fn found_and_beaten(
         rows.push(picture.failed(format!("{none}: {}", reasons.join("; "))));
     }
     Ok(rows)
-}
-
-/// What a person should know when they look at the picture.
-fn notes(
-    cells: &PictureCells,
-    chosen: &[PictureCell],
-    left_out: impl Fn(&PictureCell) -> Option<String>,
-) -> Vec<String> {
-    let mut notes = cells.notes.clone();
-    let several = chosen.len() > 1;
-    for cell in chosen {
-        let who = if several { format!("cell {}: ", cell.name) } else { String::new() };
-        match left_out(cell) {
-            Some(reason) => notes.push(format!("{who}left out: {reason}")),
-            None => notes.extend(cell.warnings().map(|warning| format!("{who}{warning}"))),
-        }
-    }
-    notes
 }
 
 /// The cells to be looked at, and rows of those that cannot be outlined.
@@ -260,24 +245,6 @@ fn chosen(
         }
     }
     Ok((chosen, failed))
-}
-
-/// Why a cell is not beaten.
-fn left_out(cells: &PictureCells, cell: &PictureCell, allow_cut: bool) -> Option<String> {
-    let on_frame = cell.shape.pixels_on_frame;
-    if on_frame > 0 && !allow_cut {
-        return Some(format!(
-            "the frame cuts it ({on_frame} pixels); --allow-cut beats it nevertheless"
-        ));
-    }
-    if let Some(unusual) = cells.unusual_area(cell) {
-        return Some(unusual);
-    }
-    if cell.confidence.is_doubtful() {
-        let reasons = cell.confidence.reasons.join("; ");
-        return Some(format!("doubtful, confidence {:.2} of 1: {reasons}", cell.confidence.score));
-    }
-    None
 }
 
 /// Beats one cell and adds its numbers to the row.
