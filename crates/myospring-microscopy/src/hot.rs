@@ -1,7 +1,7 @@
 //! Hot pixels: single pixels far beyond everything else in the picture, from a damaged sensor or a cosmic ray.
 //!
 //! One of them stretches the range of grey values until nothing else can be seen, and smoothing spreads it. A
-//! pixel is hot if it lies beyond the values that at least two neighbours bear out by [`BEYOND`] times the whole
+//! pixel is hot if it lies beyond the values that at least two neighbours bear out by three times the whole
 //! range of those, and if such pixels are few: dots as sharp as a pixel are many, and of each other's height.
 
 use crate::plane::Plane;
