@@ -153,6 +153,12 @@ impl Region {
         self.inside.iter().copied()
     }
 
+    /// What both have.
+    pub(super) fn and(&self, other: &Self) -> Self {
+        let both = self.inside().zip(other.inside()).map(|(a, b)| a && b);
+        Self::new(self.width, self.height, both)
+    }
+
     pub(super) fn count(&self) -> usize {
         self.inside().filter(|&is| is).count()
     }
@@ -200,6 +206,20 @@ impl Region {
         Self::new(width, height, (0..width * height).map(at))
     }
 
+    /// On pixels that are `ratio` times as wide as this region's.
+    pub(super) fn resampled(&self, ratio: f64, width: usize, height: usize) -> Self {
+        let place = |at: usize, count: usize| {
+            (((at as f64 + 0.5) * ratio) as usize).min(count.saturating_sub(1))
+        };
+        let columns: Vec<usize> = (0..width).map(|at| place(at, self.width)).collect();
+        let rows: Vec<usize> = (0..height).map(|at| place(at, self.height)).collect();
+        let mut inside = Vec::with_capacity(width * height);
+        for row in rows {
+            inside.extend(columns.iter().map(|column| self.inside[row * self.width + column]));
+        }
+        Self { width, height, inside }
+    }
+
     /// On finer pixels, of which `factor` x `factor` make one of this region's, within a window of them; the region
     /// lies in a window of the coarse ones.
     pub(super) fn spread_within(&self, coarse: &Window, factor: usize, fine: &Window) -> Self {
@@ -212,13 +232,19 @@ impl Region {
         Self::new(fine.width(), fine.height(), (0..fine.width() * fine.height()).map(inside))
     }
 
-    /// Puts a part where a window is, apart from what is there already: two pixels at least from it, so that smoothing does not join them.
-    pub(super) fn put_apart(&mut self, part: &Self, window: &Window) {
-        let there = self.cut(window).grown(2.0);
-        for at in (0..part.pixels()).filter(|&at| part.contains(at) && !there.contains(at)) {
+    /// Adds a part where a window is.
+    pub(super) fn add(&mut self, part: &Self, window: &Window) {
+        for at in (0..part.pixels()).filter(|&at| part.contains(at)) {
             let [column, row] = window.place(at % window.width(), at / window.width());
             self.inside[row * self.width + column] = true;
         }
+    }
+
+    /// Puts a part where a window is, apart from what is there already: two pixels at least from it, so that smoothing does not join them.
+    pub(super) fn put_apart(&mut self, part: &Self, window: &Window) {
+        let there = self.cut(window).grown(2.0);
+        let apart = part.inside().zip(there.inside()).map(|(part, there)| part && !there);
+        self.add(&Self::new(part.width, part.height, apart), window);
     }
 
     /// The least window that holds the region and `margin` pixels around it, as far as there are any, and begins

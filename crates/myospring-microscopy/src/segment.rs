@@ -276,6 +276,9 @@ pub enum SegmentError {
     },
 }
 
+/// Most pixels that a method works with.
+const MOST_WORKING_PIXELS: f64 = 12e6;
+
 /// The plane at the pixels that a method works with.
 struct Working {
     plane: Plane,
@@ -286,9 +289,12 @@ struct Working {
 }
 
 impl Working {
-    /// Pixels are averaged as long as they stay as fine as `coarsest_um`.
+    /// Pixels are averaged as long as they stay as fine as `coarsest_um`; those of a very large picture as long as
+    /// they are more than memory should hold several planes of.
     fn of(plane: &Plane, pixel_size: PixelSize, coarsest_um: f64) -> Self {
-        let factor = ((coarsest_um / pixel_size.um()) as usize).max(1);
+        let pixels = (plane.width() * plane.height()) as f64;
+        let affordable = (pixels / MOST_WORKING_PIXELS).sqrt().ceil() as usize;
+        let factor = ((coarsest_um / pixel_size.um()) as usize).max(affordable).max(1);
         let pixel_um = pixel_size.um() * factor as f64;
         Self { plane: filter::coarse(plane, factor), factor, pixel_um }
     }

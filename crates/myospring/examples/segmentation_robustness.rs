@@ -15,12 +15,19 @@ mod synthetic_cell;
 
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::segment::{Choice, Settings, segment};
+use std::sync::Mutex;
 use synthetic_cell::{Scene, Truth};
 
 /// Pictures for each entry; the worst is shown.
 const SEEDS: u64 = 3;
 
+/// Larger frames are left out.
+const MOST_COLUMNS: f64 = 2400.0;
+
 type Draw = fn(&Scene) -> Truth;
+
+/// Confidence and Dice's coefficient of every cell that was found.
+static JUDGED: Mutex<Vec<[f64; 2]>> = Mutex::new(Vec::new());
 
 /// The worst Dice's coefficient, and in brackets where the program itself called the outline doubtful.
 fn worst(scene: Scene, draw: Draw) -> String {
@@ -40,9 +47,31 @@ fn worst(scene: Scene, draw: Draw) -> String {
         };
         doubtful |= cell.confidence.is_doubtful();
         let inside = found.numbers.iter().map(|&number| number == cell.number);
-        worst = worst.min(truth.dice(inside));
+        let dice = truth.dice(inside);
+        JUDGED.lock().unwrap().push([cell.confidence.score, dice]);
+        worst = worst.min(dice);
     }
     if doubtful { format!("({worst:.2})") } else { format!("{worst:.2}") }
+}
+
+/// How far confidence may be trusted.
+fn reliability() {
+    let judged = JUDGED.lock().unwrap();
+    println!("\nReliability\n\n| confidence | outlines | Dice, median | worst | at least 0.9 |");
+    println!("|---|---|---|---|---|");
+    for [low, high] in [[0.0, 0.25], [0.25, 0.5], [0.5, 0.75], [0.75, 0.95], [0.95, 1.01]] {
+        let within = judged.iter().filter(|[sure, _]| (low..high).contains(sure));
+        let mut dice: Vec<f64> = within.map(|[_, dice]| *dice).collect();
+        dice.sort_by(f64::total_cmp);
+        let (Some(worst), count) = (dice.first(), dice.len()) else { continue };
+        let good = dice.iter().filter(|&&dice| dice >= 0.9).count();
+        println!(
+            "| {low} to {:.2} | {count} | {:.2} | {worst:.2} | {:.0} % |",
+            high.min(1.0),
+            dice[count / 2],
+            100.0 * good as f64 / count as f64
+        );
+    }
 }
 
 fn grid(title: &str, start: Scene, contrasts: &[f64], noises: &[f64], draw: Draw) {
@@ -60,6 +89,32 @@ fn list(title: &str, scenes: &[(&str, Scene)], draw: Draw) {
     println!("\n{title}\n\n| difficulty | Dice |\n|---|---|");
     for (name, scene) in scenes {
         println!("| {name} | {} |", worst(*scene, draw));
+    }
+}
+
+/// A cell in frames of any size: how much of the frame it covers, and pixels.
+fn coverage(title: &str, start: Scene, draw: Draw) {
+    let pixels = [0.1, 0.25, 0.65, 1.3];
+    let header: Vec<String> = pixels.iter().map(|pixel| format!("{pixel} um")).collect();
+    println!("\n{title}\n\n| part of the frame \\ pixel | {} |", header.join(" | "));
+    println!("|---|{}", "---|".repeat(pixels.len()));
+    for (part, field_um, half_width_um, taper) in [
+        ("0.02 %", 3080.0, 12.0, 0.6),
+        ("0.1 %", 1380.0, 12.0, 0.6),
+        ("1 %", 436.0, 12.0, 0.6),
+        ("8 %", 160.0, 12.0, 0.6),
+        ("33 %", 120.0, 30.0, 0.6),
+        ("80 %", 101.5, 47.0, 0.3),
+    ] {
+        let turn_deg = if half_width_um > 12.0 { 0.0 } else { start.turn_deg };
+        let row: Vec<String> = pixels
+            .iter()
+            .map(|&pixel_um| {
+                let scene = Scene { field_um, pixel_um, half_width_um, taper, turn_deg, ..start };
+                if field_um / pixel_um > MOST_COLUMNS { "".to_owned() } else { worst(scene, draw) }
+            })
+            .collect();
+        println!("| {part} | {} |", row.join(" | "));
     }
 }
 
@@ -81,6 +136,10 @@ fn main() {
         ],
         Scene::fluorescence,
     );
+    for contrast in [1.0, 0.1] {
+        let title = format!("Fluorescence, contrast {contrast}, noise 10");
+        coverage(&title, Scene { contrast, ..clear }, Scene::fluorescence);
+    }
     let noises = [5.0, 20.0, 40.0, 80.0, 160.0];
     grid("Brightfield", clear, &[0.4, 0.2, 0.1, 0.05], &noises, Scene::brightfield);
     let clear = Scene { contrast: 0.25, ..clear };
@@ -97,4 +156,21 @@ fn main() {
         ],
         Scene::brightfield,
     );
+    for contrast in [0.25, 0.1] {
+        let title = format!("Brightfield, contrast {contrast}, noise 10");
+        coverage(&title, Scene { contrast, ..clear }, Scene::brightfield);
+    }
+    let noises = [20.0, 80.0];
+    for beads in [20.0, 40.0, 80.0] {
+        let title = format!("Brightfield, {beads} beads per 1000 um^2");
+        grid(&title, Scene { beads, ..clear }, &[0.25, 0.1], &noises, Scene::brightfield);
+    }
+    for blur_um in [1.2, 2.5, 4.0] {
+        let title = format!("Fluorescence, blur {blur_um} um");
+        let start = Scene { blur_um, ..Scene::default() };
+        grid(&title, start, &[1.0, 0.1], &noises, Scene::fluorescence);
+        let title = format!("Brightfield, blur {blur_um} um");
+        grid(&title, Scene { blur_um, ..clear }, &[0.25, 0.1], &noises, Scene::brightfield);
+    }
+    reliability();
 }

@@ -5,6 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::confidence::Candidate;
+use super::ladder::Climbed;
 use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
@@ -19,6 +20,10 @@ const WORKING_PIXEL_UM: f64 = 0.3;
 const LIGHT_UM: f64 = 15.0;
 /// A connected edge must extend over so much, um; that of a bead or speck does not.
 const LEAST_EDGE_UM: f64 = 6.0;
+/// And over so many pixels: noise on coarse pixels makes crests that extend over some of them.
+const LEAST_EDGE_PIXELS: f64 = 10.0;
+/// How far from what has texture edges are looked for, um, where anything has.
+const TEXTURED_UM: f64 = 20.0;
 /// Least gradient of an edge, and the gradient that it must have over the length of an edge, in standard
 /// deviations of the picture's noise. Over a length, not at one place (Canny 1986), since grains are strong but
 /// short. Several pairs, of which the cell is what some agree on, so that it does not hang on one choice.
@@ -46,6 +51,7 @@ pub(super) fn segment(
     plane: &Plane,
     pixel_size: PixelSize,
     settings: &Settings,
+    texture: &Climbed,
 ) -> Result<Segmentation, SegmentError> {
     let Working { plane: working, factor, pixel_um: pixel } =
         Working::of(plane, pixel_size, WORKING_PIXEL_UM);
@@ -57,9 +63,14 @@ pub(super) fn segment(
     let threshold = f64::from(LEVELS[2][0] * unit) / pixel;
     // The first level has the edges of all others. Only around them: distances and islands of a whole field of
     // view cost more than all the rest.
-    let least_edge = LEAST_EDGE_UM / pixel;
+    let least_edge = (LEAST_EDGE_UM / pixel).max(LEAST_EDGE_PIXELS);
     let [weak, strong] = LEVELS[0].map(|level| level * unit);
-    let edges = gradient.edges(&gradient.crests(weak), weak, strong, least_edge);
+    let mut crests = gradient.crests(weak);
+    // Noise has long edges, too, if the field of view is large; it has no texture.
+    if let Some(near) = texture.around(TEXTURED_UM, pixel, [working.width(), working.height()]) {
+        crests = crests.and(&near);
+    }
+    let edges = gradient.edges(&crests, weak, strong, least_edge);
     let coarse = closing_factor(pixel);
     let margin = 2.0 * CLOSING_UM[CLOSING_UM.len() - 1] / pixel;
     let seen = edges.window(margin.ceil() as usize, coarse);

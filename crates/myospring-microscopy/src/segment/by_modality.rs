@@ -1,8 +1,10 @@
 //! The plane is checked, and segmented as the picture was taken.
 
 use super::fluorescence::Bright;
+use super::ladder::Climbed;
 use super::{
-    Modality, SegmentError, Segmentation, Settings, brightfield, fluorescence, labels, modality,
+    Modality, SegmentError, Segmentation, Settings, Working, brightfield, evidence, fluorescence,
+    labels, modality,
 };
 use crate::plane::Plane;
 use myospring_core::mesh::pixel_size::PixelSize;
@@ -40,15 +42,19 @@ pub fn segment(
         let (width, height) = (plane.width(), plane.height());
         return Err(SegmentError::Blank { width, height, value: low });
     }
+    let working = || Working::of(plane, pixel_size, evidence::PIXEL_UM);
     match settings.modality {
         Modality::Mask => labels::segment(plane, pixel_size),
         Modality::Auto if modality::is_mask(plane) => labels::segment(plane, pixel_size),
-        Modality::Auto => told_apart(plane, pixel_size, settings),
+        Modality::Auto => told_apart(plane, pixel_size, settings, working()),
         Modality::Fluorescence => {
-            let bright = Bright::of(plane, pixel_size, settings);
+            let bright = Bright::of(working(), settings);
             fluorescence::segment(bright, plane, pixel_size, settings)
         }
-        Modality::Brightfield => brightfield::segment(plane, pixel_size, settings),
+        Modality::Brightfield => {
+            let texture = Climbed::by_texture(&working(), settings.smallest_cell_um2);
+            brightfield::segment(plane, pixel_size, settings, &texture)
+        }
     }
 }
 
@@ -57,12 +63,14 @@ fn told_apart(
     plane: &Plane,
     pixel_size: PixelSize,
     settings: &Settings,
+    working: Working,
 ) -> Result<Segmentation, SegmentError> {
-    let bright = Bright::of(plane, pixel_size, settings);
-    let told = modality::by_evidence(&bright, settings.smallest_cell_um2);
+    let texture = Climbed::by_texture(&working, settings.smallest_cell_um2);
+    let bright = Bright::of(working, settings);
+    let told = modality::by_evidence(&bright, &texture);
     let Some((modality, reason)) = told else {
         // Edges may show what has neither, if they close.
-        return brightfield::segment(plane, pixel_size, settings)
+        return brightfield::segment(plane, pixel_size, settings, &texture)
             .ok()
             .filter(|found| found.cells.iter().any(|cell| !cell.confidence.is_doubtful()))
             .map(|found| {
@@ -77,7 +85,7 @@ fn told_apart(
     let found = if modality == Modality::Fluorescence {
         fluorescence::segment(bright, plane, pixel_size, settings)
     } else {
-        brightfield::segment(plane, pixel_size, settings)
+        brightfield::segment(plane, pixel_size, settings, &texture)
     };
     match found {
         Ok(found) => Ok(Segmentation { modality_reason: Some(reason), ..found }),

@@ -6,6 +6,8 @@ use crate::filter::{self, otsu, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
 
+/// Coarsest pixel that the work needs, um; finer pictures are averaged.
+pub(super) const PIXEL_UM: f64 = 0.25;
 /// Scale on which brightness is smoothed unless stated, um.
 pub(super) const SMOOTH_UM: f64 = 0.5;
 /// Dark gaps of up to twice this are taken for as bright as what lies on both sides, um: stripes of a myocyte

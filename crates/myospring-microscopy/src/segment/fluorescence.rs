@@ -1,7 +1,7 @@
 //! A bright cell on a dark ground.
 
 use super::confidence::Candidate;
-use super::evidence::{Evidence, Grid, SMOOTH_UM};
+use super::evidence::SMOOTH_UM;
 use super::ladder::{Climbed, Rough};
 use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, quantile};
@@ -9,8 +9,6 @@ use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
 use myospring_core::mesh::pixel_size::PixelSize;
 
-/// Coarsest pixel that the work needs, um; finer pictures are averaged.
-const WORKING_PIXEL_UM: f64 = 0.25;
 /// Radius by which gaps are closed, um: stripes of a myocyte are 1.6 to 2.2 um apart, and between two
 /// stripes of the rim the outline is to go on.
 const CLOSING_UM: f64 = 1.5;
@@ -26,26 +24,17 @@ const SPUR_SHARE: f64 = 0.02;
 
 /// What a picture shows by its brightness.
 pub(super) struct Bright {
-    working: Working,
+    pub(super) working: Working,
     smooth_um: f64,
     pub(super) climbed: Climbed,
 }
 
 impl Bright {
     /// Looks for what is brighter than its surroundings.
-    pub(super) fn of(plane: &Plane, pixel_size: PixelSize, settings: &Settings) -> Self {
-        let working = Working::of(plane, pixel_size, WORKING_PIXEL_UM);
+    pub(super) fn of(working: Working, settings: &Settings) -> Self {
         let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
-        let grid = Grid::of(&working);
-        let readings = Evidence::brightness(&working, smooth_um, grid);
-        let climbed = Climbed::best(readings, grid, settings.smallest_cell_um2);
+        let climbed = Climbed::by_brightness(&working, smooth_um, settings.smallest_cell_um2);
         Self { working, smooth_um, climbed }
-    }
-
-    /// How well the best cell is explained by its texture instead.
-    pub(super) fn by_texture(&self, smallest_um2: f64) -> Climbed {
-        let grid = self.climbed.grid;
-        Climbed::best(Evidence::texture(&self.working, grid), grid, smallest_um2)
     }
 
     /// The outlines on the finer grid: where brightness crosses the level that explains the cell best, and half

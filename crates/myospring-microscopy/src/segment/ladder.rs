@@ -7,6 +7,7 @@
 //! threshold need not serve a whole picture, and two cells that only haze joins are two (component trees, Jones
 //! 1999; extremal regions that are chosen by how stable they are, Matas et al. 2002, are kin).
 
+use super::Working;
 use super::confidence::solidity;
 use super::evidence::{Evidence, Grid, Readings};
 use crate::filter::{self, quantile};
@@ -95,8 +96,20 @@ impl Climbed {
         Self { evidence, levels, grid, rough, share: 1.0 }
     }
 
+    /// What stands out by its brightness.
+    pub(super) fn by_brightness(working: &Working, smooth_um: f64, smallest_um2: f64) -> Self {
+        let grid = Grid::of(working);
+        Self::best(Evidence::brightness(working, smooth_um, grid), grid, smallest_um2)
+    }
+
+    /// What stands out by its texture.
+    pub(super) fn by_texture(working: &Working, smallest_um2: f64) -> Self {
+        let grid = Grid::of(working);
+        Self::best(Evidence::texture(working, grid), grid, smallest_um2)
+    }
+
     /// Of several readings that which explains most.
-    pub(super) fn best(readings: Readings, grid: Grid, smallest_um2: f64) -> Self {
+    fn best(readings: Readings, grid: Grid, smallest_um2: f64) -> Self {
         let mut first = Self::of(readings.first, grid, smallest_um2);
         let Some(other) = readings.other else { return first };
         let mut other = Self::of(other, grid, smallest_um2);
@@ -111,6 +124,23 @@ impl Climbed {
         // A sum of nothing is -0.
         let sum = self.rough.iter().fold(0.0, |sum, rough| sum + rough.explained.value());
         sum * self.share.powi(2)
+    }
+
+    /// What lies within `reach_um` of the islands, on pixels of `pixel_um`; `None` where there are no islands.
+    pub(super) fn around(
+        &self,
+        reach_um: f64,
+        pixel_um: f64,
+        [width, height]: [usize; 2],
+    ) -> Option<Region> {
+        let coarse = &self.evidence.coarse;
+        let mut all = Region::new(coarse.width(), coarse.height(), std::iter::empty());
+        for Rough { window, region, .. } in &self.rough {
+            all.add(region, window);
+        }
+        let near = all.grown(reach_um / self.grid.pixel_um());
+        let ratio = pixel_um / self.grid.pixel_um();
+        (!self.rough.is_empty()).then(|| near.resampled(ratio, width, height))
     }
 
     /// Part of all light that lies in the islands.

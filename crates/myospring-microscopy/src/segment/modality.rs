@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::Modality;
 use super::fluorescence::Bright;
+use super::ladder::Climbed;
 use crate::plane::Plane;
 
 /// Brightness explains a fluorescent cell so many times as well as texture does, at least: texture is spread over
@@ -26,8 +27,8 @@ const CHANGES: usize = 12;
 /// Tells fluorescence and brightfield from each other, with the reason in words: by which the cells are better
 /// explained, their brightness or their texture. In brightfield a cell has darker places as well as brighter ones.
 /// `None` where neither stands out.
-pub(super) fn by_evidence(bright: &Bright, smallest_um2: f64) -> Option<(Modality, String)> {
-    let texture = bright.by_texture(smallest_um2).value().sqrt();
+pub(super) fn by_evidence(bright: &Bright, texture: &Climbed) -> Option<(Modality, String)> {
+    let texture = texture.value().sqrt();
     let brightness = bright.climbed.value().sqrt();
     let (modality, more, less, ratio) = if brightness > AS_WELL * texture {
         (Modality::Fluorescence, "brightness", "texture", brightness / (AS_WELL * texture))

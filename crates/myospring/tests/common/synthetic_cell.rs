@@ -26,6 +26,10 @@ pub(crate) struct Scene {
     pub(crate) blur_um: f64,
     /// Beads per 1000 um^2.
     pub(crate) beads: f64,
+    /// Half of the cell's greatest width, um.
+    pub(crate) half_width_um: f64,
+    /// How blunt its ends are: 0.6 is a spindle, 0.1 nearly a rectangle.
+    pub(crate) taper: f64,
     /// Turn of the cell, degrees.
     pub(crate) turn_deg: f64,
     /// Number that decides everything random.
@@ -44,6 +48,8 @@ impl Default for Scene {
             haze: 0.0,
             blur_um: 0.3,
             beads: 0.0,
+            half_width_um: 12.0,
+            taper: 0.6,
             turn_deg: 20.0,
             seed: 1,
         }
@@ -100,11 +106,12 @@ impl Scene {
         [x * cosine + y * sine, y * cosine - x * sine]
     }
 
-    /// Distance from the outline, um, positive inside: a spindle of about 100 x 24 um with uneven sides.
-    fn depth([x, y]: [f64; 2]) -> f64 {
+    /// Distance from the outline, um, positive inside: a spindle of about 100 x 24 um, unless it is wider, with uneven sides.
+    fn depth(&self, [x, y]: [f64; 2]) -> f64 {
         let u = x / 50.0;
-        let half =
-            12.0 * (1.0 - u * u).max(0.0).powf(0.6) + 0.8 * (x / 9.0).sin() + 0.5 * (x / 4.1).cos();
+        let half = self.half_width_um * (1.0 - u * u).max(0.0).powf(self.taper)
+            + 0.8 * (x / 9.0).sin()
+            + 0.5 * (x / 4.1).cos();
         let side = if y > 0.0 { half } else { half - 1.5 * (x / 16.0).cos() };
         // Across the side, corrected for its slope; exact enough for a rim of a um or two.
         (side - y.abs()).min((50.0 - x.abs()) * 1.2)
@@ -125,7 +132,7 @@ impl Scene {
         for row in 0..side {
             for column in 0..side {
                 let place = self.place(column, row);
-                let depth = Self::depth(place);
+                let depth = self.depth(place);
                 inside.push(depth > 0.0);
                 values.push(value(place, depth) as f32);
             }
