@@ -210,9 +210,9 @@ fn the_kind_of_a_picture_does_not_hang_on_how_much_of_the_frame_the_cell_covers(
             let truth = scene.fluorescence();
             let found = segment(&truth.plane, pixels_of(pixel_um), &Settings::default()).unwrap();
             assert_eq!(found.modality, Modality::Fluorescence, "{scene:?}");
-            let dice = dice(&truth, &found);
+            // Less than a um from the frame a cell may seem to be cut by it.
+            let dice = dice_of(&truth, &found, true);
             assert!(dice >= 0.95, "Dice {dice} of fluorescence, {scene:?}");
-            // The halo of a cell that fills the frame is cut by it.
             let scene = Scene { contrast: 0.25 * contrast.sqrt(), ..scene };
             let truth = scene.brightfield();
             let found = segment(&truth.plane, pixels_of(pixel_um), &Settings::default()).unwrap();
