@@ -1,6 +1,6 @@
 //! The command line: names, help, examples.
 
-use crate::options::{Beat, Fibres, Settings, Shape};
+use crate::options::{Beat, Seen, Settings};
 use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand};
@@ -89,8 +89,8 @@ pub(crate) struct OutputArgs {
     myospring run cell.tif --outline mended.roi\n  \
     myospring run --support elastic-bed --bed-stiffness \"0.5 kPa/um\"\n  \
     myospring run beat.toml --dry-run\n\n\
-    Results: traces.csv, summary.json, figures/ (SVG and PNG), run.toml (every setting), run.json\n\
-    (version, hashes, timings).")]
+    Results: traces.csv, summary.json, figures/ (SVG and PNG), fibres.csv (where the picture shows fibres),\n\
+    run.toml (every setting), run.json (version, hashes, timings).")]
 pub(crate) struct RunArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
     /// without it, the built-in adult ventricular cell
@@ -142,7 +142,7 @@ pub(crate) struct MeshArgs {
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) settings: Settings<Fibres>,
+    pub(crate) settings: Settings<Seen>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -161,7 +161,7 @@ pub(crate) struct SegmentArgs {
     #[arg(value_name = "PICTURE")]
     pub(crate) input: PathBuf,
     #[command(flatten)]
-    pub(crate) settings: Settings<Shape>,
+    pub(crate) settings: Settings<Seen>,
     /// File for the outline; may be given several times [default: a folder `results/NAME_outline` with all]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Vec<PathBuf>,

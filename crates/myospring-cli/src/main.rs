@@ -4,6 +4,7 @@ mod args;
 mod batch;
 mod cite;
 mod failure;
+mod fibres;
 mod input;
 mod interrupt;
 mod lists;

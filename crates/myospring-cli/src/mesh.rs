@@ -2,25 +2,39 @@
 
 use crate::args::MeshArgs;
 use crate::failure::Failure;
+use crate::fibres;
 use crate::input::{self, Input};
 use crate::interrupt;
 use crate::overlay::{self, Lattice};
 use crate::print;
 use crate::results::Folder;
+use myospring::mesh::quality::MeshReport;
 use myospring::output::{figure, json};
 use myospring::run_file::Shaped;
+use myospring::settings::FibreReport;
+use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;
+
+/// mesh.json.
+#[derive(Serialize)]
+struct Numbers<'a> {
+    #[serde(flatten)]
+    mesh: &'a MeshReport,
+    /// Of a picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fibres: Option<&'a FibreReport>,
+}
 
 pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
     let Input { name, run, shaped, .. } =
         input::read(args.input.as_deref(), args.settings.overrides(), Some(&args.output))?;
-    let field = run.fibre_field(&shaped)?;
     let Shaped { mesh, mut report, outline, picture } = shaped;
-    if let (Some((cells, _)), Some(field)) = (&picture, &field) {
-        report.warnings.extend(cells.fibre_warnings(field));
-    }
+    let fibres = run.fibre.on(&mesh, picture.as_ref().map(|(cells, cell)| (cells, cell)))?;
+    report.warnings.extend(fibres.warnings.iter().cloned());
+    let of_picture = picture.is_some().then(|| fibres.report());
+    let numbers = Numbers { mesh: &report, fibres: of_picture.as_ref() };
     let target = args
         .output
         .output
@@ -28,23 +42,26 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
         .unwrap_or_else(|| Path::new("results").join(format!("{name}_mesh")));
     interrupt::heed(interrupt::WRITING);
     let folder = Folder::claim(&target, args.output.force)?;
-    folder.write("mesh.json", json::pretty(&report)?)?;
+    folder.write("mesh.json", json::pretty(&numbers)?)?;
     folder.write("outline.geojson", outline.to_geojson())?;
     folder.figures(&[("mesh", &|| figure::mesh(&mesh))])?;
     if let Some((cells, cell)) = &picture {
-        let fibres = run.fibres(&mesh, field.as_ref());
-        let lattice = Some(Lattice { mesh: &mesh, fibres: &fibres, field: field.as_ref() });
+        let lattice = Some(Lattice { mesh: &mesh, fibres: &fibres });
         let draw = || overlay::draw(&name, cells, &[cell], lattice, &report.warnings);
         folder.figures(&[("overlay", &draw)])?;
     }
+    fibres::write(&folder, [(name.as_str(), &mesh, &fibres)])?;
     let target = folder.finish()?;
     if args.output.json {
-        print::out(&json::pretty(&report)?)?;
+        print::out(&json::pretty(&numbers)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let text = report.to_string();
     let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("warning")).collect();
     print::out(&lines.join("\n"))?;
+    if let Some(fibres) = &of_picture {
+        print::out(&format!("{:<20} {fibres}", "fibres"))?;
+    }
     print::out(&format!("\nresults in {}", target.display()))?;
     if !args.output.quiet {
         for warning in &report.warnings {

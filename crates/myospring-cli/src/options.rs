@@ -14,25 +14,20 @@ pub(crate) trait Scope {
     fn has(table: &Table, setting: &Setting) -> bool;
 }
 
-/// Where the cell's shape comes from.
+/// What is seen: the cell's shape, and the direction of its fibres.
 #[derive(Debug)]
-pub(crate) struct Shape;
+pub(crate) struct Seen;
 
-impl Scope for Shape {
-    fn has(table: &Table, _: &Setting) -> bool {
-        ["shape", "segmentation"].contains(&table.name)
+impl Scope for Seen {
+    fn has(table: &Table, setting: &Setting) -> bool {
+        let of_fibres = ["mechanics.fibre", "mechanics.stain", "mechanics.fibre_smoothing"];
+        is_of_shape(table) || of_fibres.contains(&setting.key)
     }
 }
 
-/// The shape, and the direction of its fibres.
-#[derive(Debug)]
-pub(crate) struct Fibres;
-
-impl Scope for Fibres {
-    fn has(table: &Table, setting: &Setting) -> bool {
-        let of_fibres = ["mechanics.fibre", "mechanics.stain", "mechanics.fibre_smoothing"];
-        Shape::has(table, setting) || of_fibres.contains(&setting.key)
-    }
+/// Whether a table says where the cell's shape comes from.
+fn is_of_shape(table: &Table) -> bool {
+    ["shape", "segmentation"].contains(&table.name)
 }
 
 /// What beats, and how: every table.
@@ -84,7 +79,7 @@ fn options<S: Scope>() -> impl Iterator<Item = (&'static Table, &'static Setting
         let rows = |table: &'static Table| table.settings.iter().map(move |row| (table, row));
         tables().iter().flat_map(rows).filter(|(table, row)| S::has(table, row))
     };
-    let of_shape = |(table, row): &(&Table, &Setting)| Shape::has(table, row);
+    let of_shape = |(table, _): &(&Table, &Setting)| is_of_shape(table);
     all()
         .filter(of_shape)
         .chain(all().filter(move |row| !of_shape(row)))

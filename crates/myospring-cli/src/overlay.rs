@@ -1,10 +1,11 @@
 //! The picture with what was made of it, drawn.
 
-use myospring::mesh::{Mesh, Simplex};
+use myospring::mesh::Mesh;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::microscopy::fibres::{Fibre, FibreField};
+use myospring::microscopy::fibres::Fibre;
 use myospring::microscopy::outlines::NamedOutline;
 use myospring::output::figure::{self, Contour, Figure, FigureError, Overlay, Tick};
+use myospring::settings::Fibres;
 
 /// Distance of the fibre ticks handed to the figure, um; it draws as many as can be told apart.
 const TICKS_UM: f64 = 1.0;
@@ -13,23 +14,21 @@ const TICKS_UM: f64 = 1.0;
 #[derive(Clone, Copy)]
 pub(crate) struct Lattice<'a> {
     pub(crate) mesh: &'a Mesh,
-    /// One direction for each triangle.
-    pub(crate) fibres: &'a [[f64; 2]],
-    /// As the picture shows them, where they come from it.
-    pub(crate) field: Option<&'a FibreField>,
+    pub(crate) fibres: &'a Fibres,
 }
 
 impl Lattice<'_> {
     fn ticks(&self) -> Vec<Tick> {
-        let Some(field) = self.field else {
-            let tick = |(triangle, &direction): (&Simplex<3>, &[f64; 2])| {
-                let corners = triangle.nodes.map(|node| self.mesh.point(node as usize));
-                let middle =
-                    |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0;
-                let point_um = [middle(0), middle(1)];
-                Tick { point_um, direction, coherency: 0.0, from_picture: false }
-            };
-            return self.mesh.simplices.iter().zip(self.fibres).map(tick).collect();
+        let Some(seen) = &self.fibres.seen else {
+            let triangles = self.mesh.simplices.iter().zip(&self.fibres.directions);
+            return triangles
+                .map(|(triangle, &direction)| Tick {
+                    point_um: self.mesh.centre(triangle),
+                    direction,
+                    coherency: 0.0,
+                    from_picture: false,
+                })
+                .collect();
         };
         let tick = |(point_um, fibre): ([f64; 2], Fibre)| Tick {
             point_um,
@@ -37,7 +36,7 @@ impl Lattice<'_> {
             coherency: fibre.order,
             from_picture: fibre.from_picture,
         };
-        field.on_grid(TICKS_UM).into_iter().map(tick).collect()
+        seen.field.on_grid(TICKS_UM).into_iter().map(tick).collect()
     }
 }
 

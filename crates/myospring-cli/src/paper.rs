@@ -46,8 +46,9 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let threads = Threads::new(args.threads)?;
     let bar = progress_bar(args.output.quiet);
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
+    let fibres = run.fibre.on(&mesh, None)?;
     let one = |peak_tension: f64| -> Result<Outcome, Failure> {
-        let mut simulation = run.simulation(mesh.clone(), None, None);
+        let mut simulation = run.simulation(mesh.clone(), fibres.directions.clone(), None);
         simulation.peak_tension = peak_tension;
         let mut before = 0.0;
         Ok(simulation.build()?.run(|progress| {

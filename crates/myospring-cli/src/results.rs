@@ -1,6 +1,7 @@
 //! The folder of results: whole or not at all.
 
 use crate::failure::Failure;
+use crate::fibres;
 use myospring::output::figure::{Figure, FigureError};
 use myospring::output::files::{self, Draft, FileError};
 use rayon::prelude::*;
@@ -153,8 +154,9 @@ fn merge(from: &Path, to: &Path) -> std::io::Result<()> {
 
 /// Whether a command that makes a folder of results writes a file of this name.
 fn is_ours(name: &str) -> bool {
-    const FILES: [&str; 12] = [
+    const FILES: [&str; 13] = [
         "traces.csv",
+        fibres::FILE,
         "summary.json",
         "run.toml",
         "run.json",

@@ -2,6 +2,7 @@
 
 use crate::args::RunArgs;
 use crate::failure::Failure;
+use crate::fibres;
 use crate::input::{self, Input};
 use crate::interrupt;
 use crate::overlay::{self, Lattice};
@@ -16,12 +17,13 @@ use myospring::integrate::stencil;
 use myospring::output::figure::{self, ContractionOptions};
 use myospring::output::report::Summary;
 use myospring::output::{csv, json};
-use myospring::settings::{Made, Run};
+use myospring::settings::{FibreReport, Fibres, Made, Run};
 use myospring::simulation::{
     Effort, Observer, Outcome, Part, Progress, Ready, Simulation, StopReason,
 };
 use myospring::study::sha256;
 use serde::Serialize;
+use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -80,10 +82,13 @@ impl<'a> Stop<'a> {
 
 /// summary.json.
 #[derive(Serialize)]
-struct Numbers<'a> {
+pub(crate) struct Numbers<'a> {
     #[serde(flatten)]
-    summary: &'a Summary,
-    integration: Effort,
+    pub(crate) summary: &'a Summary,
+    /// Of a picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) fibres: Option<&'a FibreReport>,
+    pub(crate) integration: Effort,
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
@@ -91,10 +96,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let mut timings = Timings::default();
     input::one_cell(args.settings.all_cells())?;
     let results = Some(&args.output).filter(|_| !args.dry_run);
-    let Input { name, run, bytes, shaped } =
+    let Input { name, mut run, bytes, shaped } =
         input::read(args.input.as_deref(), args.settings.overrides(), results)?;
-    let Made { mut simulation, report, field, picture } =
+    let Made { mut simulation, report, fibres, picture } =
         run.make(shaped, |file| std::fs::read(file))?;
+    // What repeats the run is what was taken.
+    run.fibre = fibres.taken;
     timings.mesh_s = start.elapsed().as_secs_f64();
 
     let stage = Instant::now();
@@ -112,7 +119,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     }
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join(&name));
     if args.dry_run {
-        plan(args, &run, &simulation, &prepared, &report, &target)?;
+        let fibres = picture.is_some().then(|| fibres.report());
+        plan(args, &run, &simulation, &prepared, &report, fibres.as_ref(), &target)?;
         return Ok(ExitCode::SUCCESS);
     }
     interrupt::heed("the run ends here, and what it has computed is written");
@@ -131,12 +139,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let stimuli = run.stimulus_times();
     let summary = Summary::new(&outcome.recording, &stimuli, report.clone(), warnings);
     if let Some((cells, cell)) = &picture {
-        let (mesh, fibres) = (&simulation.mesh, simulation.fibres.as_slice());
-        let lattice = Some(Lattice { mesh, fibres, field: field.as_ref() });
+        let lattice = Some(Lattice { mesh: &simulation.mesh, fibres: &fibres });
         let draw = || overlay::draw(&name, cells, &[cell], lattice, &summary.warnings);
         folder.figures(&[("overlay", &draw)])?;
     }
-    write(&folder, &run, &simulation, &outcome, &summary, &stimuli)?;
+    let of_picture = picture.is_some().then(|| fibres.report());
+    let numbers =
+        Numbers { summary: &summary, fibres: of_picture.as_ref(), integration: outcome.effort };
+    write(&folder, &run, &simulation, &fibres, &outcome, &numbers, &stimuli)?;
     timings.figures_s = stage.elapsed().as_secs_f64();
     timings.total_s = start.elapsed().as_secs_f64();
     let run_file = resolved(&run, &simulation, report.spacing_um, outcome.effort.time_step());
@@ -166,11 +176,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             numbers: Numbers<'a>,
         }
         let stop = Stop::of(&outcome);
-        let numbers = Numbers { summary: &summary, integration: outcome.effort };
         let printed = Printed { results: &target, stop, timings, numbers };
         print::out(&json::pretty(&printed)?)?;
     } else {
-        print::out(&for_people(&name, &run, &summary))?;
+        print::out(&for_people(&name, &run, &numbers))?;
         print::out(&in_words(&outcome.effort))?;
         print::out(&format!("\nresults in {} ({:.2} s)", target.display(), timings.total_s))?;
     }
@@ -259,13 +268,15 @@ pub(crate) fn write(
     folder: &Folder,
     run: &Run,
     simulation: &Simulation,
+    fibres: &Fibres,
     outcome: &Outcome,
-    summary: &Summary,
+    numbers: &Numbers<'_>,
     stimuli: &[f64],
 ) -> Result<(), Failure> {
-    let Outcome { recording, effort, .. } = outcome;
+    let Outcome { recording, .. } = outcome;
     folder.write("traces.csv", csv::traces(recording)?)?;
-    folder.write("summary.json", json::pretty(&Numbers { summary, integration: *effort })?)?;
+    folder.write("summary.json", json::pretty(numbers)?)?;
+    fibres::write(folder, [(run.shape.name(), &simulation.mesh, fibres)])?;
     let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
@@ -302,7 +313,8 @@ const ROWS: [(&str, &str); 14] = [
 ];
 
 /// The table after a run; of several beats, mean and standard deviation.
-fn for_people(name: &str, run: &Run, summary: &Summary) -> String {
+fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
+    let summary = numbers.summary;
     let title = if run.title.is_empty() { name } else { &run.title };
     let beats = summary.beats.len();
     let mut text = format!(
@@ -337,8 +349,18 @@ fn for_people(name: &str, run: &Run, summary: &Summary) -> String {
         rows.push(row);
     }
     let right: &[usize] = if spread { &[1, 2] } else { &[1] };
+    let fibres = numbers.fibres;
+    if let Some(length) = fibres.and_then(|report| report.seen?.sarcomere_um) {
+        let mut row = vec!["sarcomere length at rest, median".to_owned(), number(length)];
+        row.extend(spread.then(String::new));
+        row.extend(["um".to_owned(), String::new()]);
+        rows.push(row);
+    }
     text.push_str(&aligned(&rows, right));
     text.push_str("* bands of unloaded adult ventricular myocytes: what is seen, not a target\n");
+    if let Some(fibres) = fibres {
+        let _ = writeln!(text, "fibres: {fibres}");
+    }
     text
 }
 
@@ -381,6 +403,8 @@ struct Plan<'a> {
     estimated_s: f64,
     run_file: String,
     mesh: &'a myospring::mesh::quality::MeshReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fibres: Option<&'a FibreReport>,
 }
 
 fn plan(
@@ -389,6 +413,7 @@ fn plan(
     simulation: &Simulation,
     prepared: &Ready,
     report: &myospring::mesh::quality::MeshReport,
+    fibres: Option<&FibreReport>,
     target: &PathBuf,
 ) -> Result<(), Failure> {
     // The first interval of output tells how long the rest of a motion will take; a path is solved.
@@ -423,6 +448,7 @@ fn plan(
         estimated_s: estimate,
         run_file: resolved(run, simulation, report.spacing_um, effort.time_step()),
         mesh: report,
+        fibres,
     };
     if args.output.json {
         print::out(&json::pretty(&plan)?)?;
@@ -433,6 +459,7 @@ fn plan(
         ("beats", format!("{} in {} ms", run.protocol.beats, run.duration)),
         ("peak tension", format!("{} kPa", run.peak_tension)),
     ];
+    rows.extend(fibres.map(|fibres| ("fibres", fibres.to_string())));
     match effort {
         Effort::Verlet { time_step_ms, stability_limit_ms, steps } => rows.extend([
             ("integrator", "Verlet, in time".to_owned()),

@@ -4,6 +4,7 @@ pub(crate) mod report;
 
 use crate::args::SegmentArgs;
 use crate::failure::Failure;
+use crate::fibres;
 use crate::overlay::{self, Lattice};
 use crate::refused::{self, Place, Refused};
 use crate::results::Folder;
@@ -16,7 +17,7 @@ use myospring::microscopy::outlines::{
 use myospring::microscopy::segment::{Choice, SegmentError};
 use myospring::output::figure::Figure;
 use myospring::output::{files, json};
-use myospring::run_file::{Run, Source};
+use myospring::run_file::Source;
 use myospring::settings::PictureSource;
 use report::{Chosen, LeftOut, Report};
 use std::path::{Path, PathBuf};
@@ -57,11 +58,14 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         Ok(chosen) => chosen,
         Err(cause) => return Err(refused.with_cells(source.failed(cause), &cells, all)),
     };
-    let chosen = Chosen::of(&run.shape, &cells, chosen);
+    let mut chosen = Chosen::of(&run.shape, &cells, chosen);
+    for cell in &mut chosen {
+        cell.look_for_fibres(run.fibre, &cells)?;
+    }
 
     let report = Report::of(picture, &cells, &chosen, left_out);
     let notes = report::notes(&cells, &chosen, &report.left_out, all);
-    let figure = draw(&report, &run, &cells, &chosen, &notes)?;
+    let figure = draw(&report, &cells, &chosen, &notes)?;
     let written = write(args, &name, &cells, &chosen, &report, &figure)?;
     if args.json {
         print::out(&json::pretty(&report)?)?;
@@ -106,18 +110,15 @@ fn chosen(
 /// The overlay; with lattice and fibres where there is one cell.
 fn draw(
     report: &Report<'_>,
-    run: &Run,
     cells: &PictureCells,
     chosen: &[Chosen],
     notes: &[String],
 ) -> Result<Figure, Failure> {
     let all: Vec<&PictureCell> = chosen.iter().map(|chosen| &chosen.cell).collect();
-    let mesh = match chosen {
-        [Chosen { lattice: Ok((mesh, _)), .. }] => Some(mesh),
+    let lattice = match chosen {
+        [one] => one.mesh_and_fibres().map(|(mesh, fibres)| Lattice { mesh, fibres }),
         _ => None,
     };
-    let fibres = mesh.map(|mesh| run.fibres(mesh, None)).unwrap_or_default();
-    let lattice = mesh.map(|mesh| Lattice { mesh, fibres: &fibres, field: None });
     Ok(overlay::draw(&report.picture, cells, &all, lattice, notes)?)
 }
 
@@ -149,6 +150,11 @@ fn write(
         }
         folder.write("overlay.png", figure.to_png(DPI)?)?;
         folder.write("report.json", json::pretty(report)?)?;
+        let with_fibres = chosen.iter().filter_map(|chosen| {
+            let (mesh, fibres) = chosen.mesh_and_fibres()?;
+            Some((chosen.cell.name.as_str(), mesh, fibres))
+        });
+        fibres::write(&folder, with_fibres)?;
         return Ok(vec![folder.finish()?.display().to_string()]);
     }
     let overlay = beside(&args.output[0]);

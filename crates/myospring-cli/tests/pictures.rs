@@ -191,6 +191,75 @@ fn what_speaks_against_outline_and_fibres_is_said() {
 }
 
 #[test]
+fn fibres_that_a_picture_shows_go_into_a_table_into_reports_and_into_the_run_that_repeats_it() {
+    let folder = tempfile::tempdir().unwrap();
+    cell(&folder.path().join("cell.png"));
+    let done = |arguments: &[&str], stain: &[&str]| {
+        let stained = ["cell.png", "--pixel-size", "0.5 um"];
+        let output = myospring(folder.path(), &[arguments, &stained, stain].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let read = |path: &str| std::fs::read_to_string(folder.path().join(path)).unwrap();
+    let json = |path: &str| serde_json::from_str::<serde_json::Value>(&read(path)).unwrap();
+    let z_disc = ["--stain", "z-disc"];
+
+    let printed = done(&["segment"], &z_disc);
+    assert!(printed.contains("% of the cell read from the picture"), "{printed}");
+    let report = &json("results/cell_outline/report.json")["cells"][0];
+    assert_eq!(report["fibres"]["direction"], "picture");
+    assert!(report["fibres"]["read_pct"].as_f64().unwrap() > 50.0, "{report}");
+    let table = read("results/cell_outline/fibres.csv");
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("x_um,y_um,direction_deg,sarcomere_um,order,coverage"));
+    let rows: Vec<Vec<Option<f64>>> =
+        lines.map(|line| line.split(',').map(|value| value.parse().ok()).collect()).collect();
+    assert_eq!(rows.len() as u64, report["lattice"]["triangles"].as_u64().unwrap());
+    for row in &rows {
+        // Within the ellipse, a lattice spacing allowed, and along it: the stripes stand upright.
+        let [x, y] = [row[0].unwrap() - 60.0, row[1].unwrap() - 30.0];
+        assert!(x.hypot(y * 40.0 / 12.0) < 44.0, "{row:?}");
+        assert!(row[2].is_none_or(|angle| angle.abs() < 5.0), "{row:?}");
+        let parts = row[4].into_iter().chain(row[5]);
+        assert!(parts.into_iter().all(|part| (0.0..=1.0).contains(&part)), "{row:?}");
+        assert_eq!(row[2].is_some(), row[5].is_some(), "{row:?}");
+    }
+    assert!(rows.iter().filter(|row| row[2].is_some()).count() > rows.len() / 2);
+
+    done(&["mesh", "-o", "mesh"], &z_disc);
+    assert_eq!(read("mesh/fibres.csv"), table);
+    assert_eq!(json("mesh/mesh.json")["fibres"], report["fibres"]);
+    let run = ["run", "--integrator", "quasi-static", "-o"];
+    let printed = done(&[&run[..], &["first"]].concat(), &z_disc);
+    assert!(printed.contains("\nfibres: "), "{printed}");
+    assert_eq!(read("first/fibres.csv"), table);
+    assert_eq!(json("first/summary.json")["fibres"], report["fibres"]);
+    let settled = read("first/run.toml");
+    let taken = "fibre = \"picture\"\nstain = \"z-disc\"\nfibre_smoothing = \"3 um\"\n";
+    assert!(settled.contains(taken), "{settled}");
+    let again = ["run", "first/run.toml", "-o", "again"];
+    assert!(myospring(folder.path(), &again).status.success());
+    for file in ["traces.csv", "summary.json", "fibres.csv", "run.toml"] {
+        assert_eq!(read(&format!("first/{file}")), read(&format!("again/{file}")), "{file}");
+    }
+
+    // What cannot be read is no error: the long axis, and why.
+    let axis = |more: &[&str], why: &str| {
+        let printed = done(&[&["mesh", "--force", "-o", "mesh"], more].concat(), &[]);
+        assert!(printed.contains("along the cell's long axis"), "{printed}");
+        assert!(printed.contains(why), "{printed}");
+        assert!(!folder.path().join("mesh/fibres.csv").exists(), "{more:?}");
+    };
+    axis(&["--fibre", "long axis"], "");
+    axis(&["--modality", "brightfield"], "a brightfield picture has no stain");
+    let coarse =
+        ["mesh", "cell.png", "--pixel-size", "0.8 um", "--stain", "z-disc", "-o", "coarse"];
+    let coarse = myospring(folder.path(), &coarse);
+    assert!(coarse.status.success(), "{}", text(&coarse.stderr));
+    assert!(text(&coarse.stdout).contains("pixels of 0.8 um are too coarse"));
+}
+
+#[test]
 fn a_folder_of_good_and_broken_pictures_gives_a_row_each_and_goes_on_where_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let pictures = folder.path().join("pictures");

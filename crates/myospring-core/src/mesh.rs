@@ -262,6 +262,23 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
         })
     }
 
+    /// Centre of one triangle (with three axes a tetrahedron) at rest, um: the mean of its corners.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::lattice;
+    /// let mesh = lattice::rectangle(1, 1, 3.0).unwrap();
+    /// // The lower left half of the square.
+    /// let [x, y] = mesh.centre(&mesh.simplices[0]);
+    /// assert!((x - 1.0).abs() < 1e-12 && (y - 1.0).abs() < 1e-12);
+    /// ```
+    pub fn centre(&self, simplex: &Simplex<N>) -> [f64; D] {
+        std::array::from_fn(|axis| {
+            let corners = simplex.nodes.iter().map(|&node| self.points[axis][node as usize]);
+            corners.sum::<f64>() / N as f64
+        })
+    }
+
     fn check_points(&self) -> Result<(), MeshError> {
         let count = self.len();
         if count == 0 {

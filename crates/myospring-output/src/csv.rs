@@ -102,7 +102,7 @@ fn named(signal: &Signal) -> String {
 }
 
 /// The shortest text that reads back to the value rounded to [`DIGITS`] significant digits.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let rounded = format!("{value:.*e}", DIGITS - 1).parse::<f64>().unwrap_or(value);
     if rounded == 0.0 {
         "0".to_owned()

@@ -6,6 +6,7 @@
 //! | module | gives |
 //! |---|---|
 //! | [`csv`] | `traces.csv`, one row per sample, units in the column names |
+//! | [`fibres`] | `fibres.csv`, one row per triangle |
 //! | [`json`] | any serialisable value for machines |
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
 //! | [`report`] | the numbers of a run with units, definitions and reference bands |
@@ -15,6 +16,7 @@
 
 pub mod comparison;
 pub mod csv;
+pub mod fibres;
 pub mod figure;
 pub mod files;
 pub mod json;

@@ -22,6 +22,7 @@
 
 mod bounds;
 mod content;
+mod fibres;
 mod problem;
 mod rows;
 mod run;
@@ -32,10 +33,11 @@ mod words;
 
 pub use bounds::{Bounds, Whole};
 pub use content::{CONTENT_ENDINGS, ContentError};
+pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
 pub(crate) use problem::nearest;
 pub use problem::{Failure, Problem};
 pub use rows::Table;
-pub use run::{Fibre, Made, MakeError, Run};
+pub use run::{Made, MakeError, Run};
 pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
 pub use shape::{
     OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,

@@ -109,18 +109,12 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         }) else {
             continue;
         };
-        // How a cell is found, and the fibre in a picture, have a meaning with a picture only.
-        let fibre = if example.starts_with("stain") || example.starts_with("fibre_smoothing") {
-            "fibre = \"picture\"\n"
-        } else {
-            ""
-        };
-        let picture = if table == "[segmentation]" || !fibre.is_empty() {
-            "[shape]\npicture = \"cell.tif\"\n"
-        } else {
-            ""
-        };
-        let text = format!("{picture}{table}\n{fibre}{example}");
+        // How a cell is found, and what its picture shows, have a meaning with a picture only.
+        let of_picture = table == "[segmentation]"
+            || example.starts_with("stain")
+            || example.starts_with("fibre_smoothing");
+        let picture = if of_picture { "[shape]\npicture = \"cell.tif\"\n" } else { "" };
+        let text = format!("{picture}{table}\n{example}");
         let file = RunFile::from_text(&text).unwrap();
         let key = example.split(" = ").next().unwrap();
         // A picture needs its pixel size, a pulse its kind, a spring its support; the rest stands alone.

@@ -1,7 +1,8 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
 use crate::results::Folder;
-use crate::{interrupt, overlay, run};
+use crate::run::{self, Numbers};
+use crate::{interrupt, overlay};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files;
 use myospring::study::Cause;
@@ -47,10 +48,13 @@ impl Keeper for Kept<'_> {
         if !self.figures {
             return Ok(());
         }
-        let Beaten { picture, cell, run, simulation, finished, summary } = beaten;
+        let Beaten { picture, cell, run, simulation, fibres, finished, summary } = beaten;
         let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
         let folder = Folder::claim(&self.target.join(CELLS).join(name), true)?;
-        run::write(&folder, run, simulation, finished, summary, &run.stimulus_times())?;
+        let report = fibres.report();
+        let numbers = Numbers { summary, fibres: Some(&report), integration: finished.effort };
+        let stimuli = run.stimulus_times();
+        run::write(&folder, run, simulation, fibres, finished, &numbers, &stimuli)?;
         folder.finish()?;
         Ok(())
     }

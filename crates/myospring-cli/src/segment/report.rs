@@ -3,9 +3,11 @@
 use myospring::mesh::Mesh;
 use myospring::mesh::quality::MeshReport;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
+use myospring::microscopy::fibres::FibreError;
 use myospring::microscopy::report::ShapeReport;
 use myospring::microscopy::segment::Confidence;
 use myospring::run_file::{Shape, ShapeError};
+use myospring::settings::{Fibre, FibreReport, Fibres};
 use serde::Serialize;
 
 /// Contrasts above this have no noise to be told of.
@@ -38,6 +40,8 @@ struct CellReport<'a> {
     #[serde(flatten)]
     shape: &'a ShapeReport,
     lattice: Option<LatticeReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fibres: Option<FibreReport>,
 }
 
 /// The lattice that `myospring run` would take, with the same --spacing.
@@ -59,17 +63,36 @@ pub(crate) struct LeftOut {
     pub(crate) cut: bool,
 }
 
-/// A cell with its lattice, where the pixels give one.
+/// A cell with its lattice, where the pixels give one, and the fibres on it, where they were looked for.
 pub(crate) struct Chosen {
     pub(crate) cell: PictureCell,
     pub(crate) lattice: Result<(Mesh, MeshReport), ShapeError>,
+    pub(crate) fibres: Option<Fibres>,
 }
 
 impl Chosen {
     /// Cells with their lattices.
     pub(crate) fn of(shape: &Shape, cells: &PictureCells, chosen: Vec<PictureCell>) -> Vec<Self> {
-        let meshed = |cell| Self { lattice: shape.lattice(cells, &cell), cell };
+        let meshed = |cell| Self { lattice: shape.lattice(cells, &cell), cell, fibres: None };
         chosen.into_iter().map(meshed).collect()
+    }
+
+    /// Looks for the fibres in the picture.
+    pub(crate) fn look_for_fibres(
+        &mut self,
+        fibre: Fibre,
+        cells: &PictureCells,
+    ) -> Result<(), FibreError> {
+        if let Ok((mesh, _)) = &self.lattice {
+            self.fibres = Some(fibre.on(mesh, Some((cells, &self.cell)))?);
+        }
+        Ok(())
+    }
+
+    /// The lattice with its fibres, where there are both.
+    pub(crate) fn mesh_and_fibres(&self) -> Option<(&Mesh, &Fibres)> {
+        let (mesh, _) = self.lattice.as_ref().ok()?;
+        Some((mesh, self.fibres.as_ref()?))
     }
 }
 
@@ -82,7 +105,7 @@ impl<'a> Report<'a> {
         left_out: Vec<LeftOut>,
     ) -> Self {
         let threshold = cells.segmentation().map(|found| found.threshold);
-        let cell = |Chosen { cell, lattice }: &'a Chosen| CellReport {
+        let cell = |Chosen { cell, lattice, fibres }: &'a Chosen| CellReport {
             number: cell.number,
             name: &cell.name,
             confidence: &cell.confidence,
@@ -93,6 +116,7 @@ impl<'a> Report<'a> {
                 springs: mesh.springs.len(),
                 triangles: mesh.simplices.len(),
             }),
+            fibres: fibres.as_ref().map(Fibres::report),
         };
         Self {
             picture,
@@ -133,6 +157,9 @@ impl<'a> Report<'a> {
                     "lattice"
                 ));
             }
+            if let Some(fibres) = &cell.fibres {
+                parts.push(format!("{:<20} {fibres}", "fibres"));
+            }
             parts.push(String::new());
         }
         parts.join("\n")
@@ -171,10 +198,12 @@ pub(crate) fn notes(
             "the picture has {count} cells{whole}; --cell all writes {words}, --cell N or --seed X,Y another"
         ));
     }
-    for Chosen { cell, lattice } in chosen {
+    for Chosen { cell, lattice, fibres } in chosen {
         let who = if chosen.len() > 1 { format!("cell {}: ", cell.name) } else { String::new() };
         notes.extend(cell.warnings().map(|warning| format!("{who}{warning}")));
         notes.extend(lattice.as_ref().err().map(|error| format!("{who}no lattice: {error}")));
+        let warnings = fibres.iter().flat_map(|fibres| &fibres.warnings);
+        notes.extend(warnings.map(|warning| format!("{who}{warning}")));
     }
     notes
 }

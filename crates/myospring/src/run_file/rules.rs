@@ -61,6 +61,7 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
             let others = SPRINGS.iter().filter(|springs| word != Some(springs.support));
             others.map(|springs| springs.key).collect()
         }
+        "mechanics.fibre" if !["auto", "picture"].map(Some).contains(&word) => OF_FIBRES.to_vec(),
         "numerics.integrator" if word == Some("quasi-static") => vec!["numerics.time_step"],
         _ => {
             let groups = ALTERNATIVES.iter().map(|(keys, _)| *keys);
@@ -167,24 +168,32 @@ fn shape(file: &RunFile, run: &Run) -> Checked {
     }
 }
 
+/// What only a picture has whose fibres are read.
+const OF_FIBRES: [&str; 2] = ["mechanics.stain", "mechanics.fibre_smoothing"];
+
 fn fibre(file: &RunFile, run: &Run) -> Checked {
-    if matches!(run.fibre, Fibre::Picture(_)) {
-        if matches!(run.shape.source, Source::Picture(_)) {
-            return Ok(());
+    let source = match run.shape.source {
+        Source::Picture(_) => None,
+        Source::Outline { .. } => Some("shape.outline"),
+        Source::BuiltIn(_) => Some("shape.built_in"),
+    };
+    let given = OF_FIBRES.into_iter().find(|key| file.has(key));
+    match (run.fibre, source, given) {
+        (Fibre::Picture(_), Some(_), _) => {
+            let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \
+                          \"long axis\" or an angle";
+            let problem = Problem::Missing { key: "shape.picture", reason };
+            Err(("mechanics.fibre".to_owned(), problem))
         }
-        let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \
-                      \"long axis\" or an angle";
-        let problem = Problem::Missing { key: "shape.picture", reason };
-        return Err(("mechanics.fibre".to_owned(), problem));
-    }
-    let of_picture = ["mechanics.stain", "mechanics.fibre_smoothing"];
-    match of_picture.into_iter().find(|key| file.has(key)) {
-        Some(second) => exclude(
+        (Fibre::Auto(_), Some(source), Some(second)) => {
+            exclude(source, second, "only a picture has it; leave it out")
+        }
+        (Fibre::LongAxis | Fibre::Angle(_), _, Some(second)) => exclude(
             "mechanics.fibre",
             second,
-            "only fibre = \"picture\" has it; choose that or leave it out",
+            "only fibre = \"auto\" or \"picture\" has it; choose one of them or leave it out",
         ),
-        None => Ok(()),
+        _ => Ok(()),
     }
 }
 

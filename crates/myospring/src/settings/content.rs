@@ -274,10 +274,7 @@ fn of_picture(
 
 /// The centre of each triangle, um.
 fn centres(mesh: &Mesh) -> impl Iterator<Item = [f64; 2]> {
-    mesh.simplices.iter().map(|triangle| {
-        let corners = triangle.nodes.map(|node| mesh.point(node as usize));
-        [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
-    })
+    mesh.simplices.iter().map(|triangle| mesh.centre(triangle))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A run: everything checked, in internal units, every default filled in.
 
 use super::content::{self, ContentError};
+use super::fibres::{Asked, Fibre, Fibres};
 use super::shape::{Shape, Shaped, Source};
 use crate::cell::pacing::Protocol;
 use crate::cell::{CellModel, coelho_2021};
@@ -11,7 +12,7 @@ use crate::mechanics::support::SupportKind;
 use crate::mesh::quality::{MeshReport, long_axis};
 use crate::mesh::{Mesh, built_in};
 use crate::microscopy::cells::{PictureCell, PictureCells};
-use crate::microscopy::fibres::{FibreError, FibreField, FibreSettings};
+use crate::microscopy::fibres::FibreError;
 use crate::simulation::{Numerics, Simulation, TensionScale};
 use std::io;
 use std::sync::Arc;
@@ -20,17 +21,6 @@ use std::sync::Arc;
 const PEAK_TENSION: f64 = 50.0;
 /// Time after the last stimulus that a run lasts unless stated, ms: the paper's 600 ms.
 const AFTER_LAST_STIMULUS: f64 = 550.0;
-
-/// Direction of the fibres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fibre {
-    /// Along the cell's long axis.
-    LongAxis,
-    /// At an angle counter-clockwise from x, degrees.
-    Angle(f64),
-    /// As the picture shows it; along the long axis where it shows nothing.
-    Picture(FibreSettings),
-}
 
 /// A run ready to be meshed and simulated.
 pub struct Run {
@@ -68,8 +58,8 @@ pub struct Made {
     pub simulation: Simulation,
     /// What the mesh is like, with warnings of all that came before it and of the fibres.
     pub report: MeshReport,
-    /// The direction of the fibres in the picture, if that is where the run takes them from.
-    pub field: Option<FibreField>,
+    /// The fibres, and what the picture shows of them.
+    pub fibres: Fibres,
     /// The picture with its cells, and the one that was taken.
     pub picture: Option<(PictureCells, PictureCell)>,
 }
@@ -104,7 +94,7 @@ impl Run {
             },
             material: default_material(),
             active: ActiveLaw::Fibre,
-            fibre: Fibre::LongAxis,
+            fibre: Fibre::Auto(Asked::default()),
             myofibril_content: None,
             support: SupportKind::MassCentre,
             duration: usual_duration(&protocol, &numerics),
@@ -115,32 +105,6 @@ impl Run {
     /// Time that this run lasts unless stated, ms: 550 ms after the last stimulus.
     pub(crate) fn usual_duration(&self) -> f64 {
         usual_duration(&self.protocol, &self.numerics)
-    }
-
-    /// The direction of the fibres in a picture, if that is where this run takes them from.
-    ///
-    /// # Errors
-    /// A picture in which no myofibrils can be seen: its pixels are too coarse.
-    pub fn fibre_field(&self, shaped: &Shaped) -> Result<Option<FibreField>, FibreError> {
-        match (self.fibre, &shaped.picture) {
-            (Fibre::Picture(settings), Some((cells, cell))) => {
-                cells.fibres(cell, long_axis(&shaped.mesh), &settings).map(Some)
-            }
-            _ => Ok(None),
-        }
-    }
-
-    /// The direction of the fibres in each triangle of a mesh, unit vectors: from the picture where it gave them.
-    pub fn fibres(&self, mesh: &Mesh, field: Option<&FibreField>) -> Vec<[f64; 2]> {
-        let everywhere = match (field, self.fibre) {
-            (Some(field), _) => return field.on_mesh(mesh),
-            (None, Fibre::Angle(degrees)) => {
-                let (sine, cosine) = degrees.to_radians().sin_cos();
-                [cosine, sine]
-            }
-            (None, Fibre::LongAxis | Fibre::Picture(_)) => long_axis(mesh),
-        };
-        vec![everywhere; mesh.simplices.len()]
     }
 
     /// The simulation of this run on a shape that was meshed, with the fibres and the content of myofibrils that
@@ -165,31 +129,29 @@ impl Run {
         shaped: Shaped,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
     ) -> Result<Made, MakeError> {
-        let field = self.fibre_field(&shaped)?;
         let Shaped { mesh, mut report, picture, .. } = shaped;
+        let fibres = self.fibre.on(&mesh, picture.as_ref().map(|(cells, cell)| (cells, cell)))?;
+        report.warnings.extend(fibres.warnings.iter().cloned());
         let cells = picture.as_ref().map(|(cells, _)| cells);
-        if let (Some(cells), Some(field)) = (cells, &field) {
-            report.warnings.extend(cells.fibre_warnings(field));
-        }
         let chosen = self.shape.source.picture().map(|picture| &picture.options.selection);
         let content = self
             .myofibril_content
             .as_ref()
             .map(|path| content::read_content(path, &mesh, cells.zip(chosen), read));
         let content = content.transpose()?;
-        let simulation = self.simulation(mesh, field.as_ref(), content);
-        Ok(Made { simulation, report, field, picture })
+        let simulation = self.simulation(mesh, fibres.directions.clone(), content);
+        Ok(Made { simulation, report, fibres, picture })
     }
 
-    /// The simulation of this run on a mesh, with the direction of its fibres where a picture gave it, and the
-    /// content of myofibrils of each triangle.
+    /// The simulation of this run on a mesh, with the direction of its fibres ([`Fibre::on`]) and the content of
+    /// myofibrils of each triangle.
     pub fn simulation(
         &self,
         mesh: Mesh,
-        field: Option<&FibreField>,
+        fibres: Vec<[f64; 2]>,
         myofibril_content: Option<Vec<f64>>,
     ) -> Simulation {
-        let (long_axis, fibres) = (long_axis(&mesh), self.fibres(&mesh, field));
+        let long_axis = long_axis(&mesh);
         Simulation {
             cell: Arc::clone(&self.cell),
             activation: None,

@@ -13,7 +13,7 @@ use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::report::Summary;
-use crate::settings::{Made, PictureSource, Run, ShapeError, Source};
+use crate::settings::{Fibres, Made, PictureSource, Run, ShapeError, Source};
 use crate::simulation::{Outcome, Progress, Simulation, StopReason};
 use std::fs;
 use std::path::PathBuf;
@@ -95,6 +95,8 @@ pub struct Beaten<'a> {
     pub run: &'a Run,
     /// The cell on its mesh.
     pub simulation: &'a Simulation,
+    /// Its fibres, and what the picture shows of them.
+    pub fibres: &'a Fibres,
     /// What came of it.
     pub finished: &'a Outcome,
     /// Its numbers.
@@ -259,17 +261,12 @@ fn beat(
     let start = Instant::now();
     let name = cell.name.clone();
     let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
-    let Made { simulation, report, field, .. } = run.make(shaped, |file| std::fs::read(file))?;
+    let Made { simulation, report, fibres, .. } = run.make(shaped, |file| std::fs::read(file))?;
     row.number("spacing_um", report.spacing_um);
     row.number("masses", simulation.mesh.len() as f64);
     row.number("springs", simulation.mesh.springs.len() as f64);
     row.number("triangles", simulation.mesh.simplices.len() as f64);
-    if let Some(field) = &field {
-        let fibres = field.summary();
-        row.number("fibres_from_picture_pct", 100.0 * fibres.share_from_picture);
-        row.number("fibre_angle_to_axis_deg", fibres.mean_angle_deg);
-        row.number("fibre_order", fibres.alignment);
-    }
+    row.fibres(&fibres.report());
     let prepared = simulation.build()?;
     let finished = prepared.run(|Progress { .. }| keeper.goes_on());
     if matches!(finished.stop, Some(StopReason::Interrupted { .. })) {
@@ -287,6 +284,7 @@ fn beat(
         cell: &name,
         run,
         simulation,
+        fibres: &fibres,
         finished,
         summary: &summary,
     })?;

@@ -2,8 +2,9 @@
 
 use super::super::bounds::Bounds;
 use super::super::content::CONTENT_ENDINGS;
+use super::super::fibres::{Asked, Fibre};
 use super::super::problem::Problem;
-use super::super::run::{Fibre, Run};
+use super::super::run::Run;
 use super::super::setting::{Kind, Setting};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
@@ -49,6 +50,7 @@ worded! { SupportName {
 
 const FIBRE: &str = "mechanics.fibre";
 const FIBRE_ANGLE: Bounds = Bounds::any(Dimension::Angle, "15 deg").from(-360.0).to(360.0);
+const AUTO: &str = "auto";
 const LONG_AXIS: &str = "long axis";
 const PICTURE: &str = "picture";
 
@@ -65,14 +67,16 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--active", "LAW"),
     Setting::new(
         FIBRE,
-        "Direction of the fibres: \"long axis\" of the cell, an angle counter-clockwise from x, \
-         or \"picture\", which reads it from the stripes or filaments of the picture.",
+        "Direction of the fibres: \"picture\", which reads it from the stripes or filaments of the picture, the \
+         \"long axis\" of the cell, an angle counter-clockwise from x, or \"auto\": from a picture that shows \
+         sarcomeres, or what its stain is said to show, and along the long axis elsewhere.",
         Kind::Written {
             bounds: Some(FIBRE_ANGLE),
             numbers: false,
             example: FIBRE_ANGLE.example,
             get: |run| {
                 Some(match run.fibre {
+                    Fibre::Auto(_) => Value::from(AUTO),
                     Fibre::LongAxis => Value::from(LONG_AXIS),
                     Fibre::Angle(degrees) => FIBRE_ANGLE.write(degrees),
                     Fibre::Picture(_) => Value::from(PICTURE),
@@ -84,48 +88,57 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--fibre",
         "DIRECTION",
-        "Fibre direction: \"long axis\", an angle (\"15 deg\"), or picture, which reads it from \
-         stripes or filaments",
+        "Fibre direction: auto (from the picture where it shows sarcomeres, else the long axis), picture (from \
+         its stripes or filaments), \"long axis\", or an angle (\"15 deg\")",
     ),
     Setting::new(
         "mechanics.stain",
-        "What the picture shows, for fibre = \"picture\": stripes across the fibre, or \
-         filaments along it.",
+        "What the picture shows: stripes across the fibre, or filaments along it.",
         Kind::Words {
             words: Stain::WORDS,
-            get: |run| of_picture(run).map(|settings| settings.stain.word()),
+            get: |run| match &run.fibre {
+                Fibre::Auto(asked) => asked.stain.map(|stain| stain.word()),
+                Fibre::Picture(settings) => Some(settings.stain.word()),
+                Fibre::LongAxis | Fibre::Angle(_) => None,
+            },
             set: |run, word| {
                 let stain = Stain::of_word(word)?;
-                if let Fibre::Picture(settings) = &mut run.fibre {
-                    *settings = FibreSettings::of(stain);
+                match &mut run.fibre {
+                    Fibre::Auto(asked) => asked.stain = Some(stain),
+                    Fibre::Picture(settings) => *settings = FibreSettings::of(stain),
+                    Fibre::LongAxis | Fibre::Angle(_) => {}
                 }
                 Some(())
             },
         },
     )
-    .otherwise("z-disc")
+    .otherwise("z-disc, which auto takes for given only where it finds sarcomeres")
     .option_saying(
         "--stain",
         "NAME",
-        "What the picture shows, for --fibre picture: z-disc (stripes across the fibre, such as \
-         alpha-actinin) or filament (along it, such as phalloidin)",
+        "What the picture shows: z-disc (stripes across the fibre, such as alpha-actinin) or filament (along \
+         it, such as phalloidin)",
     ),
     Setting::quantity(
         "mechanics.fibre_smoothing",
         "Scale over which directions from the picture are averaged.",
         Bounds::any(Dimension::Length, "3 um").from(0.1).to(20.0),
-        |run| of_picture(run).map(|settings| settings.smoothing_um),
-        |run, scale| {
-            if let Fibre::Picture(settings) = &mut run.fibre {
-                settings.smoothing_um = scale;
-            }
+        |run| match &run.fibre {
+            Fibre::Auto(asked) => asked.smoothing_um,
+            Fibre::Picture(settings) => Some(settings.smoothing_um),
+            Fibre::LongAxis | Fibre::Angle(_) => None,
+        },
+        |run, scale| match &mut run.fibre {
+            Fibre::Auto(asked) => asked.smoothing_um = Some(scale),
+            Fibre::Picture(settings) => settings.smoothing_um = scale,
+            Fibre::LongAxis | Fibre::Angle(_) => {}
         },
     )
     .otherwise("\"3 um\"")
     .option_saying(
         "--fibre-smoothing",
         "LENGTH",
-        "Scale over which --fibre picture averages directions",
+        "Scale over which directions from the picture are averaged",
     ),
     Setting::new(
         "mechanics.myofibril_content",
@@ -200,20 +213,14 @@ pub(super) const ROWS: &[Setting] = &[
     ),
 ];
 
-fn of_picture(run: &Run) -> Option<&FibreSettings> {
-    match &run.fibre {
-        Fibre::Picture(settings) => Some(settings),
-        _ => None,
-    }
-}
-
 fn set_fibre(run: &mut Run, value: &Value) -> Result<(), Problem> {
     let text = value.written();
     run.fibre = match text.as_str() {
+        AUTO => Fibre::Auto(Asked::default()),
         LONG_AXIS => Fibre::LongAxis,
         PICTURE => Fibre::Picture(FibreSettings::of(Stain::ZDisc)),
         words if !words.contains(|c: char| c.is_ascii_digit()) => {
-            let known = [LONG_AXIS, PICTURE, "an angle like 15 deg"];
+            let known = [AUTO, PICTURE, LONG_AXIS, "an angle like 15 deg"];
             return Err(Problem::unknown_word(FIBRE, words, known));
         }
         _ => Fibre::Angle(FIBRE_ANGLE.read(FIBRE, value)?),

@@ -3,6 +3,7 @@
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::report::Summary;
 use crate::output::table::{Column, Table};
+use crate::settings::FibreReport;
 use crate::study::{Row, Status};
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +61,19 @@ impl CellRow {
     /// Adds a number.
     pub(super) fn number(&mut self, column: impl Into<String>, value: impl Into<Option<f64>>) {
         self.numbers.push((column.into(), value.into()));
+    }
+
+    /// Adds what the picture shows of the fibres; nothing is known where it was not looked at.
+    pub(super) fn fibres(&mut self, report: &FibreReport) {
+        let seen = report.seen.as_ref();
+        let none_read = report.not_read.as_ref().map(|_| 0.0);
+        self.number("fibres_from_picture_pct", seen.map(|seen| seen.read_pct).or(none_read));
+        self.number("sarcomere_um", seen.and_then(|seen| seen.sarcomere_um));
+        self.number("sarcomere_q1_um", seen.and_then(|seen| seen.sarcomere_q1_um));
+        self.number("sarcomere_q3_um", seen.and_then(|seen| seen.sarcomere_q3_um));
+        self.number("fibre_order", seen.map(|seen| seen.order));
+        self.number("fibre_alignment", seen.map(|seen| seen.alignment));
+        self.number("fibre_angle_to_axis_deg", seen.map(|seen| seen.angle_to_axis_deg));
     }
 
     /// Adds the metrics of the first beat; of several beats, their means.

@@ -1,0 +1,286 @@
+//! The fibres of a cell: where their direction comes from, and what its picture says of them.
+
+use crate::mesh::Mesh;
+use crate::mesh::pixel_size::PixelSize;
+use crate::mesh::quality::long_axis;
+use crate::microscopy::cells::{PictureCell, PictureCells};
+use crate::microscopy::fibres::{
+    COARSEST_PIXEL_UM, Fibre as Place, FibreError, FibreField, FibreSettings, Stain,
+};
+use crate::microscopy::segment::Modality;
+use serde::Serialize;
+use std::fmt;
+
+/// Direction of the fibres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fibre {
+    /// As the picture shows it, where it shows sarcomeres or what its stain is said to show; else, and without a
+    /// picture, along the long axis.
+    Auto(Asked),
+    /// Along the cell's long axis.
+    LongAxis,
+    /// At an angle counter-clockwise from x, degrees.
+    Angle(f64),
+    /// As the picture shows it; along the long axis where it shows nothing.
+    Picture(FibreSettings),
+}
+
+/// What was said about a picture of which it is open whether it shows fibres.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Asked {
+    /// What the picture shows; unless said, z-discs, if stripes as far apart as sarcomeres are found.
+    pub stain: Option<Stain>,
+    /// Scale over which directions are averaged, um.
+    pub smoothing_um: Option<f64>,
+}
+
+/// Why a picture was not taken for the direction of the fibres.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NotRead {
+    /// A mask.
+    #[error("a mask shows none")]
+    Mask,
+    /// Brightfield, of which nobody said what it shows.
+    #[error("a brightfield picture has no stain that shows them")]
+    Brightfield,
+    /// Pixels too large for stripes.
+    #[error(
+        "pixels of {0} are too coarse for stripes 1.6 to 2.2 um apart, which need at most {COARSEST_PIXEL_UM} um"
+    )]
+    TooCoarse(PixelSize),
+    /// No sarcomeres stand out, and nobody said that something else does.
+    #[error("the picture shows no sarcomeres")]
+    NoSarcomeres,
+    /// Nothing of what the stain shows stands out.
+    #[error("the picture shows none")]
+    Nothing,
+}
+
+/// The fibres of a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fibres {
+    /// Where their direction was taken from; never [`Fibre::Auto`].
+    pub taken: Fibre,
+    /// Unit vector along the fibre in each triangle of the mesh.
+    pub directions: Vec<[f64; 2]>,
+    /// What the picture shows, where they were taken from it.
+    pub seen: Option<Seen>,
+    /// Why not from the picture, where that was left open.
+    pub not_read: Option<NotRead>,
+    /// What a person should know before they trust them, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// What a picture shows of the fibres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    /// What the picture shows.
+    pub stain: Stain,
+    /// The fibres everywhere in the cell.
+    pub field: FibreField,
+    /// The fibre in each triangle of the mesh.
+    pub triangles: Vec<Place>,
+}
+
+/// The fibres of a cell in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FibreReport {
+    /// Where their direction was taken from: `picture`, `long axis`, or an angle.
+    pub direction: String,
+    /// Why not from the picture, where that was left open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_read: Option<String>,
+    /// What the picture shows, where they were taken from it.
+    #[serde(flatten)]
+    pub seen: Option<SeenReport>,
+}
+
+/// What a picture shows of the fibres, in numbers over the cell's area.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SeenReport {
+    /// What the picture shows.
+    pub stain: Stain,
+    /// Part of the cell that was read from the picture, per cent.
+    pub read_pct: f64,
+    /// Mean direction against the long axis, degrees counter-clockwise, above -90 and up to 90.
+    pub angle_to_axis_deg: f64,
+    /// How parallel the fibres are, 0 to 1; places where the long axis stands in count as such.
+    pub alignment: f64,
+    /// Mean of how sharply the picture shows one direction and one period, 0 to 1.
+    pub order: f64,
+    /// Median length of the sarcomeres that were read, um.
+    pub sarcomere_um: Option<f64>,
+    /// First quartile of it, um.
+    pub sarcomere_q1_um: Option<f64>,
+    /// Third quartile of it, um.
+    pub sarcomere_q3_um: Option<f64>,
+    /// Triangles of the mesh in which one was read.
+    pub sarcomeres: usize,
+}
+
+impl Fibre {
+    /// The fibres on the mesh of a cell; `picture` is where it was found.
+    ///
+    /// # Errors
+    /// A picture that is to be read ([`Fibre::Picture`]) and whose pixels are too coarse, or settings out of range.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::lattice;
+    /// use myospring::settings::{Asked, Fibre};
+    /// let mesh = lattice::rectangle(20, 4, 5.0).unwrap();
+    /// // Without a picture the long axis is all that there is.
+    /// let fibres = Fibre::Auto(Asked::default()).on(&mesh, None)?;
+    /// assert_eq!(fibres.taken, Fibre::LongAxis);
+    /// assert_eq!(fibres.directions, vec![[1.0, 0.0]; mesh.simplices.len()]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn on(
+        self,
+        mesh: &Mesh,
+        picture: Option<(&PictureCells, &PictureCell)>,
+    ) -> Result<Fibres, FibreError> {
+        match (self, picture) {
+            (Self::Picture(settings), Some((cells, cell))) => {
+                let field = cells.fibres(cell, long_axis(mesh), &settings)?;
+                Ok(Fibres::read(mesh, cells, settings, field))
+            }
+            (Self::Auto(asked), Some((cells, cell))) => {
+                Ok(match asked.field(long_axis(mesh), cells, cell)? {
+                    Ok((settings, field)) => Fibres::read(mesh, cells, settings, field),
+                    Err(not_read) => Fibres {
+                        not_read: Some(not_read),
+                        ..Fibres::everywhere(mesh, Self::LongAxis, long_axis(mesh))
+                    },
+                })
+            }
+            (Self::Angle(degrees), _) => {
+                let (sine, cosine) = degrees.to_radians().sin_cos();
+                Ok(Fibres::everywhere(mesh, self, [cosine, sine]))
+            }
+            (Self::LongAxis | Self::Auto(_) | Self::Picture(_), _) => {
+                Ok(Fibres::everywhere(mesh, Self::LongAxis, long_axis(mesh)))
+            }
+        }
+    }
+}
+
+impl Asked {
+    /// The settings by which a picture is read.
+    pub fn settings(&self) -> FibreSettings {
+        let of_stain = FibreSettings::of(self.stain.unwrap_or(Stain::ZDisc));
+        let smoothing_um = self.smoothing_um.unwrap_or(of_stain.smoothing_um);
+        FibreSettings { smoothing_um, ..of_stain }
+    }
+
+    /// What the picture shows, or why it is not taken.
+    fn field(
+        &self,
+        long_axis: [f64; 2],
+        cells: &PictureCells,
+        cell: &PictureCell,
+    ) -> Result<Result<(FibreSettings, FibreField), NotRead>, FibreError> {
+        match (cells.segmentation().map(|found| found.modality), self.stain) {
+            (Some(Modality::Mask), _) => return Ok(Err(NotRead::Mask)),
+            (Some(Modality::Brightfield), None) => return Ok(Err(NotRead::Brightfield)),
+            _ => {}
+        }
+        let settings = self.settings();
+        let field = match cells.fibres(cell, long_axis, &settings) {
+            Err(FibreError::TooCoarse { pixel_size }) => {
+                return Ok(Err(NotRead::TooCoarse(pixel_size)));
+            }
+            field => field?,
+        };
+        let summary = field.summary();
+        // Nobody said that there are z-discs: the period of the stripes must.
+        if self.stain.is_none() && summary.median_sarcomere_um.is_none() {
+            return Ok(Err(NotRead::NoSarcomeres));
+        }
+        if summary.share_from_picture == 0.0 {
+            return Ok(Err(NotRead::Nothing));
+        }
+        Ok(Ok((settings, field)))
+    }
+}
+
+impl Fibres {
+    fn everywhere(mesh: &Mesh, taken: Fibre, direction: [f64; 2]) -> Self {
+        let directions = vec![direction; mesh.simplices.len()];
+        Self { taken, directions, seen: None, not_read: None, warnings: Vec::new() }
+    }
+
+    fn read(mesh: &Mesh, cells: &PictureCells, settings: FibreSettings, field: FibreField) -> Self {
+        let triangles = field.on_triangles(mesh);
+        Self {
+            taken: Fibre::Picture(settings),
+            directions: triangles.iter().map(|place| place.direction).collect(),
+            warnings: cells.fibre_warnings(&field),
+            not_read: None,
+            seen: Some(Seen { stain: settings.stain, field, triangles }),
+        }
+    }
+
+    /// In numbers.
+    pub fn report(&self) -> FibreReport {
+        FibreReport {
+            direction: match self.taken {
+                Fibre::Picture(_) => "picture".to_owned(),
+                Fibre::Angle(degrees) => format!("{degrees} deg"),
+                Fibre::LongAxis | Fibre::Auto(_) => "long axis".to_owned(),
+            },
+            not_read: self.not_read.map(|reason| reason.to_string()),
+            seen: self.seen.as_ref().map(Seen::report),
+        }
+    }
+}
+
+impl Seen {
+    /// In numbers.
+    pub fn report(&self) -> SeenReport {
+        let summary = self.field.summary();
+        let quartiles = summary.sarcomere_quartiles_um;
+        SeenReport {
+            stain: self.stain,
+            read_pct: 100.0 * summary.share_from_picture,
+            angle_to_axis_deg: summary.mean_angle_deg,
+            alignment: summary.alignment,
+            order: summary.mean_order,
+            sarcomere_um: summary.median_sarcomere_um,
+            sarcomere_q1_um: quartiles.map(|[first, _]| first),
+            sarcomere_q3_um: quartiles.map(|[_, third]| third),
+            sarcomeres: self.lengths().count(),
+        }
+    }
+
+    /// Lengths of the sarcomeres of the triangles in which one was read, um.
+    pub fn lengths(&self) -> impl Iterator<Item = f64> {
+        self.triangles.iter().filter_map(|place| place.sarcomere_um)
+    }
+}
+
+impl fmt::Display for FibreReport {
+    /// `63 % of the cell read from the picture, elsewhere its long axis; sarcomeres 1.83 um (quartiles 1.79, 1.88)`.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(seen) = &self.seen else {
+            match self.direction.as_str() {
+                "long axis" => write!(out, "along the cell's long axis")?,
+                angle => write!(out, "at {angle}")?,
+            }
+            return match &self.not_read {
+                Some(reason) => write!(out, ": {reason}"),
+                None => Ok(()),
+            };
+        };
+        write!(out, "{:.0} % of the cell read from the picture", seen.read_pct)?;
+        if seen.read_pct < 99.5 {
+            write!(out, ", elsewhere its long axis")?;
+        }
+        let SeenReport { sarcomere_um, sarcomere_q1_um, sarcomere_q3_um, .. } = seen;
+        if let (Some(median), Some(q1), Some(q3)) = (sarcomere_um, sarcomere_q1_um, sarcomere_q3_um)
+        {
+            write!(out, "; sarcomeres {median:.2} um (quartiles {q1:.2}, {q3:.2})")?;
+        }
+        Ok(())
+    }
+}
