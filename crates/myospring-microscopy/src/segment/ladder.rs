@@ -29,6 +29,9 @@ const ACROSS_UM: f64 = 1.0;
 const BESIDE_UM: [f64; 2] = [1.5, 5.0];
 /// An outline within another that explains as much but for this is taken: light strays outward.
 const AS_GOOD: f64 = 0.8;
+/// By how much most of an island is higher than what lies beside it, gaps not filled, in parts of its mean height with
+/// gaps filled: surely no more than its halo, and surely the island itself. Half of a striped cell is.
+const RISE: [f32; 2] = [0.15, 0.4];
 /// Least slope that counts as a fall, per um.
 const FALL_PER_UM: f32 = 0.03;
 
@@ -41,8 +44,7 @@ pub(super) struct Explained {
     pub(super) falling: f64,
     /// Part of the outline that lies on the frame.
     pub(super) on_frame: f64,
-    /// How much higher most of the inside is than what lies beside it, gaps not filled, in parts of half its mean
-    /// height with gaps filled, from -1 to 1: a bright halo alone is not a bright cell.
+    /// How surely most of the inside is higher than what lies beside it, from 0 to 1.
     pub(super) inside: f64,
     /// Area over that of the convex hull.
     pub(super) solidity: f64,
@@ -54,7 +56,7 @@ impl Explained {
     /// What counts for an island, for each unit of its area.
     fn quality(&self) -> f64 {
         let whole = 1.0 - self.on_frame;
-        let rises = self.slope_per_um.max(0.0) * self.inside.max(0.0);
+        let rises = self.slope_per_um.max(0.0) * self.inside;
         rises * self.falling * whole.powi(3) * self.solidity.powi(2)
     }
 
@@ -286,16 +288,16 @@ impl<'a> Ladder<'a> {
         let height = sum / region.count().max(1) as f32;
         let own = median(&|at| region.contains(at));
         let beside = median(&|at| beyond.contains(at) && !apart.contains(at));
-        let inside = match (own, beside) {
-            (Some(own), Some(beside)) => 2.0 * (own - beside) / height.max(f32::MIN_POSITIVE),
-            _ => 1.0,
-        };
+        // Where nothing lies beside it, above the ground.
+        let [own, beside] = [own, beside].map(|median| median.unwrap_or(0.0));
+        let [low, high] = RISE;
+        let rise = (own - beside) / height.max(f32::MIN_POSITIVE);
         let count = count.max(1) as f64;
         Explained {
             slope_per_um: slopes / count,
             falling: falling as f64 / count,
             on_frame: on_frame as f64 / (count + on_frame as f64),
-            inside: f64::from(inside.clamp(-1.0, 1.0)),
+            inside: f64::from(((rise - low) / (high - low)).clamp(0.0, 1.0)),
             solidity: solidity(rim.into_iter(), region.count()),
             area_um2: region.count() as f64 * self.pixel_um.powi(2),
         }
