@@ -38,6 +38,15 @@ impl Failure {
         self
     }
 
+    /// Adds a line to the advice.
+    pub(crate) fn also(self, line: &str) -> Self {
+        let advice = match &self.advice {
+            Some(advice) => format!("{advice}\n{line}"),
+            None => line.to_owned(),
+        };
+        self.advise(advice)
+    }
+
     /// A problem of a run file; `text` is the file's, if it was read from one.
     pub(crate) fn of_run_file(error: &RunFileError, text: Option<&str>) -> Self {
         let source = match (&error.origin, text) {

@@ -54,9 +54,18 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         Err(cause) => return Err(refused.without_cells(cause, &bytes)),
     };
     let all = args.settings.all_cells();
-    let (chosen, left_out) = match chosen(&cells, source, all) {
+    let (chosen, left_out) = match chosen(&cells, source, all, source.allow_cut) {
         Ok(chosen) => chosen,
-        Err(cause) => return Err(refused.with_cells(source.failed(cause), &cells, all)),
+        Err(cause) => {
+            let is_cut = matches!(cause, CellError::Segment(SegmentError::Cut { .. }));
+            let failure = refused.with_cells(source.failed(cause), &cells, all);
+            let left = if is_cut { write_cut(args, source, &cells, all)? } else { Vec::new() };
+            if left.is_empty() {
+                return Err(failure);
+            }
+            let left = left.join(", ");
+            return Err(failure.also(&format!("what the frame leaves of it was written: {left}")));
+        }
     };
     let mut chosen = Chosen::of(&run.shape, &cells, chosen);
     for cell in &mut chosen {
@@ -86,13 +95,14 @@ fn chosen(
     cells: &PictureCells,
     source: &PictureSource,
     all: bool,
+    allow_cut: bool,
 ) -> Result<(Vec<PictureCell>, Vec<LeftOut>), CellError> {
     if !all {
-        return Ok((vec![cells.cell(source.choice, source.allow_cut)?], Vec::new()));
+        return Ok((vec![cells.cell(source.choice, allow_cut)?], Vec::new()));
     }
     let (mut every, mut left_out, mut first) = (Vec::new(), Vec::new(), None);
     for number in 1..=cells.len() as u32 {
-        match cells.cell(Choice::Number(number), source.allow_cut) {
+        match cells.cell(Choice::Number(number), allow_cut) {
             Ok(cell) => every.push(cell),
             Err(error) => {
                 let cut = matches!(error, CellError::Segment(SegmentError::Cut { .. }));
@@ -133,13 +143,7 @@ fn write(
 ) -> Result<Vec<String>, Failure> {
     interrupt::heed(interrupt::WRITING);
     let frame = cells.frame().map_err(Failure::new)?;
-    let named: Vec<NamedOutline> = chosen
-        .iter()
-        .map(|Chosen { cell, .. }| NamedOutline {
-            name: cell.name.clone(),
-            outline: cell.outline.clone(),
-        })
-        .collect();
+    let named = named(chosen.iter().map(|chosen| &chosen.cell));
     if args.output.is_empty() {
         let target = folder(name);
         let force = args.force || refused::is_all_there_is(&target);
@@ -158,15 +162,34 @@ fn write(
         return Ok(vec![folder.finish()?.display().to_string()]);
     }
     let overlay = beside(&args.output[0]);
-    let taken = args.output.iter().chain([&overlay]).find(|file| file.exists());
+    may_be_written(args, &overlay)?;
+    let encoded: Vec<Vec<u8>> =
+        args.output.iter().map(|file| encoded(file, &named, &frame)).collect::<Result<_, _>>()?;
+    let png = figure.to_png(DPI)?;
+    write_files(args.output.iter().zip(&encoded).chain([(&overlay, &png)]))
+}
+
+fn named<'a>(cells: impl Iterator<Item = &'a PictureCell>) -> Vec<NamedOutline> {
+    let named = |cell: &PictureCell| NamedOutline {
+        name: cell.name.clone(),
+        outline: cell.outline.clone(),
+    };
+    cells.map(named).collect()
+}
+
+/// Refuses to write over what is there.
+fn may_be_written(args: &SegmentArgs, overlay: &PathBuf) -> Result<(), Failure> {
+    let taken = args.output.iter().chain([overlay]).find(|file| file.exists());
     if let (Some(file), false) = (taken, args.force) {
         let message = format!("`{}` already exists", file.display());
         return Err(Failure::new(message).advise("choose another name, or replace it with --force"));
     }
-    let encoded: Vec<Vec<u8>> =
-        args.output.iter().map(|file| encoded(file, &named, &frame)).collect::<Result<_, _>>()?;
-    let png = figure.to_png(DPI)?;
-    let files = args.output.iter().zip(&encoded).chain([(&overlay, &png)]);
+    Ok(())
+}
+
+fn write_files<'a>(
+    files: impl Iterator<Item = (&'a PathBuf, &'a Vec<u8>)>,
+) -> Result<Vec<String>, Failure> {
     files
         .map(|(file, content)| {
             if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
@@ -176,6 +199,22 @@ fn write(
             Ok(file.display().to_string())
         })
         .collect()
+}
+
+/// Writes what the frame leaves of cells to the files that were named and are not there yet; their names.
+fn write_cut(
+    args: &SegmentArgs,
+    source: &PictureSource,
+    cells: &PictureCells,
+    all: bool,
+) -> Result<Vec<String>, Failure> {
+    let files: Vec<&PathBuf> =
+        args.output.iter().filter(|file| args.force || !file.exists()).collect();
+    let (cut, _) = chosen(cells, source, all, true).map_err(|cause| source.failed(cause))?;
+    let (cut, frame) = (named(cut.iter()), cells.frame().map_err(Failure::new)?);
+    let encoded: Vec<Vec<u8>> =
+        files.iter().map(|file| encoded(file, &cut, &frame)).collect::<Result<_, _>>()?;
+    write_files(files.into_iter().zip(&encoded))
 }
 
 /// Where the outlines of a picture of this name go unless they are named.
