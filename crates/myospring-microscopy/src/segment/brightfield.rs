@@ -144,7 +144,7 @@ pub(super) fn segment(
             )
         });
         let bridged = closing_um >= CLOSING_UM[CLOSING_UM.len() - 1];
-        confidence.weigh(if bridged { 0.5 } else { 1.0 }, 0.0, 1.0, || {
+        confidence.weigh(if bridged { 0.7 } else { 1.0 }, 0.0, 1.0, || {
             format!("its outline closes only if gaps of {:.0} um are bridged", 2.0 * closing_um)
         });
         confidence.weigh_shape(candidate, plane.width());

@@ -199,9 +199,11 @@ impl View {
             .collect();
         let slope = f64::from(quantile(&slopes, 0.5));
         let fall_um = bright / slope.max(1e-30);
-        let area = candidate.pixels.len() as f64 * (self.pixel / self.factor as f64).powi(2);
-        let radius_um = (area / std::f64::consts::PI).sqrt();
-        confidence.weigh(-fall_um / radius_um, -1.0, -0.35, || {
+        // Twice the area over the outline: the radius of a disc, the width of a strip.
+        let pixel_um = self.pixel / self.factor as f64;
+        let width_um =
+            2.0 * candidate.pixels.len() as f64 / candidate.rim.len().max(1) as f64 * pixel_um;
+        confidence.weigh(-fall_um / width_um, -0.9, -0.3, || {
             format!("its rim is blurred: its brightness falls over some {fall_um:.1} um; is it out of focus?")
         });
         confidence.weigh_shape(candidate, width);
