@@ -15,7 +15,7 @@ use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
 
 /// Distance of the rungs, of the way from background to cell.
-const RUNG: f32 = 0.1;
+const RUNG: f32 = 0.05;
 /// Highest rung.
 const TOP: f32 = 1.3;
 /// Gaps that are closed, points and necks that are taken off, radii in um.
