@@ -198,6 +198,23 @@ impl Region {
         Self::new(width, height, blocks.into_iter())
     }
 
+    /// On a grid of blocks of `factor` x `factor` pixels: those blocks of which the region has half or more.
+    pub(super) fn halves(&self, factor: usize) -> Self {
+        if factor == 1 {
+            return self.clone();
+        }
+        let (width, height) = (self.width().div_ceil(factor), self.height().div_ceil(factor));
+        let mut counts = vec![0_usize; width * height];
+        for (row, pixels) in self.inside.chunks_exact(self.width).enumerate() {
+            let counts = &mut counts[row / factor * width..][..width];
+            for (count, pixels) in counts.iter_mut().zip(pixels.chunks(factor)) {
+                *count += pixels.iter().filter(|inside| **inside).count();
+            }
+        }
+        let half = |count: usize| 2 * count >= factor * factor;
+        Self::new(width, height, counts.into_iter().map(half))
+    }
+
     /// On a grid of pixels of which `factor` x `factor` make one of this region's.
     pub(super) fn spread(&self, factor: usize, width: usize, height: usize) -> Self {
         let at = |pixel: usize| {
@@ -346,6 +363,15 @@ impl Region {
     /// Pixel by pixel from one to its neighbours: crests are few, and a forest of all pixels of a picture takes
     /// longer than they do.
     pub(super) fn islands(&self, connectivity: Connectivity) -> Islands {
+        self.islands_where(connectivity, |_, _| true)
+    }
+
+    /// The same, where only those pixels that touch hang together of which `joined` says so.
+    pub(super) fn islands_where(
+        &self,
+        connectivity: Connectivity,
+        joined: impl Fn(usize, usize) -> bool,
+    ) -> Islands {
         let (width, height) = (self.width(), self.height());
         let sides: &[[isize; 2]] = &[[-1, 0], [1, 0], [0, -1], [0, 1]];
         let corners: &[[isize; 2]] = &[[-1, -1], [1, -1], [-1, 1], [1, 1]];
@@ -370,7 +396,8 @@ impl Region {
                     let (x, y) =
                         (column.wrapping_add_signed(*right), row.wrapping_add_signed(*down));
                     let at = y.wrapping_mul(width).wrapping_add(x);
-                    if x < width && y < height && numbers[at] == 0 && self.contains(at) {
+                    let free = x < width && y < height && numbers[at] == 0 && self.contains(at);
+                    if free && joined(row * width + column, at) {
                         numbers[at] = number;
                         open.push([x, y]);
                     }

@@ -12,6 +12,9 @@
 //! - **Auto** ([`Modality::Auto`]): as fluorescence if what stands out does so by its brightness, as brightfield if
 //!   by its texture.
 //! - **Mask** ([`Modality::Mask`]): every value that is not zero; labels are kept apart.
+//!
+//! In pictures, cells that touch are parted at necks, dark lines and where a branch has stripes of its own; what
+//! may be two cells and is taken for one has a reason in its [`Confidence`].
 
 mod brightfield;
 mod by_modality;
@@ -22,6 +25,7 @@ mod ground;
 mod labels;
 mod ladder;
 mod modality;
+mod parting;
 
 use serde::Serialize;
 
@@ -31,10 +35,11 @@ pub use confidence::Confidence;
 
 use super::filter;
 use super::plane::Plane;
-use super::region::{Connectivity, Region};
+use super::region::{Connectivity, Islands, Region};
 use confidence::Candidate;
 use myospring_core::mesh::mask::{Mask, MaskError};
 use myospring_core::mesh::pixel_size::PixelSize;
+use parting::{Doubt, Parting, Seen};
 
 /// How the picture was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -301,8 +306,10 @@ impl Working {
 }
 
 /// What a method of segmentation hands on: the cells on a grid whose pixels have `factor` of the picture's.
-struct Found {
+struct Found<'a> {
     region: Region,
+    /// In what the region was found: touching cells are parted by it.
+    seen: Seen<'a>,
     factor: usize,
     modality: Modality,
     threshold: f64,
@@ -415,7 +422,7 @@ pub(super) fn counted(cells: usize) -> String {
     }
 }
 
-impl Found {
+impl Found<'_> {
     /// Brings the cells back to the picture's own pixels and numbers them, largest first.
     fn finish(
         self,
@@ -425,7 +432,8 @@ impl Found {
         judge: impl Fn(&Candidate<'_>) -> Confidence,
     ) -> Segmentation {
         let (width, height) = (plane.width(), plane.height());
-        let islands = self.on_plane(width, height).islands(Connectivity::Four);
+        let parting = Parting::of(&self.region, &self.seen);
+        let islands = self.islands(&parting, width, height);
         let smallest = smallest_um2 / pixel_size.um().powi(2);
         let mut order: Vec<usize> = (0..islands.list.len())
             .filter(|&island| islands.list[island].pixels as f64 >= smallest)
@@ -445,13 +453,17 @@ impl Found {
         }
         let cell = |(number, pixels): (u32, &Vec<u32>)| {
             let (rim, on_frame) = rim(&numbers, width, height, pixels);
+            let concerns = |doubt: &&Doubt| doubt.concerns(number, &numbers, width, self.factor);
+            let doubts = parting.doubts.iter().filter(concerns);
+            let doubt = doubts.min_by(|a, b| a.factor().total_cmp(&b.factor()));
+            let doubt = doubt.map(|doubt| (doubt.factor(), doubt.reason(self.factor)));
             Cell {
                 number,
                 label: None,
                 pixels: pixels.len(),
                 area_um2: pixels.len() as f64 * pixel_size.um().powi(2),
                 pixels_on_the_frame: on_frame,
-                confidence: judge(&Candidate { pixels, rim: &rim, on_frame }),
+                confidence: judge(&Candidate { pixels, rim: &rim, on_frame, doubt }),
             }
         };
         let cells = (1..).zip(&pixels).map(cell).collect();
@@ -466,6 +478,15 @@ impl Found {
             modality_reason: None,
             threshold,
             notes: Vec::new(),
+        }
+    }
+
+    /// The cells on the picture's own pixels, those that touch parted.
+    fn islands(&self, parting: &Parting, width: usize, height: usize) -> Islands {
+        let region = self.on_plane(width, height);
+        match parting.marks(&region, self.factor) {
+            Some(marks) => region.islands_where(Connectivity::Four, |a, b| marks[a] == marks[b]),
+            None => region.islands(Connectivity::Four),
         }
     }
 

@@ -129,9 +129,9 @@ pub(super) fn trace(
 }
 
 /// One side of a pixel on the way round.
-pub(super) struct Step {
+pub(crate) struct Step {
     /// The pixel within: column and row.
-    pub(super) pixel: [isize; 2],
+    pub(crate) pixel: [isize; 2],
     /// Which of its sides: 0 upper, 1 right, 2 lower, 3 left.
     side: usize,
     /// Corner at the end of the side.
@@ -142,7 +142,7 @@ pub(super) struct Step {
 
 /// Walks once round from the upper side of a pixel, with the inside on the right hand; at a corner
 /// where two pixels of the inside meet it goes over to the other one.
-pub(super) fn follow(
+pub(crate) fn follow(
     start: [isize; 2],
     inside: impl Fn(isize, isize) -> bool,
     mut visit: impl FnMut(&Step),

@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 
 use super::confidence::Candidate;
 use super::ladder::Climbed;
+use super::parting::Seen;
 use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
@@ -56,7 +57,8 @@ pub(super) fn segment(
     let Working { plane: working, factor, pixel_um: pixel } =
         Working::of(plane, pixel_size, WORKING_PIXEL_UM);
     let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
-    let gradient = Gradient::of(&relative(&working, pixel), smooth_um / pixel);
+    let relative = relative(&working, pixel);
+    let gradient = Gradient::of(&relative, smooth_um / pixel);
     let noise = gradient.noise();
     let unit =
         settings.threshold.map_or(noise, |threshold| (threshold * pixel) as f32 / LEVELS[2][0]);
@@ -120,7 +122,10 @@ pub(super) fn segment(
     }
     let [region, near_edges] =
         [region, near_edges].map(|part| part.pasted(&seen, working.width(), working.height()));
-    let found = Found { region, factor, modality: Modality::Brightfield, threshold };
+    let smallest_um2 = settings.smallest_cell_um2;
+    // Relative to the surroundings, which are as bright as the cell.
+    let seen = Seen { brightness: &relative, dark: -1.0, pixel_um: pixel, smallest_um2 };
+    let found = Found { region, seen, factor, modality: Modality::Brightfield, threshold };
     let judge = |candidate: &Candidate<'_>| {
         let place = |&pixel: &u32| {
             let at = pixel as usize;

@@ -18,6 +18,8 @@ pub(super) struct Candidate<'a> {
     pub(super) rim: &'a [u32],
     /// Pixels on the frame.
     pub(super) on_frame: usize,
+    /// What speaks for its being two cells, or a part of one: a factor for the score, and a reason.
+    pub(super) doubt: Option<(f64, String)>,
 }
 
 impl Candidate<'_> {
@@ -109,6 +111,12 @@ impl Confidence {
             self.reasons.push(format!("{CUT}: {on_frame} of its pixels lie there"));
         }
         let solidity = candidate.solidity(width);
+        // Of one fact there is one reason: that which says more.
+        if let Some((factor, reason)) = &candidate.doubt {
+            let both = factor.min((solidity - 0.45) / (0.75 - 0.45));
+            self.weigh(both, 0.0, 1.0, || reason.clone());
+            return;
+        }
         self.weigh(solidity, 0.45, 0.75, || {
             // Its number is the solidity of the report.
             format!("{RAGGED}: is it ragged, branched, or two cells that touch?")

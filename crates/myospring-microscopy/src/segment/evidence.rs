@@ -75,7 +75,7 @@ pub(super) struct Evidence {
     /// What counts as one.
     unit: f32,
     /// A value of the ground.
-    middle: f32,
+    pub(super) middle: f32,
     /// Means of background and cells on the logarithmic scale, as Otsu's threshold parts them (Otsu 1979).
     means: [f32; 2],
 }

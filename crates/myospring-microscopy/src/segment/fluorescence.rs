@@ -3,6 +3,7 @@
 use super::confidence::Candidate;
 use super::evidence::SMOOTH_UM;
 use super::ladder::{Climbed, Rough};
+use super::parting::Seen;
 use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
@@ -131,7 +132,8 @@ pub(super) fn segment(
     settings: &Settings,
 ) -> Result<Segmentation, SegmentError> {
     let region = bright.region(settings);
-    let Bright { working: Working { factor, pixel_um: pixel, .. }, climbed, .. } = bright;
+    let Bright { working: Working { plane: working, factor, pixel_um: pixel }, climbed, .. } =
+        bright;
     let Climbed { evidence, rough, .. } = climbed;
     let largest = rough.iter().max_by(|a, b| a.explained.area_um2.total_cmp(&b.explained.area_um2));
     let level = largest.map_or_else(|| evidence.least(), |rough| rough.level);
@@ -144,8 +146,10 @@ pub(super) fn segment(
             pixel_size,
         });
     }
-    let found = Found { region, factor, modality: Modality::Fluorescence, threshold };
     let view = View { lifted: evidence.lifted, factor, pixel, noise: evidence.noise };
+    let smallest_um2 = settings.smallest_cell_um2;
+    let seen = Seen { brightness: &working, dark: evidence.middle, pixel_um: pixel, smallest_um2 };
+    let found = Found { region, seen, factor, modality: Modality::Fluorescence, threshold };
     let judge = |candidate: &Candidate<'_>| view.judge(candidate, plane.width());
     Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
 }

@@ -75,10 +75,10 @@ impl Truth {
 }
 
 /// `SplitMix64`: Steele, Lea and Flood 2014.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -87,7 +87,7 @@ impl Random {
     }
 
     /// Normal with mean 0 and standard deviation 1 (Box and Muller 1958).
-    fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         (-2.0 * (1.0 - self.next()).ln()).sqrt() * (TAU * self.next()).cos()
     }
 }
@@ -117,7 +117,7 @@ impl Scene {
         (side - y.abs()).min((50.0 - x.abs()) * 1.2)
     }
 
-    fn light(&self, column: usize, row: usize) -> f64 {
+    pub(crate) fn light(&self, column: usize, row: usize) -> f64 {
         let half = self.pixels() as f64 / 2.0;
         let (x, y) = (column as f64 / half - 1.0, row as f64 / half - 1.0);
         1.0 - self.vignette * (x * x + y * y) / 2.0

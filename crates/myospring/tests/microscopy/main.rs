@@ -12,6 +12,8 @@ mod outline_files;
 mod picture_bytes;
 #[path = "../common/synthetic_cell.rs"]
 mod synthetic_cell;
+#[path = "../common/touching_cells.rs"]
+mod touching_cells;
 
 mod fibres;
 mod fuzz_corpus;
@@ -24,3 +26,4 @@ mod pictures;
 mod segmentation;
 mod shape_report;
 mod skipped;
+mod touching;
