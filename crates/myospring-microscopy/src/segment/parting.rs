@@ -9,33 +9,19 @@ mod cut;
 mod cuts;
 mod light;
 mod piece;
+mod whole;
 
 use crate::filter;
-use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
+use cut::{DOUBTED, PARTED};
 use light::Light;
+pub(super) use light::Seen;
 use piece::Piece;
 
 /// Coarsest pixel that shape needs, um: a tenth of a narrow cell.
 const PIXEL_UM: f64 = 0.75;
-/// From this strength on two cells are parted.
-const PARTED: f64 = 0.75;
-/// From this strength on there is a doubt whether it is one cell.
-const DOUBTED: f64 = 0.35;
 /// Most cells of one island: more of them are a tissue, or a picture of noise.
 const MOST_PARTS: usize = 64;
-
-/// What a region was found in, on the same grid.
-pub(super) struct Seen<'a> {
-    /// Brightness, with its noise and its gaps.
-    pub(super) brightness: &'a Plane,
-    /// Brightness where there is no light.
-    pub(super) dark: f32,
-    /// Side of a pixel, um.
-    pub(super) pixel_um: f64,
-    /// Cells are no smaller, um^2.
-    pub(super) smallest_um2: f64,
-}
 
 /// What speaks for another number of cells than was taken.
 pub(super) struct Doubt {

@@ -1,9 +1,13 @@
 //! A cut, and what speaks for it.
 
-use super::cuts::{Whole, distance, straight};
 use super::light::Light;
 use super::piece::Piece;
-use super::{DOUBTED, PARTED};
+use super::whole::{Whole, distance, straight};
+
+/// From this strength on two cells are parted.
+pub(super) const PARTED: f64 = 0.75;
+/// From this strength on there is a doubt whether it is one cell.
+pub(super) const DOUBTED: f64 = 0.35;
 
 /// How far to both sides of a line its surroundings are looked at, um.
 const BESIDE_UM: f64 = 3.0;

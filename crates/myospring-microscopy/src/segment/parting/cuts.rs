@@ -1,12 +1,12 @@
 //! Which cuts through a piece are looked at: straight ones between two places of its rim, of all of them those that
 //! are short, dark, or begin at a dent.
 
-use std::cell::OnceCell;
 use std::f64::consts::PI;
 
 use super::cut::{Cut, Line};
-use super::light::{Light, Texture};
+use super::light::Light;
 use super::piece::Piece;
+use super::whole::{Whole, distance, straight};
 use crate::filter::quantile;
 
 /// Distance of the ends of cuts along the rim, um, unless there are more than so many.
@@ -28,24 +28,6 @@ const APART_DEG: f64 = 35.0;
 /// Length over which the rim bends, um, and least bend of a dent, degrees.
 const BEND_UM: f64 = 5.0;
 const DENT_DEG: f64 = 30.0;
-
-/// What is known of a piece before it is cut.
-pub(super) struct Whole<'a> {
-    pub(super) piece: &'a Piece,
-    pub(super) light: &'a Light<'a>,
-    /// Distance of each pixel from the outside.
-    pub(super) depths: Vec<f32>,
-    pub(super) solidity: f64,
-    /// Standard deviation of how much darker a place is than both sides, as for a [`Line`].
-    pub(super) scatter: f64,
-    texture: OnceCell<Option<Texture>>,
-}
-
-impl Whole<'_> {
-    pub(super) fn texture(&self) -> Option<&Texture> {
-        self.texture.get_or_init(|| self.light.texture(self.piece)).as_ref()
-    }
-}
 
 /// A straight cut between two places of the rim.
 #[derive(Debug, Clone, Copy)]
@@ -234,7 +216,7 @@ pub(super) fn strongest(
     // Above the median: below it is the rim, where light falls off.
     let scatter = f64::from(quantile(&seen, 0.841) - quantile(&seen, 0.5));
     let solidity = piece.solidity();
-    let whole = Whole { piece, light, depths, solidity, scatter, texture: OnceCell::new() };
+    let whole = Whole::of(piece, light, depths, solidity, scatter);
     let cuts = chosen
         .into_iter()
         .filter_map(|chord| Cut::through(&whole, rim.finer(piece, light, chord), smallest));
@@ -242,23 +224,6 @@ pub(super) fn strongest(
     Some((cut, piece.parts(&sides)))
 }
 
-pub(super) fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
-    (to[0] - from[0]).hypot(to[1] - from[1])
-}
-
 fn runs_inside(piece: &Piece, from: [f64; 2], to: [f64; 2]) -> bool {
     straight(from, to, 1.0).all(|place| piece.contains(place))
-}
-
-/// Places along a straight line.
-pub(super) fn straight(
-    from: [f64; 2],
-    to: [f64; 2],
-    step: f64,
-) -> impl Iterator<Item = [f64; 2]> + Clone {
-    let (x, y) = (to[0] - from[0], to[1] - from[1]);
-    let steps = (distance(from, to) / step).ceil().max(1.0);
-    (0..=steps as u32)
-        .map(move |at| f64::from(at) / steps)
-        .map(move |part| [from[0] + x * part, from[1] + y * part])
 }

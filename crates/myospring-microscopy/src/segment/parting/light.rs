@@ -1,6 +1,5 @@
 //! What is to be seen of the cells on the grid of their parts.
 
-use super::Seen;
 use super::piece::Piece;
 use crate::filter;
 use crate::plane::Plane;
@@ -12,6 +11,18 @@ const SMOOTH_UM: f64 = 1.0;
 const STRIPES_UM: f64 = 0.4;
 /// Coarsest pixel that shows stripes, um.
 const COARSEST_UM: f64 = 0.7;
+
+/// What a region was found in, on the same grid.
+pub(in crate::segment) struct Seen<'a> {
+    /// Brightness, with its noise and its gaps.
+    pub(in crate::segment) brightness: &'a Plane,
+    /// Brightness where there is no light.
+    pub(in crate::segment) dark: f32,
+    /// Side of a pixel, um.
+    pub(in crate::segment) pixel_um: f64,
+    /// Cells are no smaller, um^2.
+    pub(in crate::segment) smallest_um2: f64,
+}
 
 /// Brightness on the grid of the parts, and where its finest texture is.
 pub(super) struct Light<'a> {
