@@ -4,7 +4,7 @@ use myospring::mesh::Mesh;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::microscopy::fibres::Fibre;
 use myospring::microscopy::outlines::NamedOutline;
-use myospring::output::figure::{self, Contour, Figure, FigureError, Overlay, Tick};
+use myospring::output::figure::{self, Contour, Figure, FigureError, Overlay, Sarcomeres, Tick};
 use myospring::settings::Fibres;
 
 /// Distance of the fibre ticks handed to the figure, um; it draws as many as can be told apart.
@@ -59,6 +59,18 @@ pub(crate) fn draw(
         .chain(others.iter().map(|cell| (cell.name.as_str(), &cell.outline, false)))
         .map(|(name, outline, chosen)| Contour { name, rings: outline.rings().collect(), chosen })
         .collect();
+    let lengths: Vec<f64> = lattice
+        .and_then(|lattice| lattice.fibres.seen.as_ref())
+        .map(|seen| seen.lengths().collect())
+        .unwrap_or_default();
+    let report = lattice.and_then(|lattice| lattice.fibres.report().seen);
+    let sarcomeres = report.and_then(|report| {
+        Some(Sarcomeres {
+            lengths_um: &lengths,
+            median_um: report.sarcomere_um?,
+            read_pct: report.read_pct,
+        })
+    });
     let ticks = lattice.map(|lattice| lattice.ticks()).unwrap_or_default();
     figure::overlay(&Overlay {
         title,
@@ -69,6 +81,7 @@ pub(crate) fn draw(
         cells: &contours,
         mesh: lattice.map(|lattice| lattice.mesh),
         fibres: &ticks,
+        sarcomeres,
         warnings,
     })
 }

@@ -7,7 +7,7 @@
 //! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by strain | Fig. 5 |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`overview()`] | cell and curves of one run in one picture | |
-//! | [`overlay()`] | the picture with outline, lattice and fibres | |
+//! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
 //! text in the SVG; the PNG is drawn with an embedded font (Noto Sans, SIL Open Font License 1.1),
@@ -31,7 +31,7 @@ mod traces;
 
 pub use lattice::mesh;
 pub use moments::{Shape, key_shapes};
-pub use overlay::{Contour, Overlay, Tick, overlay};
+pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
 pub use overview::overview;
 pub use shapes::cell_shapes;
 pub use sheet::Figure;

@@ -118,6 +118,7 @@ fn striped_picture() -> Result<Figure, Box<dyn std::error::Error>> {
         cells: &cells,
         mesh: Some(&mesh),
         fibres: &fibres,
+        sarcomeres: None,
         warnings: &["2 cells were found; the largest was taken".to_owned()],
     })?;
     Ok(figure)

@@ -1,5 +1,6 @@
-//! A picture with what was made of it: outline, lattice, fibres.
+//! A picture with what was made of it: outline, lattice, fibres, sarcomeres.
 
+mod histogram;
 mod layout;
 mod panel;
 mod photograph;
@@ -44,6 +45,17 @@ pub struct Tick {
     pub from_picture: bool,
 }
 
+/// Lengths of sarcomeres that were read from a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sarcomeres<'a> {
+    /// Of each triangle of the lattice in which one was read, um.
+    pub lengths_um: &'a [f64],
+    /// Their median over the cell, um.
+    pub median_um: f64,
+    /// Part of the cell whose fibres were read, per cent.
+    pub read_pct: f64,
+}
+
 /// What to lay over a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay<'a> {
@@ -64,6 +76,8 @@ pub struct Overlay<'a> {
     /// Fibres at many points of the chosen cell, about 1 um apart; as many are drawn as can be told
     /// apart. May be empty.
     pub fibres: &'a [Tick],
+    /// Lengths of sarcomeres, drawn as a histogram below the picture.
+    pub sarcomeres: Option<Sarcomeres<'a>>,
     /// What a person should know, a sentence each.
     pub warnings: &'a [String],
 }

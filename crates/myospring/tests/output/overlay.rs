@@ -31,6 +31,7 @@ fn plain(values: &[f32]) -> Overlay<'_> {
         cells: &[],
         mesh: None,
         fibres: &[],
+        sarcomeres: None,
         warnings: &[],
     }
 }
@@ -249,6 +250,7 @@ fn several_cells_carry_their_names_in_a_single_panel_too() {
         cells: &cells,
         mesh: None,
         fibres: &[],
+        sarcomeres: None,
         warnings: &[],
     });
     let svg = figure.unwrap().to_svg();

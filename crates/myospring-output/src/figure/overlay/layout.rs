@@ -6,6 +6,7 @@ use super::super::sheet::{Look, Sheet, Stroke, Style};
 use super::super::strain::check_mesh;
 use super::super::theme::{Colour, DOUBLE, INK, LABEL, LETTER, MUTED, TENSION, TICK, mm};
 use super::super::{Figure, FigureError};
+use super::histogram::draw_histogram;
 use super::panel::{Panel, View};
 use super::{CHOSEN, FIBRE, OTHER, Overlay, STAND_IN};
 
@@ -21,7 +22,8 @@ const TALLEST: f64 = mm(110.0);
 /// Greatest height of the upper of two panels, px.
 const TALLEST_ABOVE: f64 = mm(75.0);
 
-/// The picture with its outlines (A) and, larger, the chosen cell with lattice and fibres (B).
+/// The picture with its outlines (A) and, larger, the chosen cell with lattice and fibres (B); below, where they were
+/// read, the lengths of its sarcomeres.
 ///
 /// Grey values are stretched between percentiles of what a panel shows. Long cells stand below the
 /// picture, others beside it; without lattice and fibres, and where B would show little more than A, B
@@ -48,6 +50,7 @@ const TALLEST_ABOVE: f64 = mm(75.0);
 ///     cells: &[cell],
 ///     mesh: None,
 ///     fibres: &[],
+///     sarcomeres: None,
 ///     warnings: &[],
 /// })?;
 /// assert!(figure.to_svg().contains("data:image/png;base64,"));
@@ -84,6 +87,10 @@ pub fn overlay(overlay: &Overlay<'_>) -> Result<Figure, FigureError> {
         draw_scale_bar(&mut sheet, below, panel.scale, extent);
     }
     let bottom = draw_legend(&mut sheet, overlay, bottom);
+    let letter = if panels.len() > 1 { "C" } else { "B" };
+    let bottom = overlay.sarcomeres.map_or(bottom, |sarcomeres| {
+        draw_histogram(&mut sheet, &sarcomeres, letter, [MARGIN, bottom + 6.0])
+    });
     let bottom = draw_warnings(&mut sheet, overlay.warnings, bottom);
     Ok(sheet.finish(DOUBLE, bottom + 4.0))
 }
