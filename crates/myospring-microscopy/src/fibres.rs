@@ -1,11 +1,15 @@
-//! The direction of the myofibrils, from the picture, by the structure tensor.
+//! The direction of the myofibrils and the length of their sarcomeres, from the picture.
 //!
-//! At each pixel the grey values have a gradient `g`. The mean of `g g^T` over a neighbourhood, the
-//! structure tensor, has its large eigenvector across the stripes and its small one along them
-//! (`bigun_granlund_1987`). The difference of the eigenvalues over their sum is the coherency: 1 where
-//! all gradients lie on one line, 0 where no direction is preferred (`rezakhaniha_2012`).
+//! **Stripes** ([`Stain::ZDisc`]) are found by what only sarcomeres have, a period: peaks that stand out of local
+//! power spectra at 1.4 to 2.6 um, near one period for the whole cell, in directions that neighbours share
+//! (`stripes`). Columns of myofibrils, the rim, nuclei and single lines have strong edges but no period, and do not
+//! answer. Where nothing stands out, there is no answer. Stripes of another period are never used: they say
+//! that the pixel size is wrong ([`Misfit`]).
 //!
-//! What is done here, in this order:
+//! **Threads** ([`Stain::Filament`]) have no period. At each pixel the grey values have a gradient `g`. The mean of
+//! `g g^T` over a neighbourhood, the structure tensor, has its small eigenvector along the threads
+//! (`bigun_granlund_1987`). The difference of the eigenvalues over their sum is the coherency: 1 where all
+//! gradients lie on one line, 0 where no direction is preferred (`rezakhaniha_2012`). Done in this order:
 //!
 //! 1. Outside the cell pixels have no weight. The local mean of the cell is taken off, so that uneven
 //!    light and the step at the outline leave nothing to differentiate.
@@ -13,16 +17,21 @@
 //!    of [`FibreSettings::rim_um`] along the outline are left out.
 //! 3. Tensors are divided by the gradient energy (their trace) around them, so that bright myofibrils
 //!    count no more than dim ones. The energy is a mean over some um and not the pixel's own: dividing
-//!    each pixel's tensor by its own trace would make the noise between two stripes as loud as a stripe.
+//!    each pixel's tensor by its own trace would make the noise between two threads as loud as a thread.
 //! 4. A Gaussian of [`FibreSettings::smoothing_um`] over the tensors, and their eigenvectors.
-//! 5. Where the coherency is low, the direction turns into the long axis of the cell. Directions are
-//!    lines: `v` and `-v` are one. All mixing is therefore done with the doubled angle, in which both
-//!    are the same vector. The mixed field is smoothed once more, over half as much, so that the border
-//!    between picture and long axis is no kink for the mechanics.
+//!
+//! Where the picture does not answer, the direction turns into the long axis of the cell. Directions are
+//! lines: `v` and `-v` are one. All mixing is therefore done with the doubled angle, in which both
+//! are the same vector. The mixed field is smoothed once more, over half as much, so that the border
+//! between picture and long axis is no kink for the mechanics.
 
 mod field;
 mod grid;
+mod misfit;
+mod reading;
 mod settings;
+mod spectra;
+mod stripes;
 mod tensor;
 mod window;
 
@@ -30,11 +39,18 @@ use std::ops::RangeInclusive;
 
 use super::plane::Plane;
 pub use field::{Fibre, FibreField, FibreSummary};
+pub use misfit::Misfit;
 use myospring_core::mesh::pixel_size::PixelSize;
 pub use settings::{COHERENCY_BOUNDS, FibreSettings, SCALES_UM, Stain};
 
 /// Largest pixel, um: sarcomeres are 1.6 to 2.2 um long, and their stripes need more than two pixels.
 pub const COARSEST_PIXEL_UM: f64 = 0.7;
+
+/// Pixels are put together up to this side, um: the shortest sarcomere has still more than five of them.
+const ENOUGH_UM: f64 = 0.25;
+
+/// The shortest period that pixels show, pixels.
+const LEAST_PIXELS: f64 = 2.5;
 
 /// Why a picture gives no directions.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -137,14 +153,40 @@ pub fn fibres(
         return Err(FibreError::LongAxis { x, y });
     }
     check(settings)?;
-    let window = window::Window::cut(plane, inside, pixel_size.um(), settings)
-        .ok_or(FibreError::EmptyMask)?;
-    let tensors = tensor::tensors(&window, settings);
-    let smoothed = tensors.smoothed(settings);
+    let pixel_um = pixel_size.um();
+    let (readings, misfit) = match settings.stain {
+        Stain::Filament => (tensor::read(plane, inside, pixel_um, settings), None),
+        Stain::ZDisc => {
+            let found =
+                stripes_of(plane, inside, pixel_um, settings).ok_or(FibreError::EmptyMask)?;
+            let misfit = misfit::find(plane, inside, pixel_um, settings, &found);
+            let readings = found.readings;
+            (Some(if misfit.is_some() { readings.emptied() } else { readings }), misfit)
+        }
+    };
     let axis = [x / length, y / length];
     // The border between picture and long axis, half as wide as what the directions are means of.
     let border_um = 0.5 * settings.smoothing_um;
-    Ok(FibreField::new(smoothed, axis, settings.least_coherency, border_um))
+    Ok(FibreField::new(readings.ok_or(FibreError::EmptyMask)?, misfit, axis, border_um))
+}
+
+/// The stripes of a cell; `None` where no pixel is the cell.
+fn stripes_of(
+    plane: &Plane,
+    inside: &[bool],
+    pixel_um: f64,
+    settings: &FibreSettings,
+) -> Option<stripes::Stripes> {
+    let side = ((ENOUGH_UM / pixel_um) as usize).max(1);
+    let cut = window::Cut {
+        side,
+        background_um: settings.background_scale_um,
+        rim_um: settings.rim_um,
+        unseen_um: settings.rim_um,
+        frame: 0,
+    };
+    let window = window::Window::cut(plane, inside, pixel_um, &cut)?;
+    Some(stripes::read(&window, LEAST_PIXELS * pixel_um, settings))
 }
 
 fn check(settings: &FibreSettings) -> Result<(), FibreError> {

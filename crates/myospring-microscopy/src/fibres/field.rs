@@ -1,7 +1,8 @@
 //! A field of directions over a cell.
 
 use super::grid::between;
-use super::tensor::{Place, Smoothed};
+use super::misfit::Misfit;
+use super::reading::{Place, Reading, Readings};
 use myospring_core::mesh::Mesh;
 
 /// Below this part of its neighbourhood in the cell a place has the long axis.
@@ -69,77 +70,68 @@ pub struct FibreSummary {
     pub sarcomere_quartiles_um: Option<[f64; 2]>,
 }
 
-/// Directions of the myofibrils everywhere in a cell; see [`fibres`](super::fibres()).
-#[derive(Debug, Clone, PartialEq)]
-pub struct FibreField {
-    smoothed: Smoothed,
-    /// Vectors at twice the angle of the fibre, picture and long axis mixed.
-    mixed: Vec<[f32; 2]>,
-    least_coherency: f64,
-    /// Unit vector.
-    long_axis: [f64; 2],
-    /// Part of each place's neighbourhood in which the picture has the larger say.
-    coverage: Vec<f32>,
-}
-
 /// Below this part of the cell, and above this angle from its long axis, a person is told.
 const SMALL_SHARE: f64 = 0.25;
 const LARGE_ANGLE_DEG: f64 = 45.0;
 
+/// From this length over width on a cell is slender.
+const SLENDER: f64 = 2.5;
+
+/// Directions of the myofibrils everywhere in a cell; see [`fibres`](super::fibres()).
+#[derive(Debug, Clone, PartialEq)]
+pub struct FibreField {
+    readings: Readings,
+    /// Vectors at twice the angle of the fibre, picture and long axis mixed.
+    mixed: Vec<[f32; 2]>,
+    /// Part of each place's neighbourhood that answered.
+    coverage: Vec<f32>,
+    /// Unit vector.
+    long_axis: [f64; 2],
+    /// Stripes that no sarcomere can have made.
+    misfit: Option<Misfit>,
+}
+
 impl FibreField {
-    /// Mixes the picture's directions with the long axis, and smooths the border between the two.
+    /// Mixes the picture's directions with the long axis: where the picture answers it stands, and beside such
+    /// places it passes into the long axis over `border_um`.
     pub(super) fn new(
-        smoothed: Smoothed,
+        readings: Readings,
+        misfit: Option<Misfit>,
         long_axis: [f64; 2],
-        least_coherency: f64,
         border_um: f64,
     ) -> Self {
         let axis = double(long_axis);
-        let Place { grid, block_um, share, .. } = &smoothed.place;
-        let mix = |vector: [f32; 2]| {
+        let Place { grid, block_um, share, .. } = &readings.place;
+        let blurred = |value: &dyn Fn(usize) -> f32| {
+            // Places outside the cell have no weight.
+            let mut values: Vec<f32> = (0..share.len()).map(|at| share[at] * value(at)).collect();
+            grid.blur(&mut values, border_um / block_um);
+            values
+        };
+        let at = &readings.at;
+        let near = [0, 1].map(|i: usize| blurred(&|place| at[place].part * at[place].doubled[i]));
+        let answered = blurred(&|place| if at[place].part >= 0.5 { 1.0 } else { 0.0 });
+        let cell = blurred(&|_| 1.0);
+        let coverage: Vec<f32> = (answered.iter().zip(&cell))
+            .map(|(answered, cell)| if *cell < LEAST_SHARE { 0.0 } else { answered / cell })
+            .map(|part| part.min(1.0))
+            .collect();
+        let mixed = |place: usize| {
+            // On a straight border half of the neighbourhood answered.
+            let beside = smooth_step(2.0 * f64::from(coverage[place]));
+            let Reading { doubled, part, .. } = at[place];
+            let vector =
+                if part >= 0.5 { doubled } else { near.each_ref().map(|near| near[place]) };
             let [x, y] = vector.map(f64::from);
-            let coherency = x.hypot(y);
-            let part = smooth_step(coherency / least_coherency - 0.5);
-            let towards = |axis: f64, x: f64| {
-                if part > 0.0 { (1.0 - part) * axis + part * x / coherency } else { axis }
+            let length = x.hypot(y);
+            let part = if length > 1e-6 { f64::from(part).max(beside) } else { 0.0 };
+            let mix = |axis: f64, x: f64| {
+                (if part > 0.0 { (1.0 - part) * axis + part * x / length } else { axis }) as f32
             };
-            [towards(axis[0], x), towards(axis[1], y)]
+            [mix(axis[0], x), mix(axis[1], y)]
         };
-        let mut mixed = [grid.zeros(), grid.zeros()];
-        for (at, vector) in smoothed.doubled.iter().enumerate() {
-            let vector = mix(*vector);
-            for i in 0..2 {
-                mixed[i][at] = share[at] * vector[i] as f32;
-            }
-        }
-        // Places outside the cell have no weight.
-        let mut weight = share.clone();
-        for values in mixed.iter_mut().chain([&mut weight]) {
-            grid.blur(values, border_um / block_um);
-        }
-        let mixed = (0..weight.len())
-            .map(|at| {
-                if weight[at] < LEAST_SHARE {
-                    return axis.map(|x| x as f32);
-                }
-                [0, 1].map(|i: usize| mixed[i][at] / weight[at])
-            })
-            .collect();
-        let mut answered: Vec<f32> = (smoothed.doubled.iter().zip(share))
-            .map(
-                |(&[x, y], share)| {
-                    if f64::from(x.hypot(y)) >= least_coherency { *share } else { 0.0 }
-                },
-            )
-            .collect();
-        grid.blur(&mut answered, 2.0 * border_um / block_um);
-        let mut cell = share.clone();
-        grid.blur(&mut cell, 2.0 * border_um / block_um);
-        let part = |(answered, cell): (f32, f32)| {
-            if cell < LEAST_SHARE { 0.0 } else { (answered / cell).min(1.0) }
-        };
-        let coverage = answered.into_iter().zip(cell).map(part).collect();
-        Self { smoothed, mixed, least_coherency, long_axis, coverage }
+        let mixed = (0..share.len()).map(mixed).collect();
+        Self { readings, mixed, coverage, long_axis, misfit }
     }
 
     /// The fibre at a point, um from the lower left corner of the picture, y upward.
@@ -147,14 +139,31 @@ impl FibreField {
     /// Outside the cell it is that of the nearest part of the picture that was looked at, or the long
     /// axis; so a triangle that reaches over the outline has a fibre too.
     pub fn at(&self, point_um: [f64; 2]) -> Fibre {
-        let places = self.corners(point_um);
-        let between = |vectors: &[[f32; 2]]| {
-            [0, 1].map(|axis: usize| {
-                places.iter().map(|&(at, part)| part * f64::from(vectors[at][axis])).sum::<f64>()
-            })
+        let mut places = self.corners(point_um);
+        // What lies outside the cell has nothing to say beside what lies in it.
+        let share = |at: usize| f64::from(self.readings.place.share[at]);
+        let within: f64 = places.iter().map(|&(at, part)| part * share(at)).sum();
+        if within > f64::from(LEAST_SHARE) {
+            places = places.map(|(at, part)| (at, part * share(at) / within));
+        }
+        let between = |value: &dyn Fn(usize) -> f64| {
+            places.iter().map(|&(at, part)| part * value(at)).sum::<f64>()
         };
-        let coverage = places.iter().map(|&(at, part)| part * f64::from(self.coverage[at])).sum();
-        self.fibre(between(&self.smoothed.doubled), between(&self.mixed), coverage)
+        let mixed = [0, 1].map(|axis: usize| between(&|at| f64::from(self.mixed[at][axis])));
+        let readings = &self.readings.at;
+        let sarcomeres: Vec<(f64, f64)> = (places.iter())
+            .filter_map(|&(at, part)| Some((f64::from(readings[at].sarcomere_um?), part)))
+            .collect();
+        let weight: f64 = sarcomeres.iter().map(|(_, part)| part).sum();
+        let length = sarcomeres.iter().map(|(length, part)| length * part).sum::<f64>() / weight;
+        let from_picture = between(&|at| f64::from(readings[at].part)) >= 0.5;
+        Fibre {
+            direction: self.direction(mixed),
+            from_picture,
+            sarcomere_um: (from_picture && weight > 0.0).then_some(length),
+            order: between(&|at| f64::from(readings[at].order)).min(1.0),
+            coverage: between(&|at| f64::from(self.coverage[at])).min(1.0),
+        }
     }
 
     /// The fibre in each triangle of a mesh (`mesh.simplices`), at the triangle's centre: what the picture shows
@@ -207,7 +216,7 @@ impl FibreField {
     /// figure draws. `spacing_um` is the distance of neighbours; less than the field's own grid is taken
     /// as that, so that the list is never longer than the picture.
     pub fn on_grid(&self, spacing_um: f64) -> Vec<([f64; 2], Fibre)> {
-        let place = &self.smoothed.place;
+        let place = &self.readings.place;
         let step = if spacing_um.is_finite() { spacing_um } else { 0.0 }.max(place.block_um);
         let count = place.grid.size.map(|blocks| (blocks as f64 * place.block_um / step) as usize);
         let mut points = Vec::new();
@@ -228,6 +237,11 @@ impl FibreField {
         points
     }
 
+    /// Stripes too far apart or too close for sarcomeres, which were therefore not used.
+    pub fn misfit(&self) -> Option<Misfit> {
+        self.misfit
+    }
+
     /// The long axis that stands in where the picture shows no direction, a unit vector.
     pub fn long_axis(&self) -> [f64; 2] {
         self.long_axis
@@ -237,35 +251,37 @@ impl FibreField {
     pub fn summary(&self) -> FibreSummary {
         let (mut area, mut from_picture, mut order) = (0.0, 0.0, 0.0);
         let mut sum = [0.0; 2];
+        let mut sarcomeres = Vec::new();
         let [along_x, along_y] = self.long_axis;
-        let vectors = self.smoothed.doubled.iter().zip(&self.mixed);
-        for (at, ((doubled, mixed), &share)) in vectors.zip(&self.smoothed.place.share).enumerate()
-        {
+        let Readings { place, at } = &self.readings;
+        for ((reading, mixed), &share) in at.iter().zip(&self.mixed).zip(&place.share) {
             if share == 0.0 {
                 continue;
             }
             let share = f64::from(share);
-            let coverage = f64::from(self.coverage[at]);
-            let fibre = self.fibre(doubled.map(f64::from), mixed.map(f64::from), coverage);
-            let [x, y] = fibre.direction;
+            let [x, y] = self.direction(mixed.map(f64::from));
             // Along and across the long axis.
             let turned = [x * along_x + y * along_y, y * along_x - x * along_y];
             let doubled = double(turned);
             area += share;
-            from_picture += if fibre.from_picture { share } else { 0.0 };
-            order += share * fibre.order;
+            from_picture += if reading.part >= 0.5 { share } else { 0.0 };
+            order += share * f64::from(reading.order);
             sum = [sum[0] + share * doubled[0], sum[1] + share * doubled[1]];
+            sarcomeres.extend(reading.sarcomere_um.map(|length| (f64::from(length), share)));
         }
         if area == 0.0 {
             area = 1.0;
         }
+        sarcomeres.sort_by(|a, b| a.0.total_cmp(&b.0));
         FibreSummary {
             share_from_picture: from_picture / area,
             mean_angle_deg: line_angle_deg(0.5 * sum[1].atan2(sum[0])),
             alignment: (sum[0].hypot(sum[1]) / area).min(1.0),
             mean_order: order / area,
-            median_sarcomere_um: None,
-            sarcomere_quartiles_um: None,
+            median_sarcomere_um: quantile(&sarcomeres, 0.5),
+            sarcomere_quartiles_um: quantile(&sarcomeres, 0.25)
+                .zip(quantile(&sarcomeres, 0.75))
+                .map(|(first, third)| [first, third]),
         }
     }
 
@@ -286,16 +302,25 @@ impl FibreField {
     pub fn warnings(&self) -> Vec<String> {
         let summary = self.summary();
         let mut warnings = Vec::new();
-        if summary.share_from_picture < SMALL_SHARE {
+        if let Some(misfit) = self.misfit {
+            warnings.push(format!("{misfit}; they are not used, the long axis stands in"));
+        } else if summary.share_from_picture < SMALL_SHARE {
             warnings.push(format!(
                 "the picture shows fibres in only {:.0} % of the cell; elsewhere the long axis stands in",
                 100.0 * summary.share_from_picture
             ));
         }
-        if summary.mean_angle_deg.abs() > LARGE_ANGLE_DEG {
+        if summary.share_from_picture > 0.0 && summary.mean_angle_deg.abs() > LARGE_ANGLE_DEG {
+            let slender = self.slenderness();
+            let shape = if slender >= SLENDER {
+                format!(" ({slender:.0} times as long as wide, where myofibrils run along it)")
+            } else {
+                String::new()
+            };
             warnings.push(format!(
-                "the fibres lie across the cell, at {:.0} degrees from its long axis on average: is the \
-                 stain right? Z-discs lie across the fibre, filaments along it",
+                "the fibres lie across the cell{shape}, at {:.0} degrees from its long axis on average: is the \
+                 stain right? Z-discs lie across the fibre (--stain z-disc), filaments along it (--stain filament); \
+                 compare the overlay, or take --fibre \"long axis\"",
                 summary.mean_angle_deg
             ));
         }
@@ -304,7 +329,7 @@ impl FibreField {
 
     /// The four blocks around a point with their parts.
     fn corners(&self, [x, y]: [f64; 2]) -> [(usize, f64); 4] {
-        let place = &self.smoothed.place;
+        let place = &self.readings.place;
         let [columns, rows] = place.grid.size;
         let (column, right) = between((x - place.corner_um[0]) / place.block_um - 0.5, columns);
         let (row, below) = between((place.corner_um[1] - y) / place.block_um - 0.5, rows);
@@ -317,31 +342,59 @@ impl FibreField {
         ]
     }
 
-    /// The fibre of the picture's doubled vector and of the mixed one.
-    fn fibre(&self, doubled: [f64; 2], [x, y]: [f64; 2], coverage: f64) -> Fibre {
-        let order = doubled[0].hypot(doubled[1]).min(1.0);
-        let from_picture = order >= self.least_coherency;
-        let fibre =
-            |direction| Fibre { direction, from_picture, sarcomere_um: None, order, coverage };
+    /// The direction of a mixed vector.
+    fn direction(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         // Picture and long axis may cancel: then there is no direction between the two. Where there is
         // only the long axis it stays as it was given, to the last digit.
         let axis = double(self.long_axis);
         if x.hypot(y) < 1e-6 || (x - axis[0]).hypot(y - axis[1]) < 1e-6 {
-            return fibre(self.long_axis);
+            return self.long_axis;
         }
         let (sin, cos) = (0.5 * y.atan2(x)).sin_cos();
         let along = cos * self.long_axis[0] + sin * self.long_axis[1];
-        fibre(if along < 0.0 { [-cos, -sin] } else { [cos, sin] })
+        if along < 0.0 { [-cos, -sin] } else { [cos, sin] }
+    }
+
+    /// Length over width of the cell, from the second moments of its area.
+    fn slenderness(&self) -> f64 {
+        let place = &self.readings.place;
+        let mut sums = [0.0; 6];
+        for (at, &share) in place.share.iter().enumerate() {
+            let [x, y] = [at % place.grid.size[0], at / place.grid.size[0]].map(|n| n as f64);
+            for (sum, term) in sums.iter_mut().zip([1.0, x, y, x * x, y * y, x * y]) {
+                *sum += f64::from(share) * term;
+            }
+        }
+        let [area, x, y, xx, yy, xy] = sums.map(|sum| sum / sums[0].max(f64::MIN_POSITIVE));
+        // A place is a square, not a point.
+        let square = 1.0 / 12.0;
+        let (xx, yy, xy) = (xx - x * x + square, yy - y * y + square, xy - x * y);
+        let half = (0.5 * (xx - yy)).hypot(xy);
+        let middle = 0.5 * (xx + yy);
+        if area > 0.0 { ((middle + half) / (middle - half)).sqrt() } else { 1.0 }
     }
 }
 
-/// A unit vector at twice the angle.
-fn double([x, y]: [f64; 2]) -> [f64; 2] {
-    [x * x - y * y, 2.0 * x * y]
+/// The value below which lies a part of the weight, of values in ascending order with their weights.
+fn quantile(values: &[(f64, f64)], part: f64) -> Option<f64> {
+    let whole: f64 = values.iter().map(|(_, weight)| weight).sum();
+    let mut below = 0.0;
+    values
+        .iter()
+        .find(|(_, weight)| {
+            below += weight;
+            below >= part * whole
+        })
+        .map(|(value, _)| *value)
 }
 
 /// From 0 at 0 to 1 at 1 without a kink.
 fn smooth_step(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
+}
+
+/// A unit vector at twice the angle.
+fn double([x, y]: [f64; 2]) -> [f64; 2] {
+    [x * x - y * y, 2.0 * x * y]
 }

@@ -62,11 +62,20 @@ impl Grid {
 }
 
 /// Weights of a Gaussian at 0, 1, 2, ..., which sum to 1 with those on the other side.
-fn half_gaussian(sigma: f64, longest: usize) -> Vec<f32> {
+pub(super) fn half_gaussian(sigma: f64, longest: usize) -> Vec<f32> {
     let reach = ((4.0 * sigma).ceil() as usize).min(longest);
     let weight = |i: usize| (-0.5 * (i as f64 / sigma.max(1e-3)).powi(2)).exp();
     let sum: f64 = weight(0) + 2.0 * (1..=reach).map(weight).sum::<f64>();
     (0..=reach).map(|i| (weight(i) / sum) as f32).collect()
+}
+
+/// The value in the middle, 0 where there is none.
+pub(super) fn median(mut values: Vec<f32>) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// Place of a pixel's centre between the centres of two blocks: the first block, and the part of the

@@ -23,19 +23,19 @@ pub enum Stain {
 pub struct FibreSettings {
     /// What the picture shows.
     pub stain: Stain,
-    /// Standard deviation of the Gaussian whose derivative is the gradient, um. At least one pixel is
-    /// used, below which the directions of a square grid show through.
+    /// Standard deviation of the Gaussian whose derivative is the gradient, um; of filaments only. At least one
+    /// pixel is used, below which the directions of a square grid show through.
     pub gradient_scale_um: f64,
     /// Standard deviation of the Gaussian whose mean is taken off, um: wider things than about six
     /// times this are light, not structure.
     pub background_scale_um: f64,
-    /// Standard deviation of the Gaussian over the tensors, um.
+    /// Standard deviation of the Gaussian over the local spectra or the tensors, um.
     pub smoothing_um: f64,
-    /// Width of the rim along the outline whose gradients are left out, um. Its outer part, all but
-    /// three gradient scales, is not looked at at all.
+    /// Width of the rim along the outline that does not count, um. Of filaments its inner part, three gradient
+    /// scales, is looked at for the gradients beside it.
     pub rim_um: f64,
-    /// Coherency at which picture and long axis weigh the same. From half of it to one and a half of it
-    /// the direction passes from the long axis to that of the picture.
+    /// Coherency at which picture and long axis weigh the same; of filaments only. From half of it to one and a
+    /// half of it the direction passes from the long axis to that of the picture.
     pub least_coherency: f64,
 }
 
@@ -44,28 +44,28 @@ impl FibreSettings {
     ///
     /// | setting | z-discs | filaments | why |
     /// |---|---|---|---|
-    /// | gradient scale | 0.3 um | 0.5 um | a Gaussian's derivative answers most to stripes `2 pi` of its width apart: 1.9 um, a sarcomere; bundles of filaments are wider than z-discs |
-    /// | background scale | 1.2 um | 2 um | four times the gradient scale: keeps stripes whole |
+    /// | gradient scale | - | 0.5 um | a Gaussian's derivative answers most to threads `2 pi` of its width apart: bundles of filaments |
+    /// | background scale | 1.5 um | 2 um | keeps what is up to 4 um long whole, and with it what a sarcomere is compared with |
     /// | smoothing | 3 um | 3 um | about three sarcomeres to each side; fibres turn over more |
-    /// | rim | 1.5 um | 2 um | beyond the reach of the blurred outline through the gradient |
-    /// | least coherency | 0.2 | 0.2 | 99 of 100 places of a picture of noise alone stay below |
+    /// | rim | 0.8 um | 2 um | the blurred outline; with filaments beyond its reach through the gradient |
+    /// | least coherency | - | 0.2 | 99 of 100 places of a picture of noise alone stay below |
     ///
     /// # Example
     /// ```
     /// use myospring::microscopy::fibres::{FibreSettings, Stain};
-    /// assert_eq!(FibreSettings::of(Stain::ZDisc).gradient_scale_um, 0.3);
+    /// assert_eq!(FibreSettings::of(Stain::ZDisc).smoothing_um, 3.0);
     /// ```
     pub const fn of(stain: Stain) -> Self {
-        let (gradient, rim) = match stain {
-            Stain::ZDisc => (0.3, 1.5),
-            Stain::Filament => (0.5, 2.0),
+        let (background_scale_um, rim_um) = match stain {
+            Stain::ZDisc => (1.5, 0.8),
+            Stain::Filament => (2.0, 2.0),
         };
         Self {
             stain,
-            gradient_scale_um: gradient,
-            background_scale_um: 4.0 * gradient,
+            gradient_scale_um: 0.5,
+            background_scale_um,
             smoothing_um: 3.0,
-            rim_um: rim,
+            rim_um,
             least_coherency: 0.2,
         }
     }

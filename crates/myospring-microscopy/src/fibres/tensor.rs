@@ -1,8 +1,20 @@
 //! Structure tensors: products of gradients, summed over blocks of pixels, evened out and smoothed.
 
-use super::grid::Grid;
-use super::settings::{FibreSettings, Stain};
-use super::window::Window;
+use super::super::plane::Plane;
+use super::grid::median;
+use super::reading::{Place, Reading, Readings};
+use super::settings::FibreSettings;
+use super::window::{Cut, Window};
+
+/// Pixels are put together until the gradient scale has no more than about twice this many.
+const ENOUGH_PIXELS: f64 = 1.25;
+
+/// Reach of a Gaussian, in standard deviations: what lies beyond is a part in 3000 of its height.
+const REACH: f64 = 4.0;
+
+/// So many standard deviations of the gradient's Gaussian into the rim the picture is looked at: a step
+/// there weighs a part in 90 of one in the middle.
+const SEEN: f64 = 3.0;
 
 /// Part of the cell's median gradient energy below which a place counts as faint. A place with a third
 /// of the usual contrast has a ninth of its energy, and thus about half the weight.
@@ -12,7 +24,7 @@ const FAINT: f64 = 0.1;
 const LEAST_SUPPORT: f32 = 0.05;
 
 /// Sums over the blocks of a grid of what the gradient `g` gives, y upward.
-pub(super) struct Tensors {
+struct Tensors {
     place: Place,
     /// `g_x^2 - g_y^2`, the trace times the coherency times the cosine of the doubled angle.
     cosine: Vec<f32>,
@@ -24,25 +36,6 @@ pub(super) struct Tensors {
     weight: Vec<f32>,
     /// Gradient energy of stripes one step of grey in amplitude.
     least_energy: f64,
-}
-
-/// Where the grid lies.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Place {
-    pub(super) grid: Grid,
-    /// Side of a block, um.
-    pub(super) block_um: f64,
-    /// Upper left corner, um, y upward.
-    pub(super) corner_um: [f64; 2],
-    /// Part of each block that is the cell.
-    pub(super) share: Vec<f32>,
-}
-
-/// A field of lines: at each block a vector at twice the line's angle, as long as the coherency.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Smoothed {
-    pub(super) place: Place,
-    pub(super) doubled: Vec<[f32; 2]>,
 }
 
 /// Weights of a sampled Gaussian at 0, 1, ... and of its derivative at 1, 2, ... The derivative is
@@ -57,29 +50,35 @@ fn kernels(sigma: f64, reach: usize) -> [Vec<f32>; 2] {
     ]
 }
 
+/// The directions that the gradients show; `None` where no pixel is the cell.
+pub(super) fn read(
+    plane: &Plane,
+    inside: &[bool],
+    pixel_size_um: f64,
+    settings: &FibreSettings,
+) -> Option<Readings> {
+    let side = ((settings.gradient_scale_um / pixel_size_um / ENOUGH_PIXELS) as usize).max(1);
+    let pixel_um = pixel_size_um * side as f64;
+    let sigma = (settings.gradient_scale_um / pixel_um).max(1.0);
+    let cut = Cut {
+        side,
+        background_um: settings.background_scale_um,
+        rim_um: settings.rim_um,
+        // The brightness of the membrane, and its blur, must not reach the gradients that count; what
+        // lies deeper than the gradient's reach must, for they are made of it.
+        unseen_um: settings.rim_um - SEEN * sigma * pixel_um,
+        frame: (REACH * sigma).ceil() as usize,
+    };
+    let window = Window::cut(plane, inside, pixel_size_um, &cut)?;
+    Some(tensors(&window, sigma, settings).smoothed(settings))
+}
+
 /// The tensors of a window, summed over blocks of a quarter of the smoothing.
-pub(super) fn tensors(window: &Window, settings: &FibreSettings) -> Tensors {
+fn tensors(window: &Window, sigma: f64, settings: &FibreSettings) -> Tensors {
     let [columns, rows] = window.size;
     let block = (settings.smoothing_um / window.pixel_um / 4.0).round().max(1.0) as usize;
-    let grid = Grid::over(window.size, block.min(columns.max(rows)));
-    let mut share = grid.zeros();
-    let mut line = vec![0.0; columns];
-    for (row, inside) in window.inside.chunks_exact(columns).enumerate() {
-        for (weight, &inside) in line.iter_mut().zip(inside) {
-            *weight = if inside { 1.0 } else { 0.0 };
-        }
-        grid.add_row(&mut share, row, &line);
-    }
-    let pixels = (grid.block * grid.block) as f32;
-    for count in &mut share {
-        *count /= pixels;
-    }
-    let place = Place {
-        grid,
-        block_um: window.pixel_um * grid.block as f64,
-        corner_um: window.corner_um,
-        share,
-    };
+    let place = Place::over(window, block);
+    let grid = place.grid;
     let mut tensors = Tensors {
         place,
         cosine: grid.zeros(),
@@ -88,19 +87,19 @@ pub(super) fn tensors(window: &Window, settings: &FibreSettings) -> Tensors {
         weight: grid.zeros(),
         // Stripes of amplitude A and wave number k have the energy A^2/2 k^2 exp(-k^2 sigma^2), which is
         // largest at k = 1/sigma.
-        least_energy: 0.5 * (-1.0_f64).exp() * (window.grey_step / window.sigma).powi(2),
+        least_energy: 0.5 * (-1.0_f64).exp() * (window.grey_step / sigma).powi(2),
     };
-    let kernels = kernels(window.sigma, window.reach);
+    let kernels = kernels(sigma, window.frame);
     let (mut smooth, mut slope) = (vec![0.0; columns], vec![0.0; columns]);
     let (mut along_x, mut along_y) = (vec![0.0; columns], vec![0.0; columns]);
     let mut products = Products::new(columns);
-    for row in window.reach..rows - window.reach {
+    for row in window.frame..rows - window.frame {
         let counted = &window.counted[row * columns..(row + 1) * columns];
         let Some(first) = counted.iter().position(|&counted| counted) else { continue };
         let behind = counted.iter().rposition(|&counted| counted).map_or(first, |last| last + 1);
         // The frame of the window is as wide as the reach.
-        let from = first - window.reach.min(first);
-        let to = (behind + window.reach).min(columns);
+        let from = first - window.frame.min(first);
+        let to = (behind + window.frame).min(columns);
         down_columns(window, row, [from, to], &kernels, [&mut smooth, &mut slope]);
         along_row(&smooth, [first, behind], &kernels[1], Parity::Odd, &mut along_x);
         along_row(&slope, [first, behind], &kernels[0], Parity::Even, &mut along_y);
@@ -209,7 +208,7 @@ fn along_row(
 
 impl Tensors {
     /// Evens out the contrast and takes the mean over the neighbourhood.
-    pub(super) fn smoothed(self, settings: &FibreSettings) -> Smoothed {
+    fn smoothed(self, settings: &FibreSettings) -> Readings {
         let Self { place, mut cosine, mut sine, mut energy, mut weight, least_energy } = self;
         let grid = place.grid;
         let local = settings.background_scale_um / place.block_um;
@@ -235,30 +234,33 @@ impl Tensors {
         for values in [&mut cosine, &mut sine, &mut energy, &mut weight] {
             grid.blur(values, sigma);
         }
-        // Across the stripes lies the large eigenvector, along the threads the small one.
-        let sign = match settings.stain {
-            Stain::ZDisc => 1.0,
-            Stain::Filament => -1.0,
-        };
         let least_weight = LEAST_SUPPORT * (grid.block * grid.block) as f32;
-        let doubled = (0..energy.len())
-            .map(|at| {
-                let trace = energy[at];
-                if !(trace.is_finite() && trace > f32::MIN_POSITIVE) {
-                    return [0.0; 2];
-                }
-                let trust = sign * (weight[at] / least_weight).min(1.0) / trace;
-                [cosine[at] * trust, sine[at] * trust]
-            })
-            .collect();
-        Smoothed { place, doubled }
+        let reading = |at: usize| {
+            let trace = energy[at];
+            if !(trace.is_finite() && trace > f32::MIN_POSITIVE) {
+                return Reading::default();
+            }
+            let trust = (weight[at] / least_weight).min(1.0) / trace;
+            let vector = [cosine[at] * trust, sine[at] * trust];
+            let order = vector[0].hypot(vector[1]);
+            if order <= 0.0 {
+                return Reading::default();
+            }
+            Reading {
+                // Along the threads lies the small eigenvector, across them the large one.
+                doubled: vector.map(|x| -x / order),
+                part: smooth_step(order / settings.least_coherency as f32 - 0.5),
+                order: order.min(1.0),
+                sarcomere_um: None,
+            }
+        };
+        let at = (0..energy.len()).map(reading).collect();
+        Readings { place, at }
     }
 }
 
-fn median(mut values: Vec<f32>) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+/// From 0 at 0 to 1 at 1 without a kink.
+fn smooth_step(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }

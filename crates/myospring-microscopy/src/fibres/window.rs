@@ -3,20 +3,23 @@
 use super::super::dilation::{Norm, eroded};
 use super::super::plane::Plane;
 use super::grid::{Grid, Lines};
-use super::settings::FibreSettings;
 
-/// Pixels are put together until the gradient scale has no more than about twice this many.
-const ENOUGH_PIXELS: f64 = 1.25;
+/// How a cell is cut out of a picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cut {
+    /// So many pixels along rows and columns are put together.
+    pub(super) side: usize,
+    /// Standard deviation of the Gaussian whose mean is taken off, um.
+    pub(super) background_um: f64,
+    /// Width of the rim along the outline that does not count, um.
+    pub(super) rim_um: f64,
+    /// Width of its outer part that is not looked at either, um.
+    pub(super) unseen_um: f64,
+    /// Width of the empty frame around the cell, pixels of the window.
+    pub(super) frame: usize,
+}
 
-/// Reach of a Gaussian, in standard deviations: what lies beyond is a part in 3000 of its height.
-const REACH: f64 = 4.0;
-
-/// So many standard deviations of the gradient's Gaussian into the rim the picture is looked at: a step
-/// there weighs a part in 90 of one in the middle.
-const SEEN: f64 = 3.0;
-
-/// Grey values less their local mean within the cell, zero elsewhere, with an empty frame around it as
-/// wide as the gradient's reach.
+/// Grey values less their local mean within the cell, zero elsewhere, with an empty frame around it.
 pub(super) struct Window {
     /// Pixels along a row, and rows.
     pub(super) size: [usize; 2],
@@ -24,16 +27,14 @@ pub(super) struct Window {
     pub(super) values: Vec<f32>,
     /// Whether a pixel lies in the cell.
     pub(super) inside: Vec<bool>,
-    /// Whether a pixel lies in the cell and not in its rim, so that its gradient counts.
+    /// Whether a pixel lies in the cell and not in its rim, so that it counts.
     pub(super) counted: Vec<bool>,
     /// Side of a pixel here, um.
     pub(super) pixel_um: f64,
     /// Upper left corner, um, y upward.
     pub(super) corner_um: [f64; 2],
-    /// Standard deviation of the gradient's Gaussian, pixels of the window.
-    pub(super) sigma: f64,
-    /// Reach of the gradient, pixels of the window, and width of the empty frame.
-    pub(super) reach: usize,
+    /// Width of the empty frame, pixels of the window.
+    pub(super) frame: usize,
     /// Smallest difference of grey values that the picture can show.
     pub(super) grey_step: f64,
 }
@@ -44,16 +45,14 @@ impl Window {
         plane: &Plane,
         inside: &[bool],
         pixel_size_um: f64,
-        settings: &FibreSettings,
+        cut: &Cut,
     ) -> Option<Self> {
         let (width, height) = (plane.width(), plane.height());
         let [left, right, top, bottom] = bounds(inside, width)?;
-        let side = ((settings.gradient_scale_um / pixel_size_um / ENOUGH_PIXELS) as usize).max(1);
+        let (side, frame) = (cut.side, cut.frame);
         let pixel_um = pixel_size_um * side as f64;
-        let sigma = (settings.gradient_scale_um / pixel_um).max(1.0);
-        let reach = (REACH * sigma).ceil() as usize;
         let size = [(right - left).div_ceil(side), (bottom - top).div_ceil(side)]
-            .map(|length| length + 2 * reach);
+            .map(|length| length + 2 * frame);
         let mut window = Self {
             size,
             values: vec![0.0; size[0] * size[1]],
@@ -61,20 +60,19 @@ impl Window {
             counted: Vec::new(),
             pixel_um,
             corner_um: [
-                pixel_size_um * left as f64 - pixel_um * reach as f64,
-                pixel_size_um * (height as f64 - top as f64) + pixel_um * reach as f64,
+                pixel_size_um * left as f64 - pixel_um * frame as f64,
+                pixel_size_um * (height as f64 - top as f64) + pixel_um * frame as f64,
             ],
-            sigma,
-            reach,
+            frame,
             grey_step: 0.0,
         };
         // Counted from one of the cell's own values, small numbers are left to add up.
         let mut cell = plane.values().iter().zip(inside);
         let level = cell.find(|(value, inside)| **inside && value.is_finite());
         let level = level.map_or(0.0, |(value, _)| *value);
-        let columns = size[0] - 2 * reach;
+        let columns = size[0] - 2 * frame;
         let (mut sums, mut counts) = (vec![0.0_f32; columns], vec![[0_u32; 2]; columns]);
-        for row in 0..size[1] - 2 * reach {
+        for row in 0..size[1] - 2 * frame {
             sums.fill(0.0);
             counts.fill([0; 2]);
             for y in (top + row * side)..(top + (row + 1) * side).min(height) {
@@ -90,7 +88,7 @@ impl Window {
                     }
                 }
             }
-            let start = (row + reach) * size[0] + reach;
+            let start = (row + frame) * size[0] + frame;
             for (column, (sum, [of_cell, known])) in sums.iter().zip(&counts).enumerate() {
                 // A pixel that is partly outside would carry the step at the outline.
                 if *of_cell as usize == side * side {
@@ -101,12 +99,9 @@ impl Window {
             }
         }
         window.grey_step = grey_step(plane, inside);
-        // The brightness of the membrane, and its blur, must not reach the gradients that count; what
-        // lies deeper than the gradient's reach must, for they are made of it.
-        let rim = settings.rim_um / pixel_um;
-        let seen = window.without_rim(rim - SEEN * sigma);
-        window.take_off_local_mean(settings.background_scale_um, &seen);
-        window.counted = window.without_rim(rim);
+        let seen = window.without_rim(cut.unseen_um / pixel_um);
+        window.take_off_local_mean(cut.background_um, &seen);
+        window.counted = window.without_rim(cut.rim_um / pixel_um);
         Some(window)
     }
 

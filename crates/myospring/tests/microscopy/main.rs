@@ -23,6 +23,7 @@ mod outlines_damaged;
 mod outlines_given;
 mod outlines_traced;
 mod pictures;
+mod sarcomeres;
 mod segmentation;
 mod shape_report;
 mod skipped;

@@ -1,0 +1,96 @@
+//! Stripes whose period no sarcomere has: most likely the pixel size is wrong.
+//!
+//! Whatever looks for sarcomeres in a picture looks for other periods in the same picture at another pixel
+//! size. So nothing else is needed than to look again.
+
+use std::fmt;
+
+use super::super::plane::Plane;
+use super::settings::FibreSettings;
+use super::spectra::{LONGEST_UM, SHORTEST_UM};
+use super::stripes::Stripes;
+
+/// Pixel sizes at which a picture is looked at again, relative to what is stated: periods from 2.5 to 4.7 um,
+/// from 0.8 to 1.4 and from 0.44 to 0.8.
+const LONGER: f64 = 0.55;
+const SHORTER: [f64; 2] = [1.8, 3.2];
+
+/// Least part of a cell with stripes of another period for them to be believed.
+const LEAST_SHARE: f64 = 0.4;
+
+/// A part of a cell with sarcomeres from which on shorter stripes are not looked for.
+const ENOUGH_SHARE: f64 = 0.1;
+
+/// Two periods are multiples of each other if their ratio is off a whole number by no more than this.
+const MULTIPLE: f64 = 0.15;
+
+/// The length that most sarcomeres have at rest, um.
+const USUAL_UM: f64 = 1.85;
+
+/// Stripes that are too far apart or too close for sarcomeres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Misfit {
+    /// Distance of the stripes at the stated pixel size, um.
+    pub period_um: f64,
+    /// The stated side of a pixel, um.
+    pub pixel_um: f64,
+}
+
+impl Misfit {
+    /// The side of a pixel at which the stripes would be 1.85 um apart, um.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::microscopy::fibres::Misfit;
+    /// let misfit = Misfit { period_um: 0.925, pixel_um: 0.1 };
+    /// assert!((misfit.fitting_pixel_um() - 0.2).abs() < 1e-12);
+    /// ```
+    pub fn fitting_pixel_um(&self) -> f64 {
+        self.pixel_um * USUAL_UM / self.period_um
+    }
+}
+
+impl fmt::Display for Misfit {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            out,
+            "stripes {:.2} um apart: is the pixel size {} um? (sarcomeres are {SHORTEST_UM} to {LONGEST_UM} um long; \
+             {USUAL_UM} um would need pixels of {:.3} um)",
+            self.period_um,
+            self.pixel_um,
+            self.fitting_pixel_um()
+        )
+    }
+}
+
+/// Looks for another period that explains the picture better than the sarcomeres that were found in it.
+pub(super) fn find(
+    plane: &Plane,
+    inside: &[bool],
+    pixel_um: f64,
+    settings: &FibreSettings,
+    found: &Stripes,
+) -> Option<Misfit> {
+    let share = found.readings.answered_share();
+    let at = |scale: f64| {
+        let other = super::stripes_of(plane, inside, pixel_um * scale, settings)?;
+        let share = other.readings.answered_share();
+        let period_um = other.period_um? / scale;
+        (share >= LEAST_SHARE).then_some((other.power, period_um))
+    };
+    let misfit = |period_um| Misfit { period_um, pixel_um };
+    if let Some((power, period_um)) = at(LONGER) {
+        // Narrow stripes have twice and three times the wave number, too, but weaker: those are not the sarcomeres.
+        let multiple = found.period_um.is_some_and(|period| {
+            let ratio = period_um / period;
+            ratio > 1.5 && (ratio - ratio.round()).abs() < MULTIPLE
+        });
+        if share < ENOUGH_SHARE || (multiple && power > found.power) {
+            return Some(misfit(period_um));
+        }
+    }
+    if share >= ENOUGH_SHARE {
+        return None;
+    }
+    SHORTER.iter().find_map(|&scale| at(scale)).map(|(_, period_um)| misfit(period_um))
+}
