@@ -8,7 +8,7 @@ use myospring::output::figure::{self, Contour, Figure, FigureError, Overlay, Sar
 use myospring::settings::Fibres;
 
 /// Distance of the fibre ticks handed to the figure, um; it draws as many as can be told apart.
-const TICKS_UM: f64 = 1.0;
+const TICKS_UM: f64 = 0.5;
 
 /// The lattice of a cell, with its fibres.
 #[derive(Clone, Copy)]

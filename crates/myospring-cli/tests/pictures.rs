@@ -243,6 +243,14 @@ fn fibres_that_a_picture_shows_go_into_a_table_into_reports_and_into_the_run_tha
         assert_eq!(read(&format!("first/{file}")), read(&format!("again/{file}")), "{file}");
     }
 
+    // Without a word about the stain: its stripes are as far apart as sarcomeres.
+    done(&["run", "--integrator", "quasi-static", "-o", "unsaid"], &[]);
+    assert_eq!(read("unsaid/traces.csv"), read("first/traces.csv"));
+    let length = json("unsaid/summary.json")["fibres"]["sarcomere_um"].as_f64().unwrap();
+    assert!((length - 1.9).abs() < 0.03, "{length}");
+    let lengths = rows.iter().filter_map(|row| row[3]);
+    assert!(lengths.into_iter().all(|length| (length - 1.9).abs() < 0.2));
+
     // What cannot be read is no error: the long axis, and why.
     let axis = |more: &[&str], why: &str| {
         let printed = done(&[&["mesh", "--force", "-o", "mesh"], more].concat(), &[]);

@@ -300,15 +300,24 @@ impl FibreField {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn warnings(&self) -> Vec<String> {
+        let share = self.summary().share_from_picture;
+        let mut warnings = self.doubts();
+        if self.misfit.is_none() && share < SMALL_SHARE {
+            warnings.push(format!(
+                "the picture shows fibres in only {:.0} % of the cell; elsewhere the long axis stands in",
+                100.0 * share
+            ));
+        }
+        warnings
+    }
+
+    /// Of the warnings those that hold however little of the cell was expected to be read: stripes of another
+    /// period, fibres across the cell.
+    pub fn doubts(&self) -> Vec<String> {
         let summary = self.summary();
         let mut warnings = Vec::new();
         if let Some(misfit) = self.misfit {
             warnings.push(format!("{misfit}; they are not used, the long axis stands in"));
-        } else if summary.share_from_picture < SMALL_SHARE {
-            warnings.push(format!(
-                "the picture shows fibres in only {:.0} % of the cell; elsewhere the long axis stands in",
-                100.0 * summary.share_from_picture
-            ));
         }
         if summary.share_from_picture > 0.0 && summary.mean_angle_deg.abs() > LARGE_ANGLE_DEG {
             let slender = self.slenderness();

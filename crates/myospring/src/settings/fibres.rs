@@ -143,17 +143,10 @@ impl Fibre {
         match (self, picture) {
             (Self::Picture(settings), Some((cells, cell))) => {
                 let field = cells.fibres(cell, long_axis(mesh), &settings)?;
-                Ok(Fibres::read(mesh, cells, settings, field))
+                let warnings = cells.fibre_warnings(&field);
+                Ok(Fibres::read(mesh, settings, field, warnings))
             }
-            (Self::Auto(asked), Some((cells, cell))) => {
-                Ok(match asked.field(long_axis(mesh), cells, cell)? {
-                    Ok((settings, field)) => Fibres::read(mesh, cells, settings, field),
-                    Err(not_read) => Fibres {
-                        not_read: Some(not_read),
-                        ..Fibres::everywhere(mesh, Self::LongAxis, long_axis(mesh))
-                    },
-                })
-            }
+            (Self::Auto(asked), Some((cells, cell))) => asked.on(mesh, cells, cell),
             (Self::Angle(degrees), _) => {
                 let (sine, cosine) = degrees.to_radians().sin_cos();
                 Ok(Fibres::everywhere(mesh, self, [cosine, sine]))
@@ -173,34 +166,50 @@ impl Asked {
         FibreSettings { smoothing_um, ..of_stain }
     }
 
-    /// What the picture shows, or why it is not taken.
-    fn field(
+    /// The fibres that the picture shows, or the long axis and why.
+    fn on(
         &self,
-        long_axis: [f64; 2],
+        mesh: &Mesh,
         cells: &PictureCells,
         cell: &PictureCell,
-    ) -> Result<Result<(FibreSettings, FibreField), NotRead>, FibreError> {
+    ) -> Result<Fibres, FibreError> {
+        let long_axis = long_axis(mesh);
+        let instead = |reason, warnings| {
+            let not_read = Some(reason);
+            let along = Fibres::everywhere(mesh, Fibre::LongAxis, long_axis);
+            Ok(Fibres { not_read, warnings, ..along })
+        };
         match (cells.segmentation().map(|found| found.modality), self.stain) {
-            (Some(Modality::Mask), _) => return Ok(Err(NotRead::Mask)),
-            (Some(Modality::Brightfield), None) => return Ok(Err(NotRead::Brightfield)),
+            (Some(Modality::Mask), _) => return instead(NotRead::Mask, Vec::new()),
+            (Some(Modality::Brightfield), None) => {
+                return instead(NotRead::Brightfield, Vec::new());
+            }
             _ => {}
         }
         let settings = self.settings();
         let field = match cells.fibres(cell, long_axis, &settings) {
             Err(FibreError::TooCoarse { pixel_size }) => {
-                return Ok(Err(NotRead::TooCoarse(pixel_size)));
+                return instead(NotRead::TooCoarse(pixel_size), Vec::new());
             }
             field => field?,
         };
         let summary = field.summary();
-        // Nobody said that there are z-discs: the period of the stripes must.
-        if self.stain.is_none() && summary.median_sarcomere_um.is_none() {
-            return Ok(Err(NotRead::NoSarcomeres));
+        let none = summary.share_from_picture == 0.0;
+        match self.stain {
+            // Nobody said that there are z-discs: the period of the stripes must.
+            None if none || summary.median_sarcomere_um.is_none() => {
+                instead(NotRead::NoSarcomeres, field.doubts())
+            }
+            Some(_) if none => instead(NotRead::Nothing, field.doubts()),
+            None => {
+                let doubts = field.doubts();
+                Ok(Fibres::read(mesh, settings, field, doubts))
+            }
+            Some(_) => {
+                let warnings = cells.fibre_warnings(&field);
+                Ok(Fibres::read(mesh, settings, field, warnings))
+            }
         }
-        if summary.share_from_picture == 0.0 {
-            return Ok(Err(NotRead::Nothing));
-        }
-        Ok(Ok((settings, field)))
     }
 }
 
@@ -210,14 +219,19 @@ impl Fibres {
         Self { taken, directions, seen: None, not_read: None, warnings: Vec::new() }
     }
 
-    fn read(mesh: &Mesh, cells: &PictureCells, settings: FibreSettings, field: FibreField) -> Self {
+    fn read(
+        mesh: &Mesh,
+        settings: FibreSettings,
+        field: FibreField,
+        warnings: Vec<String>,
+    ) -> Self {
         let triangles = field.on_triangles(mesh);
         Self {
             taken: Fibre::Picture(settings),
             directions: triangles.iter().map(|place| place.direction).collect(),
-            warnings: cells.fibre_warnings(&field),
-            not_read: None,
             seen: Some(Seen { stain: settings.stain, field, triangles }),
+            not_read: None,
+            warnings,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use myospring::mesh::Mesh;
 use myospring::mesh::pixel_size::PixelSize;
-use myospring::output::figure::{Contour, Figure, FigureError, Overlay, Tick, overlay};
+use myospring::output::figure::{Contour, Figure, FigureError, Overlay, Sarcomeres, Tick, overlay};
 
 use super::drawn::{Pixels, size};
 use super::synthetic::lattice;
@@ -178,6 +178,30 @@ fn lattice_and_fibres_get_a_panel_of_their_own() {
     let cells = [Contour { name: "1", rings: vec![&large], chosen: true }];
     let figure = overlay(&Overlay { cells: &cells, ..plain(&values) }).unwrap();
     assert!(panel(&figure, "B").is_none());
+}
+
+#[test]
+fn lengths_of_sarcomeres_stand_below_the_panels_with_their_median() {
+    let values = picture();
+    let cells = [Contour { name: "1", rings: vec![&CELL], chosen: true }];
+    let without = overlay(&Overlay { cells: &cells, ..plain(&values) }).unwrap();
+    let with = |lengths_um: &[f64]| {
+        let sarcomeres = Some(Sarcomeres { lengths_um, median_um: 1.834, read_pct: 63.0 });
+        overlay(&Overlay { cells: &cells, sarcomeres, ..plain(&values) }).unwrap()
+    };
+    // One length is far beside all others, as is one that is no number.
+    let lengths: Vec<f64> = (0..200).map(|i| 1.7 + 0.001 * f64::from(i)).collect();
+    let figure = with(&[&lengths[..], &[50.0, f64::NAN]].concat());
+    for words in ["median 1.83 \u{b5}m", "n = 201 triangles", "63 % of the cell read", ">1.4<"] {
+        assert!(figure.to_svg().contains(words), "{words} is missing");
+    }
+    assert!(!figure.to_svg().contains("NaN"));
+    // The panels stay where they are: the histogram covers nothing.
+    for name in ["A", "B"] {
+        assert_eq!(panel(&figure, name), panel(&without, name));
+    }
+    assert!(size(&figure)[1] > size(&without)[1] + 80.0);
+    assert!(with(&[]) == without, "of no length nothing is drawn");
 }
 
 #[test]

@@ -6,13 +6,13 @@ use super::super::theme::{AXIS_WIDTH, INK, LABEL, LETTER, MUTED, TICK, WHITE, fi
 use super::{FIBRE, Sarcomeres};
 
 /// Width of a bar, um.
-const BAR_UM: f64 = 0.05;
+const BAR_UM: f64 = 0.025;
 /// Lengths between which the axis at least reaches, um, so that cells can be compared: those of sarcomeres at rest.
 const USUAL_UM: [f64; 2] = [1.4, 2.4];
 /// Size of the plot, px.
 const SIZE: [f64; 2] = [300.0, 56.0];
 /// Height above the plot for its title, and below it for its axis, px.
-const ABOVE: f64 = 20.0;
+const ABOVE: f64 = 26.0;
 const BELOW: f64 = 38.0;
 
 /// Draws the histogram with its median from an upper left corner; gives the px below.
@@ -60,7 +60,7 @@ pub(super) fn draw_histogram(
         let [from, to] = [at, at + 1].map(|bin| bin as f64 * BAR_UM);
         let ([x, upper], [right, lower]) = (chart.at([from, share(count)]), chart.at([to, 0.0]));
         if count > 0 {
-            let look = Look::fill(FIBRE).stroke(Stroke::new(WHITE, 0.6));
+            let look = Look::fill(FIBRE).stroke(Stroke::new(WHITE, 0.4));
             sheet.rect([x, upper], [right - x, lower - upper], look);
         }
     }
@@ -69,7 +69,7 @@ pub(super) fn draw_histogram(
     let median = sarcomeres.median_um.clamp(range[0], range[1]);
     let stroke = Stroke::new(INK, 1.5 * AXIS_WIDTH);
     sheet.line(chart.at([median, 0.0]), chart.at([median, high]), stroke);
-    let head = [left, top + 11.0];
+    let head = [left, chart.place[1] - 9.0];
     sheet.text(head, letter, Style::new(LETTER).bold());
     let title = "Sarcomere length at rest, as the picture shows it";
     sheet.text([head[0] + 16.0, head[1]], title, Style::new(LABEL));

@@ -89,7 +89,7 @@ pub fn overlay(overlay: &Overlay<'_>) -> Result<Figure, FigureError> {
     let bottom = draw_legend(&mut sheet, overlay, bottom);
     let letter = if panels.len() > 1 { "C" } else { "B" };
     let bottom = overlay.sarcomeres.map_or(bottom, |sarcomeres| {
-        draw_histogram(&mut sheet, &sarcomeres, letter, [MARGIN, bottom + 6.0])
+        draw_histogram(&mut sheet, &sarcomeres, letter, [MARGIN, bottom])
     });
     let bottom = draw_warnings(&mut sheet, overlay.warnings, bottom);
     Ok(sheet.finish(DOUBLE, bottom + 4.0))
