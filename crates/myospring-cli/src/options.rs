@@ -117,7 +117,8 @@ fn argument(table: &Table, setting: &'static Setting, option: CommandOption) -> 
     let argument = Arg::new(setting.key)
         .long(option.name.trim_start_matches('-'))
         .help(help(setting, option))
-        .help_heading(table.heading);
+        .help_heading(table.heading)
+        .visible_aliases(option.alias.map(|alias| alias.trim_start_matches('-')));
     let parser = match setting.kind {
         Kind::Flag { .. } => return argument.action(ArgAction::SetTrue),
         Kind::Whole { .. } => value_parser!(i64).into(),

@@ -11,7 +11,7 @@ use crate::results::Folder;
 use crate::table::{aligned, number};
 use indicatif::{ProgressBar, ProgressStyle};
 use myospring::analysis::Metric;
-use myospring::analysis::beat::{Band, band};
+use myospring::analysis::beat::{Band, Beat, band};
 use myospring::integrate::engine::EngineUsed;
 use myospring::integrate::stencil;
 use myospring::output::figure::{self, ContractionOptions};
@@ -294,12 +294,16 @@ pub(crate) fn write(
     ])
 }
 
+/// Shown where the cell becomes longer rather than shorter.
+const LENGTHENING: &str = "peak_lengthening";
+
 /// Rows of the table after a run: metric and what people call it.
-const ROWS: [(&str, &str); 14] = [
+const ROWS: [(&str, &str); 15] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),
     ("peak_shortening", "peak shortening"),
+    (LENGTHENING, "peak lengthening"),
     ("time_to_peak_from_stimulus", "time to peak shortening, from stimulus"),
     ("lag_of_shortening", "lag of shortening behind tension"),
     ("maximum_shortening_rate", "largest shortening rate"),
@@ -338,6 +342,10 @@ fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
         let Some(Metric { value, unit, .. }) = first.metrics().find(|m| m.name == metric) else {
             continue;
         };
+        let shorter = first.value("peak_shortening").unwrap_or(0.0);
+        if metric == LENGTHENING && value.is_none_or(|longer| longer <= shorter) {
+            continue;
+        }
         let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric);
         let value = over_beats.map(|spread| spread.mean).or(*value);
         let mut row = vec![words.to_owned(), value.map_or_else(|| "-".to_owned(), number)];
@@ -345,7 +353,11 @@ fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
             row.push(over_beats.map_or_else(String::new, |s| number(s.standard_deviation)));
         }
         let reference = band(metric).map(|Band { low, high, .. }| format!("{low} to {high}"));
-        row.extend([(*unit).to_owned(), reference.unwrap_or_default()]);
+        let last = match value {
+            Some(_) => reference.unwrap_or_default(),
+            None => why_not(first, metric).to_owned(),
+        };
+        row.extend([(*unit).to_owned(), last]);
         rows.push(row);
     }
     let right: &[usize] = if spread { &[1, 2] } else { &[1] };
@@ -362,6 +374,17 @@ fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
         let _ = writeln!(text, "fibres: {fibres}");
     }
     text
+}
+
+/// Why a beat has no such metric.
+fn why_not(beat: &Beat, metric: &str) -> &'static str {
+    let of_shortening = beat.contraction.iter().chain(&beat.shape).any(|row| row.name == metric)
+        || metric == "lag_of_shortening";
+    if of_shortening && beat.value("peak_shortening").is_none() {
+        "none: the cell does not shorten"
+    } else {
+        "none: not reached within the beat"
+    }
 }
 
 /// What the run took, in a line.

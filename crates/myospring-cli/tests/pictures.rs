@@ -251,6 +251,19 @@ fn fibres_that_a_picture_shows_go_into_a_table_into_reports_and_into_the_run_tha
     let lengths = rows.iter().filter_map(|row| row[3]);
     assert!(lengths.into_iter().all(|length| (length - 1.9).abs() < 0.2));
 
+    // The tension may go by the order of the fibres; the word comes back in the run file.
+    done(&["run", "--integrator", "quasi-static", "--content", "picture", "-o", "content"], &[]);
+    assert!(read("content/run.toml").contains("myofibril_content = \"picture\"\n"));
+    assert_ne!(read("content/traces.csv"), read("first/traces.csv"));
+    assert!(myospring(folder.path(), &["run", "content/run.toml", "-o", "twice"]).status.success());
+    assert_eq!(read("content/traces.csv"), read("twice/traces.csv"));
+    let brightfield = ["--modality", "brightfield", "--content", "picture", "--dry-run"];
+    let run = ["run", "cell.png", "--pixel-size", "0.5 um"];
+    let refused = myospring(folder.path(), &[&run[..], &brightfield].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    let message = text(&refused.stderr);
+    assert!(message.contains("no fibres were read from it: a brightfield picture"), "{message}");
+
     // What cannot be read is no error: the long axis, and why.
     let axis = |more: &[&str], why: &str| {
         let printed = done(&[&["mesh", "--force", "-o", "mesh"], more].concat(), &[]);

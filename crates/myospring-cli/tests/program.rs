@@ -95,6 +95,22 @@ fn a_beat_beyond_what_the_material_was_made_for_says_so_once_and_in_its_summary(
 }
 
 #[test]
+fn a_cell_that_becomes_longer_says_so_and_its_table_says_what_it_has_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let across = ["--fibre", "90 deg", "--integrator", "quasi-static"];
+    let output = myospring(folder.path(), &[&QUICK[..], &across].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let (table, warning) = (stdout(&output), stderr(&output));
+    assert!(warning.contains("the cell becomes longer: by "), "{warning}");
+    assert!(warning.contains("degrees from its long axis"), "{warning}");
+    for words in ["peak lengthening", "none: the cell does not shorten", "peak tension"] {
+        assert!(table.contains(words), "{words}: {table}");
+    }
+    let along = myospring(folder.path(), &[&QUICK[..], &["-o", "along"]].concat());
+    assert!(!stdout(&along).contains("peak lengthening") && stderr(&along).is_empty());
+}
+
+#[test]
 fn results_are_not_overwritten_without_force() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("mine")).unwrap();

@@ -1,4 +1,4 @@
-//! Two pictures of made-up cells to try the program with, pixels of 0.25 um.
+//! Three pictures of made-up cells to try the program with, pixels of 0.25 um; one has nuclei.
 //!
 //! ```text
 //! cargo run --release -p myospring --example synthetic_pictures pictures
@@ -22,10 +22,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(&folder)?;
     let scene = Scene { vignette: 0.2, beads: 4.0, ..Scene::default() };
     let fluorescence = Scene { haze: 60.0, contrast: 0.5, noise: 15.0, ..scene }.fluorescence();
+    let nuclei = Scene { nuclei: true, ..Scene::default() }.fluorescence();
     let brightfield = Scene { contrast: 0.25, noise: 20.0, ..scene }.brightfield();
-    for (name, Truth { plane, .. }) in
-        [("fluorescence.png", fluorescence), ("brightfield.png", brightfield)]
-    {
+    for (name, Truth { plane, .. }) in [
+        ("fluorescence.png", fluorescence),
+        ("nuclei.png", nuclei),
+        ("brightfield.png", brightfield),
+    ] {
         let (width, height) = (plane.width() as u32, plane.height() as u32);
         let pixels = plane.values().iter().flat_map(|&value| (value as u16).to_be_bytes());
         let file = folder.join(name);

@@ -32,7 +32,7 @@ mod value;
 mod words;
 
 pub use bounds::{Bounds, Whole};
-pub use content::{CONTENT_ENDINGS, ContentError};
+pub use content::{CONTENT_ENDINGS, ContentError, MyofibrilContent};
 pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
 pub(crate) use problem::nearest;
 pub use problem::{Failure, Problem};
@@ -109,7 +109,9 @@ mod tests {
                 assert_eq!(key.rsplit_once('.').map_or("", |(table, _)| table), table.name);
                 assert!(setting.doc.ends_with('.'), "{key}: {}", setting.doc);
                 let Some(option) = setting.option else { continue };
-                assert!(options.insert(option.name), "{} twice", option.name);
+                for name in [Some(option.name), option.alias].into_iter().flatten() {
+                    assert!(options.insert(name), "{name} twice");
+                }
                 // Who knows the key knows the option.
                 assert_eq!(option.name, format!("--{}", setting.name().replace('_', "-")));
                 assert_eq!(option.value.is_empty(), matches!(setting.kind, Kind::Flag { .. }));

@@ -65,6 +65,12 @@ pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
             "%",
             "largest (resting length - length) / resting length",
         ),
+        row(
+            "peak_lengthening",
+            shortening.iter().copied().reduce(f64::min).map(|least| (-100.0 * least).max(0.0)),
+            "%",
+            "largest (length - resting length) / resting length, 0 where it is never longer",
+        ),
         row("time_of_peak", peak_time, "ms", "time of the largest shortening on the run's clock"),
         row(
             "time_to_peak_from_stimulus",
@@ -228,6 +234,14 @@ mod tests {
     }
 
     #[test]
+    fn a_cell_that_lengthens_says_by_how_much() {
+        let metrics = metrics(&[0.0, 1.0, 2.0, 3.0], &[100.0, 100.0, 104.0, 100.0], 1.0);
+        assert!((value(&metrics, "peak_lengthening").unwrap() - 4.0).abs() < 1e-9);
+        assert_eq!(value(&metrics, "peak_shortening"), None);
+        assert_eq!(value(&metrics, "time_to_peak_from_stimulus"), None);
+    }
+
+    #[test]
     fn a_beat_that_is_cut_short_has_no_relaxation() {
         let (times, length) = ramp_and_decay();
         let metrics = metrics(&times[..320], &length[..320], 50.0);
@@ -239,6 +253,7 @@ mod tests {
     fn a_cell_that_never_shortens_has_no_peak() {
         let metrics = metrics(&[0.0, 1.0, 2.0], &[100.0, 100.0 - 1e-12, 100.0], 0.0);
         assert_eq!(value(&metrics, "peak_shortening"), None);
+        assert_eq!(value(&metrics, "peak_lengthening"), Some(0.0));
         assert!(value(&metrics, "resting_length").is_some());
     }
 }

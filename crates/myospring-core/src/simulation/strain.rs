@@ -1,9 +1,9 @@
-//! How far the material may be strained before its law says nothing about cells.
+//! What a run came to that its cell would not do: strained beyond what the law was made for, or longer.
 
 use super::{Outcome, Ready, Simulation};
 use crate::mechanics::active::FibreStretch;
 use crate::mesh::simplex::content_at;
-use crate::recording::Frame;
+use crate::recording::{Frame, Sample};
 
 /// Largest strain along the fibre, either way, for which the material's law was made.
 ///
@@ -16,10 +16,14 @@ pub const MOST_STRAIN: f64 = 0.2;
 /// Share of the cell beyond [`MOST_STRAIN`] that needs no remark: corners, and rims of what holds the cell.
 const FEW: f64 = 0.05;
 
+/// Lengthening that needs no remark, per cent: what is left of a swing, or of an isometric contraction.
+const LITTLE_LONGER_PCT: f64 = 0.1;
+
 impl Ready {
-    /// What a person should know of what came of this run: that it went beyond what the material's law was made for.
+    /// What a person should know of what came of this run: that it went beyond what the material's law was made for,
+    /// or that the cell became longer instead of shorter.
     ///
-    /// Looks at the shape at the highest tension and the one at the largest change of length.
+    /// Of the strain it looks at the shape at the highest tension and the one at the largest change of length.
     ///
     /// # Example
     /// ```
@@ -36,6 +40,35 @@ impl Ready {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn warnings_after(&self, outcome: &Outcome) -> Vec<String> {
+        self.lengthened(outcome).into_iter().chain(self.strained(outcome)).collect()
+    }
+
+    fn lengthened(&self, outcome: &Outcome) -> Option<String> {
+        let samples = &outcome.recording.samples;
+        let by_change = |a: &&Sample, b: &&Sample| a.shortening_pct.total_cmp(&b.shortening_pct);
+        let (longest, shortest) =
+            (samples.iter().min_by(by_change)?, samples.iter().max_by(by_change)?);
+        let longer = -longest.shortening_pct;
+        if longer < LITTLE_LONGER_PCT || longer < shortest.shortening_pct {
+            return None;
+        }
+        let angle = self.setup().simulation.mean_angle_to_axis().abs().to_degrees();
+        let why = if angle > 35.0 {
+            format!(
+                "its fibres lie {angle:.0} degrees from its long axis on average, and what contracts across a cell \
+                 makes it longer. Look at their direction in the overlay; fibre = \"long axis\" takes that instead"
+            )
+        } else {
+            "look at what holds it and at where its tension is".to_owned()
+        };
+        Some(format!(
+            "the cell becomes longer: by {longer:.1} % at {} ms, and shorter by {:.1} % at most: {why}",
+            longest.t_ms,
+            shortest.shortening_pct.max(0.0)
+        ))
+    }
+
+    fn strained(&self, outcome: &Outcome) -> Option<String> {
         let simulation = &self.setup().simulation;
         let frames = &outcome.recording.frames;
         let samples = outcome.recording.samples.iter();
@@ -48,15 +81,13 @@ impl Ready {
         let at_tension = frames.iter().max_by(|a, b| a.ta_kpa.total_cmp(&b.ta_kpa));
         let strained = [at_tension, at_change].into_iter().flatten();
         let strained = strained.map(|frame| (frame, simulation.share_beyond(frame)));
-        let Some((frame, share)) = strained.max_by(|a, b| a.1.total_cmp(&b.1)) else {
-            return Vec::new();
-        };
+        let (frame, share) = strained.max_by(|a, b| a.1.total_cmp(&b.1))?;
         if share <= FEW {
-            return Vec::new();
+            return None;
         }
         let shortening = changed.map_or(0.0, |sample| sample.shortening_pct);
         let way = if shortening < 0.0 { "longer" } else { "shorter" };
-        vec![format!(
+        Some(format!(
             "{:.0} % of the cell is strained by more than {:.0} % along its fibres (at {} ms under {:.1} kPa; the \
              cell becomes {:.0} % {way}): the material law was not made for that. It is linear and fitted at 12 % \
              shortening; unloaded cells shorten by 7 to 12 %, and sarcomeres of 1.85 um at rest would be shorter than \
@@ -66,11 +97,25 @@ impl Ready {
             frame.t_ms,
             frame.ta_kpa,
             shortening.abs()
-        )]
+        ))
     }
 }
 
 impl Simulation {
+    /// Mean direction of the fibres against the long axis, radians from -pi/2 to pi/2: half the angle of the mean
+    /// vector at twice the angle, since fibres have no sense.
+    fn mean_angle_to_axis(&self) -> f64 {
+        let [along_x, along_y] = self.long_axis;
+        let mut sum = [0.0; 2];
+        for (simplex, [x, y]) in self.mesh.simplices.iter().zip(&self.fibres) {
+            let area = simplex.weight * content_at(&self.mesh.points, simplex.nodes);
+            let (along, across) = (x * along_x + y * along_y, y * along_x - x * along_y);
+            sum[0] += area * (along * along - across * across);
+            sum[1] += area * 2.0 * along * across;
+        }
+        0.5 * sum[1].atan2(sum[0])
+    }
+
     /// Share of the resting cell that is strained by more than [`MOST_STRAIN`] along its fibres.
     fn share_beyond(&self, frame: &Frame) -> f64 {
         let stretches = FibreStretch::new(&self.mesh, &self.fibres).stretches(&frame.positions);

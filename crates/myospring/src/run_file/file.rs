@@ -57,7 +57,7 @@ impl RunFile {
     /// The names of files in it.
     pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
         self.values.iter_mut().filter_map(|(key, value)| match value {
-            Value::Text(path) if find(key).is_some_and(Setting::is_file) => Some(path),
+            Value::Text(path) if find(key).is_some_and(|it| it.names_file(path)) => Some(path),
             _ => None,
         })
     }

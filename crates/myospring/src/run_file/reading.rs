@@ -78,10 +78,11 @@ impl Reader {
     /// ```
     #[must_use]
     pub fn beside(mut self, folder: &Path) -> Self {
-        for setting in table().filter(|setting| setting.is_file()) {
+        for setting in table() {
             if let Some((table, name)) = setting.key.split_once('.')
                 && let Some(toml::Value::Table(table)) = self.table.get_mut(table)
                 && let Some(toml::Value::String(path)) = table.get_mut(name)
+                && setting.names_file(path)
             {
                 *path = folder.join(&*path).to_string_lossy().into_owned();
             }

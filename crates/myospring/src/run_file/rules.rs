@@ -6,7 +6,7 @@ use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
-use crate::settings::{self, Failure, Fibre, Problem, Run, Source, Value};
+use crate::settings::{self, Failure, Fibre, MyofibrilContent, Problem, Run, Source, Value};
 use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
 
 type Checked = Result<(), Failure>;
@@ -178,6 +178,23 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         Source::BuiltIn(_) => Some("shape.built_in"),
     };
     let given = OF_FIBRES.into_iter().find(|key| file.has(key));
+    if run.myofibril_content == MyofibrilContent::Picture {
+        const CONTENT: &str = "mechanics.myofibril_content";
+        match (run.fibre, source) {
+            (Fibre::LongAxis | Fibre::Angle(_), None) => {
+                let advice = "myofibril_content = \"picture\" takes the fibres that the picture shows: give fibre \
+                              = \"auto\" or \"picture\", or content from a file";
+                return exclude("mechanics.fibre", CONTENT, advice);
+            }
+            (_, Some(_)) => {
+                let reason = "myofibril_content = \"picture\" needs a picture of the cell; give one, or take \
+                              \"uniform\" or a file";
+                let problem = Problem::Missing { key: "shape.picture", reason };
+                return Err((CONTENT.to_owned(), problem));
+            }
+            _ => {}
+        }
+    }
     match (run.fibre, source, given) {
         (Fibre::Picture(_), Some(_), _) => {
             let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \

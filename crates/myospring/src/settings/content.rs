@@ -1,11 +1,14 @@
-//! The content of myofibrils in each triangle, from a table or a picture.
+//! The content of myofibrils in each triangle, from the fibres that the picture shows, a table or a picture.
 //!
+//! - The fibres (`picture`): order times coverage relative to its mean over the cell, nothing where none were read.
+//!   That order tells strength is an assumption.
 //! - A table (`.csv`) with the header `content` has one row for each triangle, in the order of the mesh;
 //!   one with the header `x_um,y_um,content` has points, of which each triangle takes the nearest.
 //! - A picture (`.png`, `.tif`) covers the same frame as the picture of the cell, and its plane is chosen in the
 //!   same way (channel, frame, depth): its grey values, averaged
 //!   over a lattice square about each triangle, relative to their mean over the cell.
 
+use super::fibres::Fibres;
 use crate::mesh::Mesh;
 use crate::microscopy::cells::PictureCells;
 use crate::microscopy::picture::Selection;
@@ -17,12 +20,59 @@ use std::io;
 /// Endings of files that hold a content of myofibrils, without the dot.
 pub const CONTENT_ENDINGS: &[&str] = &["csv", "png", "tif", "tiff"];
 
+/// Words that stand for no file.
+pub(super) const CONTENT_WORDS: &[&str] = &["uniform", "picture"];
+
+/// Times the mean beyond which a content is remarked upon: five, where a fifth of the cell has all the myofibrils.
+const MUCH: f64 = 5.0;
+
+/// How many myofibrils there are in each place, to which tension is in proportion.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MyofibrilContent {
+    /// The same everywhere.
+    Uniform,
+    /// Order times coverage of the fibres that the picture of the cell shows, relative to its mean over the cell;
+    /// none where it shows none.
+    Picture,
+    /// A file, as written.
+    File(String),
+}
+
+impl MyofibrilContent {
+    /// What a person wrote.
+    pub(super) fn of(text: String) -> Self {
+        match text.as_str() {
+            "uniform" => Self::Uniform,
+            "picture" => Self::Picture,
+            _ => Self::File(text),
+        }
+    }
+
+    /// As a person writes it.
+    pub(super) fn written(&self) -> &str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Picture => "picture",
+            Self::File(path) => path,
+        }
+    }
+}
+
 /// Most points of a table: each triangle looks at all of them.
 const MOST_POINTS: usize = 100_000;
 
 /// Why a file gives no content of myofibrils.
 #[derive(Debug, thiserror::Error)]
 pub enum ContentError {
+    /// There are no fibres to take it from.
+    #[error(
+        "no content of myofibrils can be taken from the picture, for no fibres were read from it{reason}; take \
+         --myofibril-content uniform, or a file"
+    )]
+    NotRead {
+        /// Why, after a colon; may be empty.
+        reason: String,
+    },
     /// The file could not be read.
     #[error("cannot read `{path}`: {cause}")]
     Read {
@@ -260,16 +310,44 @@ fn of_picture(
             sum / count
         })
         .collect();
+    relative(grey, mesh).ok_or_else(|| ContentError::Black { path: path() })
+}
+
+/// The content that the fibres of a picture show, and what a person should know of it.
+pub(super) fn of_fibres(
+    fibres: &Fibres,
+    mesh: &Mesh,
+) -> Result<(Vec<f64>, Option<String>), ContentError> {
+    let not_read = || ContentError::NotRead {
+        reason: fibres.not_read.map(|reason| format!(": {reason}")).unwrap_or_default(),
+    };
+    let seen = fibres.seen.as_ref().ok_or_else(not_read)?;
+    let ordered = seen.triangles.iter().map(|place| {
+        // What is too little to read a direction from is no myofibril either.
+        if place.from_picture { place.order * place.coverage } else { 0.0 }
+    });
+    let content = relative(ordered.collect(), mesh).ok_or_else(not_read)?;
+    let most = content.iter().copied().fold(0.0, f64::max);
+    let warning = (most > MUCH).then(|| {
+        format!(
+            "the content of myofibrils is up to {most:.0} times its mean, and so is the tension: the picture shows \
+             fibres in {:.0} % of the cell only, which carry all of it",
+            100.0 * seen.field.summary().share_from_picture
+        )
+    });
+    Ok((content, warning))
+}
+
+/// Values of triangles relative to their mean over the cell; none where that is not above 0.
+fn relative(values: Vec<f64>, mesh: &Mesh) -> Option<Vec<f64>> {
     let weights = mesh.simplices.iter().map(|triangle| triangle.weight);
-    let (sum, whole) = grey
+    let (sum, whole) = values
         .iter()
         .zip(weights)
-        .fold((0.0, 0.0), |(sum, whole), (grey, weight)| (sum + grey * weight, whole + weight));
+        .fold((0.0, 0.0), |(sum, whole), (value, weight)| (sum + value * weight, whole + weight));
     let mean = sum / whole;
-    if !(mean.is_finite() && mean > 0.0) {
-        return Err(ContentError::Black { path: path() });
-    }
-    Ok(grey.into_iter().map(|grey| grey / mean).collect())
+    let any = mean.is_finite() && mean > 0.0;
+    any.then(|| values.into_iter().map(|value| value / mean).collect())
 }
 
 /// The centre of each triangle, um.
@@ -314,6 +392,40 @@ mod tests {
             // Squares about triangles beside the border see both halves.
             let near = (y - 10.0).abs() < 1.5;
             assert!(near || (content - expected).abs() < 0.02, "{content} at y = {y}");
+        }
+    }
+
+    #[test]
+    fn where_the_picture_shows_stripes_there_are_myofibrils_and_where_it_shows_none_there_are_none()
+    {
+        use super::super::fibres::{Fibre, Seen};
+        use crate::microscopy::fibres::{FibreSettings, Stain, fibres};
+        // Stripes 1.9 um apart in the left half of 40 x 20 um, nothing in the right one.
+        let grey = |at: usize| match at % 200 {
+            x if x < 100 => (std::f32::consts::TAU * 0.2 * x as f32 / 1.9).sin(),
+            _ => 0.0,
+        };
+        let plane = Plane::new(200, 100, (0..20_000).map(grey).collect()).unwrap();
+        let settings = FibreSettings::of(Stain::ZDisc);
+        let pixel = PixelSize::new(0.2).unwrap();
+        let field = fibres(&plane, &[true; 20_000], pixel, [1.0, 0.0], &settings).unwrap();
+        let mesh = lattice::rectangle(20, 10, 2.0).unwrap();
+        let mut read = Fibre::LongAxis.on(&mesh, None).unwrap();
+        let error = of_fibres(&read, &mesh).unwrap_err().to_string();
+        assert!(error.contains("no fibres were read"), "{error}");
+        let triangles = field.on_triangles(&mesh);
+        read.seen = Some(Seen { stain: Stain::ZDisc, field, triangles });
+        let (content, warning) = of_fibres(&read, &mesh).unwrap();
+        assert_eq!(warning, None);
+        let mean = content.iter().sum::<f64>() / content.len() as f64;
+        assert!((mean - 1.0).abs() < 1e-12, "{mean}");
+        for ([x, y], content) in centres(&mesh).zip(content) {
+            // The mean of neighbours reaches over the border of the stripes.
+            if x > 26.0 {
+                assert_eq!(content, 0.0, "{x} {y}");
+            } else if (4.0..16.0).contains(&x) && (4.0..16.0).contains(&y) {
+                assert!((1.5..2.5).contains(&content), "{content} at {x} {y}");
+            }
         }
     }
 

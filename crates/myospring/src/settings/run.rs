@@ -1,6 +1,6 @@
 //! A run: everything checked, in internal units, every default filled in.
 
-use super::content::{self, ContentError};
+use super::content::{self, ContentError, MyofibrilContent};
 use super::fibres::{Asked, Fibre, Fibres};
 use super::shape::{Shape, Shaped, Source};
 use crate::cell::pacing::Protocol;
@@ -42,8 +42,8 @@ pub struct Run {
     pub active: ActiveLaw,
     /// Direction of the fibres.
     pub fibre: Fibre,
-    /// The file that has the content of myofibrils, as written; `None` is the same everywhere.
-    pub myofibril_content: Option<String>,
+    /// How many myofibrils there are in each place.
+    pub myofibril_content: MyofibrilContent,
     /// What holds the cell.
     pub support: SupportKind,
     /// Numerical settings.
@@ -95,7 +95,7 @@ impl Run {
             material: default_material(),
             active: ActiveLaw::Fibre,
             fibre: Fibre::Auto(Asked::default()),
-            myofibril_content: None,
+            myofibril_content: MyofibrilContent::Uniform,
             support: SupportKind::MassCentre,
             duration: usual_duration(&protocol, &numerics),
             numerics,
@@ -134,11 +134,17 @@ impl Run {
         report.warnings.extend(fibres.warnings.iter().cloned());
         let cells = picture.as_ref().map(|(cells, _)| cells);
         let chosen = self.shape.source.picture().map(|picture| &picture.options.selection);
-        let content = self
-            .myofibril_content
-            .as_ref()
-            .map(|path| content::read_content(path, &mesh, cells.zip(chosen), read));
-        let content = content.transpose()?;
+        let content = match &self.myofibril_content {
+            MyofibrilContent::Uniform => None,
+            MyofibrilContent::Picture => {
+                let (content, warning) = content::of_fibres(&fibres, &mesh)?;
+                report.warnings.extend(warning);
+                Some(content)
+            }
+            MyofibrilContent::File(path) => {
+                Some(content::read_content(path, &mesh, cells.zip(chosen), read)?)
+            }
+        };
         let simulation = self.simulation(mesh, fibres.directions.clone(), content);
         Ok(Made { simulation, report, fibres, picture })
     }

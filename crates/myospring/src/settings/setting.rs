@@ -33,6 +33,8 @@ pub struct CommandOption {
     pub value: &'static str,
     /// A sentence without its stop, instead of the setting's own.
     pub help: Option<&'static str>,
+    /// Another name of it, with its dashes.
+    pub alias: Option<&'static str>,
 }
 
 /// Reads a value from a run; `None` where the run has no such value.
@@ -53,10 +55,12 @@ pub enum Kind {
         /// Writer.
         set: fn(&mut Run, &str) -> Result<(), Problem>,
     },
-    /// The name of a file.
+    /// The name of a file, or one of some words instead.
     File {
         /// Endings that are known, without the dot.
         endings: &'static [&'static str],
+        /// Words that name no file; `./word.csv` is a file all the same.
+        words: &'static [&'static str],
         /// As a person writes it.
         example: &'static str,
         /// Reader.
@@ -145,7 +149,7 @@ impl Setting {
 
     /// An option of the command line, explained by the setting's own sentences.
     pub(super) const fn option(mut self, name: &'static str, value: &'static str) -> Self {
-        self.option = Some(CommandOption { name, value, help: None });
+        self.option = Some(CommandOption { name, value, help: None, alias: None });
         self
     }
 
@@ -156,7 +160,15 @@ impl Setting {
         value: &'static str,
         help: &'static str,
     ) -> Self {
-        self.option = Some(CommandOption { name, value, help: Some(help) });
+        self.option = Some(CommandOption { name, value, help: Some(help), alias: None });
+        self
+    }
+
+    /// Another name of its option.
+    pub(super) const fn alias(mut self, alias: &'static str) -> Self {
+        if let Some(option) = &mut self.option {
+            option.alias = Some(alias);
+        }
         self
     }
 
@@ -190,9 +202,9 @@ impl Setting {
         }
     }
 
-    /// Whether it names a file.
-    pub fn is_file(&self) -> bool {
-        matches!(self.kind, Kind::File { .. })
+    /// Whether a value of it names a file.
+    pub fn names_file(&self, value: &str) -> bool {
+        matches!(self.kind, Kind::File { words, .. } if !words.contains(&value))
     }
 
     /// The words that it may be; none where it may be anything else.
@@ -329,8 +341,12 @@ impl Setting {
         let done = match (self.kind, &accepted) {
             (Kind::Named { set, .. }, Value::Named(values)) => return set(run, values),
             (Kind::Text { set, .. }, Value::Text(text)) => set(run, text),
-            (Kind::File { endings, set, .. }, Value::Text(path)) => {
-                check_ending(key, path, endings).map(|()| set(run, path.clone()))
+            (Kind::File { endings, words, set, .. }, Value::Text(path)) => {
+                let checked = match words.contains(&path.as_str()) {
+                    true => Ok(()),
+                    false => check_ending(key, path, endings, words),
+                };
+                checked.map(|()| set(run, path.clone()))
             }
             (Kind::Words { words, set, .. }, Value::Text(word)) => {
                 set(run, word).ok_or_else(|| {
@@ -374,10 +390,19 @@ fn named(key: &str, value: Value) -> Result<Value, Failure> {
     }
 }
 
-fn check_ending(key: &'static str, path: &str, endings: &[&str]) -> Result<(), Problem> {
+fn check_ending(
+    key: &'static str,
+    path: &str,
+    endings: &[&str],
+    words: &[&'static str],
+) -> Result<(), Problem> {
     let lower = path.to_lowercase();
     if endings.iter().any(|ending| lower.ends_with(&format!(".{ending}"))) {
         return Ok(());
+    }
+    if !(words.is_empty() || path.contains(['.', '/', '\\'])) {
+        let known = words.iter().copied().chain(["the name of a file"]);
+        return Err(Problem::unknown_word(key, path, known));
     }
     let known = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ");
     let kind = lower.rsplit('.').next().and_then(unread_kind).map(|kind| kind.to_string());

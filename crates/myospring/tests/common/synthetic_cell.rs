@@ -32,6 +32,8 @@ pub(crate) struct Scene {
     pub(crate) taper: f64,
     /// Turn of the cell, degrees.
     pub(crate) turn_deg: f64,
+    /// Whether there are two nuclei of 18 x 11 um, dim and without stripes (fluorescence only).
+    pub(crate) nuclei: bool,
     /// Number that decides everything random.
     pub(crate) seed: u64,
 }
@@ -51,6 +53,7 @@ impl Default for Scene {
             half_width_um: 12.0,
             taper: 0.6,
             turn_deg: 20.0,
+            nuclei: false,
             seed: 1,
         }
     }
@@ -172,6 +175,9 @@ impl Scene {
             }
             let stripes = 0.5 + 0.5 * (TAU * (x + 0.4 * (y / 3.0).sin()) / 1.9).cos();
             let rows = 0.6 + 0.4 * (TAU * y / 2.6).cos();
+            if self.nuclei && ((x.abs() - 18.0) / 9.0).hypot(y / 5.5) < 1.0 {
+                return 0.3 * bright;
+            }
             bright * (0.25 + 0.75 * stripes * rows)
         };
         self.picture(value, 100.0, 0.0)

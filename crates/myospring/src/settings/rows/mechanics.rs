@@ -1,7 +1,7 @@
 //! `[mechanics]`.
 
 use super::super::bounds::Bounds;
-use super::super::content::CONTENT_ENDINGS;
+use super::super::content::{CONTENT_ENDINGS, CONTENT_WORDS, MyofibrilContent};
 use super::super::fibres::{Asked, Fibre};
 use super::super::problem::Problem;
 use super::super::run::Run;
@@ -142,23 +142,26 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "mechanics.myofibril_content",
-        "File that says how many myofibrils there are in each place: tension is in proportion. A table (.csv) \
-         with the header content, a row for each triangle, or x_um,y_um,content, taken as it stands; or a \
-         picture of the same frame as the cell's, taken relative to its mean; relative to this file.",
+        "How many myofibrils there are in each place: tension is in proportion. \"uniform\"; \"picture\", which \
+         takes order times coverage of the fibres that the picture shows, relative to its mean, and nothing where \
+         it shows none; or a file, relative to this one: a table (.csv) with the header content, a row for each \
+         triangle, or x_um,y_um,content, taken as it stands, or a picture of the same frame as the cell's, whose \
+         grey values are taken relative to their mean.",
         Kind::File {
             endings: CONTENT_ENDINGS,
+            words: CONTENT_WORDS,
             example: "content.csv",
-            get: |run| run.myofibril_content.clone(),
-            set: |run, path| run.myofibril_content = Some(path),
+            get: |run| Some(run.myofibril_content.written().to_owned()),
+            set: |run, text| run.myofibril_content = MyofibrilContent::of(text),
         },
     )
-    .otherwise("the same everywhere")
     .option_saying(
         "--myofibril-content",
-        "FILE",
-        "Content of myofibrils by place, to which tension is in proportion: a table (.csv: content, or \
-         x_um,y_um,content) or a picture of the same frame",
-    ),
+        "WHAT",
+        "Content of myofibrils by place, to which tension is in proportion: uniform, picture (as ordered as the \
+         picture shows them), a table (.csv: content, or x_um,y_um,content), or a picture of the same frame",
+    )
+    .alias("--content"),
     Setting::new(
         "mechanics.support",
         "What holds the cell.",

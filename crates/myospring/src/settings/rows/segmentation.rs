@@ -232,6 +232,7 @@ pub(super) const ROWS: &[Setting] = &[
          ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
         Kind::File {
             endings: OUTLINE_ENDINGS,
+            words: &[],
             example: "cell.roi",
             get: |run| run.shape.source.picture()?.outline.clone(),
             set: |run, path| {

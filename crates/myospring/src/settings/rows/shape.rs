@@ -29,6 +29,7 @@ pub(super) const ROWS: &[Setting] = &[
          this file.",
         Kind::File {
             endings: PICTURE_ENDINGS,
+            words: &[],
             example: "cell.png",
             get: |run| run.shape.source.picture().map(|picture| picture.path.clone()),
             set: |run, path| {
@@ -48,6 +49,7 @@ pub(super) const ROWS: &[Setting] = &[
          RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
         Kind::File {
             endings: OUTLINE_ENDINGS,
+            words: &[],
             example: "cell.geojson",
             get: |run| match &run.shape.source {
                 Source::Outline { path, .. } => Some(path.clone()),

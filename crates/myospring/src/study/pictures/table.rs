@@ -322,7 +322,9 @@ impl Line {
             Some(Column::Group) => self.group = Some(value.to_owned()),
             Some(Column::Setting(setting)) => {
                 let mut value = read(setting, value, decimal_commas);
-                if let (true, Value::Text(path)) = (setting.is_file(), &mut value) {
+                if let Value::Text(path) = &mut value
+                    && setting.names_file(path)
+                {
                     let place = folder.join(&*path);
                     *path = place.to_string_lossy().into_owned();
                     self.files.push((place, name.to_owned()));
