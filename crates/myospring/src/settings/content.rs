@@ -408,7 +408,7 @@ mod tests {
         let plane = Plane::new(200, 100, (0..20_000).map(grey).collect()).unwrap();
         let settings = FibreSettings::of(Stain::ZDisc);
         let pixel = PixelSize::new(0.2).unwrap();
-        let field = fibres(&plane, &[true; 20_000], pixel, [1.0, 0.0], &settings).unwrap();
+        let field = fibres(&plane, &vec![true; 20_000], pixel, [1.0, 0.0], &settings).unwrap();
         let mesh = lattice::rectangle(20, 10, 2.0).unwrap();
         let mut read = Fibre::LongAxis.on(&mesh, None).unwrap();
         let error = of_fibres(&read, &mesh).unwrap_err().to_string();

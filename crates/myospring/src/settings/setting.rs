@@ -342,10 +342,9 @@ impl Setting {
             (Kind::Named { set, .. }, Value::Named(values)) => return set(run, values),
             (Kind::Text { set, .. }, Value::Text(text)) => set(run, text),
             (Kind::File { endings, words, set, .. }, Value::Text(path)) => {
-                let checked = match words.contains(&path.as_str()) {
-                    true => Ok(()),
-                    false => check_ending(key, path, endings, words),
-                };
+                let is_word = words.contains(&path.as_str());
+                let checked =
+                    if is_word { Ok(()) } else { check_ending(key, path, endings, words) };
                 checked.map(|()| set(run, path.clone()))
             }
             (Kind::Words { words, set, .. }, Value::Text(word)) => {
