@@ -46,12 +46,6 @@ pub use settings::{COHERENCY_BOUNDS, FibreSettings, SCALES_UM, Stain};
 /// Largest pixel, um: sarcomeres are 1.6 to 2.2 um long, and their stripes need more than two pixels.
 pub const COARSEST_PIXEL_UM: f64 = 0.7;
 
-/// Pixels are put together up to this side, um: the shortest sarcomere has still more than five of them.
-const ENOUGH_UM: f64 = 0.25;
-
-/// The shortest period that pixels show, pixels.
-const LEAST_PIXELS: f64 = 2.5;
-
 /// Why a picture gives no directions.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FibreError {
@@ -158,7 +152,7 @@ pub fn fibres(
         Stain::Filament => (tensor::read(plane, inside, pixel_um, settings), None),
         Stain::ZDisc => {
             let found =
-                stripes_of(plane, inside, pixel_um, settings).ok_or(FibreError::EmptyMask)?;
+                stripes::of_cell(plane, inside, pixel_um, settings).ok_or(FibreError::EmptyMask)?;
             let misfit = misfit::find(plane, inside, pixel_um, settings, &found);
             let readings = found.readings;
             (Some(if misfit.is_some() { readings.emptied() } else { readings }), misfit)
@@ -168,25 +162,6 @@ pub fn fibres(
     // The border between picture and long axis, half as wide as what the directions are means of.
     let border_um = 0.5 * settings.smoothing_um;
     Ok(FibreField::new(readings.ok_or(FibreError::EmptyMask)?, misfit, axis, border_um))
-}
-
-/// The stripes of a cell; `None` where no pixel is the cell.
-fn stripes_of(
-    plane: &Plane,
-    inside: &[bool],
-    pixel_um: f64,
-    settings: &FibreSettings,
-) -> Option<stripes::Stripes> {
-    let side = ((ENOUGH_UM / pixel_um) as usize).max(1);
-    let cut = window::Cut {
-        side,
-        background_um: settings.background_scale_um,
-        rim_um: settings.rim_um,
-        unseen_um: settings.rim_um,
-        frame: 0,
-    };
-    let window = window::Window::cut(plane, inside, pixel_um, &cut)?;
-    Some(stripes::read(&window, LEAST_PIXELS * pixel_um, settings))
 }
 
 fn check(settings: &FibreSettings) -> Result<(), FibreError> {

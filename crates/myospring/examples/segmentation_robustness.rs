@@ -110,8 +110,8 @@ fn coverage(title: &str, start: Scene, draw: Draw) {
         let row: Vec<String> = pixels
             .iter()
             .map(|&pixel_um| {
-                let scene = Scene { field_um, pixel_um, half_width_um, taper, turn_deg, ..start };
-                if field_um / pixel_um > MOST_COLUMNS { "".to_owned() } else { worst(scene, draw) }
+                let scene = Scene { pixel_um, field_um, half_width_um, taper, turn_deg, ..start };
+                if field_um / pixel_um > MOST_COLUMNS { String::new() } else { worst(scene, draw) }
             })
             .collect();
         println!("| {part} | {} |", row.join(" | "));

@@ -73,7 +73,7 @@ pub(super) fn find(
 ) -> Option<Misfit> {
     let share = found.readings.answered_share();
     let at = |scale: f64| {
-        let other = super::stripes_of(plane, inside, pixel_um * scale, settings)?;
+        let other = super::stripes::of_cell(plane, inside, pixel_um * scale, settings)?;
         let share = other.readings.answered_share();
         let period_um = other.period_um? / scale;
         (share >= LEAST_SHARE).then_some((other.power, period_um))

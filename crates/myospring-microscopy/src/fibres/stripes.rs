@@ -13,13 +13,18 @@
 //!    the wave is there at the place itself, not only around it.
 //! 5. The centre of the peak gives angle and period between the samples.
 
+use super::super::plane::Plane;
 use super::grid::{Grid, half_gaussian, median};
 use super::reading::{Reading, Readings};
 use super::settings::FibreSettings;
 use super::spectra::{LONGEST_UM, ORIENTATIONS, RATIO, SHORTEST_UM, Spectra, WINDOW_UM};
-use super::window::Window;
+use super::window::{Cut, Window};
 use std::f64::consts::FRAC_1_SQRT_2;
 
+/// Pixels are put together up to this side, um: the shortest sarcomere has still more than five of them.
+const ENOUGH_UM: f64 = 0.25;
+/// The shortest period that pixels show, pixels.
+const LEAST_PIXELS: f64 = 2.5;
 /// Contrast from which on a peak is one: 98 of 100 places stay below it in pictures of nothing but columns of
 /// myofibrils, all places in pictures of noise.
 const LEAST_CONTRAST: f32 = 8.0;
@@ -63,6 +68,25 @@ pub(super) struct Stripes {
     pub(super) period_um: Option<f64>,
     /// Median over the answers of the wave's power (half the square of its height), in grey levels squared.
     pub(super) power: f32,
+}
+
+/// The stripes of a cell; `None` where no pixel is the cell.
+pub(super) fn of_cell(
+    plane: &Plane,
+    inside: &[bool],
+    pixel_um: f64,
+    settings: &FibreSettings,
+) -> Option<Stripes> {
+    let side = ((ENOUGH_UM / pixel_um) as usize).max(1);
+    let cut = Cut {
+        side,
+        background_um: settings.background_scale_um,
+        rim_um: settings.rim_um,
+        unseen_um: settings.rim_um,
+        frame: 0,
+    };
+    let window = Window::cut(plane, inside, pixel_um, &cut)?;
+    Some(read(&window, LEAST_PIXELS * pixel_um, settings))
 }
 
 /// Looks for stripes whose period is at least `shortest_um`.

@@ -199,12 +199,12 @@ fn the_kind_of_a_picture_does_not_hang_on_how_much_of_the_frame_the_cell_covers(
         let turn_deg = if wide { 0.0 } else { 20.0 };
         for contrast in [1.0, 0.1] {
             let scene = Scene {
-                field_um,
                 pixel_um,
+                field_um,
+                contrast,
                 half_width_um,
                 taper,
                 turn_deg,
-                contrast,
                 ..Scene::default()
             };
             let truth = scene.fluorescence();
