@@ -268,9 +268,10 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
     /// ```
     /// use myospring::mesh::lattice;
     /// let mesh = lattice::rectangle(1, 1, 3.0).unwrap();
-    /// // The lower left half of the square.
-    /// let [x, y] = mesh.centre(&mesh.simplices[0]);
-    /// assert!((x - 1.0).abs() < 1e-12 && (y - 1.0).abs() < 1e-12);
+    /// // Both halves of the square, a third and two thirds of the way across it.
+    /// let mut across: Vec<f64> = mesh.simplices.iter().map(|half| mesh.centre(half)[0]).collect();
+    /// across.sort_by(f64::total_cmp);
+    /// assert!((across[0] - 1.0).abs() < 1e-12 && (across[1] - 2.0).abs() < 1e-12);
     /// ```
     pub fn centre(&self, simplex: &Simplex<N>) -> [f64; D] {
         std::array::from_fn(|axis| {
