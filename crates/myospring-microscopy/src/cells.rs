@@ -6,6 +6,8 @@
 //!                                                      └─▶ .fibres(long axis) ─▶ one direction per triangle
 //! ```
 
+use std::sync::Arc;
+
 use geo::Distance;
 
 use super::fibres::{FibreError, FibreField, FibreSettings, fibres};
@@ -19,6 +21,7 @@ use super::outlines::{
 use super::picture::{PixelSizeSource, Selection};
 use super::plane::Plane;
 use super::read::{PictureError, read_picture};
+use super::region::Window;
 use super::report::{ShapeReport, USUAL_AREAS_UM2, pixels_on_frame, shape_report_of, unusual_area};
 use super::segment::{
     self, Choice, Confidence, Modality, SegmentError, Segmentation, Settings, counted, segment,
@@ -122,7 +125,12 @@ pub struct PictureCells {
 /// Where the cells come from.
 #[derive(Debug, Clone, PartialEq)]
 enum Cells {
-    Found(Segmentation),
+    /// Shared by all copies: they are as large as the picture.
+    Found {
+        found: Arc<Segmentation>,
+        /// The least one around each, by number from 1 on.
+        windows: Vec<Window>,
+    },
     /// Largest first.
     Given(GivenOutlines),
 }
@@ -170,7 +178,8 @@ impl PictureCells {
         settings.smallest_cell_um2 = settings.smallest_cell_um2.min(least);
         let found = segment(&seen.plane, seen.pixel_size, &settings)?;
         seen.notes.extend(found.notes.iter().cloned());
-        seen.cells = Cells::Found(found);
+        let windows = found.windows();
+        seen.cells = Cells::Found { found: Arc::new(found), windows };
         Ok(seen)
     }
 
@@ -239,7 +248,7 @@ impl PictureCells {
     /// How many cells there are.
     pub fn len(&self) -> usize {
         match &self.cells {
-            Cells::Found(found) => found.cells.len(),
+            Cells::Found { found, .. } => found.cells.len(),
             Cells::Given(given) => given.outlines.len(),
         }
     }
@@ -270,7 +279,7 @@ impl PictureCells {
     /// What segmentation found; `None` where outlines were given.
     pub fn segmentation(&self) -> Option<&Segmentation> {
         match &self.cells {
-            Cells::Found(found) => Some(found),
+            Cells::Found { found, .. } => Some(found),
             Cells::Given(_) => None,
         }
     }
@@ -297,13 +306,13 @@ impl PictureCells {
     pub fn cell(&self, choice: Choice, allow_cut: bool) -> Result<PictureCell, CellError> {
         let frame = self.frame()?;
         match &self.cells {
-            Cells::Found(found) => {
+            Cells::Found { found, windows } => {
                 let cell = found.choose(choice, allow_cut)?;
                 if cell.pixels < FEWEST_PIXELS {
                     let segment::Cell { number, pixels, area_um2, .. } = *cell;
                     return Err(CellError::TooSmall { number, pixels, area_um2 });
                 }
-                let mask = found.mask(cell.number)?;
+                let mask = found.mask_within(cell.number, &windows[cell.number as usize - 1])?;
                 let edge =
                     if found.modality == Modality::Mask { Edge::Exact } else { Edge::Smooth };
                 let outline = trace_mask(&mask, edge)?;
@@ -370,7 +379,7 @@ impl PictureCells {
     pub fn outlines(&self) -> Vec<NamedOutline> {
         match &self.cells {
             Cells::Given(given) => given.outlines.clone(),
-            Cells::Found(found) => found
+            Cells::Found { found, .. } => found
                 .cells
                 .iter()
                 .filter_map(|cell| self.cell(Choice::Number(cell.number), true).ok())
@@ -404,7 +413,7 @@ impl PictureCells {
         long_axis: [f64; 2],
         settings: &FibreSettings,
     ) -> Result<FibreField, FibreError> {
-        fibres(&self.plane, cell.mask.inside(), self.pixel_size, long_axis, settings)
+        fibres(&self.plane, &cell.mask.inside(), self.pixel_size, long_axis, settings)
     }
 }
 

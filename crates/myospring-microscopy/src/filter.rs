@@ -21,24 +21,35 @@ pub fn gaussian(plane: &Plane, sigma: f64) -> Plane {
     let (width, height) = (plane.width(), plane.height());
     let weights = gaussian_weights(sigma as f32);
     let reach = weights.len() / 2;
-    let mut along = vec![0.0; width * height];
     let mut continued = vec![0.0; width + 2 * reach];
-    for (sums, row) in along.chunks_exact_mut(width).zip(plane.values().chunks_exact(width)) {
-        continued[..reach].fill(row[0]);
-        continued[reach..][..width].copy_from_slice(row);
-        continued[reach + width..].fill(row[width - 1]);
-        for (shift, &weight) in weights.iter().enumerate() {
-            add(sums, weight, &continued[shift..]);
-        }
-    }
+    // Rows smoothed along, as many as one row of the result takes; the plane's row r stands at r modulo their number.
+    let mut along = vec![0.0; width * weights.len()];
+    let mut next = 0;
     let mut values = vec![0.0; width * height];
     for (row, sums) in values.chunks_exact_mut(width).enumerate() {
+        while next < height && next <= row + reach {
+            let from = &plane.values()[next * width..][..width];
+            continued[..reach].fill(from[0]);
+            continued[reach..][..width].copy_from_slice(from);
+            continued[reach + width..].fill(from[width - 1]);
+            let sums = &mut along[next % weights.len() * width..][..width];
+            sums.fill(0.0);
+            for (shift, &weight) in weights.iter().enumerate() {
+                add(sums, weight, &continued[shift..]);
+            }
+            next += 1;
+        }
         for (shift, &weight) in weights.iter().enumerate() {
             let from = (row + shift).saturating_sub(reach).min(height - 1);
-            add(sums, weight, &along[from * width..]);
+            add(sums, weight, &along[from % weights.len() * width..]);
         }
     }
     Plane::new(width, height, values).unwrap_or_else(|| plane.clone())
+}
+
+/// How many pixels to each side a Gaussian of standard deviation `sigma` pixels looks.
+pub(super) fn reach(sigma: f64) -> usize {
+    (2.0 * sigma).ceil() as usize
 }
 
 /// Adds `weight` times each value to each sum.

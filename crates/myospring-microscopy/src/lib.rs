@@ -15,4 +15,5 @@ pub mod plane;
 pub mod read;
 mod region;
 pub mod report;
+mod runs;
 pub mod segment;

@@ -1,13 +1,17 @@
 //! One plane of a picture: grey values on a grid of pixels.
 
+use std::sync::Arc;
+
 /// Grey values row by row from the top left, as the picture stores them (counts, not stretched).
+///
+/// A copy shares the values, which never change.
 ///
 /// Rows run downward: row 0 is the top of the picture. The y axis of meshes and outlines runs upward.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
     width: usize,
     height: usize,
-    values: Vec<f32>,
+    values: Arc<Vec<f32>>,
 }
 
 impl Plane {
@@ -23,7 +27,7 @@ impl Plane {
     /// ```
     pub fn new(width: usize, height: usize, values: Vec<f32>) -> Option<Self> {
         let fits = width.checked_mul(height) == Some(values.len()) && !values.is_empty();
-        fits.then_some(Self { width, height, values })
+        fits.then(|| Self { width, height, values: Arc::new(values) })
     }
 
     /// Number of columns.
@@ -53,7 +57,8 @@ impl Plane {
     /// The plane with each value changed.
     #[must_use]
     pub fn map(&self, change: impl Fn(f32) -> f32) -> Self {
-        Self { values: self.values.iter().map(|&value| change(value)).collect(), ..*self }
+        let values = self.values.iter().map(|&value| change(value)).collect();
+        Self { values: Arc::new(values), ..*self }
     }
 
     /// Smallest and largest finite value; both 0 where there is none.

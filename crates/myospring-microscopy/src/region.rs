@@ -5,6 +5,10 @@ use std::ops::Range;
 use super::dilation::{Norm, dilated, eroded};
 use super::filter;
 use super::plane::Plane;
+use super::runs::{Run, runs};
+
+/// Rows that are smoothed at a time.
+const BAND: usize = 64;
 
 /// A set of pixels of a picture, row by row from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,10 +50,20 @@ impl Island {
         Self { pixels: 0, columns: [width, 0], rows: [height, 0] }
     }
 
-    fn add(&mut self, column: usize, row: usize) {
-        self.pixels += 1;
-        self.columns = [self.columns[0].min(column), self.columns[1].max(column)];
-        self.rows = [self.rows[0].min(row), self.rows[1].max(row)];
+    fn add(&mut self, run: &Run) {
+        self.pixels += run.to - run.from;
+        self.columns = [self.columns[0].min(run.from), self.columns[1].max(run.to - 1)];
+        self.rows = [self.rows[0].min(run.row), self.rows[1].max(run.row)];
+    }
+
+    /// Those that runs in a picture of this size make.
+    fn list(runs: &[Run], width: usize, height: usize) -> Vec<Self> {
+        let count = runs.iter().map(|run| run.island + 1).max().unwrap_or(0);
+        let mut list = vec![Self::none(width, height); count];
+        for run in runs {
+            list[run.island].add(run);
+        }
+        list
     }
 
     /// Length of the diagonal of its box, pixels.
@@ -68,9 +82,10 @@ impl Island {
 }
 
 /// A rectangle of pixels.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Window {
-    columns: Range<usize>,
-    rows: Range<usize>,
+    pub(super) columns: Range<usize>,
+    pub(super) rows: Range<usize>,
 }
 
 impl Window {
@@ -217,10 +232,18 @@ impl Region {
 
     /// On a grid of pixels of which `factor` x `factor` make one of this region's.
     pub(super) fn spread(&self, factor: usize, width: usize, height: usize) -> Self {
-        let at = |pixel: usize| {
-            self.inside[pixel / width / factor * self.width + pixel % width / factor]
-        };
-        Self::new(width, height, (0..width * height).map(at))
+        let mut inside = vec![false; width * height];
+        let blocks = self.inside.chunks_exact(self.width);
+        for (rows, blocks) in inside.chunks_mut(factor * width).zip(blocks) {
+            let (first, others) = rows.split_at_mut(width);
+            for (pixels, &block) in first.chunks_mut(factor).zip(blocks) {
+                pixels.fill(block);
+            }
+            for row in others.chunks_exact_mut(width) {
+                row.copy_from_slice(first);
+            }
+        }
+        Self { width, height, inside }
     }
 
     /// On pixels that are `ratio` times as wide as this region's.
@@ -269,8 +292,8 @@ impl Region {
     pub(super) fn window(&self, margin: usize, block: usize) -> Window {
         let (width, height) = (self.width(), self.height());
         let mut all = Island::none(width, height);
-        for (at, _) in self.inside().enumerate().filter(|(_, inside)| *inside) {
-            all.add(at % width, at / width);
+        for run in self.runs(Connectivity::Eight) {
+            all.add(&run);
         }
         match all.pixels {
             0 => Window { columns: 0..width, rows: 0..height },
@@ -282,7 +305,7 @@ impl Region {
     /// one.
     pub(super) fn windows(&self, margin: usize) -> Vec<Window> {
         let size = [self.width(), self.height()];
-        let islands = self.islands(Connectivity::Eight).list;
+        let islands = Island::list(&self.runs(Connectivity::Eight), size[0], size[1]);
         let around = |island: &Island| Window::around(island, margin, 1, size);
         let mut windows: Vec<Window> = islands.iter().map(around).collect();
         loop {
@@ -334,85 +357,79 @@ impl Region {
 
     /// Every hole of at most `most` pixels filled: what is outside and does not reach the picture's rim.
     pub(super) fn filled(&self, most: usize) -> Self {
-        let outside = Self::new(self.width(), self.height(), self.inside().map(|is| !is));
-        let islands = outside.islands(Connectivity::Four);
         let (width, height) = (self.width(), self.height());
-        let fill: Vec<bool> = islands
-            .list
-            .iter()
-            .map(|island| island.sides(width, height) == 0 && island.pixels <= most)
-            .collect();
-        let inside = islands.numbers.iter().map(|&n| n == 0 || fill[n as usize - 1]);
-        Self::new(width, height, inside)
+        let outside = |at: usize| (!self.inside[at]).then_some(());
+        let runs = runs(width, height, outside, false);
+        let islands = Island::list(&runs, width, height);
+        let is_hole = |island: &Island| island.sides(width, height) == 0 && island.pixels <= most;
+        let mut filled = self.clone();
+        for run in runs.iter().filter(|run| is_hole(&islands[run.island])) {
+            filled.inside[run.row * width..][run.from..run.to].fill(true);
+        }
+        filled
     }
 
     /// The rim smoothed: where a Gaussian of `sigma` pixels over the region exceeds one half.
     pub(super) fn smoothed(&self, sigma: f64) -> Self {
-        let values = self.inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
-        match Plane::new(self.width(), self.height(), values) {
-            Some(plane) if sigma >= 0.3 => {
-                let smooth = filter::gaussian(&plane, sigma);
-                Self::new(self.width(), self.height(), smooth.values().iter().map(|&v| v > 0.5))
-            }
-            _ => self.clone(),
+        if sigma < 0.3 {
+            return self.clone();
         }
+        let mut smooth = Self::new(self.width, self.height, std::iter::empty());
+        let margin = filter::reach(sigma);
+        // In bands, since numbers take four times the memory and most of a picture is all outside.
+        for first in (0..self.height).step_by(BAND) {
+            let last = (first + BAND).min(self.height);
+            let rows = first.saturating_sub(margin)..(last + margin).min(self.height);
+            let pixels = &self.inside[rows.start * self.width..rows.end * self.width];
+            if !pixels.contains(&true) {
+                continue;
+            }
+            let values = pixels.iter().map(|&is| if is { 1.0 } else { 0.0 }).collect();
+            let Some(plane) = Plane::new(self.width, rows.len(), values) else { continue };
+            let plane = filter::gaussian(&plane, sigma);
+            let values = &plane.values()[(first - rows.start) * self.width..];
+            let pixels = &mut smooth.inside[first * self.width..last * self.width];
+            for (pixel, &value) in pixels.iter_mut().zip(values) {
+                *pixel = value > 0.5;
+            }
+        }
+        smooth
+    }
+
+    /// The runs of the region, with the islands that they make.
+    fn runs(&self, connectivity: Connectivity) -> Vec<Run> {
+        let kind = |at: usize| self.inside[at].then_some(());
+        runs(self.width, self.height, kind, connectivity == Connectivity::Eight)
     }
 
     /// Numbers the islands, in the order of their first pixels.
-    ///
-    /// Pixel by pixel from one to its neighbours: crests are few, and a forest of all pixels of a picture takes
-    /// longer than they do.
     pub(super) fn islands(&self, connectivity: Connectivity) -> Islands {
-        self.islands_where(connectivity, |_, _| true)
+        self.numbered(&self.runs(connectivity))
     }
 
-    /// The same, where only those pixels that touch hang together of which `joined` says so.
-    pub(super) fn islands_where(
-        &self,
-        connectivity: Connectivity,
-        joined: impl Fn(usize, usize) -> bool,
-    ) -> Islands {
-        let (width, height) = (self.width(), self.height());
-        let sides: &[[isize; 2]] = &[[-1, 0], [1, 0], [0, -1], [0, 1]];
-        let corners: &[[isize; 2]] = &[[-1, -1], [1, -1], [-1, 1], [1, 1]];
-        let around = match connectivity {
-            Connectivity::Four => sides.to_vec(),
-            Connectivity::Eight => [sides, corners].concat(),
-        };
+    /// The same, where only pixels of the same mark hang together.
+    pub(super) fn islands_of_marks(&self, connectivity: Connectivity, marks: &[u32]) -> Islands {
+        let kind = |at: usize| self.inside[at].then(|| marks[at]);
+        self.numbered(&runs(self.width, self.height, kind, connectivity == Connectivity::Eight))
+    }
+
+    fn numbered(&self, runs: &[Run]) -> Islands {
         let mut numbers = vec![0_u32; self.pixels()];
-        let mut list: Vec<Island> = Vec::new();
-        let mut open = Vec::new();
-        for first in 0..self.pixels() {
-            if !self.contains(first) || numbers[first] != 0 {
-                continue;
-            }
-            let number = list.len() as u32 + 1;
-            let mut island = Island::none(width, height);
-            numbers[first] = number;
-            open.push([first % width, first / width]);
-            while let Some([column, row]) = open.pop() {
-                island.add(column, row);
-                for [right, down] in &around {
-                    let (x, y) =
-                        (column.wrapping_add_signed(*right), row.wrapping_add_signed(*down));
-                    let at = y.wrapping_mul(width).wrapping_add(x);
-                    let free = x < width && y < height && numbers[at] == 0 && self.contains(at);
-                    if free && joined(row * width + column, at) {
-                        numbers[at] = number;
-                        open.push([x, y]);
-                    }
-                }
-            }
-            list.push(island);
+        for run in runs {
+            numbers[run.row * self.width..][run.from..run.to].fill(run.island as u32 + 1);
         }
-        Islands { numbers, list }
+        Islands { numbers, list: Island::list(runs, self.width, self.height) }
     }
 
     /// The islands for which `keep` says so.
     pub(super) fn kept(&self, connectivity: Connectivity, keep: impl Fn(&Island) -> bool) -> Self {
-        let islands = self.islands(connectivity);
-        let kept: Vec<bool> = islands.list.iter().map(keep).collect();
-        let inside = islands.numbers.iter().map(|&n| n != 0 && kept[n as usize - 1]);
-        Self::new(self.width(), self.height(), inside)
+        let runs = self.runs(connectivity);
+        let islands = Island::list(&runs, self.width, self.height);
+        let kept: Vec<bool> = islands.iter().map(keep).collect();
+        let mut region = Self::new(self.width, self.height, std::iter::empty());
+        for run in runs.iter().filter(|run| kept[run.island]) {
+            region.inside[run.row * self.width..][run.from..run.to].fill(true);
+        }
+        region
     }
 }

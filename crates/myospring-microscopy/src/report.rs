@@ -7,7 +7,7 @@ use geo::{Area, ConvexHull};
 use serde::Serialize;
 
 use super::outlines::PixelFrame;
-use super::outlines::raster::pixels;
+use super::outlines::raster::within;
 use super::segment::Confidence;
 use myospring_core::mesh::outline::Outline;
 use myospring_core::mesh::quality::{Dimensions, outline_dimensions, write_report};
@@ -122,13 +122,18 @@ pub fn unusual_area(area_um2: f64, [least, most]: [f64; 2]) -> Option<String> {
 }
 
 pub(super) fn pixels_on_frame(outline: &Outline, frame: &PixelFrame) -> usize {
-    let inside = pixels(outline, frame);
     let (last_column, last_row) = (frame.width() - 1, frame.height() - 1);
-    let on_frame = |index: usize| {
-        let (column, row) = (index % frame.width(), index / frame.width());
-        column == 0 || column == last_column || row == 0 || row == last_row
-    };
-    inside.iter().enumerate().filter(|&(index, &inside)| inside && on_frame(index)).count()
+    let mut count = 0;
+    within(outline, frame, |row, columns| {
+        count += if row == 0 || row == last_row {
+            columns.len()
+        } else {
+            // A picture of one column has one side.
+            let right = columns.end == last_column + 1 && last_column > 0;
+            usize::from(columns.start == 0) + usize::from(right)
+        };
+    });
+    count
 }
 
 fn warnings(

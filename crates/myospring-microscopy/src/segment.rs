@@ -35,9 +35,9 @@ pub use confidence::Confidence;
 
 use super::filter;
 use super::plane::Plane;
-use super::region::{Connectivity, Islands, Region};
+use super::region::{Connectivity, Islands, Region, Window};
 use confidence::Candidate;
-use myospring_core::mesh::mask::{Mask, MaskError};
+use myospring_core::mesh::mask::{Mask, MaskError, Part};
 use myospring_core::mesh::pixel_size::PixelSize;
 use parting::{Doubt, Parting, Seen};
 
@@ -405,13 +405,40 @@ impl Segmentation {
     /// # Errors
     /// No cell of that number.
     pub fn mask(&self, number: u32) -> Result<Mask, SegmentError> {
+        self.mask_within(number, &Window { columns: 0..self.width, rows: 0..self.height })
+    }
+
+    /// [`Segmentation::mask`] of a cell whose pixels all lie in a window.
+    pub(super) fn mask_within(&self, number: u32, window: &Window) -> Result<Mask, SegmentError> {
+        let numbers = window.cut(&self.numbers, self.width);
         let inside: Vec<bool> =
-            self.numbers.iter().map(|&other| number != 0 && other == number).collect();
+            numbers.into_iter().map(|other| number != 0 && other == number).collect();
         if !inside.contains(&true) {
             let cells = counted(self.cells.len());
             return Err(SegmentError::NoSuchCell { number, cells });
         }
-        Ok(Mask::new(self.width, self.height, self.pixel_size, inside)?)
+        let (left, top, width) = (window.columns.start, window.rows.start, window.width());
+        let part = Part { left, top, width, inside };
+        Ok(Mask::of_part(self.width, self.height, self.pixel_size, part)?)
+    }
+
+    /// The least window around each cell, by number from 1 on.
+    pub(super) fn windows(&self) -> Vec<Window> {
+        let most = self.cells.iter().map(|cell| cell.number as usize).max().unwrap_or(0);
+        let mut windows = vec![Window { columns: 0..0, rows: 0..0 }; most];
+        for (row, numbers) in self.numbers.chunks_exact(self.width).enumerate() {
+            for (column, &number) in numbers.iter().enumerate().filter(|(_, number)| **number != 0)
+            {
+                if let Some(Window { columns, rows }) = windows.get_mut(number as usize - 1) {
+                    if rows.start == rows.end {
+                        (*columns, *rows) = (column..column + 1, row..row + 1);
+                    }
+                    *columns = columns.start.min(column)..columns.end.max(column + 1);
+                    rows.end = row + 1;
+                }
+            }
+        }
+        windows
     }
 }
 
@@ -443,8 +470,10 @@ impl Found<'_> {
         for (number, &island) in (1..).zip(&order) {
             renumbered[island + 1] = number;
         }
-        let numbers: Vec<u32> =
-            islands.numbers.iter().map(|&number| renumbered[number as usize]).collect();
+        let mut numbers = islands.numbers;
+        for number in &mut numbers {
+            *number = renumbered[*number as usize];
+        }
         let mut pixels = vec![Vec::new(); order.len()];
         for (at, &number) in (0..).zip(&numbers) {
             if number > 0 {
@@ -485,7 +514,7 @@ impl Found<'_> {
     fn islands(&self, parting: &Parting, width: usize, height: usize) -> Islands {
         let region = self.on_plane(width, height);
         match parting.marks(&region, self.factor) {
-            Some(marks) => region.islands_where(Connectivity::Four, |a, b| marks[a] == marks[b]),
+            Some(marks) => region.islands_of_marks(Connectivity::Four, &marks),
             None => region.islands(Connectivity::Four),
         }
     }

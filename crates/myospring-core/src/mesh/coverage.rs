@@ -69,11 +69,14 @@ impl Source for Mask {
     }
 
     fn coverage(&self, grid: &Grid) -> Vec<f64> {
-        // Integral image, row 0 at the bottom: sums[y][x] = pixels of the cell left of x, below y.
-        let (width, height) = (self.width(), self.height());
+        // Integral image of the box around the cell, row 0 at the bottom: sums[y][x] = pixels of the cell left of x,
+        // below y.
+        let part = self.part();
+        let (width, height) = (part.width, part.height());
+        let bottom = self.height() - part.top - height;
         let stride = width + 1;
         let mut sums = vec![0_u32; stride * (height + 1)];
-        for (y, row) in self.inside().chunks_exact(width).rev().enumerate() {
+        for (y, row) in part.inside.chunks_exact(width).rev().enumerate() {
             let mut along = 0;
             for (x, &inside) in row.iter().enumerate() {
                 along += u32::from(inside);
@@ -82,17 +85,17 @@ impl Source for Mask {
         }
         // The integral at a point within a pixel: bilinear, since pixels are constant.
         let scale = 1.0 / self.pixel_size().um();
-        let place = |at: f64, limit: usize| {
-            let at = (at * scale).clamp(0.0, limit as f64);
+        let place = |at: f64, first: usize, limit: usize| {
+            let at = (at * scale - first as f64).clamp(0.0, limit as f64);
             let cell = (at as usize).min(limit - 1);
             (cell, at - cell as f64)
         };
         let corner_row = |j: usize| -> Vec<f64> {
-            let (y, fy) = place(grid.origin[1] + grid.spacing * j as f64, height);
+            let (y, fy) = place(grid.origin[1] + grid.spacing * j as f64, bottom, height);
             let along = |x: usize, row: usize| f64::from(sums[row * stride + x]);
             (0..=grid.columns)
                 .map(|i| {
-                    let (x, fx) = place(grid.origin[0] + grid.spacing * i as f64, width);
+                    let (x, fx) = place(grid.origin[0] + grid.spacing * i as f64, part.left, width);
                     (1.0 - fy) * ((1.0 - fx) * along(x, y) + fx * along(x + 1, y))
                         + fy * ((1.0 - fx) * along(x, y + 1) + fx * along(x + 1, y + 1))
                 })
@@ -114,12 +117,13 @@ impl Source for Mask {
 
 /// Lower left corners of the cell's pixels, in pixels from the picture's lower left corner.
 fn pixels_up(mask: &Mask) -> impl Iterator<Item = [f64; 2]> + '_ {
-    let (width, height) = (mask.width(), mask.height());
-    mask.inside()
+    let part = mask.part();
+    let up = mask.height() - 1 - part.top;
+    part.inside
         .iter()
         .enumerate()
         .filter(|&(_, &inside)| inside)
-        .map(move |(index, _)| [(index % width) as f64, (height - 1 - index / width) as f64])
+        .map(move |(at, _)| [(part.left + at % part.width) as f64, (up - at / part.width) as f64])
 }
 
 impl Source for Outline {

@@ -41,13 +41,53 @@ pub enum MaskError {
 
 /// Which pixels of a picture are the cell; row 0 is the top of the picture.
 ///
-/// At least one pixel is the cell and at least one is not.
+/// At least one pixel is the cell and at least one is not. Only the box around the cell is kept, so that a cell
+/// costs what it covers, however large the picture is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mask {
     width: usize,
     height: usize,
     pixel_size: PixelSize,
-    inside: Vec<bool>,
+    part: Part,
+}
+
+/// The least box of pixels that holds a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// First column of the picture in it.
+    pub left: usize,
+    /// First row.
+    pub top: usize,
+    /// Number of columns.
+    pub width: usize,
+    /// Row by row from its top left: is this pixel the cell?
+    pub inside: Vec<bool>,
+}
+
+impl Part {
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.inside.len() / self.width.max(1)
+    }
+
+    /// Without rows and columns at its sides that hold nothing; `None` if there is nothing in it.
+    fn cropped(self) -> Option<Self> {
+        let rows = || self.inside.chunks_exact(self.width.max(1));
+        let holds = |row: &[bool]| row.contains(&true);
+        let first = rows().position(holds)?;
+        let last = rows().rposition(holds)?;
+        let (mut left, mut right) = (self.width, 0);
+        for row in rows().take(last + 1).skip(first) {
+            left = row.iter().take(left).position(|&is| is).unwrap_or(left);
+            right = row.iter().rposition(|&is| is).map_or(right, |at| right.max(at + 1));
+        }
+        if (first, last + 1, left, right) == (0, self.height(), 0, self.width) {
+            return Some(self);
+        }
+        let inside = rows().take(last + 1).skip(first).flat_map(|row| &row[left..right]);
+        let inside = inside.copied().collect();
+        Some(Self { left: self.left + left, top: self.top + first, width: right - left, inside })
+    }
 }
 
 /// What [`Mask::largest_part`] left out.
@@ -81,13 +121,39 @@ impl Mask {
         if width.checked_mul(height) != Some(inside.len()) {
             return Err(MaskError::Shape { width, height, found: inside.len() });
         }
-        if inside.iter().all(|&pixel| !pixel) {
-            return Err(MaskError::Empty { width, height });
+        Self::of_part(width, height, pixel_size, Part { left: 0, top: 0, width, inside })
+    }
+
+    /// Makes a mask of `width` x `height` pixels of which all that are the cell lie in `part`.
+    ///
+    /// # Errors
+    /// A part that is no box within the picture, an empty mask, or one without background.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::{mask::{Mask, Part}, pixel_size::PixelSize};
+    /// let part = Part { left: 2, top: 1, width: 2, inside: vec![true, false] };
+    /// let mask = Mask::of_part(4, 2, PixelSize::new(0.5)?, part)?;
+    /// assert_eq!(mask.inside(), [false, false, false, false, false, false, true, false]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_part(
+        width: usize,
+        height: usize,
+        pixel_size: PixelSize,
+        part: Part,
+    ) -> Result<Self, MaskError> {
+        let found = part.inside.len();
+        let (right, bottom) =
+            (part.left.saturating_add(part.width), part.top.saturating_add(part.height()));
+        if part.width * part.height() != found || right > width || bottom > height {
+            return Err(MaskError::Shape { width, height, found });
         }
-        if inside.iter().all(|&pixel| pixel) {
+        let part = part.cropped().ok_or(MaskError::Empty { width, height })?;
+        if part.inside.len() == width * height && part.inside.iter().all(|&pixel| pixel) {
             return Err(MaskError::Full { width, height });
         }
-        Ok(Self { width, height, pixel_size, inside })
+        Ok(Self { width, height, pixel_size, part })
     }
 
     /// Number of columns.
@@ -105,14 +171,24 @@ impl Mask {
         self.pixel_size
     }
 
-    /// Row by row from the top left: is this pixel the cell?
-    pub fn inside(&self) -> &[bool] {
-        &self.inside
+    /// The box that holds the cell.
+    pub fn part(&self) -> &Part {
+        &self.part
+    }
+
+    /// All pixels of the picture, row by row from the top left: is this pixel the cell?
+    pub fn inside(&self) -> Vec<bool> {
+        let Part { left, top, width, inside } = &self.part;
+        let mut all = vec![false; self.width * self.height];
+        for (row, values) in inside.chunks_exact(*width).enumerate() {
+            all[(top + row) * self.width + left..][..*width].copy_from_slice(values);
+        }
+        all
     }
 
     /// Number of pixels that are the cell.
     pub fn cell_pixels(&self) -> usize {
-        self.inside.iter().filter(|&&pixel| pixel).count()
+        self.part.inside.iter().filter(|&&pixel| pixel).count()
     }
 
     /// Area of the cell, um^2.
@@ -122,10 +198,11 @@ impl Mask {
 
     /// Whether the cell reaches the first or last row or column: it may be cut by the frame.
     pub fn touches_frame(&self) -> bool {
-        let (width, last_row) = (self.width, (self.height - 1) * self.width);
-        self.inside[..width].iter().any(|&pixel| pixel)
-            || self.inside[last_row..].iter().any(|&pixel| pixel)
-            || self.inside.chunks_exact(width).any(|row| row[0] || row[width - 1])
+        let Part { left, top, width, .. } = self.part;
+        left == 0
+            || top == 0
+            || left + width == self.width
+            || top + self.part.height() == self.height
     }
 
     /// The largest island of pixels that touch by a side or a corner, and what was left out.
@@ -133,11 +210,13 @@ impl Mask {
     /// Of two islands of one size, the one that comes first from the top is kept.
     pub fn largest_part(&self) -> (Self, Dropped) {
         const NONE: u32 = u32::MAX;
-        let mut island = vec![NONE; self.inside.len()];
+        let Part { width, inside, .. } = &self.part;
+        let (width, height) = (*width, self.part.height());
+        let mut island = vec![NONE; inside.len()];
         let mut sizes: Vec<usize> = Vec::new();
         let mut stack = Vec::new();
-        for start in 0..self.inside.len() {
-            if !self.inside[start] || island[start] != NONE {
+        for start in 0..inside.len() {
+            if !inside[start] || island[start] != NONE {
                 continue;
             }
             let name = sizes.len() as u32;
@@ -146,11 +225,11 @@ impl Mask {
             stack.push(start);
             while let Some(pixel) = stack.pop() {
                 size += 1;
-                let (row, column) = (pixel / self.width, pixel % self.width);
-                for y in row.saturating_sub(1)..(row + 2).min(self.height) {
-                    for x in column.saturating_sub(1)..(column + 2).min(self.width) {
-                        let other = y * self.width + x;
-                        if self.inside[other] && island[other] == NONE {
+                let (row, column) = (pixel / width, pixel % width);
+                for y in row.saturating_sub(1)..(row + 2).min(height) {
+                    for x in column.saturating_sub(1)..(column + 2).min(width) {
+                        let other = y * width + x;
+                        if inside[other] && island[other] == NONE {
                             island[other] = name;
                             stack.push(other);
                         }
@@ -165,8 +244,14 @@ impl Mask {
             components: sizes.len().saturating_sub(1),
             pixels: sizes.iter().sum::<usize>() - largest,
         };
+        if sizes.len() == 1 {
+            return (self.clone(), dropped);
+        }
         let inside = island.into_iter().map(|name| name == kept).collect();
-        (Self { inside, ..*self }, dropped)
+        let part = Part { inside, ..self.part };
+        // The largest island has a pixel.
+        let part = part.cropped().unwrap_or_else(|| self.part.clone());
+        (Self { part, ..*self }, dropped)
     }
 }
 

@@ -5,7 +5,7 @@
 //! pixel small all round. So the pixels are filled and traced, and the outline is that of Cellpose's
 //! own mask, without its holes.
 
-use super::raster::{check_any, fill, pixels};
+use super::raster::{fill, no_pixel, part};
 use super::trace::{follow, trace};
 use super::{
     CoordinateUnit, MOST_OUTLINES, MOST_POINTS, NamedOutline, OutlineFileError, OutlineWriteError,
@@ -122,16 +122,18 @@ pub fn write_cellpose(
 ) -> Result<String, OutlineWriteError> {
     let mut text = String::new();
     for cell in cells {
-        let inside = pixels(&cell.outline, frame);
-        check_any(cell, frame, &inside)?;
-        let (width, height) = (frame.width().cast_signed(), frame.height().cast_signed());
+        let part = part(&cell.outline, frame).ok_or_else(|| no_pixel(cell, frame))?;
+        let [left, top] = [part.left, part.top].map(usize::cast_signed);
+        let (width, height) = (part.width.cast_signed(), part.height().cast_signed());
         let within = |x: isize, y: isize| {
+            let (x, y) = (x - left, y - top);
             (0..width).contains(&x)
                 && (0..height).contains(&y)
-                && inside[y as usize * frame.width() + x as usize]
+                && part.inside[y as usize * part.width + x as usize]
         };
-        let first = inside.iter().position(|&inside| inside).unwrap_or(0);
-        let start = [first % frame.width(), first / frame.width()].map(usize::cast_signed);
+        let first = part.inside.iter().position(|&inside| inside).unwrap_or(0);
+        let start =
+            [left + (first % part.width).cast_signed(), top + (first / part.width).cast_signed()];
         let mut chain: Vec<[isize; 2]> = Vec::new();
         follow(start, within, |step| chain.push(step.pixel));
         chain.dedup();

@@ -1,9 +1,11 @@
 //! Outlines to pixels: masks and label pictures.
 
+use std::ops::Range;
+
 use png::{BitDepth, ColorType, Compression, Encoder};
 
 use super::{NamedOutline, OutlineWriteError, PixelFrame};
-use myospring_core::mesh::mask::{Mask, MaskError};
+use myospring_core::mesh::mask::{Mask, MaskError, Part};
 use myospring_core::mesh::outline::Outline;
 
 /// Most labels that a 16-bit picture can tell apart.
@@ -27,21 +29,55 @@ const MOST_LABELS: usize = 65_535;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn rasterise(outline: &Outline, frame: &PixelFrame) -> Result<Mask, MaskError> {
-    Mask::new(frame.width(), frame.height(), frame.pixel_size(), pixels(outline, frame))
+    let (width, height) = (frame.width(), frame.height());
+    let part = part(outline, frame).ok_or(MaskError::Empty { width, height })?;
+    Mask::of_part(width, height, frame.pixel_size(), part)
 }
 
-/// As [`rasterise`], empty and full ones included.
-pub(crate) fn pixels(outline: &Outline, frame: &PixelFrame) -> Vec<bool> {
+/// The box of pixels whose centres lie within an outline; `None` if there are none.
+pub(super) fn part(outline: &Outline, frame: &PixelFrame) -> Option<Part> {
+    let mut spans = Vec::new();
+    within(outline, frame, |row, columns| spans.push((row, columns)));
+    // Rows come from the top.
+    let (top, last) = (spans.first()?.0, spans.last()?.0);
+    let left = spans.iter().map(|(_, columns)| columns.start).min()?;
+    let width = spans.iter().map(|(_, columns)| columns.end).max()? - left;
+    let mut inside = vec![false; width * (last + 1 - top)];
+    for (row, columns) in spans {
+        inside[(row - top) * width..][columns.start - left..columns.end - left].fill(true);
+    }
+    Some(Part { left, top, width, inside })
+}
+
+/// The pixels of a picture whose centres lie within an outline: rows from the top, each with ranges of columns, none
+/// of which is empty.
+pub(crate) fn within(
+    outline: &Outline,
+    frame: &PixelFrame,
+    visit: impl FnMut(usize, Range<usize>),
+) {
     let rings: Vec<Vec<[f64; 2]>> = outline
         .rings()
         .map(|ring| ring.iter().map(|&point| frame.to_pixels(point)).collect())
         .collect();
-    fill(&rings, frame.width(), frame.height())
+    spans(&rings, frame.width(), frame.height(), visit);
 }
 
 /// Pixels whose centres lie within rings in pixels, by the even-odd rule: row by row, the centres
 /// between the first and second crossing of the row with an edge, the third and fourth, and so on.
 pub(super) fn fill(rings: &[Vec<[f64; 2]>], width: usize, height: usize) -> Vec<bool> {
+    let mut inside = vec![false; width * height];
+    spans(rings, width, height, |row, columns| inside[row * width..][columns].fill(true));
+    inside
+}
+
+/// [`fill`] as ranges of columns, row by row from the top; none is empty.
+fn spans(
+    rings: &[Vec<[f64; 2]>],
+    width: usize,
+    height: usize,
+    mut visit: impl FnMut(usize, Range<usize>),
+) {
     /// An edge from its first row on: where it crosses the row, and how far that moves per row.
     struct Edge {
         first: usize,
@@ -62,11 +98,12 @@ pub(super) fn fill(rings: &[Vec<[f64; 2]>], width: usize, height: usize) -> Vec<
         .collect();
     edges.sort_by_key(|edge| edge.first);
 
-    let mut inside = vec![false; width * height];
     let mut waiting = edges.iter().peekable();
     let mut active: Vec<&Edge> = Vec::new();
     let mut crossings: Vec<f64> = Vec::new();
-    for (row, pixels) in inside.chunks_exact_mut(width).enumerate() {
+    let first = edges.first().map_or(height, |edge| edge.first);
+    let end = edges.iter().map(|edge| edge.end).max().unwrap_or(0);
+    for row in first..end {
         active.retain(|edge| edge.end > row);
         while let Some(edge) = waiting.next_if(|edge| edge.first == row) {
             active.push(edge);
@@ -81,11 +118,10 @@ pub(super) fn fill(rings: &[Vec<[f64; 2]>], width: usize, height: usize) -> Vec<
             let column = |x: f64| (x - 0.5).ceil().clamp(0.0, width as f64) as usize;
             let (from, to) = (column(pair[0]), column(pair[1]));
             if from < to {
-                pixels[from..to].fill(true);
+                visit(row, from..to);
             }
         }
     }
-    inside
 }
 
 /// Writes the pixels of an outline as an 8-bit PNG: 255 within, 0 outside.
@@ -109,9 +145,8 @@ pub fn write_mask_png(
     cell: &NamedOutline,
     frame: &PixelFrame,
 ) -> Result<Vec<u8>, OutlineWriteError> {
-    let inside = pixels(&cell.outline, frame);
-    check_any(cell, frame, &inside)?;
-    let pixels: Vec<u8> = inside.into_iter().map(|inside| u8::from(inside) * 255).collect();
+    let mut pixels = vec![0; frame.width() * frame.height()];
+    paint(cell, frame, &mut pixels, 255)?;
     encode(frame, BitDepth::Eight, &pixels)
 }
 
@@ -139,17 +174,17 @@ pub fn write_labels_png(
     if found > MOST_LABELS {
         return Err(OutlineWriteError::TooMany { found, bound: MOST_LABELS });
     }
-    let mut labels = vec![0_u16; frame.width() * frame.height()];
-    for (index, cell) in cells.iter().enumerate() {
-        let inside = pixels(&cell.outline, frame);
-        check_any(cell, frame, &inside)?;
-        for (label, _) in labels.iter_mut().zip(inside).filter(|(_, inside)| *inside) {
-            *label = (index + 1) as u16;
+    let size = frame.width() * frame.height();
+    if u8::try_from(found).is_ok() {
+        let mut labels = vec![0_u8; size];
+        for (label, cell) in (1..=u8::MAX).zip(cells) {
+            paint(cell, frame, &mut labels, label)?;
         }
+        return encode(frame, BitDepth::Eight, &labels);
     }
-    let narrow: Result<Vec<u8>, _> = labels.iter().map(|&label| u8::try_from(label)).collect();
-    if let Ok(narrow) = narrow {
-        return encode(frame, BitDepth::Eight, &narrow);
+    let mut labels = vec![0_u16; size];
+    for (label, cell) in (1..=u16::MAX).zip(cells) {
+        paint(cell, frame, &mut labels, label)?;
     }
     let wide: Vec<u8> = labels.into_iter().flat_map(u16::to_be_bytes).collect();
     encode(frame, BitDepth::Sixteen, &wide)
@@ -176,18 +211,27 @@ fn encode(
     }
 }
 
-pub(super) fn check_any(
+/// Gives the pixels within an outline a value.
+fn paint<Value: Copy>(
     cell: &NamedOutline,
     frame: &PixelFrame,
-    inside: &[bool],
+    pixels: &mut [Value],
+    value: Value,
 ) -> Result<(), OutlineWriteError> {
-    if inside.contains(&true) {
-        return Ok(());
-    }
-    Err(OutlineWriteError::NoPixel {
+    let mut any = false;
+    within(&cell.outline, frame, |row, columns| {
+        pixels[row * frame.width()..][columns].fill(value);
+        any = true;
+    });
+    if any { Ok(()) } else { Err(no_pixel(cell, frame)) }
+}
+
+/// That an outline covers no pixel of the picture.
+pub(super) fn no_pixel(cell: &NamedOutline, frame: &PixelFrame) -> OutlineWriteError {
+    OutlineWriteError::NoPixel {
         name: cell.name.clone(),
         width: frame.width(),
         height: frame.height(),
         pixel_size: frame.pixel_size(),
-    })
+    }
 }

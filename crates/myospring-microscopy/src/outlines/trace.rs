@@ -73,8 +73,13 @@ pub enum TraceError {
 /// assert_eq!(exact.perimeter(), 98.0);
 /// ```
 pub fn trace_mask(mask: &Mask, edge: Edge) -> Result<Outline, TraceError> {
-    let (part, _) = mask.largest_part();
-    let mut rings = trace(part.width(), part.height(), part.inside())?;
+    let (largest, _) = mask.largest_part();
+    let part = largest.part();
+    let mut rings = trace(part.width, part.height(), &part.inside)?;
+    let corner = [part.left as f64, part.top as f64];
+    for point in rings.iter_mut().flatten() {
+        *point = [point[0] + corner[0], point[1] + corner[1]];
+    }
     let frame = PixelFrame::of(mask);
     let found = rings.len().saturating_sub(1);
     if found > MOST_HOLES {
