@@ -268,10 +268,10 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
     /// ```
     /// use myospring::mesh::lattice;
     /// let mesh = lattice::rectangle(1, 1, 3.0).unwrap();
-    /// // Both halves of the square, a third and two thirds of the way across it.
+    /// // The halves of the square, parted along either diagonal, are centred a third and two thirds across it.
     /// let mut across: Vec<f64> = mesh.simplices.iter().map(|half| mesh.centre(half)[0]).collect();
     /// across.sort_by(f64::total_cmp);
-    /// assert!((across[0] - 1.0).abs() < 1e-12 && (across[1] - 2.0).abs() < 1e-12);
+    /// assert!((across[0] - 1.0).abs() < 1e-12 && (across[3] - 2.0).abs() < 1e-12);
     /// ```
     pub fn centre(&self, simplex: &Simplex<N>) -> [f64; D] {
         std::array::from_fn(|axis| {
