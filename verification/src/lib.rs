@@ -18,6 +18,7 @@ pub mod myokit;
 pub mod oscillator;
 pub mod patch;
 pub mod row;
+pub mod sarcomeres;
 pub mod time_order;
 pub mod wave;
 
@@ -60,6 +61,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "lammps", run: lammps::write },
         Check { name: "myokit", run: myokit::write },
         Check { name: "finite-elements", run: finite_elements::rows },
+        Check { name: "sarcomeres", run: sarcomeres::rows },
     ]
 }
 

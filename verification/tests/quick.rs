@@ -74,6 +74,11 @@ fn a_finite_element_twitch_is_met_in_time_and_explained_in_shape() {
     passes("finite-elements");
 }
 
+#[test]
+fn sarcomeres_of_real_cells_lie_where_another_program_finds_them() {
+    passes("sarcomeres");
+}
+
 fn reference(name: &str) -> csv::Reader<std::fs::File> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
     csv::Reader::from_path(folder.join(name)).unwrap()

@@ -34,6 +34,7 @@ Checks:
   lammps           A lattice in motion, mass by mass, against LAMMPS
   myokit           All sets of the minimal model, all states, against Myokit's CVODE
   finite-elements  A published finite-element twitch, if its data are there
+  sarcomeres       Sarcomeres in published pictures, against SarcGraph's, if they are there
 
 Options:
   --quick          Fewer steps and beats, coarser lattices, the same tolerances
@@ -50,6 +51,7 @@ Environment:
   VERIFICATION_PYTHON       A Python that has LAMMPS, Myokit and NumPy already: nothing is installed
   SUNDIALS_PREFIX           Where SUNDIALS is (include/ and lib/ below it), if not in /usr or /usr/local
   MYOSPRING_SHARED_DATA     The folder with the finite-element twitch (meshes/fe_twitch_reference.csv)
+                            and the pictures of cells (images/)
 ";
 
 const VENV: &str = "target/verification/venv";
@@ -63,7 +65,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 11] = [
+const CHECKS: [Check; 12] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
@@ -75,6 +77,7 @@ const CHECKS: [Check; 11] = [
     Check { name: "lammps", title: "LAMMPS", peer: Some(("lammps_check.py", "LAMMPS")) },
     Check { name: "myokit", title: "Myokit", peer: Some(("myokit_check.py", "Myokit")) },
     own("finite-elements", "Finite-element twitch"),
+    own("sarcomeres", "Sarcomeres in pictures"),
 ];
 
 const fn own(name: &'static str, title: &'static str) -> Check {
