@@ -1,6 +1,7 @@
 //! The command line: names, help, examples.
 
 use crate::options::{Beat, Seen, Settings};
+use crate::outputs;
 use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand};
@@ -88,9 +89,10 @@ pub(crate) struct OutputArgs {
     myospring run cell.tif --fibre picture --stain z-disc --integrator quasi-static\n  \
     myospring run cell.tif --outline mended.roi\n  \
     myospring run --support elastic-bed --bed-stiffness \"0.5 kPa/um\"\n  \
+    myospring run --outputs none --frame-interval \"2 ms\"\n  \
     myospring run beat.toml --dry-run\n\n\
-    Results: traces.csv, summary.json, figures/ (SVG and PNG), fibres.csv (where the picture shows fibres),\n\
-    run.toml (every setting), run.json (version, hashes, timings).")]
+    Results: traces.csv, summary.json, fibres.csv (where the picture shows fibres), run.toml (every setting) and\n\
+    run.json (version, hashes, timings) always and first; then what --outputs names.")]
 pub(crate) struct RunArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
     /// without it, the built-in adult ventricular cell
@@ -102,6 +104,9 @@ pub(crate) struct RunArgs {
     /// masses, as far as there are cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
     pub(crate) threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = outputs::words(),
+          help = outputs::help(), help_heading = OUTPUT)]
+    pub(crate) outputs: Option<Vec<String>>,
     /// Check everything, mesh the cell, print the plan; write nothing
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) dry_run: bool,

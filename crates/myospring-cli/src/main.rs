@@ -10,6 +10,7 @@ mod interrupt;
 mod lists;
 mod mesh;
 mod options;
+mod outputs;
 mod overlay;
 mod paper;
 mod print;
@@ -17,6 +18,7 @@ mod refused;
 mod results;
 mod run;
 mod segment;
+mod summary;
 mod table;
 
 use args::{Cli, Command};

@@ -2,11 +2,14 @@
 
 use crate::failure::Failure;
 use crate::fibres;
+use crate::outputs;
 use myospring::output::figure::{Figure, FigureError};
 use myospring::output::files::{self, Draft, FileError};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Resolution of the PNG figures, dots per inch.
 const DPI: f64 = 300.0;
@@ -19,6 +22,8 @@ pub(crate) struct Folder {
     target: PathBuf,
     draft: Draft,
     force: bool,
+    /// Names of the files that were written, and their sizes.
+    written: Mutex<BTreeMap<String, u64>>,
 }
 
 impl Folder {
@@ -36,7 +41,8 @@ impl Folder {
             FileError::Folder { source, .. } => unusable(target, &source),
             error => error.into(),
         })?;
-        let folder = Self { target: target.to_owned(), draft, force };
+        let written = Mutex::default();
+        let folder = Self { target: target.to_owned(), draft, force, written };
         if !force && folder.is_occupied().map_err(|error| unusable(target, &error))? {
             let message = format!("`{}` already holds files", target.display());
             return Err(Failure::new(message).advise(
@@ -67,7 +73,32 @@ impl Folder {
         if let Some(parent) = path.parent() {
             files::create_folder(parent)?;
         }
-        Ok(files::write(&path, content)?)
+        let content = content.as_ref();
+        files::write(&path, content)?;
+        self.written().insert(name.to_owned(), content.len() as u64);
+        Ok(())
+    }
+
+    /// Bytes of all files that were written.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.written().values().sum()
+    }
+
+    /// Takes back files that were written; `*` stands for anything.
+    pub(crate) fn withdraw(&self, names: &[&str]) {
+        self.written().retain(|name, _| {
+            let stays = !any(names.iter().copied(), name);
+            if !stays {
+                // One that cannot be removed is whole.
+                fs::remove_file(self.draft.folder().join(name)).ok();
+            }
+            stays
+        });
+    }
+
+    fn written(&self) -> MutexGuard<'_, BTreeMap<String, u64>> {
+        // Sizes are whole whenever the lock is free, also after a panic elsewhere.
+        self.written.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Draws figures, on all cores, and writes each as SVG and PNG.
@@ -128,8 +159,13 @@ fn remove_ours(folder: &Path, within: &str) -> std::io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let name = format!("{within}{}", entry.file_name().to_string_lossy());
-        if name == "figures" && entry.file_type()?.is_dir() {
-            remove_ours(&entry.path(), "figures/")?;
+        let inner = format!("{name}/");
+        if entry.file_type()?.is_dir() {
+            if ours().any(|pattern| pattern.starts_with(&inner)) {
+                remove_ours(&entry.path(), &inner)?;
+                // Where something else stands in it, it stays.
+                fs::remove_dir(entry.path()).ok();
+            }
         } else if is_ours(&name) {
             fs::remove_file(entry.path())?;
         }
@@ -154,13 +190,22 @@ fn merge(from: &Path, to: &Path) -> std::io::Result<()> {
 
 /// Whether a command that makes a folder of results writes a file of this name.
 fn is_ours(name: &str) -> bool {
-    const FILES: [&str; 13] = [
+    any(ours(), name)
+}
+
+/// Names of the files that commands write to a folder of results; `*` stands for anything.
+fn ours() -> impl Iterator<Item = &'static str> {
+    const FILES: [&str; 17] = [
         "traces.csv",
         fibres::FILE,
         "summary.json",
         "run.toml",
         "run.json",
         "paper.json",
+        "traces_*_kPa.csv",
+        "figures/fig3_action_potential_and_tension.*",
+        "figures/fig5_cell.*",
+        "figures/fig6_contraction.*",
         "mesh.json",
         "outline.geojson",
         "mask.png",
@@ -169,21 +214,11 @@ fn is_ours(name: &str) -> bool {
         "overlay.png",
         "report.json",
     ];
-    const FIGURES: [&str; 9] = [
-        "overlay",
-        "overview",
-        "cell",
-        "mesh",
-        "action_potential_and_tension",
-        "contraction",
-        "fig3_action_potential_and_tension",
-        "fig5_cell",
-        "fig6_contraction",
-    ];
-    let figure = name
-        .strip_prefix("figures/")
-        .and_then(|name| name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png")));
-    FILES.contains(&name)
-        || name.starts_with("traces_") && name.ends_with("_kPa.csv")
-        || figure.is_some_and(|name| FIGURES.contains(&name))
+    FILES.into_iter().chain(outputs::files())
+}
+
+/// Whether a name is one of those; `*` stands for anything.
+fn any<'a>(patterns: impl IntoIterator<Item = &'a str>, name: &str) -> bool {
+    let matches = |pattern: &str| glob::Pattern::new(pattern).is_ok_and(|it| it.matches(name));
+    patterns.into_iter().any(matches)
 }

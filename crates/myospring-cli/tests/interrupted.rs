@@ -241,6 +241,28 @@ fn a_file_limit_is_an_error_that_names_the_file_and_leaves_nothing() {
 }
 
 #[test]
+fn an_output_that_cannot_be_written_leaves_the_curves_and_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    // 48 KiB: more than the curves take, less than a figure.
+    let script = r#"ulimit -f 96; exec "$1" run --spacing "4 um" --duration "120 ms""#;
+    let output = shell(folder.path(), script);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let text = stderr(&output);
+    for part in
+        ["error: figures is not among the results", "too large", "curves and numbers are in"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let results = folder.path().join("results/adult_ventricular");
+    let kept = ["run.json", "run.toml", "summary.json", "traces.csv"];
+    let found = names(&results).into_iter().filter(|name| !name.ends_with('/'));
+    assert_eq!(found.collect::<Vec<_>>(), kept);
+    let record = fs::read_to_string(results.join("run.json")).unwrap();
+    assert!(record.contains("\"error\": \"cannot write"), "{record}");
+    assert_eq!(parts(folder.path()), [""; 0]);
+}
+
+#[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_on_the_standard_output_is_an_error() {
     let folder = tempfile::tempdir().unwrap();

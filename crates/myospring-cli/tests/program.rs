@@ -61,10 +61,46 @@ fn a_run_writes_every_result_and_prints_a_table() {
     assert_eq!(record["shape_sha256"].as_str().unwrap().len(), 64);
     let stage = |name: &str| record["timings"][name].as_f64().unwrap();
     let stages =
-        ["mesh_s", "preparation_s", "cell_s", "mechanics_s", "recording_s", "figures_s"].map(stage);
+        ["mesh_s", "preparation_s", "cell_s", "mechanics_s", "recording_s", "outputs_s"].map(stage);
     assert!(stages.iter().all(|seconds| *seconds > 0.0), "{stages:?}");
     // Each is measured on its own, so together they cannot take longer than all.
     assert!(stages.iter().sum::<f64>() <= stage("total_s"), "{stages:?}");
+    let figures = &record["outputs"]["figures"];
+    assert!(figures["seconds"].as_f64().unwrap() <= stage("outputs_s"), "{figures}");
+    let files = names(&results.join("figures"));
+    let sizes =
+        files.iter().map(|name| results.join("figures").join(name).metadata().unwrap().len());
+    assert_eq!(figures["bytes"].as_u64(), Some(sizes.sum()));
+    assert!(
+        text.contains("figures ") && text.contains("\nopen results/adult_ventricular"),
+        "{text}"
+    );
+}
+
+#[test]
+fn outputs_are_chosen_by_their_words_and_curves_and_numbers_are_always_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |words: &str| {
+        let quick = ["--integrator", "quasi-static", "--force", "-o", "mine", "--outputs", words];
+        myospring(folder.path(), &[&QUICK[..], &quick].concat())
+    };
+    assert_eq!(run("figures").status.code(), Some(0));
+    // What the run before has left goes, its folders, too.
+    let output = run("none");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let always = ["run.json", "run.toml", "summary.json", "traces.csv"];
+    assert_eq!(names(&folder.path().join("mine")), always);
+    assert!(!stdout(&output).contains("open "), "{}", stdout(&output));
+    for (words, said) in
+        [("figurs", "a similar value exists: 'figures'"), ("none,figures", "stands alone")]
+    {
+        let output = run(words);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(said), "{}", stderr(&output));
+    }
+    assert_eq!(names(&folder.path().join("mine")), always, "the results before stay");
+    let plan = myospring(folder.path(), &["run", "--dry-run", "--outputs", "figures"]);
+    assert!(stdout(&plan).contains("curves and numbers, figures"), "{}", stdout(&plan));
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
+use crate::outputs::Finished;
 use crate::results::Folder;
-use crate::run::{self, Numbers};
-use crate::{interrupt, overlay};
+use crate::summary::{self, Numbers};
+use crate::{interrupt, outputs, overlay};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files;
 use myospring::study::Cause;
@@ -48,13 +49,28 @@ impl Keeper for Kept<'_> {
         if !self.figures {
             return Ok(());
         }
-        let Beaten { picture, cell, run, simulation, fibres, finished, summary } = beaten;
+        let Beaten { picture, cell, run, simulation, outline, fibres, finished, summary } = beaten;
         let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
         let folder = Folder::claim(&self.target.join(CELLS).join(name), true)?;
         let report = fibres.report();
         let numbers = Numbers { summary, fibres: Some(&report), integration: finished.effort };
         let stimuli = run.stimulus_times();
-        run::write(&folder, run, simulation, fibres, finished, &numbers, &stimuli)?;
+        summary::write(&folder, run, simulation, fibres, finished, &numbers)?;
+        outputs::figures(
+            &folder,
+            &Finished {
+                name: cell,
+                run,
+                simulation,
+                outline,
+                fibres,
+                // The overlay of the whole picture stands beside.
+                picture: None,
+                outcome: finished,
+                numbers: &numbers,
+                stimuli: &stimuli,
+            },
+        )?;
         folder.finish()?;
         Ok(())
     }

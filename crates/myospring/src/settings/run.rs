@@ -9,6 +9,7 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, default_material};
 use crate::mechanics::support::SupportKind;
+use crate::mesh::outline::Outline;
 use crate::mesh::quality::{MeshReport, long_axis};
 use crate::mesh::{Mesh, built_in};
 use crate::microscopy::cells::{PictureCell, PictureCells};
@@ -58,6 +59,8 @@ pub struct Made {
     pub simulation: Simulation,
     /// What the mesh is like, with warnings of all that came before it and of the fibres.
     pub report: MeshReport,
+    /// The outline that was meshed, um; turned, where that was asked for.
+    pub outline: Outline,
     /// The fibres, and what the picture shows of them.
     pub fibres: Fibres,
     /// The picture with its cells, and the one that was taken.
@@ -129,7 +132,7 @@ impl Run {
         shaped: Shaped,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
     ) -> Result<Made, MakeError> {
-        let Shaped { mesh, mut report, picture, .. } = shaped;
+        let Shaped { mesh, mut report, outline, picture } = shaped;
         let fibres = self.fibre.on(&mesh, picture.as_ref().map(|(cells, cell)| (cells, cell)))?;
         report.warnings.extend(fibres.warnings.iter().cloned());
         let cells = picture.as_ref().map(|(cells, _)| cells);
@@ -146,7 +149,7 @@ impl Run {
             }
         };
         let simulation = self.simulation(mesh, fibres.directions.clone(), content);
-        Ok(Made { simulation, report, fibres, picture })
+        Ok(Made { simulation, report, outline, fibres, picture })
     }
 
     /// The simulation of this run on a mesh, with the direction of its fibres ([`Fibre::on`]) and the content of

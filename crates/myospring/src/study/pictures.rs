@@ -10,6 +10,7 @@ pub use table::{Given, TableError, read_table};
 use left_out::{LeftOut, notes};
 
 use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
+use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::report::Summary;
@@ -95,6 +96,8 @@ pub struct Beaten<'a> {
     pub run: &'a Run,
     /// The cell on its mesh.
     pub simulation: &'a Simulation,
+    /// The outline that was meshed, um.
+    pub outline: &'a Outline,
     /// Its fibres, and what the picture shows of them.
     pub fibres: &'a Fibres,
     /// What came of it.
@@ -261,7 +264,8 @@ fn beat(
     let start = Instant::now();
     let name = cell.name.clone();
     let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
-    let Made { simulation, report, fibres, .. } = run.make(shaped, |file| std::fs::read(file))?;
+    let Made { simulation, report, outline, fibres, .. } =
+        run.make(shaped, |file| std::fs::read(file))?;
     row.number("spacing_um", report.spacing_um);
     row.number("masses", simulation.mesh.len() as f64);
     row.number("springs", simulation.mesh.springs.len() as f64);
@@ -284,6 +288,7 @@ fn beat(
         cell: &name,
         run,
         simulation,
+        outline: &outline,
         fibres: &fibres,
         finished,
         summary: &summary,

@@ -96,10 +96,16 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "numerics.frame_interval",
-        "Interval of the recorded shapes, a multiple of the output interval.",
+        "Interval of the recorded shapes, of which films, ParaView's files and frames.npz are made; a multiple of \
+         the output interval.",
         Bounds::any(Dimension::Time, "5 ms").from(1e-3).to(1e5),
         |run| Some(run.numerics.frame_interval),
         |run, interval| run.numerics.frame_interval = interval,
+    )
+    .option_saying(
+        "--frame-interval",
+        "TIME",
+        "Interval of the shapes in films, ParaView's files and frames.npz, a multiple of 0.5 ms",
     ),
 ];
 

@@ -1,0 +1,144 @@
+//! A run in words: the table on the terminal, and what it took.
+
+use crate::outputs;
+use crate::summary::Numbers;
+use crate::table::{aligned, number};
+use myospring::analysis::Metric;
+use myospring::analysis::beat::{Band, Beat, band};
+use myospring::settings::Run;
+use myospring::simulation::Effort;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Shown where the cell becomes longer rather than shorter.
+const LENGTHENING: &str = "peak_lengthening";
+
+/// Rows of the table after a run: metric and what people call it.
+const ROWS: [(&str, &str); 15] = [
+    ("peak_tension", "peak tension"),
+    ("time_to_peak_tension", "time to peak tension, from stimulus"),
+    ("resting_length", "resting length"),
+    ("peak_shortening", "peak shortening"),
+    (LENGTHENING, "peak lengthening"),
+    ("time_to_peak_from_stimulus", "time to peak shortening, from stimulus"),
+    ("lag_of_shortening", "lag of shortening behind tension"),
+    ("maximum_shortening_rate", "largest shortening rate"),
+    ("maximum_relengthening_rate", "largest relengthening rate"),
+    ("relaxation_time_50", "peak to 50 % relengthened"),
+    ("relaxation_time_90", "peak to 90 % relengthened"),
+    ("width_change_at_peak", "width change at peak"),
+    ("isovolumic_width_change", "  that would keep the volume"),
+    ("area_change_at_peak", "projected area change at peak"),
+    ("action_potential_duration_90", "APD90"),
+];
+
+/// The table after a run; of several beats, mean and standard deviation.
+pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
+    let summary = numbers.summary;
+    let title = if run.title.is_empty() { name } else { &run.title };
+    let beats = summary.beats.len();
+    let mut text = format!(
+        "{title}: {beats} beat{} of {} at {} kPa\n\n",
+        if beats == 1 { "" } else { "s" },
+        run.cell.name(),
+        run.peak_tension
+    );
+    let spread = beats > 1;
+    let mut header = vec!["quantity".to_owned(), "value".to_owned()];
+    if spread {
+        header.push("+- sd".to_owned());
+    }
+    header.extend(["unit".to_owned(), "band*".to_owned()]);
+    let mut rows = vec![header];
+    let Some(first) = summary.beats.first() else {
+        text.push_str("no stimulus, so nothing to measure\n");
+        return text;
+    };
+    for (metric, words) in ROWS {
+        let Some(Metric { value, unit, .. }) = first.metrics().find(|m| m.name == metric) else {
+            continue;
+        };
+        let shorter = first.value("peak_shortening").unwrap_or(0.0);
+        if metric == LENGTHENING && value.is_none_or(|longer| longer <= shorter) {
+            continue;
+        }
+        let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric);
+        let value = over_beats.map(|spread| spread.mean).or(*value);
+        let mut row = vec![words.to_owned(), value.map_or_else(|| "-".to_owned(), number)];
+        if spread {
+            row.push(over_beats.map_or_else(String::new, |s| number(s.standard_deviation)));
+        }
+        let reference = band(metric).map(|Band { low, high, .. }| format!("{low} to {high}"));
+        let last = match value {
+            Some(_) => reference.unwrap_or_default(),
+            None => why_not(first, metric).to_owned(),
+        };
+        row.extend([(*unit).to_owned(), last]);
+        rows.push(row);
+    }
+    let right: &[usize] = if spread { &[1, 2] } else { &[1] };
+    let fibres = numbers.fibres;
+    if let Some(length) = fibres.and_then(|report| report.seen?.sarcomere_um) {
+        let mut row = vec!["sarcomere length at rest, median".to_owned(), number(length)];
+        row.extend(spread.then(String::new));
+        row.extend(["um".to_owned(), String::new()]);
+        rows.push(row);
+    }
+    text.push_str(&aligned(&rows, right));
+    text.push_str("* bands of unloaded adult ventricular myocytes: what is seen, not a target\n");
+    if let Some(fibres) = fibres {
+        let _ = writeln!(text, "fibres: {fibres}");
+    }
+    text
+}
+
+/// Why a beat has no such metric.
+fn why_not(beat: &Beat, metric: &str) -> &'static str {
+    let of_shortening = beat.contraction.iter().chain(&beat.shape).any(|row| row.name == metric)
+        || metric == "lag_of_shortening";
+    if of_shortening && beat.value("peak_shortening").is_none() {
+        "none: the cell does not shorten"
+    } else {
+        "none: not reached within the beat"
+    }
+}
+
+/// What the run took, in a line.
+pub(super) fn in_words(effort: &Effort) -> String {
+    match *effort {
+        Effort::OwnStepper { time_step_ms, steps, .. } => {
+            format!("own stepper: {steps} steps of {time_step_ms:.4} ms")
+        }
+        Effort::Verlet { time_step_ms, stability_limit_ms, steps } => format!(
+            "Verlet: {steps} steps of {time_step_ms:.4} ms, stable up to {stability_limit_ms:.4} ms"
+        ),
+        Effort::QuasiStatic {
+            load_steps,
+            newton_iterations,
+            factorisations,
+            interpolation_error_um,
+            delay_ms,
+        } => format!(
+            "quasi-static: {load_steps} load steps, {newton_iterations} Newton iterations, \
+             {factorisations} factorisations\n\
+             positions to {interpolation_error_um:.1e} um; a motion with the same dampings lags {delay_ms:.2} ms"
+        ),
+        Effort::Field { equilibria, newton_iterations, factorisations } => format!(
+            "quasi-static, tension by place: {equilibria} equilibria, {newton_iterations} Newton iterations, \
+             {factorisations} factorisations"
+        ),
+    }
+}
+
+/// Where the results are, how large the outputs, and which file to open.
+pub(super) fn results(target: &Path, seconds: f64, written: &outputs::Record) -> String {
+    let mut text = format!("\nresults in {} ({seconds:.2} s)", target.display());
+    let sizes = written.sizes();
+    if !sizes.is_empty() {
+        let _ = write!(text, ": curves, numbers, {}", sizes.join(", "));
+    }
+    if let Some(file) = written.look() {
+        let _ = write!(text, "\nopen {}", target.join(file).display());
+    }
+    text
+}
