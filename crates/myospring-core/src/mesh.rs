@@ -7,13 +7,14 @@
 //! In reading order: an [`outline::Outline`] (polygon) or a [`mask::Mask`] (pixels) says where the
 //! cell is; [`lattice`] fills it with squares and makes masses, springs and triangles of them;
 //! [`quality`] measures and reports; [`built_in`] holds ready-made cells; [`simplex`] has the geometry of
-//! one triangle or tetrahedron.
+//! one triangle or tetrahedron; [`carried`] points follow the mesh, such as the outline in figures.
 //!
 //! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
 //! are flipped on the way in, so that a cell is drawn as the microscope showed it.
 
 pub mod bar;
 pub mod built_in;
+pub mod carried;
 mod coverage;
 pub mod lattice;
 pub mod mask;

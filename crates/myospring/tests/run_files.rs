@@ -4,6 +4,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
 use myospring::mechanics::support::SupportKind;
+use myospring::mesh::carried::Carried;
+use myospring::mesh::outline::Outline;
+use myospring::mesh::quality::outline_dimensions;
 use myospring::run_file::{RunFile, schema, template};
 use myospring::settings::Value;
 use std::path::{Path, PathBuf};
@@ -196,4 +199,30 @@ fn whole_numbers_outside_their_bounds_are_refused_and_not_replaced() {
     }
     let message = refused("segmentation.threshold", f64::NAN.into());
     assert!(message.contains("segmentation.threshold"), "{message}");
+}
+
+#[test]
+fn the_outline_of_a_beating_cell_stays_a_simple_ring_as_long_as_the_cell() {
+    let text = "[numerics]\nintegrator = \"quasi-static\"\n[shape]\nrotate = \"30 deg\"";
+    let run = RunFile::from_text(text).unwrap().resolve().unwrap();
+    let read = |file: &str| std::fs::read(file);
+    let made = run.make(run.shape.mesh(&run.shape.bytes(read).unwrap()).unwrap(), read).unwrap();
+    let mesh = &made.simulation.mesh;
+    let rings = Carried::rings(mesh, &made.outline);
+    let recording = made.simulation.build().unwrap().run(|_| true).recording;
+    let length = |outline: &Outline| outline_dimensions(outline).length_um;
+    for frame in &recording.frames {
+        // Edges that cross are refused.
+        let outline = Outline::new(rings[0].at(&frame.positions), Vec::new()).unwrap();
+        let sample = recording.samples.iter().find(|s| (s.t_ms - frame.t_ms).abs() < 1e-6).unwrap();
+        // The lattice is as large as the outline to half a per cent at rest, and so it stays.
+        assert!((outline.area() / sample.area_um2 - 1.0).abs() < 0.005, "{} ms", frame.t_ms);
+        let shortening = 100.0 * (1.0 - length(&outline) / length(&made.outline));
+        // Ends of the lattice and of the outline are a part of a spacing apart.
+        assert!(
+            (shortening - sample.shortening_pct).abs() < 0.3,
+            "{shortening} {}",
+            sample.shortening_pct
+        );
+    }
 }

@@ -14,6 +14,8 @@ use crate::mesh::quality::{MeshReport, long_axis};
 use crate::mesh::{Mesh, built_in};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::FibreError;
+use crate::microscopy::outlines::trace::{Edge, trace_mask};
+use crate::microscopy::segment::Modality;
 use crate::simulation::{Numerics, Simulation, TensionScale};
 use std::io;
 use std::sync::Arc;
@@ -59,7 +61,8 @@ pub struct Made {
     pub simulation: Simulation,
     /// What the mesh is like, with warnings of all that came before it and of the fibres.
     pub report: MeshReport,
-    /// The outline that was meshed, um; turned, where that was asked for.
+    /// The outline, um, turned where that was asked for; of a mask the smooth one of its pixels.
+    /// [`Carried::rings`](crate::mesh::carried::Carried::rings) moves it along.
     pub outline: Outline,
     /// The fibres, and what the picture shows of them.
     pub fibres: Fibres,
@@ -149,6 +152,12 @@ impl Run {
             }
         };
         let simulation = self.simulation(mesh, fibres.directions.clone(), content);
+        // The pixels of a mask are exact for its area, but a cell has no steps.
+        let of_mask = picture.as_ref().filter(|(cells, _)| {
+            cells.segmentation().is_some_and(|found| found.modality == Modality::Mask)
+        });
+        let smooth = of_mask.and_then(|(_, cell)| trace_mask(&cell.mask, Edge::Smooth).ok());
+        let outline = smooth.unwrap_or(outline);
         Ok(Made { simulation, report, outline, fibres, picture })
     }
 
