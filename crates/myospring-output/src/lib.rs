@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`csv`] | `traces.csv`, one row per sample, units in the column names |
 //! | [`fibres`] | `fibres.csv`, one row per triangle |
+//! | [`field`] | what a cell is coloured by: values, units, colours |
 //! | [`json`] | any serialisable value for machines |
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
 //! | [`report`] | the numbers of a run with units, definitions and reference bands |
@@ -17,6 +18,7 @@
 pub mod comparison;
 pub mod csv;
 pub mod fibres;
+pub mod field;
 pub mod figure;
 pub mod files;
 pub mod json;

@@ -1,0 +1,382 @@
+//! What a cell is coloured by, in figures, films, pages and files: values by triangle, their unit, their colours.
+//!
+//! [`Field`] names them, [`Fields`] computes them on one mesh, [`ColourScale`] gives their colours: one scale for all
+//! frames of a run, so that a colour means the same throughout.
+
+mod colour;
+
+pub use colour::ColourScale;
+
+use myospring_core::mesh::{Mesh, Simplex};
+use myospring_core::recording::Frame;
+
+/// A quantity that has a value in each place of the cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Field {
+    /// Strain along the fibre: `|F f0| - 1`, with F the deformation gradient and f0 the fibre at rest.
+    #[default]
+    FibreStrain,
+    /// Strain of what lies across the fibre at rest: `|F n0| - 1`, with n0 at a right angle to f0.
+    CrossStrain,
+    /// Area over area at rest: the determinant of F.
+    AreaRatio,
+    /// Active tension along the fibre times the content of myofibrils.
+    ActiveStress,
+    /// Distance from the place at rest.
+    Displacement,
+}
+
+/// Why fibres or contents are not those of a mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FieldError {
+    /// Fibres of another mesh.
+    #[error(
+        "{found} {what} were given for {triangles} triangles; give one for each triangle of this mesh"
+    )]
+    Count {
+        /// Fibre directions or contents.
+        what: &'static str,
+        /// How many were given.
+        found: usize,
+        /// How many triangles the mesh has.
+        triangles: usize,
+    },
+    /// A fibre direction without a direction.
+    #[error("the fibre direction ({x}, {y}) has no finite length above 0; give one like (1, 0)")]
+    Fibre {
+        /// Component along x.
+        x: f64,
+        /// Component along y.
+        y: f64,
+    },
+}
+
+impl Field {
+    /// All of them, the usual one first.
+    pub const ALL: [Self; 5] = [
+        Self::FibreStrain,
+        Self::CrossStrain,
+        Self::AreaRatio,
+        Self::ActiveStress,
+        Self::Displacement,
+    ];
+
+    /// Its word in options and files.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::FibreStrain => "fibre-strain",
+            Self::CrossStrain => "cross-strain",
+            Self::AreaRatio => "area-ratio",
+            Self::ActiveStress => "active-stress",
+            Self::Displacement => "displacement",
+        }
+    }
+
+    /// Its name for people.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::FibreStrain => "Fibre strain",
+            Self::CrossStrain => "Strain across the fibre",
+            Self::AreaRatio => "Area over area at rest",
+            Self::ActiveStress => "Active stress",
+            Self::Displacement => "Displacement",
+        }
+    }
+
+    /// Its unit, ASCII; empty for a pure number.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::FibreStrain | Self::CrossStrain => "%",
+            Self::AreaRatio => "",
+            Self::ActiveStress => "kPa",
+            Self::Displacement => "um",
+        }
+    }
+
+    /// What it is, in a sentence.
+    pub const fn definition(self) -> &'static str {
+        match self {
+            Self::FibreStrain => {
+                "change of length along the fibre, per cent of the length at rest; negative where shorter"
+            }
+            Self::CrossStrain => {
+                "change of length of what lies across the fibre at rest, per cent; positive where wider"
+            }
+            Self::AreaRatio => "projected area over that at rest; below 1 where smaller",
+            Self::ActiveStress => "active tension along the fibre times the content of myofibrils",
+            Self::Displacement => "distance from the place at rest",
+        }
+    }
+
+    /// Its value in a cell at rest without tension.
+    pub const fn at_rest(self) -> f64 {
+        match self {
+            Self::AreaRatio => 1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether it goes both ways from rest.
+    pub const fn is_two_sided(self) -> bool {
+        !matches!(self, Self::ActiveStress | Self::Displacement)
+    }
+
+    /// The narrowest range of colours: less than this is rounding, or nothing to see.
+    pub const fn least_range(self) -> f64 {
+        match self {
+            Self::FibreStrain | Self::CrossStrain | Self::ActiveStress => 1.0,
+            Self::AreaRatio => 0.01,
+            Self::Displacement => 0.1,
+        }
+    }
+
+    /// Least and greatest value of a colour scale for these values: it always holds that of rest.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::output::field::Field;
+    /// assert_eq!(Field::FibreStrain.limits([-12.0, 1.5, f64::NAN]), [-12.0, 1.5]);
+    /// // A cell that does not move has the colour of rest.
+    /// assert_eq!(Field::FibreStrain.limits([0.0]), [-1.0, 0.0]);
+    /// assert_eq!(Field::AreaRatio.limits([0.9]), [0.9, 1.0]);
+    /// assert_eq!(Field::ActiveStress.limits([20.0, 50.0]), [0.0, 50.0]);
+    /// ```
+    pub fn limits(self, values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+        let rest = self.at_rest();
+        let [low, high] = values
+            .into_iter()
+            .filter(|value| value.is_finite())
+            .fold([rest; 2], |[low, high], value| [low.min(value), high.max(value)]);
+        let least = self.least_range();
+        if self.is_two_sided() {
+            [low.min(high - least), high]
+        } else {
+            [low, high.max(low + least)]
+        }
+    }
+}
+
+/// The fields of a cell.
+#[derive(Debug, Clone)]
+pub struct Fields<'a> {
+    mesh: &'a Mesh,
+    /// Unit vectors, one for each triangle.
+    fibres: Vec<[f64; 2]>,
+    content: Option<&'a [f64]>,
+}
+
+impl<'a> Fields<'a> {
+    /// Of a mesh with the direction of its fibres, of any length, and the content of myofibrils, if it differs, in each
+    /// triangle.
+    ///
+    /// # Errors
+    /// Fibres or contents of another mesh, fibres of no length.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::lattice;
+    /// use myospring::output::field::{Field, Fields};
+    /// use myospring::recording::Frame;
+    /// let mesh = lattice::rectangle(4, 2, 5.0)?;
+    /// let fields = Fields::new(&mesh, &vec![[1.0, 0.0]; mesh.simplices.len()], None)?;
+    /// let x = mesh.points[0].iter().map(|x| 0.88 * x).collect();
+    /// let y = mesh.points[1].iter().map(|y| 1.05 * y).collect();
+    /// let peak = Frame { t_ms: 171.0, ta_kpa: 50.0, ta_by_triangle_kpa: None, positions: [x, y] };
+    /// for (field, value) in [(Field::FibreStrain, -12.0), (Field::CrossStrain, 5.0), (Field::AreaRatio, 0.924)] {
+    ///     assert!(fields.on_triangles(field, &peak).iter().all(|found| (found - value).abs() < 1e-12));
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(
+        mesh: &'a Mesh,
+        fibres: &[[f64; 2]],
+        content: Option<&'a [f64]>,
+    ) -> Result<Self, FieldError> {
+        let triangles = mesh.simplices.len();
+        let counts =
+            [("fibre directions", Some(fibres.len())), ("contents", content.map(<[f64]>::len))];
+        for (what, found) in counts {
+            if let Some(found) = found.filter(|&found| found != triangles) {
+                return Err(FieldError::Count { what, found, triangles });
+            }
+        }
+        let unit = |&[x, y]: &[f64; 2]| {
+            let length = x.hypot(y);
+            let direction = length.is_finite() && length > 0.0;
+            direction.then_some([x / length, y / length]).ok_or(FieldError::Fibre { x, y })
+        };
+        let fibres = fibres.iter().map(unit).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { mesh, fibres, content })
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// The value in each triangle, in the field's unit; of the displacement the mean of the corners.
+    ///
+    /// # Panics
+    /// If the frame is one of another mesh.
+    pub fn on_triangles(&self, field: Field, frame: &Frame) -> Vec<f64> {
+        (0..self.mesh.simplices.len()).map(|index| self.in_triangle(field, frame, index)).collect()
+    }
+
+    /// The value at each node: of the displacement its own, else the mean over the triangles around it by their area.
+    ///
+    /// # Panics
+    /// If the frame is one of another mesh.
+    pub fn on_nodes(&self, field: Field, frame: &Frame) -> Vec<f64> {
+        let points = &self.mesh.points;
+        if field == Field::Displacement {
+            let way = |axis: usize, node: usize| frame.positions[axis][node] - points[axis][node];
+            return (0..self.mesh.len()).map(|node| way(0, node).hypot(way(1, node))).collect();
+        }
+        let mut sums = vec![[0.0; 2]; self.mesh.len()];
+        for (index, triangle) in self.mesh.simplices.iter().enumerate() {
+            let [a, b] = edges(points, triangle);
+            let weight = triangle.weight * cross(a, b).abs();
+            let value = self.in_triangle(field, frame, index);
+            for node in triangle.nodes {
+                let [sum, weights] = &mut sums[node as usize];
+                *sum += weight * value;
+                *weights += weight;
+            }
+        }
+        let mean =
+            |[sum, weights]: [f64; 2]| if weights > 0.0 { sum / weights } else { field.at_rest() };
+        sums.into_iter().map(mean).collect()
+    }
+
+    /// Least and greatest value of the colours of some frames.
+    pub fn limits<'f>(
+        &self,
+        field: Field,
+        frames: impl IntoIterator<Item = &'f Frame>,
+    ) -> [f64; 2] {
+        field.limits(frames.into_iter().flat_map(|frame| field.limits(self.on_nodes(field, frame))))
+    }
+
+    fn in_triangle(&self, field: Field, frame: &Frame, index: usize) -> f64 {
+        let (triangle, [x, y]) = (&self.mesh.simplices[index], self.fibres[index]);
+        let rest = edges(&self.mesh.points, triangle);
+        let now = edges(&frame.positions, triangle);
+        let double_area = cross(rest[0], rest[1]);
+        if double_area == 0.0 {
+            return field.at_rest();
+        }
+        // F v = D_s D_m^-1 v, the columns of D being two edges.
+        let strain_along = |v: [f64; 2]| {
+            let parts = [cross(v, rest[1]) / double_area, cross(rest[0], v) / double_area];
+            let [x, y] =
+                [0, 1].map(|axis: usize| now[0][axis] * parts[0] + now[1][axis] * parts[1]);
+            100.0 * (x.hypot(y) - 1.0)
+        };
+        match field {
+            Field::FibreStrain => strain_along([x, y]),
+            Field::CrossStrain => strain_along([-y, x]),
+            Field::AreaRatio => cross(now[0], now[1]) / double_area,
+            Field::ActiveStress => {
+                let tension =
+                    frame.ta_by_triangle_kpa.as_ref().map_or(frame.ta_kpa, |ta| ta[index]);
+                tension * self.content.map_or(1.0, |content| content[index])
+            }
+            Field::Displacement => {
+                triangle.nodes.map(|node| node as usize).iter().fold(0.0, |sum, &node| {
+                    let way = [0, 1].map(|axis: usize| {
+                        frame.positions[axis][node] - self.mesh.points[axis][node]
+                    });
+                    sum + way[0].hypot(way[1]) / 3.0
+                })
+            }
+        }
+    }
+}
+
+fn edges(positions: &[Vec<f64>; 2], triangle: &Simplex<3>) -> [[f64; 2]; 2] {
+    let at =
+        |corner: usize| [0, 1].map(|axis: usize| positions[axis][triangle.nodes[corner] as usize]);
+    let [a, b, c] = [at(0), at(1), at(2)];
+    [[b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]]
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use myospring_core::mesh::lattice;
+
+    fn moved(mesh: &Mesh, map: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
+        let both = mesh.points[0].iter().zip(&mesh.points[1]).map(|(&x, &y)| map(x, y));
+        let (xs, ys) = both.map(|[x, y]| (x, y)).unzip();
+        Frame { t_ms: 0.0, ta_kpa: 30.0, ta_by_triangle_kpa: None, positions: [xs, ys] }
+    }
+
+    fn close(found: &[f64], wanted: f64) {
+        assert!(found.iter().all(|value| (value - wanted).abs() < 1e-10), "{found:?}, {wanted}");
+    }
+
+    #[test]
+    fn a_homogeneous_deformation_has_its_closed_form_in_every_place() {
+        let mesh = lattice::rectangle(6, 4, 2.0).unwrap();
+        // F = [[0.88, 0.05], [0, 1.066]] and the fibre at 30 degrees.
+        let frame = moved(&mesh, |x, y| [0.88 * x + 0.05 * y + 3.0, 1.066 * y - 2.0]);
+        let (sin, cos) = 30f64.to_radians().sin_cos();
+        let content = vec![0.5; mesh.simplices.len()];
+        let fibres = vec![[4.0 * cos, 4.0 * sin]; mesh.simplices.len()];
+        let fields = Fields::new(&mesh, &fibres, Some(&content)).unwrap();
+        let along = (0.88 * cos + 0.05 * sin).hypot(1.066 * sin);
+        let across = (-0.88 * sin + 0.05 * cos).hypot(1.066 * cos);
+        for (field, wanted) in [
+            (Field::FibreStrain, 100.0 * (along - 1.0)),
+            (Field::CrossStrain, 100.0 * (across - 1.0)),
+            (Field::AreaRatio, 0.88 * 1.066),
+            (Field::ActiveStress, 15.0),
+        ] {
+            close(&fields.on_triangles(field, &frame), wanted);
+            close(&fields.on_nodes(field, &frame), wanted);
+        }
+        let way = fields.on_nodes(Field::Displacement, &frame);
+        assert_eq!(way[0], 3f64.hypot(2.0));
+        let [low, high] = fields.limits(Field::AreaRatio, [&frame]);
+        assert!((low - 0.88 * 1.066).abs() < 1e-12 && high == 1.0);
+    }
+
+    #[test]
+    fn turning_and_shifting_the_cell_is_no_strain() {
+        let mesh = lattice::rectangle(6, 4, 2.0).unwrap();
+        let (sin, cos) = 0.7f64.sin_cos();
+        let frame = moved(&mesh, |x, y| [cos * x - sin * y + 3.0, sin * x + cos * y - 1.0]);
+        let fields = Fields::new(&mesh, &vec![[0.6, 0.8]; mesh.simplices.len()], None).unwrap();
+        for field in [Field::FibreStrain, Field::CrossStrain, Field::AreaRatio] {
+            close(&fields.on_triangles(field, &frame), field.at_rest());
+        }
+    }
+
+    #[test]
+    fn each_triangle_has_a_fibre_and_a_tension_of_its_own() {
+        let mesh = lattice::rectangle(2, 1, 2.0).unwrap();
+        let mut frame = moved(&mesh, |x, y| [0.88 * x, 1.066 * y]);
+        let count = mesh.simplices.len();
+        let fibres: Vec<[f64; 2]> =
+            (0..count).map(|index| if index % 2 == 0 { [1.0, 0.0] } else { [0.0, 1.0] }).collect();
+        frame.ta_by_triangle_kpa = Some((0..count).map(|index| index as f64).collect());
+        let fields = Fields::new(&mesh, &fibres, None).unwrap();
+        let strains = fields.on_triangles(Field::FibreStrain, &frame);
+        assert!((strains[0] + 12.0).abs() < 1e-12 && (strains[1] - 6.6).abs() < 1e-12);
+        assert_eq!(
+            Some(fields.on_triangles(Field::ActiveStress, &frame)),
+            frame.ta_by_triangle_kpa
+        );
+    }
+
+    #[test]
+    fn every_word_is_of_one_field() {
+        let words: std::collections::BTreeSet<_> =
+            Field::ALL.iter().map(|field| field.word()).collect();
+        assert_eq!(words.len(), Field::ALL.len());
+    }
+}
