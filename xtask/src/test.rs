@@ -2,7 +2,7 @@
 
 mod tally;
 
-use crate::{cargo, program, root, say, step};
+use crate::{cargo, program, python, root, say, step};
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
@@ -48,6 +48,7 @@ impl Checks {
         let mut examples = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
         self.tests("examples in the documentation", examples.arg("--doc"))?;
         self.run_files()?;
+        self.results()?;
         let mut tests = cargo(["test", "-p", "myospring-core", "-p", "myospring", "--locked"]);
         tests.args(["--no-default-features", "--lib", "--tests"]);
         self.tests("the library without its features", &mut tests)?;
@@ -161,6 +162,33 @@ impl Checks {
         let mut command = myospring();
         command.args(["run", "--output"]).arg(results.path().join("beat"));
         self.step("the main job: myospring run", command)
+    }
+
+    /// What a run leaves, read by NumPy, VTK and meshio; the guide's examples.
+    fn results(&mut self) -> Result<(), String> {
+        let name = "results read by NumPy, VTK and meshio";
+        let found = python::find_or_make(
+            "MYOSPRING_RESULTS_PYTHON",
+            "target/results/venv",
+            "verification/results.txt",
+        );
+        let python = match found {
+            Ok(python) => python,
+            Err(why) => {
+                self.skip(name, &why);
+                return Ok(());
+            }
+        };
+        let folder =
+            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let beat = folder.path().join("beat");
+        let mut run = Command::new(program("debug", "myospring"));
+        run.current_dir(root()).args(["run", "--integrator", "quasi-static", "--outputs"]);
+        run.args(["vtu,frames", "--output"]).arg(&beat);
+        self.step("results to read", run)?;
+        let mut read = python.script(&root().join("verification/python/read_results.py"));
+        read.arg(&beat).arg(root().join("docs/reading-your-results.md"));
+        self.step(name, read)
     }
 
     fn step(&mut self, name: &str, command: Command) -> Result<(), String> {

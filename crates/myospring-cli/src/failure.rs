@@ -8,6 +8,8 @@ use myospring::output::csv::CsvError;
 use myospring::output::figure::FigureError;
 use myospring::output::files::FileError;
 use myospring::output::json::JsonError;
+use myospring::output::npz::NpzError;
+use myospring::output::vtu::VtuError;
 use myospring::run_file::{Origin, RunFileError, ShapeError};
 use myospring::simulation::SetupError;
 use myospring::study::StudyError;
@@ -135,6 +137,8 @@ plain!(
     SetupError,
     CsvError,
     JsonError,
+    NpzError,
+    VtuError,
     FigureError,
     FibreError,
     myospring::settings::MakeError,

@@ -10,8 +10,10 @@ use myospring::analysis::beat::{Band, band};
 use myospring::mesh::outline::Outline;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::figure::{self, ContractionOptions};
+use myospring::output::{frames, vtu};
 use myospring::settings::{Fibres, Run};
 use myospring::simulation::{Outcome, Simulation};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -28,7 +30,6 @@ pub(crate) struct Finished<'a> {
     /// With the mesh at rest.
     pub(crate) simulation: &'a Simulation,
     /// The outline that was meshed, um.
-    #[allow(dead_code, reason = "for outputs that carry it along")]
     pub(crate) outline: &'a Outline,
     pub(crate) fibres: &'a Fibres,
     /// The picture with its cells, and the one that beat.
@@ -57,22 +58,42 @@ pub(crate) struct Output {
 }
 
 /// In the order in which they are written; people are told to open the first that has something to open.
-const OUTPUTS: [Output; 1] = [Output {
-    word: "figures",
-    about: "cell, curves and lattice as in a paper, SVG and PNG (figures/)",
-    files: &[
-        "figures/overview.*",
-        "figures/cell.*",
-        "figures/mesh.*",
-        "figures/action_potential_and_tension.*",
-        "figures/contraction.*",
-        "figures/overlay.*",
-    ],
-    look: Some("figures/overview.png"),
-    by_default: true,
-    available: || Ok(()),
-    write: figures,
-}];
+const OUTPUTS: [Output; 3] = [
+    Output {
+        word: "figures",
+        about: "cell, curves and lattice as in a paper, SVG and PNG (figures/)",
+        files: &[
+            "figures/overview.*",
+            "figures/cell.*",
+            "figures/mesh.*",
+            "figures/action_potential_and_tension.*",
+            "figures/contraction.*",
+            "figures/overlay.*",
+        ],
+        look: Some("figures/overview.png"),
+        by_default: true,
+        available: || Ok(()),
+        write: figures,
+    },
+    Output {
+        word: "vtu",
+        about: "frames for ParaView: open cell.pvd (and the folder vtu/)",
+        files: &["cell.pvd", "vtu/cell_*.vtu"],
+        look: None,
+        by_default: false,
+        available: || Ok(()),
+        write: vtu,
+    },
+    Output {
+        word: "frames",
+        about: "frames for NumPy: positions, mesh and fibres (frames.npz)",
+        files: &["frames.npz"],
+        look: None,
+        by_default: false,
+        available: || Ok(()),
+        write: frames,
+    },
+];
 
 /// Names of the files of all outputs; `*` stands for anything.
 pub(crate) fn files() -> impl Iterator<Item = &'static str> {
@@ -225,6 +246,27 @@ pub(crate) fn figures(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fa
     // Only of a picture.
     let from = usize::from(picture.is_none());
     folder.figures(&figures[from..])
+}
+
+/// The frames for ParaView; the collection comes last, so that it names files that are there.
+fn vtu(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failure> {
+    let Finished { simulation, outcome, .. } = finished;
+    let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
+    let content = simulation.myofibril_content.as_deref();
+    let frames = vtu::Frames::new(mesh, &outcome.recording.frames, fibres, content)?;
+    let within = "vtu";
+    (0..frames.len()).into_par_iter().try_for_each(|index| {
+        folder.write(&format!("{within}/{}", frames.name(index)), frames.frame(index))
+    })?;
+    folder.write("cell.pvd", frames.collection(within))
+}
+
+/// The frames for NumPy.
+fn frames(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failure> {
+    let Finished { simulation, outline, outcome, .. } = finished;
+    let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
+    let content = simulation.myofibril_content.as_deref();
+    folder.write("frames.npz", frames::to_npz(mesh, &outcome.recording, fibres, content, outline)?)
 }
 
 #[cfg(test)]

@@ -85,6 +85,22 @@ fn outputs_are_chosen_by_their_words_and_curves_and_numbers_are_always_there() {
         myospring(folder.path(), &[&QUICK[..], &quick].concat())
     };
     assert_eq!(run("figures").status.code(), Some(0));
+    let output = run("frames,vtu,figures");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let mine = folder.path().join("mine");
+    let all = [
+        "cell.pvd",
+        "figures",
+        "frames.npz",
+        "run.json",
+        "run.toml",
+        "summary.json",
+        "traces.csv",
+        "vtu",
+    ];
+    assert_eq!(names(&mine), all);
+    let collection = fs::read_to_string(mine.join("cell.pvd")).unwrap();
+    assert_eq!(collection.matches("<DataSet ").count(), names(&mine.join("vtu")).len());
     // What the run before has left goes, its folders, too.
     let output = run("none");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

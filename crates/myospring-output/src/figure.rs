@@ -24,7 +24,7 @@ mod overview;
 mod raster;
 mod shapes;
 mod sheet;
-mod strain;
+pub(crate) mod strain;
 mod svg;
 mod theme;
 mod traces;

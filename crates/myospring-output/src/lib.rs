@@ -8,6 +8,9 @@
 //! | [`csv`] | `traces.csv`, one row per sample, units in the column names |
 //! | [`fibres`] | `fibres.csv`, one row per triangle |
 //! | [`field`] | what a cell is coloured by: values, units, colours |
+//! | [`frames`] | `frames.npz`, all shapes with mesh and fibres, for NumPy |
+//! | [`npz`] | NumPy's archive of arrays, written and read |
+//! | [`vtu`] | frames for ParaView, compressed |
 //! | [`json`] | any serialisable value for machines |
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
 //! | [`report`] | the numbers of a run with units, definitions and reference bands |
@@ -21,6 +24,9 @@ pub mod fibres;
 pub mod field;
 pub mod figure;
 pub mod files;
+pub mod frames;
 pub mod json;
+pub mod npz;
 pub mod report;
 pub mod table;
+pub mod vtu;

@@ -8,15 +8,15 @@ use myospring_core::recording::Frame;
 
 /// A patch that is drawn in one colour: a lattice square, or a triangle of another mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Facet {
+pub(crate) struct Facet {
     /// Corners, counter-clockwise.
-    pub(super) corners: Vec<u32>,
+    pub(crate) corners: Vec<u32>,
     /// Which triangles of the mesh cover it.
-    triangles: Vec<usize>,
+    pub(crate) triangles: Vec<usize>,
 }
 
 /// Fails where triangles or springs name points that are not there, or rest points are not finite.
-pub(super) fn check_mesh(mesh: &Mesh) -> Result<(), FigureError> {
+pub(crate) fn check_mesh(mesh: &Mesh) -> Result<(), FigureError> {
     let points = mesh.points[0].len().min(mesh.points[1].len());
     if points == 0 {
         return Err(FigureError::Nothing { what: "points" });
@@ -30,7 +30,7 @@ pub(super) fn check_mesh(mesh: &Mesh) -> Result<(), FigureError> {
 }
 
 /// Fails where a frame is not a shape of this mesh.
-pub(super) fn check_frame(mesh: &Mesh, frame: &Frame) -> Result<(), FigureError> {
+pub(crate) fn check_frame(mesh: &Mesh, frame: &Frame) -> Result<(), FigureError> {
     for axis in 0..2 {
         let (found, points) = (frame.positions[axis].len(), mesh.points[axis].len());
         if found != points {
@@ -52,7 +52,7 @@ fn check_finite(
 }
 
 /// The facets of a checked mesh: lattice squares where it is a lattice, triangles elsewhere.
-pub(super) fn facets(mesh: &Mesh) -> Vec<Facet> {
+pub(crate) fn facets(mesh: &Mesh) -> Vec<Facet> {
     let columns_and_rows =
         mesh.lattice.as_ref().filter(|lattice| lattice.cells.len() == mesh.points[0].len());
     let Some(lattice) = columns_and_rows else {

@@ -3,6 +3,7 @@
 
 mod drawn;
 mod overlay;
+mod paraview;
 mod synthetic;
 
 use drawn::{Pixels, size};

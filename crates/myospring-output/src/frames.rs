@@ -1,0 +1,214 @@
+//! `frames.npz`: the shapes of a run with their mesh and fibres, all digits, for NumPy.
+//!
+//! | array | shape | what |
+//! |---|---|---|
+//! | `t_ms` | frames | time |
+//! | `tension_kPa` | frames | active tension, the mean over the cell |
+//! | `positions_um` | frames, nodes, 2 | x and y of each mass, y upward |
+//! | `rest_um` | nodes, 2 | where it rests |
+//! | `area_um2` | nodes | area that it stands for |
+//! | `triangles` | triangles, 3 | corners, counter-clockwise, 0 is the first mass |
+//! | `weights` | triangles | 1/2 where two triangles cover the same place, so that sums count it once |
+//! | `column_row` | nodes, 2 | place in the lattice, where the mesh is one |
+//! | `spacing_um` | | distance of neighbours in it |
+//! | `fibre` | triangles, 2 | unit vector along the fibre at rest |
+//! | `content` | triangles | content of myofibrils; only where it differs |
+//! | `tension_by_triangle_kPa` | frames, triangles | only where the tension differs from place to place |
+//! | `outline_um` | points, 2 | the outline that was meshed, at rest |
+//! | `outline_ring` | points | which ring of it: 0 the cell's rim, others its holes |
+
+use super::npz::{self, Array, NpzError};
+use myospring_core::mesh::outline::Outline;
+use myospring_core::mesh::{Lattice, Mesh, Simplex};
+use myospring_core::recording::{Frame, Recording};
+
+/// The frames of a recording as the bytes of `frames.npz`; `fibres` has a unit vector for each triangle, `content`
+/// its content of myofibrils, if that differs.
+///
+/// # Errors
+/// More than an archive can hold.
+pub fn to_npz(
+    mesh: &Mesh,
+    recording: &Recording,
+    fibres: &[[f64; 2]],
+    content: Option<&[f64]>,
+    outline: &Outline,
+) -> Result<Vec<u8>, NpzError> {
+    let frames = &recording.frames;
+    let (nodes, triangles) = (mesh.points[0].len(), mesh.simplices.len());
+    let pairs = |[xs, ys]: &[Vec<f64>; 2]| -> Vec<f64> {
+        xs.iter().zip(ys).flat_map(|(x, y)| [*x, *y]).collect()
+    };
+    let corners = mesh.simplices.iter().flat_map(|simplex| simplex.nodes.map(u32::cast_signed));
+    let points: Vec<(i32, [f64; 2])> = outline
+        .rings()
+        .zip(0..)
+        .flat_map(|(points, ring)| points.iter().map(move |point| (ring, *point)))
+        .collect();
+    let mut arrays = vec![
+        ("t_ms", Array::floats([frames.len()], frames.iter().map(|frame| frame.t_ms))),
+        ("tension_kPa", Array::floats([frames.len()], frames.iter().map(|frame| frame.ta_kpa))),
+        (
+            "positions_um",
+            Array::floats(
+                [frames.len(), nodes, 2],
+                frames.iter().flat_map(|frame| pairs(&frame.positions)),
+            ),
+        ),
+        ("rest_um", Array::floats([nodes, 2], pairs(&mesh.points))),
+        ("area_um2", Array::floats([nodes], mesh.areas.iter().copied())),
+        ("triangles", Array::whole([triangles, 3], corners)),
+        (
+            "weights",
+            Array::floats([triangles], mesh.simplices.iter().map(|simplex| simplex.weight)),
+        ),
+        ("fibre", Array::floats([triangles, 2], fibres.iter().copied().flatten())),
+        (
+            "outline_um",
+            Array::floats([points.len(), 2], points.iter().flat_map(|(_, point)| *point)),
+        ),
+        ("outline_ring", Array::whole([points.len()], points.iter().map(|(ring, _)| *ring))),
+    ];
+    if let Some(lattice) = &mesh.lattice {
+        let places = lattice.cells.iter().flat_map(|place| place.map(u32::cast_signed));
+        arrays.push(("column_row", Array::whole([nodes, 2], places)));
+        arrays.push(("spacing_um", Array::floats([], [lattice.spacing])));
+    }
+    if let Some(content) = content {
+        arrays.push(("content", Array::floats([triangles], content.iter().copied())));
+    }
+    let by_triangle: Option<Vec<&Vec<f64>>> =
+        frames.iter().map(|frame| frame.ta_by_triangle_kpa.as_ref()).collect();
+    if let Some(tensions) = by_triangle.filter(|tensions| !tensions.is_empty()) {
+        let tensions = tensions.into_iter().flatten().copied();
+        let array = Array::floats([frames.len(), triangles], tensions);
+        arrays.push(("tension_by_triangle_kPa", array));
+    }
+    npz::to_bytes(&arrays)
+}
+
+/// What `frames.npz` says of a run: a mesh without springs, enough to draw it, and its frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kept {
+    /// Points, areas and triangles.
+    pub mesh: Mesh,
+    /// Unit vector along the fibre of each triangle, at rest.
+    pub fibres: Vec<[f64; 2]>,
+    /// Rings of the outline at rest, um; the exterior first.
+    pub rings: Vec<Vec<[f64; 2]>>,
+    /// Shapes in order of time.
+    pub frames: Vec<Frame>,
+}
+
+/// Reads what [`to_npz`] wrote; `None` where arrays are missing or do not fit each other.
+///
+/// # Errors
+/// What is no archive of arrays.
+pub fn read(bytes: &[u8]) -> Result<Option<Kept>, NpzError> {
+    let arrays = npz::read(bytes)?;
+    Ok(kept(&|name| arrays.get(name)))
+}
+
+fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<Kept> {
+    let floats = |name: &str| array(name).and_then(Array::as_floats);
+    let axes = |pairs: &[[f64; 2]]| -> [Vec<f64>; 2] {
+        [0, 1].map(|axis: usize| pairs.iter().map(|pair| pair[axis]).collect())
+    };
+    let rest = floats("rest_um")?.as_chunks::<2>().0;
+    let nodes = rest.len();
+    let areas = floats("area_um2").filter(|areas| areas.len() == nodes)?.to_vec();
+    let corners = array("triangles")?.as_whole()?.as_chunks::<3>().0;
+    let weights = floats("weights").filter(|weights| weights.len() == corners.len())?;
+    let simplices: Option<Vec<Simplex<3>>> = corners
+        .iter()
+        .zip(weights)
+        .map(|(corners, &weight)| {
+            let known = corners.iter().all(|&node| usize::try_from(node).is_ok_and(|n| n < nodes));
+            known.then(|| Simplex { nodes: corners.map(|node| node as u32), weight })
+        })
+        .collect();
+    let simplices = simplices?;
+    let fibres = floats("fibre")?.as_chunks::<2>().0;
+    let (times, tensions) = (floats("t_ms")?, floats("tension_kPa")?);
+    let positions = floats("positions_um")?;
+    let fits = fibres.len() == simplices.len()
+        && nodes > 0
+        && tensions.len() == times.len()
+        && positions.len() == 2 * nodes * times.len();
+    let by_triangle = floats("tension_by_triangle_kPa")
+        .filter(|tensions| tensions.len() == times.len() * simplices.len());
+    let frame = |(index, positions): (usize, &[f64])| Frame {
+        t_ms: times[index],
+        ta_kpa: tensions[index],
+        ta_by_triangle_kpa: by_triangle.map(|tensions| {
+            tensions[index * simplices.len()..(index + 1) * simplices.len()].to_vec()
+        }),
+        positions: axes(positions.as_chunks::<2>().0),
+    };
+    let frames = if fits {
+        positions.chunks_exact(2 * nodes).enumerate().map(frame).collect()
+    } else {
+        return None;
+    };
+    let points = floats("outline_um")?.as_chunks::<2>().0;
+    let ring = array("outline_ring")?.as_whole()?;
+    let mut rings: Vec<Vec<[f64; 2]>> = Vec::new();
+    for (point, ring) in points.iter().zip(ring) {
+        let ring = usize::try_from(*ring).ok().filter(|ring| *ring <= rings.len())?;
+        if ring == rings.len() {
+            rings.push(Vec::new());
+        }
+        rings[ring].push(*point);
+    }
+    let lattice =
+        lattice(rest, array("column_row").and_then(Array::as_whole), floats("spacing_um"));
+    let mesh = Mesh { points: axes(rest), areas, springs: Vec::new(), simplices, lattice };
+    Some(Kept { mesh, fibres: fibres.to_vec(), rings, frames })
+}
+
+/// The lattice of points, where they have a place in one.
+fn lattice(rest: &[[f64; 2]], places: Option<&[i32]>, spacing: Option<&[f64]>) -> Option<Lattice> {
+    let (places, &[spacing]) = (places?.as_chunks::<2>().0, spacing?) else { return None };
+    let place =
+        |place: &[i32; 2]| Some([u32::try_from(place[0]).ok()?, u32::try_from(place[1]).ok()?]);
+    let cells: Vec<[u32; 2]> = places.iter().map(place).collect::<Option<_>>()?;
+    let (first, at) = (*cells.first()?, *rest.first()?);
+    let count = |axis: usize| cells.iter().map(|cell| cell[axis] as usize + 1).max().unwrap_or(0);
+    let origin = [0, 1].map(|axis: usize| at[axis] - f64::from(first[axis]) * spacing);
+    let (shape, fits) = ([count(0), count(1)], cells.len() == rest.len());
+    fits.then_some(Lattice { spacing, shape, origin, cells })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use myospring_core::mesh::{built_in, lattice};
+
+    #[test]
+    fn what_is_written_comes_back_to_the_bit() {
+        let outline = built_in::adult_ventricular();
+        let mesh = lattice::rectangle(6, 3, 2.0).unwrap();
+        let frame = |t_ms: f64| Frame {
+            t_ms,
+            ta_kpa: 0.3 * t_ms,
+            ta_by_triangle_kpa: Some(vec![t_ms / 7.0; mesh.simplices.len()]),
+            positions: mesh.points.clone().map(|xs| xs.iter().map(|x| x * 0.9 + t_ms).collect()),
+        };
+        let frames = vec![frame(0.0), frame(5.0)];
+        let recording = Recording { frames: frames.clone(), ..Recording::default() };
+        let fibres = vec![[0.6, 0.8]; mesh.simplices.len()];
+        let bytes = to_npz(&mesh, &recording, &fibres, None, &outline).unwrap();
+        let kept = read(&bytes).unwrap().unwrap();
+        assert_eq!((&kept.frames, &kept.fibres), (&frames, &fibres));
+        assert_eq!(kept.rings, outline.rings().map(<[_]>::to_vec).collect::<Vec<_>>());
+        let Mesh { points, areas, simplices, lattice, .. } = kept.mesh;
+        assert_eq!((points, areas, simplices), (mesh.points, mesh.areas, mesh.simplices));
+        assert_eq!(lattice, mesh.lattice);
+    }
+
+    #[test]
+    fn an_archive_of_other_arrays_is_no_run() {
+        let times = npz::to_bytes(&[("t_ms", Array::floats([1], [0.0]))]).unwrap();
+        assert_eq!(read(&times).unwrap(), None);
+    }
+}

@@ -1,0 +1,225 @@
+//! NumPy's archive of arrays, `.npz`: written and read without Python, and without pickled objects.
+//!
+//! The format is NumPy's own (NEP 1, version 1.0 of `.npy`): each array is a file `NAME.npy` in a ZIP archive, a
+//! short header and the numbers as they lie in memory, row by row. Written uncompressed, since positions hardly
+//! shrink, with the same bytes for the same arrays.
+
+use std::collections::BTreeMap;
+use std::io::{Cursor, Read, Write};
+use zip::result::ZipError;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// First bytes of an array, with the version of its header.
+const MAGIC: &[u8; 8] = b"\x93NUMPY\x01\x00";
+/// The header ends at a multiple of this.
+const ALIGNMENT: usize = 64;
+
+/// Numbers of an array.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Numbers {
+    /// 64-bit floats.
+    Floats(Vec<f64>),
+    /// Whole numbers, 32 bits with sign.
+    Whole(Vec<i32>),
+}
+
+/// An array: its shape and its numbers, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// Length along each axis.
+    pub shape: Vec<usize>,
+    /// As many as the product of the lengths.
+    pub numbers: Numbers,
+}
+
+impl Array {
+    /// An array of floats.
+    pub fn floats(shape: impl Into<Vec<usize>>, numbers: impl IntoIterator<Item = f64>) -> Self {
+        Self { shape: shape.into(), numbers: Numbers::Floats(numbers.into_iter().collect()) }
+    }
+
+    /// An array of whole numbers.
+    pub fn whole(shape: impl Into<Vec<usize>>, numbers: impl IntoIterator<Item = i32>) -> Self {
+        Self { shape: shape.into(), numbers: Numbers::Whole(numbers.into_iter().collect()) }
+    }
+
+    /// Its floats, if it has some.
+    pub fn as_floats(&self) -> Option<&[f64]> {
+        match &self.numbers {
+            Numbers::Floats(numbers) => Some(numbers),
+            Numbers::Whole(_) => None,
+        }
+    }
+
+    /// Its whole numbers, if it has some.
+    pub fn as_whole(&self) -> Option<&[i32]> {
+        match &self.numbers {
+            Numbers::Whole(numbers) => Some(numbers),
+            Numbers::Floats(_) => None,
+        }
+    }
+
+    /// The header of NumPy's file.
+    fn header(&self) -> Vec<u8> {
+        let kind = match self.numbers {
+            Numbers::Floats(_) => "<f8",
+            Numbers::Whole(_) => "<i4",
+        };
+        let lengths: Vec<String> = self.shape.iter().map(|length| format!("{length},")).collect();
+        let lengths = lengths.join(" ");
+        let mut text =
+            format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({lengths}), }}");
+        let before = MAGIC.len() + 2;
+        let padded = (before + text.len() + 1).next_multiple_of(ALIGNMENT);
+        text.extend(std::iter::repeat_n(' ', padded - before - text.len() - 1));
+        text.push('\n');
+        let length = (text.len() as u16).to_le_bytes();
+        [MAGIC.as_slice(), &length, text.as_bytes()].concat()
+    }
+}
+
+/// Why an archive was not written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum NpzError {
+    /// The archive itself.
+    #[error("the archive of arrays is not whole: {0}")]
+    Archive(#[from] ZipError),
+    /// Its bytes.
+    #[error("the array `{name}` of the archive cannot be read or written: {source}")]
+    Bytes {
+        /// The array.
+        name: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// An array that is none of ours.
+    #[error(
+        "`{name}` of the archive is no array of 64-bit floats or 32-bit whole numbers, row by row"
+    )]
+    Kind {
+        /// The array.
+        name: String,
+    },
+}
+
+/// An archive of named arrays.
+///
+/// # Errors
+/// More than the archive can hold.
+///
+/// # Example
+/// ```
+/// use myospring::output::npz::{self, Array};
+/// let times = Array::floats([2], [0.0, 5.0]);
+/// let bytes = npz::to_bytes(&[("t_ms", times.clone())])?;
+/// assert_eq!(npz::read(&bytes)?["t_ms"], times);
+/// # Ok::<(), npz::NpzError>(())
+/// ```
+pub fn to_bytes(arrays: &[(&str, Array)]) -> Result<Vec<u8>, NpzError> {
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    for (name, array) in arrays {
+        let failed = |source| NpzError::Bytes { name: (*name).to_owned(), source };
+        let content = match &array.numbers {
+            Numbers::Floats(numbers) => {
+                numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>()
+            }
+            Numbers::Whole(numbers) => {
+                numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+            }
+        };
+        let large = content.len() > u32::MAX as usize / 2;
+        writer.start_file(format!("{name}.npy"), options.large_file(large))?;
+        writer.write_all(&array.header()).map_err(failed)?;
+        writer.write_all(&content).map_err(failed)?;
+    }
+    Ok(writer.finish()?.into_inner())
+}
+
+/// The arrays of an archive by their names; what is no array of ours is an error.
+///
+/// # Errors
+/// What is no archive, or holds something else.
+pub fn read(bytes: &[u8]) -> Result<BTreeMap<String, Array>, NpzError> {
+    let mut archive = ZipArchive::new(Cursor::new(bytes))?;
+    let mut arrays = BTreeMap::new();
+    for index in 0..archive.len() {
+        let mut file = archive.by_index(index)?;
+        let name = file.name()?.trim_end_matches(".npy").to_owned();
+        let mut content = Vec::new();
+        file.read_to_end(&mut content)
+            .map_err(|source| NpzError::Bytes { name: name.clone(), source })?;
+        let array = parse(&content).ok_or_else(|| NpzError::Kind { name: name.clone() })?;
+        arrays.insert(name, array);
+    }
+    Ok(arrays)
+}
+
+/// An array of one of our kinds from a `.npy` file.
+fn parse(bytes: &[u8]) -> Option<Array> {
+    let rest = bytes.strip_prefix(MAGIC.as_slice())?;
+    let (length, rest) = rest.split_first_chunk::<2>()?;
+    let (header, content) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
+    let header = std::str::from_utf8(header).ok()?;
+    if !header.contains("'fortran_order': False") {
+        return None;
+    }
+    let (_, lengths) = header.split_once("'shape': (")?;
+    let lengths = lengths.split_once(')')?.0.split(',').map(str::trim);
+    let shape: Option<Vec<usize>> =
+        lengths.filter(|length| !length.is_empty()).map(|length| length.parse().ok()).collect();
+    let shape = shape?;
+    let count = shape.iter().try_fold(1_usize, |product, length| product.checked_mul(*length))?;
+    let numbers = if header.contains("'<f8'") {
+        let (chunks, []) = content.as_chunks::<8>() else { return None };
+        Numbers::Floats(chunks.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+    } else if header.contains("'<i4'") {
+        let (chunks, []) = content.as_chunks::<4>() else { return None };
+        Numbers::Whole(chunks.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())
+    } else {
+        return None;
+    };
+    let found = match &numbers {
+        Numbers::Floats(numbers) => numbers.len(),
+        Numbers::Whole(numbers) => numbers.len(),
+    };
+    (found == count).then_some(Array { shape, numbers })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_come_back_and_their_headers_are_aligned() {
+        let arrays = [
+            ("positions_um", Array::floats([2, 3, 1], (0..6).map(f64::from))),
+            ("triangles", Array::whole([1, 3], [0, 1, -2])),
+            ("none", Array::floats([0, 2], [])),
+        ];
+        for (_, array) in &arrays {
+            assert_eq!(array.header().len() % ALIGNMENT, 0);
+        }
+        let read = read(&to_bytes(&arrays).unwrap()).unwrap();
+        assert_eq!(read.len(), 3);
+        for (name, array) in arrays {
+            assert_eq!(read[name], array, "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_array_is_an_error_that_names_it() {
+        assert!(matches!(super::read(b"no archive"), Err(NpzError::Archive(_))));
+        let mut bytes = to_bytes(&[("t_ms", Array::floats([2], [0.0, 1.0]))]).unwrap();
+        let at = bytes.windows(3).position(|part| part == b"<f8").unwrap();
+        bytes[at..at + 3].copy_from_slice(b"|O8");
+        // The checksum of the archive says so first.
+        assert!(super::read(&bytes).is_err());
+        let whole = Array::whole([1], [7]);
+        let mut file = [whole.header(), vec![7, 0, 0, 0]].concat();
+        assert_eq!(parse(&file), Some(whole));
+        file.pop();
+        assert_eq!(parse(&file), None);
+    }
+}
