@@ -1,5 +1,6 @@
 //! The command line: names, help, examples.
 
+use crate::look::Look;
 use crate::options::{Beat, Seen, Settings};
 use crate::outputs;
 use clap::builder::Styles;
@@ -16,7 +17,7 @@ const STYLES: Styles = Styles::styled()
 
 /// Headings of options that are no settings.
 const NUMERICS: &str = "Numerics";
-const OUTPUT: &str = "Output";
+pub(crate) const OUTPUT: &str = "Output";
 
 /// From a microscope picture of a heart cell to its beat.
 #[derive(Debug, Parser)]
@@ -107,6 +108,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = outputs::words(),
           help = outputs::help(), help_heading = OUTPUT)]
     pub(crate) outputs: Option<Vec<String>>,
+    #[command(flatten)]
+    pub(crate) look: Look,
     /// Check everything, mesh the cell, print the plan; write nothing
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) dry_run: bool,

@@ -8,6 +8,7 @@ mod fibres;
 mod input;
 mod interrupt;
 mod lists;
+mod look;
 mod mesh;
 mod options;
 mod outputs;

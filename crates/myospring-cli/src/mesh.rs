@@ -9,7 +9,8 @@ use crate::overlay::{self, Lattice};
 use crate::print;
 use crate::results::Folder;
 use myospring::mesh::quality::MeshReport;
-use myospring::output::{figure, json};
+use myospring::output::figure::{self, Theme};
+use myospring::output::json;
 use myospring::run_file::Shaped;
 use myospring::settings::FibreReport;
 use serde::Serialize;
@@ -44,11 +45,11 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     let folder = Folder::claim(&target, args.output.force)?;
     folder.write("mesh.json", json::pretty(&numbers)?)?;
     folder.write("outline.geojson", outline.to_geojson())?;
-    folder.figures(&[("mesh", &|| figure::mesh(&mesh))])?;
+    folder.figures(Theme::default(), &[("mesh", &|| figure::mesh(&mesh))])?;
     if let Some((cells, cell)) = &picture {
         let lattice = Some(Lattice { mesh: &mesh, fibres: &fibres });
         let draw = || overlay::draw(&name, cells, &[cell], lattice, &report.warnings);
-        folder.figures(&[("overlay", &draw)])?;
+        folder.figures(Theme::default(), &[("overlay", &draw)])?;
     }
     fibres::write(&folder, [(name.as_str(), &mesh, &fibres)])?;
     let target = folder.finish()?;

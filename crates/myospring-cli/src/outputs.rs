@@ -1,6 +1,7 @@
 //! What a run leaves beside its curves and numbers: one row for each output, chosen by its word.
 
 use crate::failure::Failure;
+use crate::look::Look;
 use crate::overlay::{self, Lattice};
 use crate::print;
 use crate::results::{Draw, Folder};
@@ -9,7 +10,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use myospring::analysis::beat::{Band, band};
 use myospring::mesh::outline::Outline;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::output::figure::{self, ContractionOptions};
+use myospring::output::field::Fields;
+use myospring::output::figure::{self, Cell, ContractionOptions, FigureError};
 use myospring::output::{frames, vtu};
 use myospring::settings::{Fibres, Run};
 use myospring::simulation::{Outcome, Simulation};
@@ -29,7 +31,7 @@ pub(crate) struct Finished<'a> {
     pub(crate) run: &'a Run,
     /// With the mesh at rest.
     pub(crate) simulation: &'a Simulation,
-    /// The outline that was meshed, um.
+    /// The outline at rest, um.
     pub(crate) outline: &'a Outline,
     pub(crate) fibres: &'a Fibres,
     /// The picture with its cells, and the one that beat.
@@ -38,6 +40,18 @@ pub(crate) struct Finished<'a> {
     pub(crate) numbers: &'a Numbers<'a>,
     /// Times of the stimuli, ms.
     pub(crate) stimuli: &'a [f64],
+    /// How figures and films look.
+    pub(crate) look: Look,
+}
+
+impl<'a> Finished<'a> {
+    /// The cell as figures and films draw it, with one colour scale for the whole run.
+    pub(crate) fn cell(&self) -> Result<Cell<'a>, FigureError> {
+        let Simulation { mesh, fibres, myofibril_content, .. } = self.simulation;
+        let fields = Fields::new(mesh, fibres, myofibril_content.as_deref())?;
+        let cell = Cell::new(fields, Some(self.outline))?.coloured_by(self.look.colour);
+        Ok(cell.scaled_to(&self.outcome.recording.frames))
+    }
 }
 
 /// One output.
@@ -219,24 +233,23 @@ pub(crate) fn figures(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fa
     let Finished { name, run, simulation, fibres, picture, outcome, numbers, stimuli, .. } =
         finished;
     let recording = &outcome.recording;
-    let (mesh, directions) = (&simulation.mesh, &simulation.fibres);
+    let mesh = &simulation.mesh;
+    let cell = finished.cell();
+    let cell = || cell.as_ref().map_err(Clone::clone);
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
     let options =
         ContractionOptions { stimulus_times_ms: stimuli.to_vec(), reference_band: reference };
     let label = format!("{} kPa", run.peak_tension);
     let overlay = || {
-        let (cells, cell) =
-            picture.as_ref().ok_or(figure::FigureError::Nothing { what: "pictures" })?;
+        let (cells, cell) = picture.as_ref().ok_or(FigureError::Nothing { what: "pictures" })?;
         let lattice = Some(Lattice { mesh, fibres });
         overlay::draw(name, cells, &[cell], lattice, &numbers.summary.warnings)
     };
     let figures: [(&str, Draw<'_>); 6] = [
         ("overlay", &overlay),
-        ("overview", &|| figure::overview(mesh, recording, directions, stimuli)),
-        ("cell", &|| {
-            figure::cell_shapes(mesh, &figure::key_shapes(recording, stimuli), directions)
-        }),
+        ("overview", &|| figure::overview(cell()?, recording, stimuli)),
+        ("cell", &|| figure::cell_shapes(cell()?, &figure::key_shapes(recording, stimuli))),
         ("mesh", &|| figure::mesh(mesh)),
         ("action_potential_and_tension", &|| {
             figure::action_potential_and_tension(recording, stimuli)
@@ -245,7 +258,7 @@ pub(crate) fn figures(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fa
     ];
     // Only of a picture.
     let from = usize::from(picture.is_none());
-    folder.figures(&figures[from..])
+    folder.figures(finished.look.theme, &figures[from..])
 }
 
 /// The frames for ParaView; the collection comes last, so that it names files that are there.

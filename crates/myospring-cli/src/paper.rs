@@ -8,8 +8,10 @@ use crate::print::{self, progress_bar};
 use crate::results::Folder;
 use crate::table::{aligned, wrapped};
 use myospring::mesh::Mesh;
+use myospring::mesh::outline::Outline;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
-use myospring::output::figure::{self, ContractionOptions};
+use myospring::output::field::Fields;
+use myospring::output::figure::{self, Cell, ContractionOptions, FigureError, Theme};
 use myospring::output::{csv, json};
 use myospring::settings::{self, Shaped, Value};
 use myospring::simulation::{Effort, Outcome};
@@ -36,7 +38,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let overrides = rows
         .into_iter()
         .filter_map(|(key, value)| Some((settings::find(key)?, Value::Text(value.clone()?))));
-    let Input { run, shaped: Shaped { mesh, .. }, .. } =
+    let Input { run, shaped: Shaped { mesh, outline, .. }, .. } =
         input::read(None, overrides.collect(), None)?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     interrupt::heed("nothing is written");
@@ -74,7 +76,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let findings = with_paper(&runs, run.protocol.start_ms, equations, &mesh.areas);
     let stopped_early: Vec<String> =
         outcomes.iter().filter_map(|outcome| Some(outcome.stop.as_ref()?.to_string())).collect();
-    figures(&folder, &mesh, &runs, &run.stimulus_times())?;
+    figures(&folder, &mesh, &outline, &runs, &run.stimulus_times())?;
     let total_s = start.elapsed().as_secs_f64();
     let record = Record {
         version: env!("CARGO_PKG_VERSION"),
@@ -107,6 +109,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
 fn figures(
     folder: &Folder,
     mesh: &Mesh,
+    outline: &Outline,
     runs: &[PaperRun<'_>],
     stimuli: &[f64],
 ) -> Result<(), Failure> {
@@ -117,19 +120,23 @@ fn figures(
     }
     let curves: Vec<_> =
         labels.iter().zip(runs).map(|(label, run)| (label.as_str(), run.recording)).collect();
-    let options = ContractionOptions::default();
-    folder.figures(&[("fig6_contraction", &|| figure::contraction(&curves, &options))])?;
+    let (options, theme) = (ContractionOptions::default(), Theme::default());
+    folder.figures(theme, &[("fig6_contraction", &|| figure::contraction(&curves, &options))])?;
     let Some(strongest) = runs.last() else { return Ok(()) };
     let recording = strongest.recording;
     let fibres = vec![myospring::mesh::quality::long_axis(mesh); mesh.simplices.len()];
-    folder.figures(&[
-        ("fig5_cell", &|| {
-            figure::cell_shapes(mesh, &figure::key_shapes(recording, stimuli), &fibres)
-        }),
-        ("fig3_action_potential_and_tension", &|| {
-            figure::action_potential_and_tension(recording, stimuli)
-        }),
-    ])
+    let fields = Fields::new(mesh, &fibres, None).map_err(FigureError::from)?;
+    let cell = Cell::new(fields, Some(outline))?;
+    let shapes = figure::key_shapes(recording, stimuli);
+    folder.figures(
+        theme,
+        &[
+            ("fig5_cell", &|| figure::cell_shapes(&cell, &shapes)),
+            ("fig3_action_potential_and_tension", &|| {
+                figure::action_potential_and_tension(recording, stimuli)
+            }),
+        ],
+    )
 }
 
 /// The table: quantity, paper, ours, verdict.

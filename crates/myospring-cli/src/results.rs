@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::fibres;
 use crate::outputs;
-use myospring::output::figure::{Figure, FigureError};
+use myospring::output::figure::{Figure, FigureError, Theme};
 use myospring::output::files::{self, Draft, FileError};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -102,8 +102,13 @@ impl Folder {
     }
 
     /// Draws figures, on all cores, and writes each as SVG and PNG.
-    pub(crate) fn figures(&self, figures: &[(&str, Draw<'_>)]) -> Result<(), Failure> {
-        figures.par_iter().try_for_each(|(name, draw)| self.figure(name, draw()))
+    pub(crate) fn figures(
+        &self,
+        theme: Theme,
+        figures: &[(&str, Draw<'_>)],
+    ) -> Result<(), Failure> {
+        let themed = |draw: Draw<'_>| draw().map(|figure| figure.themed(theme));
+        figures.par_iter().try_for_each(|(name, draw)| self.figure(name, themed(*draw)))
     }
 
     /// Writes a figure as SVG and PNG; one that cannot be drawn becomes a warning.

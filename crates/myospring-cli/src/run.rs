@@ -110,6 +110,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             outcome: &outcome,
             numbers: &numbers,
             stimuli: &stimuli,
+            look: args.look,
         },
     );
     timings.outputs_s = stage.elapsed().as_secs_f64();

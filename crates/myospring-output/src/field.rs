@@ -254,7 +254,7 @@ impl<'a> Fields<'a> {
         field: Field,
         frames: impl IntoIterator<Item = &'f Frame>,
     ) -> [f64; 2] {
-        field.limits(frames.into_iter().flat_map(|frame| field.limits(self.on_nodes(field, frame))))
+        field.limits(frames.into_iter().flat_map(|frame| self.on_nodes(field, frame)))
     }
 
     fn in_triangle(&self, field: Field, frame: &Frame, index: usize) -> f64 {
@@ -341,6 +341,10 @@ mod tests {
         }
         let way = fields.on_nodes(Field::Displacement, &frame);
         assert_eq!(way[0], 3f64.hypot(2.0));
+        // Frames at rest widen no scale.
+        let still = moved(&mesh, |x, y| [x, y]);
+        let wide = fields.limits(Field::CrossStrain, [&still, &moved(&mesh, |x, y| [x, 1.3 * y])]);
+        assert_eq!(wide[0], 0.0);
         let [low, high] = fields.limits(Field::AreaRatio, [&frame]);
         assert!((low - 0.88 * 1.066).abs() < 1e-12 && high == 1.0);
     }

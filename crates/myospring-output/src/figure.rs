@@ -4,18 +4,27 @@
 //! |---|---|---|
 //! | [`action_potential_and_tension`] | potential and active tension over time | Fig. 3 |
 //! | [`mesh`] | the lattice made from a picture | Fig. 4a |
-//! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by strain | Fig. 5 |
+//! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by a field | Fig. 5 |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`overview()`] | cell and curves of one run in one picture | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
 //! text in the SVG; the PNG is drawn with an embedded font (Noto Sans, SIL Open Font License 1.1),
-//! so both are the same bytes on every machine. Curves use the Okabe-Ito colours, and strain a
-//! perceptually uniform map that is light at rest; people with any colour vision can read both.
+//! so both are the same bytes on every machine. Curves use the Okabe-Ito colours, and the cell those of
+//! [`ColourScale`](crate::field::ColourScale), which are light at rest; people with any colour vision can read both.
+//! [`Figure::themed`] puts it on dark paper.
+//!
+//! A [`Cell`] is drawn with its smooth outline, which its lattice carries along; [`mesh`] shows the lattice. Area and
+//! length that a run reports are those of the lattice. At rest the two areas differ by less than the mesh's report
+//! says (`area_error_pct`), the lengths by less than a spacing at either end.
 
+use crate::field::FieldError;
+
+mod cell;
 mod chart;
 mod drawing;
+pub(crate) mod facets;
 mod font;
 mod lattice;
 mod moments;
@@ -24,17 +33,19 @@ mod overview;
 mod raster;
 mod shapes;
 mod sheet;
-pub(crate) mod strain;
+mod skin;
 mod svg;
 mod theme;
 mod traces;
 
+pub use cell::Cell;
 pub use lattice::mesh;
 pub use moments::{Shape, key_shapes};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
 pub use overview::overview;
 pub use shapes::cell_shapes;
 pub use sheet::Figure;
+pub use theme::Theme;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
 
 /// Why a figure was not drawn.
@@ -93,24 +104,9 @@ pub enum FigureError {
         /// Points in the mesh.
         points: usize,
     },
-    /// Fibres of another mesh.
-    #[error(
-        "{found} fibre directions were given for {triangles} triangles; give one for each triangle of this mesh"
-    )]
-    FibreCount {
-        /// How many were given.
-        found: usize,
-        /// How many triangles the mesh has.
-        triangles: usize,
-    },
-    /// A fibre direction without a direction.
-    #[error("the fibre direction ({x}, {y}) has no finite length above 0; give one like (1, 0)")]
-    Fibre {
-        /// Component along x.
-        x: f64,
-        /// Component along y.
-        y: f64,
-    },
+    /// Fibres or contents that are not those of the mesh.
+    #[error(transparent)]
+    Field(#[from] FieldError),
     /// A picture with another number of pixels than it says.
     #[error("a picture of {width} x {height} pixels needs {} values, but {found} were given", width.saturating_mul(*height))]
     PictureShape {

@@ -18,7 +18,7 @@
 
 use super::field::{Field, FieldError, Fields};
 use super::figure::FigureError;
-use super::figure::strain::{Facet, check_frame, check_mesh, facets};
+use super::figure::facets::{Facet, check_frame, check_mesh, facets};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use myospring::mesh::pixel_size::PixelSize;
+use myospring::output::field::Fields;
 use myospring::output::figure::{
-    Contour, ContractionOptions, Figure, Overlay, Tick, action_potential_and_tension, cell_shapes,
-    contraction, key_shapes, mesh, overlay, overview,
+    Cell, Contour, ContractionOptions, Figure, Overlay, Tick, action_potential_and_tension,
+    cell_shapes, contraction, key_shapes, mesh, overlay, overview,
 };
 use myospring::output::files;
 
@@ -30,7 +31,8 @@ fn main() -> Outcome {
     let beats = [30.0, 40.0, 50.0].map(|kpa| synthetic::recording(&long, along[0], kpa, false));
     let strongest = &beats[2];
     save(&folder, "action-potential", &action_potential_and_tension(strongest, &stimuli)?, 300.0)?;
-    save(&folder, "cell", &cell_shapes(&long, &key_shapes(strongest, &stimuli), &along)?, 300.0)?;
+    let cell = Cell::new(Fields::new(&long, &along, None)?, None)?;
+    save(&folder, "cell", &cell_shapes(&cell, &key_shapes(strongest, &stimuli))?, 300.0)?;
     let curves = [("30 kPa", &beats[0]), ("40 kPa", &beats[1]), ("50 kPa", &beats[2])];
     let plain = ContractionOptions::default();
     save(&folder, "contraction", &contraction(&curves, &plain)?, 300.0)?;
@@ -40,21 +42,17 @@ fn main() -> Outcome {
     };
     save(&folder, "contraction-band", &contraction(&curves, &band)?, 300.0)?;
     save(&folder, "mesh", &mesh(&synthetic::elongated(2.0))?, 300.0)?;
-    save(&folder, "overview", &overview(&long, strongest, &along, &stimuli)?, 200.0)?;
+    save(&folder, "overview", &overview(&cell, strongest, &stimuli)?, 200.0)?;
 
     let (round, axis) = synthetic::roundish(2.0);
     let along = vec![axis; round.simplices.len()];
+    let cell = Cell::new(Fields::new(&round, &along, None)?, None)?;
     let beat = synthetic::recording(&round, axis, 50.0, true);
     let potential = action_potential_and_tension(&beat, &stimuli)?;
     save(&folder, "action-potential-mv", &potential, 300.0)?;
-    save(
-        &folder,
-        "cell-round",
-        &cell_shapes(&round, &key_shapes(&beat, &stimuli), &along)?,
-        300.0,
-    )?;
+    save(&folder, "cell-round", &cell_shapes(&cell, &key_shapes(&beat, &stimuli))?, 300.0)?;
     save(&folder, "mesh-round", &mesh(&round)?, 300.0)?;
-    save(&folder, "overview-round", &overview(&round, &beat, &along, &stimuli)?, 200.0)?;
+    save(&folder, "overview-round", &overview(&cell, &beat, &stimuli)?, 200.0)?;
     save(&folder, "overlay", &striped_picture()?, 200.0)?;
     Ok(())
 }

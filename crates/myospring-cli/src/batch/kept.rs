@@ -1,5 +1,6 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
+use crate::look::Look;
 use crate::outputs::Finished;
 use crate::results::Folder;
 use crate::summary::{self, Numbers};
@@ -69,6 +70,7 @@ impl Keeper for Kept<'_> {
                 outcome: finished,
                 numbers: &numbers,
                 stimuli: &stimuli,
+                look: Look::default(),
             },
         )?;
         folder.finish()?;

@@ -91,6 +91,11 @@ impl ColourScale {
         low + part * (high - low)
     }
 
+    /// The colour of one of `count` equal steps between the limits: that of its middle.
+    pub fn step(&self, step: usize, count: usize) -> [u8; 3] {
+        self.colour(self.value((step as f64 + 0.5) / count as f64))
+    }
+
     /// Colours from the lower limit to the upper in even steps.
     pub fn steps(&self, count: usize) -> Vec<[u8; 3]> {
         let last = count.saturating_sub(1).max(1) as f64;

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use super::facets::{check_mesh, facets, outline};
 use super::shapes::{ELONGATED, draw_scale_bar};
 use super::sheet::{Anchor, Look, Path, Sheet, Stroke, Style};
-use super::strain::{check_mesh, facets, outline};
-use super::theme::{Colour, DOUBLE, INK, MUTED, POTENTIAL, SINGLE, TICK, fixed};
+use super::theme::{Colour, DOUBLE, INK, LATTICE, MUTED, POTENTIAL, SINGLE, TICK, fixed};
 use super::{Figure, FigureError};
 use myospring_core::mesh::{Mesh, SpringKind};
 
@@ -41,7 +41,7 @@ pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
     for ring in outline(&facets(mesh)) {
         rim.add_ring(ring.into_iter().map(at));
     }
-    sheet.path(rim.clone(), Look::fill(Colour(0xf3f6f9)));
+    sheet.path(rim.clone(), Look::fill(LATTICE));
     for (kind, colour, width) in
         [(SpringKind::Diagonal, 0x9dbdd6, 0.4), (SpringKind::Axial, 0x4f8cba, 0.55)]
     {

@@ -1,34 +1,32 @@
 //! One run in one picture: the cell at rest and at its peak beside its curves.
 
+use super::cell::Cell;
 use super::moments::key_shapes;
 use super::shapes::{Gallery, HEAD};
 use super::sheet::Sheet;
 use super::theme::{DOUBLE, SHORTENING};
 use super::traces::{ACTIVE_TENSION, Quantity, Stack, potential};
 use super::{Figure, FigureError};
-use myospring_core::mesh::Mesh;
 use myospring_core::recording::Recording;
 
 /// The cell from rest to its peak beside potential, active tension and shortening.
 ///
-/// `fibres` as in [`cell_shapes`](super::cell_shapes). Width: two columns, 178 mm; at 200 dpi the
-/// PNG is 1402 pixels wide.
+/// Width: two columns, 178 mm; at 200 dpi the PNG is 1402 pixels wide.
 ///
 /// # Errors
 /// A recording without samples or frames, or frames that [`cell_shapes`](super::cell_shapes)
 /// refuses.
 pub fn overview(
-    mesh: &Mesh,
+    cell: &Cell<'_>,
     recording: &Recording,
-    fibres: &[[f64; 2]],
     stimulus_times_ms: &[f64],
 ) -> Result<Figure, FigureError> {
     let mut shapes = key_shapes(recording, stimulus_times_ms);
-    if !Gallery::new(mesh, &shapes, fibres)?.is_elongated() {
+    if !Gallery::new(cell, &shapes)?.is_elongated() {
         // Two shapes of a roundish cell fill the room of four of a long one.
         shapes.retain(|shape| matches!(shape.name.as_str(), "at rest" | "peak" | "end of record"));
     }
-    let gallery = Gallery::new(mesh, &shapes, fibres)?;
+    let gallery = Gallery::new(cell, &shapes)?;
     let tension = Quantity { label: "Tension (kPa)", ..ACTIVE_TENSION };
     let shortening = Quantity {
         label: "Shortening (%)",

@@ -15,6 +15,18 @@ pub(super) fn png(figure: &Figure, dpi: f64) -> Result<Vec<u8>, FigureError> {
     if !(10.0..=2400.0).contains(&dpi) {
         return Err(FigureError::Resolution { dpi });
     }
+    let pixels = painted(figure, dpi)?;
+    encoded(pixels.size, ColorType::Rgb, &pixels.colours, Some(dpi))
+}
+
+/// A painted figure: red, green and blue of each pixel, row by row from the top left.
+pub(super) struct Pixels {
+    pub(super) size: [u32; 2],
+    pub(super) colours: Vec<u8>,
+}
+
+/// Paints a figure with `dpi` pixels per inch.
+pub(super) fn painted(figure: &Figure, dpi: f64) -> Result<Pixels, FigureError> {
     let [width, height] = figure.size.map(|length| (length * dpi / 96.0).round().max(1.0) as u32);
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| FigureError::Raster {
         reason: format!(
@@ -24,12 +36,12 @@ pub(super) fn png(figure: &Figure, dpi: f64) -> Result<Vec<u8>, FigureError> {
     // The last row and column are covered whole even where the size was rounded up.
     let scale = [f64::from(width) / figure.size[0], f64::from(height) / figure.size[1]];
     let transform = Transform::from_scale(scale[0] as f32, scale[1] as f32);
-    pixmap.fill(Color::WHITE);
+    let [red, green, blue] = figure.paper.channels();
+    pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
     Canvas { pixmap: &mut pixmap, transform, mask: None }.draw(&figure.elements);
-    // Nothing shines through the white page.
-    let colours: Vec<u8> =
-        pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    encoded([width, height], ColorType::Rgb, &colours, Some(dpi))
+    // Nothing shines through the page.
+    let colours = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+    Ok(Pixels { size: [width, height], colours })
 }
 
 /// A grey picture as it is embedded.
@@ -87,7 +99,7 @@ impl Canvas<'_> {
                 }
                 Element::Text { at, text, style } => self.write(*at, text, *style),
                 Element::Picture { place, picture } => self.show(*place, picture),
-                Element::Window { place, inside, .. } => self.look_through(*place, inside),
+                Element::Window { frame, inside, .. } => self.look_through(frame, inside),
             }
         }
     }
@@ -155,11 +167,10 @@ impl Canvas<'_> {
         self.pixmap.fill_rect(area, &paint, self.transform, self.mask);
     }
 
-    /// Draws elements as far as they lie within an area.
-    fn look_through(&mut self, place: Area, inside: &[Element]) {
+    /// Draws elements as far as they lie within closed lines.
+    fn look_through(&mut self, frame: &Path, inside: &[Element]) {
         let Some(mut mask) = Mask::new(self.pixmap.width(), self.pixmap.height()) else { return };
-        if let Some(area) = rect(place) {
-            let path = PathBuilder::from_rect(area);
+        if let Some(path) = outline(frame) {
             mask.fill_path(&path, FillRule::Winding, true, self.transform);
         }
         Canvas { pixmap: self.pixmap, transform: self.transform, mask: Some(&mask) }.draw(inside);

@@ -1,81 +1,40 @@
-//! The cell at several times, coloured by strain (the paper's Fig. 5).
+//! The cell at several times, coloured by a field (the paper's Fig. 5).
 
+use super::cell::{Cell, closed, draw_colour_bar};
+use super::facets::check_frame;
 use super::moments::Shape;
-use super::sheet::{Anchor, Look, Path, Sheet, Stroke, Style};
-use super::strain::{Facet, check_frame, check_mesh, facets, fibre_strain_pct, outline};
+use super::sheet::{Anchor, Area, Sheet, Stroke, Style};
 use super::theme::{
-    Colour, DOUBLE, HAIR, INK, LABEL, LETTER, MUTED, SINGLE, TICK, decimals, fixed, nice_step,
-    strain_colour, time,
+    DOUBLE, INK, LABEL, LETTER, MUTED, REST, SINGLE, TICK, decimals, fixed, nice_step, time,
 };
 use super::{Figure, FigureError};
-use myospring_core::mesh::Mesh;
-
-/// Steps of the colour scale; more cannot be told apart.
-const COLOURS: usize = 64;
+use crate::field::ColourScale;
 
 /// A cell longer than this many times its height is drawn one above the other, else side by side.
 pub(super) const ELONGATED: f64 = 2.2;
 
 /// Everything the shapes of one figure share.
 pub(super) struct Gallery<'a> {
-    mesh: &'a Mesh,
-    facets: Vec<Facet>,
-    rings: Vec<Vec<u32>>,
+    cell: &'a Cell<'a>,
     shapes: &'a [Shape<'a>],
-    strains: Vec<Vec<f64>>,
-    /// Least and greatest strain of the colour scale, per cent.
-    range: [f64; 2],
+    colours: ColourScale,
     /// Corners of the box around all shapes and the resting one, um.
     low: [f64; 2],
     high: [f64; 2],
 }
 
 impl<'a> Gallery<'a> {
-    pub(super) fn new(
-        mesh: &'a Mesh,
-        shapes: &'a [Shape<'a>],
-        fibres: &[[f64; 2]],
-    ) -> Result<Self, FigureError> {
-        check_mesh(mesh)?;
-        if mesh.simplices.is_empty() {
-            return Err(FigureError::Nothing { what: "triangles" });
-        }
+    pub(super) fn new(cell: &'a Cell<'a>, shapes: &'a [Shape<'a>]) -> Result<Self, FigureError> {
         if shapes.is_empty() {
             return Err(FigureError::Nothing { what: "frames" });
         }
-        let (found, triangles) = (fibres.len(), mesh.simplices.len());
-        if found != triangles {
-            return Err(FigureError::FibreCount { found, triangles });
-        }
-        let unit = |&[x, y]: &[f64; 2]| {
-            let length = x.hypot(y);
-            let direction = length.is_finite() && length > 0.0;
-            direction.then_some([x / length, y / length]).ok_or(FigureError::Fibre { x, y })
-        };
-        let fibres = fibres.iter().map(unit).collect::<Result<Vec<_>, _>>()?;
-        let facets = facets(mesh);
-        let mut strains = Vec::new();
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let mut enclose = |positions: &[Vec<f64>; 2]| {
-            for axis in 0..2 {
-                for &x in &positions[axis] {
-                    low[axis] = low[axis].min(x);
-                    high[axis] = high[axis].max(x);
-                }
-            }
-        };
-        enclose(&mesh.points);
         for shape in shapes {
-            check_frame(mesh, shape.frame)?;
-            enclose(&shape.frame.positions);
-            strains.push(fibre_strain_pct(mesh, &facets, shape.frame, &fibres));
+            check_frame(cell.mesh(), shape.frame)?;
         }
-        // The scale always holds 0, the colour of rest, and is never narrower than 1 %.
-        let all = || strains.iter().flatten().copied();
-        let high_strain = all().fold(0.0, f64::max);
-        let range = [all().fold(0.0, f64::min).min(high_strain - 1.0), high_strain];
-        let rings = outline(&facets);
-        Ok(Self { mesh, facets, rings, shapes, strains, range, low, high })
+        let colours = cell.colours(shapes.iter().map(|shape| shape.frame));
+        let frames = shapes.iter().map(|shape| &shape.frame.positions);
+        let [low, high] = extremes(cell, frames.chain([&cell.mesh().points]));
+        Ok(Self { cell, shapes, colours, low, high })
     }
 
     /// Width and height of the box around all shapes, um.
@@ -94,45 +53,20 @@ impl<'a> Gallery<'a> {
         (width / extent[0]).min(height / extent[1])
     }
 
-    /// The colour at a step of the scale, from the least strain to the greatest.
-    fn colour(&self, level: usize) -> Colour {
-        let [low, high] = self.range;
-        let part = level as f64 / (COLOURS - 1) as f64;
-        strain_colour((low + part * (high - low)) / high.max(-low))
-    }
-
     /// Draws a shape, its box centred at a point, y upward, and the resting outline over it.
     pub(super) fn draw(&self, sheet: &mut Sheet, index: usize, centre: [f64; 2], scale: f64) {
-        let positions = &self.shapes[index].frame.positions;
-        let [low, high] = self.range;
+        let frame = self.shapes[index].frame;
         let middle = [0, 1].map(|axis: usize| f64::midpoint(self.low[axis], self.high[axis]));
-        let at = |positions: &[Vec<f64>; 2], node: u32| {
-            let [x, y] = [0, 1].map(|axis: usize| positions[axis][node as usize] - middle[axis]);
-            [centre[0] + x * scale, centre[1] - y * scale]
+        let at = |[x, y]: [f64; 2]| {
+            [centre[0] + (x - middle[0]) * scale, centre[1] - (y - middle[1]) * scale]
         };
-        let mut paths = vec![Path::default(); COLOURS];
-        for (facet, strain) in self.facets.iter().zip(&self.strains[index]) {
-            let part = ((strain - low) / (high - low)).clamp(0.0, 1.0);
-            let path = &mut paths[(part * (COLOURS - 1) as f64).round() as usize];
-            path.add_ring(facet.corners.iter().map(|&node| at(positions, node)));
-        }
-        for (level, path) in paths.into_iter().enumerate() {
-            // A stroke in the facet's own colour hides the seams that smoothing would leave between
-            // neighbours.
-            let colour = self.colour(level);
-            sheet.path(path, Look::fill(colour).stroke(Stroke::new(colour, 0.4)));
-        }
-        let mut edge = |positions, stroke| {
-            let mut path = Path::default();
-            for ring in &self.rings {
-                path.add_ring(ring.iter().map(|&node| at(positions, node)));
-            }
-            sheet.path(path, stroke);
-        };
-        edge(positions, Stroke::new(INK, 0.7));
-        let moved = positions.iter().flatten().zip(self.mesh.points.iter().flatten());
-        if moved.into_iter().any(|(now, rest)| (now - rest).abs() * scale > 0.5) {
-            edge(&self.mesh.points, Stroke::new(Colour(0x8c8c8c), 0.8).dash(2.5, 1.8));
+        self.cell.fill(sheet, format!("cell-{index}"), frame, &self.colours, at);
+        let [now, rest] = [&frame.positions, &self.cell.mesh().points]
+            .map(|positions| self.cell.rings(positions));
+        sheet.path(closed(&now, at), Stroke::new(INK, 0.7));
+        let away = |(p, q): (&[f64; 2], &[f64; 2])| (p[0] - q[0]).hypot(p[1] - q[1]) * scale > 0.5;
+        if now.iter().flatten().zip(rest.iter().flatten()).any(away) {
+            sheet.path(closed(&rest, at), Stroke::new(REST, 0.8).dash(2.5, 1.8));
         }
     }
 
@@ -142,30 +76,8 @@ impl<'a> Gallery<'a> {
     }
 
     /// The colour bar with its ticks below and its title above; `place` is its upper left corner.
-    pub(super) fn draw_colour_bar(&self, sheet: &mut Sheet, place: [f64; 2], width: f64) {
-        let height = 8.0;
-        sheet.text(
-            [place[0] + width / 2.0, place[1] - 5.0],
-            "Fibre strain (%)",
-            Style::new(TICK).anchor(Anchor::Middle),
-        );
-        for level in 0..COLOURS {
-            // Each step reaches to the end, under the next ones, so that no seams show.
-            let before = width * level as f64 / COLOURS as f64;
-            let corner = [place[0] + before, place[1]];
-            sheet.rect(corner, [width - before, height], Look::fill(self.colour(level)));
-        }
-        sheet.rect(place, [width, height], Stroke::new(INK, HAIR));
-        let [low, high] = self.range;
-        let step = nice_step(high - low, 5.0);
-        let ticks = (low / step).ceil() as i64..=(high / step).floor() as i64;
-        for value in ticks.map(|i| i as f64 * step) {
-            let x = place[0] + width * (value - low) / (high - low);
-            let bottom = place[1] + height;
-            sheet.line([x, bottom], [x, bottom + 3.0], Stroke::new(INK, HAIR));
-            let style = Style::new(TICK).anchor(Anchor::Middle);
-            sheet.text([x, bottom + 13.5], &fixed(value, decimals(step)), style);
-        }
+    pub(super) fn draw_colour_bar(&self, sheet: &mut Sheet, corner: [f64; 2], width: f64) {
+        draw_colour_bar(sheet, Area { corner, size: [width, 8.0] }, &self.colours);
     }
 
     /// What is written beside a shape: its name, time and tension, shortening.
@@ -182,31 +94,41 @@ impl<'a> Gallery<'a> {
     }
 }
 
-/// A scale bar of about a seventh of the cell, `extent` um large, from a point to the right, its length beside it.
+/// Corners of the box around the outline in some shapes, um.
+pub(super) fn extremes<'f>(
+    cell: &Cell<'_>,
+    shapes: impl IntoIterator<Item = &'f [Vec<f64>; 2]>,
+) -> [[f64; 2]; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for positions in shapes {
+        for point in cell.rings(positions).iter().flatten() {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+    }
+    [low, high]
+}
+
+/// A scale bar of a tenth to a quarter of the cell, `extent` um large, from a point to the right, its length beside it.
 pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, extent: [f64; 2]) {
-    let length = nice_step(extent[0].max(extent[1]), 7.0);
+    let length = nice_step(extent[0].max(extent[1]), 10.0);
     let end = x + length * scale;
     sheet.line([x, y], [end, y], Stroke::new(INK, 2.5));
     let text = format!("{} \u{b5}m", fixed(length, decimals(length)));
     sheet.text([end + 5.0, y + 3.5], &text, Style::new(TICK));
 }
 
-/// The cell at several times with colours for the strain along its fibre (the paper's Fig. 5).
+/// The cell at several times, its outline filled with the colours of a field (the paper's Fig. 5).
 ///
-/// All shapes share one scale and one colour scale; strain is the engineering strain along `fibres`
-/// (one direction for each triangle, of any length), per cent, negative where the cell is shorter than at
-/// rest. The dashed line is the resting outline. Shapes stand as in the picture, y upward: long
-/// cells one above the other (one column, 85 mm), others side by side (two columns, 178 mm).
+/// All shapes share one scale and one colour scale. The dashed line is the resting outline. Shapes stand as in the
+/// picture, y upward: long cells one above the other (one column, 85 mm), others side by side (two columns, 178 mm).
 ///
 /// # Errors
-/// No shape, a frame of another mesh or with positions that are not finite, fibres of another mesh or of no
-/// length.
-pub fn cell_shapes(
-    mesh: &Mesh,
-    shapes: &[Shape<'_>],
-    fibres: &[[f64; 2]],
-) -> Result<Figure, FigureError> {
-    let gallery = Gallery::new(mesh, shapes, fibres)?;
+/// No shape, or a frame of another mesh or with positions that are not finite.
+pub fn cell_shapes(cell: &Cell<'_>, shapes: &[Shape<'_>]) -> Result<Figure, FigureError> {
+    let gallery = Gallery::new(cell, shapes)?;
     Ok(if gallery.is_elongated() { stacked(&gallery) } else { side_by_side(&gallery) })
 }
 

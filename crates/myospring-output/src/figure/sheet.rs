@@ -1,13 +1,35 @@
 //! A sheet of drawn elements, in px with y downward; `svg` writes it and `raster` paints it.
 
-use super::theme::{BLACK, Colour, INK, WHITE, mm};
+use super::theme::{BLACK, Colour, INK, Theme, WHITE, mm};
 
 /// A drawn figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Width and height, px.
     pub(super) size: [f64; 2],
+    pub(super) paper: Colour,
     pub(super) elements: Vec<Element>,
+}
+
+impl Figure {
+    /// The figure on light or dark paper; it is drawn on light.
+    #[must_use]
+    pub fn themed(mut self, theme: Theme) -> Self {
+        self.paper = theme.shown(self.paper);
+        for element in &mut self.elements {
+            match element {
+                Element::Path { look, .. } | Element::Circle { look, .. } => {
+                    look.fill = look.fill.map(|colour| theme.shown(colour));
+                    look.stroke =
+                        look.stroke.map(|pen| Stroke { colour: theme.shown(pen.colour), ..pen });
+                }
+                Element::Text { style, .. } => style.colour = theme.shown(style.colour),
+                // A picture is what it is, and so is what lies on it.
+                Element::Picture { .. } | Element::Window { .. } => {}
+            }
+        }
+        self
+    }
 }
 
 /// What stands on a sheet.
@@ -32,10 +54,10 @@ pub(super) enum Element {
         place: Area,
         picture: Picture,
     },
-    /// Elements of which only what lies within an area is seen.
+    /// Elements of which only what lies within closed lines is seen.
     Window {
         name: String,
-        place: Area,
+        frame: Path,
         inside: Vec<Element>,
     },
 }
@@ -89,6 +111,21 @@ impl Path {
         if self.steps.len() > before {
             self.steps.push(Step::Close);
         }
+    }
+
+    /// The box around it, px; none of a path without lines.
+    pub(super) fn bounds(&self) -> Option<Area> {
+        let places = self.steps.iter().filter_map(|step| match *step {
+            Step::Move(place) | Step::Line(place) => Some(place.map(|x| f64::from(x) / 100.0)),
+            Step::Close => None,
+        });
+        let ends = places.map(|place| [place, place]).reduce(|[low, high], [place, _]| {
+            let of = |pick: fn(f64, f64) -> f64, ends: [f64; 2]| {
+                [0, 1].map(|axis: usize| pick(ends[axis], place[axis]))
+            };
+            [of(f64::min, low), of(f64::max, high)]
+        });
+        ends.map(|[low, high]| Area { corner: low, size: [high[0] - low[0], high[1] - low[1]] })
     }
 
     pub(super) fn line(points: impl IntoIterator<Item = [f64; 2]>) -> Self {
@@ -231,7 +268,7 @@ impl Sheet {
         self.path(Path::rect(Area { corner, size }), look);
     }
 
-    /// A dot on a curve, ringed in white so that it stands out.
+    /// A dot on a curve, ringed in the paper's colour so that it stands out.
     pub(super) fn dot(&mut self, centre: [f64; 2], colour: Colour) {
         let look = Look::fill(colour).stroke(Stroke::new(WHITE, 1.0));
         self.elements.push(Element::Circle { centre, radius: 3.0, look });
@@ -247,15 +284,15 @@ impl Sheet {
         self.elements.push(Element::Picture { place, picture });
     }
 
-    /// Adds what is drawn on another sheet, as far as it lies within an area; the name is the window's
+    /// Adds what is drawn on another sheet, as far as it lies within closed lines; the name is the window's
     /// own in the figure.
-    pub(super) fn window(&mut self, name: String, place: Area, inside: Sheet) {
-        self.elements.push(Element::Window { name, place, inside: inside.elements });
+    pub(super) fn window(&mut self, name: String, frame: Path, inside: Sheet) {
+        self.elements.push(Element::Window { name, frame, inside: inside.elements });
     }
 
     /// The figure, `width` by `height` px large to a hundredth of a millimetre, on white.
     pub(super) fn finish(self, width: f64, height: f64) -> Figure {
         let size = [width, height].map(|length| mm((100.0 * length / mm(1.0)).round() / 100.0));
-        Figure { size, elements: self.elements }
+        Figure { size, paper: WHITE, elements: self.elements }
     }
 }

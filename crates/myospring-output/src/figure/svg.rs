@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::sheet::{Anchor, Area, Element, Figure, HALO, Look, Path, Step, Style, hundredths};
-use super::theme::{FONTS, WHITE, mm};
+use super::theme::{FONTS, mm};
 
 /// The figure as SVG, with its printed size.
 pub(super) fn svg(figure: &Figure) -> String {
@@ -15,7 +15,8 @@ pub(super) fn svg(figure: &Figure) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width_mm}mm\" height=\"{height_mm}mm\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\" fill=\"none\" \
-         stroke-linejoin=\"round\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"{WHITE}\"/>\n"
+         stroke-linejoin=\"round\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
+        figure.paper
     );
     for element in &figure.elements {
         append(&mut svg, element);
@@ -43,11 +44,11 @@ fn append(svg: &mut String, element: &Element) {
                 STANDARD.encode(&picture.png)
             )
         }
-        Element::Window { name, place, inside } => {
+        Element::Window { name, frame, inside } => {
             writeln!(
                 svg,
-                r#"<clipPath id="{name}"><rect {}/></clipPath><g clip-path="url(#{name})">"#,
-                area(*place)
+                r#"<clipPath id="{name}"><path d="{}"/></clipPath><g clip-path="url(#{name})">"#,
+                data(frame)
             )
             .ok();
             for element in inside {

@@ -27,6 +27,10 @@ pub(super) const TICK: u32 = 10;
 pub(super) struct Colour(pub(super) u32);
 
 impl Colour {
+    pub(super) const fn from_channels([red, green, blue]: [u8; 3]) -> Self {
+        Self(u32::from_be_bytes([0, red, green, blue]))
+    }
+
     pub(super) const fn channels(self) -> [u8; 3] {
         let [_, red, green, blue] = self.0.to_be_bytes();
         [red, green, blue]
@@ -65,58 +69,53 @@ pub(super) const CURVES: [Colour; 6] = [
     Colour(0xcc79a7),
 ];
 
+/// The outline of rest beside that of now.
+pub(super) const REST: Colour = Colour(0x8c8c8c);
+/// Inside of the lattice.
+pub(super) const LATTICE: Colour = Colour(0xf3f6f9);
+
+/// Light or dark paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Theme {
+    /// Dark ink on white, as journals print.
+    #[default]
+    Light,
+    /// Light ink on nearly black, for slides and screens.
+    Dark,
+}
+
+impl Theme {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Light, Self::Dark];
+
+    /// Its word in options.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Light => "light",
+            Self::Dark => "dark",
+        }
+    }
+
+    /// Paper and ink as this theme has them; colours of data and curves are the same in both.
+    pub(super) fn shown(self, colour: Colour) -> Colour {
+        match (self, colour) {
+            (Self::Light, _) => colour,
+            (Self::Dark, WHITE) => Colour(0x14171c),
+            (Self::Dark, INK) => Colour(0xe8e8e8),
+            (Self::Dark, MUTED) => Colour(0xa8abb0),
+            (Self::Dark, BAND) => Colour(0x343941),
+            (Self::Dark, LATTICE) => Colour(0x1e242c),
+            (Self::Dark, other) => other,
+        }
+    }
+}
+
 /// Width of curves, px.
 pub(super) const CURVE_WIDTH: f64 = 1.6;
 /// Width of axes and ticks, px.
 pub(super) const AXIS_WIDTH: f64 = 0.9;
 /// Width of hairlines, px.
 pub(super) const HAIR: f64 = 0.6;
-
-/// Colours of shortening from rest: magma (van der Walt and Smith 2015, CC0) reversed and without
-/// its blackest end, perceptually uniform.
-const SHORTER: [[u8; 3]; 17] = [
-    [0xfc, 0xfd, 0xbf],
-    [0xfd, 0xe3, 0xa5],
-    [0xfe, 0xcc, 0x8f],
-    [0xfe, 0xb2, 0x7a],
-    [0xfd, 0x9a, 0x6a],
-    [0xfa, 0x7f, 0x5e],
-    [0xf4, 0x67, 0x5c],
-    [0xe7, 0x52, 0x63],
-    [0xd3, 0x43, 0x6e],
-    [0xbf, 0x3a, 0x77],
-    [0xa8, 0x32, 0x7d],
-    [0x93, 0x2b, 0x80],
-    [0x7c, 0x23, 0x82],
-    [0x68, 0x1c, 0x81],
-    [0x52, 0x13, 0x7c],
-    [0x3d, 0x0f, 0x71],
-    [0x25, 0x12, 0x55],
-];
-/// Colours of stretch from rest: the greens and blues of `YlGnBu` (Brewer 2003, Apache-2.0).
-const LONGER: [[u8; 3]; 7] = [
-    [0xfc, 0xfd, 0xbf],
-    [0xc7, 0xe9, 0xb4],
-    [0x7f, 0xcd, 0xbb],
-    [0x41, 0xb6, 0xc4],
-    [0x1d, 0x91, 0xc0],
-    [0x22, 0x5e, 0xa8],
-    [0x0c, 0x2c, 0x84],
-];
-
-/// The colour of a strain relative to the greatest one of the figure, in [-1, 1]: rest is light,
-/// shortening goes over red to purple, stretch over green to blue.
-pub(super) fn strain_colour(relative: f64) -> Colour {
-    let map: &[[u8; 3]] = if relative <= 0.0 { &SHORTER } else { &LONGER };
-    let place = relative.abs().min(1.0) * (map.len() - 1) as f64;
-    let below = (place.floor() as usize).min(map.len() - 2);
-    let part = place - below as f64;
-    let mix = |channel: usize| {
-        let (a, b) = (f64::from(map[below][channel]), f64::from(map[below + 1][channel]));
-        (a + part * (b - a)).round() as u8
-    };
-    Colour(u32::from_be_bytes([0, mix(0), mix(1), mix(2)]))
-}
 
 /// A number with `decimals` digits after the point and a real minus sign, never "-0".
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
@@ -176,13 +175,34 @@ mod tests {
         assert_eq!((time(50.0), time(171.45)), ("50 ms".to_owned(), "171.4 ms".to_owned()));
     }
 
+    /// Relative luminance (WCAG 2.2).
+    fn luminance(colour: Colour) -> f64 {
+        let linear = colour.channels().map(|channel| {
+            let part = f64::from(channel) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        });
+        0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    }
+
+    fn contrast(a: Colour, b: Colour) -> f64 {
+        let [a, b] = [a, b].map(luminance);
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
     #[test]
-    fn rest_is_light_and_both_ends_of_the_strain_map_are_dark() {
-        assert_eq!(
-            [-2.0, -1.0, -0.5].map(strain_colour),
-            [0x251255, 0x251255, 0xd3436e].map(Colour)
-        );
-        assert_eq!(Colour(0x0072b2).to_string(), "#0072b2");
-        assert_eq!([0.0, 0.5, 1.0].map(strain_colour), [0xfcfdbf, 0x41b6c4, 0x0c2c84].map(Colour));
+    fn text_and_curves_stand_out_from_either_paper() {
+        for theme in [Theme::Light, Theme::Dark] {
+            let shown = |colour| theme.shown(colour);
+            // WCAG 2.2: text 4.5, graphics 3.
+            for text in [INK, MUTED] {
+                assert!(contrast(shown(text), shown(WHITE)) >= 4.5, "{theme:?} {text}");
+            }
+            for curve in [POTENTIAL, TENSION, SHORTENING, REST] {
+                assert!(contrast(shown(curve), shown(WHITE)) >= 3.0, "{theme:?} {curve}");
+            }
+        }
+        for curve in CURVES {
+            assert!(contrast(Theme::Dark.shown(curve), Theme::Dark.shown(WHITE)) >= 3.0, "{curve}");
+        }
     }
 }

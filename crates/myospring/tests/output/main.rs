@@ -9,9 +9,10 @@ mod synthetic;
 use drawn::{Pixels, size};
 use myospring::mesh::Mesh;
 use myospring::output::csv::traces;
+use myospring::output::field::Fields;
 use myospring::output::figure::{
-    ContractionOptions, Figure, FigureError, Shape, action_potential_and_tension, cell_shapes,
-    contraction, key_shapes, mesh, overview,
+    Cell, ContractionOptions, Figure, FigureError, Shape, action_potential_and_tension,
+    cell_shapes, contraction, key_shapes, mesh, overview,
 };
 use myospring::recording::{Frame, Recording};
 use synthetic::{STIMULUS, elongated, recording, roundish};
@@ -27,18 +28,22 @@ fn along(mesh: &Mesh, fibre: [f64; 2]) -> Vec<[f64; 2]> {
     vec![fibre; mesh.simplices.len()]
 }
 
+fn cell<'a>(mesh: &'a Mesh, fibres: &[[f64; 2]]) -> Result<Cell<'a>, FigureError> {
+    Cell::new(Fields::new(mesh, fibres, None)?, None)
+}
+
 fn all_figures(mesh_of_run: &Mesh, run: &Recording, fibre: [f64; 2]) -> Vec<Figure> {
     let options = ContractionOptions {
         stimulus_times_ms: vec![STIMULUS],
         reference_band: Some(([7.0, 12.0], "adult ventricular myocytes, unloaded")),
     };
+    let drawn = cell(mesh_of_run, &along(mesh_of_run, fibre)).unwrap();
     vec![
         action_potential_and_tension(run, &[STIMULUS]).unwrap(),
-        cell_shapes(mesh_of_run, &key_shapes(run, &[STIMULUS]), &along(mesh_of_run, fibre))
-            .unwrap(),
+        cell_shapes(&drawn, &key_shapes(run, &[STIMULUS])).unwrap(),
         contraction(&[("50 kPa", run)], &options).unwrap(),
         mesh(mesh_of_run).unwrap(),
-        overview(mesh_of_run, run, &along(mesh_of_run, fibre), &[STIMULUS]).unwrap(),
+        overview(&drawn, run, &[STIMULUS]).unwrap(),
     ]
 }
 
@@ -71,7 +76,7 @@ fn every_figure_has_the_width_of_a_column_and_draws_at_the_resolution_asked_for(
 fn labels_carry_their_units() {
     let long = elongated(2.0);
     let run = beat(&long);
-    let x = along(&long, X);
+    let drawn = cell(&long, &along(&long, X)).unwrap();
     let mv = recording(&long, X, 50.0, true);
     let shapes = key_shapes(&run, &[STIMULUS]);
     let curves = [("30 kPa", &run), ("50 kPa", &run)];
@@ -92,7 +97,7 @@ fn labels_carry_their_units() {
         ),
         (action_potential_and_tension(&mv, &[]).unwrap(), vec!["Potential (mV)", "\u{2212}80"]),
         (
-            cell_shapes(&long, &shapes, &x).unwrap(),
+            cell_shapes(&drawn, &shapes).unwrap(),
             vec![
                 "Fibre strain (%)",
                 "20 \u{b5}m",
@@ -107,7 +112,7 @@ fn labels_carry_their_units() {
         ),
         (mesh(&long).unwrap(), vec!["20 \u{b5}m", "points", "springs", "spacing 2 \u{b5}m"]),
         (
-            overview(&long, &run, &x, &[STIMULUS]).unwrap(),
+            overview(&drawn, &run, &[STIMULUS]).unwrap(),
             vec!["Tension (kPa)", "Shortening (%)", "Time (ms)", "Fibre strain (%)", "peak"],
         ),
     ];
@@ -198,6 +203,7 @@ fn nothing_to_draw_is_an_error_and_not_a_panic() {
     let (frame, x) = (&run.frames[0], along(&long, X));
     let shape = |frame| vec![Shape { name: "x".to_owned(), frame, shortening_pct: None }];
     let wrong = Frame { positions: [vec![], vec![]], ..frame.clone() };
+    let drawn = cell(&long, &x).unwrap();
     let hollow = Mesh { simplices: vec![], ..long.clone() };
     let nowhere =
         Mesh { points: [vec![], vec![]], springs: vec![], simplices: vec![], ..long.clone() };
@@ -205,13 +211,18 @@ fn nothing_to_draw_is_an_error_and_not_a_panic() {
         (action_potential_and_tension(&empty, &[]), "0 samples with finite numbers"),
         (contraction(&[], &plain), "given 0 recordings"),
         (contraction(&[("40 kPa", &empty)], &plain), "the recording \"40 kPa\" has 0 samples"),
-        (cell_shapes(&long, &[], &x), "given 0 frames"),
-        (cell_shapes(&long, &shape(frame), &along(&long, [0.0, 0.0])), "fibre direction (0, 0)"),
-        (cell_shapes(&long, &shape(&wrong), &x), "has 0 positions along axis 0"),
-        (cell_shapes(&long, &shape(frame), &x[1..]), "one for each triangle"),
-        (cell_shapes(&hollow, &shape(frame), &[]), "given 0 triangles"),
+        (cell_shapes(&drawn, &[]), "given 0 frames"),
+        (cell_shapes(&drawn, &shape(&wrong)), "has 0 positions along axis 0"),
         (mesh(&nowhere), "given 0 points"),
-        (overview(&long, &empty, &x, &[]), "given 0 frames"),
+        (overview(&drawn, &empty, &[]), "given 0 frames"),
+    ] {
+        let error: FigureError = result.unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+    for (result, message) in [
+        (cell(&long, &along(&long, [0.0, 0.0])), "fibre direction (0, 0)"),
+        (cell(&long, &x[1..]), "one for each triangle"),
+        (cell(&hollow, &[]), "given 0 triangles"),
     ] {
         let error: FigureError = result.unwrap_err();
         assert!(error.to_string().contains(message), "{error}");

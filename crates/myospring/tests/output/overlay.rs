@@ -55,11 +55,11 @@ fn drawn(figure: &Figure) -> Pixels {
 /// Left, top, width and height of a panel, px, if the figure has it.
 fn panel(figure: &Figure, name: &str) -> Option<[f64; 4]> {
     let svg = figure.to_svg();
-    let (_, rest) = svg.split_once(&format!(r#"<clipPath id="panel-{name}"><rect "#))?;
-    Some(["x", "y", "width", "height"].map(|key| {
-        let (_, value) = rest.split_once(&format!(r#"{key}=""#)).unwrap();
-        value.split_once('"').unwrap().0.parse().unwrap()
-    }))
+    let (_, rest) = svg.split_once(&format!(r#"<clipPath id="panel-{name}"><path d="m"#))?;
+    // A corner, then steps to the right and down.
+    let steps = rest.split_once('z').unwrap().0.replace('-', " -");
+    let steps: Vec<f64> = steps.split_whitespace().map(|step| step.parse().unwrap()).collect();
+    Some([steps[0], steps[1], steps[2], steps[5]])
 }
 
 /// The colour at a point of panel A, which shows the whole picture.

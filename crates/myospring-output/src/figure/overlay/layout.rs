@@ -1,14 +1,15 @@
 //! The panels on their sheet, with legend and warnings.
 
+use super::super::facets::check_mesh;
 use super::super::font::text_width;
 use super::super::shapes::draw_scale_bar;
 use super::super::sheet::{Look, Sheet, Stroke, Style};
-use super::super::strain::check_mesh;
 use super::super::theme::{Colour, DOUBLE, INK, LABEL, LETTER, MUTED, TENSION, TICK, mm};
 use super::super::{Figure, FigureError};
 use super::histogram::draw_histogram;
 use super::panel::{Panel, View};
 use super::{CHOSEN, FIBRE, OTHER, Overlay, STAND_IN};
+use crate::field::FieldError;
 
 /// Space around the panels and between them, px.
 const MARGIN: f64 = 8.0;
@@ -129,7 +130,7 @@ fn check(overlay: &Overlay<'_>) -> Result<(), FigureError> {
         }
         let length = along_x.hypot(along_y);
         if !(length.is_finite() && length > 0.0) {
-            return Err(FigureError::Fibre { x: along_x, y: along_y });
+            return Err(FieldError::Fibre { x: along_x, y: along_y }.into());
         }
     }
     overlay.mesh.map_or(Ok(()), check_mesh)

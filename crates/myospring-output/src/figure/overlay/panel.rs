@@ -126,7 +126,7 @@ impl Panel {
         for cell in overlay.cells.iter().filter(|_| several && name == "A") {
             self.draw_name(&mut inside, cell);
         }
-        sheet.window(format!("panel-{name}"), place, inside);
+        sheet.window(format!("panel-{name}"), Path::rect(place), inside);
         Ok(())
     }
 

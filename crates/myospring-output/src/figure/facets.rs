@@ -1,4 +1,4 @@
-//! Strain along the fibre, facet by facet, and the outline of a mesh.
+//! The patches of a mesh that do not overlap, and their rim.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::FigureError;
 use myospring_core::mesh::{Mesh, Simplex};
 use myospring_core::recording::Frame;
 
-/// A patch that is drawn in one colour: a lattice square, or a triangle of another mesh.
+/// A patch: a lattice square, or a triangle of another mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Facet {
     /// Corners, counter-clockwise.
@@ -89,53 +89,6 @@ pub(crate) fn facets(mesh: &Mesh) -> Vec<Facet> {
         .collect()
 }
 
-/// Engineering strain along the fibre, per cent, of each facet: 100 (|F f0| - 1), the mean over its
-/// triangles weighted by resting area, with F the deformation gradient and f0 the unit vector of each triangle.
-///
-/// Shortening is negative. Turning the cell as a whole gives no strain.
-pub(super) fn fibre_strain_pct(
-    mesh: &Mesh,
-    facets: &[Facet],
-    frame: &Frame,
-    fibres: &[[f64; 2]],
-) -> Vec<f64> {
-    facets
-        .iter()
-        .map(|facet| {
-            let (mut sum, mut weights) = (0.0, 0.0);
-            for &index in &facet.triangles {
-                let (triangle, fibre) = (&mesh.simplices[index], fibres[index]);
-                let rest = edges(&mesh.points, triangle);
-                let now = edges(&frame.positions, triangle);
-                // F f0 = D_s D_m^-1 f0, the columns of D being two edges.
-                let double_area = cross(rest[0], rest[1]);
-                if double_area == 0.0 {
-                    continue;
-                }
-                let along =
-                    [cross(fibre, rest[1]) / double_area, cross(rest[0], fibre) / double_area];
-                let mapped =
-                    [0, 1].map(|axis: usize| now[0][axis] * along[0] + now[1][axis] * along[1]);
-                let weight = triangle.weight * double_area.abs();
-                sum += weight * (mapped[0].hypot(mapped[1]) - 1.0);
-                weights += weight;
-            }
-            if weights > 0.0 { 100.0 * sum / weights } else { 0.0 }
-        })
-        .collect()
-}
-
-fn edges(positions: &[Vec<f64>; 2], triangle: &Simplex<3>) -> [[f64; 2]; 2] {
-    let at =
-        |corner: usize| [0, 1].map(|axis: usize| positions[axis][triangle.nodes[corner] as usize]);
-    let [a, b, c] = [at(0), at(1), at(2)];
-    [[b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
 /// The rim of the facets as closed loops of nodes: edges with facets on one side only.
 pub(super) fn outline(facets: &[Facet]) -> Vec<Vec<u32>> {
     let mut sides: BTreeMap<(u32, u32), i32> = BTreeMap::new();
@@ -208,45 +161,6 @@ mod tests {
         let corners: Vec<_> = facets.iter().map(|facet| facet.corners.clone()).collect();
         assert_eq!(corners, [[0, 1, 4, 3], [1, 2, 5, 4]]);
         assert_eq!(facets[0].triangles.len(), 4);
-    }
-
-    #[test]
-    fn stretching_along_the_fibre_is_the_strain() {
-        let mesh = mesh();
-        let facets = facets(&mesh);
-        let frame = moved(&mesh, |x, y| [0.88 * x, 1.066 * y]);
-        for (fibre, strain) in [([1.0, 0.0], -12.0), ([0.0, 1.0], 6.6)] {
-            for found in
-                fibre_strain_pct(&mesh, &facets, &frame, &vec![fibre; mesh.simplices.len()])
-            {
-                assert!((found - strain).abs() < 1e-12, "{found}");
-            }
-        }
-    }
-
-    #[test]
-    fn each_triangle_has_a_fibre_of_its_own() {
-        let mesh = mesh();
-        let facets = facets(&mesh);
-        let frame = moved(&mesh, |x, y| [0.88 * x, 1.066 * y]);
-        let upright = |index: &usize| facets[1].triangles.contains(index);
-        let fibres: Vec<[f64; 2]> = (0..mesh.simplices.len())
-            .map(|index| if upright(&index) { [0.0, 1.0] } else { [1.0, 0.0] })
-            .collect();
-        let found = fibre_strain_pct(&mesh, &facets, &frame, &fibres);
-        assert!((found[0] + 12.0).abs() < 1e-12 && (found[1] - 6.6).abs() < 1e-12, "{found:?}");
-    }
-
-    #[test]
-    fn turning_and_shifting_the_cell_is_no_strain() {
-        let mesh = mesh();
-        let facets = facets(&mesh);
-        let (sin, cos) = 0.7f64.sin_cos();
-        let frame = moved(&mesh, |x, y| [cos * x - sin * y + 3.0, sin * x + cos * y - 1.0]);
-        let fibres = vec![[0.6, 0.8]; mesh.simplices.len()];
-        for found in fibre_strain_pct(&mesh, &facets, &frame, &fibres) {
-            assert!(found.abs() < 1e-12, "{found}");
-        }
     }
 
     #[test]

@@ -1,0 +1,137 @@
+//! A cell that is to be drawn, and what it is coloured by.
+
+use super::FigureError;
+use super::facets::{check_frame, check_mesh, facets};
+use super::sheet::{Anchor, Area, Look, Path, Sheet, Stroke, Style};
+use super::skin::{Rings, Skin};
+use super::theme::{Colour, HAIR, INK, TICK, decimals, fixed, nice_step};
+use crate::field::{ColourScale, Field, Fields};
+use myospring_core::mesh::Mesh;
+use myospring_core::mesh::outline::Outline;
+use myospring_core::recording::Frame;
+
+/// Steps of the colour scale; more cannot be told apart.
+pub(super) const COLOURS: usize = 64;
+
+/// A cell as it is drawn: its outline, filled with the colours of a field.
+#[derive(Debug, Clone)]
+pub struct Cell<'a> {
+    fields: Fields<'a>,
+    skin: Skin,
+    field: Field,
+    limits: Option<[f64; 2]>,
+}
+
+impl<'a> Cell<'a> {
+    /// A cell with its fields and its outline at rest, um, which its lattice carries along; without one, or where its
+    /// mesh is no lattice, the rim of the mesh is drawn.
+    ///
+    /// # Errors
+    /// A mesh without triangles, with positions that are not finite, or that names points it lacks.
+    pub fn new(fields: Fields<'a>, outline: Option<&Outline>) -> Result<Self, FigureError> {
+        let mesh = fields.mesh();
+        check_mesh(mesh)?;
+        if mesh.simplices.is_empty() {
+            return Err(FigureError::Nothing { what: "triangles" });
+        }
+        let skin = Skin::new(mesh, &facets(mesh), outline);
+        Ok(Self { fields, skin, field: Field::default(), limits: None })
+    }
+
+    /// Coloured by a field, instead of the strain along the fibre.
+    #[must_use]
+    pub fn coloured_by(self, field: Field) -> Self {
+        Self { field, limits: None, ..self }
+    }
+
+    /// With one colour scale for all of these frames, whichever of them are drawn.
+    #[must_use]
+    pub fn scaled_to<'f>(self, frames: impl IntoIterator<Item = &'f Frame>) -> Self {
+        let whole = frames.into_iter().filter(|frame| check_frame(self.mesh(), frame).is_ok());
+        let limits = Some(self.fields.limits(self.field, whole));
+        Self { limits, ..self }
+    }
+
+    pub(super) fn mesh(&self) -> &'a Mesh {
+        self.fields.mesh()
+    }
+
+    /// The colours of some checked frames, or of those that were given.
+    pub(super) fn colours<'f>(&self, frames: impl IntoIterator<Item = &'f Frame>) -> ColourScale {
+        let limits = self.limits.unwrap_or_else(|| self.fields.limits(self.field, frames));
+        ColourScale::new(self.field, limits)
+    }
+
+    pub(super) fn rings(&self, positions: &[Vec<f64>; 2]) -> Rings {
+        self.skin.rings(positions)
+    }
+
+    /// Fills the outline of a checked frame; `at` is where a point stands on the sheet.
+    pub(super) fn fill(
+        &self,
+        sheet: &mut Sheet,
+        name: String,
+        frame: &Frame,
+        colours: &ColourScale,
+        at: impl Fn([f64; 2]) -> [f64; 2],
+    ) {
+        let rim = closed(&self.rings(&frame.positions), &at);
+        let Some(area) = rim.bounds() else { return };
+        let values = self.fields.on_nodes(colours.field(), frame);
+        let shaped = self.skin.shaped(&frame.positions, &values);
+        let [low, high] = colours.limits();
+        let [least, greatest] = shaped.range();
+        let colour = |step: usize| Colour::from_channels(colours.step(step, COLOURS));
+        let part = ((least - low) / (high - low)).clamp(0.0, 1.0);
+        let first = ((part * COLOURS as f64) as usize).min(COLOURS - 1);
+        // From the lowest step on each covers those before where the field is above: no seams, no white.
+        let mut inside = Sheet::default();
+        inside.path(Path::rect(area), Look::fill(colour(first)));
+        for step in first + 1..COLOURS {
+            let level = colours.value(step as f64 / COLOURS as f64);
+            if level >= greatest {
+                break;
+            }
+            inside.path(closed(&shaped.above(level), &at), Look::fill(colour(step)));
+        }
+        sheet.window(name, rim, inside);
+    }
+}
+
+/// Rings on a sheet.
+pub(super) fn closed(rings: &Rings, at: impl Fn([f64; 2]) -> [f64; 2]) -> Path {
+    let mut path = Path::default();
+    for ring in rings {
+        path.add_ring(ring.iter().map(|&point| at(point)));
+    }
+    path
+}
+
+/// The colour bar with its ticks below and its title above.
+pub(super) fn draw_colour_bar(sheet: &mut Sheet, place: Area, colours: &ColourScale) {
+    let Area { corner: [left, top], size: [width, height] } = place;
+    let field = colours.field();
+    let unit = match field.unit() {
+        "" => String::new(),
+        "um" => " (\u{b5}m)".to_owned(),
+        unit => format!(" ({unit})"),
+    };
+    let style = Style::new(TICK).anchor(Anchor::Middle);
+    sheet.text([left + width / 2.0, top - 5.0], &format!("{}{unit}", field.title()), style);
+    for step in 0..COLOURS {
+        // Each step reaches to the end, under the next ones, so that no seams show.
+        let before = width * step as f64 / COLOURS as f64;
+        let look = Look::fill(Colour::from_channels(colours.step(step, COLOURS)));
+        sheet.rect([left + before, top], [width - before, height], look);
+    }
+    sheet.rect([left, top], [width, height], Stroke::new(INK, HAIR));
+    let [low, high] = colours.limits();
+    let step = nice_step(high - low, 5.0);
+    let ticks = (low / step).ceil() as i64..=(high / step).floor() as i64;
+    for value in ticks.map(|i| i as f64 * step) {
+        let x = left + width * (value - low) / (high - low);
+        let bottom = top + height;
+        sheet.line([x, bottom], [x, bottom + 3.0], Stroke::new(INK, HAIR));
+        sheet.text([x, bottom + 13.5], &fixed(value, decimals(step)), style);
+    }
+}
