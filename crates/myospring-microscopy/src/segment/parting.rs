@@ -8,6 +8,7 @@
 mod cut;
 mod cuts;
 mod light;
+mod line;
 mod piece;
 mod whole;
 

@@ -8,7 +8,7 @@ use myospring::microscopy::filter::gaussian;
 use myospring::microscopy::plane::Plane;
 
 /// The form of a cell; lengths are um.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Form {
     /// A rod with rounded corners.
     Rod { length: f64, width: f64 },
@@ -199,10 +199,55 @@ pub(crate) fn two(at: [f64; 2], turn_deg: f64) -> Vec<Body> {
     ]
 }
 
+/// Two rods that touch or lie across each other, in all ways.
+pub(crate) fn pairs() -> Vec<(&'static str, Vec<Body>, Look)> {
+    let look = Look::default();
+    let none = Look { membrane: 0.0, ..look };
+    let plain = Look { stripes: false, columns: 0.0, ..none };
+    let (side, end) = (two([8.0, 24.0], 0.0), two([100.0, 0.0], 0.0));
+    let (corner, tee) = (two([38.0, 62.0], 90.0), two([0.0, 62.0], 90.0));
+    let mut slim = end.clone();
+    slim[1].form = Form::Rod { length: 100.0, width: 15.0 };
+    let mut dim = side.clone();
+    dim[1].bright = 0.6;
+    vec![
+        ("side by side, dark line", side.clone(), look),
+        ("the same without stripes", side.clone(), Look { stripes: false, ..look }),
+        ("the same, line of half the depth", side.clone(), Look { membrane: 0.15, ..look }),
+        ("side by side, no line", side, none),
+        ("side by side, no line, one 0.6 times as bright", dim, none),
+        ("end to end, dark line", end.clone(), look),
+        ("end to end, dark line, widths of 24 and 15 um", slim.clone(), look),
+        ("end to end, no line", end, none),
+        ("end to end, no line, widths of 24 and 15 um", slim, none),
+        ("end to end, 15 um aside, no line", two([100.0, 15.0], 0.0), none),
+        ("end to end, 8 um aside, no line", two([100.0, 8.0], 0.0), none),
+        ("L, dark line", corner.clone(), look),
+        ("L, no line", corner.clone(), none),
+        ("L, no line, no stripes", corner, plain),
+        ("T, dark line", tee.clone(), look),
+        ("T, no line", tee.clone(), none),
+        ("T, no line, no stripes", tee, plain),
+        ("X, one above the other", two([0.0, 0.0], 90.0), look),
+        ("X at 50 deg", two([0.0, 0.0], 50.0), look),
+        (
+            "X at 90 deg, brighter where both are",
+            two([0.0, 0.0], 90.0),
+            Look { sums: true, ..look },
+        ),
+        (
+            "X at 30 deg, brighter where both are",
+            two([0.0, 0.0], 30.0),
+            Look { sums: true, ..look },
+        ),
+    ]
+}
+
 impl Look {
     fn value(&self, body: &Body, place: &Place) -> f64 {
         let Place { depth, along, across } = *place;
-        if depth <= 0.0 {
+        // A pixel on the line between two cells lies in both.
+        if depth < -1e-6 {
             return 0.0;
         }
         // Stripes of one cell go on in no other.
@@ -220,24 +265,11 @@ impl Look {
 
     /// The bright cells on a dark ground.
     pub(crate) fn fluorescence(&self, scene: &Scene, bodies: &[Body]) -> Touching {
-        let side = (scene.field_um / scene.pixel_um).round() as usize;
-        let mut random = Random(scene.seed);
-        let mut cells = vec![vec![false; side * side]; bodies.len()];
-        let mut values = Vec::with_capacity(side * side);
-        for at in 0..side * side {
+        let bright = 1000.0 * scene.contrast;
+        picture(scene, bodies, 100.0, |places| {
             let mut light = 0.0_f64;
-            for (body, cell) in bodies.iter().zip(&mut cells) {
-                let turned = |[x, y]: [f64; 2], deg: f64| {
-                    let (sine, cosine) = deg.to_radians().sin_cos();
-                    [x * cosine + y * sine, y * cosine - x * sine]
-                };
-                let x = ((at % side) as f64 + 0.5) * scene.pixel_um - scene.field_um / 2.0;
-                let y = scene.field_um / 2.0 - ((at / side) as f64 + 0.5) * scene.pixel_um;
-                let [x, y] = turned([x, y], scene.turn_deg);
-                let own = turned([x - body.at[0], y - body.at[1]], body.turn_deg);
-                let place = body.form.place(own);
-                cell[at] = place.depth > 0.0;
-                let own = self.value(body, &place);
+            for (body, place) in bodies.iter().zip(places) {
+                let own = self.value(body, place);
                 light = if self.sums {
                     light + own
                 } else if own > 0.0 {
@@ -246,15 +278,60 @@ impl Look {
                     light
                 };
             }
-            values.push((1000.0 * scene.contrast * light) as f32);
-        }
-        let plane = Plane::new(side, side, values).expect("a value for each pixel");
-        let blurred = gaussian(&plane, scene.blur_um / scene.pixel_um);
-        let noisy = blurred.values().iter().enumerate().map(|(at, &value)| {
-            let lit = 100.0 + f64::from(value) * scene.light(at % side, at / side);
-            (lit + scene.noise * random.normal()).clamp(0.0, 65535.0).round() as f32
-        });
-        let plane = Plane::new(side, side, noisy.collect()).expect("a value for each pixel");
-        Touching { plane, cells }
+            bright * light
+        })
     }
+
+    /// The cells as grey as their background, each with a dark rim, with a bright halo around all and with grains.
+    pub(crate) fn brightfield(&self, scene: &Scene, bodies: &[Body]) -> Touching {
+        picture(scene, bodies, 0.0, |places| {
+            let rim = |depth: f64| -(-((depth - 0.8) / 0.7).powi(2)).exp();
+            let top = places.iter().rev().find(|place| place.depth > 0.0);
+            let change = if let Some(Place { depth, along, across }) = top {
+                let wave = (across / 0.7 + (along / 2.3).sin()).cos();
+                rim(*depth) + if *depth > 1.5 { 0.35 * (along / 0.9).sin() * wave } else { 0.0 }
+            } else {
+                let depth = places.iter().map(|place| place.depth).fold(f64::MIN, f64::max);
+                rim(depth) + 0.6 * (-((depth + 1.0) / 0.8).powi(2)).exp()
+            };
+            1000.0 * (1.0 + scene.contrast * change)
+        })
+    }
+}
+
+/// Cells by what their pixels are in each of them, above a background, lit, blurred and noisy.
+fn picture(
+    scene: &Scene,
+    bodies: &[Body],
+    background: f64,
+    value: impl Fn(&[Place]) -> f64,
+) -> Touching {
+    let turned = |[x, y]: [f64; 2], deg: f64| {
+        let (sine, cosine) = deg.to_radians().sin_cos();
+        [x * cosine + y * sine, y * cosine - x * sine]
+    };
+    let side = (scene.field_um / scene.pixel_um).round() as usize;
+    let mut cells = vec![vec![false; side * side]; bodies.len()];
+    let mut values = Vec::with_capacity(side * side);
+    for at in 0..side * side {
+        let x = ((at % side) as f64 + 0.5) * scene.pixel_um - scene.field_um / 2.0;
+        let y = scene.field_um / 2.0 - ((at / side) as f64 + 0.5) * scene.pixel_um;
+        let [x, y] = turned([x, y], scene.turn_deg);
+        let place =
+            |body: &Body| body.form.place(turned([x - body.at[0], y - body.at[1]], body.turn_deg));
+        let places: Vec<Place> = bodies.iter().map(place).collect();
+        for (cell, place) in cells.iter_mut().zip(&places) {
+            cell[at] = place.depth > 0.0;
+        }
+        values.push(value(&places) as f32);
+    }
+    let mut random = Random(scene.seed);
+    let plane = Plane::new(side, side, values).expect("a value for each pixel");
+    let blurred = gaussian(&plane, scene.blur_um / scene.pixel_um);
+    let noisy = blurred.values().iter().enumerate().map(|(at, &value)| {
+        let lit = background + f64::from(value) * scene.light(at % side, at / side);
+        (lit + scene.noise * random.normal()).clamp(0.0, 65535.0).round() as f32
+    });
+    let plane = Plane::new(side, side, noisy.collect()).expect("a value for each pixel");
+    Touching { plane, cells }
 }

@@ -1,26 +1,14 @@
 //! A cut, and what speaks for it.
 
-use super::light::Light;
+use super::line::{Line, STEP};
 use super::piece::Piece;
-use super::whole::{Whole, distance, straight};
+use super::whole::{Whole, distance, rise, straight};
 
 /// From this strength on two cells are parted.
 pub(super) const PARTED: f64 = 0.75;
 /// From this strength on there is a doubt whether it is one cell.
 pub(super) const DOUBTED: f64 = 0.35;
 
-/// How far to both sides of a line its surroundings are looked at, um.
-const BESIDE_UM: f64 = 3.0;
-/// How far to both sides of a step brightness stays as it is, um: a bright rim is narrower.
-const PLATEAU_UM: f64 = 9.0;
-/// Depth below which a line is none.
-const SHALLOW: f64 = 0.03;
-/// Step between the places of a line, pixels.
-const STEP: f64 = 0.7;
-/// Places of a line are told apart at this distance, um: brightness is smoothed.
-const APART_UM: f64 = 2.5;
-/// Where lines beside a line are looked for: the nearest, the furthest and the steps between, um.
-const RIVALS_UM: [f64; 3] = [3.75, 12.0, 0.75];
 /// The band along a cut whose texture is read, um.
 const BAND_UM: [f64; 2] = [1.5, 9.0];
 /// Texture is read so far from the rim, um: the rim has a direction of its own.
@@ -30,136 +18,17 @@ const STEPPED: f64 = 0.5;
 /// Most strength of a cut through what lies across: it cannot be parted, the cell below would be in two pieces.
 const CROSSED: f64 = 0.6;
 
-/// What brightness says along a line.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Line {
-    /// Mean of how much darker it is than the darker side, part of the brighter.
-    depth: f64,
-    /// Part of its length on which it is darker than both sides.
-    along: f64,
-    /// Part of its length that has two sides within.
-    sided: f64,
-    /// Difference of both sides beyond what each changes further away, part of the brighter: that of a step
-    /// between two plateaus.
-    step: f64,
-}
-
-impl Line {
-    pub(super) fn along(
-        piece: &Piece,
-        light: &Light<'_>,
-        path: impl Iterator<Item = [f64; 2]> + Clone,
-    ) -> Self {
-        Self::beside(piece, light, path, 0.0, |_| ())
-    }
-
-    /// And what of each place `seen` wants to know: how much darker it is than the darker side.
-    pub(super) fn telling(
-        piece: &Piece,
-        light: &Light<'_>,
-        path: impl Iterator<Item = [f64; 2]> + Clone,
-        seen: impl FnMut(f32),
-    ) -> Self {
-        Self::beside(piece, light, path, 0.0, seen)
-    }
-
-    /// Along a line so many um beside another one.
-    fn beside(
-        piece: &Piece,
-        light: &Light<'_>,
-        path: impl Iterator<Item = [f64; 2]> + Clone,
-        shift_um: f64,
-        mut seen: impl FnMut(f32),
-    ) -> Self {
-        let mut places = 0.0;
-        let from = path.clone().next().unwrap_or_default();
-        let to = path.clone().last().unwrap_or_default();
-        let length = distance(from, to).max(1e-9);
-        let (x, y) = ((from[1] - to[1]) / length, (to[0] - from[0]) / length);
-        let (mut depths, mut along, mut sided) = (0.0, 0.0, 0.0);
-        let (mut steps, mut slopes, mut stepped) = (0.0_f64, 0.0, 0.0);
-        for [column, row] in path {
-            places += 1.0;
-            let at = |um: f64| {
-                let away = (shift_um + um) / light.pixel_um;
-                [column + x * away, row + y * away]
-            };
-            let sides = [at(BESIDE_UM), at(-BESIDE_UM)];
-            if !sides.iter().all(|&side| piece.contains(side)) {
-                continue;
-            }
-            let own = light.at(at(0.0));
-            let [left, right] = sides.map(|side| light.at(side));
-            let bright = left.max(right).max(f64::from(f32::MIN_POSITIVE));
-            let depth = ((left.min(right) - own) / bright).max(-1.0);
-            seen(depth as f32);
-            sided += 1.0;
-            // So that no speck decides.
-            depths += depth.clamp(-0.2, 0.3);
-            along += f64::from(u8::from(depth > SHALLOW));
-            let further = [at(PLATEAU_UM), at(-PLATEAU_UM)];
-            if further.iter().all(|&side| piece.contains(side)) {
-                let [beyond_left, beyond_right] = further.map(|side| light.at(side));
-                stepped += 1.0;
-                steps += ((left - right) / bright).clamp(-1.0, 1.0);
-                let slope = (left - beyond_left).abs() + (right - beyond_right).abs();
-                slopes += (slope / bright).min(1.0);
-            }
-        }
-        let count = f64::max(sided, 1.0);
-        Self {
-            depth: depths / count,
-            along: along / count,
-            sided: sided / f64::max(places, 1.0),
-            step: if 2.0 * stepped > sided { (steps.abs() - slopes) / stepped } else { 0.0 },
-        }
-    }
-
-    /// The darkest line that runs beside another one: texture has many, a boundary is alone.
-    fn rival(piece: &Piece, light: &Light<'_>, [from, to]: [[f64; 2]; 2]) -> f64 {
-        let [nearest, furthest, step] = RIVALS_UM;
-        let count = ((furthest - nearest) / step) as usize;
-        (0..=count)
-            .map(|at| nearest + at as f64 * step)
-            .flat_map(|shift| [shift, -shift])
-            .map(|shift| Self::beside(piece, light, straight(from, to, STEP), shift, |_| ()))
-            .filter(|line| line.sided > 0.5)
-            .map(|line| line.depth * line.along)
-            .fold(0.0, f64::max)
-    }
-
-    /// For comparison with other lines.
-    pub(super) fn worth(&self) -> f64 {
-        if self.sided < 0.5 { 0.0 } else { (self.depth * self.along).max(self.step / 4.0) }
-    }
-}
-
 /// A cut from rim to rim.
 #[derive(Debug, Clone)]
 pub(super) struct Cut {
-    pub(super) ends: [[f64; 2]; 2],
-    /// Half its length over the radius of the largest circle that fits into the slimmer part.
-    neck: f64,
-    line: Line,
-    /// Worth of the darkest line beside it.
-    rival: f64,
-    /// How many standard deviations the line is deep, of a line of that length at any place of the piece.
-    deviations: f64,
-    /// Angle between the directions of the texture on both sides, degrees, and how clear the less clear one is.
-    turn_deg: f64,
-    order: f64,
-    /// Solidity of the whole and of the more ragged part.
-    whole: f64,
-    part: f64,
-    /// Area of the smaller part over that of the larger one.
-    share: f64,
-    /// Difference of the mean brightness of both parts, part of the brighter.
-    apart: f64,
+    ends: [[f64; 2]; 2],
+    voices: Voices,
     /// Whether a part goes on beyond the other.
     crossed: bool,
 }
 
 /// How strongly each thing speaks for a cut, 0 to 1.
+#[derive(Debug, Clone)]
 struct Voices {
     neck: f64,
     line: f64,
@@ -167,13 +36,21 @@ struct Voices {
     branch: f64,
 }
 
+impl Voices {
+    fn together(&self) -> f64 {
+        let Self { neck, line, step, branch } = self;
+        1.0 - (1.0 - neck) * (1.0 - line) * (1.0 - step) * (1.0 - branch)
+    }
+}
+
 impl Cut {
+    /// The cut, and on which side of it each pixel lies; `None` if a part is smaller than the smallest cell.
     pub(super) fn through(
         whole: &Whole<'_>,
         ends: [[f64; 2]; 2],
         smallest: f64,
     ) -> Option<(Self, Vec<u8>)> {
-        let Whole { piece, light, depths, solidity, .. } = whole;
+        let Whole { piece, light, depths, .. } = whole;
         let [from, to] = ends;
         if from == to {
             return None;
@@ -189,67 +66,40 @@ impl Cut {
         if small < smallest {
             return None;
         }
+        let share = small / large;
+        // A sliver is no cell; what hangs on a neck may be small.
+        let sliver = rise(share, 0.05, 0.12);
         // From the outer sides of both pixels.
         let length = distance(from, to) + 1.0;
-        let (turn_deg, order) = turn(whole, &sides, ends);
+        let width = length / 2.0 / f64::from(widest[1].min(widest[2])).max(0.5);
         let line = Line::along(piece, light, straight(from, to, STEP));
-        let places = distance(from, to) * light.pixel_um / APART_UM;
-        let cut = Self {
-            ends,
-            neck: length / 2.0 / f64::from(widest[1].min(widest[2])).max(0.5),
-            line,
-            deviations: line.depth * places.sqrt() / whole.scatter.max(1e-6),
-            rival: Line::rival(piece, light, ends),
-            turn_deg,
-            order,
-            whole: *solidity,
-            part: piece.parts(&sides).iter().map(Piece::solidity).fold(1.0, f64::min),
-            share: small / large,
-            apart: apart(whole, &sides),
-            crossed: crossed(piece, &sides, ends),
+        let step = match rise(line.step, 0.1, 0.3) {
+            0.0 => 0.0,
+            step => step.min(rise(apart(whole, &sides), 0.1, 0.3)),
         };
-        Some((cut, sides))
-    }
-
-    fn voices(&self) -> Voices {
-        let rise =
-            |value: f64, none: f64, all: f64| ((value - none) / (all - none)).clamp(0.0, 1.0);
-        // A waist is no neck; half as wide as what it joins, it is.
-        let neck = DOUBTED * rise(self.neck, 0.72, 0.64)
-            + (PARTED - DOUBTED) * rise(self.neck, 0.64, 0.42)
-            + (1.0 - PARTED) * rise(self.neck, 0.42, 0.25);
-        let Line { depth, along, sided, step, .. } = self.line;
-        // Of thousands of lines the darkest was taken.
-        let clear = rise(self.deviations, 3.5, 6.0);
-        let alone = rise(depth * along / self.rival.max(1e-3), 1.2, 2.5);
-        let turn = rise(self.turn_deg, 35.0, 60.0) * rise(self.order, 0.1, 0.3);
-        // Both parts are plain, the whole is not.
-        let gain = rise(self.part - self.whole, 0.05, 0.25) * rise(self.part, 0.75, 0.9);
-        // A sliver is no cell; what hangs on a neck may be small.
-        let sliver = rise(self.share, 0.05, 0.12);
-        Voices {
-            neck: neck * rise(self.share, 0.02, 0.08),
-            line: sliver
-                * rise(depth, 0.025, 0.08)
-                * rise(along, 0.6, 0.9)
-                * rise(sided, 0.4, 0.7)
-                * alone
-                * clear,
-            step: sliver * STEPPED * rise(step.min(self.apart), 0.1, 0.3),
-            branch: sliver * gain * (0.4 + 0.6 * turn),
-        }
+        let voices = Voices {
+            neck: neck(width) * rise(share, 0.02, 0.08),
+            line: sliver * line.voice(whole, ends),
+            step: sliver * STEPPED * step,
+            branch: sliver * branch(whole, &sides, ends),
+        };
+        let crossed = voices.together() >= DOUBTED && crossed(piece, &sides, ends);
+        Some((Self { ends, voices, crossed }, sides))
     }
 
     /// How sure it is that there are two cells: 0 not at all, 1 wholly.
     pub(super) fn strength(&self) -> f64 {
-        let Voices { neck, line, step, branch } = self.voices();
-        let two = 1.0 - (1.0 - neck) * (1.0 - line) * (1.0 - step) * (1.0 - branch);
-        if self.crossed && neck < PARTED { two.min(CROSSED) } else { two }
+        let two = self.voices.together();
+        if self.lies_across() { two.min(CROSSED) } else { two }
+    }
+
+    fn lies_across(&self) -> bool {
+        self.crossed && self.voices.neck < PARTED
     }
 
     /// For comparison with other cuts: of those that are surely right, that for which there is more.
     pub(super) fn worth(&self) -> f64 {
-        let Voices { neck, line, step, branch } = self.voices();
+        let Voices { neck, line, step, branch } = self.voices;
         self.strength() + 0.1 * (neck + line + step + branch)
     }
 
@@ -266,10 +116,10 @@ impl Cut {
 
     /// What speaks for it most, in words.
     pub(super) fn seen(&self, pixel_um: f64) -> String {
-        let Voices { neck, line, step, branch } = self.voices();
+        let Voices { neck, line, step, branch } = self.voices;
         let length_um = distance(self.ends[0], self.ends[1]) * pixel_um;
         let most = neck.max(line).max(step).max(branch);
-        if self.crossed && neck < PARTED {
+        if self.lies_across() {
             format!("an arm {length_um:.0} um wide that comes out again on the other side")
         } else if neck >= most {
             format!("a neck of {length_um:.0} um")
@@ -281,6 +131,27 @@ impl Cut {
             format!("a branch {length_um:.0} um wide")
         }
     }
+}
+
+/// How strongly a neck speaks for two cells, by half its width over the radius of the largest circle that fits into
+/// the slimmer part: a waist is no neck; half as wide as what it joins, it is.
+fn neck(width: f64) -> f64 {
+    DOUBTED * rise(width, 0.72, 0.64)
+        + (PARTED - DOUBTED) * rise(width, 0.64, 0.42)
+        + (1.0 - PARTED) * rise(width, 0.42, 0.25)
+}
+
+/// How strongly it speaks for two cells that both parts are plain while the whole is not, and that their texture has
+/// different directions.
+fn branch(whole: &Whole<'_>, sides: &[u8], ends: [[f64; 2]; 2]) -> f64 {
+    let parts = whole.piece.parts(sides);
+    let part = parts.iter().map(Piece::solidity).fold(1.0, f64::min);
+    let gain = rise(part - whole.solidity, 0.05, 0.25) * rise(part, 0.75, 0.9);
+    if gain == 0.0 {
+        return 0.0;
+    }
+    let (turn_deg, order) = turn(whole, sides, ends);
+    gain * (0.4 + 0.6 * rise(turn_deg, 35.0, 60.0) * rise(order, 0.1, 0.3))
 }
 
 /// The difference of the mean brightness of both sides, part of the brighter one, away from the rim.

@@ -3,8 +3,9 @@
 
 use std::f64::consts::PI;
 
-use super::cut::{Cut, Line};
+use super::cut::Cut;
 use super::light::Light;
+use super::line::Line;
 use super::piece::Piece;
 use super::whole::{Whole, distance, straight};
 use crate::filter::quantile;
@@ -137,11 +138,6 @@ impl Rim {
         let reach = count / self.ends.len() + 1;
         let moved =
             |end: usize, by: usize| self.pixels[(self.index[end] + count + by - reach) % count];
-        let shifts = || (0..=2 * reach).step_by((reach / 3).max(1));
-        let ends = shifts().flat_map(|a| shifts().map(move |b| [a, b])).map(|[a, b]| {
-            let [i, j] = chord.ends;
-            [moved(i, a), moved(j, b)]
-        });
         let worth = |[from, to]: [[f64; 2]; 2]| {
             if !runs_inside(piece, from, to) {
                 return f64::NEG_INFINITY;
@@ -150,9 +146,25 @@ impl Rim {
             // A dark line counts more than a short way.
             10.0 * line.worth().max(0.0) - distance(from, to) / 20.0
         };
-        let given = chord.ends.map(|end| self.ends[end]);
-        let best = ends.map(|ends| (worth(ends), ends)).max_by(|a, b| a.0.total_cmp(&b.0));
-        best.filter(|(worth, _)| worth.is_finite()).map_or(given, |(_, ends)| ends)
+        let [i, j] = chord.ends;
+        let shifts = || (0..=2 * reach).step_by((reach / 3).max(1));
+        // One end after the other, twice.
+        let mut best = chord.ends.map(|end| self.ends[end]);
+        let mut most = worth(best);
+        for moves_first in [true, false, true, false] {
+            for shift in shifts() {
+                let ends = if moves_first {
+                    [moved(i, shift), best[1]]
+                } else {
+                    [best[0], moved(j, shift)]
+                };
+                let worth = worth(ends);
+                if worth > most {
+                    (most, best) = (worth, ends);
+                }
+            }
+        }
+        best
     }
 }
 

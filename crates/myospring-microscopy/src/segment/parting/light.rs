@@ -52,7 +52,7 @@ impl<'a> Light<'a> {
         let (x, y) = (x.clamp(0.0, (width - 1) as f64), y.clamp(0.0, (height - 1) as f64));
         let (column, row) = (x as usize, y as usize);
         let (right, below) = ((column + 1).min(width - 1), (row + 1).min(height - 1));
-        let (u, v) = (x.fract(), y.fract());
+        let (u, v) = (x - column as f64, y - row as f64);
         let values = self.bright.values();
         let value = |column, row| f64::from(values[row * width + column]);
         let upper = value(column, row) * (1.0 - u) + value(right, row) * u;

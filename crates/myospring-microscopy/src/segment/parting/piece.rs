@@ -63,10 +63,10 @@ impl Piece {
 
     /// Whether the pixel at a place of the picture is inside.
     pub(super) fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        let [column, row] =
-            [x - self.corner[0] as f64, y - self.corner[1] as f64].map(|at| at.round() + 1.0);
-        let within = column >= 0.0 && row >= 0.0 && (column as usize) < self.width;
-        within && self.inside.get(row as usize * self.width + column as usize) == Some(&true)
+        // What is negative becomes 0, the rim of the window, which is never inside.
+        let column = (x - self.corner[0] as f64 + 1.5) as usize;
+        let row = (y - self.corner[1] as f64 + 1.5) as usize;
+        column < self.width && self.inside.get(row * self.width + column) == Some(&true)
     }
 
     /// Column and row of the picture.

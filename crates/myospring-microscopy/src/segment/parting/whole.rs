@@ -50,3 +50,8 @@ pub(super) fn straight(
         .map(move |at| f64::from(at) / steps)
         .map(move |part| [from[0] + x * part, from[1] + y * part])
 }
+
+/// 0 at `none`, 1 at `all`, linear between, whichever is the larger.
+pub(super) fn rise(value: f64, none: f64, all: f64) -> f64 {
+    ((value - none) / (all - none)).clamp(0.0, 1.0)
+}
