@@ -446,6 +446,9 @@ fn a_table_gives_each_picture_its_settings_however_a_spreadsheet_writes_it() {
     ] {
         assert_eq!(given(table), wanted, "{table}");
     }
+    // An option's short name is a column, too.
+    let content = pictures("file,pixel_size,content\na.png,0.27,picture\n").remove(0).given;
+    assert_eq!(content[1].key, "mechanics.myofibril_content");
     // What is left empty is left to the options; a seed has a comma of its own.
     let seeds = "file,pixel_size,seed,group\nb.png,,\"12,30\",x\nb.png,,\"40,60\",\n";
     let seeds = pictures(seeds);

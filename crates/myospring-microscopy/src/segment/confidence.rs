@@ -6,6 +6,10 @@ use serde::Serialize;
 /// Below this score a cell is doubtful and a person should look at it.
 pub(super) const DOUBTFUL: f64 = 0.5;
 
+/// Area over that of the convex hull, of debris and of a compact cell; a disc with four to eight
+/// arms has 0.47 to 0.54.
+const SOLIDITY: [f64; 2] = [0.15, 0.75];
+
 /// How the reasons begin that the report of a cell's shape would repeat.
 const CUT: &str = "the frame cuts it";
 const RAGGED: &str = "it fills little of its convex hull";
@@ -111,13 +115,14 @@ impl Confidence {
             self.reasons.push(format!("{CUT}: {on_frame} of its pixels lie there"));
         }
         let solidity = candidate.solidity(width);
+        let [ragged, compact] = SOLIDITY;
         // Of one fact there is one reason: that which says more.
         if let Some((factor, reason)) = &candidate.doubt {
-            let both = factor.min((solidity - 0.45) / (0.75 - 0.45));
+            let both = factor.min((solidity - ragged) / (compact - ragged));
             self.weigh(both, 0.0, 1.0, || reason.clone());
             return;
         }
-        self.weigh(solidity, 0.45, 0.75, || {
+        self.weigh(solidity, ragged, compact, || {
             // Its number is the solidity of the report.
             format!("{RAGGED}: is it ragged, branched, or two cells that touch?")
         });

@@ -207,7 +207,7 @@ impl View {
         let pixel_um = self.pixel / self.factor as f64;
         let width_um =
             2.0 * candidate.pixels.len() as f64 / candidate.rim.len().max(1) as f64 * pixel_um;
-        confidence.weigh(-fall_um / width_um, -0.9, -0.3, || {
+        confidence.weigh(-fall_um / width_um, -0.7, -0.2, || {
             format!("its rim is blurred: its brightness falls over some {fall_um:.1} um; is it out of focus?")
         });
         confidence.weigh_shape(candidate, width);

@@ -11,6 +11,7 @@
 use super::fibres::Fibres;
 use crate::mesh::Mesh;
 use crate::microscopy::cells::PictureCells;
+use crate::microscopy::hot;
 use crate::microscopy::picture::Selection;
 use crate::microscopy::plane::Plane;
 use crate::microscopy::read::{PictureError, read_picture};
@@ -179,17 +180,17 @@ struct Row {
     content: f64,
 }
 
-/// The content of myofibrils in each triangle of a mesh that a file has; `read` reads a file by its name as
+/// The content of myofibrils in each triangle of a mesh that a file has, and what a person should know of it; `read` reads a file by its name as
 /// written, `picture` is that of the cell, with the plane that was taken of it.
 pub(super) fn read_content(
     path: &str,
     mesh: &Mesh,
     picture: Option<(&PictureCells, &Selection)>,
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
-) -> Result<Vec<f64>, ContentError> {
+) -> Result<(Vec<f64>, Option<String>), ContentError> {
     let bytes = read(path).map_err(|cause| ContentError::Read { path: path.to_owned(), cause })?;
     if path.to_lowercase().ends_with(".csv") {
-        of_table(path, &bytes, mesh)
+        Ok((of_table(path, &bytes, mesh)?, None))
     } else {
         of_picture(path, &bytes, mesh, picture)
     }
@@ -278,13 +279,17 @@ fn of_picture(
     bytes: &[u8],
     mesh: &Mesh,
     cell: Option<(&PictureCells, &Selection)>,
-) -> Result<Vec<f64>, ContentError> {
+) -> Result<(Vec<f64>, Option<String>), ContentError> {
     let path = || path.to_owned();
     let (cell, selection) = cell.ok_or_else(|| ContentError::NoFrame { path: path() })?;
     let picture = read_picture(bytes, selection)
         .map_err(|cause| ContentError::Picture { path: path(), cause })?;
+    let (plane, note) = match hot::cooled(&picture.plane) {
+        Some((plane, note)) => (plane, Some(format!("`{}`: {note}", path()))),
+        None => (picture.plane, None),
+    };
     let size = |plane: &Plane| [plane.width(), plane.height()];
-    let (found, expected) = (size(&picture.plane), size(&cell.plane));
+    let (found, expected) = (size(&plane), size(&cell.plane));
     if found != expected {
         return Err(ContentError::Frame { path: path(), found, expected });
     }
@@ -304,13 +309,14 @@ fn of_picture(
                 let row = expected[1] - 1 - row;
                 covered(x / pixel, expected[0]).map(move |column| [column, row])
             });
-            let values = pixels.map(|[column, row]| f64::from(picture.plane.at(column, row)));
+            let values = pixels.map(|[column, row]| f64::from(plane.at(column, row)));
             let (sum, count) =
                 values.fold((0.0, 0.0), |(sum, n), grey| (sum + grey.max(0.0), n + 1.0));
             sum / count
         })
         .collect();
-    relative(grey, mesh).ok_or_else(|| ContentError::Black { path: path() })
+    let content = relative(grey, mesh).ok_or_else(|| ContentError::Black { path: path() })?;
+    Ok((content, note))
 }
 
 /// The content that the fibres of a picture show, and what a person should know of it.

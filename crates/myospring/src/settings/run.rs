@@ -148,7 +148,10 @@ impl Run {
                 Some(content)
             }
             MyofibrilContent::File(path) => {
-                Some(content::read_content(path, &mesh, cells.zip(chosen), read)?)
+                let (content, warning) =
+                    content::read_content(path, &mesh, cells.zip(chosen), read)?;
+                report.warnings.extend(warning);
+                Some(content)
             }
         };
         let simulation = self.simulation(mesh, fibres.directions.clone(), content);

@@ -11,6 +11,7 @@ mod cell_coelho_2021;
 mod cell_derivatives;
 mod cell_population;
 mod cell_solver;
+mod checks;
 mod exchange;
 mod mechanics;
 mod mesh;

@@ -161,8 +161,9 @@ impl Column {
         let setting = settings().find(|setting| {
             let short = setting.name();
             let with_unit = || format!("{short}_{}", unit(setting).replace('^', ""));
+            let alias = || setting.option.as_ref().and_then(|option| option.alias).map(plain);
             let by_option = setting.option.is_some() && (name == short || name == with_unit());
-            by_option || name == setting.key
+            by_option || name == setting.key || alias() == Some(name.clone())
         });
         setting.map(Self::Setting)
     }

@@ -1,0 +1,140 @@
+//! What is asked of a run before it begins, and said of it afterwards.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use crate::exchange::{Toy, strip};
+use myospring::exchange::{Activation, Sites};
+use myospring::integrate::Method;
+use myospring::integrate::engine::Loops;
+use myospring::integrate::verlet::Integrator;
+use myospring::mechanics::active::ActiveLaw;
+use myospring::mechanics::support::SupportKind;
+use myospring::mesh::lattice;
+use myospring::simulation::Simulation;
+
+#[test]
+fn more_shapes_than_there_is_memory_for_are_refused_with_an_interval_that_would_do() {
+    let mut simulation = Simulation::new(lattice::rectangle(300, 200, 0.5).unwrap());
+    simulation.numerics.frame_interval = 0.5;
+    simulation.duration = 6000.0;
+    let error = simulation.build().err().unwrap().to_string();
+    // 12 002 shapes of 301 x 201 masses, two numbers of 8 bytes for each.
+    assert!(error.contains("12002 shapes of 60501 masses take 11.6 GB of memory"), "{error}");
+    assert!(error.contains("a frame interval of 2 ms or more"), "{error}");
+    simulation.numerics.frame_interval = 2.0;
+    assert!(simulation.build().is_ok());
+}
+
+#[test]
+fn a_cell_that_is_strained_beyond_what_the_law_was_made_for_is_said_and_no_other() {
+    let beaten = |peak_tension: f64, support: SupportKind| {
+        let mut simulation = Simulation::new(strip());
+        simulation.numerics.method = Method::QuasiStatic;
+        (simulation.peak_tension, simulation.support) = (peak_tension, support);
+        let ready = simulation.build().unwrap();
+        ready.warnings_after(&ready.run(|_| true))
+    };
+    let ends = SupportKind::ClampedEnds;
+    // 12 % and 18 % shorter; what isometric tests ask of a cell.
+    for (tension, support) in
+        [(50.0, SupportKind::MassCentre), (75.0, SupportKind::MassCentre), (100.0, ends)]
+    {
+        assert_eq!(beaten(tension, support), [""; 0], "{tension} kPa");
+    }
+    // A quarter and more.
+    for tension in [120.0, 250.0] {
+        let warnings = beaten(tension, SupportKind::MassCentre);
+        let [warning] = &warnings[..] else { panic!("{warnings:?}") };
+        assert!(
+            warning.contains("% of the cell is strained by more than 20 % along its fibres"),
+            "{warning}"
+        );
+        assert!(
+            warning.contains("% shorter): the material law was not made for that"),
+            "{warning}"
+        );
+    }
+    // One that pushes: strips grow longer.
+    let warnings = beaten(-150.0, SupportKind::MassCentre);
+    assert!(warnings.iter().any(|warning| warning.contains("% longer)")), "{warnings:?}");
+}
+
+#[test]
+fn a_run_that_cannot_be_is_refused_with_the_setting_its_value_and_its_bound() {
+    type Change = Box<dyn Fn(&mut Simulation)>;
+    let mesh = strip();
+    let triangles = mesh.simplices.len();
+    let error = |change: &dyn Fn(&mut Simulation)| {
+        let mut simulation = Simulation::new(mesh.clone());
+        change(&mut simulation);
+        simulation.build().err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let field = move |count: usize| -> Option<Box<dyn Activation>> {
+        Some(Box::new(Toy::new(Sites::PerElement(count), 1.0, |_, _| 1.0)))
+    };
+    let cases: Vec<(Change, &str)> = vec![
+        (Box::new(|s| s.numerics.time_step = Some(0.0)), "the time step is 0 ms"),
+        (Box::new(|s| s.numerics.time_step = Some(f64::NAN)), "the time step is NaN ms"),
+        (Box::new(|s| s.numerics.exchange_interval = 0.0), "the exchange interval is 0 ms"),
+        (Box::new(|s| s.numerics.output_interval = 0.6), "no multiple of the exchange interval"),
+        (Box::new(|s| s.numerics.frame_interval = 5.2), "no multiple of the output interval"),
+        (Box::new(|s| s.duration = 600.1), "no multiple of the exchange interval"),
+        (Box::new(|s| s.duration = 200_000.1), "no multiple of the exchange interval"),
+        (Box::new(|s| s.duration = 1e7), "at most 5e6 samples"),
+        (Box::new(|s| s.duration = -1.0), "the duration is -1 ms"),
+        (Box::new(|s| s.fibres.truncate(3)), "the list of fibres has 3 entries"),
+        (Box::new(|s| s.fibres[7] = [2.0, 0.0]), "the length of the fibre of triangle 7 is 2"),
+        (Box::new(|s| s.long_axis = [1.0, 1.0]), "the length of the long axis"),
+        (Box::new(|s| s.material.thickness = f64::INFINITY), "the thickness is inf um"),
+        (Box::new(|s| s.peak_tension = f64::NAN), "the peak tension is NaN kPa"),
+        (Box::new(|s| s.myofibril_content = Some(vec![1.0; 2])), "content of myofibrils has 2"),
+        (
+            Box::new(move |s| s.myofibril_content = Some(vec![0.0; triangles])),
+            "of all triangles together is 0",
+        ),
+        (
+            Box::new(|s| {
+                let toy = Toy::new(Sites::Whole, f64::NAN, |_, _| 0.0);
+                s.activation = Some(Box::new(toy));
+            }),
+            "the strongest tension of the activation is NaN kPa",
+        ),
+        (
+            Box::new(|s| {
+                s.numerics.method = Method::QuasiStatic;
+                s.numerics.engine.loops = Loops::Fused;
+            }),
+            "equilibria need no engine",
+        ),
+        (
+            Box::new(move |s| s.myofibril_content = Some(vec![-0.5; triangles])),
+            "the content of myofibrils of triangle 0 is -0.5",
+        ),
+        (Box::new(move |s| s.activation = field(5)), "the activation has 5 entries"),
+        (
+            Box::new(move |s| {
+                s.activation = field(triangles);
+                s.active = ActiveLaw::Ends;
+            }),
+            "do not go together",
+        ),
+        (
+            Box::new(move |s| {
+                s.activation = field(triangles);
+                s.numerics.engine.loops = Loops::Fused;
+            }),
+            "engine = \"fused\"",
+        ),
+        (
+            Box::new(|s| {
+                s.numerics.method = Method::Verlet(Integrator::VelocityVerlet);
+                s.numerics.engine.loops = Loops::Fused;
+            }),
+            "velocity Verlet",
+        ),
+    ];
+    for (change, message) in cases {
+        let said = error(&*change);
+        assert!(said.contains(message), "{message}: {said}");
+    }
+    assert_eq!(error(&|_| ()), "");
+}
