@@ -18,7 +18,7 @@ mod touching_cells;
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::segment::{Modality, Segmentation, Settings, segment};
 use synthetic_cell::Scene;
-use touching_cells::{Body, Look, one, pairs, singles};
+use touching_cells::{Body, Look, brightfield, one, pairs, singles};
 
 const PIXELS_UM: [f64; 5] = [0.15, 0.25, 0.5, 0.65, 1.0];
 const TURNS_DEG: [f64; 3] = [0.0, 20.0, 65.0];
@@ -37,7 +37,7 @@ fn shares(modality: Modality, start: Scene, bodies: &[Body], look: &Look) -> Str
         for turn_deg in TURNS_DEG {
             let scene = Scene { pixel_um, turn_deg, field_um: 225.0, ..start };
             let truth = match modality {
-                Modality::Brightfield => look.brightfield(&scene, bodies),
+                Modality::Brightfield => brightfield(&scene, bodies),
                 _ => look.fluorescence(&scene, bodies),
             };
             let settings = Settings { modality, ..Settings::default() };

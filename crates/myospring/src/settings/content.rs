@@ -389,8 +389,9 @@ mod tests {
         mesh.points.iter_mut().flatten().for_each(|x| *x += 4.0);
         // The upper half of the picture, low rows, is three times as bright as the lower.
         let read = |_: &str| Ok(png(|_, y| if y < 10 { 150 } else { 50 }));
-        let content =
-            read_content("stain.png", &mesh, Some((&cells, &Selection::default())), read).unwrap();
+        let cell = Some((&cells, &Selection::default()));
+        let (content, note) = read_content("stain.png", &mesh, cell, read).unwrap();
+        assert_eq!(note, None);
         for (triangle, content) in mesh.simplices.iter().zip(content) {
             let y =
                 triangle.nodes.map(|node| mesh.points[1][node as usize]).iter().sum::<f64>() / 3.0;
@@ -440,9 +441,9 @@ mod tests {
         let mesh = lattice::rectangle(2, 1, 1.0).unwrap();
         let table =
             |text: &'static str| read_content("content.csv", &mesh, None, |_| Ok(text.into()));
-        let rows = table("content\n0\n1\n2\n3\n4\n5\n6\n7\n").unwrap();
+        let (rows, _) = table("content\n0\n1\n2\n3\n4\n5\n6\n7\n").unwrap();
         assert_eq!(rows, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        let points = table("x_um, y_um, content\n0.5, 0.5, 0.25\n1.5, 0.5, 2\n").unwrap();
+        let (points, _) = table("x_um, y_um, content\n0.5, 0.5, 0.25\n1.5, 0.5, 2\n").unwrap();
         for (triangle, content) in mesh.simplices.iter().zip(points) {
             let left = triangle.nodes.iter().all(|&node| mesh.points[0][node as usize] <= 1.0);
             assert_eq!(content, if left { 0.25 } else { 2.0 });

@@ -1,5 +1,6 @@
 //! Pictures of cells that touch or lie across each other, and of single ones that look as though they were two.
 #![allow(dead_code, reason = "no user of this file needs all of it")]
+#![allow(clippy::unwrap_used, reason = "there is a value for each pixel")]
 
 use std::f64::consts::TAU;
 
@@ -281,22 +282,22 @@ impl Look {
             bright * light
         })
     }
+}
 
-    /// The cells as grey as their background, each with a dark rim, with a bright halo around all and with grains.
-    pub(crate) fn brightfield(&self, scene: &Scene, bodies: &[Body]) -> Touching {
-        picture(scene, bodies, 0.0, |places| {
-            let rim = |depth: f64| -(-((depth - 0.8) / 0.7).powi(2)).exp();
-            let top = places.iter().rev().find(|place| place.depth > 0.0);
-            let change = if let Some(Place { depth, along, across }) = top {
-                let wave = (across / 0.7 + (along / 2.3).sin()).cos();
-                rim(*depth) + if *depth > 1.5 { 0.35 * (along / 0.9).sin() * wave } else { 0.0 }
-            } else {
-                let depth = places.iter().map(|place| place.depth).fold(f64::MIN, f64::max);
-                rim(depth) + 0.6 * (-((depth + 1.0) / 0.8).powi(2)).exp()
-            };
-            1000.0 * (1.0 + scene.contrast * change)
-        })
-    }
+/// The cells as grey as their background, each with a dark rim, with a bright halo around all and with grains.
+pub(crate) fn brightfield(scene: &Scene, bodies: &[Body]) -> Touching {
+    picture(scene, bodies, 0.0, |places| {
+        let rim = |depth: f64| -(-((depth - 0.8) / 0.7).powi(2)).exp();
+        let top = places.iter().rev().find(|place| place.depth > 0.0);
+        let change = if let Some(Place { depth, along, across }) = top {
+            let wave = (across / 0.7 + (along / 2.3).sin()).cos();
+            rim(*depth) + if *depth > 1.5 { 0.35 * (along / 0.9).sin() * wave } else { 0.0 }
+        } else {
+            let depth = places.iter().map(|place| place.depth).fold(f64::MIN, f64::max);
+            rim(depth) + 0.6 * (-((depth + 1.0) / 0.8).powi(2)).exp()
+        };
+        1000.0 * (1.0 + scene.contrast * change)
+    })
 }
 
 /// Cells by what their pixels are in each of them, above a background, lit, blurred and noisy.
@@ -326,12 +327,12 @@ fn picture(
         values.push(value(&places) as f32);
     }
     let mut random = Random(scene.seed);
-    let plane = Plane::new(side, side, values).expect("a value for each pixel");
+    let plane = Plane::new(side, side, values).unwrap();
     let blurred = gaussian(&plane, scene.blur_um / scene.pixel_um);
     let noisy = blurred.values().iter().enumerate().map(|(at, &value)| {
         let lit = background + f64::from(value) * scene.light(at % side, at / side);
         (lit + scene.noise * random.normal()).clamp(0.0, 65535.0).round() as f32
     });
-    let plane = Plane::new(side, side, noisy.collect()).expect("a value for each pixel");
+    let plane = Plane::new(side, side, noisy.collect()).unwrap();
     Touching { plane, cells }
 }
