@@ -1,5 +1,6 @@
 //! `cargo xtask test`: everything that must hold on every commit, cheapest first.
 
+mod page;
 mod tally;
 
 use crate::{cargo, program, python, root, say, step};
@@ -49,6 +50,7 @@ impl Checks {
         self.tests("examples in the documentation", examples.arg("--doc"))?;
         self.run_files()?;
         self.results()?;
+        self.page()?;
         let mut tests = cargo(["test", "-p", "myospring-core", "-p", "myospring", "--locked"]);
         tests.args(["--no-default-features", "--lib", "--tests"]);
         self.tests("the library without its features", &mut tests)?;

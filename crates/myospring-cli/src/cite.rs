@@ -3,7 +3,8 @@
 use crate::args::{Cli, Command, ModelsArgs};
 use crate::failure::Failure;
 use crate::{input, print};
-use myospring::{cell, references};
+use myospring::cell::{self, CellModel};
+use myospring::references;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -22,6 +23,12 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
         }
         _ => input::settle(None, Vec::new())?.1.cell,
     };
+    print::out(&bibtex(&*model))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Entries of this program, the paper behind it, and the papers of a cell model.
+pub(crate) fn bibtex(model: &dyn CellModel) -> String {
     let mut keys = vec!["coelho_2021"];
     for key in model.citations() {
         if !keys.contains(&key) {
@@ -29,15 +36,11 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
         }
     }
     let version = env!("CARGO_PKG_VERSION");
-    print::out(&format!(
+    let program = format!(
         "@software{{myospring,\n  author  = {{{{The Myospring developers}}}},\n  title   = \
          {{Myospring: from a microscope picture of a heart cell to its beat}},\n  version = \
          {{{version}}},\n  year    = {{2026}}\n}}"
-    ))?;
-    for key in keys {
-        if let Some(entry) = references::entry(key) {
-            print::out(&format!("\n{entry}"))?;
-        }
-    }
-    Ok(ExitCode::SUCCESS)
+    );
+    let papers = keys.into_iter().filter_map(references::entry).map(str::to_owned);
+    std::iter::once(program).chain(papers).collect::<Vec<_>>().join("\n\n")
 }

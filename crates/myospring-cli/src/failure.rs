@@ -9,6 +9,7 @@ use myospring::output::figure::FigureError;
 use myospring::output::files::FileError;
 use myospring::output::json::JsonError;
 use myospring::output::npz::NpzError;
+use myospring::output::page::PageError;
 use myospring::output::vtu::VtuError;
 use myospring::run_file::{Origin, RunFileError, ShapeError};
 use myospring::simulation::SetupError;
@@ -140,6 +141,7 @@ plain!(
     NpzError,
     VtuError,
     FigureError,
+    PageError,
     FibreError,
     myospring::settings::MakeError,
     myospring::cell::ModelError

@@ -13,6 +13,7 @@ mod mesh;
 mod options;
 mod outputs;
 mod overlay;
+mod page;
 mod paper;
 mod print;
 mod refused;

@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use crate::look::Look;
 use crate::overlay::{self, Lattice};
+use crate::page;
 use crate::print;
 use crate::results::{Draw, Folder};
 use crate::summary::Numbers;
@@ -72,7 +73,16 @@ pub(crate) struct Output {
 }
 
 /// In the order in which they are written; people are told to open the first that has something to open.
-const OUTPUTS: [Output; 3] = [
+const OUTPUTS: [Output; 4] = [
+    Output {
+        word: "report",
+        about: "the beating cell with curves, numbers and sources, a page for the browser (report.html)",
+        files: &[page::FILE],
+        look: Some(page::FILE),
+        by_default: true,
+        available: || Ok(()),
+        write: page::write,
+    },
     Output {
         word: "figures",
         about: "cell, curves and lattice as in a paper, SVG and PNG (figures/)",

@@ -48,7 +48,7 @@ fn a_run_writes_every_result_and_prints_a_table() {
     assert!(text.contains("peak shortening") && text.contains("7 to 12"), "{text}");
 
     let results = folder.path().join("results/adult_ventricular");
-    let expected = ["figures", "run.json", "run.toml", "summary.json", "traces.csv"];
+    let expected = ["figures", "report.html", "run.json", "run.toml", "summary.json", "traces.csv"];
     assert_eq!(names(&results), expected);
     assert_eq!(names(&folder.path().join("results")), ["adult_ventricular"], "no .part is left");
     assert_eq!(names(&results.join("figures")).len(), 10, "five figures as SVG and PNG");
@@ -72,7 +72,7 @@ fn a_run_writes_every_result_and_prints_a_table() {
         files.iter().map(|name| results.join("figures").join(name).metadata().unwrap().len());
     assert_eq!(figures["bytes"].as_u64(), Some(sizes.sum()));
     assert!(
-        text.contains("figures ") && text.contains("\nopen results/adult_ventricular"),
+        text.contains("figures ") && text.contains("\nopen results/adult_ventricular/report.html"),
         "{text}"
     );
 }
@@ -194,7 +194,15 @@ fn replaced_results_are_of_one_run_and_files_of_others_stay() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(
         names(&mine),
-        ["figures", "notes.txt", "run.json", "run.toml", "summary.json", "traces.csv"]
+        [
+            "figures",
+            "notes.txt",
+            "report.html",
+            "run.json",
+            "run.toml",
+            "summary.json",
+            "traces.csv"
+        ]
     );
     assert_eq!(names(&mine.join("figures")).len(), 11, "five figures twice, and one of the user");
     for file in foreign {

@@ -30,6 +30,7 @@ mod lattice;
 mod moments;
 mod overlay;
 mod overview;
+pub(crate) mod photograph;
 mod raster;
 mod shapes;
 mod sheet;
@@ -39,6 +40,7 @@ mod theme;
 mod traces;
 
 pub use cell::Cell;
+pub(crate) use facets::{check_frame, check_mesh};
 pub use lattice::mesh;
 pub use moments::{Shape, key_shapes};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};

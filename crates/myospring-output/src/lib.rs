@@ -13,6 +13,7 @@
 //! | [`vtu`] | frames for ParaView, compressed |
 //! | [`json`] | any serialisable value for machines |
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
+//! | [`page`] | `report.html`: beating cell, curves and numbers of one run or several in a page |
 //! | [`report`] | the numbers of a run with units, definitions and reference bands |
 //! | [`comparison`] | the paper's numbers beside ours |
 //! | [`table`] | a row for each of many runs, as CSV and Parquet |
@@ -27,6 +28,7 @@ pub mod files;
 pub mod frames;
 pub mod json;
 pub mod npz;
+pub mod page;
 pub mod report;
 pub mod table;
 pub mod vtu;

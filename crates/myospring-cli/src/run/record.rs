@@ -62,7 +62,7 @@ impl<'a> Stop<'a> {
 }
 
 /// The run file that repeats this run: spacing, time step and files spelled out.
-pub(super) fn resolved(
+pub(crate) fn resolved(
     run: &Run,
     simulation: &Simulation,
     spacing: f64,

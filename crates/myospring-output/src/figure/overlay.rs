@@ -3,7 +3,6 @@
 mod histogram;
 mod layout;
 mod panel;
-mod photograph;
 
 pub use layout::overlay;
 

@@ -71,10 +71,10 @@ pub(super) struct Area {
 
 /// Grey values row by row from the top left, as they are and as PNG.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Picture {
+pub(crate) struct Picture {
     pub(super) size: [u32; 2],
     pub(super) grey: Vec<u8>,
-    pub(super) png: Vec<u8>,
+    pub(crate) png: Vec<u8>,
 }
 
 /// Lines from point to point, in hundredths of a px: SVG and PNG say the same to the last digit.

@@ -3,6 +3,7 @@
 
 mod drawn;
 mod overlay;
+mod page;
 mod paraview;
 mod synthetic;
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::super::FigureError;
+use super::super::photograph::{Part, embedded};
 use super::super::sheet::{Anchor, Area, Path, Sheet, Stroke, Style};
 use super::super::theme::{BLACK, Colour, TICK, WHITE};
-use super::photograph::embedded;
 use super::{CHOSEN, Contour, FIBRE, OTHER, Overlay, STAND_IN, Tick};
 use myospring_core::mesh::{Mesh, SpringKind};
 
@@ -109,7 +109,14 @@ impl Panel {
     ) -> Result<(), FigureError> {
         let place = Area { corner: self.place, size: self.size() };
         let mut inside = Sheet::default();
-        inside.picture(place, embedded(overlay, self.view.pixels, SHARP * place.size[0])?);
+        let [left, right, top, bottom] = self.view.pixels;
+        let part = Part {
+            values: overlay.values,
+            width: overlay.width,
+            columns: [left, right],
+            rows: [top, bottom],
+        };
+        inside.picture(place, embedded(&part, SHARP * place.size[0])?);
         if detail && let Some(mesh) = overlay.mesh {
             self.draw_lattice(&mut inside, mesh);
         }

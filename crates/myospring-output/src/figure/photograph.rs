@@ -1,9 +1,8 @@
 //! A part of a picture, as it is embedded in a figure.
 
-use super::super::FigureError;
-use super::super::raster::grey_png;
-use super::super::sheet::Picture;
-use super::Overlay;
+use super::FigureError;
+use super::raster::grey_png;
+use super::sheet::Picture;
 
 /// Longest side of an embedded picture, pixels.
 const LONGEST: f64 = 1600.0;
@@ -16,14 +15,23 @@ const BRIGHTEST: f64 = 0.998;
 /// Values that are looked at for the percentiles.
 const LOOKED_AT: usize = 100_000;
 
-/// Columns `left` to `right` and rows `top` to `bottom` of the picture, about `wanted` pixels wide at
-/// most.
-pub(super) fn embedded(
-    overlay: &Overlay<'_>,
-    [left, right, top, bottom]: [usize; 4],
-    wanted: f64,
-) -> Result<Picture, FigureError> {
-    let rows = || overlay.values.chunks_exact(overlay.width).take(bottom).skip(top);
+/// A part of a picture.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part<'a> {
+    /// Grey values of the whole picture row by row from the top left.
+    pub(crate) values: &'a [f32],
+    /// Its columns.
+    pub(crate) width: usize,
+    /// First column of the part, and the one behind its last.
+    pub(crate) columns: [usize; 2],
+    /// First row of the part from the top, and the one behind its last.
+    pub(crate) rows: [usize; 2],
+}
+
+/// A part of a picture, about `wanted` pixels wide at most.
+pub(crate) fn embedded(part: &Part<'_>, wanted: f64) -> Result<Picture, FigureError> {
+    let Part { values, width, columns: [left, right], rows: [top, bottom] } = *part;
+    let rows = || values.chunks_exact(width).take(bottom).skip(top);
     let [low, high] = percentiles(rows().map(|row| &row[left..right]));
     let scale = if high > low { 255.0 / (high - low) } else { 0.0 };
     let flat = if high > low { 0.0 } else { 96.0 };

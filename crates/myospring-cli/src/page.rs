@@ -1,0 +1,119 @@
+//! `report.html` of a run.
+
+use crate::cite;
+use crate::failure::Failure;
+use crate::outputs::Finished;
+use crate::results::Folder;
+use crate::run::resolved;
+use myospring::output::page::{self, Page, PageRun, ParameterGroup, ParameterRow, Photograph};
+use myospring::settings::{self, Run, Value};
+
+/// Name of the file.
+pub(crate) const FILE: &str = "report.html";
+
+/// Writes the page.
+pub(crate) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failure> {
+    let Finished { name, run, .. } = finished;
+    let title = if run.title.is_empty() { name } else { run.title.as_str() };
+    let texts = Texts::of(finished);
+    let page = Page {
+        title,
+        version: env!("CARGO_PKG_VERSION"),
+        colour: finished.look.colour,
+        runs: &[on_page(finished, &texts)],
+    };
+    folder.write(FILE, page::html(&page)?)
+}
+
+/// Text of a run that its page borrows.
+struct Texts {
+    label: String,
+    run_file: String,
+    citations: String,
+}
+
+impl Texts {
+    fn of(finished: &Finished<'_>) -> Self {
+        let Finished { run, simulation, outcome, numbers, .. } = finished;
+        let spacing = numbers.summary.mesh.spacing_um;
+        Self {
+            label: format!("{} kPa", run.peak_tension),
+            run_file: resolved(run, simulation, spacing, outcome.effort.time_step()),
+            citations: cite::bibtex(&*run.cell),
+        }
+    }
+}
+
+fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
+    let Finished { name, run, simulation, outline, picture, outcome, numbers, stimuli, .. } =
+        finished;
+    let beats = numbers.summary.beats.len();
+    let mut facts = vec![
+        (*name).to_owned(),
+        run.cell.name().to_owned(),
+        format!("{} kPa", run.peak_tension),
+        format!("{beats} beat{}", if beats == 1 { "" } else { "s" }),
+    ];
+    // The title says it already.
+    facts.retain(|fact| !run.title.is_empty() || fact != name);
+    PageRun {
+        label: &texts.label,
+        facts,
+        summary: numbers.summary,
+        recording: &outcome.recording,
+        mesh: &simulation.mesh,
+        fibres: &simulation.fibres,
+        myofibril_content: simulation.myofibril_content.as_deref(),
+        outline,
+        stimulus_times_ms: stimuli,
+        parameters: parameters(run),
+        run_file: &texts.run_file,
+        citations: &texts.citations,
+        picture: picture.map(|(cells, _)| Photograph {
+            width: cells.plane.width(),
+            height: cells.plane.height(),
+            values: cells.plane.values(),
+            pixel_size: cells.pixel_size,
+        }),
+    }
+}
+
+/// Every setting that the run has, table by table, then the parameters of its cell model.
+fn parameters(run: &Run) -> Vec<ParameterGroup> {
+    let usual = Run::default_run();
+    let mut groups: Vec<ParameterGroup> = Vec::new();
+    for table in settings::tables().iter().filter(|table| !table.name.is_empty()) {
+        let rows = table.settings.iter().filter_map(|setting| {
+            let value = setting.get(run)?;
+            let is_usual = setting.get(&usual).as_ref() == Some(&value);
+            Some(ParameterRow {
+                name: setting.key.to_owned(),
+                value: written(&value),
+                meaning: setting.doc.replace('`', ""),
+                source: if is_usual { "default" } else { "of this run" }.to_owned(),
+                ..ParameterRow::default()
+            })
+        });
+        let group = ParameterGroup { name: table.name.to_owned(), rows: rows.collect() };
+        if !group.rows.is_empty() {
+            groups.push(group);
+        }
+    }
+    let rows = run.cell.parameters().rows().iter().map(|row| ParameterRow {
+        name: row.name.to_string(),
+        value: row.value.to_string(),
+        unit: row.unit.to_string(),
+        meaning: row.meaning.to_string(),
+        source: row.source.to_string(),
+    });
+    let name = format!("cell model {}", run.cell.name());
+    groups.push(ParameterGroup { name, rows: rows.collect() });
+    groups
+}
+
+fn written(value: &Value) -> String {
+    match value {
+        Value::Text(text) => text.clone(),
+        value => value.to_string(),
+    }
+}

@@ -1,0 +1,307 @@
+// Draws a cell on a canvas: its colour, its smooth outline, where it rested, a scale bar.
+
+import { ramp, STEPS, stepOf } from "./colours.js";
+import { blankShape } from "./data.js";
+import { fillField } from "./fields.js";
+import { plain, roundLength } from "./numbers.js";
+
+/** @import { Field } from "./payload.js" */
+/** @import { Shapes } from "./data.js" */
+
+/**
+ * Lower left and upper right corner, um.
+ *
+ * @typedef {[[number, number], [number, number]]} Box
+ */
+
+/**
+ * A picture that lies under the cell.
+ *
+ * @typedef {object} Photograph
+ * @property {CanvasImageSource} image
+ * @property {Box} box
+ */
+
+/**
+ * Colours of what is drawn beside the cell.
+ *
+ * @typedef {object} Ink
+ * @property {string} line
+ * @property {string} muted
+ */
+
+/**
+ * @typedef {object} Look
+ * @property {Ink} ink
+ * @property {number} opacity Of the cell, 0 to 1.
+ * @property {boolean} photograph Whether the picture is shown, where there is one.
+ */
+
+/** Distance of the drawing from the edge of its canvas, px. */
+const MARGIN = 14;
+/** Height that the scale bar takes, px. */
+const FOOT = 30;
+/** Side of a patch of one colour, px, and the most patches that are drawn. */
+const PATCH = 5;
+const MOST_PATCHES = 12000;
+
+/** A canvas with a cell on it. */
+export class CellView {
+  #shape;
+  #values;
+  #atCorners;
+  #counts;
+  /** @type {{ field: Field, colours: string[] } | null} */
+  #scale = null;
+  #width = 0;
+  #height = 0;
+
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {Shapes} shapes
+   * @param {Box} box What is to be seen, um.
+   * @param {Photograph | null} photograph
+   */
+  constructor(canvas, shapes, box, photograph) {
+    this.canvas = canvas;
+    this.shapes = shapes;
+    this.box = box;
+    this.photograph = photograph;
+    this.#shape = blankShape(shapes);
+    this.#values = new Float32Array(shapes.corners.length / 4);
+    this.#atCorners = new Float32Array(shapes.rest.length / 2);
+    this.#counts = new Uint8Array(shapes.rest.length / 2);
+  }
+
+  /** Height for a width, px, so that the box fills it. */
+  static heightFor(/** @type {Box} */ [[left, low], [right, high]], /** @type {number} */ width) {
+    const scale = (width - 2 * MARGIN) / (right - left);
+    return scale * (high - low) + 2 * MARGIN + FOOT;
+  }
+
+  /**
+   * Gives the canvas its size, px of the page.
+   *
+   * @param {number} width
+   * @param {number} height
+   * @param {number} density Pixels of the canvas in one of the page.
+   */
+  resize(width, height, density) {
+    [this.#width, this.#height] = [width, height];
+    this.canvas.width = Math.round(width * density);
+    this.canvas.height = Math.round(height * density);
+    this.canvas.style.width = `${width}px`;
+    this.canvas.style.height = `${height}px`;
+  }
+
+  /**
+   * Draws the cell at a time.
+   *
+   * @param {number} time ms.
+   * @param {Field} field What it is coloured by.
+   * @param {Look} look
+   */
+  draw(time, field, look) {
+    const pen = this.canvas.getContext("2d");
+    if (pen === null || this.#width === 0) return;
+    const { shapes } = this;
+    shapes.at(time, this.#shape);
+    fillField(field.key, shapes, this.#shape, this.#values);
+    const density = this.canvas.width / this.#width;
+    const [[left, low], [right, high]] = this.box;
+    const scale = Math.min(
+      (this.#width - 2 * MARGIN) / (right - left),
+      (this.#height - 2 * MARGIN - FOOT) / (high - low),
+    );
+    const origin = {
+      x: (this.#width - scale * (right + left)) / 2,
+      y: (this.#height - FOOT + scale * (high + low)) / 2,
+    };
+    pen.setTransform(density, 0, 0, density, 0, 0);
+    pen.clearRect(0, 0, this.#width, this.#height);
+    const place = { pen, scale, origin };
+    if (this.photograph !== null && look.photograph) this.#drawPhotograph(place);
+    pen.save();
+    pen.globalAlpha = look.opacity;
+    this.#drawSquares(place, field);
+    pen.restore();
+    this.#traceRings(place, shapes.rest);
+    pen.setLineDash([3, 4]);
+    pen.lineWidth = 1;
+    pen.strokeStyle = look.ink.muted;
+    pen.stroke();
+    pen.setLineDash([]);
+    this.#traceRings(place, this.#shape.points);
+    pen.lineWidth = 1.5;
+    pen.strokeStyle = look.ink.line;
+    pen.stroke();
+    this.#drawScaleBar(place, look.ink);
+  }
+
+  /** Least and greatest value of what was drawn last, over the squares of the mesh. */
+  extremes() {
+    const values = this.#values.subarray(0, this.shapes.within);
+    return values.reduce(
+      ([least, most], value) => [Math.min(least, value), Math.max(most, value)],
+      [Infinity, -Infinity],
+    );
+  }
+
+  /**
+   * @typedef {object} Place
+   * @property {CanvasRenderingContext2D} pen
+   * @property {number} scale px in um.
+   * @property {{ x: number, y: number }} origin px.
+   */
+
+  /** @param {Place} place */
+  #drawPhotograph({ pen, scale, origin }) {
+    if (this.photograph === null) return;
+    const { image, box } = this.photograph;
+    const [[left, low], [right, high]] = box;
+    const size = [scale * (right - left), scale * (high - low)];
+    pen.drawImage(image, origin.x + scale * left, origin.y - scale * high, size[0], size[1]);
+  }
+
+  /** The value at each corner of the squares: the mean over the squares around it. */
+  #cornerValues() {
+    const { corners } = this.shapes;
+    this.#atCorners.fill(0);
+    this.#counts.fill(0);
+    corners.forEach((corner, index) => {
+      this.#atCorners[corner] += this.#values[index >> 2];
+      this.#counts[corner]++;
+    });
+    this.#atCorners.forEach((sum, corner) => {
+      if (this.#counts[corner] > 0) this.#atCorners[corner] = sum / this.#counts[corner];
+    });
+    return this.#atCorners;
+  }
+
+  /**
+   * Small patches of one colour, all of a colour at once, cut off at the outline.
+   *
+   * @param {Place} place
+   * @param {Field} field
+   */
+  #drawSquares(place, field) {
+    const { pen, scale, origin } = place;
+    if (this.#scale?.field !== field) this.#scale = { field, colours: ramp(field.colours) };
+    const { corners, rest } = this.shapes;
+    const { points } = this.#shape;
+    const values = this.#cornerValues();
+    const squares = this.#values.length;
+    const side = scale * Math.abs(rest[2 * corners[1]] - rest[2 * corners[0]]);
+    const most = Math.max(Math.floor(Math.sqrt(MOST_PATCHES / squares)), 1);
+    const parts = Math.min(Math.max(Math.ceil(side / PATCH), 1), most);
+    /** @type {number[][]} */
+    const bins = Array.from({ length: STEPS }, () => []);
+    for (let square = 0; square < squares; square++) {
+      const [a, b, c, d] = corners.subarray(4 * square, 4 * square + 4);
+      for (let patch = 0; patch < parts * parts; patch++) {
+        const x = ((patch % parts) + 0.5) / parts;
+        const y = (Math.floor(patch / parts) + 0.5) / parts;
+        const low = values[a] + x * (values[b] - values[a]);
+        const value = low + y * (values[d] + x * (values[c] - values[d]) - low);
+        bins[stepOf(value, field.low, field.high)].push(square, patch);
+      }
+    }
+    /** @type {(square: number, x: number, y: number) => [number, number]} Where a place of a square is, px. */
+    const placeIn = (square, x, y) => {
+      const [a, b, c, d] = [0, 1, 2, 3].map((corner) => 2 * corners[4 * square + corner]);
+      const weights = [(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y];
+      const along = (/** @type {number} */ axis) =>
+        weights[0] * points[a + axis] +
+        weights[1] * points[b + axis] +
+        weights[2] * points[c + axis] +
+        weights[3] * points[d + axis];
+      return [origin.x + scale * along(0), origin.y - scale * along(1)];
+    };
+    this.#traceRings(place, points);
+    pen.clip("evenodd");
+    // Without a line of their colour the page shows between neighbours.
+    pen.lineWidth = 0.7;
+    bins.forEach((patches, step) => {
+      if (patches.length === 0 || this.#scale === null) return;
+      pen.beginPath();
+      for (let at = 0; at < patches.length; at += 2) {
+        const [square, patch] = [patches[at], patches[at + 1]];
+        const [x, y] = [(patch % parts) / parts, Math.floor(patch / parts) / parts];
+        const [right, top] = [x + 1 / parts, y + 1 / parts];
+        pen.moveTo(...placeIn(square, x, y));
+        pen.lineTo(...placeIn(square, right, y));
+        pen.lineTo(...placeIn(square, right, top));
+        pen.lineTo(...placeIn(square, x, top));
+        pen.closePath();
+      }
+      pen.fillStyle = this.#scale.colours[step];
+      pen.strokeStyle = this.#scale.colours[step];
+      pen.fill();
+      if (pen.globalAlpha === 1) pen.stroke();
+    });
+  }
+
+  /**
+   * @param {Place} place
+   * @param {Float32Array} points
+   */
+  #traceRings({ pen, scale, origin }, points) {
+    pen.beginPath();
+    for (const [first, end] of this.shapes.rings) {
+      for (let point = first; point < end; point++) {
+        const [x, y] = [
+          origin.x + scale * points[2 * point],
+          origin.y - scale * points[2 * point + 1],
+        ];
+        if (point === first) pen.moveTo(x, y);
+        else pen.lineTo(x, y);
+      }
+      pen.closePath();
+    }
+  }
+
+  /**
+   * @param {Place} place
+   * @param {Ink} ink
+   */
+  #drawScaleBar({ pen, scale }, ink) {
+    const length = roundLength(Math.max(this.#width / 5, 48) / scale);
+    const y = this.#height - 11;
+    pen.fillStyle = ink.line;
+    pen.fillRect(MARGIN, y - 2, length * scale, 3);
+    pen.font = "13px system-ui, sans-serif";
+    pen.textBaseline = "middle";
+    pen.fillText(`${plain(length)}\u00a0\u00b5m`, MARGIN + length * scale + 8, y);
+  }
+}
+
+/**
+ * The box around a cell in all its shapes, um.
+ *
+ * @param {Shapes} shapes
+ * @param {number} moments At how many times to look.
+ * @returns {Box}
+ */
+export function boxAround(shapes, moments = 40) {
+  const shape = blankShape(shapes);
+  /** @type {Box} */
+  const box = [
+    [Infinity, Infinity],
+    [-Infinity, -Infinity],
+  ];
+  const [start, end] = shapes.span;
+  const enclose = (/** @type {Float32Array} */ points) => {
+    for (const [first, last] of shapes.rings) {
+      for (let at = 2 * first; at < 2 * last; at++) {
+        box[0][at % 2] = Math.min(box[0][at % 2], points[at]);
+        box[1][at % 2] = Math.max(box[1][at % 2], points[at]);
+      }
+    }
+  };
+  enclose(shapes.rest);
+  for (let moment = 0; moment <= moments; moment++) {
+    shapes.at(start + (moment / moments) * (end - start), shape);
+    enclose(shape.points);
+  }
+  return box;
+}

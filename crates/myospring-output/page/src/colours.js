@@ -1,0 +1,34 @@
+// Scales of colours.
+
+/** Colours that can be told apart on a scale. */
+export const STEPS = 64;
+
+/**
+ * `STEPS` colours of a scale between its stops.
+ *
+ * @param {string[]} stops `#rrggbb`, equally far apart.
+ * @returns {string[]}
+ */
+export function ramp(stops) {
+  const parsed = stops.map((stop) => [1, 3, 5].map((at) => parseInt(stop.slice(at, at + 2), 16)));
+  return Array.from({ length: STEPS }, (_, step) => {
+    const place = (step / (STEPS - 1)) * (parsed.length - 1);
+    const below = Math.min(Math.floor(place), parsed.length - 2);
+    const mixed = parsed[below].map((channel, index) =>
+      Math.round(channel + (place - below) * (parsed[below + 1][index] - channel)),
+    );
+    return `rgb(${mixed.join(" ")})`;
+  });
+}
+
+/**
+ * Which of `STEPS` colours a value has; those beyond the ends have the colour of the end.
+ *
+ * @param {number} value
+ * @param {number} low
+ * @param {number} high
+ */
+export function stepOf(value, low, high) {
+  const part = high > low ? (value - low) / (high - low) : 0.5;
+  return Math.min(Math.max(Math.floor(part * STEPS), 0), STEPS - 1);
+}

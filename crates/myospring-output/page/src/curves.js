@@ -1,0 +1,233 @@
+// Curves over time, drawn by uPlot, with a cursor that is the time of the player.
+
+import uPlot from "uplot";
+import { lastBefore } from "./data.js";
+import { quantity, unitText } from "./numbers.js";
+
+/** @import { Band, Curve } from "./payload.js" */
+
+/**
+ * One chart: a quantity of one run or of several.
+ *
+ * @typedef {object} ChartData
+ * @property {string} name
+ * @property {string} unit
+ * @property {Band | null} band
+ * @property {{ label: string, colour: string, dash: number[], t_ms: number[], values: (number | null)[] }[]} series
+ * @property {number[]} stimuli_ms
+ */
+
+/**
+ * @typedef {object} Palette
+ * @property {() => string} ink Of the axes' text.
+ * @property {() => string} grid
+ * @property {() => string} band
+ * @property {(name: string) => string} curve The colour that a name stands for.
+ */
+
+/**
+ * The value of a curve at a time, on a straight line between its samples.
+ *
+ * @param {{ t_ms: number[], values: (number | null)[] }} curve
+ * @param {number} time ms.
+ */
+export function valueAt({ t_ms: times, values }, time) {
+  const last = lastBefore(times, time);
+  const next = Math.min(last + 1, times.length - 1);
+  const [from, to] = [values[last], values[next]];
+  if (from === null || to === null || from === undefined || to === undefined) return null;
+  const gap = times[next] - times[last];
+  return gap > 0 ? from + Math.min(Math.max((time - times[last]) / gap, 0), 1) * (to - from) : from;
+}
+
+/**
+ * The highest point of a curve.
+ *
+ * @param {{ t_ms: number[], values: (number | null)[] }} curve
+ */
+export function peakOf({ t_ms: times, values }) {
+  let best = { time: times[0] ?? 0, value: values[0] ?? null };
+  values.forEach((value, index) => {
+    if (value !== null && (best.value === null || value > best.value)) {
+      best = { time: times[index], value };
+    }
+  });
+  return best;
+}
+
+/** A chart in an element of its own. */
+export class Chart {
+  #plot;
+  #cursor = document.createElement("div");
+
+  /**
+   * @param {HTMLElement} place
+   * @param {ChartData} data
+   * @param {[number, number]} span First and last time, ms.
+   * @param {Palette} palette
+   * @param {boolean} last Whether the time axis is labelled.
+   */
+  constructor(place, data, span, palette, last) {
+    this.data = data;
+    this.place = place;
+    const columns = data.series.map(
+      ({ t_ms, values }) => /** @type {uPlot.AlignedData} */ ([t_ms, values]),
+    );
+    const joined = columns.length === 1 ? columns[0] : uPlot.join(columns);
+    const text = "12px system-ui, sans-serif";
+    const axis = {
+      stroke: palette.ink,
+      font: text,
+      labelFont: text,
+      grid: { stroke: palette.grid, width: 1 },
+      ticks: { stroke: palette.grid, width: 1, size: 4 },
+    };
+    const height = Chart.heightOf(last);
+    this.#plot = new uPlot(
+      {
+        width: Math.max(place.clientWidth, 50),
+        height,
+        padding: [8, 14, 0, 0],
+        legend: { show: false },
+        cursor: { show: false },
+        scales: {
+          x: { time: false, range: () => span },
+          y: { range: (_, low, high) => Chart.rangeOf(low, high, data.band) },
+        },
+        axes: [
+          {
+            ...axis,
+            size: last ? 44 : 8,
+            label: last ? "Time (ms)" : undefined,
+            labelSize: last ? 20 : 0,
+            values: (_, ticks) => ticks.map((tick) => (last ? String(tick) : "")),
+          },
+          { ...axis, size: 52, space: 26 },
+        ],
+        series: [
+          {},
+          ...data.series.map(({ label, colour, dash }) => ({
+            label,
+            stroke: () => palette.curve(colour),
+            dash,
+            width: 2,
+            spanGaps: false,
+            points: { show: false },
+          })),
+        ],
+        hooks: { drawClear: [(/** @type {uPlot} */ plot) => this.#underlay(plot, palette)] },
+      },
+      joined,
+      place,
+    );
+    this.#cursor.className = "time-cursor";
+    this.#plot.over.append(this.#cursor);
+  }
+
+  /** @param {boolean} last */
+  static heightOf(last) {
+    return last ? 168 : 132;
+  }
+
+  /**
+   * @param {number} low
+   * @param {number} high
+   * @param {Band | null} band
+   * @returns {[number, number]}
+   */
+  static rangeOf(low, high, band) {
+    const top = Math.max(high, band === null ? high : band.high);
+    const gap = top - low || Math.abs(top) || 1;
+    return [low - 0.04 * gap, top + 0.08 * gap];
+  }
+
+  /**
+   * What lies under the curves: the band that is seen in experiments, the stimuli.
+   *
+   * @param {uPlot} plot
+   * @param {Palette} palette
+   */
+  #underlay(plot, palette) {
+    const { ctx: pen, bbox } = plot;
+    pen.save();
+    if (this.data.band !== null) {
+      const top = plot.valToPos(this.data.band.high, "y", true);
+      const bottom = plot.valToPos(this.data.band.low, "y", true);
+      pen.fillStyle = palette.band();
+      pen.fillRect(bbox.left, top, bbox.width, bottom - top);
+    }
+    pen.strokeStyle = palette.ink();
+    pen.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
+    for (const stimulus of this.data.stimuli_ms) {
+      const x = plot.valToPos(stimulus, "x", true);
+      pen.beginPath();
+      pen.moveTo(x, bbox.top);
+      pen.lineTo(x, bbox.top + bbox.height);
+      pen.stroke();
+    }
+    pen.restore();
+  }
+
+  /** The element over which a pointer moves. */
+  get over() {
+    return this.#plot.over;
+  }
+
+  /** @param {number} x Of a pointer, px of the page. */
+  timeAt(x) {
+    return this.#plot.posToVal(x - this.#plot.over.getBoundingClientRect().left, "x");
+  }
+
+  /** @param {number} time ms. */
+  setTime(time) {
+    const left = this.#plot.valToPos(time, "x");
+    this.#cursor.style.transform = `translateX(${left}px)`;
+  }
+
+  /** @param {number} width px. */
+  resize(width) {
+    if (width !== this.#plot.width) this.#plot.setSize({ width, height: this.#plot.height });
+  }
+
+  /** Draws it anew, in the colours of now. */
+  redraw() {
+    this.#plot.redraw(false, true);
+  }
+
+  /** What it shows, in a sentence. */
+  get description() {
+    const peaks = this.data.series.map((series) => {
+      const { time, value } = peakOf(series);
+      const of = this.data.series.length > 1 ? `${series.label}: ` : "";
+      return `${of}peak ${quantity(value, this.data.unit)} at ${quantity(time, "ms")}`;
+    });
+    return `${this.data.name} over time. ${peaks.join("; ")}`;
+  }
+
+  /** Its heading: name and unit. */
+  get heading() {
+    return this.data.unit === "" ? this.data.name : `${this.data.name} (${unitText(this.data.unit)})`;
+  }
+}
+
+/**
+ * The curves of several runs, one chart for each quantity that the first run has.
+ *
+ * @param {{ label: string, colour: string, dash: number[], t_ms: number[], list: Curve[], stimuli_ms: number[] }[]} runs
+ * @param {(key: string) => string} colourOf Of a quantity, where there is one run.
+ * @returns {ChartData[]}
+ */
+export function chartsOf(runs, colourOf) {
+  return runs[0].list.map(({ key, name, unit, band }) => ({
+    name,
+    unit,
+    band,
+    stimuli_ms: [...new Set(runs.flatMap((run) => run.stimuli_ms))],
+    series: runs.flatMap(({ label, colour, dash, t_ms, list }) => {
+      const curve = list.find((other) => other.key === key && other.unit === unit);
+      if (curve === undefined) return [];
+      const own = runs.length === 1 ? colourOf(key) : colour;
+      return [{ label, colour: own, dash, t_ms, values: curve.values }];
+    }),
+  }));
+}

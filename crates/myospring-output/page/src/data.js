@@ -1,0 +1,124 @@
+// From the text in the page to numbers.
+
+/** @import { Cell, Packed, Payload } from "./payload.js" */
+
+/**
+ * The data that stand in a page.
+ *
+ * @param {Document} page
+ * @returns {Payload}
+ */
+export function readPayload(page) {
+  return JSON.parse(page.getElementById("data")?.textContent ?? "null");
+}
+
+/**
+ * @param {Packed} text
+ * @returns {ArrayBuffer}
+ */
+function bytes(text) {
+  const raw = atob(text);
+  const out = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
+  return out.buffer;
+}
+
+/**
+ * What is needed of a cell to draw it at any time. A simulation that runs in the page gives the same.
+ *
+ * @typedef {object} Shapes
+ * @property {Float32Array} rest Points at rest, um, x and y in turn.
+ * @property {Uint32Array} corners Four of each square, counter-clockwise.
+ * @property {number} within How many squares are of the mesh.
+ * @property {Float32Array} fibre Direction in each square, radians.
+ * @property {[number, number][]} rings First point and the one after the last of each ring of the outline.
+ * @property {[number, number]} span First and last time, ms.
+ * @property {(time: number, shape: Shape) => void} at Fills in the shape at a time, ms.
+ */
+
+/**
+ * A cell at one time.
+ *
+ * @typedef {object} Shape
+ * @property {Float32Array} points Positions, um, x and y in turn.
+ * @property {number} tension Active tension, kPa.
+ * @property {Float32Array | null} stress Active stress of each square, kPa, where it differs.
+ */
+
+/**
+ * A shape to be filled in.
+ *
+ * @param {Shapes} shapes
+ * @returns {Shape}
+ */
+export function blankShape(shapes) {
+  return { points: new Float32Array(shapes.rest.length), tension: 0, stress: null };
+}
+
+/**
+ * The index of the last time that is not after `time`, or 0.
+ *
+ * @param {ArrayLike<number>} times In order.
+ * @param {number} time
+ */
+export function lastBefore(times, time) {
+  let low = 0;
+  let high = times.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= time) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+/**
+ * The shapes of a recorded cell; between its frames they lie on straight lines.
+ *
+ * @param {Cell} cell
+ * @returns {Shapes}
+ */
+export function recordedShapes(cell) {
+  const rest = new Float32Array(bytes(cell.rest_um));
+  const corners = new Uint32Array(bytes(cell.corners));
+  const fibre = new Float32Array(bytes(cell.fibre));
+  const { t_ms: times, step_um: step, ta_kpa: tensions, stress_step_kpa: stressStep } = cell.frames;
+  const moved = new Int16Array(bytes(cell.frames.displacement));
+  const stress = cell.frames.stress === null ? null : new Uint16Array(bytes(cell.frames.stress));
+  const squares = corners.length / 4;
+  const count = rest.length;
+
+  /** @type {[number, number][]} */
+  const rings = [];
+  let first = count / 2 - cell.rings.reduce((sum, length) => sum + length, 0);
+  for (const length of cell.rings) {
+    rings.push([first, first + length]);
+    first += length;
+  }
+
+  return {
+    rest,
+    corners,
+    within: cell.within,
+    fibre,
+    rings,
+    span: [times[0] ?? 0, times[times.length - 1] ?? 0],
+    at(time, shape) {
+      const last = lastBefore(times, time);
+      const next = Math.min(last + 1, times.length - 1);
+      const gap = times[next] - times[last];
+      const part = gap > 0 ? Math.min(Math.max((time - times[last]) / gap, 0), 1) : 0;
+      const [a, b] = [last * count, next * count];
+      for (let i = 0; i < count; i++) {
+        shape.points[i] = rest[i] + step * (moved[a + i] + part * (moved[b + i] - moved[a + i]));
+      }
+      shape.tension = tensions[last] + part * (tensions[next] - tensions[last]);
+      if (stress === null) return;
+      shape.stress ??= new Float32Array(squares);
+      for (let i = 0; i < squares; i++) {
+        const [from, to] = [stress[last * squares + i], stress[next * squares + i]];
+        shape.stress[i] = stressStep * (from + part * (to - from));
+      }
+    },
+  };
+}

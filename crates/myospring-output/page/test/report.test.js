@@ -1,0 +1,248 @@
+// The page in Chromium: loads, plays, scrubs, prints, can be read by all.
+
+import assert from "node:assert/strict";
+import { createRequire } from "node:module";
+import { readFile, stat, writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+import { beat, folder } from "./program.js";
+
+/** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
+
+const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
+const NASTY = "</script><script>alert(1)</script>\"'&\u2028";
+
+/** @type {Browser} */
+let browser;
+/** @type {string} Page of the default run. */
+let report;
+
+before(async () => {
+  // Containers and continuous integration have no user namespaces for its sandbox; the page is our own.
+  browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--no-sandbox"] });
+  report = await beat("default");
+});
+after(() => browser?.close());
+
+/**
+ * Opens a page and does something with it; whatever it complains about or asks the network for is an error.
+ *
+ * @param {string} path
+ * @param {BrowserContextOptions} options
+ * @param {(page: Page) => Promise<void>} work
+ */
+async function opened(path, options, work) {
+  const context = await browser.newContext({ viewport: { width: 1200, height: 900 }, ...options });
+  /** @type {string[]} */
+  const complaints = [];
+  try {
+    const page = await context.newPage();
+    page.on("console", (message) => complaints.push(`${message.type()}: ${message.text()}`));
+    page.on("pageerror", (error) => complaints.push(`error: ${error.stack}`));
+    page.on("dialog", (dialog) => {
+      complaints.push(`dialog: ${dialog.message()}`);
+      void dialog.dismiss();
+    });
+    page.on("request", (request) => {
+      const url = request.url();
+      if (url !== pathToFileURL(path).href && !url.startsWith("data:")) complaints.push(`asks for ${url}`);
+    });
+    await page.goto(pathToFileURL(path).href);
+    await page.waitForFunction(() => document.querySelectorAll("#charts canvas").length >= 3);
+    await work(page);
+    assert.deepEqual(complaints, []);
+  } finally {
+    await context.close();
+  }
+}
+
+/** @param {Page} page */
+const pixels = (page) =>
+  page.evaluate(() => /** @type {HTMLCanvasElement} */ (document.querySelector("#cells canvas")).toDataURL());
+/** @param {Page} page */
+const time = (page) => page.inputValue("#time").then(Number);
+/** @param {Page} page */
+const cursor = (page) =>
+  page.evaluate(() =>
+    [...document.querySelectorAll(".time-cursor")].map((line) => line.getBoundingClientRect().left),
+  );
+
+/** @type {BrowserContextOptions} */
+const STILL = { reducedMotion: "reduce" };
+
+test("the page of the default run is one file of less than 3 MB", async () => {
+  assert.ok((await stat(report)).size < 3e6);
+  const text = await readFile(report, "utf8");
+  assert.ok(!/(?:src|href)="(?!data:)/.test(text.replace(/<script[\s\S]*?<\/script>/g, "")));
+});
+
+test("it plays by itself, pauses and goes on", async () => {
+  await opened(report, {}, async (page) => {
+    const first = await pixels(page);
+    await page.waitForFunction(() => Number(/** @type {HTMLInputElement} */ (document.querySelector("#time")).value) > 120);
+    assert.notEqual(await pixels(page), first);
+    await page.click("#play");
+    const stopped = await time(page);
+    await page.waitForTimeout(200);
+    assert.equal(await time(page), stopped);
+    assert.equal(await page.getAttribute("#play", "aria-label"), "Play");
+    await page.selectOption("#speed", "1");
+    await page.click("#play");
+    await page.waitForFunction((from) => Number(/** @type {HTMLInputElement} */ (document.querySelector("#time")).value) !== from, stopped);
+  });
+});
+
+test("those who want less motion see it stand until they ask", async () => {
+  await opened(report, STILL, async (page) => {
+    await page.waitForTimeout(200);
+    assert.equal(await time(page), 0);
+    assert.equal(await page.getAttribute("#play", "aria-label"), "Play");
+  });
+});
+
+test("time, cell and curves go together, from whichever side", async () => {
+  await opened(report, STILL, async (page) => {
+    const [resting, start] = [await pixels(page), await cursor(page)];
+    await page.fill("#time", "171.5");
+    const scrubbed = await cursor(page);
+    assert.ok(scrubbed.every((at, chart) => at > start[chart]));
+    assert.equal(new Set(scrubbed.map(Math.round)).size, 1, "all charts show one time");
+    assert.notEqual(await pixels(page), resting);
+    // Strain at the peak of the default run: 12 % shorter.
+    const least = Number(await page.getAttribute("#cells", "data-least"));
+    assert.ok(Math.abs(least + 12) < 0.3, `${least}`);
+    assert.match((await page.getAttribute("#time", "aria-valuetext")) ?? "", /172 ms: .*50\.01\skPa.*12\.01\s%/);
+    // Over the second chart, at half of its width: the cell follows.
+    const chart = page.locator(".u-over").nth(1);
+    await chart.scrollIntoViewIfNeeded();
+    const box = await chart.boundingBox();
+    assert.ok(box !== null);
+    await page.mouse.move(box.x + box.width / 2, box.y + 20);
+    assert.ok(Math.abs((await time(page)) - 300) < 2);
+  });
+});
+
+test("every way to colour the cell draws another picture", async () => {
+  // With fibres askew no two of them are even.
+  const askew = await beat("askew", "--integrator", "quasi-static", "--fibre", "20 deg");
+  await opened(askew, STILL, async (page) => {
+    await page.fill("#time", "140");
+    const seen = new Set();
+    const fields = await page.locator("#field option").evaluateAll((options) => options.map((option) => option.getAttribute("value")));
+    for (const field of fields) {
+      await page.selectOption("#field", field);
+      seen.add(await pixels(page));
+    }
+    assert.equal(fields.length, 5);
+    assert.equal(seen.size, 5);
+  });
+});
+
+test("it can be used by keyboard alone", async () => {
+  await opened(report, STILL, async (page) => {
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await time(page), 5);
+    await page.keyboard.press("End");
+    assert.equal(await time(page), 600);
+    await page.keyboard.press("Home");
+    assert.equal(await time(page), 0);
+    await page.keyboard.press(" ");
+    assert.equal(await page.getAttribute("#play", "aria-label"), "Pause");
+    await page.keyboard.press(" ");
+    assert.equal(await page.getAttribute("#play", "aria-label"), "Play");
+    // Tab reaches a name of the table; its definition is shown, and Escape puts it away.
+    const term = page.getByRole("button", { name: "peak shortening", exact: true });
+    for (let presses = 0; presses < 40 && !(await term.evaluate((it) => it === document.activeElement)); presses++) {
+      await page.keyboard.press("Tab");
+    }
+    const definition = page.locator(`#${await term.getAttribute("aria-describedby")}`);
+    assert.ok(await definition.isVisible());
+    assert.match((await definition.textContent()) ?? "", /resting length/);
+    await page.keyboard.press("Escape");
+    assert.ok(!(await definition.isVisible()));
+  });
+});
+
+for (const colorScheme of /** @type {const} */ (["light", "dark"])) {
+  for (const width of [1200, 375]) {
+    test(`nobody is shut out: ${colorScheme}, ${width} px wide`, async () => {
+      await opened(report, { ...STILL, colorScheme, viewport: { width, height: 800 } }, async (page) => {
+        await page.evaluate(() => document.querySelectorAll("details").forEach((details) => (details.open = true)));
+        assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
+        // The page's own policy forbids any other script; this way goes round it.
+        await page.evaluate(await readFile(AXE, "utf8"));
+        /** @type {import("axe-core").AxeResults} */
+        const { violations } = await page.evaluate("axe.run()");
+        assert.deepEqual(
+          violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]),
+          [],
+        );
+      });
+    });
+  }
+}
+
+test("what a page was given stays text", async () => {
+  const name = join(folder, "<script>.toml");
+  await writeFile(name, `title = ${JSON.stringify(NASTY)}\n[numerics]\nintegrator = "quasi-static"\n`);
+  await opened(await beat("<b>nasty", name), STILL, async (page) => {
+    assert.match(await page.title(), /^<\/script><script>alert\(1\)/);
+    assert.equal(await page.textContent("h1"), NASTY);
+    assert.equal(await page.locator("h1 script").count(), 0);
+    assert.match((await page.textContent("#facts")) ?? "", /<script>/);
+  });
+});
+
+test("a cell from a picture beats on its picture", async () => {
+  const picture = join(folder, "cell.png");
+  const blank = await browser.newPage();
+  const data = await blank.evaluate(() => {
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [360, 160];
+    const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    pen.fillStyle = "#101010";
+    pen.fillRect(0, 0, 360, 160);
+    pen.fillStyle = "#c0c0c0";
+    pen.beginPath();
+    pen.ellipse(180, 80, 130, 30, 0, 0, 7);
+    pen.fill();
+    return canvas.toDataURL("image/png").split(",")[1];
+  });
+  await blank.close();
+  await writeFile(picture, Buffer.from(data, "base64"));
+  const path = await beat("picture", picture, "--pixel-size", "0.5 um", "--integrator", "quasi-static");
+  await opened(path, STILL, async (page) => {
+    await page.waitForSelector("#picture-choice:not([hidden])");
+    const together = await pixels(page);
+    await page.fill("#opacity", "0");
+    const bare = await pixels(page);
+    await page.uncheck("#picture");
+    const alone = await pixels(page);
+    assert.equal(new Set([together, bare, alone]).size, 3);
+  });
+});
+
+test("a run is copied and cited from the page", async () => {
+  await opened(report, { ...STILL, permissions: ["clipboard-read", "clipboard-write"] }, async (page) => {
+    await page.click("text=Copy run file");
+    const copied = await page.evaluate(() => navigator.clipboard.readText());
+    assert.equal(copied, await readFile(join(report, "../run.toml"), "utf8"));
+    assert.match((await page.textContent("#cite pre")) ?? "", /@software\{myospring/);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=Save run.toml")]);
+    assert.equal(download.suggestedFilename(), "run.toml");
+  });
+});
+
+test("it prints the cell at rest and at its peak, with all tables", async () => {
+  await opened(report, STILL, async (page) => {
+    const paper = await page.pdf({ format: "A4" });
+    const pages = paper.toString("latin1").match(/\/Type\s*\/Page\b/g)?.length ?? 0;
+    assert.ok(pages >= 3 && pages <= 14, `${pages} pages`);
+    await page.emulateMedia({ media: "print" });
+    assert.ok(await page.isVisible("#stills canvas"));
+    assert.ok(!(await page.isVisible("#play")));
+    assert.ok(await page.locator(".definition").first().isVisible());
+  });
+});

@@ -1,0 +1,112 @@
+//! What stands in the page as data; `page/src/payload.d.ts` says the same for the page.
+
+use super::band::Band;
+use super::cell::{self, CellData};
+use super::curves::{self, Curves};
+use super::given::{Page, PageError, PageRun, ParameterGroup};
+use super::photograph::{self, PictureData};
+use crate::json::JsonError;
+use crate::report::Summary;
+use myospring_core::analysis::Metric;
+use myospring_core::analysis::beat::Beat;
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct Payload<'a> {
+    form: u32,
+    title: &'a str,
+    version: &'a str,
+    colour: &'static str,
+    runs: Vec<Run<'a>>,
+}
+
+#[derive(Serialize)]
+#[allow(clippy::struct_field_names, reason = "the names are keys that the page reads")]
+struct Run<'a> {
+    label: &'a str,
+    facts: &'a [String],
+    stimuli_ms: &'a [f64],
+    curves: Curves,
+    cell: CellData,
+    metrics: Vec<MetricGroup<'a>>,
+    parameters: &'a [ParameterGroup],
+    warnings: &'a [String],
+    run_file: &'a str,
+    citations: &'a str,
+    picture: Option<PictureData>,
+}
+
+#[derive(Serialize)]
+struct MetricGroup<'a> {
+    name: &'static str,
+    rows: Vec<MetricRow<'a>>,
+}
+
+#[derive(Serialize)]
+struct MetricRow<'a> {
+    name: &'a str,
+    value: Option<f64>,
+    spread: Option<f64>,
+    unit: &'a str,
+    definition: &'a str,
+    band: Option<Band>,
+}
+
+/// The data of a page as JSON.
+pub(super) fn json(page: &Page<'_>) -> Result<String, PageError> {
+    if page.runs.is_empty() {
+        return Err(PageError::NoRuns);
+    }
+    // All runs together are one file.
+    let share = page.runs.len();
+    let runs = page.runs.iter().map(|run| of_run(run, share)).collect::<Result<_, _>>()?;
+    let colour = page.colour.word();
+    let payload = Payload { form: 1, title: page.title, version: page.version, colour, runs };
+    Ok(serde_json::to_string(&payload).map_err(JsonError::from)?)
+}
+
+fn of_run<'a>(run: &'a PageRun<'_>, share: usize) -> Result<Run<'a>, PageError> {
+    let picture = run.picture.as_ref();
+    Ok(Run {
+        label: run.label,
+        facts: &run.facts,
+        stimuli_ms: run.stimulus_times_ms,
+        curves: curves::of(run.recording),
+        cell: cell::of(run, share)?,
+        metrics: metrics(run.summary),
+        parameters: &run.parameters,
+        warnings: &run.summary.warnings,
+        run_file: run.run_file,
+        citations: run.citations,
+        picture: picture.map(|it| photograph::of(it, run.outline)).transpose()?.flatten(),
+    })
+}
+
+/// The metrics of the first beat, or, of several beats, their means.
+fn metrics(summary: &Summary) -> Vec<MetricGroup<'_>> {
+    let row = |metric: &'_ Metric| {
+        let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric.name);
+        MetricRow {
+            name: metric.name,
+            value: over_beats.map(|spread| spread.mean).or(metric.value),
+            spread: over_beats.map(|spread| spread.standard_deviation),
+            unit: metric.unit,
+            definition: metric.definition,
+            band: Band::of(metric.name),
+        }
+    };
+    let group =
+        |name, metrics: &[Metric]| MetricGroup { name, rows: metrics.iter().map(row).collect() };
+    let of_beat = |beat: &Beat| {
+        [
+            group("Shortening", &beat.contraction),
+            group("Tension", &beat.tension),
+            group("Shape at the peak of shortening", &beat.shape),
+            group("Action potential", &beat.action_potential),
+        ]
+    };
+    let mut groups: Vec<MetricGroup<'_>> =
+        summary.beats.first().map(of_beat).into_iter().flatten().collect();
+    groups.push(group("Energy over the run", &summary.energy));
+    groups
+}

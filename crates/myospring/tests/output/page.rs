@@ -1,0 +1,176 @@
+//! `report.html`: what goes into the page. That it beats is tested in a browser, beside the page's source.
+
+use crate::synthetic::{STIMULUS, recording};
+use myospring::mesh::outline::Outline;
+use myospring::mesh::pixel_size::PixelSize;
+use myospring::mesh::{Mesh, lattice};
+use myospring::output::field::Field;
+use myospring::output::page::{self, Page, PageError, PageRun, Photograph};
+use myospring::output::report::Summary;
+use myospring::recording::Recording;
+use serde_json::Value;
+
+const NASTY: &str = "</script><script>alert(1)</script>\"'&\u{2028}{{data}}";
+
+/// A cell of 140 um x 20 um with rounded ends, its beat, and what is said of it.
+struct Cell {
+    outline: Outline,
+    mesh: Mesh,
+    fibres: Vec<[f64; 2]>,
+    recording: Recording,
+    summary: Summary,
+}
+
+impl Cell {
+    fn new(spacing: f64) -> Self {
+        let ring = (0..200).map(|step| {
+            let (sin, cos) = (f64::from(step) / 200.0 * std::f64::consts::TAU).sin_cos();
+            [70.0 * cos.signum() * cos.abs().powf(0.3), 10.0 * sin.signum() * sin.abs().powf(0.6)]
+        });
+        let outline = Outline::new(ring.collect(), Vec::new()).unwrap();
+        let (mesh, report) = lattice::from_outline(&outline, Some(spacing)).unwrap();
+        let recording = recording(&mesh, [1.0, 0.0], 50.0, false);
+        let summary = Summary::new(&recording, &[STIMULUS], report, vec![NASTY.to_owned()]);
+        Self { outline, fibres: vec![[1.0, 0.0]; mesh.simplices.len()], mesh, recording, summary }
+    }
+
+    fn on_page(&self) -> PageRun<'_> {
+        PageRun {
+            label: "50 kPa",
+            facts: vec![NASTY.to_owned()],
+            summary: &self.summary,
+            recording: &self.recording,
+            mesh: &self.mesh,
+            fibres: &self.fibres,
+            myofibril_content: None,
+            outline: &self.outline,
+            stimulus_times_ms: &[STIMULUS],
+            parameters: Vec::new(),
+            run_file: NASTY,
+            citations: "",
+            picture: None,
+        }
+    }
+}
+
+fn html(runs: &[PageRun<'_>]) -> String {
+    page::html(&Page { title: NASTY, version: "0.1.0", colour: Field::FibreStrain, runs }).unwrap()
+}
+
+/// The data of a page.
+fn data(html: &str) -> Value {
+    let (_, rest) = html.split_once("<script type=\"application/json\" id=\"data\">").unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+#[test]
+fn whatever_a_run_is_called_stays_text() {
+    let cell = Cell::new(4.0);
+    let page = html(&[cell.on_page()]);
+    assert!(!page.contains("alert(1)</script>"));
+    assert_eq!(page.matches("<title>").count(), 1);
+    let data = data(&page);
+    for text in [&data["title"], &data["runs"][0]["warnings"][0], &data["runs"][0]["run_file"]] {
+        assert_eq!(text, NASTY);
+    }
+}
+
+#[test]
+fn a_page_asks_nothing_of_any_network() {
+    let cell = Cell::new(4.0);
+    let page = html(&[cell.on_page()]);
+    assert!(page.contains("default-src 'none'"));
+    for word in ["src=\"http", "href=\"http", "@import", "url(http", "fetch(", "XMLHttpRequest"] {
+        assert!(!page.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn a_large_cell_and_many_frames_still_make_a_page_of_less_than_three_megabytes() {
+    let mut cell = Cell::new(0.35);
+    assert!(cell.mesh.len() > 20_000);
+    let page = html(&[cell.on_page()]);
+    assert!(page.len() < 3_000_000, "{}", page.len());
+    let drawn = data(&page)["runs"][0]["cell"].clone();
+    // Several squares as one, and still no step that is seen: a five-hundredth of the cell.
+    assert!(drawn["spacing_um"].as_f64().unwrap() > 0.6);
+    assert!(drawn["accuracy_um"].as_f64().unwrap() < 140.0 / 500.0);
+    // Twenty beats of a cell of the usual size.
+    cell = Cell::new(1.2);
+    let beat = cell.recording.frames.clone();
+    for number in 1..20 {
+        cell.recording.frames.extend(beat.iter().cloned().map(|mut frame| {
+            frame.t_ms += 1000.0 * f64::from(number);
+            frame
+        }));
+    }
+    let page = html(&[cell.on_page()]);
+    assert!(page.len() < 3_000_000, "{}", page.len());
+    assert!(data(&page)["runs"][0]["cell"]["accuracy_um"].as_f64().unwrap() < 140.0 / 100.0);
+}
+
+#[test]
+fn runs_beside_each_other_share_the_room_of_a_page() {
+    let (fine, coarse) = (Cell::new(0.8), Cell::new(3.0));
+    let runs = [fine.on_page(), coarse.on_page(), fine.on_page()];
+    let page = html(&runs);
+    assert!(page.len() < 3_000_000, "{}", page.len());
+    assert_eq!(data(&page)["runs"].as_array().unwrap().len(), 3);
+    let none = page::html(&Page { title: "", version: "", colour: Field::FibreStrain, runs: &[] });
+    assert!(matches!(none, Err(PageError::NoRuns)));
+}
+
+#[test]
+fn a_run_that_broke_or_kept_nothing_has_a_page() {
+    let mut cell = Cell::new(4.0);
+    for frame in &mut cell.recording.frames[30..] {
+        frame.positions[0][3] = f64::NAN;
+    }
+    for sample in &mut cell.recording.samples[300..] {
+        sample.ta_kpa = f64::NAN;
+    }
+    let shown = data(&html(&[cell.on_page()]));
+    let frames = &shown["runs"][0]["cell"]["frames"]["t_ms"];
+    assert!(frames.as_array().unwrap().iter().all(|t| t.as_f64().unwrap() < 150.0), "{frames}");
+    cell.recording = Recording::default();
+    let shown = data(&html(&[cell.on_page()]));
+    assert_eq!(shown["runs"][0]["cell"]["frames"]["t_ms"], serde_json::json!([0.0]));
+}
+
+#[test]
+fn frames_and_fibres_of_another_mesh_are_refused() {
+    let (cell, other) = (Cell::new(4.0), Cell::new(3.0));
+    let wrong = PageRun { fibres: &other.fibres, ..cell.on_page() };
+    let error =
+        page::html(&Page { title: "", version: "", colour: Field::FibreStrain, runs: &[wrong] })
+            .unwrap_err();
+    assert!(error.to_string().contains("one for each triangle"), "{error}");
+    let wrong = PageRun { recording: &other.recording, ..cell.on_page() };
+    let error =
+        page::html(&Page { title: "", version: "", colour: Field::FibreStrain, runs: &[wrong] })
+            .unwrap_err();
+    assert!(error.to_string().contains("positions along axis 0"), "{error}");
+}
+
+#[test]
+fn of_a_picture_the_part_around_the_cell_lies_where_the_cell_is() {
+    let mut cell = Cell::new(4.0);
+    // A picture of 400 um x 100 um with the cell in its middle.
+    cell.outline = cell.outline.moved([200.0, 50.0]);
+    let values: Vec<f32> = (0..800 * 200).map(|pixel| (pixel % 800) as f32).collect();
+    let picture = Photograph {
+        width: 800,
+        height: 200,
+        values: &values,
+        pixel_size: PixelSize::new(0.5).unwrap(),
+    };
+    let shown = data(&html(&[PageRun { picture: Some(picture), ..cell.on_page() }]));
+    let part = &shown["runs"][0]["picture"];
+    // 70 um from the middle, and 15 % of 140 um around.
+    assert_eq!(part["corners_um"], serde_json::json!([[109.0, 19.0], [291.0, 81.0]]));
+    assert!(part["href"].as_str().unwrap().starts_with("data:image/png;base64,iVBOR"));
+    // Where they do not meet there is none.
+    cell.outline = cell.outline.moved([5000.0, 0.0]);
+    let away = data(&html(&[PageRun { picture: Some(picture), ..cell.on_page() }]));
+    assert_eq!(away["runs"][0]["picture"], Value::Null);
+}

@@ -1,0 +1,127 @@
+//! The page of a report: its source, its bundle, and the page itself in Chromium.
+
+use super::Checks;
+use crate::{program, root, say};
+use std::env;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// Names of Chromium and of browsers that are built from it.
+const BROWSERS: [&str; 4] =
+    ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+impl Checks {
+    /// What a web developer would check, with tools from the npm registry; looks at pages that the program, as the tests
+    /// have built it, writes.
+    pub(super) fn page(&mut self) -> Result<(), String> {
+        let source = "page: lints, types and bundle";
+        let (data, browser) = ("page: its numbers", "page: in Chromium");
+        if let Err(why) = installed() {
+            for name in [source, data, browser] {
+                self.skip(name, &why);
+            }
+            return Ok(());
+        }
+        self.step(source, npm(&["run", "check"]))?;
+        self.step("page: the bundle is what the source gives", {
+            let mut command = Command::new("node");
+            command.args(["build.js", "--check"]).current_dir(folder());
+            command
+        })?;
+        let test = |file: &str| {
+            let mut command = Command::new("node");
+            command.args(["--test", file]).current_dir(folder());
+            command.env("MYOSPRING", program("debug", "myospring"));
+            command
+        };
+        self.step(data, test("test/data.test.js"))?;
+        match chromium() {
+            Ok(path) => {
+                let mut command = test("test/report.test.js");
+                command.envs(path.map(|path| ("CHROMIUM", path)));
+                self.step(browser, command)
+            }
+            Err(why) => {
+                self.skip(browser, &why);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The folder of the page's source.
+pub(crate) fn folder() -> PathBuf {
+    root().join("crates/myospring-output/page")
+}
+
+fn npm(arguments: &[&str]) -> Command {
+    let mut command = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
+    command.args(arguments).current_dir(folder());
+    command
+}
+
+/// Makes sure that the tools of the page are there, in the versions of its lock file; the error says what is missing
+/// and how to get it.
+pub(crate) fn installed() -> Result<(), String> {
+    let answers = |mut command: Command| {
+        command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    };
+    if !answers(Command::new("node")) || !answers(npm(&[])) {
+        return Err("node or npm is not installed: Node.js 20.19 or newer has both".to_owned());
+    }
+    let read = |name: &str| std::fs::read_to_string(folder().join(name)).unwrap_or_default();
+    // Written last, so what was left half made is made again.
+    let stamp = "node_modules/installed.json";
+    let lock = read("package-lock.json");
+    if read(stamp) == lock {
+        return Ok(());
+    }
+    say("\n== tools of the page, from the npm registry\n");
+    let installed = npm(&["ci", "--no-audit", "--no-fund"]).status();
+    if !installed.is_ok_and(|status| status.success()) {
+        return Err("`npm ci` failed: it needs the npm registry, once".to_owned());
+    }
+    let stamp = folder().join(stamp);
+    std::fs::write(&stamp, lock).map_err(|error| format!("{}: {error}", stamp.display()))
+}
+
+/// A browser: the one that `CHROMIUM` names, one that is installed, Debian's if that can be installed, or, as `None`,
+/// Playwright's own.
+pub(crate) fn chromium() -> Result<Option<PathBuf>, String> {
+    if let Some(named) = env::var_os("CHROMIUM") {
+        return Ok(Some(PathBuf::from(named)));
+    }
+    let there = || {
+        let paths = env::var_os("PATH").unwrap_or_default();
+        env::split_paths(&paths)
+            .flat_map(|folder| BROWSERS.map(|name| folder.join(name)))
+            .find(|path| path.is_file())
+    };
+    let succeeds = |mut command: Command| command.status().is_ok_and(|status| status.success());
+    if let Some(path) = there() {
+        return Ok(Some(path));
+    }
+    say("\n== Chromium, from Debian\n");
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command.args(["-qq", "-y"]).args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+        command.stdout(Stdio::null());
+        command
+    };
+    if succeeds(apt(&["update"]))
+        && succeeds(apt(&["install", "--no-install-recommends", "chromium"]))
+        && let Some(path) = there()
+    {
+        return Ok(Some(path));
+    }
+    say("\n== Chromium, from Playwright\n");
+    let mut own = Command::new("node");
+    own.args(["node_modules/playwright-core/cli.js", "install", "--only-shell", "chromium"]);
+    own.current_dir(folder());
+    if succeeds(own) {
+        return Ok(None);
+    }
+    Err("no Chromium is here and none could be installed: `apt-get install chromium`, or set CHROMIUM to a browser"
+        .to_owned())
+}
