@@ -22,7 +22,7 @@ Commands:
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
   build-times  Measure builds from nothing, beside another commit; `cargo xtask build-times --help` says more
-  figures      Make the README's figure anew with the program itself
+  figures      Make the README's figure and film anew with the program itself
   help         This text
 ";
 
@@ -50,17 +50,19 @@ fn main() -> ExitCode {
     }
 }
 
-/// The README's figure, made by the program.
+/// The README's figure and film, made by the program.
 fn figures() -> Result<(), String> {
     let results = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
     let beat = results.path().join("beat");
     let mut command = cargo(["run", "--quiet", "--release", "--locked", "--", "run", "--output"]);
-    command.arg(&beat);
+    command.arg(&beat).args(["--outputs", "figures,gif"]);
     step("the default beat", command)?;
-    let (from, to) = (beat.join("figures/overview.png"), root().join("docs/overview.png"));
-    std::fs::copy(&from, &to)
-        .map(|_| ())
-        .map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))
+    for (made, shown) in [("figures/overview.png", "overview.png"), ("beat.gif", "beat.gif")] {
+        let (from, to) = (beat.join(made), root().join("docs").join(shown));
+        std::fs::copy(&from, &to)
+            .map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))?;
+    }
+    Ok(())
 }
 
 fn cargo<const N: usize>(arguments: [&str; N]) -> Command {

@@ -5,6 +5,7 @@ mod batch;
 mod cite;
 mod failure;
 mod fibres;
+mod film;
 mod input;
 mod interrupt;
 mod lists;

@@ -1,6 +1,7 @@
 //! What a run leaves beside its curves and numbers: one row for each output, chosen by its word.
 
 use crate::failure::Failure;
+use crate::film;
 use crate::look::Look;
 use crate::overlay::{self, Lattice};
 use crate::page;
@@ -73,7 +74,7 @@ pub(crate) struct Output {
 }
 
 /// In the order in which they are written; people are told to open the first that has something to open.
-const OUTPUTS: [Output; 4] = [
+const OUTPUTS: [Output; 6] = [
     Output {
         word: "report",
         about: "the beating cell with curves, numbers and sources, a page for the browser (report.html)",
@@ -98,6 +99,24 @@ const OUTPUTS: [Output; 4] = [
         by_default: true,
         available: || Ok(()),
         write: figures,
+    },
+    Output {
+        word: "gif",
+        about: "film of the first beat, slowed 5 times and in real time (beat.gif, beat_real_time.gif)",
+        files: &["beat.gif", "beat_real_time.gif"],
+        look: Some("beat.gif"),
+        by_default: false,
+        available: || Ok(()),
+        write: film::gif,
+    },
+    Output {
+        word: "mp4",
+        about: "the same as video, where ffmpeg is installed (beat.mp4, beat_real_time.mp4)",
+        files: &["beat.mp4", "beat_real_time.mp4"],
+        look: None,
+        by_default: false,
+        available: || Ok(()),
+        write: film::mp4,
     },
     Output {
         word: "vtu",
@@ -201,7 +220,10 @@ impl Record {
     /// Sizes for people: `figures 1.1 MB`.
     pub(crate) fn sizes(&self) -> Vec<String> {
         let of = |output: &Output| {
-            let written = self.0.get(output.word).filter(|written| written.error.is_none())?;
+            let written = self.0.get(output.word)?;
+            if written.error.is_some() || written.bytes == 0 {
+                return None;
+            }
             Some(format!("{} {}", output.word, size(written.bytes)))
         };
         OUTPUTS.iter().filter_map(of).collect()

@@ -79,6 +79,25 @@ impl Folder {
         Ok(())
     }
 
+    /// Lets `make` make one file at a path.
+    pub(crate) fn made(
+        &self,
+        name: &str,
+        make: impl FnOnce(&Path) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        debug_assert!(is_ours(name), "{name} is not in the list of what runs write");
+        let path = self.draft.folder().join(name);
+        let size = make(&path).and_then(|()| match fs::metadata(&path) {
+            Ok(file) => Ok(file.len()),
+            Err(error) => Err(Failure::new(format!("`{name}` was not made: {error}"))),
+        });
+        if size.is_err() {
+            fs::remove_file(&path).ok();
+        }
+        self.written().insert(name.to_owned(), size?);
+        Ok(())
+    }
+
     /// Bytes of all files that were written.
     pub(crate) fn bytes(&self) -> u64 {
         self.written().values().sum()

@@ -7,6 +7,7 @@
 //! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by a field | Fig. 5 |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`overview()`] | cell and curves of one run in one picture | |
+//! | [`Film`] | the beating cell as GIF or as frames for video | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
@@ -25,6 +26,7 @@ mod cell;
 mod chart;
 mod drawing;
 pub(crate) mod facets;
+mod film;
 mod font;
 mod lattice;
 mod moments;
@@ -41,6 +43,7 @@ mod traces;
 
 pub use cell::Cell;
 pub(crate) use facets::{check_frame, check_mesh};
+pub use film::{FRAMES_PER_SECOND, Film, Still};
 pub use lattice::mesh;
 pub use moments::{Shape, key_shapes};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
@@ -118,6 +121,12 @@ pub enum FigureError {
         height: usize,
         /// Values given.
         found: usize,
+    },
+    /// A film that would run faster than the cell.
+    #[error("a film cannot be slowed by a factor of {slowed}; give at least 1, which is real time")]
+    Slowed {
+        /// The factor.
+        slowed: f64,
     },
     /// A resolution that no printer has.
     #[error("a resolution of {dpi} dpi is outside 10 to 2400 dpi; 300 dpi suits a journal")]

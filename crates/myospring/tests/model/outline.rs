@@ -1,7 +1,11 @@
 //! Outlines from GeoJSON and lists of points: what is read, and what is refused with which words.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)]
 
+use myospring::integrate::Method;
+use myospring::mesh::carried::Carried;
+use myospring::mesh::lattice;
 use myospring::mesh::outline::Outline;
+use myospring::simulation::Simulation;
 
 const SQUARE: &str = "[[[0,0],[10,0],[10,10],[0,10],[0,0]]]";
 
@@ -198,4 +202,35 @@ fn a_hole_outside_is_refused() {
     let square = |x: f64| vec![[x, x], [x + 9.0, x], [x + 9.0, x + 9.0], [x, x + 9.0]];
     let error = Outline::new(square(0.0), vec![square(20.0)]).unwrap_err().to_string();
     assert!(error.starts_with("the outline's holes do not lie within it"), "{error}");
+}
+
+#[test]
+fn the_outline_of_a_block_at_its_peak_is_the_stretched_block() {
+    // The lattice is a little larger than the outline, which begins beside it.
+    let corners = vec![[0.0, 0.0], [60.0, 0.0], [60.0, 60.0], [0.0, 60.0]];
+    let outline = Outline::new(corners, vec![]).unwrap();
+    let (mesh, report) = lattice::from_outline(&outline, Some(3.7)).unwrap();
+    assert!((report.dimensions.length_um - 60.0).abs() > 1.0);
+    let mut simulation = Simulation::new(mesh);
+    simulation.numerics.method = Method::QuasiStatic;
+    let recording = simulation.build().unwrap().run(|_| true).recording;
+    let peak = recording.frames.iter().max_by(|a, b| a.ta_kpa.total_cmp(&b.ta_kpa)).unwrap();
+    // Uniform tension shortens a free block by one factor and widens it by another, wherever one looks.
+    let stretch = [0, 1].map(|axis: usize| {
+        let ends = |of: &[f64]| {
+            let low = of.iter().copied().fold(f64::INFINITY, f64::min);
+            of.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
+        };
+        ends(&peak.positions[axis]) / ends(&simulation.mesh.points[axis])
+    });
+    assert!(stretch[0] < 0.9 && stretch[1] > 1.03, "{stretch:?}");
+    let rings = Carried::rings(&simulation.mesh, &outline);
+    let now = Outline::new(rings[0].at(&peak.positions), vec![]).unwrap();
+    let [low, high] = now.bounds();
+    for axis in 0..2 {
+        // The path of equilibria is known to 1e-4 um.
+        assert!((high[axis] - low[axis] - 60.0 * stretch[axis]).abs() < 1e-3, "{low:?} {high:?}");
+    }
+    let area = outline.area() * stretch[0] * stretch[1];
+    assert!((now.area() / area - 1.0).abs() < 1e-5, "{} {area}", now.area());
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // In tests a panic is the message.
 
 mod drawn;
+mod film;
 mod overlay;
 mod page;
 mod paraview;
