@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold on every commit, cheapest first.
 
-mod page;
+pub(crate) mod page;
 mod tally;
 
 use crate::{cargo, program, python, root, say, step};

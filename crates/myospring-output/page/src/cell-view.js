@@ -220,7 +220,7 @@ export class CellView {
     this.#traceRings(place, points);
     pen.clip("evenodd");
     // Without a line of their colour the page shows between neighbours.
-    pen.lineWidth = 0.7;
+    pen.lineWidth = 1;
     bins.forEach((patches, step) => {
       if (patches.length === 0 || this.#scale === null) return;
       pen.beginPath();

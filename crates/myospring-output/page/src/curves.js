@@ -58,6 +58,7 @@ export function peakOf({ t_ms: times, values }) {
 /** A chart in an element of its own. */
 export class Chart {
   #plot;
+  #last;
   #cursor = document.createElement("div");
 
   /**
@@ -69,7 +70,7 @@ export class Chart {
    */
   constructor(place, data, span, palette, last) {
     this.data = data;
-    this.place = place;
+    this.#last = last;
     const columns = data.series.map(
       ({ t_ms, values }) => /** @type {uPlot.AlignedData} */ ([t_ms, values]),
     );
@@ -184,9 +185,15 @@ export class Chart {
     this.#cursor.style.transform = `translateX(${left}px)`;
   }
 
-  /** @param {number} width px. */
-  resize(width) {
-    if (width !== this.#plot.width) this.#plot.setSize({ width, height: this.#plot.height });
+  /**
+   * @param {number} width px.
+   * @param {number} part Of its usual height.
+   */
+  resize(width, part = 1) {
+    const height = Math.round(part * Chart.heightOf(this.#last));
+    if (width !== this.#plot.width || height !== this.#plot.height) {
+      this.#plot.setSize({ width, height });
+    }
   }
 
   /** Draws it anew, in the colours of now. */

@@ -10,7 +10,9 @@ const MINUS = "\u2212";
 export function number(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "\u2013";
   const size = Math.abs(value);
-  if (size !== 0 && (size >= 1e6 || size < 1e-3)) {
+  // What is left of rounding.
+  if (size < 1e-9) return "0";
+  if (size >= 1e6 || size < 1e-3) {
     return value.toExponential(2).replaceAll("-", MINUS);
   }
   const decimals = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 1 ? 2 : 3;

@@ -107,6 +107,7 @@ function writeHeader({ title }) {
 /** @param {Payload} page */
 function writeText({ version }) {
   find("tiles", HTMLElement).append(...tiles(runs));
+  find("tiles", HTMLElement).classList.toggle("several", !alone);
   find("metrics", HTMLElement).append(...metricTables(runs));
   for (const run of runs) {
     if (!alone) {
@@ -401,7 +402,7 @@ function setUpPrinting() {
     opened = [...document.querySelectorAll("details")].filter((details) => !details.open);
     for (const details of opened) details.open = true;
     charts.forEach(({ chart }) => {
-      chart.resize(660);
+      chart.resize(660, 0.75);
       chart.redraw();
     });
   });

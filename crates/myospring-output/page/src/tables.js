@@ -45,8 +45,8 @@ export function tiles(runs) {
     if (first === undefined || runs.every((run) => !isNumber(metric(run, name)?.value))) return [];
     const values = runs.map((run) => {
       const text = quantity(metric(run, name)?.value, first.unit);
-      const label = runs.length > 1 ? make("span", { class: "seen" }, ` ${run.label}`) : "";
-      return make("dd", { class: "value" }, text, label);
+      if (runs.length === 1) return make("dd", { class: "value" }, text);
+      return make("dd", { class: "of-run" }, make("span", {}, run.label), make("span", {}, text));
     });
     const seen =
       first.band === null
@@ -89,7 +89,8 @@ function difference(value, first) {
   if (!isNumber(value) || !isNumber(first)) return number(null);
   const change = value - first;
   const sign = change > 0 ? "+" : "";
-  if (change === 0 || first === 0) return `${sign}${number(change)}`;
+  if (Math.abs(change) <= 1e-9 * Math.abs(first)) return "0";
+  if (first === 0) return `${sign}${number(change)}`;
   return `${sign}${number(change)} (${sign}${number((100 * change) / Math.abs(first))} %)`;
 }
 

@@ -1,0 +1,18 @@
+// The picture of a report in the documentation: `node picture.js report.html report.png`, with CHROMIUM as in the tests.
+
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const [report, picture] = process.argv.slice(2);
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--no-sandbox"] });
+const page = await browser.newPage({
+  viewport: { width: 1100, height: 1010 },
+  colorScheme: "light",
+  reducedMotion: "reduce",
+});
+await page.goto(pathToFileURL(report).href);
+await page.selectOption("#field", "displacement");
+await page.fill("#time", "150");
+await page.locator("#time").blur();
+await page.screenshot({ path: picture });
+await browser.close();
