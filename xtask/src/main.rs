@@ -22,11 +22,7 @@ Commands:
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
   build-times  Measure builds from nothing, beside another commit; `cargo xtask build-times --help` says more
-<<<<<<< HEAD
-  figures      Make the README's figure and film anew with the program itself
-=======
-  figures      Make the pictures of README and documentation anew with the program itself
->>>>>>> ab9912d (Docs: reading your results, with the report's picture; the report prints on fewer pages, compares in columns)
+  figures      Make pictures and film of README and documentation anew with the program itself
   help         This text
 ";
 
@@ -54,35 +50,24 @@ fn main() -> ExitCode {
     }
 }
 
-<<<<<<< HEAD
-/// The README's figure and film, made by the program.
-=======
-/// The pictures of README and documentation, made by the program and, of its report, by a browser.
->>>>>>> ab9912d (Docs: reading your results, with the report's picture; the report prints on fewer pages, compares in columns)
+/// Pictures and film of README and documentation, made by the program and, of its report, by a browser.
 fn figures() -> Result<(), String> {
     let results = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
     let beat = results.path().join("beat");
     let mut command = cargo(["run", "--quiet", "--release", "--locked", "--", "run", "--output"]);
-    command.arg(&beat).args(["--outputs", "figures,gif"]);
+    command.arg(&beat).args(["--outputs", "report,figures,gif"]);
     step("the default beat", command)?;
-<<<<<<< HEAD
     for (made, shown) in [("figures/overview.png", "overview.png"), ("beat.gif", "beat.gif")] {
         let (from, to) = (beat.join(made), root().join("docs").join(shown));
         std::fs::copy(&from, &to)
             .map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))?;
     }
-    Ok(())
-=======
-    let (from, to) = (beat.join("figures/overview.png"), root().join("docs/overview.png"));
-    std::fs::copy(&from, &to)
-        .map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))?;
     test::page::installed()?;
     let browser = test::page::chromium()?;
     let mut command = Command::new("node");
     command.arg("picture.js").arg(beat.join("report.html")).arg(root().join("docs/report.png"));
     command.current_dir(test::page::folder()).envs(browser.map(|path| ("CHROMIUM", path)));
     step("the picture of a report", command)
->>>>>>> ab9912d (Docs: reading your results, with the report's picture; the report prints on fewer pages, compares in columns)
 }
 
 fn cargo<const N: usize>(arguments: [&str; N]) -> Command {
