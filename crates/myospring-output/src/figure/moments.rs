@@ -2,6 +2,9 @@
 
 use myospring_core::recording::{Frame, Recording};
 
+/// A cell that shortens less, per cent, is held.
+const LEAST_SHORTENING: f64 = 0.1;
+
 /// A frame with what is written beside it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape<'a> {
@@ -47,9 +50,12 @@ pub fn key_shapes<'a>(recording: &'a Recording, stimulus_times_ms: &[f64]) -> Ve
     };
     let shortening: Vec<Option<f64>> =
         beat.iter().map(|frame| shortening_at(recording, frame.t_ms)).collect();
-    // How far the beat has gone at each frame; tension stands in where nothing was measured.
+    // How far the beat has gone at each frame; tension stands in where nothing was measured, or nothing shortens.
+    let most = shortening.iter().flatten().copied().fold(0.0, f64::max);
+    let told = if most > LEAST_SHORTENING { shortening.as_slice() } else { &[] };
+    let told = told.iter().copied().chain(std::iter::repeat(None));
     let progress: Vec<f64> =
-        beat.iter().zip(&shortening).map(|(frame, s)| s.unwrap_or(frame.ta_kpa)).collect();
+        beat.iter().zip(told).map(|(frame, s)| s.unwrap_or(frame.ta_kpa)).collect();
     let top = (0..beat.len())
         .reduce(|best, i| if progress[i] > progress[best] { i } else { best })
         .unwrap_or(0);

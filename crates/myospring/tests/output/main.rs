@@ -190,7 +190,11 @@ fn the_story_of_a_beat_has_four_moments() {
     assert_eq!(names(&cut), ["at rest", "contracting", "end of record"]);
     cut.frames.truncate(1);
     assert_eq!(names(&cut), ["at rest"]);
-    // Without samples the tension tells the moments.
+    // Of a cell that is held the tension tells the moments.
+    let mut held = run.clone();
+    held.samples.iter_mut().for_each(|sample| sample.shortening_pct = 0.0);
+    assert_eq!(names(&held), ["at rest", "contracting", "peak", "relaxing"]);
+    // So it does without samples.
     let silent = Recording { samples: vec![], ..run.clone() };
     assert_eq!(story(&silent), story(&run));
     assert_eq!(key_shapes(&silent, &[STIMULUS])[0].shortening_pct, None);
