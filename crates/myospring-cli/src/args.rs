@@ -16,6 +16,7 @@ const STYLES: Styles = Styles::styled()
     .placeholder(AnsiColor::Cyan.on_default());
 
 /// Headings of options that are no settings.
+const CELL: &str = "Cell model and stimulus";
 const NUMERICS: &str = "Numerics";
 pub(crate) const OUTPUT: &str = "Output";
 
@@ -29,6 +30,7 @@ pub(crate) const OUTPUT: &str = "Output";
         myospring run cell.tif --pixel-size \"0.27 um\"     beat the cell of a picture\n  \
         myospring segment cell.tif                        only find its outline\n  \
         myospring batch pictures                          beat the cells of a whole folder\n  \
+        myospring compare results/a results/b             lay two results side by side\n  \
         myospring init beat.toml && myospring run beat.toml\n  \
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
         Values carry their unit: \"50 kPa\", \"1.1 um\", \"600 ms\", \"30 deg\".\n\
@@ -54,6 +56,8 @@ pub(crate) enum Command {
     Segment(SegmentArgs),
     /// Beat the cells of a whole folder of pictures: one row a cell
     Batch(Box<BatchArgs>),
+    /// Lay runs side by side: curves, cells and a table of differences; factors and doses
+    Compare(Box<CompareArgs>),
     /// Mesh a cell and report; nothing beats
     Mesh(MeshArgs),
     /// List the cell models, or the parameters of one
@@ -101,6 +105,10 @@ pub(crate) struct RunArgs {
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: Settings<Beat>,
+    /// Factors on numbers of the run, parted by commas: parameters of the cell model or settings
+    /// (`tau_si=1.2,peak_tension=0.7`); run.toml has the products
+    #[arg(long, value_name = "NAME=FACTOR,...", allow_hyphen_values = true, help_heading = CELL)]
+    pub(crate) scale: Option<String>,
     /// Threads that move the masses; the numbers do not depend on it [default: a core for every 8000
     /// masses, as far as there are cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
@@ -134,6 +142,48 @@ pub(crate) struct PaperArgs {
     /// [default: verlet]
     #[arg(long, value_name = "NAME")]
     pub(crate) integrator: Option<String>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// `myospring compare`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring compare results/control results/treated\n  \
+    myospring compare weak.toml usual.toml strong.toml --integrator quasi-static\n  \
+    myospring compare --scale peak_tension=0.6 --scale peak_tension=0.8     Fig. 6 of the paper\n  \
+    myospring compare cell.tif --pixel-size \"0.27 um\" --scale tau_si=1.05,thickness=0.9\n  \
+    myospring compare beat.toml --doses drug.toml     a control and a series of doses\n\n\
+    The first run is what the others are compared with. A file of doses has [[drug]] blocks:\n  \
+    [[drug]]\n  \
+    name = \"blocker\"\n  \
+    parameter = \"peak_tension\"\n  \
+    concentration = [\"0.3 uM\", \"1 uM\", \"10 uM\"]\n  \
+    ic50 = \"1 uM\"\n  \
+    hill = 1.0                # 1 unless stated\n  \
+    maximal_effect = -0.8     # -1 unless stated\n\
+    which multiply the parameter by 1 + maximal_effect c^hill / (ic50^hill + c^hill). Parameters of the cell\n\
+    models are phenomenological: none is a channel.\n\n\
+    Results: figures/compared and contraction (SVG and PNG), metrics.csv, comparison.json (settings and numbers\n\
+    that differ, warnings), runs/ (curves and run file of each).\n\
+    Exit codes: 0 done, 1 a run stopped early, 2 bad input or usage.")]
+pub(crate) struct CompareArgs {
+    /// Result folders, which are read, or run files, pictures and outlines, which are run; without any, the
+    /// built-in cell
+    #[arg(value_name = "RESULTS|RUN.toml|PICTURE|OUTLINE")]
+    pub(crate) inputs: Vec<PathBuf>,
+    /// One more run of each input with these factors on its numbers: parameters of the cell model or settings
+    /// (`tau_si=1.2,peak_tension=0.7`); may be given several times
+    #[arg(long, value_name = "NAME=FACTOR,...", allow_hyphen_values = true)]
+    pub(crate) scale: Vec<String>,
+    /// A file of drugs (.toml): one more run of each input for each concentration
+    #[arg(long, value_name = "FILE")]
+    pub(crate) doses: Option<PathBuf>,
+    /// Runs at a time, at most one for each core [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub(crate) jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub(crate) settings: Settings<Beat>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

@@ -3,8 +3,9 @@
 use miette::{
     Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, Report, SourceCode,
 };
+use myospring::compare::factor::FactorError;
 use myospring::microscopy::fibres::FibreError;
-use myospring::output::csv::CsvError;
+use myospring::output::csv::{CsvError, TracesError};
 use myospring::output::figure::FigureError;
 use myospring::output::files::FileError;
 use myospring::output::json::JsonError;
@@ -137,6 +138,8 @@ plain!(
     FileError,
     SetupError,
     CsvError,
+    TracesError,
+    FactorError,
     JsonError,
     NpzError,
     VtuError,

@@ -29,6 +29,11 @@ pub(crate) fn read(
     results: Option<&OutputArgs>,
 ) -> Result<Input, Failure> {
     let (name, run) = settle(path, overrides)?;
+    mesh(name, run, results)
+}
+
+/// Meshes the shape of a run, as [`read`] does.
+pub(crate) fn mesh(name: String, run: Run, results: Option<&OutputArgs>) -> Result<Input, Failure> {
     let bytes = run.shape.bytes(|file| fs::read(file))?;
     let shaped = match (&run.shape.source, results) {
         (Source::Picture(source), Some(args)) => {

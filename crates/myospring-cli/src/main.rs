@@ -3,6 +3,7 @@
 mod args;
 mod batch;
 mod cite;
+mod compare;
 mod failure;
 mod fibres;
 mod film;
@@ -60,6 +61,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         Some(Command::Paper(args)) => paper::paper(args),
         Some(Command::Segment(args)) => segment::segment(args),
         Some(Command::Batch(args)) => batch::batch(args),
+        Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Mesh(args)) => mesh::mesh(args),
         Some(Command::Models(args)) => lists::models(args),
         Some(Command::Init(args)) => lists::init(args),

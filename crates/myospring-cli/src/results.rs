@@ -219,7 +219,7 @@ fn is_ours(name: &str) -> bool {
 
 /// Names of the files that commands write to a folder of results; `*` stands for anything.
 fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 17] = [
+    const FILES: [&str; 23] = [
         "traces.csv",
         fibres::FILE,
         "summary.json",
@@ -237,6 +237,12 @@ fn ours() -> impl Iterator<Item = &'static str> {
         "cells.zip",
         "overlay.png",
         "report.json",
+        "comparison.json",
+        "metrics.csv",
+        "runs/run_*.toml",
+        "runs/traces_*.csv",
+        "figures/compared.*",
+        "figures/contraction.*",
     ];
     FILES.into_iter().chain(outputs::files())
 }

@@ -3,7 +3,7 @@
 mod plan;
 mod record;
 mod watch;
-mod words;
+pub(crate) mod words;
 
 use crate::args::RunArgs;
 use crate::failure::{BAD_INPUT, Failure};
@@ -13,13 +13,14 @@ use crate::outputs::{self, Finished};
 use crate::print;
 use crate::results::Folder;
 use crate::summary::{self, Numbers};
+use myospring::compare::factor;
 use myospring::integrate::stencil;
 use myospring::output::json;
 use myospring::output::report::Summary;
 use myospring::settings::Made;
 use myospring::study::sha256;
-pub(crate) use record::resolved;
 use record::{Record, Stop, Timings};
+pub(crate) use record::{repeating, resolved};
 use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;
@@ -31,8 +32,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
     let outputs = outputs::chosen(args.outputs.as_deref())?;
     let results = Some(&args.output).filter(|_| !args.dry_run);
-    let Input { name, mut run, bytes, shaped } =
-        input::read(args.input.as_deref(), args.settings.overrides(), results)?;
+    let (name, mut run) = input::settle(args.input.as_deref(), args.settings.overrides())?;
+    if let Some(factors) = &args.scale {
+        factor::scale(&mut run, &factor::parse(factors)?)?;
+    }
+    let Input { name, mut run, bytes, shaped } = input::mesh(name, run, results)?;
     let Made { mut simulation, report, outline, fibres, picture } =
         run.make(shaped, |file| std::fs::read(file))?;
     // What repeats the run is what was taken.

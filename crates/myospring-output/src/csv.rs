@@ -93,6 +93,102 @@ pub fn traces(recording: &Recording) -> Result<String, CsvError> {
     Ok(String::from_utf8_lossy(&rows).into_owned())
 }
 
+/// Why a table is not read as curves.
+#[derive(Debug, thiserror::Error)]
+pub enum TracesError {
+    /// Not such a table.
+    #[error("the table cannot be read: {0}")]
+    Table(#[from] ::csv::Error),
+    /// A column that every run has is missing.
+    #[error("the column `{name}` is missing; a table of curves is what `myospring run` writes")]
+    Missing {
+        /// Its name.
+        name: &'static str,
+    },
+    /// Something that is no number.
+    #[error("line {line}, column `{name}`: \"{found}\" is no number")]
+    Number {
+        /// Line, counted from 1, the header being the first.
+        line: usize,
+        /// The column.
+        name: String,
+        /// What stands there.
+        found: String,
+    },
+}
+
+/// The curves of a table that [`traces`] has written, to its 9 digits; columns that are of no sample are signals.
+///
+/// # Errors
+/// What is no such table.
+///
+/// # Example
+/// ```
+/// use myospring::output::csv::read_traces;
+/// let error = read_traces("t_ms,u\n0,0\n").unwrap_err().to_string();
+/// assert!(error.contains("the column `ta_kPa` is missing"), "{error}");
+/// ```
+pub fn read_traces(text: &str) -> Result<Recording, TracesError> {
+    let mut reader = ::csv::Reader::from_reader(text.as_bytes());
+    let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
+    let place = |name: &str| header.iter().position(|other| other == name);
+    let mut places = [None; COLUMNS.len()];
+    for (found, (name, _)) in places.iter_mut().zip(COLUMNS) {
+        *found = place(name);
+        if found.is_none() && name != "vm_mV" {
+            return Err(TracesError::Missing { name });
+        }
+    }
+    let told = |name: &String| COLUMNS.iter().all(|(own, _)| own != name);
+    let mut signals: Vec<(usize, Signal)> = header
+        .iter()
+        .enumerate()
+        .filter(|(_, name)| told(name))
+        .map(|(index, name)| {
+            (index, Signal { name: name.clone(), unit: String::new(), values: Vec::new() })
+        })
+        .collect();
+    let mut samples = Vec::new();
+    for (row, record) in reader.records().enumerate() {
+        let record = record?;
+        let number = |index: usize| {
+            let text = record.get(index).unwrap_or_default();
+            let wrong = || TracesError::Number {
+                line: row + 2,
+                name: header.get(index).cloned().unwrap_or_default(),
+                found: text.to_owned(),
+            };
+            if text.is_empty() { Ok(None) } else { text.parse().map(Some).map_err(|_| wrong()) }
+        };
+        let mut values = [None; COLUMNS.len()];
+        for (value, place) in values.iter_mut().zip(places) {
+            *value = place.map_or(Ok(None), number)?;
+        }
+        for (index, signal) in &mut signals {
+            signal.values.push(number(*index)?.unwrap_or(f64::NAN));
+        }
+        let of = |column: usize| values[column].unwrap_or(f64::NAN);
+        samples.push(Sample {
+            t_ms: of(0),
+            u: of(1),
+            vm_mv: values[2],
+            ta_kpa: of(3),
+            length_um: of(4),
+            width_um: of(5),
+            area_um2: of(6),
+            shortening_pct: of(7),
+            elastic_energy_fj: of(8),
+            kinetic_energy_fj: of(9),
+            active_work_fj: of(10),
+            dissipated_energy_fj: of(11),
+            momentum_nn_ms: of(12),
+            angular_momentum_nn_um_ms: of(13),
+        });
+    }
+    let signals = signals.into_iter().map(|(_, signal)| signal).collect();
+    Ok(Recording { samples, signals, frames: Vec::new() })
+}
+
 /// `Ca_i` in `uM` gives `Ca_i_uM`; `A/F` becomes `A_per_F`.
 fn named(signal: &Signal) -> String {
     match signal.unit.as_str() {
@@ -159,6 +255,19 @@ mod tests {
             rows += 1;
         }
         assert_eq!(rows, recording.samples.len());
+    }
+
+    #[test]
+    fn curves_that_were_written_and_read_are_written_the_same_again() {
+        let mut recording = recording();
+        recording.samples[1].vm_mv = Some(-84.0);
+        let values = (0..20).map(f64::from).collect();
+        recording.signals = vec![Signal { name: "Ca_i".into(), unit: "uM".into(), values }];
+        let table = traces(&recording).unwrap();
+        assert_eq!(traces(&read_traces(&table).unwrap()).unwrap(), table);
+        let broken = table.replacen("0.333333333", "much", 1);
+        let error = read_traces(&broken).unwrap_err().to_string();
+        assert!(error.contains("\"much\" is no number"), "{error}");
     }
 
     #[test]

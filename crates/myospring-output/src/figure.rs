@@ -6,6 +6,7 @@
 //! | [`mesh`] | the lattice made from a picture | Fig. 4a |
 //! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by a field | Fig. 5 |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
+//! | [`compared()`] | curves and cells of several runs over each other | |
 //! | [`overview()`] | cell and curves of one run in one picture | |
 //! | [`Film`] | the beating cell as GIF or as frames for video | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
@@ -24,6 +25,7 @@ use crate::field::FieldError;
 
 mod cell;
 mod chart;
+mod compared;
 mod drawing;
 pub(crate) mod facets;
 mod film;
@@ -42,6 +44,7 @@ mod theme;
 mod traces;
 
 pub use cell::Cell;
+pub use compared::{Compared, Rings, compared};
 pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{FRAMES_PER_SECOND, Film, Still};
 pub use lattice::mesh;

@@ -42,7 +42,7 @@
 //! fills a [`recording`];
 //! [`analysis`] makes metrics of it and `output` files and figures; `settings` has what a user may choose, one row
 //! each, and `run_file` reads what was written;
-//! `study` does that for many at once; [`references`] has the papers that all of these cite.
+//! `compare` lays runs side by side; `study` does that for many at once; [`references`] has the papers that all of these cite.
 //!
 //! # Features
 //! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) and `study` (many runs) are on by
@@ -66,6 +66,8 @@ pub use myospring_microscopy as microscopy;
 #[doc(inline)]
 pub use myospring_output as output;
 
+#[cfg(feature = "run-file")]
+pub mod compare;
 #[cfg(feature = "run-file")]
 pub mod run_file;
 #[cfg(feature = "run-file")]

@@ -2,6 +2,7 @@
 
 use crate::outputs;
 use myospring::integrate::engine::EngineUsed;
+use myospring::run_file::RunFile;
 use myospring::settings::Run;
 use myospring::simulation::{Effort, Outcome, Simulation, StopReason};
 use serde::Serialize;
@@ -68,16 +69,20 @@ pub(crate) fn resolved(
     spacing: f64,
     time_step: Option<f64>,
 ) -> String {
-    let mut file = run.settled(spacing, time_step);
-    for path in file.paths_mut() {
-        if let Ok(absolute) = std::path::absolute(&*path) {
-            *path = absolute.to_string_lossy().into_owned();
-        }
-    }
-    let text = file.to_toml();
+    let text = repeating(run.settled(spacing, time_step)).to_toml();
     let model = simulation.cell.name();
     format!(
         "# Written by myospring {}: every setting of this run ({model}).\n{text}",
         env!("CARGO_PKG_VERSION")
     )
+}
+
+/// A run file with the full paths of its files, so that it runs from anywhere.
+pub(crate) fn repeating(mut file: RunFile) -> RunFile {
+    for path in file.paths_mut() {
+        if let Ok(absolute) = std::path::absolute(&*path) {
+            *path = absolute.to_string_lossy().into_owned();
+        }
+    }
+    file
 }

@@ -14,7 +14,7 @@ use std::path::Path;
 const LENGTHENING: &str = "peak_lengthening";
 
 /// Rows of the table after a run: metric and what people call it.
-const ROWS: [(&str, &str); 15] = [
+pub(crate) const ROWS: [(&str, &str); 15] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),

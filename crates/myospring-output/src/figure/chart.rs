@@ -83,6 +83,8 @@ impl Axis {
 pub(super) struct Curve {
     pub(super) points: Vec<[f64; 2]>,
     pub(super) colour: Colour,
+    /// Length of dashes and of the gaps between them, px.
+    pub(super) dash: Option<[f64; 2]>,
 }
 
 /// A chart: `place` is the upper left corner of the plot, `size` its width and height, px.
@@ -185,7 +187,8 @@ impl Chart {
                 run => path.add_line(thin(run, self.size[0]).into_iter().map(|at| self.at(at))),
             }
         }
-        sheet.path(path, Stroke::new(curve.colour, CURVE_WIDTH));
+        let stroke = Stroke::new(curve.colour, CURVE_WIDTH);
+        sheet.path(path, Stroke { dash: curve.dash, ..stroke });
     }
 }
 

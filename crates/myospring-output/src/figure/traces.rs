@@ -50,6 +50,15 @@ pub(super) const ACTIVE_TENSION: Quantity = Quantity {
     value: |s| s.ta_kpa,
 };
 
+/// The shortening.
+pub(super) const SHORTENING: Quantity = Quantity {
+    label: "Shortening (%)",
+    unit: "%",
+    colour: CURVES[0],
+    noted: true,
+    value: |s| s.shortening_pct,
+};
+
 /// The points of a quantity over time.
 pub(super) fn points(recording: &Recording, quantity: &Quantity) -> Vec<[f64; 2]> {
     recording.samples.iter().map(|sample| [sample.t_ms, (quantity.value)(sample)]).collect()
@@ -60,7 +69,10 @@ fn finite(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// Least and greatest of one coordinate over finite points.
-fn extent<'a>(curves: impl IntoIterator<Item = &'a [[f64; 2]]>, axis: usize) -> [f64; 2] {
+pub(super) fn extent<'a>(
+    curves: impl IntoIterator<Item = &'a [[f64; 2]]>,
+    axis: usize,
+) -> [f64; 2] {
     curves
         .into_iter()
         .flat_map(finite)
@@ -70,7 +82,7 @@ fn extent<'a>(curves: impl IntoIterator<Item = &'a [[f64; 2]]>, axis: usize) -> 
 }
 
 /// The highest point of a curve, between samples.
-fn peak(points: &[[f64; 2]]) -> Option<[f64; 2]> {
+pub(super) fn peak(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let (times, values): (Vec<f64>, Vec<f64>) = finite(points).map(|[t, value]| (t, value)).unzip();
     trace::peak(&times, &values).map(|top| [top.time, top.value])
 }
@@ -115,7 +127,11 @@ impl Stack<'_> {
                 size: [0.0, self.height],
                 x: Axis { labelled: row == last, ..Axis::time(times) },
                 y: Axis::values(quantity.label, [low, high + room], self.height),
-                curves: vec![Curve { points: curves[row].clone(), colour: quantity.colour }],
+                curves: vec![Curve {
+                    points: curves[row].clone(),
+                    colour: quantity.colour,
+                    dash: None,
+                }],
                 bands: Vec::new(),
                 marks: self.stimulus_times_ms.to_vec(),
             });
@@ -237,24 +253,17 @@ pub fn contraction(
     if recordings.is_empty() {
         return Err(FigureError::Nothing { what: "recordings" });
     }
-    let shortening = Quantity {
-        label: "Shortening (%)",
-        unit: "%",
-        colour: CURVES[0],
-        noted: true,
-        value: |s| s.shortening_pct,
-    };
     let mut curves = Vec::new();
     let mut legend = Vec::new();
     for (index, (label, recording)) in recordings.iter().enumerate() {
-        let points = points(recording, &shortening);
+        let points = points(recording, &SHORTENING);
         check(&points, || format!("the recording \"{label}\""))?;
         let colour = CURVES[index % CURVES.len()];
         if let Some([t, value]) = peak(&points) {
             let text = format!("{label}: {} % at {}", fixed(value, 1), time(t));
             legend.push(Entry { text, colour, band: false });
         }
-        curves.push(Curve { points, colour });
+        curves.push(Curve { points, colour, dash: None });
     }
     // The strongest contraction first, as the curves lie.
     let height_of = |curve: &Curve| peak(&curve.points).map_or(f64::NEG_INFINITY, |top| top[1]);
@@ -281,7 +290,7 @@ pub fn contraction(
         place: [left, if options.stimulus_times_ms.is_empty() { 9.0 } else { 18.0 }],
         size: [SINGLE - left - 13.0, 168.0],
         x: Axis::time(extent(curves.iter().map(|curve| curve.points.as_slice()), 0)),
-        y: Axis::values(shortening.label, [values[0], high], 168.0),
+        y: Axis::values(SHORTENING.label, [values[0], high], 168.0),
         bands: options.reference_band.iter().map(|(band, _)| *band).collect(),
         marks: options.stimulus_times_ms.clone(),
         curves,

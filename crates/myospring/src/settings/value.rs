@@ -46,7 +46,7 @@ impl Value {
     }
 
     /// A number or text without the quotes, as a reader of text takes it.
-    pub(super) fn written(&self) -> String {
+    pub(crate) fn written(&self) -> String {
         match self {
             Self::Text(text) => text.trim().to_owned(),
             other => other.to_string(),

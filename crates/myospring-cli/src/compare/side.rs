@@ -1,0 +1,225 @@
+//! A run that is compared: beaten now, or read from its results.
+
+use super::Told;
+use crate::failure::Failure;
+use crate::input::{self, Input};
+use crate::interrupt;
+use crate::options::Given;
+use crate::run::repeating;
+use indicatif::ProgressBar;
+use myospring::compare::factor::{self, Factor, Scaled};
+use myospring::mesh::Mesh;
+use myospring::mesh::carried::Carried;
+use myospring::mesh::outline::Outline;
+use myospring::output::figure::{Compared, key_shapes};
+use myospring::output::{csv, frames};
+use myospring::recording::{Frame, Recording};
+use myospring::run_file::RunFile;
+use myospring::settings::Made;
+use myospring::study::sha256;
+use std::path::{Path, PathBuf};
+
+/// What a whole run counts on the progress bar.
+pub(super) const PROGRESS: u64 = 1000;
+
+/// What a result folder has to hold.
+const CURVES: &str = "traces.csv";
+const RUN_FILE: &str = "run.toml";
+
+/// A run to be.
+pub(super) struct Job {
+    pub(super) label: String,
+    /// Results to read instead of running.
+    pub(super) folder: Option<PathBuf>,
+    /// Run file, picture or outline; the built-in cell without one.
+    pub(super) path: Option<PathBuf>,
+    pub(super) overrides: Vec<Given>,
+    pub(super) factors: Vec<Factor>,
+}
+
+/// A run that is there.
+pub(super) struct Side {
+    pub(super) label: String,
+    source: String,
+    /// Every setting.
+    pub(super) file: RunFile,
+    /// To the digits of `traces.csv`, wherever it comes from, so that equal runs are equal.
+    pub(super) recording: Recording,
+    pub(super) stimuli: Vec<f64>,
+    /// Rings of the outline at rest and at peak.
+    cell: Option<[Vec<Vec<[f64; 2]>>; 2]>,
+    /// Of the picture or outline.
+    shape_sha256: Option<String>,
+    scaled: Vec<Scaled>,
+    pub(super) stop: Option<String>,
+    pub(super) notes: Vec<String>,
+}
+
+impl Side {
+    pub(super) fn told(&self) -> Told<'_> {
+        Told {
+            label: &self.label,
+            source: &self.source,
+            scaled: &self.scaled,
+            stop: self.stop.as_deref(),
+        }
+    }
+
+    pub(super) fn compared(&self) -> Compared<'_> {
+        let cell = self.cell.as_ref().map(|shapes| shapes.each_ref().map(Vec::as_slice));
+        Compared { label: &self.label, recording: &self.recording, cell }
+    }
+}
+
+/// Refuses a folder without results.
+pub(super) fn check_folder(folder: &Path) -> Result<(), Failure> {
+    let missing = [RUN_FILE, CURVES].into_iter().find(|name| !folder.join(name).is_file());
+    missing.map_or(Ok(()), |name| {
+        let message =
+            format!("`{}` holds no results of a run: {name} is missing", folder.display());
+        Err(Failure::new(message)
+            .advise("give a folder that myospring run has written, or a run file"))
+    })
+}
+
+/// What to say where runs name one picture, but it was another then.
+pub(super) fn other_pictures(sides: &[Side]) -> Option<String> {
+    let file = |side: &Side| {
+        ["shape.picture", "shape.outline"].into_iter().find_map(|key| side.file.get(key).cloned())
+    };
+    let first = sides.first()?;
+    let changed = sides.iter().find(|side| {
+        file(side).is_some()
+            && file(side) == file(first)
+            && side.shape_sha256.is_some()
+            && first.shape_sha256.is_some()
+            && side.shape_sha256 != first.shape_sha256
+    })?;
+    Some(format!(
+        "the runs {} and {} name one file as their cell, but it was another one then",
+        first.label, changed.label
+    ))
+}
+
+impl Job {
+    /// Reads the results or beats the cell.
+    pub(super) fn side(self, bar: &ProgressBar) -> Result<Side, Failure> {
+        let Some(folder) = self.folder.clone() else { return self.beaten(bar) };
+        let text = read(&folder.join(CURVES))?;
+        let recording = csv::read_traces(&text).map_err(|error| {
+            Failure::new(format!("`{}`: {error}", folder.join(CURVES).display()))
+        })?;
+        let (_, run) = input::settle(Some(&folder.join(RUN_FILE)), Vec::new())?;
+        let stimuli = run.stimulus_times();
+        let mut notes = Vec::new();
+        let cell = match frames_of(&folder) {
+            Some(kept) => outline_of(kept.rings).and_then(|outline| {
+                shapes(&kept.mesh, &outline, &recording, kept.frames, &stimuli)
+            }),
+            // Beaten again for its shapes, which are its own where the curves are.
+            None => match self.beaten(bar) {
+                Ok(again) if csv::traces(&again.recording).is_ok_and(|traces| traces == text) => {
+                    again.cell
+                }
+                Ok(_) => None,
+                Err(failure) => {
+                    notes.push(format!("{}: {failure}", folder.display()));
+                    None
+                }
+            },
+        };
+        if cell.is_none() {
+            notes.push(format!(
+                "the cell of `{}` is not drawn: there is no frames.npz, and its run.toml does not give the same \
+                 curves again; --outputs frames keeps the frames",
+                folder.display()
+            ));
+        }
+        bar.inc(PROGRESS);
+        let record = read(&folder.join("run.json")).unwrap_or_default();
+        let record: serde_json::Value = serde_json::from_str(&record).unwrap_or_default();
+        Ok(Side {
+            label: self.label,
+            source: folder.display().to_string(),
+            file: repeating(run.to_run_file()),
+            recording,
+            stimuli,
+            cell,
+            shape_sha256: record["shape_sha256"].as_str().map(str::to_owned),
+            scaled: Vec::new(),
+            stop: record["stop"]["message"].as_str().map(str::to_owned),
+            notes,
+        })
+    }
+
+    fn beaten(&self, bar: &ProgressBar) -> Result<Side, Failure> {
+        let path = self.path.as_deref();
+        let (name, mut run) = input::settle(path, self.overrides.clone())?;
+        let scaled = factor::scale(&mut run, &self.factors)?;
+        let Input { mut run, bytes, shaped, .. } = input::mesh(name, run, None)?;
+        let Made { mut simulation, report, outline, fibres, .. } =
+            run.make(shaped, |file| std::fs::read(file))?;
+        run.fibre = fibres.taken;
+        // One thread each: the runs go side by side.
+        simulation.numerics.engine.threads = 1;
+        let prepared = simulation.build()?;
+        let mut done = 0;
+        let outcome = prepared.run(|progress| {
+            let now = (PROGRESS as f64 * progress.time / progress.duration.max(1e-9)) as u64;
+            bar.inc(now.saturating_sub(done));
+            done = done.max(now);
+            !interrupt::asked()
+        });
+        let stimuli = run.stimulus_times();
+        let file = run.settled(report.spacing_um, outcome.effort.time_step());
+        let recording = csv::read_traces(&csv::traces(&outcome.recording)?)?;
+        let frames = outcome.recording.frames;
+        let cell = shapes(&simulation.mesh, &outline, &recording, frames, &stimuli);
+        let stop = outcome.stop.as_ref().map(ToString::to_string);
+        let notes = stop.iter().map(|stop| format!("{} stopped early: {stop}", self.label));
+        let built_in = || run.shape.name().to_owned();
+        Ok(Side {
+            label: self.label.clone(),
+            source: path.map_or_else(built_in, |path| path.display().to_string()),
+            file: repeating(file),
+            recording,
+            stimuli,
+            cell,
+            shape_sha256: Some(sha256(&bytes.shape)),
+            scaled,
+            notes: notes.collect(),
+            stop,
+        })
+    }
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path).map_err(|error| input::cannot_read(path, &error))
+}
+
+/// The frames that a run has kept, where it has.
+fn frames_of(folder: &Path) -> Option<frames::Kept> {
+    frames::read(&std::fs::read(folder.join("frames.npz")).ok()?).ok()?
+}
+
+/// An outline of its rings, the rim first.
+fn outline_of(mut rings: Vec<Vec<[f64; 2]>>) -> Option<Outline> {
+    let exterior = (!rings.is_empty()).then(|| rings.remove(0))?;
+    Outline::new(exterior, rings).ok()
+}
+
+/// Rings of the outline at rest and at the peak of the first beat; `None` where the run did not get that far.
+fn shapes(
+    mesh: &Mesh,
+    outline: &Outline,
+    recording: &Recording,
+    frames: Vec<Frame>,
+    stimuli: &[f64],
+) -> Option<[Vec<Vec<[f64; 2]>>; 2]> {
+    let recording = Recording { samples: recording.samples.clone(), frames, signals: Vec::new() };
+    let moments = key_shapes(&recording, stimuli);
+    let peak = moments.iter().find(|moment| moment.name == "peak")?;
+    let rings = Carried::rings(mesh, outline);
+    let at = |frame: &Frame| rings.iter().map(|ring| ring.at(&frame.positions)).collect();
+    Some([at(moments.first()?.frame), at(peak.frame)])
+}

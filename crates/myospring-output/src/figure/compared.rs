@@ -1,0 +1,196 @@
+//! Runs laid over each other: their curves on one time axis, their cells at rest and at peak.
+
+use super::chart::{Axis, Chart, Curve};
+use super::font::text_width;
+use super::shapes::draw_scale_bar;
+use super::sheet::{Path, Sheet, Stroke, Style};
+use super::theme::{CURVE_WIDTH, CURVES, DOUBLE, LABEL, LETTER, MUTED, TICK, fixed, time};
+use super::traces::{ACTIVE_TENSION, Quantity, SHORTENING, extent, peak, points, potential};
+use super::{Figure, FigureError};
+use myospring_core::recording::Recording;
+
+/// Closed lines of points, um; the first is the rim of a cell, the others those of its holes.
+pub type Rings<'a> = &'a [Vec<[f64; 2]>];
+
+/// A run that is compared.
+#[derive(Debug, Clone, Copy)]
+pub struct Compared<'a> {
+    /// For the legend.
+    pub label: &'a str,
+    /// Its curves.
+    pub recording: &'a Recording,
+    /// Rings of its outline at rest and at its peak, um, the first ring the rim; `None` where nobody has kept them.
+    pub cell: Option<[Rings<'a>; 2]>,
+}
+
+/// Height of each chart and gap between two, px.
+const HEIGHT: f64 = 92.0;
+const GAP: f64 = 16.0;
+/// Height of a row of the legend and length of its swatch with the gap after it, px.
+const ROW: f64 = 14.0;
+const SWATCH: f64 = 24.0;
+/// Dashes of the curves of one colour: the second and the third time that it is used.
+const DASHES: [Option<[f64; 2]>; 3] = [None, Some([5.0, 3.0]), Some([1.5, 2.5])];
+
+fn pen(index: usize) -> Stroke {
+    let stroke = Stroke::new(CURVES[index % CURVES.len()], CURVE_WIDTH);
+    Stroke { dash: DASHES[index / CURVES.len() % DASHES.len()], ..stroke }
+}
+
+/// Potential, tension and shortening of several runs over one time axis, and their outlines over each other at rest
+/// and at peak, each about its own middle at rest.
+///
+/// The potential is in mV where all runs have it so. Width: two columns, 178 mm.
+///
+/// # Errors
+/// No run, or one without a finite sample.
+pub fn compared(runs: &[Compared<'_>]) -> Result<Figure, FigureError> {
+    if runs.is_empty() {
+        return Err(FigureError::Nothing { what: "runs" });
+    }
+    let mut sheet = Sheet::default();
+    let in_mv = |run: &Compared<'_>| run.recording.samples.iter().any(|s| s.vm_mv.is_some());
+    let usual = Recording::default();
+    let whose = if runs.iter().all(in_mv) { runs[0].recording } else { &usual };
+    let quantities = [potential(whose), ACTIVE_TENSION, SHORTENING];
+    let top = draw_legend(&mut sheet, runs);
+    let cells: Vec<(usize, [Rings<'_>; 2])> = runs
+        .iter()
+        .enumerate()
+        .filter_map(|(index, run)| Some((index, run.cell?)))
+        .filter(|(_, [rest, _])| rest.first().is_some_and(|ring| !ring.is_empty()))
+        .collect();
+    let width = if cells.is_empty() { DOUBLE } else { 0.56 * DOUBLE };
+    let bottom = draw_curves(&mut sheet, runs, &quantities, [width, top])?;
+    if !cells.is_empty() {
+        draw_cells(&mut sheet, &cells, [width, top], bottom);
+    }
+    Ok(sheet.finish(DOUBLE, bottom))
+}
+
+/// The runs with their greatest shortening; returns where the charts begin, px.
+fn draw_legend(sheet: &mut Sheet, runs: &[Compared<'_>]) -> f64 {
+    let texts: Vec<String> = runs
+        .iter()
+        .map(|run| match peak(&points(run.recording, &SHORTENING)) {
+            Some([t, value]) => format!("{}: {} % at {}", run.label, fixed(value, 1), time(t)),
+            None => run.label.to_owned(),
+        })
+        .collect();
+    let widest = texts.iter().map(|text| text_width(text, TICK)).fold(0.0, f64::max);
+    let column = SWATCH + widest + 16.0;
+    let columns = ((DOUBLE - 16.0) / column).floor().max(1.0) as usize;
+    for (index, text) in texts.iter().enumerate() {
+        let left = 8.0 + (index % columns) as f64 * column;
+        let middle = 6.0 + ROW * ((index / columns) as f64 + 0.5);
+        sheet.line([left, middle], [left + SWATCH - 6.0, middle], pen(index));
+        sheet.text([left + SWATCH, middle + 3.5], text, Style::new(TICK));
+    }
+    14.0 + ROW * texts.len().div_ceil(columns) as f64
+}
+
+/// The charts above each other; returns the lower end of the last with its labels, px.
+fn draw_curves(
+    sheet: &mut Sheet,
+    runs: &[Compared<'_>],
+    quantities: &[Quantity],
+    [right, top]: [f64; 2],
+) -> Result<f64, FigureError> {
+    let curves: Vec<Vec<Vec<[f64; 2]>>> = quantities
+        .iter()
+        .map(|quantity| runs.iter().map(|run| points(run.recording, quantity)).collect())
+        .collect();
+    for (run, index) in runs.iter().zip(0..) {
+        let finite = |curve: &Vec<[f64; 2]>| curve.iter().flatten().all(|x| x.is_finite());
+        if !curves.iter().any(|of_runs: &Vec<_>| {
+            of_runs.get(index).is_some_and(|curve| !curve.is_empty() && finite(curve))
+        }) {
+            return Err(FigureError::NoSamples { what: format!("the run \"{}\"", run.label) });
+        }
+    }
+    let times = extent(curves.iter().flatten().map(Vec::as_slice), 0);
+    let mut charts: Vec<Chart> = Vec::new();
+    for (row, (quantity, curves)) in quantities.iter().zip(&curves).enumerate() {
+        let range = extent(curves.iter().map(Vec::as_slice), 1);
+        let curve = |(index, points): (usize, &Vec<[f64; 2]>)| Curve {
+            points: points.clone(),
+            colour: pen(index).colour,
+            dash: pen(index).dash,
+        };
+        charts.push(Chart {
+            place: [0.0, top + row as f64 * (HEIGHT + GAP)],
+            size: [0.0, HEIGHT],
+            x: Axis { labelled: row + 1 == quantities.len(), ..Axis::time(times) },
+            y: Axis::values(quantity.label, range, HEIGHT),
+            curves: curves.iter().enumerate().map(curve).collect(),
+            bands: Vec::new(),
+            marks: Vec::new(),
+        });
+    }
+    let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
+    let left = 30.0 + offset;
+    for (chart, letter) in charts.iter_mut().zip(["A", "B", "C"]) {
+        chart.place[0] = left;
+        chart.size[0] = right - 15.0 - left;
+        chart.draw(sheet, offset);
+        sheet.text([6.0, chart.place[1] + 4.0], letter, Style::new(LETTER).bold());
+    }
+    Ok(top + quantities.len() as f64 * (HEIGHT + GAP) - GAP + 37.0)
+}
+
+/// The outlines, at rest above and at peak below.
+fn draw_cells(
+    sheet: &mut Sheet,
+    cells: &[(usize, [Rings<'_>; 2])],
+    [left, top]: [f64; 2],
+    bottom: f64,
+) {
+    let middle = |rest: Rings<'_>| {
+        let ring = &rest[0];
+        [0, 1].map(|axis: usize| {
+            let of = |pick: fn(f64, f64) -> f64, from: f64| {
+                ring.iter().map(|point| point[axis]).fold(from, pick)
+            };
+            f64::midpoint(of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY))
+        })
+    };
+    // Half of the largest extent about the middles, um.
+    let mut half = [1e-9_f64; 2];
+    for (_, shapes) in cells {
+        let centre = middle(shapes[0]);
+        for point in shapes.iter().flat_map(|rings| rings.iter().flatten()) {
+            for axis in 0..2 {
+                let reach = (point[axis] - centre[axis]).abs();
+                half[axis] = half[axis].max(if reach.is_finite() { reach } else { 0.0 });
+            }
+        }
+    }
+    let extent = half.map(|reach| 2.0 * reach);
+    let width = DOUBLE - left - 20.0;
+    let height = (bottom - top - 37.0 - 2.0 * 22.0) / 2.0;
+    let scale = (width / extent[0]).min(height / extent[1]);
+    let drawn = extent[1] * scale;
+    for (row, (name, letter)) in [("at rest", "D"), ("at peak", "E")].into_iter().enumerate() {
+        let head = top + row as f64 * (drawn + 34.0);
+        sheet.text([left + 6.0, head + 4.0], letter, Style::new(LETTER).bold());
+        sheet.text([left + 22.0, head + 4.0], name, Style::new(LABEL));
+        let centre = [left + 8.0 + width / 2.0, head + 14.0 + drawn / 2.0];
+        for (index, shapes) in cells {
+            let origin = middle(shapes[0]);
+            let mut path = Path::default();
+            for ring in shapes[row] {
+                path.add_ring(ring.iter().filter(|point| point.iter().all(|x| x.is_finite())).map(
+                    |&[x, y]| {
+                        [centre[0] + (x - origin[0]) * scale, centre[1] - (y - origin[1]) * scale]
+                    },
+                ));
+            }
+            sheet.path(path, pen(*index));
+        }
+    }
+    let below = top + 2.0 * (drawn + 34.0) - 2.0;
+    draw_scale_bar(sheet, [left + 8.0, below], scale, extent);
+    let note = "each about its own middle at rest";
+    let style = Style::new(TICK).colour(MUTED);
+    sheet.text([DOUBLE - 12.0 - text_width(note, TICK), below + 3.5], note, style);
+}

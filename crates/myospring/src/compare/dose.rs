@@ -1,0 +1,306 @@
+//! Drugs and their doses: a file of `[[drug]]` blocks to a control and a series of doses.
+//!
+//! A block says which number of the run a drug changes, and how the change grows with the concentration c, by the
+//! Hill equation (`mirams_2011`, there for the block of a channel):
+//!
+//! ```text
+//! factor = 1 + maximal_effect c^hill / (ic50^hill + c^hill)
+//! ```
+//!
+//! A maximal effect of -1 takes the number to 0, one of 0.5 to half as much again.
+
+use super::factor::Factor;
+use crate::units::{self, Dimension, UnitError};
+use serde::Deserialize;
+use std::fmt::Write as _;
+
+/// A file to start from.
+pub const EXAMPLE: &str = "\
+# A drug that weakens the cell by up to 80 %, half of that at 1 uM.
+[[drug]]
+name = \"blocker\"
+parameter = \"peak_tension\"
+concentration = [\"0.3 uM\", \"1 uM\", \"10 uM\"]
+ic50 = \"1 uM\"
+hill = 1.0               # 1 unless stated
+maximal_effect = -0.8    # -1 unless stated: the parameter goes to 0
+";
+
+/// One dose, or the control: which numbers are multiplied by what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dose {
+    /// For people: `blocker 1 uM`, `control`.
+    pub label: String,
+    /// None of the control.
+    pub factors: Vec<Factor>,
+}
+
+/// Why a file of doses was not read.
+#[derive(Debug, thiserror::Error)]
+pub enum DoseError {
+    /// Not TOML.
+    #[error("line {line}: {reason}")]
+    Syntax {
+        /// Line, counted from 1.
+        line: usize,
+        /// What the reader says.
+        reason: String,
+    },
+    /// Neither a `[drug]` nor a `[[drug]]` block, or something beside them.
+    #[error("{found}; a file of doses has [[drug]] blocks and nothing else, like\n{EXAMPLE}")]
+    Blocks {
+        /// What is wrong.
+        found: String,
+    },
+    /// A block that lacks something or has too much.
+    #[error("drug {number}: {reason}")]
+    Block {
+        /// Which, counted from 1.
+        number: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A concentration without its unit.
+    #[error("drug {number}: `{key}`: {cause}; write it like \"1 uM\"")]
+    Unit {
+        /// Which, counted from 1.
+        number: usize,
+        /// `concentration` or `ic50`.
+        key: &'static str,
+        /// What is wrong.
+        cause: UnitError,
+    },
+    /// A number out of its bounds.
+    #[error("drug {number}: `{key}` = {value} is outside its bounds, {bounds}")]
+    OutOfBounds {
+        /// Which, counted from 1.
+        number: usize,
+        /// The key.
+        key: &'static str,
+        /// What was given.
+        value: String,
+        /// The bounds in words.
+        bounds: &'static str,
+    },
+    /// Blocks of one drug with different concentrations.
+    #[error(
+        "the blocks of `{name}` differ in their concentrations; one drug is given at the same ones"
+    )]
+    Concentrations {
+        /// The drug.
+        name: String,
+    },
+}
+
+/// A block as it is written.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Block {
+    name: Option<String>,
+    parameter: String,
+    concentration: OneOrMany,
+    ic50: String,
+    #[serde(default = "one")]
+    hill: f64,
+    #[serde(default = "minus_one")]
+    maximal_effect: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum OneOrMany {
+    One(String),
+    Many(Vec<String>),
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn minus_one() -> f64 {
+    -1.0
+}
+
+/// A drug: its name, its concentrations in uM, and what they do.
+struct Drug {
+    name: String,
+    concentrations: Vec<f64>,
+    effects: Vec<Effect>,
+}
+
+struct Effect {
+    parameter: String,
+    ic50: f64,
+    hill: f64,
+    maximal: f64,
+}
+
+impl Effect {
+    /// What the parameter is multiplied by at a concentration, uM.
+    fn factor(&self, concentration: f64) -> f64 {
+        if concentration <= 0.0 {
+            return 1.0;
+        }
+        // c^h/(i^h + c^h) without powers that overflow
+        1.0 + self.maximal / (1.0 + (self.ic50 / concentration).powf(self.hill))
+    }
+}
+
+/// The control, then each dose of each drug in the order of the file; blocks of one name are one drug.
+///
+/// # Errors
+/// What is no such file, with the block and the key.
+///
+/// # Example
+/// ```
+/// use myospring::compare::dose;
+/// let doses = dose::read(dose::EXAMPLE)?;
+/// let labels: Vec<&str> = doses.iter().map(|dose| dose.label.as_str()).collect();
+/// assert_eq!(labels, ["control", "blocker 0.3 uM", "blocker 1 uM", "blocker 10 uM"]);
+/// assert_eq!(doses[2].factors[0].factor, 0.6);
+/// # Ok::<(), dose::DoseError>(())
+/// ```
+pub fn read(text: &str) -> Result<Vec<Dose>, DoseError> {
+    let mut doses = vec![Dose { label: "control".to_owned(), factors: Vec::new() }];
+    for drug in drugs(text)? {
+        for &concentration in &drug.concentrations {
+            let mut label = drug.name.clone();
+            let _ = write!(label, " {}", units::format(concentration, Dimension::Concentration));
+            let factor = |effect: &Effect| Factor {
+                name: effect.parameter.clone(),
+                factor: effect.factor(concentration),
+            };
+            doses.push(Dose { label, factors: drug.effects.iter().map(factor).collect() });
+        }
+    }
+    Ok(doses)
+}
+
+fn drugs(text: &str) -> Result<Vec<Drug>, DoseError> {
+    let table: toml::Table = toml::from_str(text).map_err(|error: toml::de::Error| {
+        let before = error.span().map_or(0, |span| span.start).min(text.len());
+        let line = text.get(..before).unwrap_or_default().matches('\n').count() + 1;
+        DoseError::Syntax { line, reason: error.message().to_owned() }
+    })?;
+    let wrong = |found: String| DoseError::Blocks { found };
+    if let Some(other) = table.keys().find(|key| *key != "drug") {
+        return Err(wrong(format!("`{other}` is not known")));
+    }
+    let blocks = match table.get("drug") {
+        Some(toml::Value::Array(blocks)) if !blocks.is_empty() => blocks.clone(),
+        Some(block @ toml::Value::Table(_)) => vec![block.clone()],
+        _ => return Err(wrong("there is no drug".to_owned())),
+    };
+    let mut drugs: Vec<Drug> = Vec::new();
+    for (number, block) in (1..).zip(blocks) {
+        let drug = drug(number, block)?;
+        match drugs.iter_mut().find(|other| other.name == drug.name) {
+            Some(other) if other.concentrations == drug.concentrations => {
+                other.effects.extend(drug.effects);
+            }
+            Some(_) => return Err(DoseError::Concentrations { name: drug.name }),
+            None => drugs.push(drug),
+        }
+    }
+    Ok(drugs)
+}
+
+fn drug(number: usize, block: toml::Value) -> Result<Drug, DoseError> {
+    let Block { name, parameter, concentration, ic50, hill, maximal_effect } =
+        block.try_into().map_err(|error: toml::de::Error| DoseError::Block {
+            number,
+            reason: error.message().to_owned(),
+        })?;
+    let out = |key, value: String, bounds| DoseError::OutOfBounds { number, key, value, bounds };
+    let read = |key, text: &str| {
+        units::parse(text, Dimension::Concentration).map_err(|cause| DoseError::Unit {
+            number,
+            key,
+            cause,
+        })
+    };
+    let written = match concentration {
+        OneOrMany::One(text) => vec![text],
+        OneOrMany::Many(texts) => texts,
+    };
+    let mut concentrations = Vec::new();
+    for text in written {
+        let value = read("concentration", &text)?;
+        if value.is_nan() || value < 0.0 {
+            return Err(out("concentration", text, "0 uM or more"));
+        }
+        concentrations.push(value);
+    }
+    let half = read("ic50", &ic50)?;
+    if half.is_nan() || half <= 0.0 {
+        return Err(out("ic50", ic50, "above 0 uM"));
+    }
+    if !(hill > 0.0 && hill <= 20.0) {
+        return Err(out("hill", hill.to_string(), "above 0, at most 20"));
+    }
+    if !(-1.0..=100.0).contains(&maximal_effect) {
+        return Err(out("maximal_effect", maximal_effect.to_string(), "-1 to 100"));
+    }
+    let effect = Effect { parameter: parameter.clone(), ic50: half, hill, maximal: maximal_effect };
+    Ok(Drug { name: name.unwrap_or(parameter), concentrations, effects: vec![effect] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn effect(hill: f64, maximal: f64) -> Effect {
+        Effect { parameter: "tau_si".to_owned(), ic50: 2.0, hill, maximal }
+    }
+
+    #[test]
+    fn half_of_the_effect_is_there_at_the_ic50_whatever_the_slope() {
+        for hill in [0.5, 1.0, 4.0] {
+            assert!((effect(hill, -0.8).factor(2.0) - 0.6).abs() < 1e-12);
+            assert_eq!(effect(hill, -0.8).factor(0.0), 1.0);
+            assert!((effect(hill, -0.8).factor(1e300) - 0.2).abs() < 1e-12);
+        }
+        // By hand: 1 + 0.5 (6/2)^2/(1 + (6/2)^2) = 1.45.
+        assert!((effect(2.0, 0.5).factor(6.0) - 1.45).abs() < 1e-12);
+    }
+
+    #[test]
+    fn blocks_of_one_name_are_one_drug() {
+        let block = |parameter: &str| {
+            format!(
+                "[[drug]]\nname = \"x\"\nparameter = \"{parameter}\"\nconcentration = \"1 uM\"\nic50 = \"1 uM\"\n"
+            )
+        };
+        let doses = read(&(block("tau_si") + &block("peak_tension"))).unwrap();
+        assert_eq!(doses.len(), 2);
+        let factors = &doses[1].factors;
+        assert_eq!((factors.len(), factors[0].factor, factors[1].factor), (2, 0.5, 0.5));
+    }
+
+    #[test]
+    fn what_is_wrong_names_the_block_and_the_key() {
+        let block = "[drug]\nparameter = \"tau_si\"\n";
+        for (text, expected) in [
+            (String::new(), "there is no drug"),
+            ("drug = 3".to_owned(), "there is no drug"),
+            ("[drugs]\n".to_owned(), "`drugs` is not known"),
+            ("[drug]\nname = ".to_owned(), "line 2"),
+            (format!("{block}concentration = \"1 uM\""), "missing field `ic50`"),
+            (format!("{block}concentration = \"1 uM\"\nic50 = \"1\""), "drug 1: `ic50`"),
+            (format!("{block}concentration = \"1 uM\"\nic50 = \"0 uM\""), "above 0 uM"),
+            (format!("{block}concentration = \"-1 uM\"\nic50 = \"1 uM\""), "0 uM or more"),
+            (format!("{block}concentration = \"1 uM\"\nic50 = \"1 uM\"\nhill = 0"), "at most 20"),
+            (
+                format!("{block}concentration = \"1 uM\"\nic50 = \"1 uM\"\nil = 0"),
+                "unknown field `il`",
+            ),
+            (
+                format!("{block}concentration = \"1 uM\"\nic50 = \"1 uM\"\nmaximal_effect = -2"),
+                "-1 to 100",
+            ),
+        ] {
+            let said = read(&text).unwrap_err().to_string();
+            assert!(said.contains(expected), "{text}: {said}");
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! In which settings runs differ, and what that means for their comparison.
+
+use crate::run_file::RunFile;
+use crate::settings::{Value, table};
+use serde::Serialize;
+
+/// A key in which runs differ, and its value in each of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Different {
+    /// The key in a run file: `stimulus.cycle_length`, `cell.parameters.tau_si`.
+    pub key: String,
+    /// As it is written; `None` where a run has none, such as a parameter that is as published.
+    pub values: Vec<Option<String>>,
+}
+
+/// The keys in which resolved runs ([`crate::settings::Run::settled`]) differ, in the order of the settings. Titles
+/// are no difference.
+///
+/// # Example
+/// ```
+/// use myospring::compare::setting;
+/// use myospring::run_file::RunFile;
+/// let run = |text: &str| Ok::<_, myospring::run_file::RunFileError>(RunFile::from_text(text)?.resolve()?.to_run_file());
+/// let (weak, strong) = (run("title = \"a\"\n[cell]\npeak_tension = \"30 kPa\"")?, run("title = \"b\"")?);
+/// let different = setting::different(&[&weak, &strong]);
+/// assert_eq!(different.len(), 1);
+/// assert_eq!(different[0].key, "cell.peak_tension");
+/// assert_eq!(different[0].values, [Some("30 kPa".to_owned()), Some("50 kPa".to_owned())]);
+/// # Ok::<(), myospring::run_file::RunFileError>(())
+/// ```
+pub fn different(runs: &[&RunFile]) -> Vec<Different> {
+    let mut found = Vec::new();
+    for setting in table().filter(|setting| setting.key != "title") {
+        let values: Vec<Option<&Value>> = runs.iter().map(|run| run.get(setting.key)).collect();
+        let names: Vec<&String> = values
+            .iter()
+            .filter_map(|value| match value {
+                Some(Value::Named(rows)) => Some(rows.keys()),
+                _ => None,
+            })
+            .flatten()
+            .collect();
+        if names.is_empty() {
+            add(&mut found, setting.key.to_owned(), &values);
+            continue;
+        }
+        let mut names = names;
+        names.sort();
+        names.dedup();
+        for name in names {
+            let inner: Vec<Option<&Value>> = values
+                .iter()
+                .map(|value| match value {
+                    Some(Value::Named(rows)) => rows.get(name),
+                    _ => None,
+                })
+                .collect();
+            add(&mut found, format!("{}.{name}", setting.key), &inner);
+        }
+    }
+    found
+}
+
+fn add(found: &mut Vec<Different>, key: String, values: &[Option<&Value>]) {
+    if values.windows(2).any(|pair| pair[0] != pair[1]) {
+        let written = |value: Option<&Value>| value.map(Value::written);
+        found.push(Different { key, values: values.iter().copied().map(written).collect() });
+    }
+}
+
+/// What runs should have in common, by the keys that say so.
+const COMMON: [(&str, &[&str]); 5] = [
+    ("pacing", &["stimulus.", "run.duration"]),
+    ("cell or mesh", &["shape.", "segmentation."]),
+    ("cell model", &["cell.model"]),
+    ("support", &["mechanics.support", "mechanics.end_stiffness", "mechanics.bed_stiffness"]),
+    ("numerics", &["numerics.", "cell.integrator", "cell.step", "cell.tolerance"]),
+];
+
+/// It follows from the material, and a converged run does not depend on it.
+const CONSEQUENCE: &str = "numerics.time_step";
+
+/// What a person should know before taking differences of numbers for the effect of something: runs with another
+/// pacing, cell, model, support or numerics, each with its keys and values.
+pub fn warnings(different: &[Different], labels: &[&str]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (what, prefixes) in COMMON {
+        let of_kind = different.iter().filter(|different| {
+            let key = different.key.as_str();
+            key != CONSEQUENCE
+                && prefixes.iter().any(|prefix| {
+                    key == *prefix || prefix.ends_with('.') && key.starts_with(prefix)
+                })
+        });
+        let said: Vec<String> = of_kind.map(|different| in_words(different, labels)).collect();
+        if !said.is_empty() {
+            warnings.push(format!("the runs differ in their {what}: {}", said.join("; ")));
+        }
+    }
+    warnings
+}
+
+/// `run.duration is 600 ms in A and 900 ms in B`.
+fn in_words(different: &Different, labels: &[&str]) -> String {
+    let mut parts: Vec<(String, Vec<&str>)> = Vec::new();
+    for (value, label) in different.values.iter().zip(labels) {
+        let value = value.clone().unwrap_or_else(|| "as usual".to_owned());
+        match parts.iter_mut().find(|(other, _)| *other == value) {
+            Some((_, with)) => with.push(label),
+            None => parts.push((value, vec![label])),
+        }
+    }
+    let parts: Vec<String> = parts
+        .into_iter()
+        .map(|(value, labels)| format!("{value} in {}", labels.join(", ")))
+        .collect();
+    format!("{} is {}", different.key, parts.join(" and "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settled(text: &str) -> RunFile {
+        RunFile::from_text(text).unwrap().resolve().unwrap().to_run_file()
+    }
+
+    #[test]
+    fn parameters_are_told_one_by_one_and_what_is_asked_for_is_no_warning() {
+        let (control, changed) = (
+            settled(""),
+            settled("[cell]\npeak_tension = \"40 kPa\"\n[cell.parameters]\ntau_si = 1.8\n"),
+        );
+        let different = different(&[&control, &changed]);
+        let keys: Vec<&str> = different.iter().map(|different| different.key.as_str()).collect();
+        assert_eq!(keys, ["cell.peak_tension", "cell.parameters.tau_si"]);
+        assert_eq!(different[1].values[0], None);
+        assert_eq!(warnings(&different, &["a", "b"]), [""; 0]);
+    }
+
+    #[test]
+    fn another_pacing_and_another_mesh_are_warned_about_with_what_else_differs() {
+        let (one, other) = (
+            settled(""),
+            settled(
+                "[stimulus]\nbeats = 2\ncycle_length = \"500 ms\"\n[shape]\nspacing = \"2 um\"\n",
+            ),
+        );
+        let warnings = warnings(&different(&[&one, &other]), &["one", "<script>"]);
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert!(warnings[0].starts_with("the runs differ in their pacing: "), "{}", warnings[0]);
+        let said = "run.duration is 600 ms in one and 1100 ms in <script>";
+        assert!(warnings[0].contains(said), "{}", warnings[0]);
+        assert!(warnings[1].contains("shape.spacing is as usual in one and 2 um in <script>"));
+    }
+}
