@@ -10,6 +10,8 @@
 //! | [`pictures`] | a picture: its cells are found, meshed and beaten, or left out with the reason |
 //! | [`cells`] | a cell without a mesh: its beats, many cells side by side |
 //!
+//! [`sampling`] places the members of a study of parameters, and [`sensitivity`] says which of these matter.
+//!
 //! # Example
 //! Anything can be a member:
 //! ```
@@ -67,6 +69,8 @@ mod member;
 mod observer;
 pub mod pictures;
 mod runner;
+pub mod sampling;
+pub mod sensitivity;
 mod threads;
 
 pub use error::{Cause, Interrupted, StudyError};

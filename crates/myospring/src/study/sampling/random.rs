@@ -1,0 +1,38 @@
+//! Random numbers that are the same on every machine and for ever: `ChaCha8`.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
+
+/// A stream of random numbers.
+pub(in crate::study) struct Random(ChaCha8Rng);
+
+impl Random {
+    /// That of a seed; `stream` parts what is drawn for different ends.
+    pub(in crate::study) fn new(seed: u64, stream: u64) -> Self {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(stream);
+        Self(generator)
+    }
+
+    /// 64 random bits.
+    pub(in crate::study) fn bits(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
+    /// Evenly from [0, 1).
+    pub(in crate::study) fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A whole number below `end`, each as likely to 1 in 2^53.
+    pub(in crate::study) fn below(&mut self, end: usize) -> usize {
+        ((self.unit() * end as f64) as usize).min(end - 1)
+    }
+
+    /// Puts a list in random order (Fisher and Yates).
+    pub(in crate::study) fn shuffle<T>(&mut self, list: &mut [T]) {
+        for last in (1..list.len()).rev() {
+            list.swap(last, self.below(last + 1));
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Why there are no indices.
+
+/// Why there are no indices.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SensitivityError {
+    /// Another number of answers than a design has rows.
+    #[error(
+        "{answers} answers are no whole number of {of} of {rows} rows for {parameters} parameters; analyse all rows of the design, in its order"
+    )]
+    Rows {
+        /// Answers given.
+        answers: usize,
+        /// What a group of rows is.
+        of: &'static str,
+        /// Rows of one.
+        rows: usize,
+        /// Parameters.
+        parameters: usize,
+    },
+    /// Hardly anything is left.
+    #[error(
+        "only {whole} of {all} {of} have an answer in every row; 2 are needed: look why members failed"
+    )]
+    TooFew {
+        /// Groups without a failure.
+        whole: usize,
+        /// All groups.
+        all: usize,
+        /// What a group of rows is.
+        of: &'static str,
+    },
+    /// The answer does not vary.
+    #[error("all answers are {value}: nothing varies, so nothing can be explained")]
+    Constant {
+        /// The answer.
+        value: f64,
+    },
+}
