@@ -162,10 +162,10 @@ pub(crate) struct PaperArgs {
     ic50 = \"1 uM\"\n  \
     hill = 1.0                # 1 unless stated\n  \
     maximal_effect = -0.8     # -1 unless stated\n\
-    which multiply the parameter by 1 + maximal_effect c^hill / (ic50^hill + c^hill). Parameters of the cell\n\
-    models are phenomenological: none is a channel.\n\n\
-    Results: figures/compared and contraction (SVG and PNG), metrics.csv, comparison.json (settings and numbers\n\
-    that differ, warnings), runs/ (curves and run file of each).\n\
+    which multiply the parameter by 1 + maximal_effect c^hill / (ic50^hill + c^hill).\n\
+    Parameters of the cell models are phenomenological: none is a channel.\n\n\
+    Results: report.html, figures/compared and contraction (SVG and PNG), metrics.csv,\n\
+    comparison.json (settings and numbers that differ, warnings), runs/ (curves, run files).\n\
     Exit codes: 0 done, 1 a run stopped early, 2 bad input or usage.")]
 pub(crate) struct CompareArgs {
     /// Result folders, which are read, or run files, pictures and outlines, which are run; without any, the

@@ -1,5 +1,6 @@
 //! `myospring compare`.
 
+mod report;
 mod side;
 mod words;
 
@@ -76,7 +77,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let mut warnings: Vec<String> = sides.iter().flat_map(|side| side.notes.clone()).collect();
     warnings.extend(setting::warnings(&settings, &labels));
     warnings.extend(side::other_pictures(&sides));
-    if settings.iter().any(|different| different.key.starts_with("cell.parameters.")) {
+    let parameters = settings.iter().any(|different| different.key.starts_with("cell.parameters."));
+    if args.doses.is_some() || parameters {
         warnings.push(PHENOMENOLOGICAL.to_owned());
     }
     if !args.output.quiet {
@@ -93,6 +95,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     }
     folder.write("metrics.csv", words::csv(&labels, &metrics)?)?;
     figures(&folder, &sides)?;
+    let look = report::write(&folder, &sides, &warnings)?;
     let record = Record {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
@@ -113,7 +116,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
             "\nresults in {} ({:.1} s)\nopen {}",
             target.display(),
             record.total_s,
-            target.join("figures/compared.png").display()
+            target.join(look).display()
         ))?;
     }
     let stopped = sides.iter().any(|side| side.stop.is_some());

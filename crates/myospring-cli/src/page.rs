@@ -79,7 +79,7 @@ fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
 }
 
 /// Every setting that the run has, table by table, then the parameters of its cell model.
-fn parameters(run: &Run) -> Vec<ParameterGroup> {
+pub(crate) fn parameters(run: &Run) -> Vec<ParameterGroup> {
     let usual = Run::default_run();
     let mut groups: Vec<ParameterGroup> = Vec::new();
     for table in settings::tables().iter().filter(|table| !table.name.is_empty()) {

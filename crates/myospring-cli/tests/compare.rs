@@ -91,13 +91,15 @@ fn runs_that_differ_in_a_label_differ_by_nothing_and_a_result_is_its_run() {
     let results = place.join("results/comparison");
     let svg = fs::read_to_string(results.join("figures/compared.svg")).unwrap();
     assert!(svg.contains("&lt;script&gt;") && !svg.contains("<script"), "a title is only text");
+    let page = fs::read_to_string(results.join("report.html")).unwrap();
+    assert!(page.contains("alert(1)") && !page.contains("<script>alert(1)"), "on the page, too");
     // All three cells, two of which had to be beaten for it.
     assert!(svg.contains("at peak"));
     let output = myospring(place, &[&["compare", "--force"], &sides[..]].concat());
     let said = text(&output.stdout);
     assert!(said.contains("the runs do not differ in any number"), "{said}");
     assert!(said.contains("the runs have the same settings"), "{said}");
-    assert!(said.contains("open results/comparison/figures/compared.png"), "{said}");
+    assert!(said.contains("open results/comparison/report.html"), "{said}");
     let table = fs::read_to_string(results.join("metrics.csv")).unwrap();
     assert!(table.starts_with("metric,run,value,unit,difference,difference_unit,difference_pct\n"));
 }

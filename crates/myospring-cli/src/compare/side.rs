@@ -11,11 +11,12 @@ use myospring::compare::factor::{self, Factor, Scaled};
 use myospring::mesh::Mesh;
 use myospring::mesh::carried::Carried;
 use myospring::mesh::outline::Outline;
+use myospring::mesh::quality::MeshReport;
 use myospring::output::figure::{Compared, key_shapes};
 use myospring::output::{csv, frames};
 use myospring::recording::{Frame, Recording};
 use myospring::run_file::RunFile;
-use myospring::settings::Made;
+use myospring::settings::{Made, Run};
 use myospring::study::sha256;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +47,8 @@ pub(super) struct Side {
     /// To the digits of `traces.csv`, wherever it comes from, so that equal runs are equal.
     pub(super) recording: Recording,
     pub(super) stimuli: Vec<f64>,
+    /// Its run on its mesh, for the report; `None` where it cannot be meshed as it was.
+    pub(super) shown: Option<Shown>,
     /// Rings of the outline at rest and at peak.
     cell: Option<[Vec<Vec<[f64; 2]>>; 2]>,
     /// Of the picture or outline.
@@ -53,6 +56,16 @@ pub(super) struct Side {
     scaled: Vec<Scaled>,
     pub(super) stop: Option<String>,
     pub(super) notes: Vec<String>,
+}
+
+/// A run on its mesh.
+pub(super) struct Shown {
+    pub(super) run: Run,
+    pub(super) mesh: Mesh,
+    pub(super) report: MeshReport,
+    pub(super) outline: Outline,
+    pub(super) fibres: Vec<[f64; 2]>,
+    pub(super) content: Option<Vec<f64>>,
 }
 
 impl Side {
@@ -106,19 +119,28 @@ impl Job {
     pub(super) fn side(self, bar: &ProgressBar) -> Result<Side, Failure> {
         let Some(folder) = self.folder.clone() else { return self.beaten(bar) };
         let text = read(&folder.join(CURVES))?;
-        let recording = csv::read_traces(&text).map_err(|error| {
+        let mut recording = csv::read_traces(&text).map_err(|error| {
             Failure::new(format!("`{}`: {error}", folder.join(CURVES).display()))
         })?;
         let (_, run) = input::settle(Some(&folder.join(RUN_FILE)), Vec::new())?;
         let stimuli = run.stimulus_times();
         let mut notes = Vec::new();
+        let mut shown = None;
         let cell = match frames_of(&folder) {
-            Some(kept) => outline_of(kept.rings).and_then(|outline| {
-                shapes(&kept.mesh, &outline, &recording, kept.frames, &stimuli)
-            }),
+            Some(kept) => {
+                recording.frames = kept.frames;
+                // Meshed again, where what it was made of is still there and gives the same.
+                let (_, again) = input::settle(Some(&folder.join(RUN_FILE)), Vec::new())?;
+                let same = |made: &Made| made.simulation.mesh.points == kept.mesh.points;
+                shown = meshed(&again).filter(same).map(|made| Shown::of(again, made));
+                outline_of(kept.rings)
+                    .and_then(|outline| shapes(&kept.mesh, &outline, &recording, &stimuli))
+            }
             // Beaten again for its shapes, which are its own where the curves are.
             None => match self.beaten(bar) {
                 Ok(again) if csv::traces(&again.recording).is_ok_and(|traces| traces == text) => {
+                    shown = again.shown;
+                    recording.frames = again.recording.frames;
                     again.cell
                 }
                 Ok(_) => None,
@@ -144,6 +166,7 @@ impl Job {
             file: repeating(run.to_run_file()),
             recording,
             stimuli,
+            shown,
             cell,
             shape_sha256: record["shape_sha256"].as_str().map(str::to_owned),
             scaled: Vec::new(),
@@ -157,12 +180,11 @@ impl Job {
         let (name, mut run) = input::settle(path, self.overrides.clone())?;
         let scaled = factor::scale(&mut run, &self.factors)?;
         let Input { mut run, bytes, shaped, .. } = input::mesh(name, run, None)?;
-        let Made { mut simulation, report, outline, fibres, .. } =
-            run.make(shaped, |file| std::fs::read(file))?;
-        run.fibre = fibres.taken;
+        let mut made = run.make(shaped, |file| std::fs::read(file))?;
+        run.fibre = made.fibres.taken;
         // One thread each: the runs go side by side.
-        simulation.numerics.engine.threads = 1;
-        let prepared = simulation.build()?;
+        made.simulation.numerics.engine.threads = 1;
+        let prepared = made.simulation.build()?;
         let mut done = 0;
         let outcome = prepared.run(|progress| {
             let now = (PROGRESS as f64 * progress.time / progress.duration.max(1e-9)) as u64;
@@ -171,10 +193,10 @@ impl Job {
             !interrupt::asked()
         });
         let stimuli = run.stimulus_times();
-        let file = run.settled(report.spacing_um, outcome.effort.time_step());
-        let recording = csv::read_traces(&csv::traces(&outcome.recording)?)?;
-        let frames = outcome.recording.frames;
-        let cell = shapes(&simulation.mesh, &outline, &recording, frames, &stimuli);
+        let file = run.settled(made.report.spacing_um, outcome.effort.time_step());
+        let mut recording = csv::read_traces(&csv::traces(&outcome.recording)?)?;
+        recording.frames = outcome.recording.frames;
+        let cell = shapes(&made.simulation.mesh, &made.outline, &recording, &stimuli);
         let stop = outcome.stop.as_ref().map(ToString::to_string);
         let notes = stop.iter().map(|stop| format!("{} stopped early: {stop}", self.label));
         let built_in = || run.shape.name().to_owned();
@@ -184,6 +206,7 @@ impl Job {
             file: repeating(file),
             recording,
             stimuli,
+            shown: Some(Shown::of(run, made)),
             cell,
             shape_sha256: Some(sha256(&bytes.shape)),
             scaled,
@@ -195,6 +218,21 @@ impl Job {
 
 fn read(path: &Path) -> Result<String, Failure> {
     std::fs::read_to_string(path).map_err(|error| input::cannot_read(path, &error))
+}
+
+impl Shown {
+    fn of(run: Run, made: Made) -> Self {
+        let Made { simulation, report, outline, .. } = made;
+        let (mesh, fibres, content) =
+            (simulation.mesh, simulation.fibres, simulation.myofibril_content);
+        Self { run, mesh, report, outline, fibres, content }
+    }
+}
+
+/// A run on its mesh, where what it is made of is there.
+fn meshed(run: &Run) -> Option<Made> {
+    let shaped = run.shape.mesh(&run.shape.bytes(|file| std::fs::read(file)).ok()?).ok()?;
+    run.make(shaped, |file| std::fs::read(file)).ok()
 }
 
 /// The frames that a run has kept, where it has.
@@ -213,11 +251,9 @@ fn shapes(
     mesh: &Mesh,
     outline: &Outline,
     recording: &Recording,
-    frames: Vec<Frame>,
     stimuli: &[f64],
 ) -> Option<[Vec<Vec<[f64; 2]>>; 2]> {
-    let recording = Recording { samples: recording.samples.clone(), frames, signals: Vec::new() };
-    let moments = key_shapes(&recording, stimuli);
+    let moments = key_shapes(recording, stimuli);
     let peak = moments.iter().find(|moment| moment.name == "peak")?;
     let rings = Carried::rings(mesh, outline);
     let at = |frame: &Frame| rings.iter().map(|ring| ring.at(&frame.positions)).collect();

@@ -1,0 +1,86 @@
+//! `report.html` of a comparison: the same page as that of a run, with all of them.
+
+use super::side::{Shown, Side};
+use crate::cite;
+use crate::failure::Failure;
+use crate::page::{FILE, parameters};
+use crate::print;
+use crate::results::Folder;
+use myospring::output::field::Field;
+use myospring::output::page::{self, Page, PageRun};
+use myospring::output::report::Summary;
+
+/// What to open where there is no page.
+const FIGURE: &str = "figures/compared.png";
+
+/// Text and numbers of a run that its page borrows.
+struct Owned {
+    summary: Summary,
+    run_file: String,
+    citations: String,
+}
+
+/// Writes the page, if every run can be shown; the file to open. What is to be said of all is said with the first.
+pub(super) fn write(
+    folder: &Folder,
+    sides: &[Side],
+    warnings: &[String],
+) -> Result<&'static str, Failure> {
+    let shown: Option<Vec<(&Side, &Shown)>> = sides
+        .iter()
+        .map(|side| {
+            Some((side, side.shown.as_ref()?)).filter(|_| !side.recording.frames.is_empty())
+        })
+        .collect();
+    let Some(shown) = shown else {
+        print::warn("there is no report.html, since not every cell can be meshed as it was");
+        return Ok(FIGURE);
+    };
+    let mut warnings = Some(warnings.to_vec());
+    let owned: Vec<Owned> = shown
+        .iter()
+        .map(|(side, shown)| Owned {
+            summary: Summary::new(
+                &side.recording,
+                &side.stimuli,
+                shown.report.clone(),
+                warnings.take().unwrap_or_default(),
+            ),
+            run_file: side.file.to_toml(),
+            citations: cite::bibtex(&*shown.run.cell),
+        })
+        .collect();
+    let runs: Vec<PageRun<'_>> = shown
+        .iter()
+        .zip(&owned)
+        .map(|((side, shown), owned)| on_page(side, shown, owned))
+        .collect();
+    let labels: Vec<&str> = sides.iter().map(|side| side.label.as_str()).collect();
+    let page = Page {
+        title: &labels.join(" \u{b7} "),
+        version: env!("CARGO_PKG_VERSION"),
+        colour: Field::default(),
+        runs: &runs,
+    };
+    folder.write(FILE, page::html(&page)?)?;
+    Ok(FILE)
+}
+
+fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned) -> PageRun<'a> {
+    let model = shown.run.cell.name().to_owned();
+    PageRun {
+        label: &side.label,
+        facts: vec![side.label.clone(), model, format!("{} kPa", shown.run.peak_tension)],
+        summary: &owned.summary,
+        recording: &side.recording,
+        mesh: &shown.mesh,
+        fibres: &shown.fibres,
+        myofibril_content: shown.content.as_deref(),
+        outline: &shown.outline,
+        stimulus_times_ms: &side.stimuli,
+        parameters: parameters(&shown.run),
+        run_file: &owned.run_file,
+        citations: &owned.citations,
+        picture: None,
+    }
+}
