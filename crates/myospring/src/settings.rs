@@ -23,6 +23,7 @@
 mod bounds;
 mod content;
 mod fibres;
+mod number;
 mod problem;
 mod rows;
 mod run;
@@ -34,6 +35,7 @@ mod words;
 pub use bounds::{Bounds, Whole};
 pub use content::{CONTENT_ENDINGS, ContentError, MyofibrilContent};
 pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
+pub use number::{Number, NumberError};
 pub(crate) use problem::nearest;
 pub use problem::{Failure, Problem};
 pub use rows::Table;

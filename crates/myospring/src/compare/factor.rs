@@ -1,13 +1,7 @@
 //! Factors on the numbers of a run.
 
-use crate::settings::{Kind, Named, Problem, Run, Value, find, table};
-use crate::units;
+use crate::settings::{Number, NumberError, Problem, Run};
 use serde::Serialize;
-
-const PARAMETERS: &str = "cell.parameters";
-/// How many names are offered for one that does not exist, and how alike they have to be.
-const OFFERED: usize = 3;
-const ALIKE: f64 = 0.7;
 
 /// A number of a run by its name, and what it is multiplied by.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,27 +36,9 @@ pub enum FactorError {
         /// What was written.
         text: String,
     },
-    /// No number of the run has that name.
-    #[error(
-        "`{name}` is neither a parameter of the cell model {model} nor a setting with a number{}",
-        offered(nearest)
-    )]
-    Unknown {
-        /// What was asked for.
-        name: String,
-        /// The model whose parameters were looked at.
-        model: String,
-        /// The names most like it, the likest first.
-        nearest: Vec<String>,
-    },
-    /// Several numbers have that name.
-    #[error("`{name}` may be any of: {}; write which", keys.join(", "))]
-    Several {
-        /// What was asked for.
-        name: String,
-        /// Their keys.
-        keys: Vec<String>,
-    },
+    /// No number of the run has that name, or several have.
+    #[error(transparent)]
+    Name(#[from] NumberError),
     /// The run decides the value itself.
     #[error("`{key}` has no value in this run that could be multiplied; give it one")]
     NoValue {
@@ -79,14 +55,6 @@ pub enum FactorError {
         /// What is wrong with it.
         problem: Problem,
     },
-}
-
-fn offered(nearest: &[String]) -> String {
-    if nearest.is_empty() {
-        String::new()
-    } else {
-        format!("; the nearest are {}", nearest.join(", "))
-    }
 }
 
 /// Reads factors as they are written on a command line.
@@ -134,63 +102,13 @@ pub fn scale(run: &mut Run, factors: &[Factor]) -> Result<Vec<Scaled>, FactorErr
 }
 
 fn scale_one(run: &mut Run, name: &str, factor: f64) -> Result<Scaled, FactorError> {
-    let key = key_of(run, name)?;
-    let refused = |problem| FactorError::Refused { key: key.clone(), factor, problem };
-    let no_value = || FactorError::NoValue { key: key.clone() };
-    if let Some(parameter) = key.strip_prefix(PARAMETERS).and_then(|rest| rest.strip_prefix('.')) {
-        let rows = run.cell.parameters().rows();
-        let row = rows.iter().find(|row| row.name == parameter).ok_or_else(no_value)?;
-        let (before, unit) = (row.value, row.unit.to_string());
-        let after = before * factor;
-        let value = Value::Named(Named::from([(parameter.to_owned(), Value::Number(after))]));
-        let setting = find(PARAMETERS).ok_or_else(no_value)?;
-        setting.set(run, &value).map_err(|(_, problem)| refused(problem))?;
-        return Ok(Scaled { key, unit, factor, before, after });
-    }
-    let setting = find(&key).ok_or_else(no_value)?;
-    let Kind::Quantity { bounds, get, .. } = setting.kind else { return Err(no_value()) };
-    let before = get(run).ok_or_else(no_value)?;
+    let number = Number::named(run, name)?;
+    let key = || number.key.clone();
+    let before = number.get(run).ok_or_else(|| FactorError::NoValue { key: key() })?;
     let after = before * factor;
-    let value = Value::Text(units::format(after, bounds.dimension));
-    setting.set(run, &value).map_err(|(_, problem)| refused(problem))?;
-    Ok(Scaled { unit: bounds.dimension.unit().to_owned(), key, factor, before, after })
-}
-
-/// The key of a number by its name, or by its key.
-fn key_of(run: &Run, name: &str) -> Result<String, FactorError> {
-    let keys = keys(run);
-    if keys.iter().any(|key| key == name) {
-        return Ok(name.to_owned());
-    }
-    let mut found: Vec<String> = keys.iter().filter(|key| last(key) == name).cloned().collect();
-    match found.len() {
-        1 => Ok(found.remove(0)),
-        0 => {
-            let mut likest: Vec<(f64, &str)> = keys
-                .iter()
-                .map(|key| (strsim::jaro_winkler(&name.to_lowercase(), last(key)), last(key)))
-                .filter(|(likeness, _)| *likeness > ALIKE)
-                .collect();
-            likest.sort_by(|a, b| b.0.total_cmp(&a.0));
-            likest.dedup_by_key(|(_, name)| *name);
-            let nearest = likest.into_iter().take(OFFERED).map(|(_, name)| name.to_owned());
-            let model = run.cell.name().to_owned();
-            Err(FactorError::Unknown { name: name.to_owned(), model, nearest: nearest.collect() })
-        }
-        _ => Err(FactorError::Several { name: name.to_owned(), keys: found }),
-    }
-}
-
-/// Keys of all numbers of a run.
-fn keys(run: &Run) -> Vec<String> {
-    let settings = table().filter(|setting| matches!(setting.kind, Kind::Quantity { .. }));
-    let rows = run.cell.parameters().rows().iter();
-    let parameters = rows.map(|row| format!("{PARAMETERS}.{}", row.name));
-    parameters.chain(settings.map(|setting| setting.key.to_owned())).collect()
-}
-
-fn last(key: &str) -> &str {
-    key.rsplit_once('.').map_or(key, |(_, name)| name)
+    let refused = |problem| FactorError::Refused { key: key(), factor, problem };
+    number.set(run, after).map_err(refused)?;
+    Ok(Scaled { key: number.key, unit: number.unit, factor, before, after })
 }
 
 #[cfg(test)]
@@ -201,7 +119,7 @@ mod tests {
     fn every_number_of_a_run_can_be_multiplied_by_one_and_stays_what_it_is() {
         let mut run = Run::default_run();
         let before = run.to_run_file();
-        for key in keys(&run) {
+        for Number { key, .. } in Number::all(&run) {
             match scale(&mut run, &[Factor { name: key.clone(), factor: 1.0 }]) {
                 Ok(scaled) => assert_eq!(scaled[0].before, scaled[0].after, "{key}"),
                 Err(FactorError::NoValue { .. }) => {}

@@ -1,0 +1,164 @@
+//! The numbers of a run by their names: settings that are quantities, and the parameters of its cell model.
+
+use super::setting::Kind;
+use super::value::Value;
+use super::{Named, Problem, Run, find, table};
+use crate::units::{self, Dimension, UnitError};
+
+const PARAMETERS: &str = "cell.parameters";
+/// How many names are offered for one that does not exist, and how alike they have to be.
+const OFFERED: usize = 3;
+const ALIKE: f64 = 0.7;
+
+/// A number that runs have: a parameter of the cell model, or a setting that is a quantity.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Number {
+    /// Its key in a run file: `cell.parameters.tau_si`, `material.thickness`.
+    pub key: String,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+}
+
+/// Why a name is none of a number.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NumberError {
+    /// No number of the run has that name.
+    #[error(
+        "`{name}` is neither a parameter of the cell model {model} nor a setting with a number{}",
+        offered(nearest)
+    )]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The model whose parameters were looked at.
+        model: String,
+        /// The names most like it, the likest first.
+        nearest: Vec<String>,
+    },
+    /// Several numbers have that name.
+    #[error("`{name}` may be any of: {}; write which", keys.join(", "))]
+    Several {
+        /// What was asked for.
+        name: String,
+        /// Their keys.
+        keys: Vec<String>,
+    },
+}
+
+fn offered(nearest: &[String]) -> String {
+    if nearest.is_empty() {
+        String::new()
+    } else {
+        format!("; the nearest are {}", nearest.join(", "))
+    }
+}
+
+impl Number {
+    /// All numbers of a run: those of its cell model first.
+    pub fn all(run: &Run) -> Vec<Self> {
+        let rows = run.cell.parameters().rows().iter();
+        let parameters = rows.map(|row| Self {
+            key: format!("{PARAMETERS}.{}", row.name),
+            unit: row.unit.to_string(),
+        });
+        let settings = table().filter(|setting| matches!(setting.kind, Kind::Quantity { .. }));
+        let settings = settings.map(|setting| Self {
+            key: setting.key.to_owned(),
+            unit: setting.unit().unwrap_or_default().to_owned(),
+        });
+        parameters.chain(settings).collect()
+    }
+
+    /// The number of a run with this name (`tau_si`, `peak_tension`) or key (`material.thickness`).
+    ///
+    /// # Errors
+    /// A name that is none, with those most like it, or several.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::settings::{Number, Run};
+    /// let mut run = Run::default_run();
+    /// let thickness = Number::named(&run, "thickness")?;
+    /// assert_eq!((thickness.key.as_str(), thickness.get(&run)), ("material.thickness", Some(10.0)));
+    /// thickness.set(&mut run, 8.0)?;
+    /// assert_eq!(run.material.thickness, 8.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn named(run: &Run, name: &str) -> Result<Self, NumberError> {
+        let all = Self::all(run);
+        if let Some(number) = all.iter().find(|number| number.key == name) {
+            return Ok(number.clone());
+        }
+        let mut found: Vec<&Self> = all.iter().filter(|number| number.name() == name).collect();
+        match found.len() {
+            1 => Ok(found.remove(0).clone()),
+            0 => {
+                let name = name.to_owned();
+                let mut likest: Vec<(f64, &str)> = all
+                    .iter()
+                    .map(|it| (strsim::jaro_winkler(&name.to_lowercase(), it.name()), it.name()))
+                    .filter(|(likeness, _)| *likeness > ALIKE)
+                    .collect();
+                likest.sort_by(|a, b| b.0.total_cmp(&a.0));
+                likest.dedup_by_key(|(_, name)| *name);
+                let nearest = likest.into_iter().take(OFFERED).map(|(_, name)| name.to_owned());
+                let model = run.cell.name().to_owned();
+                Err(NumberError::Unknown { name, model, nearest: nearest.collect() })
+            }
+            _ => {
+                let keys = found.into_iter().map(|number| number.key.clone()).collect();
+                Err(NumberError::Several { name: name.to_owned(), keys })
+            }
+        }
+    }
+
+    /// Its name without the table: `tau_si`.
+    pub fn name(&self) -> &str {
+        self.key.rsplit_once('.').map_or(self.key.as_str(), |(_, name)| name)
+    }
+
+    /// The parameter of the cell model that it is.
+    fn parameter(&self) -> Option<&str> {
+        self.key.strip_prefix(PARAMETERS)?.strip_prefix('.')
+    }
+
+    /// Its value in a run, in its unit; `None` where the run decides it itself, or has none.
+    pub fn get(&self, run: &Run) -> Option<f64> {
+        if let Some(parameter) = self.parameter() {
+            return run.cell.parameters().get(parameter);
+        }
+        match find(&self.key)?.kind {
+            Kind::Quantity { get, .. } => get(run),
+            _ => None,
+        }
+    }
+
+    /// Gives it a value, in its unit.
+    ///
+    /// # Errors
+    /// A value outside its bounds.
+    pub fn set(&self, run: &mut Run, value: f64) -> Result<(), Problem> {
+        let parameter = self.parameter();
+        let key = if parameter.is_some() { PARAMETERS } else { &self.key };
+        let Some(setting) = find(key) else { return Ok(()) };
+        let value = match (parameter, setting.bounds()) {
+            (Some(parameter), _) => {
+                Value::Named(Named::from([(parameter.to_owned(), Value::Number(value))]))
+            }
+            (None, Some(bounds)) => Value::Text(units::format(value, bounds.dimension)),
+            (None, None) => Value::Number(value),
+        };
+        setting.set(run, &value).map_err(|(_, problem)| problem)
+    }
+
+    /// A value as a person writes it, in its unit: `"1 um"`, or a bare number.
+    ///
+    /// # Errors
+    /// A unit of another kind, or no number.
+    pub fn read(&self, text: &str) -> Result<f64, UnitError> {
+        let bounds = find(&self.key).and_then(super::Setting::bounds);
+        let dimension = bounds.map(|bounds| bounds.dimension);
+        let dimension = dimension.or_else(|| Dimension::of_unit(&self.unit));
+        units::parse(text, dimension.unwrap_or(Dimension::Number))
+    }
+}
