@@ -344,7 +344,8 @@ mod tests {
         // Frames at rest widen no scale.
         let still = moved(&mesh, |x, y| [x, y]);
         let wide = fields.limits(Field::CrossStrain, [&still, &moved(&mesh, |x, y| [x, 1.3 * y])]);
-        assert_eq!(wide[0], 0.0);
+        // Stretching one way moves the other by rounding alone, in per cent.
+        assert!(wide[0].abs() < 1e-12, "{wide:?}");
         let [low, high] = fields.limits(Field::AreaRatio, [&frame]);
         assert!((low - 0.88 * 1.066).abs() < 1e-12 && high == 1.0);
     }
