@@ -58,6 +58,8 @@ pub(crate) enum Command {
     Batch(Box<BatchArgs>),
     /// Lay runs side by side: curves, cells and a table of differences; factors and doses
     Compare(Box<CompareArgs>),
+    /// Many runs that differ in numbers: sensitivity analyses and populations
+    Study(StudyArgs),
     /// Mesh a cell and report; nothing beats
     Mesh(MeshArgs),
     /// List the cell models, or the parameters of one
@@ -268,6 +270,72 @@ pub(crate) struct BatchArgs {
     pub(crate) figures: bool,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+}
+
+/// `myospring study`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring study init study.toml                   a description to start from\n  \
+    myospring study run study.toml                    runs it, or goes on with it\n  \
+    myospring study run study.toml --shard 3/20       the third of twenty parts, for an array of jobs\n  \
+    myospring study merge study.toml                  when all parts are done\n\n\
+    Results: members.csv and members.parquet, one row a member with its values, metrics, status and reason;\n\
+    study.json, with Sobol's or Morris's indices where the sampler is saltelli or morris; figures/sensitivity.\n\
+    Interrupted or killed, the same command goes on where it was.")]
+pub(crate) struct StudyArgs {
+    #[command(subcommand)]
+    pub(crate) command: StudyCommand,
+}
+
+/// What to do with a study.
+#[derive(Debug, Subcommand)]
+pub(crate) enum StudyCommand {
+    /// Run a study, or go on with it
+    Run(StudyRunArgs),
+    /// Put the parts of a study together that were run with --shard
+    Merge(StudyMergeArgs),
+    /// Write a commented description of a study to start from
+    Init(StudyInitArgs),
+}
+
+/// `myospring study run`.
+#[derive(Debug, Args)]
+pub(crate) struct StudyRunArgs {
+    /// Description of the study (.toml)
+    #[arg(value_name = "STUDY.toml")]
+    pub(crate) study: PathBuf,
+    /// Members at a time, at most one for each core; the numbers do not depend on it [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub(crate) jobs: Option<NonZeroUsize>,
+    /// Only the i-th of N parts; `study merge` puts them together
+    #[arg(long, value_name = "i/N")]
+    pub(crate) shard: Option<String>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// `myospring study merge`.
+#[derive(Debug, Args)]
+pub(crate) struct StudyMergeArgs {
+    /// Description of the study (.toml), the same as that of its parts
+    #[arg(value_name = "STUDY.toml")]
+    pub(crate) study: PathBuf,
+    /// Folder in which the parts are, and the results will be [default: `results/NAME_study`]
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
+    pub(crate) output: Option<PathBuf>,
+    /// Print results as JSON
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) json: bool,
+}
+
+/// `myospring study init`.
+#[derive(Debug, Args)]
+pub(crate) struct StudyInitArgs {
+    /// File to write; without it, the description goes to stdout
+    pub(crate) file: Option<PathBuf>,
+    /// Replace the file if it exists
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// `myospring models`.

@@ -22,6 +22,7 @@ mod refused;
 mod results;
 mod run;
 mod segment;
+mod study;
 mod summary;
 mod table;
 
@@ -62,6 +63,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         Some(Command::Segment(args)) => segment::segment(args),
         Some(Command::Batch(args)) => batch::batch(args),
         Some(Command::Compare(args)) => compare::compare(args),
+        Some(Command::Study(args)) => study::study(args),
         Some(Command::Mesh(args)) => mesh::mesh(args),
         Some(Command::Models(args)) => lists::models(args),
         Some(Command::Init(args)) => lists::init(args),

@@ -9,6 +9,7 @@
 //! | [`compared()`] | curves and cells of several runs over each other | |
 //! | [`overview()`] | cell and curves of one run in one picture | |
 //! | [`Film`] | the beating cell as GIF or as frames for video | |
+//! | [`rankings`] | which parameter matters for which metric | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
@@ -35,6 +36,7 @@ mod moments;
 mod overlay;
 mod overview;
 pub(crate) mod photograph;
+mod ranking;
 mod raster;
 mod shapes;
 mod sheet;
@@ -51,6 +53,7 @@ pub use lattice::mesh;
 pub use moments::{Shape, key_shapes};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
 pub use overview::overview;
+pub use ranking::{Bar, Ranking, rankings};
 pub use shapes::cell_shapes;
 pub use sheet::Figure;
 pub use theme::Theme;

@@ -37,6 +37,23 @@ pub enum Column {
     },
 }
 
+/// The name of a column: `peak_tension` in `kPa` gives `peak_tension_kPa`; `L0/s` becomes `L0_per_s`.
+///
+/// # Example
+/// ```
+/// use myospring_output::table::column_name;
+/// assert_eq!(column_name("maximum_shortening_rate", "L0/s"), "maximum_shortening_rate_L0_per_s");
+/// ```
+pub fn column_name(name: &str, unit: &str) -> String {
+    match unit {
+        "" => name.to_owned(),
+        unit => {
+            let unit = unit.replace('%', "pct").replace('/', "_per_");
+            format!("{name}_{}", unit.replace('^', "").replace(' ', "_"))
+        }
+    }
+}
+
 /// Columns of equal length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`pictures`] | a picture: its cells are found, meshed and beaten, or left out with the reason |
 //! | [`cells`] | a cell without a mesh: its beats, many cells side by side |
+//! | [`parameters`] | a run with numbers of its own: sensitivity analyses, populations |
 //!
 //! [`sampling`] places the members of a study of parameters, and [`sensitivity`] says which of these matter.
 //!
@@ -67,6 +68,7 @@ mod hash;
 mod journal;
 mod member;
 mod observer;
+pub mod parameters;
 pub mod pictures;
 mod runner;
 pub mod sampling;

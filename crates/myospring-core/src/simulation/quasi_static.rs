@@ -19,7 +19,7 @@ use super::{SettingError, SetupError, Simulation, StopReason};
 use crate::analysis::shape::ShapeMeter;
 use crate::exchange::Sites;
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
-use crate::mechanics::{Configuration, System, Tension, Vectors, zeros};
+use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
 use crate::mesh::Mesh;
 use crate::recording::Recording;
 
@@ -47,6 +47,38 @@ impl Simulation {
     /// A setting that no run can have, forces for which there is no such path, or a cell model without tension.
     /// A path that ends before the peak is no error but [`PreparedPath::end`].
     pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<PreparedPath, SetupError> {
+        self.along(|system, body| Path::start(system, body, tolerance))
+    }
+
+    /// As [`Simulation::prepare_quasi_static`], going on from the equilibria that a run with the same mesh,
+    /// material, fibres and supports has solved ([`PreparedPath::shapes`]): runs that differ in their cell model and
+    /// its pacing alone share them.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::prepare_quasi_static`].
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::integrate::quasi_static::Tolerance;
+    /// use myospring::mesh::lattice;
+    /// use myospring::simulation::Simulation;
+    ///
+    /// let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
+    /// let usual = simulation.prepare_quasi_static(Tolerance::default())?;
+    /// simulation.peak_tension = 30.0;
+    /// let weak = simulation.prepare_quasi_static_from(usual.shapes.clone())?.run(|_| true);
+    /// let shortening = weak.beats()[0].value("peak_shortening").unwrap();
+    /// assert!((shortening - 7.6).abs() < 0.1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn prepare_quasi_static_from(&self, shapes: Shapes) -> Result<PreparedPath, SetupError> {
+        self.along(|system, body| Ok(Path::resume(system, body, shapes)))
+    }
+
+    fn along(
+        &self,
+        begin: impl for<'a> FnOnce(&'a System, &'a Body) -> Result<Path<'a>, PathError>,
+    ) -> Result<PreparedPath, SetupError> {
         let setup = self.set_up()?;
         if let Sites::PerElement(_) = setup.sites() {
             return Err(SetupError::Setting(SettingError::Conflict {
@@ -56,7 +88,7 @@ impl Simulation {
             }));
         }
         let Assembly { system, body, .. } = &setup.assembly;
-        let mut path = Path::start(system, body, tolerance)?;
+        let mut path = begin(system, body)?;
         let end = path.extend((1.0 + MARGIN) * setup.strongest.tension).err();
         let shapes = path.into_shapes();
         Ok(PreparedPath { setup, shapes, end })

@@ -117,8 +117,8 @@ impl Number {
         self.key.rsplit_once('.').map_or(self.key.as_str(), |(_, name)| name)
     }
 
-    /// The parameter of the cell model that it is.
-    fn parameter(&self) -> Option<&str> {
+    /// The parameter of the cell model that it is; `None` for a setting.
+    pub fn parameter(&self) -> Option<&str> {
         self.key.strip_prefix(PARAMETERS)?.strip_prefix('.')
     }
 
@@ -139,16 +139,24 @@ impl Number {
     /// A value outside its bounds.
     pub fn set(&self, run: &mut Run, value: f64) -> Result<(), Problem> {
         let parameter = self.parameter();
-        let key = if parameter.is_some() { PARAMETERS } else { &self.key };
-        let Some(setting) = find(key) else { return Ok(()) };
-        let value = match (parameter, setting.bounds()) {
-            (Some(parameter), _) => {
+        let Some(setting) = find(parameter.map_or(&self.key, |_| PARAMETERS)) else {
+            return Ok(());
+        };
+        let value = match parameter {
+            Some(parameter) => {
                 Value::Named(Named::from([(parameter.to_owned(), Value::Number(value))]))
             }
-            (None, Some(bounds)) => Value::Text(units::format(value, bounds.dimension)),
-            (None, None) => Value::Number(value),
+            None => self.written(value),
         };
         setting.set(run, &value).map_err(|(_, problem)| problem)
+    }
+
+    /// A value, in its unit, as a run file has it.
+    pub fn written(&self, value: f64) -> Value {
+        match find(&self.key).and_then(super::Setting::bounds) {
+            Some(bounds) => Value::Text(units::format(value, bounds.dimension)),
+            None => Value::Number(value),
+        }
     }
 
     /// A value as a person writes it, in its unit: `"1 um"`, or a bare number.

@@ -2,7 +2,7 @@
 
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::report::Summary;
-use crate::output::table::{Column, Table};
+use crate::output::table::{Column, Table, column_name};
 use crate::settings::FibreReport;
 use crate::study::{Row, Status};
 use serde::{Deserialize, Serialize};
@@ -82,7 +82,7 @@ impl CellRow {
         for metric in first.metrics() {
             let mean = summary.beat_to_beat.iter().find(|spread| spread.name == metric.name);
             let value = mean.map(|spread| spread.mean).or(metric.value);
-            self.number(column(metric.name, metric.unit), value);
+            self.number(column_name(metric.name, metric.unit), value);
         }
     }
 
@@ -142,16 +142,5 @@ impl Row for CellRow {
         }));
         columns.push(text("warnings", |row| Some(row.warnings.clone())));
         Table { columns }
-    }
-}
-
-/// `peak_tension` in `kPa` gives `peak_tension_kPa`; `L0/s` becomes `L0_per_s`.
-fn column(name: &str, unit: &str) -> String {
-    match unit {
-        "" => name.to_owned(),
-        unit => {
-            let unit = unit.replace('%', "pct").replace('/', "_per_");
-            format!("{name}_{}", unit.replace('^', "").replace(' ', "_"))
-        }
     }
 }

@@ -89,6 +89,28 @@ impl Distribution {
         })
     }
 
+    /// That of the same numbers times `factor`.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Fixed { value } => Self::Fixed { value: factor * value },
+            Self::Uniform { low, high } => {
+                let ends = [factor * low, factor * high];
+                Self::Uniform { low: ends[0].min(ends[1]), high: ends[0].max(ends[1]) }
+            }
+            Self::LogUniform { low, high } => {
+                Self::LogUniform { low: factor * low, high: factor * high }
+            }
+            Self::Normal { mean, standard_deviation } => Self::Normal {
+                mean: factor * mean,
+                standard_deviation: factor.abs() * standard_deviation,
+            },
+            Self::Lognormal { median, log_standard_deviation } => {
+                Self::Lognormal { median: factor * median, log_standard_deviation }
+            }
+        }
+    }
+
     /// The value below which the part `place` of all values lies. At 0 and 1, where a distribution without ends has
     /// none, that of 2.5 and 97.5 %.
     pub fn quantile(&self, place: f64) -> f64 {

@@ -1,0 +1,129 @@
+//! `myospring study` as people meet it: begun, killed, gone on with, in parts.
+
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_myospring"));
+    command.args(arguments).current_dir(folder).env_remove("COLUMNS");
+    command
+}
+
+fn myospring(folder: &Path, arguments: &[&str]) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = myospring(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+const STUDY: &str = "
+    metrics = [\"peak_shortening\", \"relaxation_time_50\"]
+    [run.shape]
+    spacing = \"3 um\"
+    [parameters]
+    peak_tension = { distribution = \"uniform\", low = \"45 kPa\", high = \"55 kPa\" }
+    young_modulus = { distribution = \"uniform\", low = 0.9, high = 1.1, relative = true }
+    [sampling]
+    sampler = \"saltelli\"
+    size = 32
+    [keep]
+    peak_shortening = [11, 13]
+";
+
+#[test]
+fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("s.toml"), STUDY).unwrap();
+    let said = done(path, &["study", "run", "s.toml", "-o", "whole", "--jobs", "1"]);
+    assert!(
+        said.contains("128 members: 128 beat, ") && said.contains("with all interactions"),
+        "{said}"
+    );
+    let table = fs::read(path.join("whole/members.csv")).unwrap();
+    let figure = fs::read_to_string(path.join("whole/figures/sensitivity.svg")).unwrap();
+    assert!(figure.contains("young_modulus") && figure.contains("peak shortening"));
+    assert_eq!(text(&table).lines().count(), 129);
+
+    // Killed in the middle, and gone on with.
+    let mut child = command(path, &["study", "run", "s.toml", "-o", "killed", "--jobs", "1", "-q"])
+        .spawn()
+        .unwrap();
+    let journal = path.join("killed/progress.jsonl");
+    let begun = Instant::now();
+    while fs::read_to_string(&journal).unwrap_or_default().lines().count() < 10 {
+        assert!(begun.elapsed() < Duration::from_secs(120), "no member was done");
+        sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let known = fs::read_to_string(&journal).unwrap().lines().count();
+    let output = myospring(path, &["study", "run", "s.toml", "-o", "killed"]);
+    assert!(output.status.success());
+    let note = text(&output.stderr);
+    assert!(known < 128 && note.contains("of 128 members are done"), "{note}");
+    assert_eq!(fs::read(path.join("killed/members.csv")).unwrap(), table);
+
+    // In two parts; the second is missed first.
+    let part =
+        |which: &str| done(path, &["study", "run", "s.toml", "-o", "parts", "--shard", which]);
+    assert!(part("1/2").contains("study merge s.toml --output parts"));
+    let early = myospring(path, &["study", "merge", "s.toml", "-o", "parts"]);
+    assert_eq!(early.status.code(), Some(2));
+    assert!(
+        text(&early.stderr).contains("64 of 128 members are not in the parts"),
+        "{}",
+        text(&early.stderr)
+    );
+    part("2/2");
+    done(path, &["study", "merge", "s.toml", "-o", "parts"]);
+    assert_eq!(fs::read(path.join("parts/members.csv")).unwrap(), table);
+    assert_eq!(
+        fs::read(path.join("parts/study.json")).unwrap(),
+        fs::read(path.join("whole/study.json")).unwrap()
+    );
+
+    // A study with other members goes nowhere near these results.
+    fs::write(path.join("s.toml"), STUDY.replace("3 um", "4 um")).unwrap();
+    let other = myospring(path, &["study", "run", "s.toml", "-o", "whole"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other.stderr).contains("results of other settings"), "{}", text(&other.stderr));
+}
+
+#[test]
+fn the_description_to_start_from_is_one_that_runs_and_a_bad_one_says_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    done(path, &["study", "init", "s.toml"]);
+    let written = fs::read_to_string(path.join("s.toml")).unwrap();
+    let small =
+        written.replace("kind = \"beat\"", "kind = \"cell\"").replace("size = 64", "size = 4");
+    let of_beats = ["metrics", "young_modulus", "peak_shortening"];
+    let kept = |line: &&str| !of_beats.iter().any(|start| line.starts_with(start));
+    let cell: Vec<&str> = small.lines().filter(kept).collect();
+    fs::write(path.join("cell.toml"), cell.join("\n")).unwrap();
+    assert!(done(path, &["study", "run", "cell.toml"]).contains("16 members: 16 beat"));
+    assert!(path.join("results/cell_study/members.parquet").exists());
+    fs::write(path.join("bad.toml"), written.replace("tau_so2 =", "tau_s02 =")).unwrap();
+    let bad = myospring(path, &["study", "run", "bad.toml"]);
+    assert_eq!(bad.status.code(), Some(2));
+    let message = text(&bad.stderr);
+    assert!(
+        message.contains("`bad.toml`: [parameters]: `tau_s02`") && message.contains("tau_so2"),
+        "{message}"
+    );
+    let shard = myospring(path, &["study", "run", "s.toml", "--shard", "3/2"]);
+    assert!(text(&shard.stderr).contains("like 2/8"));
+}

@@ -1,0 +1,86 @@
+//! Studies of parameters: many runs that differ in numbers, such as sensitivity analyses and populations.
+//!
+//! A [`ParameterStudy`] is read from a short TOML description: what all members have in common (a run file), which
+//! numbers vary and how ([`sampling`](super::sampling)), which metrics are wanted. [`run`] works on its members, or on a
+//! [`Shard`] of them; an [`Answer`] is what they say together: a table, who is kept, which parameter matters
+//! ([`sensitivity`](super::sensitivity)).
+//!
+//! Members that differ in the cell model alone share the equilibria of their mesh; those without a mesh go side by
+//! side. What a member gives hangs on its values alone: not on threads, shards, or on being resumed.
+//!
+//! # Example
+//! ```
+//! use myospring::study::parameters::{Answer, Common, ParameterStudy, Shard, run};
+//! use myospring::study::{Journal, Threads};
+//!
+//! let no_file = |_file: &str| Err(std::io::ErrorKind::NotFound.into());
+//! let study = ParameterStudy::from_toml(
+//!     r#"
+//!     kind = "cell"
+//!     [parameters]
+//!     tau_si = { distribution = "uniform", low = 0.98, high = 1.02, relative = true }
+//!     tau_so1 = { distribution = "uniform", low = 0.98, high = 1.02, relative = true }
+//!     [sampling]
+//!     sampler = "saltelli"
+//!     size = 64
+//!     "#,
+//!     no_file,
+//! )?;
+//! let common = Common::new(&study, &no_file)?;
+//! let rows = run(&common, Shard::WHOLE, &Journal::in_memory(), &Threads::new(None)?, &())?.rows;
+//! let answer = Answer::new(&study, &common.units, rows);
+//! let tension = &answer.sensitivity()?[0];
+//! assert_eq!(tension.metric, "peak_tension");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod answer;
+mod description;
+mod error;
+mod member;
+mod shard;
+mod work;
+
+pub use answer::{Acceptance, Answer, Ranked, Sensitivity};
+pub use description::{Design, Kept, Kind, ParameterStudy, Varied, Which};
+pub use error::ParameterStudyError;
+pub use member::{Variation, VariationRow};
+pub use shard::Shard;
+pub use work::Common;
+
+use super::{Journal, Observer, Report, StudyError, Threads, run_together};
+use crate::cell::population::LANES;
+use std::num::NonZeroUsize;
+
+/// So many cells go side by side, and are noted together.
+const CELLS_TOGETHER: usize = 8 * LANES;
+/// So many beats are noted together: half a second of work.
+const BEATS_TOGETHER: usize = 8;
+
+/// Works on every member of a part of a study that the journal does not have.
+///
+/// # Errors
+/// Those of [`study::run`](super::run); what is wrong with a member is a row.
+pub fn run(
+    common: &Common<'_>,
+    part: Shard,
+    journal: &Journal<Variation>,
+    threads: &Threads,
+    observer: &impl Observer<Variation>,
+) -> Result<Report<VariationRow>, StudyError> {
+    let study = common.study();
+    let members = study.members(part);
+    let most = if study.kind == Kind::Cell { CELLS_TOGETHER } else { BEATS_TOGETHER };
+    let together = members.len().div_ceil(threads.count()).clamp(1, most);
+    let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
+    run_together(&members, journal, threads, observer, together, |group| {
+        let rows = match study.kind {
+            Kind::Cell => common.cells(group),
+            Kind::Beat => common.beats(group),
+        };
+        rows.into_iter().map(|row| row.map(|row| vec![row])).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,225 @@
+//! What the members of a study say together.
+
+use super::super::sampling::Sampler;
+use super::super::sensitivity::{Index, Pair, morris, sobol};
+use super::super::{Row as _, Status};
+use super::description::{Design, ParameterStudy};
+use super::error::ParameterStudyError;
+use super::member::VariationRow;
+use crate::output::table::{Column, Table, column_name};
+use serde::Serialize;
+
+/// The rows of a study, in the order of its members.
+pub struct Answer<'a> {
+    study: &'a ParameterStudy,
+    units: &'a [&'static str],
+    rows: Vec<VariationRow>,
+}
+
+/// How many members are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Acceptance {
+    /// Members that beat.
+    pub beat: usize,
+    /// Those of them whose metrics lie in every band.
+    pub kept: usize,
+    /// Members that failed.
+    pub failed: usize,
+}
+
+/// How much a metric hangs on each parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// The metric.
+    pub metric: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its parameters, what matters most first.
+    pub parameters: Vec<Ranked>,
+    /// Interactions of pairs, by the names of both, the strongest first; where the design has them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pairs: Vec<([String; 2], Index)>,
+    /// Base points or trajectories that were used.
+    pub used: usize,
+    /// Those that were left out, since a member of theirs failed or does not have the metric.
+    pub left_out: usize,
+}
+
+/// What one parameter does.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Ranked {
+    /// By Sobol's indices.
+    Sobol {
+        /// Its key.
+        parameter: String,
+        /// Part of the variance that it causes alone.
+        first: Index,
+        /// Part of the variance that it has to do with.
+        total: Index,
+    },
+    /// By Morris's elementary effects, in the metric's unit over the whole range of the parameter.
+    Morris {
+        /// Its key.
+        parameter: String,
+        /// Mean size of the effects, with half of its 95 % confidence interval.
+        mean_size: Index,
+        /// Mean of the effects.
+        mean: f64,
+        /// Their standard deviation.
+        spread: f64,
+    },
+}
+
+impl Ranked {
+    /// The parameter's key.
+    pub fn parameter(&self) -> &str {
+        match self {
+            Self::Sobol { parameter, .. } | Self::Morris { parameter, .. } => parameter,
+        }
+    }
+
+    /// What it is ranked by.
+    pub fn rank(&self) -> Index {
+        match self {
+            Self::Sobol { total, .. } => *total,
+            Self::Morris { mean_size, .. } => *mean_size,
+        }
+    }
+}
+
+impl<'a> Answer<'a> {
+    /// Of rows in any order, as far as they are there; `units` are those of the metrics.
+    pub fn new(
+        study: &'a ParameterStudy,
+        units: &'a [&'static str],
+        mut rows: Vec<VariationRow>,
+    ) -> Self {
+        rows.sort_by_key(|row| row.member);
+        rows.dedup_by_key(|row| row.member);
+        Self { study, units, rows }
+    }
+
+    /// The rows, in the order of the members.
+    pub fn rows(&self) -> &[VariationRow] {
+        &self.rows
+    }
+
+    /// Whether every member has a row.
+    pub fn is_whole(&self) -> bool {
+        self.rows.len() == self.study.values.len()
+    }
+
+    /// Whether a member's metrics lie in every band.
+    pub fn is_kept(&self, row: &VariationRow) -> bool {
+        row.status() == Status::Ok
+            && self.study.metrics.iter().zip(&row.metrics).all(|(name, value)| {
+                let Some(band) = self.study.keep.get(name) else { return true };
+                value.is_some_and(|value| (band.0[0]..=band.0[1]).contains(&value))
+            })
+    }
+
+    /// How many members are kept.
+    pub fn acceptance(&self) -> Acceptance {
+        let count = |of: &dyn Fn(&&VariationRow) -> bool| self.rows.iter().filter(of).count();
+        Acceptance {
+            beat: count(&|row| row.status() == Status::Ok),
+            kept: count(&|row| self.is_kept(row)),
+            failed: count(&|row| row.status() == Status::Failed),
+        }
+    }
+
+    /// One row a member: its values, its metrics, what became of it.
+    pub fn table(&self) -> Table {
+        let number = |name: String, value: &dyn Fn(&VariationRow) -> Option<f64>| Column::Number {
+            name,
+            values: self.rows.iter().map(value).collect(),
+        };
+        let text = |name: &str, value: &dyn Fn(&VariationRow) -> String| Column::Text {
+            name: name.to_owned(),
+            values: self.rows.iter().map(|row| Some(value(row))).collect(),
+        };
+        let mut columns = vec![number("member".to_owned(), &|row| Some(row.member as f64))];
+        for (at, varied) in self.study.varied.iter().enumerate() {
+            let name = column_name(varied.number.name(), &varied.number.unit);
+            columns.push(number(name, &|row| {
+                self.study.values.get(row.member.checked_sub(1)?)?.get(at).copied()
+            }));
+        }
+        for (at, (name, unit)) in self.study.metrics.iter().zip(self.units).enumerate() {
+            columns.push(number(column_name(name, unit), &|row| *row.metrics.get(at)?));
+        }
+        if !self.study.keep.is_empty() {
+            columns.push(text("kept", &|row| self.is_kept(row).to_string()));
+        }
+        columns.push(text("status", &|row| row.status.to_string()));
+        columns.push(text("reason", &|row| row.reason.clone()));
+        Table { columns }
+    }
+
+    /// How much each metric hangs on each parameter; empty where the design is none for that, or members are missing.
+    ///
+    /// # Errors
+    /// Fewer than two base points or trajectories without a failure.
+    pub fn sensitivity(&self) -> Result<Vec<Sensitivity>, ParameterStudyError> {
+        let Design::Sampled { sampler, seed } = self.study.design else { return Ok(Vec::new()) };
+        let moving = self.study.moving();
+        let name = |at: usize| self.study.varied[moving[at]].number.key.clone();
+        let mut all = Vec::new();
+        for (at, (metric, &unit)) in self.study.metrics.iter().zip(self.units).enumerate() {
+            if !self.is_whole() {
+                break;
+            }
+            let value =
+                |row: &VariationRow| row.metrics.get(at).copied().flatten().unwrap_or(f64::NAN);
+            let answers: Vec<f64> = self.rows.iter().map(value).collect();
+            let constant = || answers.iter().all(|answer| *answer == answers[0]);
+            if constant() {
+                continue;
+            }
+            let (mut parameters, mut pairs, used, left_out) = match sampler {
+                Sampler::Saltelli { pairs, .. } => {
+                    let found = sobol(&answers, moving.len(), pairs, seed)?;
+                    let both = found.first.iter().zip(&found.total).enumerate();
+                    let of = |(at, (&first, &total))| Ranked::Sobol {
+                        parameter: name(at),
+                        first,
+                        total,
+                    };
+                    let couple = |Pair { of, index }: &Pair| (of.map(name), *index);
+                    let pairs: Vec<_> = found.pairs.iter().map(couple).collect();
+                    (both.map(of).collect::<Vec<_>>(), pairs, found.used, found.left_out)
+                }
+                Sampler::Morris { .. } => {
+                    let points = sampler.unit_cube(moving.len(), seed)?;
+                    let found = morris(&points, &answers, moving.len(), seed)?;
+                    let of = |(at, effect): (usize, &super::super::sensitivity::Effect)| {
+                        Ranked::Morris {
+                            parameter: name(at),
+                            mean_size: Index {
+                                value: effect.mean_size,
+                                confidence: effect.confidence,
+                            },
+                            mean: effect.mean,
+                            spread: effect.spread,
+                        }
+                    };
+                    let effects = found.effects.iter().enumerate().map(of).collect();
+                    (effects, Vec::new(), found.used, found.left_out)
+                }
+                _ => return Ok(Vec::new()),
+            };
+            parameters.sort_by(|a, b| b.rank().value.total_cmp(&a.rank().value));
+            pairs.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));
+            all.push(Sensitivity {
+                metric: metric.clone(),
+                unit,
+                parameters,
+                pairs,
+                used,
+                left_out,
+            });
+        }
+        Ok(all)
+    }
+}

@@ -1,0 +1,343 @@
+//! The description of a study of parameters, from TOML.
+
+use super::super::sampling::{Distribution, Sampler, sample};
+use super::error::ParameterStudyError;
+use crate::cell::minimal::MinimalModel;
+use crate::run_file::{RunFile, RunFileError};
+use crate::settings::{Named, Number, Run, Value};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io;
+
+const PARAMETERS: &str = "cell.parameters";
+
+/// What every member is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// A cell that beats: electrical activity, tension and shape.
+    #[default]
+    Beat,
+    /// Action potential and tension only, many cells side by side.
+    Cell,
+}
+
+/// Which beat's metrics count, where a run has several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Which {
+    /// The first.
+    First,
+    /// The last.
+    #[default]
+    Last,
+    /// The mean of all.
+    Mean,
+}
+
+/// A band in which a metric has to lie for a member to be kept.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Kept(
+    /// Least and largest value, in the metric's unit.
+    pub [f64; 2],
+);
+
+/// A number of the run that a study varies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// The number.
+    pub number: Number,
+    /// How its values are distributed; `None` where a table has them.
+    pub distribution: Option<Distribution>,
+}
+
+/// Where the values come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Design {
+    /// Sampled.
+    Sampled {
+        /// How.
+        sampler: Sampler,
+        /// The number that decides everything random.
+        seed: u64,
+    },
+    /// A table that somebody else has made.
+    Table,
+}
+
+/// A study of parameters: what its members have in common, and in what they differ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterStudy {
+    /// Title, for people.
+    pub title: String,
+    /// What every member is.
+    pub kind: Kind,
+    /// What all have in common.
+    pub run: RunFile,
+    /// What differs, by name in alphabetical order; of a table in the order of its columns.
+    pub varied: Vec<Varied>,
+    /// Where the values come from.
+    pub design: Design,
+    /// Names of the metrics that are wanted, in order.
+    pub metrics: Vec<String>,
+    /// Which beat counts.
+    pub beat: Which,
+    /// Bands by metric.
+    pub keep: BTreeMap<String, Kept>,
+    /// The values: one row a member, one column a varied number.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// As it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct Written {
+    #[serde(default)]
+    title: String,
+    #[serde(default)]
+    kind: Kind,
+    #[serde(default)]
+    metrics: Vec<String>,
+    #[serde(default)]
+    beat: Which,
+    #[serde(default)]
+    run: Option<toml::Value>,
+    #[serde(default)]
+    parameters: toml::Table,
+    sampling: toml::Table,
+    #[serde(default)]
+    keep: BTreeMap<String, Kept>,
+}
+
+/// Metrics of a beat unless others are wanted.
+const OF_BEATS: [&str; 9] = [
+    "peak_shortening",
+    "time_to_peak_from_stimulus",
+    "maximum_shortening_rate",
+    "maximum_relengthening_rate",
+    "relaxation_time_50",
+    "relaxation_time_90",
+    "peak_tension",
+    "time_to_peak_tension",
+    "action_potential_duration_90",
+];
+
+/// Metrics of a cell without a mesh.
+pub(super) const OF_CELLS: [&str; 5] = [
+    "peak_tension",
+    "time_to_peak_tension",
+    "action_potential_duration_90",
+    "peak_potential",
+    "resting_potential",
+];
+
+impl ParameterStudy {
+    /// Reads a description; `read` reads a file by its name as written: a run file, a table of rows.
+    ///
+    /// # Errors
+    /// What is wrong with it, with its place.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::study::parameters::ParameterStudy;
+    /// let study = ParameterStudy::from_toml(
+    ///     r#"
+    ///     metrics = ["peak_shortening"]
+    ///     [parameters]
+    ///     tau_si = { distribution = "uniform", low = 0.98, high = 1.02, relative = true }
+    ///     thickness = { distribution = "normal", mean = "10 um", standard_deviation = "1 um" }
+    ///     [sampling]
+    ///     sampler = "latin-hypercube"
+    ///     size = 20
+    ///     "#,
+    ///     |_file| Err(std::io::ErrorKind::NotFound.into()),
+    /// )?;
+    /// assert_eq!((study.values.len(), study.varied[1].number.unit.as_str()), (20, "um"));
+    /// # Ok::<(), myospring::study::parameters::ParameterStudyError>(())
+    /// ```
+    pub fn from_toml(
+        text: &str,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<Self, ParameterStudyError> {
+        let written: Written = toml::from_str(text)?;
+        let read_text = |what, path: &str| {
+            let failed = |cause| ParameterStudyError::Read { what, path: path.to_owned(), cause };
+            let bytes = read(path).map_err(failed)?;
+            String::from_utf8(bytes).map_err(|_| failed(io::ErrorKind::InvalidData.into()))
+        };
+        let mut run = match &written.run {
+            None => RunFile::default(),
+            Some(toml::Value::String(path)) => RunFile::from_text(&read_text("run", path)?)?,
+            Some(tables) => RunFile::from_text(&toml::to_string(tables).unwrap_or_default())?,
+        };
+        // Along the path of equilibria and with adaptive steps, unless asked otherwise.
+        for (key, usual) in
+            [("numerics.integrator", "quasi-static"), ("cell.integrator", "adaptive")]
+        {
+            if !run.has(key) {
+                let mut with = run.clone();
+                with.set(key, usual)?;
+                // Adaptive steps know some models only.
+                if with.resolve().is_ok_and(|run| key != "cell.integrator" || is_minimal(&run)) {
+                    run = with;
+                }
+            }
+        }
+        let base = run.resolve()?;
+        let mut sampling = written.sampling;
+        let (varied, design, values) = if sampling.get("sampler") == Some(&"table".into()) {
+            let file = sampling.get("file").and_then(toml::Value::as_str).unwrap_or_default();
+            let (varied, values) =
+                rows_of_table(file, &read_text("[sampling] file", file)?, &base)?;
+            (varied, Design::Table, values)
+        } else {
+            let seed = match sampling.remove("seed") {
+                None => 1,
+                Some(seed) => u64::deserialize(seed)?,
+            };
+            let sampler = Sampler::deserialize(toml::Value::Table(sampling))?;
+            let varied = varied(&written.parameters, &base)?;
+            let distributions: Vec<Distribution> =
+                varied.iter().filter_map(|varied| varied.distribution).collect();
+            let values = sample(&sampler, &distributions, seed)?;
+            (varied, Design::Sampled { sampler, seed }, values)
+        };
+        let usual: &[&str] = if written.kind == Kind::Cell { &OF_CELLS } else { &OF_BEATS };
+        let mut metrics = written.metrics;
+        if metrics.is_empty() {
+            metrics = usual.iter().map(|name| (*name).to_owned()).collect();
+        }
+        // What decides who is kept is looked at, too.
+        for name in
+            written.keep.keys().filter(|name| !metrics.contains(name)).cloned().collect::<Vec<_>>()
+        {
+            metrics.push(name);
+        }
+        Ok(Self {
+            title: written.title,
+            kind: written.kind,
+            run,
+            varied,
+            design,
+            metrics,
+            beat: written.beat,
+            keep: written.keep,
+            values,
+        })
+    }
+
+    /// The run file of a member.
+    ///
+    /// # Errors
+    /// A value of the wrong kind; bounds are looked at when it is resolved.
+    pub fn run_of(&self, values: &[f64]) -> Result<RunFile, RunFileError> {
+        let mut file = self.run.clone();
+        for (varied, value) in self.varied.iter().zip(values) {
+            write(&varied.number, &mut file, *value)?;
+        }
+        Ok(file)
+    }
+
+    /// The columns in which members differ.
+    pub fn moving(&self) -> Vec<usize> {
+        let fixed = |varied: &Varied| varied.distribution.is_some_and(|it| it.is_fixed());
+        (0..self.varied.len()).filter(|&at| !fixed(&self.varied[at])).collect()
+    }
+}
+
+/// Whether the cell model is the minimal one, which adaptive steps know.
+pub(super) fn is_minimal(run: &Run) -> bool {
+    (&*run.cell as &dyn std::any::Any).is::<MinimalModel>()
+}
+
+/// The numbers that vary, with their distributions in the units of these numbers.
+fn varied(written: &toml::Table, base: &Run) -> Result<Vec<Varied>, ParameterStudyError> {
+    let mut all: Vec<Varied> = Vec::new();
+    for (name, value) in written {
+        let number = Number::named(base, name)?;
+        if all.iter().any(|other| other.number == number) {
+            return Err(ParameterStudyError::Twice { key: number.key });
+        }
+        let name = || name.clone();
+        let wrong = |cause: String| ParameterStudyError::Distribution { name: name(), cause };
+        let toml::Value::Table(mut table) = value.clone() else {
+            return Err(wrong(
+                "write a distribution, like { distribution = \"uniform\", low = 1, high = 2 }"
+                    .to_owned(),
+            ));
+        };
+        let relative = table.remove("relative").is_some_and(|value| value.as_bool() == Some(true));
+        for (what, value) in table.iter_mut().filter(|(what, _)| *what != "distribution") {
+            if let toml::Value::String(text) = value {
+                let failed =
+                    |cause| ParameterStudyError::Unit { name: name(), what: what.clone(), cause };
+                *value = number.read(text).map_err(failed)?.into();
+            }
+        }
+        let distribution = Distribution::deserialize(toml::Value::Table(table))
+            .map_err(|error| wrong(error.message().to_owned()))?;
+        let distribution = if relative {
+            let usual =
+                number.get(base).ok_or_else(|| ParameterStudyError::NoValue { name: name() })?;
+            distribution.times(usual)
+        } else {
+            distribution
+        };
+        distribution.check().map_err(|error| wrong(error.to_string()))?;
+        all.push(Varied { number, distribution: Some(distribution) });
+    }
+    Ok(all)
+}
+
+/// The numbers and values of a table: a column for each number, named as it is or by its key.
+fn rows_of_table(
+    path: &str,
+    text: &str,
+    base: &Run,
+) -> Result<(Vec<Varied>, Vec<Vec<f64>>), ParameterStudyError> {
+    let wrong = |cause: String| ParameterStudyError::Rows { path: path.to_owned(), cause };
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let header = reader.headers().map_err(|error| wrong(error.to_string()))?.clone();
+    let mut varied: Vec<Varied> = Vec::new();
+    for name in &header {
+        let number = Number::named(base, name)?;
+        if varied.iter().any(|other| other.number == number) {
+            return Err(ParameterStudyError::Twice { key: number.key });
+        }
+        varied.push(Varied { number, distribution: None });
+    }
+    let mut values = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| wrong(error.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let row = record.iter().zip(&varied).map(|(text, varied)| {
+            let said =
+                |error| wrong(format!("line {line}, column {}: {error}", varied.number.name()));
+            match text.parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(value),
+                _ => varied.number.read(text).map_err(said),
+            }
+        });
+        values.push(row.collect::<Result<Vec<f64>, _>>()?);
+    }
+    if values.is_empty() {
+        return Err(wrong("it has no rows".to_owned()));
+    }
+    Ok((varied, values))
+}
+
+/// Puts a value of a number, in its unit, into a run file.
+fn write(number: &Number, file: &mut RunFile, value: f64) -> Result<(), RunFileError> {
+    let Some(parameter) = number.parameter() else {
+        return file.set(&number.key, number.written(value));
+    };
+    let mut all = match file.get(PARAMETERS) {
+        Some(Value::Named(named)) => named.clone(),
+        _ => Named::new(),
+    };
+    all.insert(parameter.to_owned(), Value::Number(value));
+    file.set(PARAMETERS, Value::Named(all))
+}

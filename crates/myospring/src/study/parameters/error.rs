@@ -1,0 +1,120 @@
+//! Why a study of parameters cannot be.
+
+use super::super::StudyError;
+use super::super::sampling::SamplingError;
+use super::super::sensitivity::SensitivityError;
+use crate::run_file::RunFileError;
+use crate::settings::{NumberError, ShapeError, nearest};
+use crate::units::UnitError;
+
+/// Why a study of parameters was not read or not begun.
+#[derive(Debug, thiserror::Error)]
+pub enum ParameterStudyError {
+    /// No TOML, or a key that is none or has a value of another kind.
+    #[error("{0}")]
+    Toml(#[from] toml::de::Error),
+    /// The run that all members have in common.
+    #[error("[run]: {0}")]
+    Run(#[from] RunFileError),
+    /// A file that cannot be read.
+    #[error("{what}: cannot read `{path}`: {cause}")]
+    Read {
+        /// The key that names it.
+        what: &'static str,
+        /// The file.
+        path: String,
+        /// Why.
+        cause: std::io::Error,
+    },
+    /// A name that is no number of the run.
+    #[error("[parameters]: {0}")]
+    Name(#[from] NumberError),
+    /// A parameter given twice, by its name and by its key.
+    #[error("[parameters]: `{key}` is given twice")]
+    Twice {
+        /// Its key.
+        key: String,
+    },
+    /// A number of a distribution with a unit of another kind.
+    #[error("[parameters.{name}] {what}: {cause}")]
+    Unit {
+        /// The parameter.
+        name: String,
+        /// The number.
+        what: String,
+        /// What is wrong with it.
+        cause: UnitError,
+    },
+    /// A distribution that is none.
+    #[error("[parameters.{name}]: {cause}")]
+    Distribution {
+        /// The parameter.
+        name: String,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// Factors of a number that the run decides itself.
+    #[error(
+        "[parameters.{name}]: relative = true needs a value to multiply, and the run has none; give it one in [run]"
+    )]
+    NoValue {
+        /// The parameter.
+        name: String,
+    },
+    /// No sample.
+    #[error("[sampling]: {0}")]
+    Sampling(#[from] SamplingError),
+    /// A table of rows that is none.
+    #[error("[sampling] file `{path}`: {cause}")]
+    Rows {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// A metric that members do not have.
+    #[error("{place}: there is no metric `{name}`{}", hint(name, known))]
+    Metric {
+        /// Where it is named.
+        place: &'static str,
+        /// As written.
+        name: String,
+        /// Those that there are.
+        known: Vec<&'static str>,
+    },
+    /// What cells without a mesh do not have.
+    #[error(
+        "kind = \"cell\" follows action potential and tension only, of the minimal model: {what}; take kind = \"beat\""
+    )]
+    NoCell {
+        /// What stands against it.
+        what: String,
+    },
+    /// The shape that all members have in common.
+    #[error("[run]: {0}")]
+    Shape(#[from] ShapeError),
+    /// The run that all members have in common cannot beat.
+    #[error("[run]: {0}")]
+    Base(String),
+    /// A part of a study that there is not.
+    #[error("`{text}` names no part of a study; write i/N with i from 1 to N, like 2/8")]
+    Shard {
+        /// As written.
+        text: String,
+    },
+    /// No indices.
+    #[error(transparent)]
+    Sensitivity(#[from] SensitivityError),
+    /// The study itself.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+}
+
+/// A hint at the metric that may be meant.
+fn hint(name: &str, known: &[&'static str]) -> String {
+    let words: Vec<String> = known.iter().map(|word| (*word).to_owned()).collect();
+    match nearest(name, &words) {
+        Some(near) => format!("; did you mean `{near}`?"),
+        None => format!("; there are {}", known.join(", ")),
+    }
+}

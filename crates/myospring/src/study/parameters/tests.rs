@@ -1,0 +1,194 @@
+//! Small studies whose answers are known.
+
+use super::super::{Journal, Row as _, Status, Threads};
+use super::{Answer, Common, ParameterStudy, Ranked, Shard, VariationRow, run};
+use std::io;
+
+fn no_file(_file: &str) -> io::Result<Vec<u8>> {
+    Err(io::ErrorKind::NotFound.into())
+}
+
+fn study(text: &str) -> ParameterStudy {
+    ParameterStudy::from_toml(text, no_file).unwrap()
+}
+
+fn rows(study: &ParameterStudy, part: Shard, threads: usize) -> Vec<VariationRow> {
+    let common = Common::new(study, &no_file).unwrap();
+    let threads = Threads::new(Some(threads)).unwrap();
+    run(&common, part, &Journal::in_memory(), &threads, &()).unwrap().rows
+}
+
+const TENSIONS: &str = "
+    metrics = [\"peak_shortening\", \"peak_tension\"]
+    [run.shape]
+    spacing = \"4 um\"
+    [parameters]
+    peak_tension = { distribution = \"uniform\", low = \"20 kPa\", high = 60 }
+    tau_si = { distribution = \"uniform\", low = 0.99, high = 1.01, relative = true }
+    [sampling]
+    sampler = \"latin-hypercube\"
+    size = 24
+";
+
+#[test]
+fn a_member_gives_what_a_run_with_its_values_gives() {
+    let study = study(TENSIONS);
+    let rows = rows(&study, Shard::WHOLE, 2);
+    assert_eq!(rows.len(), 24);
+    for row in [&rows[0], &rows[17]] {
+        let file = study.run_of(&study.values[row.member - 1]).unwrap();
+        let run = file.resolve().unwrap();
+        let shaped = run.shape.mesh(&run.shape.bytes(no_file).unwrap()).unwrap();
+        let outcome = run.make(shaped, no_file).unwrap().simulation.build().unwrap().run(|_| true);
+        let alone = outcome.beats()[0].value("peak_shortening").unwrap();
+        // Equilibria were solved up to another tension: the path's own error of interpolation, 1e-4 um of 140.
+        let off = (row.metrics[0].unwrap() - alone).abs();
+        assert!(off < 1e-3, "{off}");
+        assert_eq!(row.metrics[1], outcome.beats()[0].value("peak_tension"));
+    }
+}
+
+#[test]
+fn rows_are_the_same_whatever_the_threads_the_shards_and_the_interruptions() {
+    let study = study(TENSIONS);
+    let whole = rows(&study, Shard::WHOLE, 1);
+    assert_eq!(rows(&study, Shard::WHOLE, 2), whole);
+    let mut parts: Vec<VariationRow> =
+        (1..=3).flat_map(|part| rows(&study, Shard { part, of: 3 }, 1)).collect();
+    parts.sort_by_key(|row| row.member);
+    assert_eq!(parts, whole);
+    // A journal that was torn in the middle of a line goes on.
+    let folder = tempfile::tempdir().unwrap();
+    let common = Common::new(&study, &no_file).unwrap();
+    let threads = Threads::new(Some(1)).unwrap();
+    let open = || Journal::open(folder.path(), &study.settings()).unwrap();
+    run(&common, Shard { part: 1, of: 3 }, &open(), &threads, &()).unwrap();
+    let path = folder.path().join("progress.jsonl");
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() - 30]).unwrap();
+    let report = run(&common, Shard::WHOLE, &open(), &threads, &()).unwrap();
+    assert_eq!((report.resumed, report.rows), (7, whole));
+}
+
+#[test]
+fn what_causes_the_variance_is_ranked_first() {
+    // Peak tension is in proportion to the setting alone; APD hangs on tau_so2, not on it.
+    let study = study(
+        "kind = \"cell\"
+        [parameters]
+        peak_tension = { distribution = \"uniform\", low = 20, high = 60 }
+        tau_so2 = { distribution = \"uniform\", low = 0.9, high = 1.1, relative = true }
+        [sampling]
+        sampler = \"saltelli\"
+        size = 128
+        pairs = true",
+    );
+    let common = Common::new(&study, &no_file).unwrap();
+    let answer = Answer::new(&study, &common.units, rows(&study, Shard::WHOLE, 2));
+    let found = answer.sensitivity().unwrap();
+    let of = |metric: &str| found.iter().find(|one| one.metric == metric).unwrap();
+    let duration = of("action_potential_duration_90");
+    let [Ranked::Sobol { parameter, total, .. }, Ranked::Sobol { total: none, .. }] =
+        &duration.parameters[..]
+    else {
+        panic!("{duration:?}")
+    };
+    assert_eq!(parameter, "cell.parameters.tau_so2");
+    assert!((total.value - 1.0).abs() < 0.05 && none.value == 0.0, "{duration:?}");
+    assert_eq!(duration.pairs.len(), 1);
+    assert_eq!(of("peak_tension").unit, "kPa");
+}
+
+#[test]
+fn members_outside_the_bands_are_not_kept_and_those_that_fail_are_rows() {
+    let study = study(
+        "metrics = [\"peak_shortening\"]
+        [run.shape]
+        spacing = \"5 um\"
+        [parameters]
+        peak_tension = { distribution = \"uniform\", low = 10, high = 600 }
+        [sampling]
+        sampler = \"grid\"
+        levels = 5
+        [keep]
+        peak_shortening = [5, 30]",
+    );
+    let common = Common::new(&study, &no_file).unwrap();
+    let answer = Answer::new(&study, &common.units, rows(&study, Shard::WHOLE, 2));
+    let last = &answer.rows()[4];
+    assert_eq!(last.status(), Status::Failed);
+    assert!(last.reason.contains("600 kPa") && last.reason.contains("500 kPa"), "{}", last.reason);
+    let counted = answer.acceptance();
+    assert_eq!((counted.beat, counted.failed), (4, 1));
+    assert!(counted.kept > 0 && counted.kept < 4);
+    let table = String::from_utf8(answer.table().to_csv().unwrap()).unwrap();
+    assert!(table.starts_with("member,peak_tension_kPa,peak_shortening_pct,kept,status,reason\n"));
+    assert_eq!(table.lines().count(), 6);
+}
+
+#[test]
+fn a_description_that_cannot_be_says_where_and_why() {
+    let sampling = "\n[sampling]\nsampler = \"latin-hypercube\"\nsize = 4\n";
+    let one = "[parameters]\ntau_si = { distribution = \"uniform\", low = 1, high = 2 }\n";
+    for (text, expected) in [
+        (one.to_owned(), "missing field `sampling`"),
+        (format!("{one}{sampling}sise = 3"), "sise"),
+        (format!("seed = 3\n{one}{sampling}"), "unknown field `seed`"),
+        (one.replace("tau_si", "tau_sj") + sampling, "the nearest are tau_s1, tau_s2, tau_si"),
+        (one.replace("low = 1", "low = \"1 kPa\"") + sampling, "[parameters.tau_si] low"),
+        (one.replace("high = 2", "high = 0") + sampling, "needs high above low, but high is 0"),
+        (one.replace("uniform", "unifrom") + sampling, "unifrom"),
+        (one.replace("low = 1, ", "") + sampling, "missing field `low`"),
+        (format!("[parameters]\ntau_si = 3\n{sampling}"), "write a distribution"),
+        (format!("[parameters]\n{sampling}"), "no parameter varies"),
+        (format!("run = \"none.toml\"\n{one}{sampling}"), "cannot read `none.toml`"),
+        (format!("[run.cell]\nmodle = \"x\"\n{one}{sampling}"), "modle"),
+    ] {
+        let error = ParameterStudy::from_toml(&text, no_file).unwrap_err().to_string();
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+    for (text, expected) in [
+        (
+            format!("metrics = [\"peak_shortning\"]\n{one}{sampling}"),
+            "did you mean `peak_shortening`?",
+        ),
+        (format!("kind = \"cell\"\nmetrics = [\"peak_shortening\"]\n{one}{sampling}"), "no metric"),
+        (
+            format!(
+                "kind = \"cell\"\n{one}thickness = {{ distribution = \"uniform\", low = 8, high = 9 }}\n{sampling}"
+            ),
+            "`material.thickness` is of the mesh",
+        ),
+    ] {
+        let study = study(&text);
+        let error = Common::new(&study, &no_file).err().unwrap().to_string();
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+}
+
+#[test]
+fn a_table_of_rows_is_taken_as_it_stands() {
+    let text = "kind = \"cell\"\n[sampling]\nsampler = \"table\"\nfile = \"rows.csv\"\n";
+    let read = |table: &'static str| {
+        ParameterStudy::from_toml(text, move |_| Ok(table.as_bytes().to_vec()))
+    };
+    let study = read("tau_si,cell.peak_tension\n1.7,50\n1.8,30 kPa\n").unwrap();
+    assert_eq!(study.values, [[1.7, 50.0], [1.8, 30.0]]);
+    assert_eq!(rows(&study, Shard::WHOLE, 1).len(), 2);
+    for (table, expected) in [
+        ("tau_si\n1.7\nmany\n", "line 3, column tau_si"),
+        ("tau_si,cell.parameters.tau_si\n1,2\n", "given twice"),
+        ("tau_si\n", "no rows"),
+    ] {
+        let error = read(table).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_part_of_a_study_is_written_as_i_of_n() {
+    assert_eq!("2/8".parse::<Shard>().unwrap(), Shard { part: 2, of: 8 });
+    for text in ["0/8", "9/8", "2", "a/b", "2/8/1"] {
+        assert!(text.parse::<Shard>().unwrap_err().to_string().contains("like 2/8"), "{text}");
+    }
+}

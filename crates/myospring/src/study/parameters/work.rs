@@ -1,0 +1,248 @@
+//! The work on members: whole beats, or cells side by side.
+
+use super::super::Cause;
+use super::description::{Kind, OF_CELLS, ParameterStudy, Which, is_minimal};
+use super::error::ParameterStudyError;
+use super::member::{Variation, VariationRow};
+use crate::analysis::beat::Beats;
+use crate::cell::adaptive;
+use crate::cell::minimal::MinimalModel;
+use crate::cell::population::{self, Cell};
+use crate::cell::{CellModel as _, TensionKind};
+use crate::integrate::Method;
+use crate::integrate::quasi_static::Shapes;
+use crate::mesh::Mesh;
+use crate::run_file::RunFile;
+use crate::settings::{Run, Shaped};
+use crate::simulation::{Outcome, Ready, TensionScale};
+use std::any::Any;
+use std::io;
+
+/// Reads a file by its name as written.
+type Read<'a> = dyn Fn(&str) -> io::Result<Vec<u8>> + Sync + 'a;
+
+/// What all members have in common, made once.
+pub struct Common<'a> {
+    study: &'a ParameterStudy,
+    read: &'a Read<'a>,
+    /// Units of the metrics, in their order.
+    pub units: Vec<&'static str>,
+    /// The metrics of the run without any change, in their order.
+    pub usual: Vec<Option<f64>>,
+    body: Option<Body>,
+}
+
+/// The mesh that members share, where what they differ in leaves it as it is.
+struct Body {
+    mesh: Mesh,
+    fibres: Vec<[f64; 2]>,
+    content: Option<Vec<f64>>,
+    /// The equilibria that they share, where they differ in the cell model and its pacing alone.
+    shapes: Option<Shapes>,
+}
+
+/// Keys under which a number changes nothing but the course of tension.
+const TENSION_ONLY: [&str; 3] = ["cell.", "stimulus.", "run."];
+/// Keys of numbers that decide mesh or fibres.
+const SHAPING: [&str; 4] =
+    ["shape.", "segmentation.", "mechanics.fibre", "mechanics.myofibril_content"];
+
+impl<'a> Common<'a> {
+    /// The study.
+    pub fn study(&self) -> &'a ParameterStudy {
+        self.study
+    }
+
+    /// Makes what members share, and beats the run without any change.
+    ///
+    /// # Errors
+    /// A shape that cannot be made, a run that cannot beat, or a metric that it does not have.
+    pub fn new(study: &'a ParameterStudy, read: &'a Read<'a>) -> Result<Self, ParameterStudyError> {
+        let run = study.run.resolve()?;
+        let common = Self { study, read, units: Vec::new(), usual: Vec::new(), body: None };
+        match study.kind {
+            Kind::Cell => common.of_cells(&run),
+            Kind::Beat => common.of_beats(&run),
+        }
+    }
+
+    fn of_cells(self, run: &Run) -> Result<Self, ParameterStudyError> {
+        let no = |what: &str| Err(ParameterStudyError::NoCell { what: what.to_owned() });
+        if !is_minimal(run) {
+            return no(&format!("the model is {}", run.cell.name()));
+        }
+        if run.tension_scale == TensionScale::OwnPeak {
+            return no("tension_scale = \"own-peak\" needs a reference beat of each");
+        }
+        let other = self.study.varied.iter().map(|varied| &varied.number.key);
+        if let Some(key) =
+            other.into_iter().find(|key| !TENSION_ONLY.iter().any(|of| key.starts_with(of)))
+        {
+            return no(&format!("`{key}` is of the mesh"));
+        }
+        let units = ["kPa", "ms", "ms", "", ""];
+        let place = |name: &String| OF_CELLS.iter().position(|known| known == name);
+        let units = self.in_order(|name| place(name).map(|at| units[at]), &OF_CELLS)?;
+        let usual = self.cells(&[&Variation::new(0, self.usual_values(run))]).remove(0);
+        let usual = usual.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
+        Ok(Self { units, usual: usual.metrics, ..self })
+    }
+
+    fn of_beats(self, run: &Run) -> Result<Self, ParameterStudyError> {
+        let base = |error: Cause| ParameterStudyError::Base(error.to_string());
+        let keys = || self.study.varied.iter().map(|varied| varied.number.key.as_str());
+        let starts = |key: &str, list: &[&str]| list.iter().any(|start| key.starts_with(start));
+        let (mut body, ready) = self.made(&self.study.run, run).map_err(base)?;
+        if let Ready::AlongPath(path) = &ready
+            && keys().all(|key| starts(key, &TENSION_ONLY))
+        {
+            body.shapes = Some(path.shapes.clone());
+        }
+        let outcome = ready.run(|_progress| true);
+        let beats = ended(&outcome).map_err(base)?;
+        let Some(first) = beats.first() else {
+            return Err(ParameterStudyError::Base(
+                "no stimulus falls within its duration".to_owned(),
+            ));
+        };
+        let known: Vec<&'static str> = first.metrics().map(|metric| metric.name).collect();
+        let unit = |name: &String| Some(first.metrics().find(|metric| metric.name == *name)?.unit);
+        let units = self.in_order(unit, &known)?;
+        let usual = self.metrics(&beats);
+        let shared = !keys().any(|key| starts(key, &SHAPING));
+        Ok(Self { units, usual, body: Some(body).filter(|_| shared), ..self })
+    }
+
+    /// What is known of each metric, or the one that does not exist.
+    fn in_order(
+        &self,
+        of: impl Fn(&String) -> Option<&'static str>,
+        known: &[&'static str],
+    ) -> Result<Vec<&'static str>, ParameterStudyError> {
+        let unknown = |name: &String| {
+            let place = if self.study.keep.contains_key(name) { "[keep]" } else { "metrics" };
+            ParameterStudyError::Metric { place, name: name.clone(), known: known.to_vec() }
+        };
+        self.study.metrics.iter().map(|name| of(name).ok_or_else(|| unknown(name))).collect()
+    }
+
+    fn usual_values(&self, run: &Run) -> Vec<f64> {
+        let value =
+            |varied: &super::description::Varied| varied.number.get(run).unwrap_or(f64::NAN);
+        self.study.varied.iter().map(value).collect()
+    }
+
+    /// The rows of some members, each a beat of its own.
+    pub fn beats(&self, members: &[&Variation]) -> Vec<Result<VariationRow, Cause>> {
+        members.iter().map(|member| self.beat(member)).collect()
+    }
+
+    fn beat(&self, member: &Variation) -> Result<VariationRow, Cause> {
+        let file = self.study.run_of(&member.values)?;
+        let run = file.resolve()?;
+        let (_, ready) = self.made(&file, &run)?;
+        let beats = ended(&ready.run(|_progress| true))?;
+        Ok(VariationRow::done(member.number, self.metrics(&beats)))
+    }
+
+    /// The simulation of a run, on the mesh that members share or on its own.
+    fn made(&self, file: &RunFile, run: &Run) -> Result<(Body, Ready), Cause> {
+        let mut simulation = if let Some(body) = &self.body {
+            run.simulation(body.mesh.clone(), body.fibres.clone(), body.content.clone())
+        } else {
+            let bytes = run.shape.bytes(self.read)?;
+            let shaped: Shaped = run.shape.mesh(&bytes)?;
+            run.make(shaped, self.read)?.simulation
+        };
+        if !file.has("numerics.frame_interval") {
+            // Nobody looks at the shapes in between.
+            let output = simulation.numerics.output_interval;
+            simulation.numerics.frame_interval =
+                output * (simulation.duration / output).ceil().max(1.0);
+        }
+        let shapes = self.body.as_ref().and_then(|body| body.shapes.clone());
+        let ready = match (simulation.numerics.method, shapes) {
+            (Method::QuasiStatic, Some(shapes)) => {
+                Ready::AlongPath(simulation.prepare_quasi_static_from(shapes)?)
+            }
+            _ => simulation.build()?,
+        };
+        let content = simulation.myofibril_content;
+        let body = Body { mesh: simulation.mesh, fibres: simulation.fibres, content, shapes: None };
+        Ok((body, ready))
+    }
+
+    /// The metrics that are wanted, in their order.
+    fn metrics(&self, beats: &Beats) -> Vec<Option<f64>> {
+        let of = |name: &String| match self.study.beat {
+            Which::First => beats.first()?.value(name),
+            Which::Last => beats.last()?.value(name),
+            Which::Mean => {
+                let values: Vec<f64> = beats.iter().filter_map(|beat| beat.value(name)).collect();
+                (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+            }
+        };
+        self.study.metrics.iter().map(of).collect()
+    }
+
+    /// The rows of some members, whose cells go side by side.
+    pub fn cells(&self, members: &[&Variation]) -> Vec<Result<VariationRow, Cause>> {
+        let tasks: Vec<Result<(Cell, f64), Cause>> =
+            members.iter().map(|member| self.cell(member)).collect();
+        let cells: Vec<Cell> =
+            tasks.iter().filter_map(|task| Some(task.as_ref().ok()?.0.clone())).collect();
+        let settings = population::Settings {
+            method: adaptive::Settings::default(),
+            sample_interval_ms: None,
+        };
+        let outcomes = match population::run(&cells, &settings) {
+            Ok(outcomes) => outcomes,
+            Err(error) => return members.iter().map(|_| Err(error.clone().into())).collect(),
+        };
+        let mut outcomes = outcomes.into_iter();
+        let row = |(member, task): (&&Variation, Result<(Cell, f64), Cause>)| {
+            let (_, scale) = task?;
+            let outcome = outcomes.next().ok_or("a cell without an outcome")??;
+            let value = |beat: &adaptive::Beat, name: &String| match name.as_str() {
+                "peak_tension" => Some(scale * beat.peak_tension),
+                "time_to_peak_tension" => Some(beat.peak_tension_ms - beat.stimulus_ms),
+                "action_potential_duration_90" => beat.apd90_ms,
+                "peak_potential" => Some(beat.peak_potential),
+                _ => Some(beat.resting_potential),
+            };
+            let beats = &outcome.beats;
+            let (first, last) = (beats.first(), beats.last());
+            let of = |name: &String| match self.study.beat {
+                Which::First => value(first?, name),
+                Which::Last => value(last?, name),
+                Which::Mean => {
+                    let values: Vec<f64> =
+                        beats.iter().filter_map(|beat| value(beat, name)).collect();
+                    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+                }
+            };
+            Ok(VariationRow::done(member.number, self.study.metrics.iter().map(of).collect()))
+        };
+        members.iter().zip(tasks).map(row).collect()
+    }
+
+    /// A member's cell, and kPa per unit of its tension.
+    fn cell(&self, member: &Variation) -> Result<(Cell, f64), Cause> {
+        let run = self.study.run_of(&member.values)?.resolve()?;
+        let model = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
+        let model = model.ok_or("the model is not the minimal one")?;
+        let scale = match model.tension_kind() {
+            TensionKind::Relative { published_peak } => run.peak_tension / published_peak,
+            TensionKind::Kilopascal => 1.0,
+        };
+        Ok((Cell::new(model, run.protocol, run.duration)?, scale))
+    }
+}
+
+/// The beats of a run that came to its end.
+fn ended(outcome: &Outcome) -> Result<Beats, Cause> {
+    match &outcome.stop {
+        Some(reason) => Err(reason.to_string().into()),
+        None => Ok(outcome.beats()),
+    }
+}
