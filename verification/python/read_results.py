@@ -15,8 +15,10 @@ from xml.etree import ElementTree
 
 import meshio
 import numpy as np
-import vtk
-from vtk.util.numpy_support import vtk_to_numpy
+# Not all of vtk: what draws needs a display's libraries.
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkVersion
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 # vtu holds 32-bit floats: 6e-8 of 140 um each, summed over the 2000 squares of a cell.
 SINGLE = 1e-5
@@ -58,7 +60,7 @@ def with_meshio(file, row):
 
 
 def with_vtk(file):
-    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(file))
     reader.Update()
     assert reader.GetErrorCode() == 0, file
@@ -141,7 +143,7 @@ def main():
     # A frame is the nearest to the peak, not the peak.
     close("peak shortening", at_top, metrics["peak_shortening"], 0.02)
     count = examples(guide, results)
-    print(f"{len(frames['t_ms'])} frames agree in NumPy {np.__version__}, VTK {vtk.VTK_VERSION}, meshio {meshio.__version__}; {count} examples ran")
+    print(f"{len(frames['t_ms'])} frames agree in NumPy {np.__version__}, VTK {vtkVersion.GetVTKVersion()}, meshio {meshio.__version__}; {count} examples ran")
 
 
 if __name__ == "__main__":
