@@ -98,19 +98,13 @@ pub enum DoseError {
 struct Block {
     name: Option<String>,
     parameter: String,
-    concentration: OneOrMany,
-    ic50: String,
+    /// One or several.
+    concentration: toml::Value,
+    ic50: toml::Value,
     #[serde(default = "one")]
     hill: f64,
     #[serde(default = "minus_one")]
     maximal_effect: f64,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum OneOrMany {
-    One(String),
-    Many(Vec<String>),
 }
 
 fn one() -> f64 {
@@ -219,18 +213,24 @@ fn drug(number: usize, block: toml::Value) -> Result<Drug, DoseError> {
             cause,
         })
     };
+    // A bare number is a text without a unit.
+    let text = |value: toml::Value| match value {
+        toml::Value::String(text) => text,
+        other => other.to_string(),
+    };
     let written = match concentration {
-        OneOrMany::One(text) => vec![text],
-        OneOrMany::Many(texts) => texts,
+        toml::Value::Array(values) => values,
+        one => vec![one],
     };
     let mut concentrations = Vec::new();
-    for text in written {
+    for text in written.into_iter().map(text) {
         let value = read("concentration", &text)?;
         if value.is_nan() || value < 0.0 {
             return Err(out("concentration", text, "0 uM or more"));
         }
         concentrations.push(value);
     }
+    let ic50 = text(ic50);
     let half = read("ic50", &ic50)?;
     if half.is_nan() || half <= 0.0 {
         return Err(out("ic50", ic50, "above 0 uM"));
@@ -287,6 +287,14 @@ mod tests {
             ("[drug]\nname = ".to_owned(), "line 2"),
             (format!("{block}concentration = \"1 uM\""), "missing field `ic50`"),
             (format!("{block}concentration = \"1 uM\"\nic50 = \"1\""), "drug 1: `ic50`"),
+            (
+                format!("{block}concentration = \"1 uM\"\nic50 = 1"),
+                "drug 1: `ic50`: `1` has no unit",
+            ),
+            (
+                format!("{block}concentration = [1, 2]\nic50 = \"1 uM\""),
+                "drug 1: `concentration`: `1` has no unit",
+            ),
             (format!("{block}concentration = \"1 uM\"\nic50 = \"0 uM\""), "above 0 uM"),
             (format!("{block}concentration = \"-1 uM\"\nic50 = \"1 uM\""), "0 uM or more"),
             (format!("{block}concentration = \"1 uM\"\nic50 = \"1 uM\"\nhill = 0"), "at most 20"),

@@ -36,6 +36,18 @@ pub enum FactorError {
         /// What was written.
         text: String,
     },
+    /// Given two factors at once.
+    #[error("`{name}` has two factors; give one, their product")]
+    Twice {
+        /// What was named twice.
+        name: String,
+    },
+    /// A factor changes nothing of it.
+    #[error("`{key}` is 0 in this run, which a factor does not change; give it a value instead")]
+    Zero {
+        /// The key.
+        key: String,
+    },
     /// No number of the run has that name, or several have.
     #[error(transparent)]
     Name(#[from] NumberError),
@@ -60,7 +72,7 @@ pub enum FactorError {
 /// Reads factors as they are written on a command line.
 ///
 /// # Errors
-/// What is not `name=number`.
+/// What is not `name=number`, and a name that is there twice.
 ///
 /// # Example
 /// ```
@@ -77,7 +89,17 @@ pub fn parse(text: &str) -> Result<Vec<Factor>, FactorError> {
         (!name.is_empty()).then_some(Factor { name, factor })
     };
     let syntax = |part: &str| FactorError::Syntax { text: part.trim().to_owned() };
-    text.split(',').map(|part| one(part).ok_or_else(|| syntax(part))).collect()
+    let factors: Vec<Factor> = text
+        .split(',')
+        .map(|part| one(part).ok_or_else(|| syntax(part)))
+        .collect::<Result<_, _>>()?;
+    let last = |factor: &'_ Factor| factor.name.rsplit('.').next().map(str::to_owned);
+    for (index, factor) in factors.iter().enumerate() {
+        if factors[..index].iter().any(|before| last(before) == last(factor)) {
+            return Err(FactorError::Twice { name: factor.name.clone() });
+        }
+    }
+    Ok(factors)
 }
 
 /// Multiplies numbers of a run, one after the other, and says what became of each.
@@ -105,6 +127,9 @@ fn scale_one(run: &mut Run, name: &str, factor: f64) -> Result<Scaled, FactorErr
     let number = Number::named(run, name)?;
     let key = || number.key.clone();
     let before = number.get(run).ok_or_else(|| FactorError::NoValue { key: key() })?;
+    if before == 0.0 && factor != 1.0 {
+        return Err(FactorError::Zero { key: key() });
+    }
     let after = before * factor;
     let refused = |problem| FactorError::Refused { key: key(), factor, problem };
     number.set(run, after).map_err(refused)?;
@@ -143,6 +168,10 @@ mod tests {
             ("tau_s=1.1", "the nearest are tau_s"),
             ("peek_tension=0.5", "peak_tension"),
             ("zzz=1", "nor a setting with a number"),
+            ("beats=2", "`stimulus.beats` is a setting, but no number"),
+            ("rotate=2", "`shape.rotate` is 0 in this run"),
+            ("u_rest=2", "`cell.parameters.u_rest` is 0 in this run"),
+            ("peak_tension=0.5,cell.peak_tension=0.6", "`cell.peak_tension` has two factors"),
             ("numerics.time_step=2", "has no value in this run"),
         ] {
             assert!(said(text).contains(expected), "{text}: {}", said(text));

@@ -35,6 +35,14 @@ pub enum NumberError {
         /// The names most like it, the likest first.
         nearest: Vec<String>,
     },
+    /// A setting, but none that is a number with a unit.
+    #[error(
+        "`{key}` is a setting, but no number that could be changed by its name; give it a value of its own"
+    )]
+    OtherSetting {
+        /// Its key.
+        key: String,
+    },
     /// Several numbers have that name.
     #[error("`{name}` may be any of: {}; write which", keys.join(", "))]
     Several {
@@ -93,6 +101,10 @@ impl Number {
         match found.len() {
             1 => Ok(found.remove(0).clone()),
             0 => {
+                let last = |key: &str| key.rsplit_once('.').is_some_and(|(_, end)| end == name);
+                if let Some(other) = table().find(|it| it.key == name || last(it.key)) {
+                    return Err(NumberError::OtherSetting { key: other.key.to_owned() });
+                }
                 let name = name.to_owned();
                 let mut likest: Vec<(f64, &str)> = all
                     .iter()
