@@ -77,7 +77,9 @@ fn encode(film: &Film<'_>, path: &Path) -> Result<(), Failure> {
     let done = ffmpeg.wait_with_output().map_err(|error| failed(&error.to_string()))?;
     if !done.status.success() {
         let said = String::from_utf8_lossy(&done.stderr);
-        let last = said.lines().rfind(|line| !line.trim().is_empty());
+        // A line that ends in `--` announces a reason and has none.
+        let tells = |line: &str| !line.is_empty() && !line.ends_with("--");
+        let last = said.lines().map(str::trim).rfind(|line| tells(line));
         return Err(failed(last.unwrap_or("it says nothing more")));
     }
     match written {

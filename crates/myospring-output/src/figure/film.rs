@@ -4,6 +4,7 @@ mod gif;
 
 use super::cell::{COLOURS, Cell, closed, draw_colour_bar};
 use super::facets::check_frame;
+use super::moments::LEAST_SHORTENING;
 use super::raster::painted;
 use super::shapes::{draw_scale_bar, extremes};
 use super::sheet::{Anchor, Area, Path, Sheet, Stroke, Style};
@@ -151,19 +152,19 @@ impl<'a> Film<'a> {
         draw_scale_bar(&mut sheet, [MARGIN, below + 32.0], scale, extent);
         let bar = Area { corner: [WIDTH - MARGIN - 196.0, below + 28.0], size: [188.0, 8.0] };
         draw_colour_bar(&mut sheet, bar, &self.colours);
-        let bottom = self.draw_shortening(&mut sheet, time, below + 60.0);
+        let bottom = self.draw_curve(&mut sheet, time, below + 60.0);
         sheet.finish(WIDTH, bottom + 8.0).themed(self.theme)
     }
 
-    /// The curve of shortening with a dot at a time; returns its lower end.
-    fn draw_shortening(&self, sheet: &mut Sheet, time: f64, top: f64) -> f64 {
+    /// The curve of shortening, or of the tension of a cell that is held, with a dot at a time; returns its lower end.
+    fn draw_curve(&self, sheet: &mut Sheet, time: f64, top: f64) -> f64 {
         let [first, last] = self.span;
         let wide = WIDTH - 2.0 * MARGIN;
-        let points: Vec<[f64; 2]> = self
-            .recording
-            .samples
+        let samples = &self.recording.samples;
+        let held = samples.iter().all(|sample| sample.shortening_pct.abs() < LEAST_SHORTENING);
+        let points: Vec<[f64; 2]> = samples
             .iter()
-            .map(|sample| [sample.t_ms, sample.shortening_pct])
+            .map(|sample| [sample.t_ms, if held { sample.ta_kpa } else { sample.shortening_pct }])
             .filter(|[t, value]| (first..=last).contains(t) && value.is_finite())
             .collect();
         let [low, high] = points
@@ -184,7 +185,9 @@ impl<'a> Film<'a> {
         );
         let now = points.partition_point(|point| point[0] < time - 1e-6).min(points.len() - 1);
         sheet.dot(at([time, points[now][1]]), SHORTENING);
-        let text = format!("shortening {} %", fixed(points[now][1], 1));
+        let value = fixed(points[now][1], 1);
+        let text =
+            if held { format!("tension {value} kPa") } else { format!("shortening {value} %") };
         let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
         sheet.text([WIDTH - MARGIN, top + 10.0], &text, style);
         top + CURVE + 10.0

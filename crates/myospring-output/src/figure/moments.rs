@@ -3,7 +3,7 @@
 use myospring_core::recording::{Frame, Recording};
 
 /// A cell that shortens less, per cent, is held.
-const LEAST_SHORTENING: f64 = 0.1;
+pub(super) const LEAST_SHORTENING: f64 = 0.1;
 
 /// A frame with what is written beside it.
 #[derive(Debug, Clone, PartialEq)]
