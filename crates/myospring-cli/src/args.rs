@@ -98,8 +98,8 @@ pub(crate) struct OutputArgs {
     myospring run --support elastic-bed --bed-stiffness \"0.5 kPa/um\"\n  \
     myospring run --outputs none --frame-interval \"2 ms\"\n  \
     myospring run beat.toml --dry-run\n\n\
-    Results: traces.csv, summary.json, fibres.csv (where the picture shows fibres), run.toml (every setting) and\n\
-    run.json (version, hashes, timings) always and first; then what --outputs names.")]
+    Results: traces.csv, summary.json, fibres.csv (where the picture shows fibres), run.toml (every\n\
+    setting) and run.json (version, hashes, timings) always and first; then what --outputs names.")]
 pub(crate) struct RunArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
     /// without it, the built-in adult ventricular cell

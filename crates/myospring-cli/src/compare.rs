@@ -95,7 +95,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     }
     folder.write("metrics.csv", words::csv(&labels, &metrics)?)?;
     figures(&folder, &sides)?;
-    let look = report::write(&folder, &sides, &warnings)?;
+    let differences = words::differences(&settings, &sides);
+    let look = report::write(&folder, &sides, &differences, &warnings)?;
     let record = Record {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
@@ -111,7 +112,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     if args.output.json {
         print::out(&record_text)?;
     } else {
-        print::out(&words::for_people(&labels, &settings, &metrics))?;
+        print::out(&words::for_people(&labels, &differences, &metrics))?;
         print::out(&format!(
             "\nresults in {} ({:.1} s)\nopen {}",
             target.display(),

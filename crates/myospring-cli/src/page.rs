@@ -16,10 +16,15 @@ pub(crate) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fail
     let Finished { name, run, .. } = finished;
     let title = if run.title.is_empty() { name } else { run.title.as_str() };
     let texts = Texts::of(finished);
+    let stop = finished.outcome.stop.as_ref();
+    let warnings: Vec<String> =
+        stop.iter().map(|stop| format!("the run stopped early: {stop}")).collect();
     let page = Page {
         title,
         version: env!("CARGO_PKG_VERSION"),
         colour: finished.look.colour,
+        warnings: &warnings,
+        differences: &[],
         runs: &[on_page(finished, &texts)],
     };
     folder.write(FILE, page::html(&page)?)

@@ -19,5 +19,5 @@ mod html;
 mod payload;
 mod photograph;
 
-pub use given::{Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph};
+pub use given::{Difference, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph};
 pub use html::html;

@@ -7,7 +7,7 @@ use crate::page::{FILE, parameters};
 use crate::print;
 use crate::results::Folder;
 use myospring::output::field::Field;
-use myospring::output::page::{self, Page, PageRun};
+use myospring::output::page::{self, Difference, Page, PageRun};
 use myospring::output::report::Summary;
 
 /// What to open where there is no page.
@@ -20,10 +20,14 @@ struct Owned {
     citations: String,
 }
 
-/// Writes the page, if every run can be shown; the file to open. What is to be said of all is said with the first.
+/// As many labels make a title; of more runs it has the first.
+const NAMED: usize = 3;
+
+/// Writes the page, if every run can be shown; the file to open.
 pub(super) fn write(
     folder: &Folder,
     sides: &[Side],
+    differences: &[Difference],
     warnings: &[String],
 ) -> Result<&'static str, Failure> {
     let shown: Option<Vec<(&Side, &Shown)>> = sides
@@ -36,16 +40,10 @@ pub(super) fn write(
         print::warn("there is no report.html, since not every cell can be meshed as it was");
         return Ok(FIGURE);
     };
-    let mut warnings = Some(warnings.to_vec());
     let owned: Vec<Owned> = shown
         .iter()
         .map(|(side, shown)| Owned {
-            summary: Summary::new(
-                &side.recording,
-                &side.stimuli,
-                shown.report.clone(),
-                warnings.take().unwrap_or_default(),
-            ),
+            summary: Summary::new(&side.recording, &side.stimuli, shown.report.clone(), Vec::new()),
             run_file: side.file.to_toml(),
             citations: cite::bibtex(&*shown.run.cell),
         })
@@ -56,10 +54,18 @@ pub(super) fn write(
         .map(|((side, shown), owned)| on_page(side, shown, owned))
         .collect();
     let labels: Vec<&str> = sides.iter().map(|side| side.label.as_str()).collect();
+    let title = match labels.as_slice() {
+        [first, others @ ..] if others.len() >= NAMED => {
+            format!("{first} and {} others", others.len())
+        }
+        labels => labels.join(" \u{b7} "),
+    };
     let page = Page {
-        title: &labels.join(" \u{b7} "),
+        title: &title,
         version: env!("CARGO_PKG_VERSION"),
         colour: Field::default(),
+        warnings,
+        differences,
         runs: &runs,
     };
     folder.write(FILE, page::html(&page)?)?;

@@ -8,6 +8,7 @@ use crate::options::Given;
 use crate::run::repeating;
 use indicatif::ProgressBar;
 use myospring::compare::factor::{self, Factor, Scaled};
+use myospring::compare::setting;
 use myospring::mesh::Mesh;
 use myospring::mesh::carried::Carried;
 use myospring::mesh::outline::Outline;
@@ -76,6 +77,14 @@ impl Side {
             scaled: &self.scaled,
             stop: self.stop.as_deref(),
         }
+    }
+
+    /// The value of a parameter of the cell model and its unit.
+    pub(super) fn parameter(&self, name: &str) -> Option<String> {
+        let parameters = self.shown.as_ref()?.run.cell.parameters();
+        let row = parameters.rows().iter().find(|row| row.name == name)?;
+        let text = format!("{} {}", row.value, row.unit);
+        Some(setting::shown(Some(text.trim_end())))
     }
 
     pub(super) fn compared(&self) -> Compared<'_> {
@@ -160,6 +169,8 @@ impl Job {
         bar.inc(PROGRESS);
         let record = read(&folder.join("run.json")).unwrap_or_default();
         let record: serde_json::Value = serde_json::from_str(&record).unwrap_or_default();
+        let stop = record["stop"]["message"].as_str().map(str::to_owned);
+        notes.extend(stop.iter().map(|stop| format!("{} stopped early: {stop}", self.label)));
         Ok(Side {
             label: self.label,
             source: folder.display().to_string(),
@@ -170,7 +181,7 @@ impl Job {
             cell,
             shape_sha256: record["shape_sha256"].as_str().map(str::to_owned),
             scaled: Vec::new(),
-            stop: record["stop"]["message"].as_str().map(str::to_owned),
+            stop,
             notes,
         })
     }

@@ -1,15 +1,36 @@
 //! A comparison as tables: for people, and as comma-separated values.
 
+use super::side::Side;
 use crate::failure::Failure;
 use crate::run::words::ROWS;
 use crate::table::{aligned, number};
 use myospring::compare::metric::Row;
-use myospring::compare::setting::Different;
+use myospring::compare::setting::{Different, shown};
+use myospring::output::page::Difference;
 use myospring::output::table::{Column, Table};
+
+/// Settings in which runs differ, as people read them; parameters of the cell model with the value that the model has
+/// of itself, and their unit.
+pub(super) fn differences(settings: &[Different], sides: &[Side]) -> Vec<Difference> {
+    let value = |different: &Different, index: usize| {
+        let own = different.values[index].as_deref();
+        match (different.key.strip_prefix("cell.parameters."), own) {
+            (Some(name), _) => sides[index]
+                .parameter(name)
+                .unwrap_or_else(|| own.map_or_else(|| "as published".to_owned(), |_| shown(own))),
+            (None, _) => shown(own),
+        }
+    };
+    let row = |different: &Different| Difference {
+        name: different.key.clone(),
+        values: (0..sides.len()).map(|index| value(different, index)).collect(),
+    };
+    settings.iter().map(row).collect()
+}
 
 /// Settings and metrics in which runs differ; the first run's values, and those of the others with the difference in
 /// the metric's unit and in per cent.
-pub(super) fn for_people(labels: &[&str], settings: &[Different], metrics: &[Row]) -> String {
+pub(super) fn for_people(labels: &[&str], settings: &[Difference], metrics: &[Row]) -> String {
     let mut text = String::new();
     let row = |first: [&str; 2], rest: &mut dyn Iterator<Item = String>| -> Vec<String> {
         first.map(str::to_owned).into_iter().chain(rest).collect()
@@ -19,10 +40,11 @@ pub(super) fn for_people(labels: &[&str], settings: &[Different], metrics: &[Row
         text.push_str("the runs have the same settings\n");
     } else {
         let mut rows = vec![head(["setting", ""])];
-        rows.extend(settings.iter().map(|different| {
-            let shown = |value: &Option<String>| value.clone().unwrap_or_else(|| "as usual".into());
-            row([&different.key, ""], &mut different.values.iter().map(shown))
-        }));
+        rows.extend(
+            settings
+                .iter()
+                .map(|setting| row([&setting.name, ""], &mut setting.values.iter().cloned())),
+        );
         text.push_str(&aligned(&rows, &[]));
     }
     text.push('\n');

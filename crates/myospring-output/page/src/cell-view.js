@@ -2,17 +2,12 @@
 
 import { ramp, STEPS, stepOf } from "./colours.js";
 import { blankShape } from "./data.js";
+import { Sheet, traceRings } from "./drawing.js";
 import { fillField } from "./fields.js";
-import { plain, roundLength } from "./numbers.js";
 
+/** @import { Box, Ink, Place } from "./drawing.js" */
 /** @import { Field } from "./payload.js" */
 /** @import { Shapes } from "./data.js" */
-
-/**
- * Lower left and upper right corner, um.
- *
- * @typedef {[[number, number], [number, number]]} Box
- */
 
 /**
  * A picture that lies under the cell.
@@ -23,38 +18,24 @@ import { plain, roundLength } from "./numbers.js";
  */
 
 /**
- * Colours of what is drawn beside the cell.
- *
- * @typedef {object} Ink
- * @property {string} line
- * @property {string} muted
- */
-
-/**
  * @typedef {object} Look
  * @property {Ink} ink
  * @property {number} opacity Of the cell, 0 to 1.
  * @property {boolean} photograph Whether the picture is shown, where there is one.
  */
 
-/** Distance of the drawing from the edge of its canvas, px. */
-const MARGIN = 14;
-/** Height that the scale bar takes, px. */
-const FOOT = 30;
 /** Side of a patch of one colour, px, and the most patches that are drawn. */
 const PATCH = 5;
 const MOST_PATCHES = 12000;
 
 /** A canvas with a cell on it. */
-export class CellView {
+export class CellView extends Sheet {
   #shape;
   #values;
   #atCorners;
   #counts;
   /** @type {{ field: Field, colours: string[] } | null} */
   #scale = null;
-  #width = 0;
-  #height = 0;
 
   /**
    * @param {HTMLCanvasElement} canvas
@@ -63,35 +44,13 @@ export class CellView {
    * @param {Photograph | null} photograph
    */
   constructor(canvas, shapes, box, photograph) {
-    this.canvas = canvas;
+    super(canvas, box);
     this.shapes = shapes;
-    this.box = box;
     this.photograph = photograph;
     this.#shape = blankShape(shapes);
     this.#values = new Float32Array(shapes.corners.length / 4);
     this.#atCorners = new Float32Array(shapes.rest.length / 2);
     this.#counts = new Uint8Array(shapes.rest.length / 2);
-  }
-
-  /** Height for a width, px, so that the box fills it. */
-  static heightFor(/** @type {Box} */ [[left, low], [right, high]], /** @type {number} */ width) {
-    const scale = (width - 2 * MARGIN) / (right - left);
-    return scale * (high - low) + 2 * MARGIN + FOOT;
-  }
-
-  /**
-   * Gives the canvas its size, px of the page.
-   *
-   * @param {number} width
-   * @param {number} height
-   * @param {number} density Pixels of the canvas in one of the page.
-   */
-  resize(width, height, density) {
-    [this.#width, this.#height] = [width, height];
-    this.canvas.width = Math.round(width * density);
-    this.canvas.height = Math.round(height * density);
-    this.canvas.style.width = `${width}px`;
-    this.canvas.style.height = `${height}px`;
   }
 
   /**
@@ -102,40 +61,37 @@ export class CellView {
    * @param {Look} look
    */
   draw(time, field, look) {
-    const pen = this.canvas.getContext("2d");
-    if (pen === null || this.#width === 0) return;
+    const place = this.clear();
+    if (place === null) return;
+    const { pen } = place;
     const { shapes } = this;
     shapes.at(time, this.#shape);
     fillField(field.key, shapes, this.#shape, this.#values);
-    const density = this.canvas.width / this.#width;
-    const [[left, low], [right, high]] = this.box;
-    const scale = Math.min(
-      (this.#width - 2 * MARGIN) / (right - left),
-      (this.#height - 2 * MARGIN - FOOT) / (high - low),
-    );
-    const origin = {
-      x: (this.#width - scale * (right + left)) / 2,
-      y: (this.#height - FOOT + scale * (high + low)) / 2,
-    };
-    pen.setTransform(density, 0, 0, density, 0, 0);
-    pen.clearRect(0, 0, this.#width, this.#height);
-    const place = { pen, scale, origin };
-    if (this.photograph !== null && look.photograph) this.#drawPhotograph(place);
+    const photograph = this.photograph !== null && look.photograph;
+    if (photograph) this.#drawPhotograph(place);
     pen.save();
     pen.globalAlpha = look.opacity;
     this.#drawSquares(place, field);
     pen.restore();
-    this.#traceRings(place, shapes.rest);
+    /** @type {(colour: string, width: number) => void} */
+    const line = (colour, width) => {
+      // On a picture no colour of a line is sure to show.
+      if (photograph) {
+        pen.lineWidth = width + 2;
+        pen.strokeStyle = look.ink.paper;
+        pen.stroke();
+      }
+      pen.lineWidth = width;
+      pen.strokeStyle = colour;
+      pen.stroke();
+    };
+    traceRings(place, shapes, shapes.rest);
     pen.setLineDash([3, 4]);
-    pen.lineWidth = 1;
-    pen.strokeStyle = look.ink.muted;
-    pen.stroke();
+    line(look.ink.muted, 1);
     pen.setLineDash([]);
-    this.#traceRings(place, this.#shape.points);
-    pen.lineWidth = 1.5;
-    pen.strokeStyle = look.ink.line;
-    pen.stroke();
-    this.#drawScaleBar(place, look.ink);
+    traceRings(place, shapes, this.#shape.points);
+    line(look.ink.line, 1.5);
+    this.drawScaleBar(place, look.ink, photograph);
   }
 
   /** Least and greatest value of what was drawn last, over the squares of the mesh. */
@@ -146,13 +102,6 @@ export class CellView {
       [Infinity, -Infinity],
     );
   }
-
-  /**
-   * @typedef {object} Place
-   * @property {CanvasRenderingContext2D} pen
-   * @property {number} scale px in um.
-   * @property {{ x: number, y: number }} origin px.
-   */
 
   /** @param {Place} place */
   #drawPhotograph({ pen, scale, origin }) {
@@ -217,7 +166,7 @@ export class CellView {
         weights[3] * points[d + axis];
       return [origin.x + scale * along(0), origin.y - scale * along(1)];
     };
-    this.#traceRings(place, points);
+    traceRings(place, this.shapes, points);
     pen.clip("evenodd");
     // Without a line of their colour the page shows between neighbours.
     pen.lineWidth = 1;
@@ -240,49 +189,19 @@ export class CellView {
       if (pen.globalAlpha === 1) pen.stroke();
     });
   }
-
-  /**
-   * @param {Place} place
-   * @param {Float32Array} points
-   */
-  #traceRings({ pen, scale, origin }, points) {
-    pen.beginPath();
-    for (const [first, end] of this.shapes.rings) {
-      for (let point = first; point < end; point++) {
-        const [x, y] = [
-          origin.x + scale * points[2 * point],
-          origin.y - scale * points[2 * point + 1],
-        ];
-        if (point === first) pen.moveTo(x, y);
-        else pen.lineTo(x, y);
-      }
-      pen.closePath();
-    }
-  }
-
-  /**
-   * @param {Place} place
-   * @param {Ink} ink
-   */
-  #drawScaleBar({ pen, scale }, ink) {
-    const length = roundLength(Math.max(this.#width / 5, 48) / scale);
-    const y = this.#height - 11;
-    pen.fillStyle = ink.line;
-    pen.fillRect(MARGIN, y - 2, length * scale, 3);
-    pen.font = "13px system-ui, sans-serif";
-    pen.textBaseline = "middle";
-    pen.fillText(`${plain(length)}\u00a0\u00b5m`, MARGIN + length * scale + 8, y);
-  }
 }
+
+/** Least number of times at which to look for the largest extent of a cell, and how far apart they are at most, ms. */
+const MOMENTS = 40;
+const BETWEEN = 20;
 
 /**
  * The box around a cell in all its shapes, um.
  *
  * @param {Shapes} shapes
- * @param {number} moments At how many times to look.
  * @returns {Box}
  */
-export function boxAround(shapes, moments = 40) {
+export function boxAround(shapes) {
   const shape = blankShape(shapes);
   /** @type {Box} */
   const box = [
@@ -290,6 +209,7 @@ export function boxAround(shapes, moments = 40) {
     [-Infinity, -Infinity],
   ];
   const [start, end] = shapes.span;
+  const moments = Math.max(MOMENTS, Math.ceil((end - start) / BETWEEN));
   const enclose = (/** @type {Float32Array} */ points) => {
     for (const [first, last] of shapes.rings) {
       for (let at = 2 * first; at < 2 * last; at++) {

@@ -1,5 +1,21 @@
 // Scales of colours.
 
+/** Colours of compared runs in the style sheet, and dashes, px: as many, so that each pair of them comes once. */
+const RUNS = 6;
+const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3], [14, 5], [5, 2]];
+
+/**
+ * The line of a compared run; those of up to 36 differ, the first six without their colours, too.
+ *
+ * @param {number} index
+ */
+export function lineOf(index) {
+  return {
+    colour: `--run-${(index % RUNS) + 1}`,
+    dash: DASHES[(index + Math.floor(index / RUNS)) % RUNS],
+  };
+}
+
 /** Colours that can be told apart on a scale. */
 export const STEPS = 64;
 

@@ -10,8 +10,18 @@ export interface Payload {
   version: string;
   /** What the cell is coloured by at first. */
   colour: FieldKey;
+  /** To know first: of the page as a whole. */
+  warnings: string[];
+  /** Settings in which the runs differ. */
+  differences: Difference[];
   /** One for a report, several for a comparison; the first is what others are compared with. */
   runs: Run[];
+}
+
+export interface Difference {
+  name: string;
+  /** One for each run. */
+  values: string[];
 }
 
 export interface Run {

@@ -1,15 +1,18 @@
 // Wires the page: data, player, cells, curves, tables.
 
 import { boxAround, CellView } from "./cell-view.js";
-import { ramp } from "./colours.js";
+import { lineOf, ramp } from "./colours.js";
 import { Chart, chartsOf, peakOf, valueAt } from "./curves.js";
 import { readPayload, recordedShapes } from "./data.js";
+import { Sheet } from "./drawing.js";
 import { find, make } from "./elements.js";
 import { number, plain, quantity, unitText } from "./numbers.js";
+import { OverlayView } from "./overlay-view.js";
 import { Player } from "./player.js";
-import { metricTables, parameterTables, tiles } from "./tables.js";
+import { differenceTable, keyNumbers, metricTables, parameterTables } from "./tables.js";
 
-/** @import { Box, Photograph } from "./cell-view.js" */
+/** @import { Photograph } from "./cell-view.js" */
+/** @import { Box, Ink } from "./drawing.js" */
 /** @import { Field, Payload, Picture } from "./payload.js" */
 
 const PLAY = "M3 1.5v13l11-6.5z";
@@ -18,8 +21,14 @@ const PAUSE = "M3 2h3.5v12H3zM9.5 2H13v12H9.5z";
 const STEP = 5;
 /** Room around the cell, of its longer side. */
 const ROOM = 0.02;
-/** Lines of compared runs, told apart without colours too. */
-const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3], [14, 5], [5, 2]];
+/** Least width of a cell among several, px, and the part of the window's height that they should take together. */
+const LEAST_WIDTH = 240;
+const SEEN = 0.75;
+const GAP = 8;
+/** Of at most so many runs the values of now stand beside the name of a chart. */
+const TOLD = 4;
+/** Ink on paper that is printed. */
+const PRINTED = { line: "#1a1d21", muted: "#555d68", paper: "#ffffff" };
 
 const payload = readPayload(document);
 const { runs } = payload;
@@ -36,7 +45,7 @@ const player = new Player([
   Math.min(...cells.map((cell) => cell.span[0])),
   Math.max(...cells.map((cell) => cell.span[1])),
 ]);
-const box = commonBox();
+const boxes = boxesOfOneSize();
 const fields = commonFields();
 let field = fields.find(({ key }) => key === payload.colour) ?? fields[0];
 
@@ -46,18 +55,22 @@ const pictureBox = find("picture", HTMLInputElement);
 const time = find("time", HTMLInputElement);
 const cellsPlace = find("cells", HTMLElement);
 
+const overlay = alone ? null : addOverlay();
 const views = runs.map((run, index) => {
   const canvas = make("canvas", { role: "img" });
   const caption = make("figcaption", alone ? { class: "unseen" } : {}, run.label);
   cellsPlace.append(make("figure", {}, canvas, caption));
-  return new CellView(canvas, cells[index], box, null);
+  return new CellView(canvas, cells[index], boxes[index], null);
 });
+/** @type {{ view: CellView, time: number }[]} For paper. */
+const stills = [];
 const charts = makeCharts();
 
 runs.forEach((run, index) => {
   if (run.picture !== null) loadPicture(run.picture, views[index]);
 });
 setUpControls();
+addStills();
 layOut();
 drawStills();
 new ResizeObserver(layOut).observe(cellsPlace);
@@ -68,16 +81,46 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
 setUpPrinting();
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
-/** The box around all cells, with some room, um. @returns {Box} */
-function commonBox() {
-  const boxes = cells.map((cell) => boxAround(cell));
-  const low = [0, 1].map((axis) => Math.min(...boxes.map((each) => each[0][axis])));
-  const high = [0, 1].map((axis) => Math.max(...boxes.map((each) => each[1][axis])));
-  const room = ROOM * Math.max(high[0] - low[0], high[1] - low[1]);
+/** The box around each cell, with some room: all as large as the largest, so that all have one scale. */
+function boxesOfOneSize() {
+  const around = cells.map((cell) => boxAround(cell));
+  const size = [0, 1].map((axis) => Math.max(...around.map(([low, high]) => high[axis] - low[axis])));
+  const room = ROOM * Math.max(...size);
+  return around.map(([low, high]) => boxAbout(middleOf([low, high]), size[0] + 2 * room, size[1] + 2 * room));
+}
+
+/** @param {Box} box @returns {[number, number]} */
+function middleOf([low, high]) {
+  return [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
+}
+
+/** @param {[number, number]} middle @param {number} width @param {number} height @returns {Box} */
+function boxAbout([x, y], width, height) {
   return [
-    [low[0] - room, low[1] - room],
-    [high[0] + room, high[1] + room],
+    [x - width / 2, y - height / 2],
+    [x + width / 2, y + height / 2],
   ];
+}
+
+/** A canvas on which all outlines lie over each other. @param {HTMLCanvasElement} canvas */
+function overlayOn(canvas) {
+  const [[left, low], [right, high]] = boxes[0];
+  const all = cells.map((shapes, index) => {
+    const { colour: name, dash } = lineOf(index);
+    return { shapes, middle: middleOf(boxes[index]), colour: () => colour(name), dash };
+  });
+  return new OverlayView(canvas, all, boxAbout([0, 0], right - left, high - low));
+}
+
+function addOverlay() {
+  const canvas = make("canvas", { role: "img" });
+  cellsPlace.append(make("figure", { class: "overlay" }, canvas, make("figcaption", {}, "all over each other")));
+  return overlayOn(canvas);
+}
+
+/** Colours of lines on the screen. @returns {Ink} */
+function ink() {
+  return { line: colour("--ink"), muted: colour("--muted"), paper: colour("--paper") };
 }
 
 /** The fields that every run has, on one scale. @returns {Field[]} */
@@ -91,38 +134,57 @@ function commonFields() {
 }
 
 /** @param {Payload} page */
-function writeHeader({ title }) {
+function writeHeader({ title, warnings: ofAll }) {
   document.title = title;
   find("kind", HTMLElement).textContent = alone ? "A beat by Myospring" : "Beats compared by Myospring";
   find("title", HTMLElement).textContent = title;
   const facts = alone ? runs[0].facts : runs.map((run) => run.label);
   find("facts", HTMLElement).append(...facts.map((fact) => make("li", {}, fact)));
   const warnings = runs.flatMap((run) =>
-    run.warnings.map((warning) => (alone ? warning : `${run.label}: ${warning}`)),
+    run.warnings.map((text) => (alone ? text : `${run.label}: ${text}`)),
   );
-  find("warning-list", HTMLElement).append(...warnings.map((text) => make("li", {}, text)));
-  find("warnings", HTMLElement).hidden = warnings.length === 0;
+  const all = [...ofAll, ...warnings];
+  find("warning-list", HTMLElement).append(...all.map((text) => make("li", {}, text)));
+  find("warnings", HTMLElement).hidden = all.length === 0;
 }
 
 /** @param {Payload} page */
-function writeText({ version }) {
-  find("tiles", HTMLElement).append(...tiles(runs));
-  find("tiles", HTMLElement).classList.toggle("several", !alone);
+function writeText({ version, differences }) {
+  find("key", HTMLElement).append(keyNumbers(runs));
+  find("changes", HTMLElement).hidden = alone;
+  const differ = find("differences", HTMLElement);
+  differ.hidden = alone;
+  differ.append(
+    differences.length > 0
+      ? differenceTable(differences, runs)
+      : make("p", {}, "The runs have the same settings."),
+  );
   find("metrics", HTMLElement).append(...metricTables(runs));
-  for (const run of runs) {
-    if (!alone) {
-      find("parameters", HTMLElement).append(make("h3", {}, run.label));
-      find("repeat", HTMLElement).append(make("h3", {}, run.label));
-    }
-    find("parameters", HTMLElement).append(...parameterTables(run.parameters));
-    find("repeat", HTMLElement).append(
+  runs.forEach((run, index) => {
+    const parameters = parameterTables(run.parameters);
+    const repeat = [
       make("p", {}, "Save this as ", make("code", {}, "run.toml"), ", then: ", make("code", {}, "myospring run run.toml")),
       snippet(run.run_file, "run file", "run.toml"),
-    );
-  }
+    ];
+    find("parameters", HTMLElement).append(...(alone ? parameters : [folded(run.label, index, parameters)]));
+    find("repeat", HTMLElement).append(...(alone ? repeat : [folded(run.label, index, repeat)]));
+  });
   const citations = new Set(runs.map((run) => run.citations));
   find("cite", HTMLElement).append(...[...citations].map((text) => snippet(text, "BibTeX", "myospring.bib")));
   find("version", HTMLElement).textContent = `Made by Myospring ${version}.`;
+}
+
+/**
+ * What is told of each of several runs; on paper of the first only, since the table above says in what the others
+ * differ.
+ *
+ * @param {string} label
+ * @param {number} index
+ * @param {HTMLElement[]} content
+ */
+function folded(label, index, content) {
+  const kind = index === 0 ? "each-run" : "each-run on-screen";
+  return make("details", { class: kind }, make("summary", {}, label), ...content);
 }
 
 /**
@@ -167,12 +229,18 @@ function say(text) {
 async function loadPicture(picture, view) {
   const image = new Image();
   image.src = picture.href;
-  await image.decode();
+  try {
+    await image.decode();
+  } catch {
+    say("The picture cannot be shown.");
+    return;
+  }
   /** @type {Photograph} */
   const photograph = { image, box: picture.corners_um };
   view.photograph = photograph;
   find("picture-choice", HTMLElement).hidden = false;
   drawCells();
+  drawStills();
 }
 
 function makeCharts() {
@@ -182,8 +250,7 @@ function makeCharts() {
       ...run.curves,
       label: run.label,
       stimuli_ms: run.stimuli_ms,
-      colour: `--run-${(index % DASHES.length) + 1}`,
-      dash: DASHES[index % DASHES.length],
+      ...lineOf(index),
     })),
     (key) => (["potential", "tension", "shortening"].includes(key) ? `--${key}` : "--signal"),
   );
@@ -214,13 +281,29 @@ function makeCharts() {
 
 function writeLegend() {
   const legend = find("legend", HTMLElement);
-  runs.forEach((run, index) => {
-    const swatch = make("span", { class: "swatch", "aria-hidden": "true" });
-    swatch.style.borderColor = `var(--run-${(index % DASHES.length) + 1})`;
-    swatch.style.borderTopStyle = index === 0 ? "solid" : index % 2 === 1 ? "dashed" : "dotted";
-    legend.append(make("li", {}, swatch, run.label));
-  });
+  runs.forEach((run, index) => legend.append(make("li", {}, swatch(index), run.label)));
   legend.hidden = false;
+}
+
+/**
+ * The line of a run, as the charts draw it.
+ *
+ * @param {number} index
+ */
+function swatch(index) {
+  const { colour: name, dash } = lineOf(index);
+  const kind = "http://www.w3.org/2000/svg";
+  const svg = document.createElementNS(kind, "svg");
+  for (const [key, value] of Object.entries({ viewBox: "0 0 36 8", class: "swatch", "aria-hidden": "true" })) {
+    svg.setAttribute(key, value);
+  }
+  const line = document.createElementNS(kind, "path");
+  line.setAttribute("d", "M0 4h36");
+  line.setAttribute("stroke-width", "2.5");
+  line.setAttribute("stroke-dasharray", dash.join(" "));
+  line.style.stroke = `var(${name})`;
+  svg.append(line);
+  return svg;
 }
 
 /**
@@ -322,7 +405,7 @@ function showTime() {
   const values = charts.map(({ chart, now: place }) => {
     chart.setTime(now);
     const text = chart.data.series.map((series) => quantity(valueAt(series, now), chart.data.unit));
-    place.textContent = text.join(" / ");
+    place.textContent = runs.length > TOLD ? "" : text.join(" / ");
     return `${chart.data.name} ${text.join(", ")}`;
   });
   time.setAttribute("aria-valuetext", `${now.toFixed(0)} ms: ${values.join("; ")}`);
@@ -332,6 +415,10 @@ function showTime() {
 
 /** What a screen reader says of the cells; not while they move. */
 function describeCells() {
+  overlay?.canvas.setAttribute(
+    "aria-label",
+    `Outlines of all runs over each other, ${player.playing ? "beating" : `at ${player.time.toFixed(0)} ms`}`,
+  );
   views.forEach((view, index) => {
     const of = alone ? "The cell" : runs[index].label;
     const [least, most] = view.extremes();
@@ -343,50 +430,89 @@ function describeCells() {
 }
 
 function drawCells() {
-  const ink = { line: colour("--ink"), muted: colour("--muted") };
+  const lines = ink();
+  overlay?.draw(runs.map(() => player.time), lines);
   views.forEach((view) => {
     const photograph = view.photograph !== null && pictureBox.checked;
-    view.draw(player.time, field, { ink, photograph, opacity: photograph ? Number(opacity.value) : 1 });
+    view.draw(player.time, field, { ink: lines, photograph, opacity: photograph ? Number(opacity.value) : 1 });
   });
   const [least, most] = views[0].extremes();
   cellsPlace.dataset.least = String(least);
   cellsPlace.dataset.most = String(most);
 }
 
+/** As few columns of cells as let all of them be seen at once, if any number does. @param {number} width px. */
+function columnsIn(width) {
+  const most = Math.max(Math.min(views.length, Math.floor((width + GAP) / (LEAST_WIDTH + GAP))), 1);
+  const fits = (/** @type {number} */ columns) => {
+    const height = Sheet.heightFor(boxes[0], (width - GAP * (columns - 1)) / columns);
+    return Math.ceil(views.length / columns) * height <= SEEN * innerHeight;
+  };
+  return Array.from({ length: most }, (_, index) => index + 1).find(fits) ?? most;
+}
+
 /** Fits everything to the width of the page. */
 function layOut() {
   const width = cellsPlace.clientWidth;
-  const wanted = CellView.heightFor(box, width);
-  // Several cells lie above each other where they are long, side by side where they are not.
-  const columns = alone || wanted < 0.5 * width ? 1 : Math.min(views.length, Math.floor(width / 240) || 1);
+  const columns = columnsIn(width);
   cellsPlace.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
-  const each = (width - 8 * (columns - 1)) / columns;
-  const height = Math.min(Math.max(CellView.heightFor(box, each), 120), 0.62 * innerHeight);
+  const each = (width - GAP * (columns - 1)) / columns;
+  const most = 0.62 * innerHeight;
+  const height = Math.min(Math.max(Sheet.heightFor(boxes[0], each), 100), most);
   views.forEach((view) => view.resize(each, height, devicePixelRatio));
+  const wide = Math.min(width, 640);
+  overlay?.resize(wide, Math.min(Sheet.heightFor(boxes[0], wide), most), devicePixelRatio);
   charts.forEach(({ chart, figure }) => chart.resize(figure.clientWidth));
   showTime();
 }
 
-/** The cells at rest and at their peak, for paper. */
-function drawStills() {
+/** The canvases that paper has instead of the animation: cells at rest and at their peak. */
+function addStills() {
   const place = find("stills", HTMLElement);
-  runs.forEach((run, index) => {
+  /** @type {(caption: string) => HTMLCanvasElement} */
+  const add = (caption) => {
+    const canvas = make("canvas");
+    place.append(make("figure", {}, canvas, make("figcaption", {}, caption)));
+    return canvas;
+  };
+  const size = (/** @type {Sheet} */ sheet) => {
+    sheet.resize(340, Math.min(Sheet.heightFor(sheet.box, 340), 400), 3);
+    sheet.canvas.removeAttribute("style");
+  };
+  const peaks = runs.map((run) => {
     const shortening = run.curves.list.find((curve) => curve.key === "shortening");
-    const curve = { t_ms: run.curves.t_ms, values: shortening?.values ?? [] };
-    const moments = [
-      { name: "at rest", time: player.start },
-      { name: "at its peak", time: peakOf(curve).time },
-    ];
-    for (const { name, time: moment } of moments) {
-      const canvas = make("canvas");
-      const of = alone ? "" : `${run.label}, `;
-      place.append(make("figure", {}, canvas, make("figcaption", {}, `${of}${name}, ${moment.toFixed(0)} ms`)));
-      const view = new CellView(canvas, cells[index], box, null);
-      view.resize(340, Math.min(CellView.heightFor(box, 340), 400), 3);
-      canvas.removeAttribute("style");
-      const ink = { line: "#1a1d21", muted: "#555d68" };
-      view.draw(moment, field, { ink, photograph: false, opacity: 1 });
+    return peakOf({ t_ms: run.curves.t_ms, values: shortening?.values ?? [] }).time;
+  });
+  if (!alone) {
+    for (const [caption, times] of /** @type {[string, number[]][]} */ ([
+      ["all at rest", runs.map(() => player.start)],
+      ["each at its peak", peaks],
+    ])) {
+      const view = overlayOn(add(caption));
+      size(view);
+      view.draw(times, PRINTED);
     }
+  }
+  runs.forEach((run, index) => {
+    const of = alone ? "" : `${run.label}, `;
+    for (const [name, time] of /** @type {[string, number][]} */ ([
+      ["at rest", player.start],
+      ["at its peak", peaks[index]],
+    ])) {
+      const canvas = add(`${of}${name}, ${time.toFixed(0)} ms`);
+      const view = new CellView(canvas, cells[index], boxes[index], null);
+      size(view);
+      stills.push({ view, time });
+    }
+  });
+}
+
+/** Draws the cells for paper; at rest, where no colour says anything, on its picture. */
+function drawStills() {
+  stills.forEach(({ view, time }, index) => {
+    view.photograph = views[index >> 1].photograph;
+    const photograph = view.photograph !== null && index % 2 === 0;
+    view.draw(time, field, { ink: PRINTED, photograph, opacity: photograph ? 0 : 1 });
   });
   const { spacing_um: spacing, accuracy_um: accuracy } = runs[0].cell;
   find("drawn", HTMLElement).textContent =
@@ -399,6 +525,7 @@ function setUpPrinting() {
   /** @type {HTMLDetailsElement[]} */
   let opened = [];
   addEventListener("beforeprint", () => {
+    drawStills();
     opened = [...document.querySelectorAll("details")].filter((details) => !details.open);
     for (const details of opened) details.open = true;
     charts.forEach(({ chart }) => {

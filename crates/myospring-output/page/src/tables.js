@@ -3,11 +3,12 @@
 import { make } from "./elements.js";
 import { number, quantity, unitText, words } from "./numbers.js";
 
-/** @import { Band, Metric, ParameterGroup, Run } from "./payload.js" */
+/** @import { Band, Difference, Metric, ParameterGroup, Run } from "./payload.js" */
 
 /** Metrics that a person looks at first. */
 const KEY = [
   "peak_shortening",
+  "peak_lengthening",
   "time_to_peak_from_stimulus",
   "relaxation_time_90",
   "maximum_shortening_rate",
@@ -34,17 +35,37 @@ const isNumber = (value) => typeof value === "number";
 const range = (band) => `${band.low} to ${band.high}`.replaceAll("-", "\u2212");
 
 /**
+ * The key metrics that the runs have; how much longer cells become, where none becomes shorter.
+ *
+ * @param {Run[]} runs
+ */
+function keyMetrics(runs) {
+  const has = (/** @type {string} */ name) => runs.some((run) => isNumber(metric(run, name)?.value));
+  return KEY.flatMap((name) => {
+    const first = metric(runs[0], name);
+    const usual = name !== "peak_lengthening" || !has("peak_shortening");
+    return first !== undefined && has(name) && usual ? [first] : [];
+  });
+}
+
+/** As many runs have a tile for each metric; more are a table. */
+const TILED = 3;
+
+/**
  * The key numbers.
  *
  * @param {Run[]} runs
- * @returns {HTMLElement[]}
+ * @returns {HTMLElement}
  */
-export function tiles(runs) {
-  return KEY.flatMap((name) => {
-    const first = metric(runs[0], name);
-    if (first === undefined || runs.every((run) => !isNumber(metric(run, name)?.value))) return [];
+export function keyNumbers(runs) {
+  return runs.length > TILED ? keyTable(runs) : tiles(runs);
+}
+
+/** @param {Run[]} runs */
+function tiles(runs) {
+  const each = keyMetrics(runs).map((first) => {
     const values = runs.map((run) => {
-      const text = quantity(metric(run, name)?.value, first.unit);
+      const text = quantity(metric(run, first.name)?.value, first.unit);
       if (runs.length === 1) return make("dd", { class: "value" }, text);
       return make("dd", { class: "of-run" }, make("span", {}, run.label), make("span", {}, text));
     });
@@ -52,8 +73,60 @@ export function tiles(runs) {
       first.band === null
         ? []
         : [make("dd", { class: "seen" }, `band ${range(first.band)}\u00a0${unitText(first.unit)}`)];
-    return [make("div", {}, make("dt", {}, words(name)), ...values, ...seen)];
+    return make("div", {}, make("dt", {}, words(first.name)), ...values, ...seen);
   });
+  return make("dl", { class: runs.length > 1 ? "tiles several" : "tiles" }, ...each);
+}
+
+/** A row for each of many runs. @param {Run[]} runs */
+function keyTable(runs) {
+  const metrics = keyMetrics(runs);
+  const head = metrics.map(({ name, unit }) => {
+    const text = unit === "" ? words(name) : `${words(name)} (${unitText(unit)})`;
+    return make("th", { scope: "col", class: "number" }, text);
+  });
+  const rows = runs.map((run) =>
+    make(
+      "tr",
+      {},
+      make("th", { scope: "row" }, run.label),
+      ...metrics.map(({ name }) => make("td", { class: "number" }, number(metric(run, name)?.value))),
+    ),
+  );
+  const table = make(
+    "table",
+    {},
+    make("caption", { class: "unseen" }, "Key numbers"),
+    make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "run"), ...head)),
+    make("tbody", {}, ...rows),
+  );
+  return scrolling(table, "Key numbers of each run");
+}
+
+/**
+ * Settings in which runs differ.
+ *
+ * @param {Difference[]} differences
+ * @param {Run[]} runs
+ */
+export function differenceTable(differences, runs) {
+  const head = runs.map((run) => make("th", { scope: "col" }, run.label));
+  const rows = differences.map(({ name, values }) =>
+    make(
+      "tr",
+      {},
+      make("th", { scope: "row" }, name),
+      ...values.map((value) => make("td", {}, value)),
+    ),
+  );
+  const table = make(
+    "table",
+    {},
+    make("caption", { class: "unseen" }, "Settings that differ"),
+    make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "setting"), ...head)),
+    make("tbody", {}, ...rows),
+  );
+  return scrolling(table, "Settings that differ");
 }
 
 /**
@@ -79,6 +152,9 @@ function term(text, definition, id) {
   return place;
 }
 
+/** What is smaller is rounding, in the units that metrics have. */
+const LEAST_CHANGE = 5e-4;
+
 /**
  * A difference in the unit of the values, and in per cent of the first.
  *
@@ -89,8 +165,9 @@ function difference(value, first) {
   if (!isNumber(value) || !isNumber(first)) return number(null);
   const change = value - first;
   const sign = change > 0 ? "+" : "";
-  if (Math.abs(change) <= 1e-9 * Math.abs(first)) return "0";
-  if (first === 0) return `${sign}${number(change)}`;
+  if (Math.abs(change) < LEAST_CHANGE) return "0";
+  // Per cent of what is only left of rounding say nothing.
+  if (Math.abs(first) < 1e-3) return `${sign}${number(change)}`;
   return `${sign}${number(change)} (${sign}${number((100 * change) / Math.abs(first))} %)`;
 }
 
@@ -111,40 +188,44 @@ export function metricTables(runs) {
       : number(row?.value);
   return first.metrics.map((group, place) => {
     const head = (/** @type {string} */ text, kind = "") => make("th", { scope: "col", class: kind }, text);
+    const several = others.length > 0;
+    const title = spread ? "mean \u00b1 sd of beats" : "value";
+    const unit = head("unit", "unit");
+    const values = runs.map((run) => head(several ? run.label : title, "number"));
     const header = make(
       "tr",
       {},
       head("quantity"),
-      ...runs.map((run) =>
-        head(others.length > 0 ? run.label : spread ? "mean \u00b1 sd of beats" : "value", "number"),
-      ),
-      head("unit", "unit"),
-      ...others.map((run) => head(`${run.label} \u2212 ${first.label}`, "number")),
+      ...(several ? [unit, ...values] : [...values, unit]),
       head("band seen in experiments"),
     );
     const rows = group.rows.map((row, index) => {
       const of = (/** @type {Run} */ run) => metric(run, row.name);
       const name = term(words(row.name), row.definition, `definition-${place}-${index}`);
+      const unit = make("td", {}, unitText(row.unit));
+      const values = runs.map((run, column) => {
+        const change =
+          column === 0
+            ? []
+            : [make("div", { class: "change" }, difference(of(run)?.value, row.value))];
+        return make("td", { class: "number" }, value(of(run)), ...change);
+      });
       return make(
         "tr",
         {},
         make("th", { scope: "row" }, name),
-        ...runs.map((run) => make("td", { class: "number" }, value(of(run)))),
-        make("td", {}, unitText(row.unit)),
-        ...others.map((run) =>
-          make("td", { class: "number" }, difference(of(run)?.value, row.value)),
-        ),
+        ...(several ? [unit, ...values] : [...values, unit]),
         make("td", {}, row.band === null ? "" : range(row.band)),
       );
     });
     const table = make(
       "table",
-      { class: others.length > 0 ? "" : "numbers" },
+      { class: several ? "compared" : "numbers" },
       make("caption", {}, group.name),
       make("thead", {}, header),
       make("tbody", {}, ...rows),
     );
-    return others.length > 0 ? scrolling(table, group.name) : table;
+    return several ? scrolling(table, group.name) : table;
   });
 }
 

@@ -29,6 +29,18 @@ export async function beat(name, ...args) {
 }
 
 /**
+ * Compares runs and gives the path of their page.
+ *
+ * @param {string} name Of the folder of results.
+ * @param {string[]} args
+ */
+export async function compare(name, ...args) {
+  const output = join(folder, name);
+  await promisify(execFile)(program, ["compare", "--quiet", "--output", output, ...args]);
+  return join(output, "report.html");
+}
+
+/**
  * The data in a page.
  *
  * @param {string} path

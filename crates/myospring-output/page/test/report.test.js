@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { beat, folder } from "./program.js";
+import { beat, compare, folder } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
@@ -222,6 +222,36 @@ test("a cell from a picture beats on its picture", async () => {
     const alone = await pixels(page);
     assert.equal(new Set([together, bare, alone]).size, 3);
   });
+});
+
+test("many runs are told apart, and a page says in what they differ and by how much", async () => {
+  const factors = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9].flatMap((factor) => ["--scale", `peak_tension=${factor}`]);
+  const path = await compare("compared", "--integrator", "quasi-static", "--spacing", "4 um", ...factors);
+  for (const width of [1200, 375]) {
+    await opened(path, { ...STILL, viewport: { width, height: 900 } }, async (page) => {
+      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
+      assert.equal(await page.textContent("h1"), "control and 7 others");
+      const lines = await page.$$eval("#legend path", (paths) =>
+        paths.map((path) => path.style.stroke + path.getAttribute("stroke-dasharray")),
+      );
+      assert.equal(new Set(lines).size, 8, lines.join());
+      assert.match((await page.textContent("#differences")) ?? "", /cell\.peak_tension50 kPa15 kPa20 kPa/);
+      const row = page.locator("#metrics tr", { hasText: "peak shortening" }).first();
+      assert.match((await row.textContent()) ?? "", /12\.01.*\u2212\d\.\d\d \(\u2212\d\d\.\d\d %\)/);
+      await page.evaluate(await readFile(AXE, "utf8"));
+      /** @type {import("axe-core").AxeResults} */
+      const { violations } = await page.evaluate("axe.run()");
+      assert.deepEqual(
+        violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]),
+        [],
+      );
+      // On paper no column is cut off.
+      await page.emulateMedia({ media: "print" });
+      await page.setViewportSize({ width: 700, height: 900 });
+      const cut = await page.$$eval(".wide", (tables) => tables.filter((it) => it.scrollWidth > it.clientWidth + 1).length);
+      assert.equal(cut, 0);
+    });
+  }
 });
 
 test("a run is copied and cited from the page", async () => {

@@ -18,8 +18,21 @@ pub struct Page<'a> {
     pub version: &'a str,
     /// What the cell is coloured by until somebody chooses.
     pub colour: Field,
+    /// What a person should know first, such as that a run stopped early, or that runs were paced otherwise.
+    pub warnings: &'a [String],
+    /// Settings in which the runs differ.
+    pub differences: &'a [Difference],
     /// One run for a report; of several, the first is what the others are compared with.
     pub runs: &'a [PageRun<'a>],
+}
+
+/// A setting in which runs differ, as a person reads it.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Difference {
+    /// Its key in a run file.
+    pub name: String,
+    /// Its value in each run.
+    pub values: Vec<String>,
 }
 
 /// A run on a page.

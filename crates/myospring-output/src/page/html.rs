@@ -44,6 +44,8 @@ const TEMPLATE: &str = include_str!("../../page/dist/report.html");
 ///     title: "A <fast> cell",
 ///     version: "0.1.0",
 ///     colour: Field::FibreStrain,
+///     warnings: &[],
+///     differences: &[],
 ///     runs: &[run],
 /// })?;
 /// assert!(html.contains("<title>A &lt;fast&gt; cell</title>"));

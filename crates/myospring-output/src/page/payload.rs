@@ -3,7 +3,7 @@
 use super::band::Band;
 use super::cell::{self, CellData};
 use super::curves::{self, Curves};
-use super::given::{Page, PageError, PageRun, ParameterGroup};
+use super::given::{Difference, Page, PageError, PageRun, ParameterGroup};
 use super::photograph::{self, PictureData};
 use crate::json::JsonError;
 use crate::report::Summary;
@@ -17,6 +17,8 @@ struct Payload<'a> {
     title: &'a str,
     version: &'a str,
     colour: &'static str,
+    warnings: &'a [String],
+    differences: &'a [Difference],
     runs: Vec<Run<'a>>,
 }
 
@@ -61,7 +63,8 @@ pub(super) fn json(page: &Page<'_>) -> Result<String, PageError> {
     let share = page.runs.len();
     let runs = page.runs.iter().map(|run| of_run(run, share)).collect::<Result<_, _>>()?;
     let colour = page.colour.word();
-    let payload = Payload { form: 1, title: page.title, version: page.version, colour, runs };
+    let Page { title, version, warnings, differences, .. } = *page;
+    let payload = Payload { form: 1, title, version, colour, warnings, differences, runs };
     Ok(serde_json::to_string(&payload).map_err(JsonError::from)?)
 }
 

@@ -77,6 +77,9 @@ const COMMON: [(&str, &[&str]); 5] = [
     ("numerics", &["numerics.", "cell.integrator", "cell.step", "cell.tolerance"]),
 ];
 
+/// So many settings of a kind are told in a warning; a table has all.
+const SAID: usize = 4;
+
 /// It follows from the material, and a converged run does not depend on it.
 const CONSEQUENCE: &str = "numerics.time_step";
 
@@ -92,7 +95,11 @@ pub fn warnings(different: &[Different], labels: &[&str]) -> Vec<String> {
                     key == *prefix || prefix.ends_with('.') && key.starts_with(prefix)
                 })
         });
-        let said: Vec<String> = of_kind.map(|different| in_words(different, labels)).collect();
+        let mut said: Vec<String> = of_kind.map(|different| in_words(different, labels)).collect();
+        if said.len() > SAID {
+            let more = said.split_off(SAID - 1).len();
+            said.push(format!("and {more} more settings"));
+        }
         if !said.is_empty() {
             warnings.push(format!("the runs differ in their {what}: {}", said.join("; ")));
         }
@@ -100,11 +107,30 @@ pub fn warnings(different: &[Different], labels: &[&str]) -> Vec<String> {
     warnings
 }
 
+/// A value as a person reads it: of a number at most six digits, `none` where there is none.
+///
+/// # Example
+/// ```
+/// use myospring::compare::setting::shown;
+/// assert_eq!(shown(Some("38.46153846153847 kPa")), "38.4615 kPa");
+/// assert_eq!(shown(Some("long axis")), "long axis");
+/// assert_eq!(shown(None), "none");
+/// ```
+pub fn shown(value: Option<&str>) -> String {
+    let Some(value) = value else { return "none".to_owned() };
+    let (number, unit) = value.split_once(' ').map_or((value, ""), |(number, unit)| (number, unit));
+    let rounded = number.parse::<f64>().ok().filter(|number| number.is_finite());
+    match rounded.and_then(|number| format!("{number:.5e}").parse::<f64>().ok()) {
+        Some(number) => format!("{number} {unit}").trim_end().to_owned(),
+        None => value.to_owned(),
+    }
+}
+
 /// `run.duration is 600 ms in A and 900 ms in B`.
 fn in_words(different: &Different, labels: &[&str]) -> String {
     let mut parts: Vec<(String, Vec<&str>)> = Vec::new();
     for (value, label) in different.values.iter().zip(labels) {
-        let value = value.clone().unwrap_or_else(|| "as usual".to_owned());
+        let value = shown(value.as_deref());
         match parts.iter_mut().find(|(other, _)| *other == value) {
             Some((_, with)) => with.push(label),
             None => parts.push((value, vec![label])),
@@ -151,6 +177,6 @@ mod tests {
         assert!(warnings[0].starts_with("the runs differ in their pacing: "), "{}", warnings[0]);
         let said = "run.duration is 600 ms in one and 1100 ms in <script>";
         assert!(warnings[0].contains(said), "{}", warnings[0]);
-        assert!(warnings[1].contains("shape.spacing is as usual in one and 2 um in <script>"));
+        assert!(warnings[1].contains("shape.spacing is none in one and 2 um in <script>"));
     }
 }

@@ -54,7 +54,15 @@ impl Cell {
 }
 
 fn html(runs: &[PageRun<'_>]) -> String {
-    page::html(&Page { title: NASTY, version: "0.1.0", colour: Field::FibreStrain, runs }).unwrap()
+    page::html(&Page {
+        title: NASTY,
+        version: "0.1.0",
+        colour: Field::FibreStrain,
+        warnings: &[],
+        differences: &[],
+        runs,
+    })
+    .unwrap()
 }
 
 /// The data of a page.
@@ -116,7 +124,14 @@ fn runs_beside_each_other_share_the_room_of_a_page() {
     let page = html(&runs);
     assert!(page.len() < 3_000_000, "{}", page.len());
     assert_eq!(data(&page)["runs"].as_array().unwrap().len(), 3);
-    let none = page::html(&Page { title: "", version: "", colour: Field::FibreStrain, runs: &[] });
+    let none = page::html(&Page {
+        title: "",
+        version: "",
+        colour: Field::FibreStrain,
+        warnings: &[],
+        differences: &[],
+        runs: &[],
+    });
     assert!(matches!(none, Err(PageError::NoRuns)));
 }
 
@@ -141,14 +156,26 @@ fn a_run_that_broke_or_kept_nothing_has_a_page() {
 fn frames_and_fibres_of_another_mesh_are_refused() {
     let (cell, other) = (Cell::new(4.0), Cell::new(3.0));
     let wrong = PageRun { fibres: &other.fibres, ..cell.on_page() };
-    let error =
-        page::html(&Page { title: "", version: "", colour: Field::FibreStrain, runs: &[wrong] })
-            .unwrap_err();
+    let error = page::html(&Page {
+        title: "",
+        version: "",
+        colour: Field::FibreStrain,
+        warnings: &[],
+        differences: &[],
+        runs: &[wrong],
+    })
+    .unwrap_err();
     assert!(error.to_string().contains("one for each triangle"), "{error}");
     let wrong = PageRun { recording: &other.recording, ..cell.on_page() };
-    let error =
-        page::html(&Page { title: "", version: "", colour: Field::FibreStrain, runs: &[wrong] })
-            .unwrap_err();
+    let error = page::html(&Page {
+        title: "",
+        version: "",
+        colour: Field::FibreStrain,
+        warnings: &[],
+        differences: &[],
+        runs: &[wrong],
+    })
+    .unwrap_err();
     assert!(error.to_string().contains("positions along axis 0"), "{error}");
 }
 
