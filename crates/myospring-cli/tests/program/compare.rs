@@ -1,15 +1,8 @@
 //! `myospring compare`: results and runs side by side, factors, doses.
 
-#![allow(clippy::unwrap_used, reason = "a test may stop here")]
-
+use super::myospring;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn myospring(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_myospring"));
-    command.args(arguments).current_dir(folder).output().unwrap()
-}
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
@@ -190,6 +183,7 @@ fn what_cannot_be_compared_says_why_and_writes_nothing() {
         (&["cell.toml", "none.toml"], "cannot read `none.toml`"),
         (&["cell.toml", "--scale", "tau_sii=2"], "the nearest are tau_si"),
         (&["cell.toml", "--scale", "tau_si"], "like tau_si=1.2"),
+        (&["cell.toml", "--scale", "tau_si=2,tau_si=3"], "two factors"),
         (&["cell.toml", "--doses", "drug.toml"], "drug.toml: drug 1: missing field"),
         (&["results/cell", "cell.toml", "--spacing", "3 um"], "which options do not change"),
     ] {
