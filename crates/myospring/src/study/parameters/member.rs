@@ -69,7 +69,7 @@ impl Row for VariationRow {
         self.status
     }
 
-    /// Status and reason alone; [`ParameterStudy::table`](super::ParameterStudy::table) knows what the numbers are.
+    /// Status and reason alone; [`Answer::table`](super::Answer::table) knows what the numbers are.
     fn table(rows: &[Self]) -> Table {
         let member = rows.iter().map(|row| Some(row.member as f64)).collect();
         let status = rows.iter().map(|row| Some(row.status.to_string())).collect();
