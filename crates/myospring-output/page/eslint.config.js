@@ -2,7 +2,7 @@ import js from "@eslint/js";
 import globals from "globals";
 
 export default [
-  { ignores: ["dist", "node_modules", "shots"] },
+  { ignores: ["node_modules", "shots", "vendor"] },
   js.configs.recommended,
   {
     files: ["src/**/*.js"],

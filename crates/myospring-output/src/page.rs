@@ -1,7 +1,7 @@
 //! `report.html`: a run, or several beside each other, as one page that needs nothing else.
 //!
-//! The page itself (HTML, style, drawing) is made in the folder `page/` of this crate, which bundles it into
-//! `page/dist/report.html`; here it gets its data. It shows the beating cell, the curves linked to it, all numbers
+//! The page itself (HTML, style, drawing) has its source in the folder `page/` of this crate; here it is put
+//! together (`template`) and gets its data. It shows the beating cell, the curves linked to it, all numbers
 //! with their definitions, parameters with their sources, and how to cite and to repeat the run. It asks nothing of
 //! any network, and forbids itself to.
 //!
@@ -18,6 +18,7 @@ mod given;
 mod html;
 mod payload;
 mod photograph;
+mod template;
 
 pub use given::{Difference, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph};
 pub use html::html;

@@ -1,4 +1,4 @@
-//! The page of a report: its source, its bundle, and the page itself in Chromium.
+//! The page of a report: its source, and the page itself in Chromium.
 
 use super::Checks;
 use crate::{program, root, say};
@@ -14,7 +14,7 @@ impl Checks {
     /// What a web developer would check, with tools from the npm registry; looks at pages that the program, as the tests
     /// have built it, writes.
     pub(super) fn page(&mut self) -> Result<(), String> {
-        let source = "page: lints, types and bundle";
+        let source = "page: lints and types";
         let (data, browser) = ("page: its numbers", "page: in Chromium");
         if let Err(why) = installed() {
             for name in [source, data, browser] {
@@ -23,11 +23,6 @@ impl Checks {
             return Ok(());
         }
         self.step(source, npm(&["run", "check"]))?;
-        self.step("page: the bundle is what the source gives", {
-            let mut command = Command::new("node");
-            command.args(["build.js", "--check"]).current_dir(folder());
-            command
-        })?;
         let test = |file: &str| {
             let mut command = Command::new("node");
             command.args(["--test", file]).current_dir(folder());

@@ -10,6 +10,14 @@ import { fillField } from "../src/fields.js";
 import { number, plain, roundLength, unitText, words } from "../src/numbers.js";
 import { beat, payloadOf } from "./program.js";
 
+test("the library for curves is the one that npm has", async () => {
+  for (const file of ["dist/uPlot.iife.min.js", "dist/uPlot.min.css", "LICENSE"]) {
+    const published = await readFile(new URL(`../node_modules/uplot/${file}`, import.meta.url), "utf8");
+    const carried = await readFile(new URL(`../vendor/${file.replace("dist/", "")}`, import.meta.url), "utf8");
+    assert.equal(carried, published, `vendor/${file}: copy it from node_modules/uplot`);
+  }
+});
+
 test("fields that the page computes are those of the program", async () => {
   // Content by place, so that the stress differs, and fibres askew.
   const path = await beat("askew", "--integrator", "quasi-static", "--fibre", "20 deg");

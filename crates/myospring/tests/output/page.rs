@@ -155,28 +155,21 @@ fn a_run_that_broke_or_kept_nothing_has_a_page() {
 #[test]
 fn frames_and_fibres_of_another_mesh_are_refused() {
     let (cell, other) = (Cell::new(4.0), Cell::new(3.0));
-    let wrong = PageRun { fibres: &other.fibres, ..cell.on_page() };
-    let error = page::html(&Page {
-        title: "",
-        version: "",
-        colour: Field::FibreStrain,
-        warnings: &[],
-        differences: &[],
-        runs: &[wrong],
-    })
-    .unwrap_err();
-    assert!(error.to_string().contains("one for each triangle"), "{error}");
-    let wrong = PageRun { recording: &other.recording, ..cell.on_page() };
-    let error = page::html(&Page {
-        title: "",
-        version: "",
-        colour: Field::FibreStrain,
-        warnings: &[],
-        differences: &[],
-        runs: &[wrong],
-    })
-    .unwrap_err();
-    assert!(error.to_string().contains("positions along axis 0"), "{error}");
+    let said = |run: PageRun<'_>| {
+        let page = Page {
+            title: "",
+            version: "",
+            colour: Field::FibreStrain,
+            warnings: &[],
+            differences: &[],
+            runs: &[run],
+        };
+        page::html(&page).unwrap_err().to_string()
+    };
+    let error = said(PageRun { fibres: &other.fibres, ..cell.on_page() });
+    assert!(error.contains("one for each triangle"), "{error}");
+    let error = said(PageRun { recording: &other.recording, ..cell.on_page() });
+    assert!(error.contains("positions along axis 0"), "{error}");
 }
 
 #[test]

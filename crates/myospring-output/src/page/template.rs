@@ -1,0 +1,124 @@
+//! The page without its data, put together from its source: style, drawing and the library for curves in one file.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+use std::sync::LazyLock;
+
+/// A module of the page: its name and text.
+macro_rules! modules {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../page/src/", $name)))),*]
+    };
+}
+
+/// The modules of the page, each after those that it imports.
+const MODULES: [(&str, &str); 12] = modules![
+    "numbers.js",
+    "colours.js",
+    "elements.js",
+    "data.js",
+    "fields.js",
+    "drawing.js",
+    "cell-view.js",
+    "overlay-view.js",
+    "player.js",
+    "curves.js",
+    "tables.js",
+    "report.js",
+];
+
+/// The library for curves, as its authors publish it (`page/vendor`).
+const CURVES: [&str; 2] = [
+    include_str!("../../page/vendor/uPlot.min.css"),
+    include_str!("../../page/vendor/uPlot.iife.min.js"),
+];
+
+/// With places for title and data.
+pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| {
+    let style = without_imports(include_str!("../../page/src/report.css"), "@import ");
+    let style = format!("{}\n{style}", CURVES[0]);
+    let script = script();
+    // Nothing but what stands in the file: no network, no other script.
+    let policy = format!(
+        "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
+        hash(&script),
+        hash(&style)
+    );
+    let page = include_str!("../../page/src/report.html");
+    let page = page.replacen("{{policy}}", &policy, 1).replacen("{{style}}", &style, 1);
+    page.replacen("{{script}}", &script, 1)
+});
+
+/// All modules in one scope: what they import from each other stands there already.
+fn script() -> String {
+    let mut all = String::from("(() => {\n\"use strict\";\n");
+    all.push_str(CURVES[1]);
+    for (name, text) in MODULES {
+        let text = without_imports(text, "import ");
+        let text = text.strip_prefix("export ").unwrap_or(&text).replace("\nexport ", "\n");
+        let _ = write!(all, "\n// {name}\n{text}");
+    }
+    all.push_str("})();");
+    // What ends a script element must not stand within one.
+    all.replace("</script", "<\\/script")
+}
+
+/// A text without its lines that import something.
+fn without_imports(text: &str, import: &str) -> String {
+    let kept = text.lines().filter(|line| !line.starts_with(import));
+    kept.flat_map(|line| [line, "\n"]).collect()
+}
+
+fn hash(text: &str) -> String {
+    format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn the_page_has_a_place_for_title_and_data_and_forbids_itself_the_network() {
+        assert_eq!(TEMPLATE.matches("{{title}}").count(), 2);
+        assert_eq!(TEMPLATE.matches("{{data}}").count(), 1);
+        for place in ["{{policy}}", "{{style}}", "{{script}}"] {
+            assert!(!TEMPLATE.contains(place), "{place}");
+        }
+        assert!(TEMPLATE.contains("default-src 'none'"));
+        assert!(!TEMPLATE.contains("src=\"http") && !TEMPLATE.contains("href=\"http"));
+    }
+
+    #[test]
+    fn every_module_stands_after_those_that_it_imports_and_shares_no_name_with_another() {
+        let (mut before, mut names) = (BTreeSet::from(["uplot"]), BTreeSet::new());
+        for (module, text) in MODULES {
+            for line in text.lines().filter(|line| line.starts_with("import ")) {
+                // A whole import on one line, without another name for what it brings.
+                let (brought, from) = line.split_once(" from ").unwrap();
+                let from = from.trim_matches(['"', ';']).trim_start_matches("./");
+                assert!(before.contains(from), "{module} imports {from}, which stands after it");
+                assert!(!brought.contains(" as "), "{module}: {line}");
+            }
+            before.insert(module);
+            for line in text.lines() {
+                let line = line.strip_prefix("export ").unwrap_or(line);
+                let declares = ["function ", "class ", "const ", "let "];
+                let declared = declares.iter().find_map(|word| line.strip_prefix(word));
+                let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == '$';
+                if let Some(name) = declared.and_then(|rest| rest.split(|c| !is_name(c)).next()) {
+                    assert!(
+                        name.is_empty() || names.insert(name),
+                        "{module}: {name} is another's, too"
+                    );
+                }
+            }
+        }
+        let script = script();
+        assert!(
+            !script.lines().any(|line| line.starts_with("import ") || line.starts_with("export "))
+        );
+    }
+}
