@@ -5,8 +5,8 @@ mod members;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
-use crate::{interrupt, print};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::{interrupt, print, progress};
+use indicatif::ProgressBar;
 use kept::Kept;
 use myospring::output::{files, json};
 use myospring::settings::{Run, Value};
@@ -14,10 +14,9 @@ use myospring::study::pictures::{self, CellRow, Picture};
 use myospring::study::{self, Cause, Journal, Observer, Row, Status, Threads};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What happened, for machines.
 #[derive(Serialize)]
@@ -54,7 +53,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         Journal::open(&target, &settings)?
     };
     interrupt::heed("the pictures under way are given up");
-    let bar = progress_bar(args.output.quiet, pictures.len());
+    let bar = progress::of_members(args.output.quiet, pictures.len(), "pictures");
     let seen = Seen { bar: &bar, quiet: args.output.quiet, target: &target };
     let kept = Kept { figures: args.figures, target: &target };
     let threads = Threads::new(args.jobs.map(usize::from))?;
@@ -157,17 +156,4 @@ fn settings(args: &BatchArgs, run: &Run) -> String {
         "# What the results in this folder depend on; myospring batch goes on only with the same.\n\
          # version {version}, cells {cells}, figures {figures}\n\n{text}"
     )
-}
-
-fn progress_bar(quiet: bool, pictures: usize) -> ProgressBar {
-    if quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(pictures as u64);
-    let form = "{wide_bar:.cyan} {pos}/{len} pictures, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(form) {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(500));
-    bar
 }

@@ -18,6 +18,7 @@ mod overlay;
 mod page;
 mod paper;
 mod print;
+mod progress;
 mod refused;
 mod results;
 mod run;

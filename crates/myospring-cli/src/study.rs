@@ -3,8 +3,8 @@
 use crate::args::{StudyArgs, StudyCommand, StudyInitArgs, StudyMergeArgs, StudyRunArgs};
 use crate::failure::Failure;
 use crate::table::{aligned, number};
-use crate::{interrupt, print};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::{interrupt, print, progress};
+use indicatif::ProgressBar;
 use myospring::output::figure::{self, Bar, Ranking};
 use myospring::output::{files, json};
 use myospring::study::parameters::{
@@ -15,10 +15,10 @@ use myospring::study::sensitivity::Index;
 use myospring::study::{Cause, Journal, Observer, Row as _, Status, Threads};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::io::{self, IsTerminal};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What stays to be written anew.
 const RESULTS: [&str; 6] = [
@@ -109,7 +109,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     interrupt::heed("the members under way are finished and kept");
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let members = study.members(shard).len();
-    let bar = progress_bar(output.quiet, members);
+    let bar = progress::of_members(output.quiet, members, "members");
     let seen = Seen { bar: &bar, quiet: output.quiet };
     let report = run(&common, shard, &journal, &threads, &seen)?;
     bar.finish_and_clear();
@@ -321,19 +321,6 @@ impl Observer<Variation> for Seen<'_> {
     fn table(&self, _rows: &[VariationRow]) -> Result<(), Cause> {
         Ok(())
     }
-}
-
-fn progress_bar(quiet: bool, members: usize) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(members as u64);
-    let form = "{wide_bar:.cyan} {pos}/{len} members, {per_sec}, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(form) {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(500));
-    bar
 }
 
 fn init(args: &StudyInitArgs) -> Result<ExitCode, Failure> {
