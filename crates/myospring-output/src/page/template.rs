@@ -37,7 +37,7 @@ const CURVES: [&str; 2] = [
 
 /// With places for title and data.
 pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| {
-    let style = without_imports(include_str!("../../page/src/report.css"), "@import ");
+    let style = without_imports(include_str!("../../page/src/report.css"), &["@import "]);
     let style = format!("{}\n{style}", CURVES[0]);
     let script = script();
     // Nothing but what stands in the file: no network, no other script.
@@ -56,7 +56,8 @@ fn script() -> String {
     let mut all = String::from("(() => {\n\"use strict\";\n");
     all.push_str(CURVES[1]);
     for (name, text) in MODULES {
-        let text = without_imports(text, "import ");
+        // Types, in comments, are the checker's alone.
+        let text = without_imports(text, &["import ", "/** @import "]);
         let text = text.strip_prefix("export ").unwrap_or(&text).replace("\nexport ", "\n");
         let _ = write!(all, "\n// {name}\n{text}");
     }
@@ -66,8 +67,9 @@ fn script() -> String {
 }
 
 /// A text without its lines that import something.
-fn without_imports(text: &str, import: &str) -> String {
-    let kept = text.lines().filter(|line| !line.starts_with(import));
+fn without_imports(text: &str, imports: &[&str]) -> String {
+    let brings = |line: &str| imports.iter().any(|import| line.starts_with(import));
+    let kept = text.lines().filter(|line| !brings(line));
     kept.flat_map(|line| [line, "\n"]).collect()
 }
 
