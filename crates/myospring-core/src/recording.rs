@@ -1,9 +1,9 @@
 //! What a run keeps: time series and frames.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One row of the time series; the names of the CSV columns carry the units.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Time, ms.
     pub t_ms: f64,
@@ -39,7 +39,7 @@ pub struct Sample {
 
 /// Something that the cell model tells beside potential and tension, over time: a transient of calcium, a
 /// current.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Signal {
     /// Its name, ASCII.
     pub name: String,

@@ -32,6 +32,7 @@ mod outcome;
 pub mod quasi_static;
 mod ready;
 mod setup;
+mod shared;
 mod stop;
 mod strain;
 
@@ -43,6 +44,7 @@ pub use observer::{Observer, Part, Progress};
 pub use outcome::{Effort, Outcome};
 pub use quasi_static::PreparedPath;
 pub use ready::Ready;
+pub use shared::SharedPath;
 pub use stop::{SetupError, StopReason};
 pub use strain::MOST_STRAIN;
 

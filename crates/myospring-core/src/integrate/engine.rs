@@ -38,7 +38,7 @@ impl Default for Engine {
 }
 
 /// What did move the masses, for the record.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "loops", rename_all = "kebab-case")]
 pub enum EngineUsed {
     /// The fused kernel.

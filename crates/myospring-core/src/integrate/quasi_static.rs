@@ -50,6 +50,9 @@ use std::ops::Deref;
 /// another path: the cell snaps. A lesser one crosses a bend, and counts in [`Shapes::error`].
 const TORN: f64 = 100.0;
 
+/// Longest load step, kPa, of a body that tension hardly moves.
+const LONGEST_STEP: f64 = 1000.0;
+
 /// What came of a load step.
 #[derive(Debug, Clone, Copy)]
 struct Judgement {
@@ -94,7 +97,7 @@ impl<const D: usize> Deref for Path<'_, D> {
 }
 
 impl<'a, const D: usize> Path<'a, D> {
-    /// The path from rest to a largest tension in kPa (negative: the active force pushes).
+    /// The path from rest to a largest tension in kPa (negative: the active force pushes), or somewhat past it.
     ///
     /// The body's velocities do not matter; its positions are where mass centre and orientation stay.
     ///
@@ -175,40 +178,35 @@ impl<'a, const D: usize> Path<'a, D> {
         }
         let side = usize::from(tension > 0.0);
         let direction = if tension > 0.0 { 1.0 } else { -1.0 };
-        let smallest = self.tolerance.smallest_step * tension.abs();
         let before = self.solver.factorisations;
-        let reached = self.extend_branch(side, direction, tension.abs(), smallest);
+        let reached = self.extend_branch(side, direction, tension.abs());
         self.shapes.factorisations += self.solver.factorisations - before;
         reached
     }
 
+    /// Load steps are planned without a look at the tension that is wanted, and the last one goes past it: the path
+    /// to a tension is the start of any longer one, to the last bit.
     fn extend_branch(
         &mut self,
         side: usize,
         direction: f64,
         tension: f64,
-        smallest: f64,
     ) -> Result<(), PathError> {
+        // The straight line from rest moves no point by more than a twentieth of the body.
+        let rate = largest(&self.branches[side][0].slope).max(f64::MIN_POSITIVE);
+        let first_step = (0.05 * self.extent / rate).min(LONGEST_STEP);
         loop {
-            let last = self.last(side);
-            let left = tension - last.tension.abs();
-            if left <= 0.0 {
+            let last = self.last(side).tension.abs();
+            if last >= tension {
                 return Ok(());
             }
             let first = self.branches[side].len() == 1;
             if self.steps[side] == 0.0 {
-                // The straight line from rest moves no point by more than a twentieth of the body.
-                let rate = largest(&last.slope).max(f64::MIN_POSITIVE);
-                self.shapes.steps[side] = (0.05 * self.extent / rate).min(tension);
+                self.shapes.steps[side] = first_step;
             }
-            let planned = self.steps[side].max(smallest);
-            let step = if planned >= left {
-                left
-            } else if 2.0 * planned > left {
-                0.5 * left
-            } else {
-                planned
-            };
+            let reached = if first { self.tolerance.smallest_step * first_step } else { last };
+            let smallest = self.tolerance.smallest_step * reached;
+            let step = self.steps[side].clamp(smallest, LONGEST_STEP);
             let shortest = step <= smallest;
             let tried = if first {
                 self.first_step(side, direction * step, shortest)

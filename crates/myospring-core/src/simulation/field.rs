@@ -43,7 +43,7 @@ impl PreparedField {
     /// As [`PreparedField::run`], for an observer that also hears which part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         let setup = &self.setup;
-        let Assembly { system, body, .. } = &setup.assembly;
+        let Assembly { system, body, .. } = &*setup.assembly;
         let state = State {
             tension: Held::of(setup.activation.tension()),
             body: body.clone(),

@@ -4,7 +4,7 @@ use super::StopReason;
 use crate::analysis::beat::Beats;
 use crate::integrate::engine::EngineUsed;
 use crate::recording::Recording;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What came of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ impl Outcome {
 }
 
 /// What a run took, for the record.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "integrator", rename_all = "kebab-case")]
 pub enum Effort {
     /// In time.

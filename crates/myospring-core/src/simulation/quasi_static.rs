@@ -22,6 +22,7 @@ use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
 use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
 use crate::mesh::Mesh;
 use crate::recording::Recording;
+use std::sync::Arc;
 
 /// Intervals at whose ends a load step is measured.
 const PARTS: usize = 8;
@@ -37,6 +38,7 @@ pub struct PreparedPath {
     pub shapes: Shapes,
     /// Why the path ends before the peak of tension, if it does.
     pub end: Option<PathError>,
+    pub(super) curve: Arc<Curve>,
 }
 
 impl Simulation {
@@ -80,18 +82,12 @@ impl Simulation {
         begin: impl for<'a> FnOnce(&'a System, &'a Body) -> Result<Path<'a>, PathError>,
     ) -> Result<PreparedPath, SetupError> {
         let setup = self.set_up()?;
-        if let Sites::PerElement(_) = setup.sites() {
-            return Err(SetupError::Setting(SettingError::Conflict {
-                what: "a tension for each triangle",
-                with: "a path of equilibria, which is solved in advance",
-                because: "take Simulation::build, or prepare_field, which goes from one to the next",
-            }));
-        }
-        let Assembly { system, body, .. } = &setup.assembly;
+        setup.check_path()?;
+        let Assembly { system, body, .. } = &*setup.assembly;
         let mut path = begin(system, body)?;
-        let end = path.extend((1.0 + MARGIN) * setup.strongest.tension).err();
-        let shapes = path.into_shapes();
-        Ok(PreparedPath { setup, shapes, end })
+        let end = path.extend(setup.peak()).err();
+        let curve = Arc::new(Curve::along(&path, &setup));
+        Ok(PreparedPath { shapes: path.into_shapes(), curve, setup, end })
     }
 
     /// Runs along the path of equilibria, to the end or to the first thing that goes wrong. `observe` is
@@ -159,6 +155,25 @@ impl Simulation {
     }
 }
 
+impl Setup {
+    /// Refuses what has no path that could be solved in advance.
+    pub(super) fn check_path(&self) -> Result<(), SettingError> {
+        match self.sites() {
+            Sites::Whole => Ok(()),
+            Sites::PerElement(_) => Err(SettingError::Conflict {
+                what: "a tension for each triangle",
+                with: "a path of equilibria, which is solved in advance",
+                because: "take Simulation::build, or prepare_field, which goes from one to the next",
+            }),
+        }
+    }
+
+    /// The tension up to which a path is solved in advance, kPa.
+    pub(super) fn peak(&self) -> f64 {
+        (1.0 + MARGIN) * self.strongest.tension
+    }
+}
+
 impl PreparedPath {
     /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
     /// sample and stops the run by returning `false`.
@@ -169,10 +184,10 @@ impl PreparedPath {
     /// As [`PreparedPath::run`], for an observer that also hears which part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         let setup = &self.setup;
-        let Assembly { system, body, .. } = &setup.assembly;
+        let Assembly { system, body, .. } = &*setup.assembly;
         let path = Path::resume(system, body, self.shapes.clone());
         let start = setup.activation.tension().at(0);
-        let curve = Curve::along(&path, setup);
+        let curve = Arc::clone(&self.curve);
         let mut shaping =
             AlongPath { setup, path, curve, tension: start, marked: start, offset: 0.0 };
         let (recording, stop) = match shaping.follow(0.0, [start.into(); 2]) {
@@ -278,7 +293,7 @@ const WORK: usize = 4;
 
 /// Quantities as functions of the tension.
 #[derive(Debug, Default)]
-struct Curve {
+pub(super) struct Curve {
     /// kPa, ascending; `PARTS` intervals to a load step.
     tensions: Vec<f64>,
     values: Vec<Quantities>,
@@ -287,8 +302,8 @@ struct Curve {
 }
 
 impl Curve {
-    fn along(shapes: &Shapes, setup: &Setup) -> Self {
-        let Assembly { system, meter, .. } = &setup.assembly;
+    pub(super) fn along(shapes: &Shapes, setup: &Setup) -> Self {
+        let Assembly { system, meter, .. } = &*setup.assembly;
         Self::of(shapes, &setup.simulation.mesh, system, meter)
     }
 
@@ -307,7 +322,7 @@ impl Curve {
         let mut curve = Self { tensions, ..Self::default() };
         let mut sound = Vec::new();
         let mut before: Option<(f64, Vectors)> = None;
-        let mut work = 0.0;
+        let mut added = Vec::new();
         for &tension in &curve.tensions {
             let Some(positions) = shapes.positions(tension) else { break };
             let energy = |positions: &Vectors, tension: f64| {
@@ -316,10 +331,10 @@ impl Curve {
                 system.active_energy(&at)
             };
             // W = -int grad E(x; Ta) dx by the mean tension of each part
-            if let Some((last, from)) = &before {
+            added.push(before.as_ref().map_or(0.0, |(last, from)| {
                 let mean = 0.5 * (last + tension);
-                work += energy(from, mean) - energy(&positions, mean);
-            }
+                energy(from, mean) - energy(&positions, mean)
+            }));
             let extent = meter.measure(&positions);
             let at = Configuration {
                 positions: &positions,
@@ -331,16 +346,18 @@ impl Curve {
                 extent.width,
                 projected_area(mesh, &positions),
                 system.elastic_energy(&at),
-                work,
+                0.0,
             ]);
             sound.push(fault(mesh, &positions, 0.0, tension).is_none());
             before = Some((tension, positions));
         }
-        // Work counts from tension 0, which is a knot.
+        // Work counts from tension 0, which is a knot, both ways: neither knows how far the other goes.
         let rest = curve.tensions.partition_point(|tension| *tension < 0.0);
-        let zero = curve.values[rest][WORK];
-        for value in &mut curve.values {
-            value[WORK] -= zero;
+        for above in rest + 1..curve.values.len() {
+            curve.values[above][WORK] = curve.values[above - 1][WORK] + added[above];
+        }
+        for below in (0..rest).rev() {
+            curve.values[below][WORK] = curve.values[below + 1][WORK] - added[below + 1];
         }
         let up = sound[rest..].iter().take_while(|sound| **sound).count();
         let down = sound[..=rest].iter().rev().take_while(|sound| **sound).count();
@@ -381,7 +398,7 @@ impl Curve {
 struct AlongPath<'a> {
     setup: &'a Setup,
     path: Path<'a>,
-    curve: Curve,
+    curve: Arc<Curve>,
     /// kPa.
     tension: f64,
     marked: f64,
@@ -392,13 +409,8 @@ struct AlongPath<'a> {
 impl AlongPath<'_> {
     fn extend(&mut self, tension: f64) -> Result<(), PathError> {
         let reached = self.path.extend(tension);
-        self.curve = Curve::along(&self.path, self.setup);
+        self.curve = Arc::new(Curve::along(&self.path, self.setup));
         reached
-    }
-
-    fn reaches(&self, tension: f64) -> bool {
-        let [lowest, highest] = self.path.range();
-        (lowest..=highest).contains(&tension)
     }
 }
 
@@ -417,9 +429,9 @@ impl Shaping for AlongPath<'_> {
 
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
         let tension = tensions[1].at(0);
-        if !self.reaches(tension)
+        if !self.path.reaches(tension)
             && let Err(cause) = self.extend((1.0 + MARGIN) * tension)
-            && !self.reaches(tension)
+            && !self.path.reaches(tension)
         {
             let cause = cause.to_string();
             return Err(StopReason::NoEquilibrium { time, tension, cause });

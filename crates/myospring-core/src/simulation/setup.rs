@@ -11,12 +11,13 @@ use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Following, System, Tension};
 use crate::mesh::simplex::content_at;
+use std::sync::Arc;
 
 /// What every run starts from.
 pub(super) struct Setup {
     pub(super) simulation: Simulation,
     pub(super) activation: Box<dyn Activation>,
-    pub(super) assembly: Assembly,
+    pub(super) assembly: Arc<Assembly>,
     /// The most that is to be expected of the activation.
     pub(super) strongest: Strongest,
     /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
@@ -48,7 +49,11 @@ pub(super) struct Assembly {
 impl Simulation {
     pub(super) fn set_up(&self) -> Result<Setup, SetupError> {
         self.check()?;
-        let assembly = self.assembled();
+        self.set_up_on(Arc::new(self.assembled()))
+    }
+
+    /// As [`Simulation::set_up`], checked before, on forces that are assembled already.
+    pub(super) fn set_up_on(&self, assembly: Arc<Assembly>) -> Result<Setup, SetupError> {
         let (activation, strength) = self.activation()?;
         let strongest = activation.strongest();
         check_strongest(strongest)?;

@@ -3,7 +3,7 @@
 use super::check::SettingError;
 use crate::integrate::engine::EngineError;
 use crate::integrate::quasi_static::PathError;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Why a run cannot start.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -45,7 +45,7 @@ pub enum SetupError {
 }
 
 /// Why a run stopped before its end.
-#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 pub enum StopReason {
     /// A position is not a number.
@@ -143,4 +143,20 @@ pub enum StopReason {
         /// Time, ms.
         time: f64,
     },
+}
+
+impl StopReason {
+    /// The time of the stop, ms, where the run's clock knows it: a cell model that failed says so in words.
+    pub fn time_ms(&self) -> Option<f64> {
+        match *self {
+            Self::NotFinite { time, .. }
+            | Self::Inverted { time, .. }
+            | Self::ZeroLength { time, .. }
+            | Self::NoEquilibrium { time, .. }
+            | Self::NoExchange { time, .. }
+            | Self::BrokenOff { time, .. }
+            | Self::Interrupted { time } => Some(time),
+            Self::CellModel { .. } => None,
+        }
+    }
 }

@@ -162,16 +162,37 @@ fn negative_tension_lengthens_and_tension_zero_is_the_resting_shape_to_the_last_
     let mesh = built_in_cell(0.0, 4.0);
     let (body, system) = cell(&mesh, &default_material(), SupportKind::MassCentre);
     let mut path = Path::solve(&system, &body, 20.0, Tolerance::default()).unwrap();
-    assert_eq!(path.range(), [0.0, 20.0]);
+    assert!(path.range()[0] == 0.0 && path.reaches(20.0));
     assert_eq!(path.positions(0.0).unwrap(), mesh.points);
     assert_eq!(path.positions(-1.0), None);
     path.extend(-20.0).unwrap();
+    let range = path.range();
     path.extend(10.0).unwrap();
-    assert_eq!(path.range(), [-20.0, 20.0]);
+    assert_eq!(path.range(), range);
+    assert!(path.reaches(-20.0) && path.reaches(20.0));
     let length = |t: f64| quality_extent(&path.positions(t).unwrap());
     assert!(length(-20.0) > length(0.0) && length(0.0) > length(20.0));
     assert!(path.tensions().is_sorted());
     assert!(matches!(path.extend(f64::NAN), Err(PathError::NotFinite { .. })));
+}
+
+#[test]
+fn the_path_to_a_tension_is_the_start_of_any_longer_one_to_the_last_bit() {
+    let mesh = built_in_cell(10.0, 4.0);
+    for support in [SupportKind::MassCentre, SupportKind::ElasticBed { stiffness: 0.5 }] {
+        let (body, system) = cell(&mesh, &default_material(), support);
+        let solve = |tension| Path::solve(&system, &body, tension, Tolerance::default()).unwrap();
+        let longest = solve(120.0);
+        for tension in [0.3, 7.0, 50.0, 119.0] {
+            let mut path = solve(tension);
+            for part in [0.25, 0.5, 1.0] {
+                let at = part * tension;
+                assert_eq!(path.positions(at), longest.positions(at), "{at} of {tension} kPa");
+            }
+            path.extend(120.0).unwrap();
+            assert_eq!(path.into_shapes().tensions(), longest.tensions());
+        }
+    }
 }
 
 /// Extent along x, um.
@@ -416,9 +437,11 @@ fn ten_beats_and_any_course_of_tension_solve_no_more_load_steps_than_one() {
     assert_eq!(equilibria.shapes.load_steps(), solved);
     let shape = equilibria.positions(44.0).unwrap();
     assert_eq!(shape[0].len(), simulation.mesh.len());
-    for tension in [60.0, f64::NAN] {
+    let [lowest, highest] = equilibria.shapes.range();
+    for tension in [highest + 1.0, f64::NAN] {
         let error = equilibria.follow(&[[0.0, 1.0], [7.0, tension]]).unwrap_err().to_string();
-        assert!(error.contains("entry 1") && error.contains("-5 to 50.1 kPa"), "{error}");
+        let solved = format!("{lowest} to {highest} kPa");
+        assert!(error.contains("entry 1") && error.contains(&solved), "{error}");
     }
 }
 

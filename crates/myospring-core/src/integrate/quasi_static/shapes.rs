@@ -36,6 +36,12 @@ impl<const D: usize> Shapes<D> {
         [0, 1].map(|side| self.branches[side][self.branches[side].len() - 1].tension)
     }
 
+    /// Whether it has been at a tension in kPa.
+    pub fn reaches(&self, tension: f64) -> bool {
+        let [lowest, highest] = self.range();
+        (lowest..=highest).contains(&tension)
+    }
+
     /// Tensions at which the equilibrium was solved, kPa, in ascending order.
     ///
     /// Between two of them each coordinate is a cubic polynomial of the tension.
@@ -46,8 +52,7 @@ impl<const D: usize> Shapes<D> {
 
     /// Positions under a tension in kPa, um; `None` outside [`Shapes::range`].
     pub fn positions(&self, tension: f64) -> Option<Vectors<D>> {
-        let [lowest, highest] = self.range();
-        if !(lowest..=highest).contains(&tension) {
+        if !self.reaches(tension) {
             return None;
         }
         let branch = &self.branches[usize::from(tension > 0.0)];

@@ -7,8 +7,8 @@ pub struct Tolerance {
     pub interpolation: f64,
     /// Largest last correction of Newton's method, as a part of the body's largest extent; 1e-9.
     pub equilibrium: f64,
-    /// Smallest load step, as a part of the tension wanted; 1e-4. A tension at which the path ends is
-    /// found to this.
+    /// Smallest load step, as a part of the tension reached; 1e-4. A tension at which the path ends is found to
+    /// this.
     pub smallest_step: f64,
     /// Longest time by which dampings may delay the shape, ms; 1. Up to here a contraction counts as
     /// quasi-static.

@@ -6,10 +6,10 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64 as arch;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The vector units that a kernel is compiled for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Units {
     /// Eight lanes, x86-64 with AVX-512F.
