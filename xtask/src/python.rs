@@ -13,6 +13,18 @@ pub(crate) struct Python {
 }
 
 impl Python {
+    /// The interpreter itself.
+    pub(crate) fn interpreter(&self) -> &Path {
+        &self.interpreter
+    }
+
+    /// A command that runs a module: `pytest`.
+    pub(crate) fn module(&self, name: &str) -> Command {
+        let mut command = Command::new(&self.interpreter);
+        command.args(["-B", "-m", name]).env("LD_LIBRARY_PATH", &self.libraries);
+        command
+    }
+
     /// A command that runs a script.
     pub(crate) fn script(&self, script: &Path) -> Command {
         let mut command = Command::new(&self.interpreter);

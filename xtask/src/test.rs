@@ -1,5 +1,6 @@
 //! `cargo xtask test`: everything that must hold on every commit, cheapest first.
 
+mod package;
 pub(crate) mod page;
 mod tally;
 
@@ -51,6 +52,7 @@ impl Checks {
         self.run_files()?;
         self.results()?;
         self.page()?;
+        self.package()?;
         let mut tests = cargo(["test", "-p", "myospring-core", "-p", "myospring", "--locked"]);
         tests.args(["--no-default-features", "--lib", "--tests"]);
         self.tests("the library without its features", &mut tests)?;

@@ -4,6 +4,7 @@ mod kept;
 mod members;
 
 use crate::args::BatchArgs;
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::{interrupt, print, progress};
 use indicatif::ProgressBar;
@@ -15,7 +16,6 @@ use myospring::study::{self, Cause, Journal, Observer, Row, Status, Threads};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// What happened, for machines.

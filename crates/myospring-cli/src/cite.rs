@@ -1,12 +1,12 @@
 //! `--cite`.
 
 use crate::args::{Cli, Command, ModelsArgs};
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::{input, print};
 use myospring::cell::{self, CellModel};
 use myospring::references;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Prints what to cite: this program, the paper behind it, and the papers of the cell model.
 pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {

@@ -5,6 +5,7 @@ mod side;
 mod words;
 
 use crate::args::CompareArgs;
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::input;
 use crate::interrupt;
@@ -24,7 +25,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use side::{Job, Side};
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// comparison.json.

@@ -1,5 +1,6 @@
 //! What goes wrong, as people see it, and the exit code that it gives.
 
+use crate::exit::ExitCode;
 use miette::{
     Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, Report, SourceCode,
 };
@@ -17,7 +18,6 @@ use myospring::simulation::SetupError;
 use myospring::study::StudyError;
 use std::fmt;
 use std::io::IsTerminal;
-use std::process::ExitCode;
 
 /// Bad input or usage.
 pub(crate) const BAD_INPUT: u8 = 2;
@@ -60,6 +60,14 @@ impl Failure {
             _ => None,
         };
         Self { message: error.to_string(), advice: error.advice(), source }
+    }
+
+    /// Message and advice, for whoever prints it elsewhere.
+    pub(crate) fn in_words(&self) -> String {
+        match &self.advice {
+            Some(advice) => format!("{}; {advice}", self.message),
+            None => self.message.clone(),
+        }
     }
 
     /// Prints it and gives the exit code.

@@ -1,11 +1,11 @@
 //! Ctrl-C and its like. Until there is something to lose they end the program as they end any other; from then
 //! on the first asks it to end in good order, and the second ends it at once.
 
+use crate::exit::ExitCode;
 use crate::print;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::io;
-use std::process::ExitCode;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;

@@ -1,9 +1,13 @@
-//! The program `myospring`: arguments, progress, file names. What is computed is in the library.
+//! The program `myospring`: arguments, progress, file names. What is computed is in the library `myospring`.
+//!
+//! It is a library of its own so that the Python package brings the same program: [`main`] with the arguments that
+//! Python was given.
 
 mod args;
 mod batch;
 mod cite;
 mod compare;
+mod exit;
 mod failure;
 mod fibres;
 mod film;
@@ -29,18 +33,23 @@ mod table;
 
 use args::{Cli, Command};
 use clap::Parser;
+pub use exit::ExitCode;
 use failure::Failure;
+pub use run::Over;
+use std::ffi::OsString;
 use std::io::Write;
-use std::process::ExitCode;
 
-fn main() -> ExitCode {
+/// The whole program, with the arguments of a command line, its own name first; the code to end with.
+///
+/// It prints, heeds signals and may end the process with one.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::large_files_are_errors();
-    let code = read_and_do().unwrap_or_else(Failure::report);
+    let code = read_and_do(arguments).unwrap_or_else(Failure::report);
     interrupt::end(code)
 }
 
-fn read_and_do() -> Result<ExitCode, Failure> {
-    match Cli::try_parse() {
+fn read_and_do(arguments: impl IntoIterator<Item = OsString>) -> Result<ExitCode, Failure> {
+    match Cli::try_parse_from(arguments) {
         Ok(cli) => dispatch(&cli),
         // Help and version, too.
         Err(answer) => {

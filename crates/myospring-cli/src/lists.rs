@@ -1,6 +1,7 @@
 //! `myospring models`, `init` and `schema`.
 
 use crate::args::{InitArgs, ModelsArgs};
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::print;
 use crate::table::aligned;
@@ -9,7 +10,6 @@ use myospring::output::{files, json};
 use myospring::parameter::ParameterSet;
 use myospring::run_file;
 use serde::Serialize;
-use std::process::ExitCode;
 
 #[derive(Serialize)]
 struct Model<'a> {

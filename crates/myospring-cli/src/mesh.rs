@@ -1,6 +1,7 @@
 //! `myospring mesh`.
 
 use crate::args::MeshArgs;
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::fibres;
 use crate::input::{self, Input};
@@ -15,7 +16,6 @@ use myospring::run_file::Shaped;
 use myospring::settings::FibreReport;
 use serde::Serialize;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// mesh.json.
 #[derive(Serialize)]

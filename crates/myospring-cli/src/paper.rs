@@ -1,6 +1,7 @@
 //! `myospring paper`.
 
 use crate::args::PaperArgs;
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::input::{self, Input};
 use crate::interrupt;
@@ -19,7 +20,6 @@ use myospring::study::Threads;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 #[derive(Serialize)]

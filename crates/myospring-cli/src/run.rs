@@ -1,29 +1,30 @@
 //! `myospring run`.
 
+mod keep;
 mod plan;
 mod record;
 mod watch;
 pub(crate) mod words;
 
 use crate::args::RunArgs;
+use crate::exit::ExitCode;
 use crate::failure::{BAD_INPUT, Failure};
 use crate::input::{self, Input};
 use crate::interrupt;
-use crate::outputs::{self, Finished};
+use crate::outputs;
 use crate::print;
 use crate::results::Folder;
-use crate::summary::{self, Numbers};
+use crate::summary::Numbers;
+use keep::Kept;
+pub use keep::Over;
 use myospring::compare::factor;
 use myospring::integrate::stencil;
 use myospring::output::json;
-use myospring::output::report::Summary;
 use myospring::settings::Made;
-use myospring::study::sha256;
-use record::{Record, Stop, Timings};
+use record::{Stop, Timings};
 pub(crate) use record::{repeating, resolved};
 use serde::Serialize;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
@@ -76,52 +77,22 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         }
     }
     warnings.extend(afterwards);
-    let stimuli = run.stimulus_times();
-    let summary = Summary::new(&outcome.recording, &stimuli, report.clone(), warnings);
+    let over = Over {
+        name: &name,
+        run: &run,
+        bytes: &bytes,
+        simulation: &simulation,
+        report: &report,
+        outline: &outline,
+        fibres: &fibres,
+        picture: picture.as_ref(),
+        outcome: &outcome,
+    };
+    let summary = over.summary(warnings);
     let numbers =
         Numbers { summary: &summary, fibres: of_picture.as_ref(), integration: outcome.effort };
-    summary::write(&folder, &run, &simulation, &fibres, &outcome, &numbers)?;
-    let run_file = resolved(&run, &simulation, report.spacing_um, outcome.effort.time_step());
-    folder.write("run.toml", &run_file)?;
-    let hashes = [sha256(&bytes.shape), sha256(run_file.as_bytes())];
-    let record = |timings, outputs: &outputs::Record| {
-        let [shape_sha256, run_file_sha256] = hashes.clone();
-        json::pretty(&Record {
-            program: "myospring",
-            version: env!("CARGO_PKG_VERSION"),
-            input: run.shape.file(),
-            shape_sha256,
-            run_file_sha256,
-            stop: Stop::of(&outcome),
-            effort: outcome.effort,
-            engine: outcome.engine.clone(),
-            machine_threads: std::thread::available_parallelism().map_or(1, usize::from),
-            timings,
-            outputs,
-        })
-    };
-    // From here on there is a whole result, whatever becomes of the outputs.
-    folder.write("run.json", record(timings, &outputs::Record::default())?)?;
-    let written = outputs::write(
-        &folder,
-        &outputs,
-        &Finished {
-            name: &name,
-            run: &run,
-            simulation: &simulation,
-            outline: &outline,
-            fibres: &fibres,
-            picture: picture.as_ref(),
-            outcome: &outcome,
-            numbers: &numbers,
-            stimuli: &stimuli,
-            look: args.look,
-        },
-    );
-    timings.outputs_s = stage.elapsed().as_secs_f64();
-    timings.total_s = start.elapsed().as_secs_f64();
-    // On a full disk the one without outputs stays.
-    let recorded = folder.write("run.json", record(timings, &written)?);
+    let Kept { written, recorded } =
+        over.keep(&folder, &numbers, &outputs, args.look, (&mut timings, start, stage))?;
     let target = folder.finish()?;
 
     if args.output.json {

@@ -3,6 +3,7 @@
 pub(crate) mod report;
 
 use crate::args::SegmentArgs;
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::fibres;
 use crate::overlay::{self, Lattice};
@@ -21,7 +22,6 @@ use myospring::run_file::Source;
 use myospring::settings::PictureSource;
 use report::{Chosen, LeftOut, Report};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Resolution of the overlay, dots per inch.
 const DPI: f64 = 200.0;

@@ -182,6 +182,13 @@ impl Problem {
         Self::UnknownWord { suggestion: nearest(&word, &known), key, word, known }
     }
 
+    /// The known word that is most like a written one, if any is alike, as messages name it.
+    pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
+        let words: Vec<String> = known.iter().map(|word| (*word).to_owned()).collect();
+        let near = nearest(written, &words)?;
+        known.iter().copied().find(|word| *word == near)
+    }
+
     /// How to mend it, where `name` stands before a value.
     pub(crate) fn advice(&self, name: &str) -> Option<String> {
         match self {

@@ -1,0 +1,36 @@
+"""Myospring: from a microscope picture of a heart cell to its beat.
+
+>>> import myospring
+>>> beat = myospring.simulate(peak_tension_kpa=30, integrator="quasi-static")
+>>> bool(7 < beat.metrics["peak_shortening"] < 8)
+True
+
+Every name ends in its unit: ``peak_tension_kpa`` is in kPa, ``t_ms`` in ms. Names, defaults and numbers are those of
+the program ``myospring``, which comes with this package.
+"""
+
+from myospring._action_potential import ActionPotential
+from myospring._batch import simulate_batch
+from myospring._beat import Beat
+from myospring._cell import Cell
+from myospring._errors import SimulationError, UnknownNameError
+from myospring._functions import action_potential, simulate
+from myospring._lists import METRICS, Metric, Parameter, models, parameters
+from myospring._native import __version__
+
+__all__ = [
+    "METRICS",
+    "ActionPotential",
+    "Beat",
+    "Cell",
+    "Metric",
+    "Parameter",
+    "SimulationError",
+    "UnknownNameError",
+    "__version__",
+    "action_potential",
+    "models",
+    "parameters",
+    "simulate",
+    "simulate_batch",
+]

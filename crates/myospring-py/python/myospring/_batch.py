@@ -1,0 +1,125 @@
+"""Many beats: a matrix of parameters in, a matrix of metrics out."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any, Literal, Sequence, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from myospring import _native
+from myospring._cell import Cell
+from myospring._functions import BEAT_KEYS, BeatSettings
+from myospring._given import changed
+from myospring._lists import METRICS
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+@overload
+def simulate_batch(
+    params: ArrayLike,
+    names: Sequence[str],
+    cell: Cell | None = None,
+    *,
+    metrics: Sequence[str] | None = None,
+    threads: int | None = None,
+    return_reasons: Literal[False] = False,
+    **settings: Unpack[BeatSettings],
+) -> NDArray[np.float64]: ...
+@overload
+def simulate_batch(
+    params: ArrayLike,
+    names: Sequence[str],
+    cell: Cell | None = None,
+    *,
+    metrics: Sequence[str] | None = None,
+    threads: int | None = None,
+    return_reasons: Literal[True],
+    **settings: Unpack[BeatSettings],
+) -> tuple[NDArray[np.float64], list[str | None]]: ...
+def simulate_batch(
+    params: ArrayLike,
+    names: Sequence[str],
+    cell: Cell | None = None,
+    *,
+    metrics: Sequence[str] | None = None,
+    threads: int | None = None,
+    return_reasons: bool = False,
+    **settings: Any,
+) -> NDArray[np.float64] | tuple[NDArray[np.float64], list[str | None]]:
+    """Beats a cell once for each row of a matrix.
+
+    The mesh follows the tension along its equilibria (``integrator="quasi-static"``) unless another integrator is
+    given. Members that differ in the cell model alone share the mechanics. The numbers of a member do not depend on
+    the others, on their order or on the number of threads, to the last bit.
+
+    Parameters
+    ----------
+    params : array_like of shape (N, K)
+        A member in each row.
+    names : sequence of K str
+        What the columns are: settings of `simulate` or of a built-in cell that are numbers, such as
+        ``peak_tension_kpa``, or parameters of the cell model, such as ``tau_si``.
+    cell : Cell or None
+        The cell; None takes the built-in one.
+    metrics : sequence of M str or None
+        Which numbers, of `METRICS`; None takes all. Of several beats it is their mean.
+    threads : int or None
+        Members at a time; None takes as many as there are cores.
+    return_reasons : bool
+        Whether to say why members failed.
+    **settings
+        What all members share: the settings of `simulate`, with its names, units and defaults but for the integrator.
+
+    Returns
+    -------
+    values : ndarray of shape (N, M)
+        A member in each row; a member that failed is a row of NaN.
+    reasons : list of N str or None
+        Why a member failed, None of one that did not; only with ``return_reasons=True``. Without it a warning says how
+        many failed, and why the first did.
+
+    Raises
+    ------
+    UnknownNameError
+        A column, a metric or a setting that does not exist.
+    ValueError
+        A matrix that does not fit, or a shared setting that is not possible.
+    KeyboardInterrupt
+        Ctrl-C, within a second.
+
+    Examples
+    --------
+    >>> import myospring
+    >>> values = myospring.simulate_batch([[30.0], [60.0]], ["peak_tension_kpa"], metrics=["peak_shortening"])
+    >>> values.shape, bool(values[0, 0] < values[1, 0])
+    ((2, 1), True)
+    """
+    matrix = np.ascontiguousarray(params, dtype=np.float64)
+    if matrix.ndim != 2 or matrix.shape[1] != len(names):
+        raise ValueError(f"params has the shape {matrix.shape}; with {len(names)} names it must be (N, {len(names)})")
+    if len(set(names)) != len(names):
+        raise ValueError(f"names has one name twice: {', '.join(names)}")
+    unknown = [name for name in settings if name not in BEAT_KEYS]
+    if unknown:
+        raise TypeError(f"simulate_batch() got an unexpected keyword argument '{unknown[0]}'")
+    settings.setdefault("integrator", "quasi-static")
+    given = changed(*((BEAT_KEYS[name][0], value, BEAT_KEYS[name][1]) for name, value in settings.items()))
+    wanted = list(METRICS) if metrics is None else list(metrics)
+    cell = Cell.builtin() if cell is None else cell
+    values, reasons = _native.simulate_batch(cell._native, given, list(names), matrix, wanted, threads)
+    if return_reasons:
+        return values, reasons
+    failed = [(row, reason) for row, reason in enumerate(reasons) if reason is not None]
+    if failed:
+        row, reason = failed[0]
+        warnings.warn(
+            f"{len(failed)} of {len(reasons)} members failed, the first in row {row}: {reason}; "
+            "return_reasons=True gives all reasons",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return values

@@ -1,0 +1,270 @@
+"""A run and what came of it."""
+
+from __future__ import annotations
+
+import html
+import os
+import tempfile
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from myospring import _native
+
+if TYPE_CHECKING:
+    from myospring._cell import Cell
+
+# What a table in a notebook begins with.
+_SHOWN = ("peak_shortening", "time_to_peak_from_stimulus", "peak_tension", "action_potential_duration_90")
+
+
+def _fixed(array: NDArray[Any]) -> NDArray[Any]:
+    """The array, which is passed on without a copy and so must not be written to."""
+    array.flags.writeable = False
+    return array
+
+
+class Beat:
+    """A run of a cell: curves, shapes and numbers. `simulate` makes one.
+
+    Arrays are made once, without a copy of what the library hands over, and cannot be written to. A beat can be
+    pickled.
+
+    Attributes
+    ----------
+    cell : Cell
+        The cell that beat.
+    """
+
+    def __init__(self, cell: Cell, native: _native.Beat) -> None:
+        self.cell = cell
+        self._native = native
+
+    def _column(self, name: str) -> NDArray[np.float64]:
+        return _fixed(self._native.column(name))
+
+    @cached_property
+    def t_ms(self) -> NDArray[np.float64]:
+        """Times of the samples, ms, of shape (samples,)."""
+        return self._column("t_ms")
+
+    @cached_property
+    def u(self) -> NDArray[np.float64]:
+        """The cell model's potential variable, of shape (samples,)."""
+        return self._column("u")
+
+    @cached_property
+    def vm_mv(self) -> NDArray[np.float64] | None:
+        """Membrane potential, mV, of shape (samples,); None where the model does not define it."""
+        return self._column("vm_mv") if "vm_mv" in self._native.columns else None
+
+    @cached_property
+    def ta_kpa(self) -> NDArray[np.float64]:
+        """Active tension, kPa, of shape (samples,)."""
+        return self._column("ta_kpa")
+
+    @cached_property
+    def length_um(self) -> NDArray[np.float64]:
+        """Length along the long axis at rest, um, of shape (samples,)."""
+        return self._column("length_um")
+
+    @cached_property
+    def width_um(self) -> NDArray[np.float64]:
+        """Largest extent across the long axis, um, of shape (samples,)."""
+        return self._column("width_um")
+
+    @cached_property
+    def area_um2(self) -> NDArray[np.float64]:
+        """Projected area, um^2, of shape (samples,)."""
+        return self._column("area_um2")
+
+    @cached_property
+    def shortening_pct(self) -> NDArray[np.float64]:
+        """Shortening, per cent of the resting length, of shape (samples,)."""
+        return self._column("shortening_pct")
+
+    @cached_property
+    def frame_t_ms(self) -> NDArray[np.float64]:
+        """Times of the recorded shapes, ms, of shape (frames,)."""
+        return _fixed(self._native.frame_t_ms)
+
+    @cached_property
+    def positions(self) -> NDArray[np.float64]:
+        """The masses in each recorded shape, um, of shape (frames, nodes, 2)."""
+        return _fixed(self._native.positions)
+
+    @cached_property
+    def triangles(self) -> NDArray[np.uint32]:
+        """Nodes of each triangle, of shape (triangles, 3)."""
+        return _fixed(self._native.triangles)
+
+    @cached_property
+    def fibres(self) -> NDArray[np.float64]:
+        """Fibre direction in each triangle, unit vectors, of shape (triangles, 2)."""
+        return _fixed(self._native.fibres)
+
+    @cached_property
+    def metrics(self) -> dict[str, float]:
+        """Numbers by name, of several beats their mean; NaN where the curves do not show one. `units` has the units."""
+        return {name: np.nan if value is None else value for name, value, _ in self._native.metrics}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each metric; empty for a pure number."""
+        return {name: unit for name, _, unit in self._native.metrics}
+
+    @cached_property
+    def metrics_by_beat(self) -> list[dict[str, float]]:
+        """The numbers of each beat of a run with several stimuli."""
+        return [
+            {name: np.nan if value is None else value for name, value in beat}
+            for beat in self._native.metrics_by_beat
+        ]
+
+    @property
+    def stimulus_times_ms(self) -> list[float]:
+        """Times of the stimuli, ms."""
+        return self._native.stimulus_times_ms
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a person should look at."""
+        return self._native.warnings
+
+    @property
+    def stopped(self) -> tuple[str, float | None] | None:
+        """Why and when (ms) the run stopped before its end; None if it did not."""
+        return self._native.stop
+
+    @property
+    def run_file(self) -> str:
+        """The run file (TOML) that repeats this run with the program."""
+        return self._native.run_file
+
+    def to_dataframe(self) -> Any:
+        """The curves as a table; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each sample; the columns are named as the arrays are.
+        """
+        import pandas
+
+        return pandas.DataFrame({name: self._native.column(name) for name in self._native.columns})
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws potential, tension and shortening over time; it needs matplotlib.
+
+        Parameters
+        ----------
+        axes : sequence of three matplotlib axes, or None
+            Where to draw; None makes a figure.
+
+        Returns
+        -------
+        array of matplotlib.axes.Axes
+            The three axes.
+        """
+        if axes is None:
+            from matplotlib import pyplot
+
+            _, axes = pyplot.subplots(3, 1, sharex=True, figsize=(5.5, 6.0), layout="constrained")
+        potential = (self.u, "Potential u") if self.vm_mv is None else (self.vm_mv, "Potential (mV)")
+        curves = (
+            (*potential, "#4a4a4a"),
+            (self.ta_kpa, "Tension (kPa)", "#b5532a"),
+            (self.shortening_pct, "Shortening (%)", "#2a6099"),
+        )
+        for one, (values, label, colour) in zip(axes, curves):
+            one.plot(self.t_ms, values, color=colour)
+            one.set_ylabel(label)
+            one.spines[["top", "right"]].set_visible(False)
+        axes[-1].set_xlabel("Time (ms)")
+        return axes
+
+    def save(
+        self,
+        folder: str | PathLike[str],
+        *,
+        force: bool = False,
+        outputs: Sequence[str] | None = None,
+    ) -> Path:
+        """Writes what ``myospring run`` writes: curves, numbers, report, figures.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it is not there.
+        force : bool
+            Replaces results that the folder holds.
+        outputs : sequence of str or None
+            What to write beside curves and numbers, the words of ``myospring run --outputs``; None writes report and
+            figures.
+
+        Returns
+        -------
+        pathlib.Path
+            The folder.
+
+        Raises
+        ------
+        OSError
+            The folder holds files, or cannot be written to.
+        """
+        words = None if outputs is None else list(outputs)
+        return Path(self._native.save(os.fspath(folder), force, words))
+
+    def animate(self) -> Any:
+        """The beating cell with its curves as a page that needs nothing else, for a notebook.
+
+        Returns
+        -------
+        IPython.display.HTML or str
+            What a notebook shows; without IPython the text of the page.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            page = (self.save(Path(folder) / "beat", outputs=["report"]) / "report.html").read_text(encoding="utf-8")
+        framed = (
+            f'<iframe srcdoc="{html.escape(page)}" width="100%" height="720" style="border:0" '
+            f'title="{html.escape(self.cell.name)}"></iframe>'
+        )
+        try:
+            from IPython.display import HTML
+        except ImportError:
+            return page
+        return HTML(framed)
+
+    def __repr__(self) -> str:
+        model, tension, duration = self._native.facts
+        shortening = self.metrics.get("peak_shortening", np.nan)
+        end = "" if self.stopped is None else f", stopped: {self.stopped[0]}"
+        return (
+            f"<myospring.Beat of {self.cell.name}: {model}, {tension:g} kPa, {duration:g} ms, "
+            f"shortens by {shortening:.2f} %{end}>"
+        )
+
+    def _repr_svg_(self) -> str:
+        return self._native.overview_svg()
+
+    def _repr_html_(self) -> str:
+        model, tension, duration = self._native.facts
+        title = f"{self.cell.name}, {model}, {tension:g} kPa, {duration:g} ms"
+        rows = "".join(
+            f"<tr><td>{name.replace('_', ' ')}</td><td>{self.metrics[name]:.4g} {self.units[name]}</td></tr>"
+            for name in _SHOWN
+            if name in self.metrics
+        )
+        warnings = "".join(f"<p>Warning: {html.escape(text)}</p>" for text in self.warnings)
+        return f"<div><b>{html.escape(title)}</b>{self._repr_svg_()}<table>{rows}</table>{warnings}</div>"
+
+    def __reduce__(self) -> tuple[Any, tuple[Cell, bytes]]:
+        return _restored, (self.cell, self._native.state())
+
+
+def _restored(cell: Cell, state: bytes) -> Beat:
+    return Beat(cell, _native.Beat.of_state(cell._native, state))

@@ -1,0 +1,414 @@
+"""The functions that take settings. `generate.py` makes `python/myospring/_functions.py` of `templates/_functions.py`."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import Any, Literal, Mapping, TypedDict
+
+from myospring._action_potential import ActionPotential
+from myospring._beat import Beat
+from myospring._cell import Cell
+from myospring._given import changed, followed, run
+
+
+class BeatSettings(TypedDict, total=False):
+    """The settings of `simulate`, by name."""
+
+    model: str
+    peak_tension_kpa: float
+    parameters: Mapping[str, float | str] | None
+    title: str
+    tension_scale: Literal["published", "own-peak"]
+    authors_step: bool
+    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"]
+    cell_step_ms: float
+    cell_tolerance: float | None
+    stimulus_kind: Literal["jump", "pulse"] | None
+    stimulus_amplitude: float | str | None
+    stimulus_duration_ms: float | None
+    stimulus_start_ms: float | None
+    beats: int
+    cycle_length_ms: float
+    young_modulus_kpa: float
+    spring_stiffness_nn_per_um: float | None
+    thickness_um: float
+    area_law: Literal["gradient", "barycentric", "printed"]
+    area_modulus_kpa: float
+    damping_ratio: float
+    slowest_period_ms: float
+    drag_ratio: float
+    active: Literal["fibre", "ends"]
+    fibre: str
+    stain: Literal["z-disc", "filament"] | None
+    fibre_smoothing_um: float | None
+    myofibril_content: str | PathLike[str]
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "spring-held-ends", "elastic-bed"]
+    end_stiffness_nn_per_um: float | None
+    bed_stiffness_kpa_per_um: float | None
+    integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"]
+    engine: Literal["auto", "plain", "fused"]
+    time_step_ms: float | None
+    exchange_interval_ms: float
+    output_interval_ms: float
+    frame_interval_ms: float
+    duration_ms: float | None
+
+
+BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
+    "model": ("cell.model", "coelho_2021"),
+    "peak_tension_kpa": ("cell.peak_tension", 50.0),
+    "parameters": ("cell.parameters", None),
+    "title": ("title", ""),
+    "tension_scale": ("cell.tension_scale", "published"),
+    "authors_step": ("cell.authors_step", False),
+    "cell_integrator": ("cell.integrator", "runge-kutta-4"),
+    "cell_step_ms": ("cell.step", 0.005),
+    "cell_tolerance": ("cell.tolerance", None),
+    "stimulus_kind": ("stimulus.kind", None),
+    "stimulus_amplitude": ("stimulus.amplitude", None),
+    "stimulus_duration_ms": ("stimulus.duration", None),
+    "stimulus_start_ms": ("stimulus.start", None),
+    "beats": ("stimulus.beats", 1),
+    "cycle_length_ms": ("stimulus.cycle_length", 1000.0),
+    "young_modulus_kpa": ("material.young_modulus", 308.0),
+    "spring_stiffness_nn_per_um": ("material.spring_stiffness", None),
+    "thickness_um": ("material.thickness", 10.0),
+    "area_law": ("material.area_law", "gradient"),
+    "area_modulus_kpa": ("material.area_modulus", 175.0),
+    "damping_ratio": ("material.damping_ratio", 0.05),
+    "slowest_period_ms": ("material.slowest_period", 2.0),
+    "drag_ratio": ("material.drag_ratio", 0.3),
+    "active": ("mechanics.active", "fibre"),
+    "fibre": ("mechanics.fibre", "auto"),
+    "stain": ("mechanics.stain", None),
+    "fibre_smoothing_um": ("mechanics.fibre_smoothing", None),
+    "myofibril_content": ("mechanics.myofibril_content", "uniform"),
+    "support": ("mechanics.support", "mass-centre"),
+    "end_stiffness_nn_per_um": ("mechanics.end_stiffness", None),
+    "bed_stiffness_kpa_per_um": ("mechanics.bed_stiffness", None),
+    "integrator": ("numerics.integrator", "verlet"),
+    "engine": ("numerics.engine", "auto"),
+    "time_step_ms": ("numerics.time_step", None),
+    "exchange_interval_ms": ("numerics.exchange_interval", 0.25),
+    "output_interval_ms": ("numerics.output_interval", 0.5),
+    "frame_interval_ms": ("numerics.frame_interval", 5.0),
+    "duration_ms": ("run.duration", None),
+}
+"""Key and default of each of them."""
+
+
+def simulate(
+    cell: Cell | None = None,
+    *,
+    model: str = "coelho_2021",
+    peak_tension_kpa: float = 50.0,
+    parameters: Mapping[str, float | str] | None = None,
+    title: str = "",
+    tension_scale: Literal["published", "own-peak"] = "published",
+    authors_step: bool = False,
+    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] = "runge-kutta-4",
+    cell_step_ms: float = 0.005,
+    cell_tolerance: float | None = None,
+    stimulus_kind: Literal["jump", "pulse"] | None = None,
+    stimulus_amplitude: float | str | None = None,
+    stimulus_duration_ms: float | None = None,
+    stimulus_start_ms: float | None = None,
+    beats: int = 1,
+    cycle_length_ms: float = 1000.0,
+    young_modulus_kpa: float = 308.0,
+    spring_stiffness_nn_per_um: float | None = None,
+    thickness_um: float = 10.0,
+    area_law: Literal["gradient", "barycentric", "printed"] = "gradient",
+    area_modulus_kpa: float = 175.0,
+    damping_ratio: float = 0.05,
+    slowest_period_ms: float = 2.0,
+    drag_ratio: float = 0.3,
+    active: Literal["fibre", "ends"] = "fibre",
+    fibre: str = "auto",
+    stain: Literal["z-disc", "filament"] | None = None,
+    fibre_smoothing_um: float | None = None,
+    myofibril_content: str | PathLike[str] = "uniform",
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "spring-held-ends", "elastic-bed"] = "mass-centre",
+    end_stiffness_nn_per_um: float | None = None,
+    bed_stiffness_kpa_per_um: float | None = None,
+    integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] = "verlet",
+    engine: Literal["auto", "plain", "fused"] = "auto",
+    time_step_ms: float | None = None,
+    exchange_interval_ms: float = 0.25,
+    output_interval_ms: float = 0.5,
+    frame_interval_ms: float = 5.0,
+    duration_ms: float | None = None,
+    threads: int | None = None,
+) -> Beat:
+    """Beats a cell: stimulus, action potential, tension, and the shape that follows it.
+
+    Parameters
+    ----------
+    cell : Cell or None
+        The cell; None takes the built-in one.
+    model : str, default "coelho_2021"
+        Cell model; `myospring.models()` lists them.
+    peak_tension_kpa : float, default 50.0
+        Peak of the active tension of one default beat with the model's published parameters;
+        changed parameters make the cell stronger or weaker than that. In kPa, 0 kPa to 500 kPa.
+    parameters : Mapping[str, float or str] or None
+        Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
+        plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
+    title : str, default ""
+        What this run is about, for people.
+    tension_scale : {"published", "own-peak"}, default "published"
+        Whose peak is scaled to `peak_tension_kpa`: that of the published parameters, or the model's
+        own, whatever its parameters.
+    authors_step : bool, default False
+        Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
+        peak tension is 4 % low, its onset 20 ms late. Not together with method or step.
+    cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"}, default "runge-kutta-4"
+        Integration method of the cell model, with fixed steps or with steps of its own choice.
+    cell_step_ms : float, default 0.005
+        Largest time step of the cell model, for a method with fixed steps. In ms, above 0 ms, at
+        most 1 ms.
+    cell_tolerance : float or None
+        Largest error of a step over the size of each variable, for a method that chooses its steps.
+        0.0000000001 to 0.01. None: 0.00001.
+    stimulus_kind : {"jump", "pulse"} or None
+        A jump of the potential variable, or a pulse of current. None: the cell model's own.
+    stimulus_amplitude : float or str or None
+        Size: a pure number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the cell model's
+        own.
+    stimulus_duration_ms : float or None
+        How long a pulse lasts; not for a jump. In ms, above 0 ms, at most 1000 ms.
+    stimulus_start_ms : float or None
+        Time of the first stimulus. In ms, 0 ms to 100000 ms.
+    beats : int, default 1
+        Number of stimuli; 0 leaves the cell at rest. 0 to 10000.
+    cycle_length_ms : float, default 1000.0
+        Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
+    young_modulus_kpa : float, default 308.0
+        Young's modulus of the sheet that the springs make. In kPa, 0.1 kPa to 1000000 kPa.
+    spring_stiffness_nn_per_um : float or None
+        Stiffness of a horizontal or vertical spring, instead of `young_modulus_kpa`; a diagonal one
+        has half of it. In nN/um, 0.1 nN/um to 100000000 nN/um.
+    thickness_um : float, default 10.0
+        Thickness of the cell. In um, above 0 um, at most 100 um.
+    area_law : {"gradient", "barycentric", "printed"}, default "gradient"
+        What keeps the projected area.
+    area_modulus_kpa : float, default 175.0
+        Stiffness of the area law per thickness. In kPa, 0 kPa to 1000000 kPa.
+    damping_ratio : float, default 0.05
+        Dashpots along the springs, as a part of critical damping. 0 to 10.
+    slowest_period_ms : float, default 2.0
+        Period of the slowest vibration along the cell; sets the numerical density. Above 2 ms the
+        contraction is no longer quasi-static. In ms, 0.01 ms to 100 ms.
+    drag_ratio : float, default 0.3
+        Damping of that vibration by drag, as a part of critical damping. 0 to 100.
+    active : {"fibre", "ends"}, default "fibre"
+        How the tension acts.
+    fibre : str, default "auto"
+        Direction of the fibres: "picture", which reads it from the stripes or filaments of the
+        picture, the "long axis" of the cell, an angle counter-clockwise from x, or "auto": from a
+        picture that shows sarcomeres, or what its stain is said to show, and along the long axis
+        elsewhere.
+    stain : {"z-disc", "filament"} or None
+        What the picture shows: stripes across the fibre, or filaments along it. None: z-disc, which
+        auto takes for given only where it finds sarcomeres.
+    fibre_smoothing_um : float or None
+        Scale over which directions from the picture are averaged. In um, 0.1 um to 20 um. None: "3
+        um".
+    myofibril_content : str or PathLike[str], default "uniform"
+        How many myofibrils there are in each place: tension is in proportion. "uniform"; "picture",
+        which takes order times coverage of the fibres that the picture shows, relative to its mean,
+        and nothing where it shows none; or a file, relative to this one: a table (.csv) with the
+        header content, a row for each triangle, or x_um,y_um,content, taken as it stands, or a
+        picture of the same frame as the cell's, whose grey values are taken relative to their mean.
+    support : {"mass-centre", "clamped-end", "clamped-ends", "spring-held-ends", "elastic-bed"}, default "mass-centre"
+        What holds the cell.
+    end_stiffness_nn_per_um : float or None
+        Stiffness of each of the two springs of "spring-held-ends", such as carbon fibres. In nN/um,
+        above 0 nN/um, at most 100000000 nN/um.
+    bed_stiffness_kpa_per_um : float or None
+        Stiffness of an "elastic-bed", traction per displacement: of a thin layer its shear modulus
+        over its thickness. In kPa/um, above 0 kPa/um, at most 1000000 kPa/um.
+    integrator : {"verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"}, default "verlet"
+        How the mesh follows the tension: in time by Verlet's method, of which "verlet" is the
+        paper's form, or along its equilibria.
+    engine : {"auto", "plain", "fused"}, default "auto"
+        What moves the masses in time; one that cannot is refused, and run.json says which did.
+    time_step_ms : float or None
+        Mechanical time step; one above the stability limit is refused. Not for "quasi-static". In
+        ms, 0.0000001 ms to 10 ms. None: 0.95 of the stability limit.
+    exchange_interval_ms : float, default 0.25
+        Interval at which cell model and mesh exchange tension and stretch. In ms, 0.001 ms to 10
+        ms.
+    output_interval_ms : float, default 0.5
+        Interval of the rows in traces.csv, a multiple of the exchange interval. In ms, 0.001 ms to
+        10000 ms.
+    frame_interval_ms : float, default 5.0
+        Interval of the recorded shapes, of which films, ParaView's files and frames.npz are made; a
+        multiple of the output interval. In ms, 0.001 ms to 100000 ms.
+    duration_ms : float or None
+        Time simulated, a multiple of the exchange interval. In ms, above 0 ms, at most 1000000 ms.
+        None: 550 ms after the last stimulus.
+    threads : int or None
+        Most threads that move the masses; None takes as many as pay. The numbers are the same to the last bit.
+
+    Returns
+    -------
+    Beat
+        Curves, shapes and numbers.
+
+    Raises
+    ------
+    UnknownNameError
+        A cell model or a parameter that does not exist.
+    ValueError
+        A value outside its bounds, or settings that exclude each other.
+    FileNotFoundError
+        A file that is not there.
+    SimulationError
+        The run stopped before its end; it has the time, and what was computed.
+    KeyboardInterrupt
+        Ctrl-C, within a second.
+
+    Examples
+    --------
+    >>> import myospring
+    >>> beat = myospring.simulate(peak_tension_kpa=30, integrator="quasi-static")
+    >>> beat.shortening_pct.shape == beat.t_ms.shape
+    True
+    """
+    given = changed(
+        ("cell.model", model, "coelho_2021"),
+        ("cell.peak_tension", peak_tension_kpa, 50.0),
+        ("cell.parameters", parameters, None),
+        ("title", title, ""),
+        ("cell.tension_scale", tension_scale, "published"),
+        ("cell.authors_step", authors_step, False),
+        ("cell.integrator", cell_integrator, "runge-kutta-4"),
+        ("cell.step", cell_step_ms, 0.005),
+        ("cell.tolerance", cell_tolerance, None),
+        ("stimulus.kind", stimulus_kind, None),
+        ("stimulus.amplitude", stimulus_amplitude, None),
+        ("stimulus.duration", stimulus_duration_ms, None),
+        ("stimulus.start", stimulus_start_ms, None),
+        ("stimulus.beats", beats, 1),
+        ("stimulus.cycle_length", cycle_length_ms, 1000.0),
+        ("material.young_modulus", young_modulus_kpa, 308.0),
+        ("material.spring_stiffness", spring_stiffness_nn_per_um, None),
+        ("material.thickness", thickness_um, 10.0),
+        ("material.area_law", area_law, "gradient"),
+        ("material.area_modulus", area_modulus_kpa, 175.0),
+        ("material.damping_ratio", damping_ratio, 0.05),
+        ("material.slowest_period", slowest_period_ms, 2.0),
+        ("material.drag_ratio", drag_ratio, 0.3),
+        ("mechanics.active", active, "fibre"),
+        ("mechanics.fibre", fibre, "auto"),
+        ("mechanics.stain", stain, None),
+        ("mechanics.fibre_smoothing", fibre_smoothing_um, None),
+        ("mechanics.myofibril_content", myofibril_content, "uniform"),
+        ("mechanics.support", support, "mass-centre"),
+        ("mechanics.end_stiffness", end_stiffness_nn_per_um, None),
+        ("mechanics.bed_stiffness", bed_stiffness_kpa_per_um, None),
+        ("numerics.integrator", integrator, "verlet"),
+        ("numerics.engine", engine, "auto"),
+        ("numerics.time_step", time_step_ms, None),
+        ("numerics.exchange_interval", exchange_interval_ms, 0.25),
+        ("numerics.output_interval", output_interval_ms, 0.5),
+        ("numerics.frame_interval", frame_interval_ms, 5.0),
+        ("run.duration", duration_ms, None),
+    )
+    return run(cell, given, threads)
+
+
+def action_potential(
+    model: str = "coelho_2021",
+    parameters: Mapping[str, float | str] | None = None,
+    *,
+    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] = "runge-kutta-4",
+    cell_step_ms: float = 0.005,
+    cell_tolerance: float | None = None,
+    authors_step: bool = False,
+    stimulus_kind: Literal["jump", "pulse"] | None = None,
+    stimulus_amplitude: float | str | None = None,
+    stimulus_duration_ms: float | None = None,
+    stimulus_start_ms: float | None = None,
+    beats: int = 1,
+    cycle_length_ms: float = 1000.0,
+    duration_ms: float | None = None,
+    output_interval_ms: float = 0.5,
+) -> ActionPotential:
+    """Follows a cell model alone, at its resting length: potential and tension without a mesh.
+
+    Parameters
+    ----------
+    model : str, default "coelho_2021"
+        Cell model; `myospring.models()` lists them.
+    parameters : Mapping[str, float or str] or None
+        Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
+        plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
+    cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"}, default "runge-kutta-4"
+        Integration method of the cell model, with fixed steps or with steps of its own choice.
+    cell_step_ms : float, default 0.005
+        Largest time step of the cell model, for a method with fixed steps. In ms, above 0 ms, at
+        most 1 ms.
+    cell_tolerance : float or None
+        Largest error of a step over the size of each variable, for a method that chooses its steps.
+        0.0000000001 to 0.01. None: 0.00001.
+    authors_step : bool, default False
+        Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
+        peak tension is 4 % low, its onset 20 ms late. Not together with method or step.
+    stimulus_kind : {"jump", "pulse"} or None
+        A jump of the potential variable, or a pulse of current. None: the cell model's own.
+    stimulus_amplitude : float or str or None
+        Size: a pure number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the cell model's
+        own.
+    stimulus_duration_ms : float or None
+        How long a pulse lasts; not for a jump. In ms, above 0 ms, at most 1000 ms.
+    stimulus_start_ms : float or None
+        Time of the first stimulus. In ms, 0 ms to 100000 ms.
+    beats : int, default 1
+        Number of stimuli; 0 leaves the cell at rest. 0 to 10000.
+    cycle_length_ms : float, default 1000.0
+        Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
+    duration_ms : float or None
+        Time simulated, a multiple of the exchange interval. In ms, above 0 ms, at most 1000000 ms.
+        None: 550 ms after the last stimulus.
+    output_interval_ms : float, default 0.5
+        Interval of the rows in traces.csv, a multiple of the exchange interval. In ms, 0.001 ms to
+        10000 ms.
+
+    Returns
+    -------
+    ActionPotential
+        The course of every variable, and its numbers.
+
+    Raises
+    ------
+    UnknownNameError
+        A cell model or a parameter that does not exist.
+    ValueError
+        A value outside its bounds.
+
+    Examples
+    --------
+    >>> import myospring
+    >>> course = myospring.action_potential("bueno_orovio_2008_epi")
+    >>> bool(260 < course.metrics["action_potential_duration_90"] < 280)
+    True
+    """
+    given = changed(
+        ("cell.model", model, "coelho_2021"),
+        ("cell.parameters", parameters, None),
+        ("cell.integrator", cell_integrator, "runge-kutta-4"),
+        ("cell.step", cell_step_ms, 0.005),
+        ("cell.tolerance", cell_tolerance, None),
+        ("cell.authors_step", authors_step, False),
+        ("stimulus.kind", stimulus_kind, None),
+        ("stimulus.amplitude", stimulus_amplitude, None),
+        ("stimulus.duration", stimulus_duration_ms, None),
+        ("stimulus.start", stimulus_start_ms, None),
+        ("stimulus.beats", beats, 1),
+        ("stimulus.cycle_length", cycle_length_ms, 1000.0),
+        ("run.duration", duration_ms, None),
+        ("numerics.output_interval", output_interval_ms, 0.5),
+    )
+    return followed(given)

@@ -1,0 +1,55 @@
+//! A cell model alone: potential and tension without a mesh.
+
+use crate::waiting::interruptible;
+use crate::{errors, settings};
+use myospring::analysis::action_potential as analysis;
+use myospring::cell::solve::solve;
+use myospring::run_file::RunFile;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Follows a cell model; `given` are settings by key. Columns by name, and of each stimulus the metrics: name, value,
+/// unit.
+#[pyfunction]
+#[allow(clippy::type_complexity, reason = "taken apart at once by the layer above")]
+pub(crate) fn action_potential<'py>(
+    py: Python<'py>,
+    given: &Bound<'py, PyDict>,
+) -> PyResult<(
+    Vec<(String, Bound<'py, PyArray1<f64>>)>,
+    Vec<Vec<(&'static str, Option<f64>, &'static str)>>,
+)> {
+    let mut file = RunFile::default();
+    settings::put(&mut file, given)?;
+    let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    let solved = interruptible(py, |_stop| {
+        let interval = run.numerics.output_interval;
+        solve(&*run.cell, run.protocol, run.numerics.cell, run.duration, interval)
+    })?;
+    let trace = solved.map_err(errors::value)?;
+    let times = &trace.time_ms;
+    let stimuli = run.stimulus_times();
+    let (potential, unit) = match &trace.membrane_potential_mv {
+        Some(column) => (column, "mV"),
+        None => (&trace.potential, ""),
+    };
+    let beats = stimuli.iter().enumerate().map(|(index, &stimulus)| {
+        let start = if index == 0 { f64::NEG_INFINITY } else { stimulus };
+        let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
+        let first = times.partition_point(|time| *time < start);
+        let last = times.partition_point(|time| *time < end);
+        let metrics =
+            analysis::metrics(&times[first..last], &potential[first..last], stimulus, unit);
+        metrics.into_iter().map(|metric| (metric.name, metric.value, metric.unit)).collect()
+    });
+    let beats = beats.collect();
+    let mut columns = vec![("t_ms".to_owned(), trace.time_ms)];
+    columns.push(("potential".to_owned(), trace.potential));
+    columns.extend(trace.membrane_potential_mv.map(|column| ("vm_mv".to_owned(), column)));
+    columns.push(("tension".to_owned(), trace.tension));
+    let names = trace.state_names.into_iter().chain(trace.output_names);
+    columns.extend(names.zip(trace.states.into_iter().chain(trace.outputs)));
+    let columns = columns.into_iter().map(|(name, column)| (name, PyArray1::from_vec(py, column)));
+    Ok((columns.collect(), beats))
+}

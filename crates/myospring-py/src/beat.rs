@@ -1,0 +1,318 @@
+//! A run and what came of it.
+
+use crate::cell::{Cell, Inner, pairs, triangles};
+use crate::waiting::interruptible;
+use crate::{errors, metrics, settings};
+use ciborium::{from_reader, into_writer};
+use myospring::analysis::Metric;
+use myospring::analysis::beat::Beats;
+use myospring::integrate::engine::EngineUsed;
+use myospring::integrate::stencil;
+use myospring::output::field::Fields;
+use myospring::output::figure::{self, FigureError};
+use myospring::recording::{Frame, Recording, Sample, Signal};
+use myospring::run_file::RunFile;
+use myospring::settings::{Made, Run};
+use myospring::simulation::{Effort, Outcome, StopReason};
+use myospring::study::Threads;
+use myospring_cli::Over;
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Name and value of a column.
+type Column = (&'static str, fn(&Sample) -> f64);
+
+/// What one sample has, by the name of its column.
+const COLUMNS: [Column; 12] = [
+    ("t_ms", |sample| sample.t_ms),
+    ("u", |sample| sample.u),
+    ("ta_kpa", |sample| sample.ta_kpa),
+    ("length_um", |sample| sample.length_um),
+    ("width_um", |sample| sample.width_um),
+    ("area_um2", |sample| sample.area_um2),
+    ("shortening_pct", |sample| sample.shortening_pct),
+    ("elastic_energy_fj", |sample| sample.elastic_energy_fj),
+    ("kinetic_energy_fj", |sample| sample.kinetic_energy_fj),
+    ("active_work_fj", |sample| sample.active_work_fj),
+    ("dissipated_energy_fj", |sample| sample.dissipated_energy_fj),
+    ("vm_mv", |sample| sample.vm_mv.unwrap_or(f64::NAN)),
+];
+
+/// A run that is over.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct Beat {
+    cell: Arc<Inner>,
+    /// The settings that were given, those of the cell included.
+    file: RunFile,
+    run: Run,
+    made: Made,
+    outcome: Outcome,
+    beats: Beats,
+    warnings: Vec<String>,
+}
+
+/// Beats a cell; `given` are settings by key. What stopped it early is the beat's to tell.
+#[pyfunction]
+pub(crate) fn simulate(
+    py: Python<'_>,
+    cell: &Cell,
+    given: &Bound<'_, PyDict>,
+    threads: Option<usize>,
+) -> PyResult<Beat> {
+    let mut file = cell.0.file.clone();
+    settings::put(&mut file, given)?;
+    let (run, mut made) = make(py, &cell.0, &file)?;
+    let most = || stencil::worthwhile_threads(made.simulation.mesh.len());
+    made.simulation.numerics.engine.threads = threads.unwrap_or_else(most);
+    let (ended, raised) = {
+        let mut ended = None;
+        let raised = interruptible(py, |stop| {
+            ended = Some(made.simulation.build().map(|ready| {
+                let mut warnings = run.warnings(&made.report);
+                warnings.extend(ready.warnings());
+                let outcome = ready.run(|_progress| !stop.load(Ordering::Relaxed));
+                warnings.extend(ready.warnings_after(&outcome));
+                (outcome, warnings)
+            }));
+        });
+        (ended, raised)
+    };
+    raised?;
+    let Some(ended) = ended else { return Err(errors::value("the run came to no end")) };
+    let (outcome, warnings) = ended.map_err(errors::value)?;
+    let beats = outcome.beats();
+    Ok(Beat { cell: Arc::clone(&cell.0), file, run, made, outcome, beats, warnings })
+}
+
+/// The run of a run file and its simulation on a cell.
+pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Run, Made)> {
+    let mut run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    let made = py.detach(|| run.make(cell.shaped.clone(), |path| cell.read(path)));
+    let made = made.map_err(|error| errors::of_making(&error))?;
+    // What repeats the run is what was taken.
+    run.fibre = made.fibres.taken;
+    Ok((run, made))
+}
+
+#[pymethods]
+impl Beat {
+    /// The cell that beat.
+    #[getter]
+    fn cell(&self) -> Cell {
+        Cell(Arc::clone(&self.cell))
+    }
+
+    /// Names of the columns: what a sample has, then what the cell model tells besides.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        let potential = self.outcome.recording.samples.first().and_then(|sample| sample.vm_mv);
+        let own = COLUMNS.iter().filter(|(name, _)| *name != "vm_mv" || potential.is_some());
+        let signals = self.outcome.recording.signals.iter().map(|signal| signal.name.clone());
+        own.map(|(name, _)| (*name).to_owned()).chain(signals).collect()
+    }
+
+    /// A column: (samples,).
+    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let Recording { samples, signals, .. } = &self.outcome.recording;
+        let values = match COLUMNS.iter().find(|(known, _)| *known == name) {
+            Some((_, read)) => samples.iter().map(read).collect(),
+            None => match signals.iter().find(|signal| signal.name == name) {
+                Some(signal) => signal.values.clone(),
+                None => return Err(errors::unknown(py, format!("there is no column `{name}`"))),
+            },
+        };
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    /// Times of the frames, ms.
+    #[getter]
+    fn frame_t_ms<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let frames = &self.outcome.recording.frames;
+        PyArray1::from_vec(py, frames.iter().map(|frame| frame.t_ms).collect())
+    }
+
+    /// Positions, um: (frames, nodes, 2).
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let frames = &self.outcome.recording.frames;
+        let nodes = self.made.simulation.mesh.len();
+        let mut flat = Vec::with_capacity(2 * nodes * frames.len());
+        for Frame { positions: [x, y], .. } in frames {
+            flat.extend(x.iter().zip(y).flat_map(|(x, y)| [*x, *y]));
+        }
+        PyArray1::from_vec(py, flat).reshape([frames.len(), nodes, 2])
+    }
+
+    /// Nodes of each triangle: (triangles, 3).
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        triangles(py, &self.made.simulation.mesh)
+    }
+
+    /// Fibre direction in each triangle, unit vectors: (triangles, 2).
+    #[getter]
+    fn fibres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        pairs(py, self.made.simulation.fibres.iter().copied())
+    }
+
+    /// Name, value and unit of all metrics; of several beats their mean.
+    #[getter]
+    fn metrics(&self) -> Vec<(&'static str, Option<f64>, &'static str)> {
+        let Some(first) = self.beats.first() else { return Vec::new() };
+        let all = first.metrics().chain(&self.beats.energy);
+        let row =
+            |metric: &Metric| (metric.name, metrics::value(&self.beats, metric.name), metric.unit);
+        all.map(row).collect()
+    }
+
+    /// Name and value of the metrics of each beat.
+    #[getter]
+    fn metrics_by_beat(&self) -> Vec<Vec<(&'static str, Option<f64>)>> {
+        let of = |beat: &myospring::analysis::beat::Beat| {
+            beat.metrics().map(|metric| (metric.name, metric.value)).collect()
+        };
+        self.beats.iter().map(of).collect()
+    }
+
+    /// Times of the stimuli, ms.
+    #[getter]
+    fn stimulus_times_ms(&self) -> Vec<f64> {
+        self.outcome.stimulus_times_ms.clone()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// Why it stopped early, and when, ms.
+    #[getter]
+    fn stop(&self) -> Option<(String, Option<f64>)> {
+        self.outcome.stop.as_ref().map(|stop| (stop.to_string(), stop.time_ms()))
+    }
+
+    /// The run file that repeats this run.
+    #[getter]
+    fn run_file(&self) -> String {
+        let spacing = self.made.report.spacing_um;
+        self.run.settled(spacing, self.outcome.effort.time_step()).to_toml()
+    }
+
+    /// Name of the cell model and the peak tension, kPa.
+    #[getter]
+    fn facts(&self) -> (String, f64, f64) {
+        (self.run.cell.name().to_owned(), self.run.peak_tension, self.run.duration)
+    }
+
+    /// The cell at rest and at its peak beside its curves, SVG.
+    fn overview_svg(&self, py: Python<'_>) -> PyResult<String> {
+        let draw = || -> Result<String, FigureError> {
+            let simulation = &self.made.simulation;
+            let content = simulation.myofibril_content.as_deref();
+            let fields = Fields::new(&simulation.mesh, &simulation.fibres, content)?;
+            let frames = &self.outcome.recording.frames;
+            let cell = figure::Cell::new(fields, Some(&self.made.outline))?.scaled_to(frames);
+            let stimuli = &self.outcome.stimulus_times_ms;
+            Ok(figure::overview(&cell, &self.outcome.recording, stimuli)?.to_svg())
+        };
+        py.detach(draw).map_err(errors::value)
+    }
+
+    /// Writes what `myospring run` writes into a folder, and gives its path.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn save(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        force: bool,
+        outputs: Option<Vec<String>>,
+    ) -> PyResult<PathBuf> {
+        let saved = py.detach(|| {
+            let over = Over {
+                name: &self.cell.name,
+                run: &self.run,
+                bytes: &self.cell.bytes,
+                simulation: &self.made.simulation,
+                report: &self.made.report,
+                outline: &self.made.outline,
+                fibres: &self.made.fibres,
+                picture: self.made.picture.as_ref(),
+                outcome: &self.outcome,
+            };
+            // Threads of its own: those of the process do not survive a fork.
+            let threads = Threads::new(None).map_err(|error| error.to_string())?;
+            threads.install(|| over.save(&folder, force, outputs.as_deref(), self.warnings.clone()))
+        });
+        saved.map_err(pyo3::exceptions::PyOSError::new_err)
+    }
+
+    /// All that makes the beat again, but for the cell.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let Outcome { recording, stop, effort, engine, stimulus_times_ms } = &self.outcome;
+        let frames = recording.frames.iter().cloned();
+        let frames = frames
+            .map(|frame| (frame.t_ms, frame.ta_kpa, frame.ta_by_triangle_kpa, frame.positions));
+        let state = State {
+            run_file: self.file.to_toml(),
+            samples: recording.samples.clone(),
+            signals: recording.signals.clone(),
+            frames: frames.collect(),
+            stop: stop.clone(),
+            effort: *effort,
+            engine: engine.clone(),
+            stimulus_times_ms: stimulus_times_ms.clone(),
+            warnings: self.warnings.clone(),
+        };
+        let mut written = Vec::new();
+        into_writer(&state, &mut written).map_err(errors::value)?;
+        Ok(PyBytes::new(py, &written))
+    }
+
+    /// The beat of a state and its cell.
+    #[staticmethod]
+    fn of_state(py: Python<'_>, cell: &Cell, state: &[u8]) -> PyResult<Self> {
+        let state: State = from_reader(state).map_err(errors::value)?;
+        let file =
+            RunFile::from_text(&state.run_file).map_err(|error| errors::of_settings(py, &error))?;
+        let (run, made) = make(py, &cell.0, &file)?;
+        let frames =
+            state.frames.into_iter().map(|(t_ms, ta_kpa, ta_by_triangle_kpa, positions)| Frame {
+                t_ms,
+                ta_kpa,
+                ta_by_triangle_kpa,
+                positions,
+            });
+        let recording =
+            Recording { samples: state.samples, frames: frames.collect(), signals: state.signals };
+        let outcome = Outcome {
+            recording,
+            stop: state.stop,
+            effort: state.effort,
+            engine: state.engine,
+            stimulus_times_ms: state.stimulus_times_ms,
+        };
+        let (cell, beats, warnings) = (Arc::clone(&cell.0), outcome.beats(), state.warnings);
+        Ok(Self { cell, file, run, made, outcome, beats, warnings })
+    }
+}
+
+/// Time, tension, tension by triangle, positions.
+type Shape = (f64, f64, Option<Vec<f64>>, [Vec<f64>; 2]);
+
+#[derive(Serialize, Deserialize)]
+struct State {
+    run_file: String,
+    samples: Vec<Sample>,
+    signals: Vec<Signal>,
+    frames: Vec<Shape>,
+    stop: Option<StopReason>,
+    effort: Effort,
+    engine: Option<EngineUsed>,
+    stimulus_times_ms: Vec<f64>,
+    warnings: Vec<String>,
+}

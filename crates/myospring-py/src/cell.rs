@@ -1,0 +1,181 @@
+//! A cell: its outline and its mesh, from a picture, a mask, an outline or the program.
+
+use crate::{errors, settings};
+use ciborium::{from_reader, into_writer};
+use myospring::mesh::Mesh;
+use myospring::mesh::quality::MeshReport;
+use myospring::output::figure;
+use myospring::run_file::RunFile;
+use myospring::settings::{ShapeBytes, Shaped};
+use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::sync::Arc;
+
+/// A cell that was found and meshed.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct Cell(pub(crate) Arc<Inner>);
+
+/// What a cell is.
+pub(crate) struct Inner {
+    /// The settings that make it.
+    pub(crate) file: RunFile,
+    /// Files that are no files but arrays, by name.
+    pub(crate) arrays: BTreeMap<String, Vec<u8>>,
+    pub(crate) bytes: ShapeBytes,
+    pub(crate) shaped: Shaped,
+    pub(crate) name: String,
+}
+
+#[pymethods]
+impl Cell {
+    /// Finds and meshes a cell; `given` are settings by key, `arrays` the bytes of files that are none.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        given: &Bound<'_, PyDict>,
+        arrays: BTreeMap<String, Vec<u8>>,
+    ) -> PyResult<Self> {
+        let mut file = RunFile::default();
+        settings::put(&mut file, given)?;
+        Self::made(py, file, arrays, None)
+    }
+
+    /// Name of the cell, for people and folders.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// Number of masses, springs and triangles.
+    #[getter]
+    fn counts(&self) -> (usize, usize, usize) {
+        let MeshReport { masses, springs, triangles, .. } = self.0.shaped.report;
+        (masses, springs, triangles)
+    }
+
+    /// Length, width, mean width (um), aspect ratio, long axis (degrees), spacing (um), area (um^2).
+    #[getter]
+    fn dimensions(&self) -> (f64, f64, f64, f64, f64, f64, f64) {
+        let Shaped { report, outline, .. } = &self.0.shaped;
+        let size = &report.dimensions;
+        (
+            size.length_um,
+            size.width_um,
+            size.mean_width_um,
+            size.aspect_ratio,
+            size.long_axis_deg,
+            report.spacing_um,
+            outline.area(),
+        )
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.shaped.report.warnings.clone()
+    }
+
+    /// Positions of the masses at rest, um: (nodes, 2).
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let [x, y] = &self.0.shaped.mesh.points;
+        pairs(py, x.iter().zip(y).map(|(x, y)| [*x, *y]))
+    }
+
+    /// Nodes of each triangle: (triangles, 3).
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        triangles(py, &self.0.shaped.mesh)
+    }
+
+    /// The rings of the outline, um, the outer one first: (points, 2) each.
+    #[getter]
+    fn outline<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+        self.0.shaped.outline.rings().map(|ring| pairs(py, ring.iter().copied())).collect()
+    }
+
+    /// The pixels of the cell in its picture: (rows, columns), and the side of one, um.
+    #[getter]
+    fn mask<'py>(&self, py: Python<'py>) -> PyResult<Option<(Bound<'py, PyArray2<bool>>, f64)>> {
+        let Some((_, cell)) = &self.0.shaped.picture else { return Ok(None) };
+        let mask = &cell.mask;
+        let [columns, rows] = [mask.width(), mask.height()];
+        let values = mask.inside();
+        Ok(Some((values.into_pyarray(py).reshape([rows, columns])?, mask.pixel_size().um())))
+    }
+
+    /// The lattice as a figure, SVG.
+    fn lattice_svg(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| figure::mesh(&self.0.shaped.mesh).map(|figure| figure.to_svg()))
+            .map_err(errors::value)
+    }
+
+    /// All that makes the cell again.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let Inner { file, arrays, bytes, name, .. } = &*self.0;
+        let state = (file.to_toml(), arrays, &bytes.shape, &bytes.outline, name);
+        let mut written = Vec::new();
+        into_writer(&state, &mut written).map_err(errors::value)?;
+        Ok(PyBytes::new(py, &written))
+    }
+
+    /// The cell of a state.
+    #[staticmethod]
+    fn of_state(py: Python<'_>, state: &[u8]) -> PyResult<Self> {
+        let (text, arrays, shape, outline, _name): State =
+            from_reader(state).map_err(errors::value)?;
+        let file = RunFile::from_text(&text).map_err(|error| errors::of_settings(py, &error))?;
+        Self::made(py, file, arrays, Some(ShapeBytes { shape, outline }))
+    }
+}
+
+type State = (String, BTreeMap<String, Vec<u8>>, Vec<u8>, Option<Vec<u8>>, String);
+
+impl Cell {
+    fn made(
+        py: Python<'_>,
+        file: RunFile,
+        arrays: BTreeMap<String, Vec<u8>>,
+        bytes: Option<ShapeBytes>,
+    ) -> PyResult<Self> {
+        let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+        let shaped = py.detach(|| {
+            let read = |path: &str| match arrays.get(path) {
+                Some(bytes) => Ok(bytes.clone()),
+                None => fs::read(path),
+            };
+            let bytes = bytes.map_or_else(|| run.shape.bytes(read), Ok)?;
+            let shaped = run.shape.mesh(&bytes)?;
+            Ok((bytes, shaped))
+        });
+        let (bytes, shaped) = shaped.map_err(|error| errors::of_shape(&error))?;
+        let name = run.shape.name().to_owned();
+        Ok(Self(Arc::new(Inner { file, arrays, bytes, shaped, name })))
+    }
+}
+
+impl Inner {
+    /// Reads a file by its name as written.
+    pub(crate) fn read(&self, path: &str) -> io::Result<Vec<u8>> {
+        self.arrays.get(path).map_or_else(|| fs::read(path), |bytes| Ok(bytes.clone()))
+    }
+}
+
+/// Points as an array (points, 2).
+pub(crate) fn pairs(
+    py: Python<'_>,
+    points: impl Iterator<Item = [f64; 2]>,
+) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let flat: Vec<f64> = points.flatten().collect();
+    let count = flat.len() / 2;
+    PyArray1::from_vec(py, flat).reshape([count, 2])
+}
+
+pub(crate) fn triangles<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    let flat: Vec<u32> = mesh.simplices.iter().flat_map(|simplex| simplex.nodes).collect();
+    let count = flat.len() / 3;
+    PyArray1::from_vec(py, flat).reshape([count, 3])
+}

@@ -1,0 +1,95 @@
+//! What goes wrong, as Python's own exceptions.
+
+use crate::settings;
+use myospring::run_file::RunFileError;
+use myospring::settings::{MakeError, Problem, ShapeError};
+use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyValueError};
+use pyo3::prelude::*;
+use std::io;
+
+/// A name that does not exist: `UnknownNameError`, a `KeyError` that prints its message as it is.
+pub(crate) fn unknown(py: Python<'_>, message: String) -> PyErr {
+    let made = || {
+        let class = py.import("myospring._errors")?.getattr("UnknownNameError")?;
+        class.call1((message,))
+    };
+    made().map_or_else(|error| error, PyErr::from_value)
+}
+
+/// A problem of a setting: names that do not exist are a `KeyError`, all else is a `ValueError`.
+pub(crate) fn of_settings(py: Python<'_>, error: &RunFileError) -> PyErr {
+    let mut message = settings::in_python(&error.to_string());
+    if let Some(advice) = advice(&error.problem) {
+        message = format!("{message}; {advice}");
+    }
+    let is_name = match &error.problem {
+        Problem::UnknownKey { .. } | Problem::Model(_) => true,
+        Problem::UnknownWord { key, .. } => key == "shape.built_in",
+        Problem::Parameter(cause) => {
+            matches!(cause, myospring::parameter::ParameterError::Unknown { .. })
+        }
+        _ => false,
+    };
+    if is_name { unknown(py, message) } else { PyValueError::new_err(message) }
+}
+
+/// How to mend it, where the message does not say it and the words of the program would mislead.
+fn advice(problem: &Problem) -> Option<String> {
+    Some(match problem {
+        Problem::UnknownKey { known, .. } => format!("there are: {}", known.join(", ")),
+        Problem::NotAMultiple { unit, .. } => {
+            format!("give a multiple of {unit} ms, or change that one too")
+        }
+        Problem::TooMany { .. } => "give a longer interval or a shorter run".to_owned(),
+        Problem::Parameter(_) | Problem::Parameters(_) => {
+            "myospring.parameters(model) lists the parameters with their ranges".to_owned()
+        }
+        Problem::Model(_) => "myospring.models() lists the cell models".to_owned(),
+        _ => return None,
+    })
+}
+
+/// A shape that gives no mesh.
+pub(crate) fn of_shape(error: &ShapeError) -> PyErr {
+    let message = settings::in_python(&error.to_string());
+    match error {
+        ShapeError::Read { cause, .. } => of_reading(cause, message),
+        _ => PyValueError::new_err(message),
+    }
+}
+
+/// A shape that was meshed and gives no simulation.
+pub(crate) fn of_making(error: &MakeError) -> PyErr {
+    PyValueError::new_err(settings::in_python(&error.to_string()))
+}
+
+fn of_reading(cause: &io::Error, message: String) -> PyErr {
+    match cause.kind() {
+        io::ErrorKind::NotFound => PyFileNotFoundError::new_err(message),
+        _ => PyOSError::new_err(message),
+    }
+}
+
+/// Anything else that a value is to blame for.
+#[allow(clippy::needless_pass_by_value, reason = "for `map_err`")]
+pub(crate) fn value(error: impl ToString) -> PyErr {
+    PyValueError::new_err(settings::in_python(&error.to_string()))
+}
+
+/// A name that is none of those that there are.
+pub(crate) fn unknown_among<'a>(
+    py: Python<'_>,
+    name: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> PyErr {
+    let known: Vec<&str> = known.collect();
+    let near = Problem::nearest(name, &known).map(|near| format!("; did you mean `{near}`?"));
+    unknown(
+        py,
+        format!(
+            "there is no `{name}`{}; there are: {}",
+            near.unwrap_or_default(),
+            known.join(", ")
+        ),
+    )
+}

@@ -1,0 +1,41 @@
+//! The part of the Python package `myospring` that is written in Rust, its module `_native`.
+//!
+//! A thin door to the library: settings by name go in, arrays come out. What people see, with its defaults and
+//! documentation, is the layer in Python above it (`python/myospring`), whose signatures are made from the same table
+//! of settings ([`settings`]).
+
+mod action_potential;
+mod batch;
+mod beat;
+mod cell;
+mod errors;
+mod metrics;
+mod pictures;
+mod settings;
+mod waiting;
+
+use pyo3::prelude::*;
+use std::ffi::OsString;
+
+/// The program `myospring` with the arguments of a command line, its own name first; the code to end with.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| myospring_cli::main(arguments).0)
+}
+
+/// The module.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<cell::Cell>()?;
+    module.add_class::<beat::Beat>()?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(beat::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::simulate_batch, module)?)?;
+    module.add_function(wrap_pyfunction!(action_potential::action_potential, module)?)?;
+    module.add_function(wrap_pyfunction!(metrics::metrics, module)?)?;
+    module.add_function(wrap_pyfunction!(pictures::tiff, module)?)?;
+    module.add_function(wrap_pyfunction!(settings::settings, module)?)?;
+    module.add_function(wrap_pyfunction!(settings::models, module)?)?;
+    module.add_function(wrap_pyfunction!(settings::parameters, module)?)
+}

@@ -1,0 +1,278 @@
+//! The table of settings, as Python names them: whole words with the unit at the end, `peak_tension_kpa`.
+
+use crate::errors;
+use myospring::cell;
+use myospring::run_file::RunFile;
+use myospring::settings::{Kind, Run, Setting, Value, table, tables};
+use myospring::units;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
+use std::collections::BTreeMap;
+
+/// Ends of names for units.
+const SUFFIXES: [(&str, &str); 8] = [
+    ("ms", "_ms"),
+    ("um", "_um"),
+    ("um^2", "_um2"),
+    ("kPa", "_kpa"),
+    ("nN/um", "_nn_per_um"),
+    ("kPa/um", "_kpa_per_um"),
+    ("deg", "_deg"),
+    ("1/ms", "_per_ms"),
+];
+
+/// The name of a setting in Python. One that has no option has no name of its own on the command line either, so
+/// those of cell and stimulus say what they are of.
+pub(crate) fn name(setting: &Setting) -> String {
+    let (table, bare) = setting.key.split_once('.').unwrap_or(("", setting.key));
+    let of_table = setting.option.is_none() && ["cell", "stimulus"].contains(&table);
+    let stem = match setting.key {
+        "cell.parameters" => bare.to_owned(),
+        _ if of_table => format!("{table}_{bare}"),
+        _ => bare.to_owned(),
+    };
+    let unit = match setting.kind {
+        Kind::Quantity { .. } => setting.unit().unwrap_or_default(),
+        _ => "",
+    };
+    let suffix = SUFFIXES.iter().find(|(known, _)| *known == unit).map_or("", |(_, suffix)| suffix);
+    stem + suffix
+}
+
+/// The setting of a name in Python, among those of some tables.
+pub(crate) fn find(name_in_python: &str) -> Option<&'static Setting> {
+    // Where two tables have one name, that of the beat comes first.
+    let mut found: Vec<&Setting> =
+        table().filter(|setting| name(setting) == name_in_python).collect();
+    found.sort_by_key(|setting| is_of_cell(setting));
+    found.first().copied()
+}
+
+/// Whether a setting says what the cell is, and not how it beats.
+pub(crate) fn is_of_cell(setting: &Setting) -> bool {
+    ["shape.", "segmentation."].iter().any(|table| setting.key.starts_with(table))
+}
+
+/// A message with the names of Python instead of those of run files and options.
+pub(crate) fn in_python(message: &str) -> String {
+    let mut message = message.to_owned();
+    for setting in table() {
+        let name = name(setting);
+        message = message.replace(&format!("`{}`", setting.key), &format!("`{name}`"));
+        if let Some(option) = setting.option.filter(|option| !option.value.is_empty()) {
+            for end in [" ", ",", ";", ")"] {
+                message =
+                    message.replace(&format!("{}{end}", option.name), &format!("{name}{end}"));
+            }
+        }
+    }
+    message
+}
+
+/// Puts what Python gave into a run file, by key.
+///
+/// # Errors
+/// A name that does not exist, or a value of the wrong kind.
+pub(crate) fn put(file: &mut RunFile, given: &Bound<'_, PyDict>) -> PyResult<()> {
+    let py = given.py();
+    for (key, value) in given {
+        let key: String = key.extract()?;
+        let Some(setting) = table().find(|setting| setting.key == key) else {
+            return Err(errors::unknown(py, format!("there is no setting `{key}`")));
+        };
+        file.set(setting.key, read(setting, &value)?)
+            .map_err(|error| errors::of_settings(py, &error))?;
+    }
+    Ok(())
+}
+
+/// A number in the setting's own unit, as it is written in a run file.
+pub(crate) fn number(setting: &Setting, number: f64) -> Value {
+    match setting.kind {
+        Kind::Quantity { bounds, .. } if bounds.dimension != units::Dimension::Number => {
+            Value::Text(units::format(number, bounds.dimension))
+        }
+        Kind::Whole { .. } if number.fract() == 0.0 => Value::Whole(number as i64),
+        _ => Value::Number(number),
+    }
+}
+
+fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    let wrong = |wanted: &str| {
+        let found = value.get_type().name().map_or_else(|_| String::new(), |name| name.to_string());
+        Err(PyTypeError::new_err(format!("`{}` is of type {found}; give {wanted}", name(setting))))
+    };
+    Ok(match setting.kind {
+        Kind::Flag { .. } => match value.extract() {
+            Ok(flag) => Value::Flag(flag),
+            Err(_) => return wrong("True or False"),
+        },
+        Kind::Whole { .. } => match value.extract() {
+            Ok(whole) if !value.is_instance_of::<PyBool>() => Value::Whole(whole),
+            _ => return wrong("a whole number"),
+        },
+        Kind::Quantity { .. } => match value.extract::<f64>() {
+            Ok(given) if !value.is_instance_of::<PyString>() => {
+                // As text it could not be told from a unit.
+                if !given.is_finite() {
+                    let message = format!("`{}` = {given} is not a finite number", name(setting));
+                    return Err(errors::value(message));
+                }
+                number(setting, given)
+            }
+            _ => {
+                let unit = setting.unit().filter(|unit| !unit.is_empty());
+                return wrong(
+                    &unit.map_or("a number".to_owned(), |unit| format!("a number in {unit}")),
+                );
+            }
+        },
+        Kind::Named { .. } => {
+            let Ok(rows) = value.cast::<PyDict>() else { return wrong("a dict of name to number") };
+            let mut named = BTreeMap::new();
+            for (name, value) in rows {
+                let value = match value.extract::<f64>() {
+                    Ok(number) => Value::Number(number),
+                    Err(_) => Value::Text(value.extract()?),
+                };
+                named.insert(name.extract()?, value);
+            }
+            Value::Named(named)
+        }
+        Kind::Text { .. } | Kind::File { .. } | Kind::Words { .. } | Kind::Written { .. } => {
+            if let Ok(text) = value.extract::<String>() {
+                Value::Text(text)
+            } else if let Ok(place) = value.extract::<(f64, f64)>() {
+                Value::Text(format!("{}, {}", place.0, place.1))
+            } else if let Ok(whole) = value.extract::<i64>() {
+                if setting.takes_numbers() && setting.bounds().is_some() {
+                    Value::Number(whole as f64)
+                } else {
+                    Value::Text(whole.to_string())
+                }
+            } else if let Ok(number) = value.extract::<f64>() {
+                Value::Number(number)
+            } else {
+                return wrong("text");
+            }
+        }
+    })
+}
+
+/// A value of a setting as Python has it: a number in the unit of its name, text, or a flag.
+fn to_python<'py>(
+    py: Python<'py>,
+    setting: &Setting,
+    value: &Value,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    Ok(Some(match (setting.kind, value) {
+        (Kind::Quantity { bounds, .. }, value) => {
+            let text = match value {
+                Value::Text(text) => text.clone(),
+                other => other.to_string(),
+            };
+            let number = units::parse(&text, bounds.dimension).map_err(errors::value)?;
+            PyFloat::new(py, number).into_any()
+        }
+        (_, Value::Flag(flag)) => PyBool::new(py, *flag).to_owned().into_any(),
+        (_, Value::Whole(number)) => PyInt::new(py, *number).into_any(),
+        (_, Value::Number(number)) => PyFloat::new(py, *number).into_any(),
+        (_, Value::Text(text)) => PyString::new(py, text).into_any(),
+        (_, Value::Named(_)) => return Ok(None),
+    }))
+}
+
+/// Whether a setting's default hangs on other settings, so that leaving it out is not the same as giving what it
+/// is by default.
+fn depends(setting: &Setting) -> bool {
+    let Some(default) = setting.default() else { return true };
+    let written = |file: &RunFile| Some(file.resolve().ok()?.to_run_file());
+    table().any(|other| {
+        let words = other.words().iter().map(|word| Value::from(word.name));
+        let models = cell::models().into_iter().map(|model| Value::from(model.name()));
+        let models = models.filter(|_| other.key == "cell.model");
+        let values = other.example().into_iter().chain(words).chain(models);
+        other.key != setting.key
+            && !is_of_cell(other)
+            && values.into_iter().any(|value| {
+                let mut without = RunFile::default();
+                if without.set(other.key, value).is_err() {
+                    return false;
+                }
+                let mut with = without.clone();
+                if with.set(setting.key, default.clone()).is_err() {
+                    return false;
+                }
+                matches!((written(&without), written(&with)), (Some(a), Some(b)) if a != b)
+            })
+    })
+}
+
+/// Every setting, in the order in which it is shown: a dict each.
+#[pyfunction]
+pub(crate) fn settings(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let rows = tables().iter().flat_map(|table| table.settings.iter().map(move |row| (table, row)));
+    let usual = Run::default_run();
+    rows.map(|(table, setting)| {
+        let row = PyDict::new(py);
+        row.set_item("key", setting.key)?;
+        row.set_item("table", table.name)?;
+        row.set_item("name", name(setting))?;
+        row.set_item("doc", setting.doc)?;
+        row.set_item("otherwise", setting.otherwise)?;
+        row.set_item("bounds", setting.bounds_in_words())?;
+        row.set_item("words", PyTuple::new(py, setting.words().iter().map(|word| word.name))?)?;
+        row.set_item("kind", kind(setting))?;
+        row.set_item("unit", setting.unit())?;
+        let default = match setting.kind {
+            Kind::Flag { .. } => Some(Value::Flag(false)),
+            _ if setting.otherwise.is_some() || depends(setting) => None,
+            _ => setting.get(&usual),
+        };
+        let default = default.map(|value| to_python(py, setting, &value)).transpose()?.flatten();
+        row.set_item("default", default)?;
+        Ok(row)
+    })
+    .collect()
+}
+
+fn kind(setting: &Setting) -> &'static str {
+    match setting.kind {
+        Kind::Text { .. } => "text",
+        Kind::File { .. } => "file",
+        Kind::Words { .. } => "words",
+        Kind::Flag { .. } => "flag",
+        Kind::Whole { .. } => "whole",
+        Kind::Quantity { .. } => "quantity",
+        Kind::Written { .. } => "written",
+        Kind::Named { .. } => "named",
+    }
+}
+
+/// Names of the cell models.
+#[pyfunction]
+pub(crate) fn models() -> Vec<String> {
+    cell::models().iter().map(|model| model.name().to_owned()).collect()
+}
+
+/// A parameter: name, value, unit, lowest and highest value, meaning, source.
+type Row = (String, f64, String, f64, f64, String, String);
+
+/// The parameters of a cell model: name, value, unit, lowest and highest value, meaning, source.
+#[pyfunction]
+pub(crate) fn parameters(py: Python<'_>, model: &str) -> PyResult<Vec<Row>> {
+    let model = cell::model(model).map_err(|error| errors::unknown(py, error.to_string()))?;
+    let rows = model.parameters().rows().iter().map(|row| {
+        (
+            row.name.to_string(),
+            row.value,
+            row.unit.to_string(),
+            row.minimum,
+            row.maximum,
+            row.meaning.to_string(),
+            row.source.to_string(),
+        )
+    });
+    Ok(rows.collect())
+}

@@ -1,0 +1,283 @@
+"""A cell. `generate.py` makes `python/myospring/_cell.py` of `templates/_cell.py`."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import lru_cache
+from os import PathLike
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from myospring import _native
+from myospring._given import changed, path_or_bytes
+from myospring._svg import cell_svg
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """How large a cell is.
+
+    Attributes
+    ----------
+    length_um, width_um : float
+        Extent along and across the long axis, um.
+    mean_width_um : float
+        Area over length, um.
+    aspect_ratio : float
+        Length over mean width.
+    long_axis_deg : float
+        Direction of the long axis, degrees counter-clockwise from x.
+    spacing_um : float
+        Distance of neighbouring masses, um.
+    area_um2 : float
+        Area of the outline, um^2.
+    """
+
+    length_um: float
+    width_um: float
+    mean_width_um: float
+    aspect_ratio: float
+    long_axis_deg: float
+    spacing_um: float
+    area_um2: float
+
+
+class Cell:
+    """A cell that was found and meshed, at rest; `from_image` and its like make one.
+
+    It does not change, and can be pickled.
+
+    Attributes
+    ----------
+    name : str
+        For people and folders.
+    positions : ndarray of shape (nodes, 2)
+        The masses, um; x to the right, y upward.
+    triangles : ndarray of shape (triangles, 3)
+        Nodes of each triangle.
+    outline : list of ndarray of shape (points, 2)
+        The rings of the outline, um, the outer one first.
+    dimensions : Dimensions
+        Length, width and their like.
+    warnings : list of str
+        What a person should look at.
+    """
+
+    __slots__ = ("_native",)
+
+    def __init__(self, native: _native.Cell) -> None:
+        self._native = native
+
+    @classmethod
+    def from_image(
+        cls,
+        image: ArrayLike | str | PathLike[str],
+        *,
+        <signature of image>
+    ) -> Cell:
+        """The cell of a picture from a microscope.
+
+        Parameters
+        ----------
+        image : array_like of shape (rows, columns) or (rows, columns, 3), or path
+            Grey values or colours, the first row on top; or a file: PNG, TIFF or OME-TIFF.
+        <documentation of image>
+
+        Returns
+        -------
+        Cell
+
+        Raises
+        ------
+        FileNotFoundError
+            There is no such file.
+        ValueError
+            No cell was found, or a setting is not possible; the message says how to mend it.
+
+        Examples
+        --------
+        >>> import numpy as np, myospring
+        >>> rows, columns = np.mgrid[:120, :320]
+        >>> inside = ((columns - 160) / 120) ** 2 + ((rows - 60) / 30) ** 2 < 1
+        >>> noise = np.random.default_rng(0).normal(0, 3, inside.shape)
+        >>> picture = (20 + 180 * inside + noise).clip(0, 255).astype(np.uint8)
+        >>> cell = myospring.Cell.from_image(picture, pixel_size_um=0.5)
+        >>> bool(abs(cell.dimensions.length_um - 120) < 3)
+        True
+        """
+        path, arrays = path_or_bytes(image, "array.tif")
+        <given of image>
+        return cls(_native.Cell({"shape.picture": path, **given}, arrays))
+
+    @classmethod
+    def from_mask(
+        cls,
+        mask: ArrayLike | str | PathLike[str],
+        *,
+        <signature of mask>
+    ) -> Cell:
+        """The cell of a mask, or of a mask with labels.
+
+        Parameters
+        ----------
+        mask : array_like of shape (rows, columns), or path
+            False or 0 is background, all else a cell; the first row is on top.
+        <documentation of mask>
+
+        Returns
+        -------
+        Cell
+
+        Raises
+        ------
+        FileNotFoundError
+            There is no such file.
+        ValueError
+            There is no such cell, or a setting is not possible.
+
+        Examples
+        --------
+        >>> import numpy as np, myospring
+        >>> mask = np.zeros((60, 240), dtype=bool)
+        >>> mask[10:50, 20:220] = True
+        >>> cell = myospring.Cell.from_mask(mask, pixel_size_um=0.5)
+        >>> cell.dimensions.area_um2
+        2000.0
+        """
+        path, arrays = path_or_bytes(mask, "mask.tif")
+        <given of mask>
+        given["segmentation.modality"] = "mask"
+        return cls(_native.Cell({"shape.picture": path, **given}, arrays))
+
+    @classmethod
+    def from_outline(
+        cls,
+        outline: ArrayLike | str | PathLike[str],
+        *,
+        <signature of outline>
+    ) -> Cell:
+        """The cell within an outline.
+
+        Parameters
+        ----------
+        outline : array_like of shape (points, 2), or path
+            Corners, um, y upward; or a file: GeoJSON, CSV, ImageJ's .roi or .zip, Cellpose's _outlines.txt.
+        <documentation of outline>
+
+        Returns
+        -------
+        Cell
+
+        Raises
+        ------
+        FileNotFoundError
+            There is no such file.
+        ValueError
+            The outline crosses itself, or a setting is not possible.
+
+        Examples
+        --------
+        >>> import myospring
+        >>> cell = myospring.Cell.from_outline([[0, 0], [120, 0], [120, 20], [0, 20]])
+        >>> cell.dimensions.area_um2
+        2400.0
+        """
+        arrays: dict[str, bytes] = {}
+        if isinstance(outline, (str, PathLike)):
+            path = os.fspath(outline)
+        else:
+            points = np.asarray(outline, dtype=np.float64)
+            if points.ndim != 2 or points.shape[1] != 2:
+                raise ValueError(f"an outline has the shape (points, 2), not {points.shape}")
+            rows = "".join(f"{float(x)!r},{float(y)!r}\n" for x, y in points)
+            path, arrays = "outline.csv", {"outline.csv": f"x_um,y_um\n{rows}".encode()}
+        <given of outline>
+        return cls(_native.Cell({"shape.outline": path, **given}, arrays))
+
+    @classmethod
+    def builtin(
+        cls,
+        name: str | None = None,
+        *,
+        <signature of built_in>
+    ) -> Cell:
+        """A cell that comes with the package.
+
+        Parameters
+        ----------
+        name : str or None
+            Its name; None is the first, an adult ventricular cell.
+        <documentation of built_in>
+
+        Returns
+        -------
+        Cell
+
+        Raises
+        ------
+        UnknownNameError
+            There is no such cell.
+
+        Examples
+        --------
+        >>> import myospring
+        >>> round(myospring.Cell.builtin().dimensions.length_um)
+        140
+        """
+        <given of built_in>
+        if name is not None:
+            given["shape.built_in"] = name
+        return cls(_native.Cell(given, {}))
+
+    @property
+    def name(self) -> str:
+        return self._native.name
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        return self._native.positions
+
+    @property
+    def triangles(self) -> NDArray[np.uint32]:
+        return self._native.triangles
+
+    @property
+    def outline(self) -> list[NDArray[np.float64]]:
+        return self._native.outline
+
+    @property
+    def mask(self) -> NDArray[np.bool_] | None:
+        """The pixels of the cell in its picture, of shape (rows, columns); None without a picture."""
+        found = self._native.mask
+        return None if found is None else found[0]
+
+    @property
+    def dimensions(self) -> Dimensions:
+        return Dimensions(*self._native.dimensions)
+
+    @property
+    def warnings(self) -> list[str]:
+        return self._native.warnings
+
+    def __repr__(self) -> str:
+        size = self.dimensions
+        masses, _, triangles = self._native.counts
+        return (
+            f"<myospring.Cell {self.name}: {size.length_um:.1f} x {size.width_um:.1f} um, "
+            f"{size.area_um2:.0f} um^2, {masses} masses, {triangles} triangles>"
+        )
+
+    def _repr_svg_(self) -> str:
+        return cell_svg(self)
+
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]:
+        return _restored, (self._native.state(),)
+
+
+@lru_cache(maxsize=8)
+def _restored(state: bytes) -> Cell:
+    """The cell of a state; a worker that gets it again and again finds it once."""
+    return Cell(_native.Cell.of_state(state))

@@ -1,0 +1,88 @@
+"""Python and the program give the same numbers, digit for digit."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import myospring
+
+
+def metrics(folder):
+    """The numbers of each beat that the program has written."""
+    summary = json.loads((folder / "summary.json").read_text())
+    beats = []
+    for beat in summary["beats"]:
+        parts = (beat[part] for part in ("tension", "contraction", "shape", "action_potential"))
+        beats.append({metric["name"]: metric["value"] for part in parts for metric in part})
+    return beats
+
+
+@pytest.mark.parametrize(
+    ("settings", "options"),
+    [
+        ({"integrator": "quasi-static"}, ["--integrator", "quasi-static"]),
+        ({"duration_ms": 150.0}, ["--duration", "150 ms"]),
+        (
+            {"integrator": "quasi-static", "model": "bueno_orovio_2008_epi", "peak_tension_kpa": 37.3, "beats": 2,
+             "cycle_length_ms": 450, "support": "elastic-bed", "bed_stiffness_kpa_per_um": 0.1 + 0.2},
+            ["--integrator", "quasi-static", "--model", "bueno_orovio_2008_epi", "--peak-tension", "37.3 kPa", "--beats",
+             "2", "--cycle-length", "450 ms", "--support", "elastic-bed", "--bed-stiffness",
+             "0.30000000000000004 kPa/um"],
+        ),
+    ],
+)
+def test_a_beat_has_the_programs_numbers_to_the_last_digit(cell, run, tmp_path, settings, options):
+    run("run", "--spacing", "4 um", *options, "--outputs", "none", "--output", "beat", cwd=tmp_path)
+    beat = myospring.simulate(cell, **settings)
+    saved = beat.save(tmp_path / "saved", outputs=[])
+    assert (saved / "traces.csv").read_bytes() == (tmp_path / "beat" / "traces.csv").read_bytes()
+    with open(saved / "traces.csv") as file:
+        rows = list(csv.DictReader(file))
+    for name, column in [("t_ms", "t_ms"), ("ta_kpa", "ta_kPa"), ("length_um", "length_um")]:
+        # The file has fewer digits than the array.
+        np.testing.assert_allclose(getattr(beat, name), [float(row[column]) for row in rows], rtol=0, atol=1e-5)
+    beats = metrics(tmp_path / "beat")
+    expected = [{name: np.nan if value is None else value for name, value in one.items()} for one in beats]
+    assert len(beat.metrics_by_beat) == len(expected)
+    for own, written in zip(beat.metrics_by_beat, expected):
+        assert own.keys() == written.keys()
+        np.testing.assert_array_equal(list(own.values()), list(written.values()))
+
+
+def test_saved_results_are_the_programs_files(beat, run, tmp_path):
+    folder = beat.save(tmp_path / "saved", outputs=["vtu", "frames"])
+    run("run", "--spacing", "4 um", "--integrator", "quasi-static", "--outputs", "vtu,frames", "--output", "beat",
+        cwd=tmp_path)
+    files = {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
+    other = tmp_path / "beat"
+    assert files == {path.relative_to(other) for path in other.rglob("*") if path.is_file()}
+    for name in files - {next(file for file in files if file.name == "run.json")}:
+        assert (folder / name).read_bytes() == (other / name).read_bytes(), name
+    with pytest.raises(OSError, match="already holds files"):
+        beat.save(folder)
+    beat.save(folder, force=True, outputs=[])
+
+
+def test_arrays_have_the_shapes_that_are_stated(cell, beat):
+    samples, frames, nodes = beat.t_ms.size, beat.frame_t_ms.size, cell.positions.shape[0]
+    assert beat.shortening_pct.shape == beat.ta_kpa.shape == beat.u.shape == (samples,)
+    assert beat.positions.shape == (frames, nodes, 2)
+    assert beat.triangles.shape[1] == 3 and beat.triangles.max() == nodes - 1
+    assert beat.fibres.shape == (len(beat.triangles), 2)
+    np.testing.assert_allclose(np.hypot(*beat.fibres.T), 1.0)
+    assert beat.positions is beat.positions and not beat.positions.flags.writeable
+    assert list(beat.to_dataframe().columns)[0] == "t_ms"
+    assert set(beat.metrics) == set(beat.units) == set(myospring.METRICS)
+
+
+def test_parameters_of_a_model_change_its_action_potential():
+    published = myospring.action_potential("coelho_2021")
+    tau = myospring.parameters("coelho_2021")["tau_si"]
+    longer = myospring.action_potential("coelho_2021", {"tau_si": 0.9 * tau.value}, cell_integrator="adaptive")
+    name = "action_potential_duration_90"
+    assert longer.metrics[name] > published.metrics[name] + 5
+    assert published.t_ms.shape == published.potential.shape == published.tension.shape
