@@ -22,7 +22,7 @@ use super::observer::{Observer, Part, Progress};
 use super::setup::Setup;
 use super::{Simulation, StopReason};
 use crate::cell::Output;
-use crate::exchange::{Activation, ActivationError, Felt, Sites, Tangent};
+use crate::exchange::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use crate::mechanics::{Following, Tension, Vectors};
 use crate::recording::{Frame, Recording, Sample, Signal};
 
@@ -203,8 +203,11 @@ impl<'a> Exchange<'a> {
     /// One site: the tension that the activation answers with when it is tried.
     fn find_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         let start = self.tension.tension().at(0);
-        let strongest = self.setup.strongest.tension.abs();
-        let enough = AGREED * strongest.max(start.abs());
+        let Strongest { tension: strongest, per_stretch, per_rate } = self.setup.strongest;
+        let strongest = strongest.abs();
+        // A stretch near 1 and that before it round, which comes back as tension.
+        let rounding = 2.0 * f64::EPSILON * (per_stretch.abs() + per_rate.abs() / self.interval);
+        let enough = (AGREED * strongest.max(start.abs())).max(rounding);
         shaping.mark();
         // What the answer is above the tension that was tried.
         let mut excess = |tension: f64, this: &mut Self| {
