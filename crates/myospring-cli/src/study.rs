@@ -1,6 +1,7 @@
 //! `myospring study`: many runs that differ in numbers.
 
 use crate::args::{StudyArgs, StudyCommand, StudyInitArgs, StudyMergeArgs, StudyRunArgs};
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::table::{aligned, number};
 use crate::{interrupt, print, progress};
@@ -17,7 +18,6 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// What stays to be written anew.
