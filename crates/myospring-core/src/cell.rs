@@ -28,6 +28,7 @@ mod cell_model;
 pub mod coelho_2021;
 mod fixed;
 pub mod integrator;
+pub mod land_2017;
 pub mod minimal;
 mod pacer;
 pub mod pacing;

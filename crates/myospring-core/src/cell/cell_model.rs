@@ -144,8 +144,8 @@ pub trait CellModel: Any + Send + Sync {
     fn potential(&self, state: &[f64]) -> f64;
     /// Membrane potential, mV, where the model defines it.
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64>;
-    /// Active tension, as [`Self::tension_kind`] says.
-    fn tension(&self, state: &[f64]) -> f64;
+    /// Active tension, as [`Self::tension_kind`] says; the stimulus does not matter.
+    fn tension(&self, state: &[f64], input: &Input) -> f64;
     /// Whether tension is relative or in kPa.
     fn tension_kind(&self) -> TensionKind;
 

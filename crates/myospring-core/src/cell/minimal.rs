@@ -174,7 +174,7 @@ impl CellModel for MinimalModel {
         self.identity.millivolts.map(|(slope, offset)| slope * state[0] + offset)
     }
 
-    fn tension(&self, state: &[f64]) -> f64 {
+    fn tension(&self, state: &[f64], _input: &Input) -> f64 {
         state[5]
     }
 

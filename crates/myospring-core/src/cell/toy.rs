@@ -127,7 +127,7 @@ impl CellModel for ToyModel {
         None
     }
 
-    fn tension(&self, state: &[f64]) -> f64 {
+    fn tension(&self, state: &[f64], _input: &Input) -> f64 {
         state[1]
     }
 

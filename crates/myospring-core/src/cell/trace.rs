@@ -1,6 +1,6 @@
 //! What a cell did over time.
 
-use super::cell_model::CellModel;
+use super::cell_model::{CellModel, Input};
 use super::settings::{SolveError, validate_time};
 use crate::analysis::trace::{self, Point};
 
@@ -59,7 +59,7 @@ impl CellTrace {
             let Instant { state, outputs } = at(time_ms)?;
             trace.time_ms.push(time_ms);
             trace.potential.push(model.potential(&state));
-            trace.tension.push(model.tension(&state));
+            trace.tension.push(model.tension(&state, &Input::REST));
             if let Some(column) = &mut trace.membrane_potential_mv {
                 column.extend(model.membrane_potential_mv(&state));
             }

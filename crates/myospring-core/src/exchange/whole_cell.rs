@@ -4,7 +4,7 @@ use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Settings, SolveError};
-use crate::cell::{CellModel, Output};
+use crate::cell::{CellModel, Input, Output};
 use crate::mechanics::Tension;
 use std::sync::Arc;
 
@@ -13,6 +13,8 @@ use std::sync::Arc;
 pub struct WholeCell {
     kept: CellIntegrator,
     moved: CellIntegrator,
+    /// What it felt at the time it was moved to.
+    felt: Input,
     /// kPa per unit of the model's tension.
     scale: f64,
     strongest: Strongest,
@@ -36,7 +38,15 @@ impl WholeCell {
         let feels_stretch = model.feels_stretch();
         let stimulus_times_ms = protocol.stimulus_times().collect();
         let kept = CellIntegrator::new(model, protocol, settings)?;
-        Ok(Self { moved: kept.clone(), kept, scale, strongest, feels_stretch, stimulus_times_ms })
+        Ok(Self {
+            moved: kept.clone(),
+            kept,
+            felt: Input::REST,
+            scale,
+            strongest,
+            feels_stretch,
+            stimulus_times_ms,
+        })
     }
 }
 
@@ -49,7 +59,10 @@ impl Activation for WholeCell {
         let failed = |error: SolveError| ActivationError(error.to_string());
         let (stretch, rate) = (felt.stretch[0], felt.rate[0]);
         self.moved.clone_from(&self.kept);
-        self.moved.advance_to(to_ms, stretch, rate).map_err(failed)?;
+        // The stretch goes evenly to its end: half way it is right to the second order of the interval.
+        let middle = stretch - 0.5 * rate * (to_ms - self.kept.time());
+        self.moved.advance_to(to_ms, middle, rate).map_err(failed)?;
+        self.felt = Input { stretch, stretch_rate: rate, ..Input::REST };
         Ok(())
     }
 
@@ -58,7 +71,8 @@ impl Activation for WholeCell {
     }
 
     fn tension(&self) -> Tension<'_> {
-        Tension::Uniform(self.scale * self.moved.model().tension(self.moved.state()))
+        let tension = self.moved.model().tension(self.moved.state(), &self.felt);
+        Tension::Uniform(self.scale * tension)
     }
 
     fn tangent(&self) -> Option<Tangent<'_>> {

@@ -284,7 +284,7 @@ fn check_beat(model: &(dyn CellModel + 'static), settings: Settings) {
             beat.peak_tension
         );
     }
-    let rest = model.tension(&model.initial_state());
+    let rest = model.tension(&model.initial_state(), &Input::REST);
     assert!(rest.abs() < 0.01 * beat.peak_tension, "{name}: tension {rest} at rest");
     assert!(
         beat.peak_time_ms > Protocol::DEFAULT_START_MS,

@@ -286,7 +286,7 @@ impl CellModel for OwnCell {
         Some(state[V])
     }
 
-    fn tension(&self, state: &[f64]) -> f64 {
+    fn tension(&self, state: &[f64], _input: &Input) -> f64 {
         self.strongest * (state[CA + 2 * self.compartments] - activation(RESTING_CALCIUM))
     }
 

@@ -287,8 +287,8 @@ impl CellModel for Failing {
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64> {
         self.inner.membrane_potential_mv(state)
     }
-    fn tension(&self, state: &[f64]) -> f64 {
-        self.inner.tension(state)
+    fn tension(&self, state: &[f64], input: &Input) -> f64 {
+        self.inner.tension(state, input)
     }
     fn tension_kind(&self) -> TensionKind {
         self.inner.tension_kind()

@@ -4,7 +4,7 @@
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::solve::{Method, Settings, SolveError, solve};
-use myospring::cell::{self, CellModel, toy::ToyModel};
+use myospring::cell::{self, CellModel, Input, toy::ToyModel};
 use std::sync::Arc;
 
 const JUMP: Stimulus = Stimulus::Jump { amplitude: 1.0 };
@@ -143,7 +143,7 @@ fn stops_between_grid_points_keep_the_accuracy() {
             stop += 1;
             cell.advance_to((f64::from(stop) * stop_ms).min(150.0), 1.0, 0.0).unwrap();
         }
-        model.tension(cell.state())
+        model.tension(cell.state(), &Input::REST)
     };
     let (plain, cut) = (run(150.0), run(0.0113));
     assert!((cut / plain - 1.0).abs() < 5e-4, "{plain} {cut}");

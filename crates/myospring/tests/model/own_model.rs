@@ -289,7 +289,7 @@ impl CellModel for Feeling {
     fn membrane_potential_mv(&self, _: &[f64]) -> Option<f64> {
         None
     }
-    fn tension(&self, state: &[f64]) -> f64 {
+    fn tension(&self, state: &[f64], _input: &Input) -> f64 {
         (self.tension)(state)
     }
     fn tension_kind(&self) -> TensionKind {
