@@ -52,10 +52,10 @@ def wait(limit):
             return
 
 
-def report(peer, version, threads, work, rate, run):
+def report(peer, version, threads, work, rate, run, known=None):
     """Runs `run`, which does `work`, several times and prints a JSON line with the median of `work` per second.
 
-    `rate` names that number.
+    `rate` names that number; `known` is more for the line.
     """
     # They may have the cores that we leave free.
     limit = (os.cpu_count() or 1) - threads + TOLERATED
@@ -81,6 +81,7 @@ def report(peer, version, threads, work, rate, run):
         "least": min(rates),
         "most": max(rates),
         "others": [round(cores, 2) for cores, *_ in runs],
+        **(known or {}),
     }
     print(json.dumps(line), flush=True)
 

@@ -1,7 +1,8 @@
 //! How many beats of a cell are computed per second on one thread, and how accurate they are.
 //!
-//! Prints one JSON line for each of: one cell at a time and a population of cells with their own
-//! parameters; the epicardial set with tension and the paper's cell. Pacing at 1 Hz, tolerance 1e-5.
+//! Prints one JSON line for each of: one cell at a time, a population of cells with their own parameters, and a study
+//! of such cells from its description to its table; the epicardial set with tension and the paper's cell. Pacing at
+//! 1 Hz, tolerance 1e-5.
 //! `cbps` are cell-beats per second of wall time, `cbps_cpu` per second of this thread's processor time
 //! (Linux), each the median of three runs. `tension_error_percent` and `apd90_error_ms` are the
 //! largest over the first five beats of the published set in the same runs, against the converged
@@ -18,11 +19,15 @@ use myospring::cell::minimal::{Identity, MinimalModel};
 use myospring::cell::pacing::Protocol;
 use myospring::cell::population::{self, Cell};
 use myospring::cell::{CellModel, coelho_2021};
+use myospring::output::table::Table;
 use myospring::parameter::ParameterSet;
+use myospring::study::parameters::{Answer, Common, ParameterStudy, Shard};
 use std::error::Error;
 use std::time::Instant;
 
 const CYCLE_MS: f64 = 1000.0;
+/// Of a study.
+const MEMBERS: usize = 1024;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let epi = Variant::Epi;
@@ -43,6 +48,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         report("population", &model, 20 * cells.len(), || {
             let outcomes = population::run(&cells, &population::Settings::default())?;
             Ok(outcomes.into_iter().next().ok_or("no cell")??.beats)
+        })?;
+    }
+    for (identity, parameters) in &sets {
+        let model = MinimalModel::new(*identity, parameters.clone())?;
+        let (protocol, duration_ms) = train(&model, 5);
+        // The published set, by the integrator of all.
+        let published = beats(&model, protocol, adaptive::Settings::default(), duration_ms)?;
+        report("study", &model, 20 * MEMBERS, || {
+            study(model.name())?;
+            Ok(published.clone())
         })?;
     }
     Ok(())
@@ -71,6 +86,30 @@ fn population(identity: Identity, parameters: &ParameterSet) -> Result<Vec<Cell>
         cells.push(Cell::new(&model, protocol, duration_ms)?);
     }
     Ok(cells)
+}
+
+/// As the population, sampled, and all the way to the columns of a table.
+fn study(model: &str) -> Result<Table, Box<dyn Error>> {
+    let description = format!(
+        r#"
+        kind = "cell"
+        run = {{ cell = {{ model = "{model}" }}, stimulus = {{ beats = 20 }} }}
+        [parameters]
+        tau_si = {{ distribution = "uniform", low = 0.8, high = 1.2, relative = true }}
+        tau_so1 = {{ distribution = "uniform", low = 0.8, high = 1.2, relative = true }}
+        [sampling]
+        sampler = "latin-hypercube"
+        size = {MEMBERS}
+        "#
+    );
+    let no_file = |_file: &str| Err(std::io::ErrorKind::NotFound.into());
+    let study = ParameterStudy::from_toml(&description, no_file)?;
+    let common = Common::new(&study, &no_file)?;
+    // This thread and no other, whose time is measured.
+    let rows = study.members(Shard::WHOLE);
+    let rows = rows.chunks(64).flat_map(|group| common.cells(&group.iter().collect::<Vec<_>>()));
+    let rows = rows.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
+    Ok(Answer::new(&study, &common.units, rows).table())
 }
 
 /// Times `work` three times and prints the line; `work` gives the beats of the published set.
