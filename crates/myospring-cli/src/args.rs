@@ -278,9 +278,11 @@ pub(crate) struct BatchArgs {
     myospring study init study.toml                   a description to start from\n  \
     myospring study run study.toml                    runs it, or goes on with it\n  \
     myospring study run study.toml --shard 3/20       the third of twenty parts, for an array of jobs\n  \
-    myospring study merge study.toml                  when all parts are done\n\n\
+    myospring study merge study.toml                  when all parts are done\n  \
+    myospring study figures study.toml                draws its figures anew from members.csv\n\n\
     Results: members.csv and members.parquet, one row a member with its values, metrics, status and reason;\n\
-    study.json, with Sobol's or Morris's indices where the sampler is saltelli or morris; figures/sensitivity.\n\
+    study.json, with Sobol's or Morris's indices where the sampler is saltelli or morris; figures: sensitivity,\n\
+    distributions, scatter or response curves of each metric.\n\
     Interrupted or killed, the same command goes on where it was.")]
 pub(crate) struct StudyArgs {
     #[command(subcommand)]
@@ -294,6 +296,8 @@ pub(crate) enum StudyCommand {
     Run(StudyRunArgs),
     /// Put the parts of a study together that were run with --shard
     Merge(StudyMergeArgs),
+    /// Draw the figures of a study anew, from its members.csv
+    Figures(StudyFiguresArgs),
     /// Write a commented description of a study to start from
     Init(StudyInitArgs),
 }
@@ -326,6 +330,17 @@ pub(crate) struct StudyMergeArgs {
     /// Print results as JSON
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
+}
+
+/// `myospring study figures`.
+#[derive(Debug, Args)]
+pub(crate) struct StudyFiguresArgs {
+    /// Description of the study (.toml)
+    #[arg(value_name = "STUDY.toml")]
+    pub(crate) study: PathBuf,
+    /// Folder with its results [default: `results/NAME_study`]
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// `myospring study init`.

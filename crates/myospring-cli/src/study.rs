@@ -1,38 +1,29 @@
 //! `myospring study`: many runs that differ in numbers.
 
-use crate::args::{StudyArgs, StudyCommand, StudyInitArgs, StudyMergeArgs, StudyRunArgs};
+mod words;
+
+use crate::args::{
+    StudyArgs, StudyCommand, StudyFiguresArgs, StudyInitArgs, StudyMergeArgs, StudyRunArgs,
+};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::table::{aligned, number};
 use crate::{interrupt, print, progress};
 use indicatif::ProgressBar;
-use myospring::output::figure::{self, Bar, Ranking};
 use myospring::output::{files, json};
 use myospring::study::parameters::{
-    Acceptance, Answer, Common, ParameterStudy, Ranked, Sensitivity, Shard, Variation,
-    VariationRow, run,
+    Acceptance, Answer, Common, ParameterStudy, Sensitivity, Shard, Variation, VariationRow, run,
 };
-use myospring::study::sensitivity::Index;
 use myospring::study::{Cause, Journal, Observer, Row as _, Status, Threads};
 use serde::Serialize;
-use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What stays to be written anew.
-const RESULTS: [&str; 6] = [
-    "members.csv",
-    "members.parquet",
-    "study.toml",
-    "study.json",
-    "figures/sensitivity.svg",
-    "figures/sensitivity.png",
-];
+/// What is written anew, and what is drawn.
+const RESULTS: [&str; 5] = ["members.csv", "members.parquet", "study.toml", "study.json", FIGURES];
+const FIGURES: &str = "figures";
 /// Resolution of PNG, dots per inch.
 const DPI: f64 = 300.0;
-/// Bars of a figure, and rows of a table, for each metric.
-const SHOWN: usize = 10;
 /// Missing members that are named.
 const NAMED: usize = 5;
 
@@ -42,6 +33,7 @@ pub(crate) fn study(args: &StudyArgs) -> Result<ExitCode, Failure> {
     match &args.command {
         StudyCommand::Run(args) => begin(args),
         StudyCommand::Merge(args) => merge(args),
+        StudyCommand::Figures(args) => figures(args),
         StudyCommand::Init(args) => init(args),
     }
 }
@@ -209,90 +201,54 @@ fn finish(
         sensitivity,
     };
     files::write(&target.join(RESULTS[3]), json::pretty(&outcome)?)?;
-    if !outcome.sensitivity.is_empty() {
-        let rankings: Vec<Ranking> = outcome.sensitivity.iter().map(ranking).collect();
-        match figure::rankings(&rankings)
-            .and_then(|figure| Ok((figure.to_svg(), figure.to_png(DPI)?)))
-        {
-            Ok((svg, png)) => {
-                files::create_folder(&target.join("figures"))?;
-                files::write(&target.join(RESULTS[4]), svg)?;
-                files::write(&target.join(RESULTS[5]), png)?;
-            }
-            Err(error) => print::warn(&format!("figure sensitivity is left out: {error}")),
-        }
-    }
-    print::out(&if as_json { json::pretty(&outcome)? } else { for_people(study, &outcome) })?;
+    draw(answer, common, &outcome.sensitivity, target)?;
+    print::out(&if as_json {
+        json::pretty(&outcome)?
+    } else {
+        words::for_people(study, &outcome)
+    })?;
     Ok(())
 }
 
-fn short(key: &str) -> &str {
-    key.rsplit_once('.').map_or(key, |(_, name)| name)
-}
-
-fn words(metric: &str) -> String {
-    metric.replace('_', " ")
-}
-
-fn ranking(one: &Sensitivity) -> Ranking {
-    let bars = one.parameters.iter().take(SHOWN).map(|ranked| Bar {
-        name: short(ranked.parameter()).to_owned(),
-        value: ranked.rank().value.max(0.0),
-        confidence: ranked.rank().confidence,
-        alone: match ranked {
-            Ranked::Sobol { first, .. } => Some(first.value.max(0.0)),
-            Ranked::Morris { .. } => None,
-        },
-    });
-    let axis = match one.parameters.first() {
-        Some(Ranked::Morris { .. }) => format!("mean effect ({})", one.unit),
-        _ => "part of the variance".to_owned(),
-    };
-    Ranking { title: words(&one.metric), axis, bars: bars.collect() }
-}
-
-fn for_people(study: &ParameterStudy, outcome: &Outcome<'_>) -> String {
-    let Acceptance { beat, kept, failed } = outcome.acceptance;
-    let mut text = format!("{} members: {beat} beat", outcome.members);
-    if failed > 0 {
-        let _ = write!(text, ", {failed} failed (the column reason says why)");
-    }
-    if !study.keep.is_empty() {
-        let share = 100.0 * kept as f64 / outcome.members.max(1) as f64;
-        let _ = write!(text, ", {kept} kept ({share:.1} % of all)");
-    }
-    text.push('\n');
-    for one in &outcome.sensitivity {
-        let _ = writeln!(text, "\n{}", words(&one.metric));
-        let unit = |what: &str| format!("{what} ({})", one.unit);
-        let mut rows = vec![match one.parameters.first() {
-            Some(Ranked::Morris { .. }) => {
-                let sizes = ["mean size of effect", "mean", "spread"].map(unit);
-                ["parameter".to_owned()].into_iter().chain(sizes).collect()
+/// Draws the figures of a study into its folder, instead of those that are there; returns how many.
+fn draw(
+    answer: &Answer<'_>,
+    common: &Common<'_>,
+    sensitivity: &[Sensitivity],
+    target: &Path,
+) -> Result<usize, Failure> {
+    let folder = target.join(FIGURES);
+    files::create_folder(&folder)?;
+    let mut count = 0;
+    for drawn in answer.figures(&common.usual, sensitivity) {
+        match drawn.figure.and_then(|figure| Ok((figure.to_svg(), figure.to_png(DPI)?))) {
+            Ok((svg, png)) => {
+                files::write(&folder.join(format!("{}.svg", drawn.name)), svg)?;
+                files::write(&folder.join(format!("{}.png", drawn.name)), png)?;
+                count += 1;
             }
-            _ => ["parameter", "alone", "with all interactions"].map(str::to_owned).to_vec(),
-        }];
-        let with = |index: Index| format!("{:.3} +- {:.3}", index.value, index.confidence);
-        rows.extend(one.parameters.iter().take(SHOWN).map(|ranked| {
-            let name = short(ranked.parameter()).to_owned();
-            match ranked {
-                Ranked::Sobol { first, total, .. } => vec![name, with(*first), with(*total)],
-                Ranked::Morris { mean_size, mean, spread, .. } => {
-                    vec![name, with(*mean_size), number(*mean), number(*spread)]
-                }
-            }
-        }));
-        text.push_str(&aligned(&rows, &[1, 2, 3]));
-        if one.left_out > 0 {
-            let all = one.used + one.left_out;
-            let _ = writeln!(
-                text,
-                "{} of {all} groups of members are left out, since one failed or has no such metric",
-                one.left_out
-            );
+            Err(error) => print::warn(&format!("figure {} is left out: {error}", drawn.name)),
         }
     }
-    text
+    Ok(count)
+}
+
+fn figures(args: &StudyFiguresArgs) -> Result<ExitCode, Failure> {
+    let (_, study) = read_study(&args.study)?;
+    let read = beside(&args.study);
+    let common = Common::new(&study, &read).map_err(Failure::new)?;
+    let target = target(args.output.as_ref(), &args.study);
+    let table = target.join(RESULTS[0]);
+    let named = |cause: &dyn std::fmt::Display| {
+        Failure::new(format!("`{}`: {cause}", table.display()))
+            .advise("`myospring study run` or `myospring study merge` writes it")
+    };
+    let rows = std::fs::read(&table).map_err(|error| named(&error))?;
+    let answer = Answer::from_csv(&study, &common.units, &rows).map_err(|error| named(&error))?;
+    let sensitivity = answer.sensitivity().unwrap_or_default();
+    let count = draw(&answer, &common, &sensitivity, &target)?;
+    print::out(&format!("{count} figures in {}", target.join(FIGURES).display()))?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// What people see of a study while it goes on.

@@ -54,8 +54,19 @@ fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
     );
     let table = fs::read(path.join("whole/members.csv")).unwrap();
     let figure = fs::read_to_string(path.join("whole/figures/sensitivity.svg")).unwrap();
-    assert!(figure.contains("young_modulus") && figure.contains("peak shortening"));
+    assert!(figure.contains("young_modulus") && figure.contains("Peak shortening"));
     assert_eq!(text(&table).lines().count(), 129);
+    assert!(said.contains("rejected by this alone"), "{said}");
+    let scatter = path.join("whole/figures/scatter_peak_shortening.svg");
+    let drawn = fs::read(&scatter).unwrap();
+    assert!(text(&drawn).contains("young_modulus (kPa)") && text(&drawn).contains(" rejected"));
+    assert!(path.join("whole/figures/distributions.png").exists());
+
+    // Drawn anew from the table alone, a figure is the same to the last byte.
+    fs::remove_dir_all(path.join("whole/figures")).unwrap();
+    let again = done(path, &["study", "figures", "s.toml", "-o", "whole"]);
+    assert!(again.contains("4 figures"), "{again}");
+    assert_eq!(fs::read(&scatter).unwrap(), drawn);
 
     // Killed in the middle, and gone on with.
     let mut child = command(path, &["study", "run", "s.toml", "-o", "killed", "--jobs", "1", "-q"])
@@ -124,6 +135,91 @@ fn the_description_to_start_from_is_one_that_runs_and_a_bad_one_says_where() {
         message.contains("`bad.toml`: [parameters]: `tau_s02`") && message.contains("tau_so2"),
         "{message}"
     );
+    let none = myospring(path, &["study", "figures", "s.toml", "-o", "nowhere"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(text(&none.stderr).contains("study run"), "{}", text(&none.stderr));
     let shard = myospring(path, &["study", "run", "s.toml", "--shard", "3/2"]);
     assert!(text(&shard.stderr).contains("like 2/8"));
+}
+
+/// Cells whose conductances differ as those of neighbours in a heart do.
+const POPULATION: &str = "
+    kind = \"cell\"
+    [parameters]
+    tau_fi = { distribution = \"lognormal\", median = 1, log_standard_deviation = 0.1, relative = true }
+    tau_si = { distribution = \"lognormal\", median = 1, log_standard_deviation = 0.03, relative = true }
+    tau_so1 = { distribution = \"lognormal\", median = 1, log_standard_deviation = 0.03, relative = true }
+    tau_w_plus = { distribution = \"lognormal\", median = 1, log_standard_deviation = 0.1, relative = true }
+    [sampling]
+    sampler = \"latin-hypercube\"
+    size = 2000
+    [keep]
+    action_potential_duration_90 = [260, 290]
+    peak_tension = [30, 70]
+";
+
+#[test]
+fn a_population_says_who_is_kept_and_which_band_rejects_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.toml"), POPULATION).unwrap();
+    let said = done(path, &["study", "run", "p.toml", "-o", "p"]);
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(path.join("p/study.json")).unwrap()).unwrap();
+    let of = |key: &str| json[key].as_u64().unwrap();
+    let (beat, kept) = (of("beat"), of("kept"));
+    assert_eq!((beat, of("failed")), (2000, 0));
+    // What the columns of the table say.
+    let table = text(&fs::read(path.join("p/members.csv")).unwrap());
+    let marked = table.lines().filter(|line| line.contains(",true,ok,")).count();
+    assert_eq!(marked as u64, kept);
+    assert!((400..1600).contains(&kept), "{kept}");
+    let bands = json["bands"].as_array().unwrap();
+    let count = |band: &serde_json::Value, what: &str| band[what].as_u64().unwrap();
+    let rejected = |band| count(band, "below") + count(band, "above") + count(band, "without");
+    let alone: u64 = bands.iter().map(|band| count(band, "alone")).sum();
+    // Each rejected member is rejected by one band alone, or by both.
+    let both = rejected(&bands[0]) + rejected(&bands[1]) - (beat - kept);
+    assert_eq!(alone + both, beat - kept);
+    assert!(said.contains("peak tension (kPa)") && !said.contains("hardly any"), "{said}");
+    for name in ["distributions", "scatter_peak_tension"] {
+        let size = fs::metadata(path.join(format!("p/figures/{name}.svg"))).unwrap().len();
+        assert!(size < 300_000, "{name} has {size} bytes");
+    }
+
+    // Hardly anybody has so short an action potential; the advice says what there is.
+    let narrow =
+        POPULATION.replace("[260, 290]", "[100, 150]").replace("size = 2000", "size = 200");
+    fs::write(path.join("n.toml"), narrow).unwrap();
+    let said = done(path, &["study", "run", "n.toml", "-o", "n"]);
+    assert!(said.contains("0 kept") && said.contains("rejects 100.0 %"), "{said}");
+    assert!(said.contains("members have 27"), "{said}");
+}
+
+#[test]
+fn response_curves_are_drawn_for_grids_and_for_one_parameter_at_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let two = "
+        kind = \"cell\"
+        metrics = [\"peak_tension\"]
+        [parameters]
+        tau_si = { distribution = \"uniform\", low = 0.95, high = 1.05, relative = true }
+        tau_so1 = { distribution = \"uniform\", low = 0.95, high = 1.05, relative = true }
+        [sampling]
+        sampler = \"grid\"
+        levels = 4
+    ";
+    let one = two.lines().filter(|line| !line.contains("tau_so1")).collect::<Vec<_>>().join("\n");
+    for (name, study, file, words) in [
+        ("map", two.replace("levels = 4", "levels = 8"), "response", "tau_so1 (ms)"),
+        ("lines", two.to_owned(), "response", "tau_so1 (ms):"),
+        ("curve", one, "response", "usual value"),
+        ("each", two.replace("grid", "one-at-a-time"), "response_peak_tension", "usual value"),
+    ] {
+        fs::write(path.join("s.toml"), study).unwrap();
+        done(path, &["study", "run", "s.toml", "-o", name]);
+        let svg = fs::read(path.join(format!("{name}/figures/{file}.svg"))).unwrap();
+        assert!(text(&svg).contains(words) && text(&svg).contains("Peak tension (kPa)"), "{name}");
+    }
 }

@@ -6,6 +6,7 @@
 mod colour;
 
 pub use colour::ColourScale;
+pub(crate) use colour::light_to_dark;
 
 use myospring_core::mesh::{Mesh, Simplex};
 use myospring_core::recording::Frame;

@@ -10,6 +10,10 @@
 //! | [`overview()`] | cell and curves of one run in one picture | |
 //! | [`Film`] | the beating cell as GIF or as frames for video | |
 //! | [`rankings`] | which parameter matters for which metric | |
+//! | [`scatter`] | a metric of many members over each parameter | |
+//! | [`distributions`] | histograms of the metrics of many members | |
+//! | [`responses`], [`response_map`] | a metric over one parameter, or over two | |
+//! | [`trace_bands`] | curves of many members: where half of them lie, and nine of ten | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
@@ -32,6 +36,7 @@ pub(crate) mod facets;
 mod film;
 mod font;
 mod lattice;
+mod members;
 mod moments;
 mod overlay;
 mod overview;
@@ -50,6 +55,10 @@ pub use compared::{Compared, Rings, compared};
 pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{FRAMES_PER_SECOND, Film, Still};
 pub use lattice::mesh;
+pub use members::{
+    Distribution, Numbers, QUANTILES, Response, ResponseMap, Scatter, TraceBand, distributions,
+    response_map, responses, scatter, trace_bands,
+};
 pub use moments::{Shape, key_shapes};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
 pub use overview::overview;

@@ -33,6 +33,22 @@ const MORE: [[u8; 3]; 7] = [
     [0x0c, 0x2c, 0x84],
 ];
 
+/// The colour of a part of the way from the least value of a map to the largest, light to dark.
+pub(crate) fn light_to_dark(part: f64) -> [u8; 3] {
+    along(&MORE, part)
+}
+
+/// The colour at a part of the way through some.
+fn along(map: &[[u8; 3]], part: f64) -> [u8; 3] {
+    let place = part.clamp(0.0, 1.0) * (map.len() - 1) as f64;
+    let below = (place.floor() as usize).min(map.len() - 2);
+    let part = place - below as f64;
+    [0, 1, 2].map(|channel: usize| {
+        let (a, b) = (f64::from(map[below][channel]), f64::from(map[below + 1][channel]));
+        (a + part * (b - a)).round() as u8
+    })
+}
+
 /// The colours of a field between two values.
 ///
 /// Rest is light; less than at rest goes over red to purple, more over green to blue. Both sides have the same length,
@@ -76,13 +92,7 @@ impl ColourScale {
         let away = if value.is_finite() { value.min(high).max(low) - rest } else { 0.0 };
         let relative = if reach > 0.0 { away / reach } else { 0.0 };
         let map: &[[u8; 3]] = if relative <= 0.0 { &LESS } else { &MORE };
-        let place = relative.abs().min(1.0) * (map.len() - 1) as f64;
-        let below = (place.floor() as usize).min(map.len() - 2);
-        let part = place - below as f64;
-        [0, 1, 2].map(|channel: usize| {
-            let (a, b) = (f64::from(map[below][channel]), f64::from(map[below + 1][channel]));
-            (a + part * (b - a)).round() as u8
-        })
+        along(map, relative.abs())
     }
 
     /// The value at a part of the way from the lower limit to the upper.

@@ -16,7 +16,7 @@ pub(super) struct Axis {
     pub(super) label: String,
     pub(super) range: [f64; 2],
     pub(super) step: f64,
-    /// Whether ticks and axis carry text; in a stack only the lowest time axis does.
+    /// Whether ticks and axis carry text; of panels that share an axis only one does.
     pub(super) labelled: bool,
 }
 
@@ -55,6 +55,38 @@ impl Axis {
         Self { label: label.to_owned(), range: best.0, step: best.1, labelled: true }
     }
 
+    /// A horizontal axis around these values, from near the least to near the largest, `width` px long: as many ticks
+    /// as their labels leave room for.
+    pub(super) fn across(label: &str, ends: [f64; 2], width: f64) -> Self {
+        Self::around(label, ends, |axis| {
+            let ticks = axis.ticks().count() as f64;
+            ticks * (axis.tick_width() + 8.0) <= width
+        })
+    }
+
+    /// A vertical axis around these values, from near the least to near the largest, `height` px long.
+    pub(super) fn upright(label: &str, ends: [f64; 2], height: f64) -> Self {
+        Self::around(label, ends, |axis| axis.ticks().count() as f64 * 18.0 <= height)
+    }
+
+    /// An axis with a little room at both ends, and the most ticks that fit.
+    fn around(label: &str, [low, high]: [f64; 2], fits: impl Fn(&Self) -> bool) -> Self {
+        let span = match high - low {
+            span if span > 0.0 => span,
+            _ if low == 0.0 => 1.0,
+            _ => 0.2 * low.abs(),
+        };
+        let middle = f64::midpoint(low, high);
+        let range = [middle - 0.54 * span, middle + 0.54 * span];
+        let with = |parts: f64| {
+            let step = nice_step(range[1] - range[0], parts);
+            Self { label: label.to_owned(), range, step, labelled: true }
+        };
+        let fitting = [7.0, 5.0, 4.0, 3.0, 2.0].map(with).into_iter().find(|axis| fits(axis));
+        fitting.unwrap_or_else(|| with(1.0))
+    }
+
+    /// Where a value lies, as a part of the way.
     fn part(&self, value: f64) -> f64 {
         (value - self.range[0]) / (self.range[1] - self.range[0])
     }
@@ -135,7 +167,10 @@ impl Chart {
             self.draw_curve(sheet, curve);
         }
         let middle = Style::new(LABEL).anchor(Anchor::Middle);
-        sheet.text([left - label_offset, top + height / 2.0], &self.y.label, middle.upward());
+        if self.y.labelled {
+            let place = [left - label_offset, top + height / 2.0];
+            sheet.text(place, &self.y.label, middle.upward());
+        }
         if self.x.labelled {
             sheet.text([left + width / 2.0, bottom + 31.0], &self.x.label, middle);
         }
@@ -172,8 +207,10 @@ impl Chart {
         for (value, text) in self.y.ticks() {
             let [_, y] = self.at([0.0, value]);
             axes.add_line([[left - TICK_LENGTH, y], [left, y]]);
-            let style = Style::new(TICK).anchor(Anchor::End);
-            sheet.text([left - TICK_LENGTH - 3.0, y + 3.6], &text, style);
+            if self.y.labelled {
+                let style = Style::new(TICK).anchor(Anchor::End);
+                sheet.text([left - TICK_LENGTH - 3.0, y + 3.6], &text, style);
+            }
         }
         sheet.path(axes, Stroke::new(INK, AXIS_WIDTH));
     }

@@ -37,13 +37,15 @@
 mod answer;
 mod description;
 mod error;
+mod figures;
 mod member;
 mod shard;
 mod work;
 
-pub use answer::{Acceptance, Answer, Ranked, Sensitivity};
+pub use answer::{Acceptance, Answer, Ranked, Rejected, Sensitivity};
 pub use description::{Design, Kept, Kind, ParameterStudy, Varied, Which};
 pub use error::ParameterStudyError;
+pub use figures::Drawn;
 pub use member::{Variation, VariationRow};
 pub use shard::Shard;
 pub use work::Common;

@@ -6,6 +6,7 @@
 //! | sampler | rows | for |
 //! |---|---|---|
 //! | [`Sampler::Grid`] | all combinations of evenly spaced values | response curves of one or two parameters |
+//! | [`Sampler::OneAtATime`] | D times the levels | response curves of many parameters |
 //! | [`Sampler::LatinHypercube`] | any number | populations; a first look |
 //! | [`Sampler::SobolSequence`] | a power of two is best | populations; means that converge fast |
 //! | [`Sampler::Saltelli`] | N (D + 2), with pairs N (2 D + 2) | [Sobol indices](super::sensitivity) |
@@ -47,6 +48,12 @@ pub enum Sampler {
     /// distribution to the other; the last parameter changes fastest.
     Grid {
         /// Values of each parameter.
+        levels: usize,
+    },
+    /// For each parameter so many of its values, evenly spaced in probability, with all others in the middle of their
+    /// distributions.
+    OneAtATime {
+        /// Values of each parameter; with an odd number the middle is one of them.
         levels: usize,
     },
     /// So many rows, in each column one value in each of as many equally likely strata (McKay et al. 1979).
@@ -97,6 +104,10 @@ impl Sampler {
                 at_least("the number of levels", levels, 2, "2 or more")?;
                 (levels as f64).powf(d)
             }
+            Self::OneAtATime { levels } => {
+                at_least("the number of levels", levels, 2, "2 or more")?;
+                levels as f64 * d
+            }
             Self::LatinHypercube { size } | Self::SobolSequence { size } => {
                 at_least("the size", size, 1, "1 or more")?;
                 size as f64
@@ -138,6 +149,12 @@ impl Sampler {
                     row / levels.pow((dimensions - 1 - column) as u32) % levels
                 };
                 let point = |row| (0..dimensions).map(|at| digit(row, at) as f64 / last).collect();
+                Ok((0..rows).map(point).collect())
+            }
+            Self::OneAtATime { levels } => {
+                let place = |row: usize| (row % levels) as f64 / (levels - 1) as f64;
+                let at = |row: usize, column| if row / levels == column { place(row) } else { 0.5 };
+                let point = |row| (0..dimensions).map(|column| at(row, column)).collect();
                 Ok((0..rows).map(point).collect())
             }
             Self::LatinHypercube { size } => Ok(latin_hypercube(size, dimensions, seed)),
@@ -196,6 +213,7 @@ mod tests {
     fn every_sampler_gives_the_rows_that_it_promises_within_the_unit_cube() {
         for sampler in [
             Sampler::Grid { levels: 3 },
+            Sampler::OneAtATime { levels: 5 },
             Sampler::LatinHypercube { size: 17 },
             Sampler::SobolSequence { size: 20 },
             Sampler::Saltelli { size: 8, pairs: false },

@@ -3,6 +3,7 @@
 
 mod drawn;
 mod film;
+mod members;
 mod overlay;
 mod page;
 mod paraview;

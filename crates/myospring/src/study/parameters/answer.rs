@@ -11,13 +11,13 @@ use serde::Serialize;
 
 /// The rows of a study, in the order of its members.
 pub struct Answer<'a> {
-    study: &'a ParameterStudy,
-    units: &'a [&'static str],
-    rows: Vec<VariationRow>,
+    pub(super) study: &'a ParameterStudy,
+    pub(super) units: &'a [&'static str],
+    pub(super) rows: Vec<VariationRow>,
 }
 
-/// How many members are kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// How many members are kept, and what stands against the others.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Acceptance {
     /// Members that beat.
     pub beat: usize,
@@ -25,6 +25,38 @@ pub struct Acceptance {
     pub kept: usize,
     /// Members that failed.
     pub failed: usize,
+    /// What each band does; empty where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<Rejected>,
+}
+
+/// The members that one band rejects.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rejected {
+    /// The metric.
+    pub metric: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Least and largest value that is kept.
+    pub band: [f64; 2],
+    /// Members below it.
+    pub below: usize,
+    /// Members above it.
+    pub above: usize,
+    /// Members that beat without such a metric.
+    pub without: usize,
+    /// Members that every other band would keep.
+    pub alone: usize,
+    /// Middle of the metric over all members that beat, and the range of nine of ten of them: what a band that keeps
+    /// some could be.
+    pub found: Option<[f64; 3]>,
+}
+
+impl Rejected {
+    /// How many members it rejects.
+    pub fn all(&self) -> usize {
+        self.below + self.above + self.without
+    }
 }
 
 /// How much a metric hangs on each parameter.
@@ -88,6 +120,30 @@ impl Ranked {
     }
 }
 
+/// Where a metric lies, seen from a band.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Inside,
+    Below,
+    Above,
+    Nowhere,
+}
+
+impl Place {
+    fn is_inside(self) -> bool {
+        self == Self::Inside
+    }
+}
+
+fn lies(row: &VariationRow, at: usize, [low, high]: [f64; 2]) -> Place {
+    match row.metrics.get(at).copied().flatten() {
+        Some(value) if value < low => Place::Below,
+        Some(value) if value > high => Place::Above,
+        Some(value) if value.is_finite() => Place::Inside,
+        _ => Place::Nowhere,
+    }
+}
+
 impl<'a> Answer<'a> {
     /// Of rows in any order, as far as they are there; `units` are those of the metrics.
     pub fn new(
@@ -98,6 +154,53 @@ impl<'a> Answer<'a> {
         rows.sort_by_key(|row| row.member);
         rows.dedup_by_key(|row| row.member);
         Self { study, units, rows }
+    }
+
+    /// Of the rows that a table has, as [`Answer::table`] gives it and CSV keeps it.
+    ///
+    /// # Errors
+    /// A table that is none, or that is of another study.
+    pub fn from_csv(
+        study: &'a ParameterStudy,
+        units: &'a [&'static str],
+        csv: &[u8],
+    ) -> Result<Self, ParameterStudyError> {
+        let wrong = |cause: String| ParameterStudyError::Members { cause };
+        let mut reader = csv::Reader::from_reader(csv);
+        let header = reader.headers().map_err(|error| wrong(error.to_string()))?.clone();
+        let place = |name: &str| {
+            let found = header.iter().position(|known| known == name);
+            found.ok_or_else(|| wrong(format!("it has no column {name}")))
+        };
+        let (member, status, reason) = (place("member")?, place("status")?, place("reason")?);
+        let number = |varied: &super::description::Varied| {
+            place(&column_name(varied.number.name(), &varied.number.unit))
+        };
+        let values: Vec<usize> = study.varied.iter().map(number).collect::<Result<_, _>>()?;
+        let metrics = study.metrics.iter().zip(units);
+        let metrics: Vec<usize> = metrics
+            .map(|(name, unit)| place(&column_name(name, unit)))
+            .collect::<Result<_, _>>()?;
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(|error| wrong(error.to_string()))?;
+            let text = |at: usize| record.get(at).unwrap_or_default();
+            let line = record.position().map_or(0, csv::Position::line);
+            let of_study = text(member).parse::<usize>().ok().and_then(|member| {
+                let known = study.values.get(member.checked_sub(1)?)?;
+                let same = |(&at, known): (&usize, &f64)| text(at).parse() == Ok(*known);
+                values.iter().zip(known).all(same).then_some(member)
+            });
+            let member = of_study.ok_or_else(|| {
+                wrong(format!("line {line} is no member of this study; run it, or name its folder"))
+            })?;
+            let value = |&at: &usize| text(at).parse().ok();
+            rows.push(match text(status) {
+                "ok" => VariationRow::done(member, metrics.iter().map(value).collect()),
+                _ => super::super::Row::failed(&member.to_string(), text(reason).to_owned()),
+            });
+        }
+        Ok(Self::new(study, units, rows))
     }
 
     /// The rows, in the order of the members.
@@ -112,20 +215,55 @@ impl<'a> Answer<'a> {
 
     /// Whether a member's metrics lie in every band.
     pub fn is_kept(&self, row: &VariationRow) -> bool {
-        row.status() == Status::Ok
-            && self.study.metrics.iter().zip(&row.metrics).all(|(name, value)| {
-                let Some(band) = self.study.keep.get(name) else { return true };
-                value.is_some_and(|value| (band.0[0]..=band.0[1]).contains(&value))
-            })
+        row.status() == Status::Ok && self.bands().all(|(at, band)| lies(row, at, band).is_inside())
     }
 
-    /// How many members are kept.
+    /// The metrics with a band, by their places.
+    fn bands(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let metrics = self.study.metrics.iter().enumerate();
+        metrics.filter_map(|(at, name)| Some((at, self.study.keep.get(name)?.0)))
+    }
+
+    /// How many members are kept, and what stands against the others.
     pub fn acceptance(&self) -> Acceptance {
-        let count = |of: &dyn Fn(&&VariationRow) -> bool| self.rows.iter().filter(of).count();
+        let beat: Vec<&VariationRow> =
+            self.rows.iter().filter(|row| row.status() == Status::Ok).collect();
+        let bands: Vec<(usize, [f64; 2])> = self.bands().collect();
+        let of = |&(at, band): &(usize, [f64; 2])| {
+            let mut of = Rejected {
+                metric: self.study.metrics[at].clone(),
+                unit: self.units.get(at).copied().unwrap_or_default(),
+                band,
+                below: 0,
+                above: 0,
+                without: 0,
+                alone: 0,
+                found: None,
+            };
+            for row in &beat {
+                let count = match lies(row, at, band) {
+                    Place::Inside => continue,
+                    Place::Below => &mut of.below,
+                    Place::Above => &mut of.above,
+                    Place::Nowhere => &mut of.without,
+                };
+                *count += 1;
+                let mut others = bands.iter().filter(|(other, _)| *other != at);
+                let others = others.all(|&(at, band)| lies(row, at, band).is_inside());
+                of.alone += usize::from(others);
+            }
+            let mut values: Vec<f64> =
+                beat.iter().filter_map(|row| *row.metrics.get(at)?).collect();
+            values.sort_by(f64::total_cmp);
+            let part = |part: f64| values[(part * (values.len() - 1) as f64).round() as usize];
+            of.found = (!values.is_empty()).then(|| [0.05, 0.5, 0.95].map(part));
+            of
+        };
         Acceptance {
-            beat: count(&|row| row.status() == Status::Ok),
-            kept: count(&|row| self.is_kept(row)),
-            failed: count(&|row| row.status() == Status::Failed),
+            beat: beat.len(),
+            kept: self.rows.iter().filter(|row| self.is_kept(row)).count(),
+            failed: self.rows.iter().filter(|row| row.status() == Status::Failed).count(),
+            bands: bands.iter().map(of).collect(),
         }
     }
 

@@ -72,6 +72,12 @@ pub enum ParameterStudyError {
         /// What is wrong with it.
         cause: String,
     },
+    /// A table of members that is not that of the study.
+    #[error("the table of members: {cause}")]
+    Members {
+        /// What is wrong with it.
+        cause: String,
+    },
     /// A metric that members do not have.
     #[error("{place}: there is no metric `{name}`{}", hint(name, known))]
     Metric {

@@ -1,0 +1,107 @@
+//! Curves of many members over time: where half of them lie, and nine of ten.
+
+use super::super::chart::{Axis, Chart, Curve};
+use super::super::sheet::{Look, Path, Sheet, Style};
+use super::super::theme::{Colour, INK, LETTER, POTENTIAL, SHORTENING, SINGLE, TENSION};
+use super::super::{Figure, FigureError};
+use super::{Mark, ends, legend};
+
+/// Parts of the members that lie below the curves of a [`TraceBand`].
+pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
+/// Size of a plot and gap between two, px.
+const HEIGHT: f64 = 96.0;
+const GAP: f64 = 16.0;
+/// Median, half of the members, nine of ten.
+const COLOURS: [[Colour; 3]; 3] = [
+    [POTENTIAL, Colour(0x80b9d9), Colour(0xcce3f0)],
+    [TENSION, Colour(0xeaaf80), Colour(0xf7dfcc)],
+    [SHORTENING, Colour(0x80cfb9), Colour(0xccece3)],
+];
+
+/// One quantity over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TraceBand {
+    /// What it is, with its unit: `Active tension (kPa)`.
+    pub label: String,
+    /// Below which values [`QUANTILES`] of the members lie, at each time.
+    pub quantiles: [Vec<f64>; 5],
+    /// Its curve in the run without any change; empty where nobody has kept it.
+    pub usual: Vec<f64>,
+}
+
+/// Bands of several quantities over one time axis, with their medians: half of the members lie in the darker band, nine
+/// of ten in the lighter, at each time by itself. One column of a journal.
+///
+/// `words` says which members these are: `2000 members`.
+///
+/// # Errors
+/// No quantity, or one without a finite number.
+pub fn trace_bands(
+    times_ms: &[f64],
+    panels: &[TraceBand],
+    words: &str,
+) -> Result<Figure, FigureError> {
+    let nothing = FigureError::Nothing { what: "quantities" };
+    let Some(times) = ends(times_ms.iter().copied()).filter(|_| !panels.is_empty()) else {
+        return Err(nothing);
+    };
+    let over = |values: &[f64]| times_ms.iter().zip(values).map(|(&t, &x)| [t, x]).collect();
+    let mut charts: Vec<Chart> = Vec::new();
+    for (row, panel) in panels.iter().enumerate() {
+        let values = panel.quantiles.iter().chain([&panel.usual]).flatten().copied();
+        let Some(range) = ends(values) else {
+            return Err(FigureError::NoSamples { what: format!("\"{}\"", panel.label) });
+        };
+        let [median, ..] = COLOURS[row % COLOURS.len()];
+        let mut curves =
+            vec![Curve { points: over(&panel.quantiles[2]), colour: median, dash: None }];
+        if !panel.usual.is_empty() {
+            let dash = Some([3.0, 2.0]);
+            curves.push(Curve { points: over(&panel.usual), colour: INK, dash });
+        }
+        charts.push(Chart {
+            place: [0.0, 8.0 + row as f64 * (HEIGHT + GAP)],
+            size: [0.0, HEIGHT],
+            x: Axis { labelled: row + 1 == panels.len(), ..Axis::time(times) },
+            y: Axis::values(&panel.label, range, HEIGHT),
+            curves,
+            bands: Vec::new(),
+            marks: Vec::new(),
+        });
+    }
+    let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
+    let left = 30.0 + offset;
+    let mut sheet = Sheet::default();
+    for (row, (chart, panel)) in charts.iter_mut().zip(panels).enumerate() {
+        chart.place[0] = left;
+        chart.size[0] = SINGLE - 15.0 - left;
+        let [_, half, most] = COLOURS[row % COLOURS.len()];
+        for ([low, high], colour) in [([0, 4], most), ([1, 3], half)] {
+            let there = |values: &[f64]| -> Vec<[f64; 2]> {
+                let points: Vec<[f64; 2]> = over(values);
+                points.into_iter().filter(|point| point[1].is_finite()).collect()
+            };
+            let back = there(&panel.quantiles[high]).into_iter().rev();
+            let ring = there(&panel.quantiles[low]).into_iter().chain(back);
+            let mut path = Path::default();
+            path.add_ring(ring.map(|point| chart.at(point)));
+            sheet.path(path, Look::fill(colour));
+        }
+        chart.draw(&mut sheet, offset);
+        let letter = char::from(b'A' + (row % 26) as u8).to_string();
+        sheet.text([6.0, chart.place[1] + 4.0], &letter, Style::new(LETTER).bold());
+    }
+    let bottom = 8.0 + panels.len() as f64 * (HEIGHT + GAP) - GAP + 38.0;
+    let [median, half, most] = COLOURS[0];
+    let mut entries = vec![
+        (Mark::Line(median), format!("median of {words}")),
+        (Mark::Patch(half), "half of them".to_owned()),
+        (Mark::Patch(most), "9 of 10".to_owned()),
+    ];
+    if panels.iter().any(|panel| !panel.usual.is_empty()) {
+        entries.push((Mark::Dashed(INK), "unchanged run".to_owned()));
+    }
+    let height = legend(&mut sheet, [left, bottom], SINGLE - 4.0, &entries);
+    Ok(sheet.finish(SINGLE, bottom + height + 6.0))
+}

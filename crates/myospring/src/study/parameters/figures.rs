@@ -1,0 +1,272 @@
+//! The figures of a study, from its rows.
+
+use super::super::Status;
+use super::super::sampling::Sampler;
+use super::answer::{Answer, Ranked, Sensitivity};
+use super::description::{Design, Varied};
+use super::member::VariationRow;
+use crate::output::figure::{
+    Bar, Distribution, Figure, FigureError, Numbers, Ranking, Response, ResponseMap, Scatter,
+    distributions, rankings, response_map, responses, scatter,
+};
+
+/// Bars of a ranking, and parameters of a scatter.
+const BARS: usize = 10;
+const PARAMETERS: usize = 12;
+/// Members that are drawn, evenly from all.
+const MEMBERS: usize = 50_000;
+
+/// A figure by the name of its file, without ending.
+#[derive(Debug)]
+pub struct Drawn {
+    /// `sensitivity`, `distributions`, `scatter_peak_shortening`.
+    pub name: String,
+    /// The figure, or why there is none.
+    pub figure: Result<Figure, FigureError>,
+}
+
+impl Answer<'_> {
+    /// The figures that suit the design: rankings where there are indices, distributions of the metrics, each metric
+    /// over its parameters, or response curves where these were sampled.
+    ///
+    /// `usual` are the metrics of the run without any change, in their order.
+    pub fn figures(&self, usual: &[Option<f64>], sensitivity: &[Sensitivity]) -> Vec<Drawn> {
+        let mut all = Vec::new();
+        let mut add = |name: String, figure| all.push(Drawn { name, figure });
+        let members = self.drawn();
+        if members.is_empty() {
+            return all;
+        }
+        if !sensitivity.is_empty() {
+            let bars: Vec<Ranking> = sensitivity.iter().map(ranking).collect();
+            add("sensitivity".to_owned(), rankings(&bars));
+        }
+        let kept: Option<Vec<bool>> = (!self.study.keep.is_empty())
+            .then(|| members.iter().map(|row| self.is_kept(row)).collect());
+        let metrics: Vec<Numbers> =
+            (0..self.study.metrics.len()).map(|at| self.metric(at, &members)).collect();
+        let band = |at: usize| self.study.keep.get(&self.study.metrics[at]).map(|band| band.0);
+        let there = |at: &usize| differ(&metrics[*at].values);
+        let there: Vec<usize> = (0..metrics.len()).filter(there).collect();
+        let panels: Vec<Distribution> = there
+            .iter()
+            .map(|&at| Distribution {
+                metric: metrics[at].clone(),
+                band: band(at),
+                usual: usual.get(at).copied().flatten(),
+            })
+            .collect();
+        if panels.is_empty() {
+            return all;
+        }
+        add("distributions".to_owned(), distributions(&panels, kept.as_deref()));
+        let moving = self.study.moving();
+        let design = match self.study.design {
+            Design::Sampled { sampler, .. } => Some(sampler),
+            Design::Table => None,
+        };
+        let named = |what: &str, at: usize| format!("{what}_{}", self.study.metrics[at]);
+        match design {
+            Some(Sampler::Grid { .. }) if moving.len() == 2 && self.is_whole() => {
+                let map = self.map([moving[0], moving[1]], &there);
+                add("response".to_owned(), response_map(&map));
+            }
+            Some(Sampler::Grid { .. }) if moving.len() == 1 => {
+                let curves: Vec<Response> =
+                    there.iter().map(|&at| self.response(moving[0], at, &members)).collect();
+                add("response".to_owned(), responses(&curves));
+            }
+            Some(Sampler::OneAtATime { levels }) => {
+                for &at in &there {
+                    let curves: Vec<Response> = moving
+                        .iter()
+                        .zip(0..)
+                        .map(|(&column, place)| {
+                            let of = |row: &&&VariationRow| (row.member - 1) / levels == place;
+                            let rows: Vec<&VariationRow> =
+                                members.iter().filter(of).copied().collect();
+                            self.response(column, at, &rows)
+                        })
+                        .collect();
+                    add(named("response", at), responses(&curves));
+                }
+            }
+            _ => {
+                let parameters: Vec<(usize, Numbers)> =
+                    moving.iter().map(|&at| (at, self.parameter(at, &members))).collect();
+                for &at in &there {
+                    let ranked =
+                        sensitivity.iter().find(|one| one.metric == self.study.metrics[at]);
+                    let shown = self.most(&parameters, &metrics[at], ranked);
+                    let given = Scatter {
+                        metric: metrics[at].clone(),
+                        parameters: shown,
+                        kept: kept.clone(),
+                        band: band(at),
+                    };
+                    add(named("scatter", at), scatter(&given));
+                }
+            }
+        }
+        all
+    }
+
+    /// Members that beat, evenly from all where there are very many.
+    fn drawn(&self) -> Vec<&VariationRow> {
+        let beat = self.rows.iter().filter(|row| row.status == Status::Ok);
+        let count = beat.clone().count();
+        beat.step_by(count.div_ceil(MEMBERS).max(1)).collect()
+    }
+
+    fn metric(&self, at: usize, members: &[&VariationRow]) -> Numbers {
+        let value = |row: &&VariationRow| row.metrics.get(at).copied().flatten();
+        Numbers {
+            label: labelled(&words(&self.study.metrics[at]), self.units.get(at).unwrap_or(&"")),
+            values: members.iter().map(|row| value(row).unwrap_or(f64::NAN)).collect(),
+        }
+    }
+
+    fn parameter(&self, at: usize, members: &[&VariationRow]) -> Numbers {
+        let values = members.iter().map(|row| self.value(row, at)).collect();
+        Numbers { label: label(&self.study.varied[at]), values }
+    }
+
+    fn value(&self, row: &VariationRow, at: usize) -> f64 {
+        let values = row.member.checked_sub(1).and_then(|place| self.study.values.get(place));
+        values.and_then(|values| values.get(at)).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The parameters that matter most for a metric: by their indices, or else by their rank correlation with it.
+    fn most(
+        &self,
+        parameters: &[(usize, Numbers)],
+        metric: &Numbers,
+        ranked: Option<&Sensitivity>,
+    ) -> Vec<Numbers> {
+        let strength = |(at, numbers): &(usize, Numbers)| match ranked {
+            Some(ranked) => {
+                let key = &self.study.varied[*at].number.key;
+                let of = ranked.parameters.iter().find(|one| one.parameter() == key);
+                of.map_or(0.0, |one| one.rank().value)
+            }
+            None => rank_correlation(&numbers.values, &metric.values).abs(),
+        };
+        let mut order: Vec<(f64, &Numbers)> =
+            parameters.iter().map(|both| (strength(both), &both.1)).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        order.into_iter().take(PARAMETERS).map(|(_, numbers)| numbers.clone()).collect()
+    }
+
+    fn response(&self, column: usize, metric: usize, rows: &[&VariationRow]) -> Response {
+        let value = |row: &&VariationRow| row.metrics.get(metric).copied().flatten();
+        let point = |row: &&VariationRow| [self.value(row, column), value(row).unwrap_or(f64::NAN)];
+        let usual = self.study.run.resolve().ok();
+        Response {
+            parameter: label(&self.study.varied[column]),
+            metric: self.metric(metric, &[]).label,
+            points: rows.iter().map(point).collect(),
+            usual: usual.and_then(|run| self.study.varied[column].number.get(&run)),
+        }
+    }
+
+    /// Metrics over a grid of two parameters, the second of which changes fastest.
+    fn map(&self, columns: [usize; 2], metrics: &[usize]) -> ResponseMap {
+        let values = columns.map(|column| {
+            let mut values: Vec<f64> =
+                self.study.values.iter().map(|values| values[column]).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            values
+        });
+        let all: Vec<&VariationRow> = self.rows.iter().collect();
+        let metrics = metrics.iter().map(|&at| self.metric(at, &all));
+        ResponseMap {
+            parameters: columns.map(|column| label(&self.study.varied[column])),
+            values,
+            metrics: metrics.map(|numbers| (numbers.label, numbers.values)).collect(),
+        }
+    }
+}
+
+fn ranking(one: &Sensitivity) -> Ranking {
+    let name = |key: &str| key.rsplit_once('.').map_or(key, |(_, name)| name).to_owned();
+    let bars = one.parameters.iter().take(BARS).map(|ranked| Bar {
+        name: name(ranked.parameter()),
+        value: ranked.rank().value.max(0.0),
+        confidence: ranked.rank().confidence,
+        alone: match ranked {
+            Ranked::Sobol { first, .. } => Some(first.value.max(0.0)),
+            Ranked::Morris { .. } => None,
+        },
+    });
+    let axis = match one.parameters.first() {
+        Some(Ranked::Morris { .. }) => labelled("mean effect", one.unit),
+        _ => "part of the variance".to_owned(),
+    };
+    Ranking { title: words(&one.metric), axis, bars: bars.collect() }
+}
+
+/// The words of a metric: `Peak shortening`.
+fn words(metric: &str) -> String {
+    let words = metric.replace('_', " ");
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn labelled(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
+}
+
+fn label(varied: &Varied) -> String {
+    labelled(varied.number.name(), &varied.number.unit)
+}
+
+/// Whether some values differ by more than rounding: what is the same for all members is not drawn.
+fn differ(values: &[f64]) -> bool {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) =
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    high - low > 1e-9 * high.abs().max(low.abs())
+}
+
+/// Spearman's rank correlation over those that have both; 0 where there are fewer than three.
+fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let both: Vec<[f64; 2]> = a
+        .iter()
+        .zip(b)
+        .filter(|(a, b)| a.is_finite() && b.is_finite())
+        .map(|(&a, &b)| [a, b])
+        .collect();
+    if both.len() < 3 {
+        return 0.0;
+    }
+    let ranks = [0, 1].map(|axis: usize| {
+        let mut order: Vec<usize> = (0..both.len()).collect();
+        order.sort_by(|&i, &j| both[i][axis].total_cmp(&both[j][axis]));
+        let mut ranks = vec![0.0; both.len()];
+        for (rank, place) in order.into_iter().enumerate() {
+            ranks[place] = rank as f64;
+        }
+        ranks
+    });
+    let middle = (both.len() - 1) as f64 / 2.0;
+    let sum = |i: usize, j: usize| -> f64 {
+        ranks[i].iter().zip(&ranks[j]).map(|(a, b)| (a - middle) * (b - middle)).sum()
+    };
+    sum(0, 1) / sum(0, 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rank_correlation_is_one_for_whatever_rises() {
+        let x: Vec<f64> = (0..50).map(f64::from).collect();
+        let rises: Vec<f64> = x.iter().map(|x| x.exp()).collect();
+        let falls: Vec<f64> = x.iter().map(|x| -x * x).collect();
+        assert!((rank_correlation(&x, &rises) - 1.0).abs() < 1e-12);
+        assert!((rank_correlation(&x, &falls) + 1.0).abs() < 1e-12);
+        assert!(rank_correlation(&x, &[f64::NAN; 50]).abs() < 1e-12);
+    }
+}
