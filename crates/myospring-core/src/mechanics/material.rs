@@ -52,6 +52,9 @@ pub struct Material {
     pub slowest_period: f64,
     /// Damping ratio of that slowest vibration by drag; a pure number.
     pub drag_ratio: f64,
+    /// Retardation time tau of the cell as a solid of Kelvin and Voigt, ms: its viscous forces are tau times the rate
+    /// of its elastic ones. Along the path of equilibria only; 0 is none.
+    pub retardation_time: f64,
 }
 
 /// The default material: shortening 12 % at 50 kPa on the built-in cell (`coelho_2021`, Fig. 6) and
@@ -68,6 +71,7 @@ pub fn default_material() -> Material {
         damping_ratio: 0.05,
         slowest_period: 2.0,
         drag_ratio: 0.3,
+        retardation_time: 0.0,
     }
 }
 

@@ -221,6 +221,7 @@ impl Simulation {
         value("the damping ratio", material.damping_ratio, "", false)?;
         value("the slowest period", material.slowest_period, "ms", true)?;
         value("the drag ratio", material.drag_ratio, "", false)?;
+        value("the retardation time", material.retardation_time, "ms", false)?;
         match self.support {
             SupportKind::SpringHeldEnds { stiffness } => {
                 value("the stiffness of the ends", stiffness, "nN/um", true)
@@ -299,6 +300,26 @@ impl Simulation {
         if ends && field {
             let because = "loads on the ends know one tension only; take the fibre law";
             return conflict("a tension for each triangle", "the law of the ends", because);
+        }
+        if self.material.retardation_time > 0.0 {
+            let viscous = "a retardation time";
+            if self.numerics.method.is_in_time() {
+                let because = "dashpots that give it would ask for steps of some 1e-6 ms; take the quasi-static method";
+                return conflict(viscous, "a method in time", because);
+            }
+            if field {
+                let because = "the path of equilibria of one tension lags as a whole; take one tension for the cell";
+                return conflict(viscous, "a tension for each triangle", because);
+            }
+            let springs = matches!(
+                self.support,
+                SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. }
+            );
+            if springs {
+                let because =
+                    "it would make the springs of the support viscous, too; take another support";
+                return conflict(viscous, "a support that gives way", because);
+            }
         }
         let chosen = self.numerics.engine.loops != Loops::Auto;
         if chosen && !self.numerics.method.is_in_time() {

@@ -188,11 +188,11 @@ impl PreparedPath {
         let path = Path::resume(system, body, self.shapes.clone());
         let start = setup.activation.tension().at(0);
         let curve = Arc::clone(&self.curve);
-        let mut shaping =
-            AlongPath { setup, path, curve, tension: start, marked: start, offset: 0.0 };
+        let state = Lagging { tension: start, work: 0.0 };
+        let mut shaping = AlongPath { setup, path, curve, state, marked: state, start: [0.0; 6] };
         let (recording, stop) = match shaping.follow(0.0, [start.into(); 2]) {
             Ok(()) => {
-                shaping.offset = shaping.curve.at(start)[WORK];
+                shaping.start = shaping.curve.at(start);
                 setup.run(&mut shaping, observer)
             }
             Err(reason) => (Recording::default(), Some(reason)),
@@ -267,7 +267,7 @@ impl Equilibria {
             if !(lowest..=highest).contains(&tension) {
                 return Err(OutOfRange { index, time, tension, lowest, highest });
             }
-            let [length, width, area, elastic_energy, _] = self.curve.at(tension);
+            let [length, width, area, elastic_energy, ..] = self.curve.at(tension);
             Ok(Response {
                 t_ms: time,
                 ta_kpa: tension,
@@ -287,9 +287,10 @@ impl Equilibria {
     }
 }
 
-/// Length, width, area, elastic energy and work of the active forces since tension 0.
-type Quantities = [f64; 5];
+/// Length, width, area, elastic energy, work of the active forces since tension 0, their energy at 1 kPa.
+type Quantities = [f64; 6];
 const WORK: usize = 4;
+const PER_TENSION: usize = 5;
 
 /// Quantities as functions of the tension.
 #[derive(Debug, Default)]
@@ -347,6 +348,7 @@ impl Curve {
                 projected_area(mesh, &positions),
                 system.elastic_energy(&at),
                 0.0,
+                energy(&positions, 1.0),
             ]);
             sound.push(fault(mesh, &positions, 0.0, tension).is_none());
             before = Some((tension, positions));
@@ -394,16 +396,24 @@ impl Curve {
     }
 }
 
-/// A mesh that takes the shape of the path at each tension.
+/// A mesh that takes the shapes of the path, each at its tension, or lagging behind it.
 struct AlongPath<'a> {
     setup: &'a Setup,
     path: Path<'a>,
     curve: Arc<Curve>,
-    /// kPa.
+    state: Lagging,
+    marked: Lagging,
+    /// At the start of the run.
+    start: Quantities,
+}
+
+/// Where on the path a mesh is.
+#[derive(Debug, Clone, Copy)]
+struct Lagging {
+    /// The tension at which its shape is an equilibrium, kPa: the one that acts, unless the cell is viscous.
     tension: f64,
-    marked: f64,
-    /// Work between tension 0 and the start of the run, fJ.
-    offset: f64,
+    /// Work of the tension that acts, since the start of the run, fJ; kept of a viscous cell only.
+    work: f64,
 }
 
 impl AlongPath<'_> {
@@ -411,6 +421,29 @@ impl AlongPath<'_> {
         let reached = self.path.extend(tension);
         self.curve = Arc::new(Curve::along(&self.path, self.setup));
         reached
+    }
+
+    fn is_viscous(&self) -> bool {
+        self.setup.simulation.material.retardation_time > 0.0
+    }
+
+    /// The tension that shapes the cell at the end of an interval over which the one that acts changes linearly.
+    ///
+    /// Viscous forces that are tau times the rate of the elastic ones make the elastic forces, and with them the
+    /// shape, those of a tension theta:
+    ///
+    /// ```text
+    /// tau dtheta/dt = Ta - theta
+    /// ```
+    fn lagging(&self, time: f64, [from, to]: [f64; 2]) -> f64 {
+        let Simulation { material, numerics, .. } = &self.setup.simulation;
+        let (tau, interval) = (material.retardation_time, numerics.exchange_interval);
+        // What has acted for ever before the run has made its shape.
+        if tau == 0.0 || time <= 0.0 {
+            return to;
+        }
+        let behind = tau * (to - from) / interval;
+        to - behind + (self.state.tension - from + behind) * (-interval / tau).exp()
     }
 }
 
@@ -420,15 +453,16 @@ impl Shaping for AlongPath<'_> {
     }
 
     fn mark(&mut self) {
-        self.marked = self.tension;
+        self.marked = self.state;
     }
 
     fn back(&mut self) {
-        self.tension = self.marked;
+        self.state = self.marked;
     }
 
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
-        let tension = tensions[1].at(0);
+        let acting = tensions.map(|tension| tension.at(0));
+        let tension = self.lagging(time, acting);
         if !self.path.reaches(tension)
             && let Err(cause) = self.extend((1.0 + MARGIN) * tension)
             && !self.path.reaches(tension)
@@ -436,7 +470,12 @@ impl Shaping for AlongPath<'_> {
             let cause = cause.to_string();
             return Err(StopReason::NoEquilibrium { time, tension, cause });
         }
-        self.tension = tension;
+        if self.is_viscous() {
+            let [before, after] =
+                [self.state.tension, tension].map(|at| self.curve.at(at)[PER_TENSION]);
+            self.state.work += 0.5 * (acting[0] + acting[1]) * (before - after);
+        }
+        self.state.tension = tension;
         let [lowest, highest] = self.curve.intact;
         if !(lowest..=highest).contains(&tension) {
             let positions = self.positions();
@@ -448,19 +487,25 @@ impl Shaping for AlongPath<'_> {
     }
 
     fn length(&self) -> f64 {
-        self.curve.at(self.tension)[0]
+        self.curve.at(self.state.tension)[0]
     }
 
     fn observe(&self) -> Observed {
-        let [length, width, area, elastic_energy, work] = self.curve.at(self.tension);
+        let [length, width, area, elastic_energy, work, _] = self.curve.at(self.state.tension);
+        let [.., elastic_at_start, work_at_start, _] = self.start;
+        let (active_work, dissipated_energy) = if self.is_viscous() {
+            (self.state.work, self.state.work - (elastic_energy - elastic_at_start))
+        } else {
+            (work - work_at_start, 0.0)
+        };
         Observed {
             length,
             width,
             area,
             elastic_energy,
             kinetic_energy: 0.0,
-            active_work: work - self.offset,
-            dissipated_energy: 0.0,
+            active_work,
+            dissipated_energy,
             momentum: 0.0,
             angular_momentum: 0.0,
         }
@@ -469,7 +514,7 @@ impl Shaping for AlongPath<'_> {
     /// The path reaches every tension that was followed.
     fn positions(&self) -> Vectors {
         self.path
-            .positions(self.tension)
+            .positions(self.state.tension)
             .unwrap_or_else(|| self.setup.assembly.body.positions.clone())
     }
 }

@@ -233,10 +233,22 @@ fn support(file: &RunFile, run: &Run) -> Checked {
     Ok(())
 }
 
-/// Settings without a path of equilibria stand in the way of a quasi-static run.
+/// Settings without a path of equilibria stand in the way of a quasi-static run; some need one.
 fn method(file: &RunFile, run: &Run) -> Checked {
+    let viscous = run.material.retardation_time > 0.0;
     if run.numerics.method.is_in_time() {
+        let advice = "in time a viscous cell would need steps of some 1e-6 ms; give integrator = \
+                      \"quasi-static\", or --integrator quasi-static, or leave the retardation time out";
+        if viscous {
+            return exclude("numerics.integrator", "material.retardation_time", advice);
+        }
         return Ok(());
+    }
+    let gives_way = SPRINGS.iter().any(|springs| file.has(springs.key));
+    if viscous && gives_way {
+        let advice = "the springs of the support would be viscous, too; take another support, or leave the \
+                      retardation time out";
+        return exclude("mechanics.support", "material.retardation_time", advice);
     }
     let hindrances = [
         (

@@ -20,3 +20,4 @@ mod own_model;
 mod quasi_static;
 mod solid;
 mod supports;
+mod viscosity;

@@ -86,4 +86,13 @@ pub(super) const ROWS: &[Setting] = &[
         |run| Some(run.material.drag_ratio),
         |run, ratio| run.material.drag_ratio = ratio,
     ),
+    Setting::quantity(
+        "material.retardation_time",
+        "Viscosity of the cell over its Young's modulus (Kelvin and Voigt): by so much its shape lags behind its \
+         tension. Quasi-static runs only.",
+        Bounds::any(Dimension::Time, "20 ms").from(0.0).to(1000.0),
+        |run| Some(run.material.retardation_time),
+        |run, time| run.material.retardation_time = time,
+    )
+    .option("--retardation-time", "TIME"),
 ];
