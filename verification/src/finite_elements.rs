@@ -315,7 +315,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
 fn draw(setting: &Setting<'_>, times: &[f64], curves: &[(&str, &Vec<f64>)]) -> Result<(), Failure> {
     let blank = Sample {
         t_ms: 0.0,
-        u: f64::NAN,
+        u: None,
         vm_mv: None,
         ta_kpa: f64::NAN,
         length_um: f64::NAN,

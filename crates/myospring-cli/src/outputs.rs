@@ -272,7 +272,7 @@ pub(crate) fn figures(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fa
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
     let options =
         ContractionOptions { stimulus_times_ms: stimuli.to_vec(), reference_band: reference };
-    let label = format!("{} kPa", run.peak_tension);
+    let label = run.strength();
     let overlay = || {
         let (cells, cell) = picture.as_ref().ok_or(FigureError::Nothing { what: "pictures" })?;
         let lattice = Some(Lattice { mesh, fibres });

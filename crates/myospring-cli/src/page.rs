@@ -42,7 +42,7 @@ impl Texts {
         let Finished { run, simulation, outcome, numbers, .. } = finished;
         let spacing = numbers.summary.mesh.spacing_um;
         Self {
-            label: format!("{} kPa", run.peak_tension),
+            label: run.strength(),
             run_file: resolved(run, simulation, spacing, outcome.effort.time_step()),
             citations: cite::bibtex(&*run.cell),
         }
@@ -56,9 +56,10 @@ fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
     let mut facts = vec![
         (*name).to_owned(),
         run.cell.name().to_owned(),
-        format!("{} kPa", run.peak_tension),
+        run.strength(),
         format!("{beats} beat{}", if beats == 1 { "" } else { "s" }),
     ];
+    facts.dedup();
     // The title says it already.
     facts.retain(|fact| !run.title.is_empty() || fact != name);
     PageRun {

@@ -24,6 +24,7 @@
 
 pub mod adaptive;
 pub mod bueno_orovio_2008;
+pub mod calcium;
 mod cell_model;
 pub mod coelho_2021;
 mod fixed;
@@ -76,6 +77,7 @@ pub fn models() -> Vec<Arc<dyn CellModel>> {
         Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::M)),
         Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Pb)),
         Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Tnnp)),
+        Arc::new(land_2017::Land2017::published()),
         Arc::new(toy::ToyModel::published()),
     ]
 }

@@ -145,9 +145,9 @@ pub trait Activation: Send + Sync {
     /// The most that is to be expected.
     fn strongest(&self) -> Strongest;
 
-    /// The potential variable, dimensionless; 0 where there is none.
-    fn potential(&self) -> f64 {
-        0.0
+    /// The potential variable, dimensionless, where there is one.
+    fn potential(&self) -> Option<f64> {
+        None
     }
 
     /// Membrane potential, mV, where there is one.

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 pub struct Sample {
     /// Time, ms.
     pub t_ms: f64,
-    /// The cell model's potential variable, dimensionless.
-    pub u: f64,
+    /// The cell model's potential variable, dimensionless, where it has one.
+    pub u: Option<f64>,
     /// Membrane potential, mV, where the model defines it.
     pub vm_mv: Option<f64>,
     /// Active tension, kPa; of one that differs from place to place, its mean over the cell.

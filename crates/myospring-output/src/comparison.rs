@@ -92,7 +92,7 @@ pub fn with_paper(
     let strongest = shortening.last().copied().unwrap_or(f64::NAN);
     let drift = runs.iter().map(|run| centre_drift(run.recording, weights)).fold(0.0, larger);
     let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
-    let u_end = runs.last().and_then(|run| run.recording.samples.last()).map_or(f64::NAN, |s| s.u);
+    let u_end = runs.last().and_then(|run| run.recording.samples.last()?.u).unwrap_or(f64::NAN);
 
     vec![
         Finding {

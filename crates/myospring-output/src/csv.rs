@@ -26,7 +26,7 @@ type Column = (&'static str, fn(&Sample) -> Option<f64>);
 /// Columns of `traces.csv` in their order.
 const COLUMNS: [Column; 14] = [
     ("t_ms", |s| Some(s.t_ms)),
-    ("u", |s| Some(s.u)),
+    ("u", |s| s.u),
     ("vm_mV", |s| s.vm_mv),
     ("ta_kPa", |s| Some(s.ta_kpa)),
     ("length_um", |s| Some(s.length_um)),
@@ -46,7 +46,7 @@ const COLUMNS: [Column; 14] = [
 /// Columns: `t_ms, u, vm_mV, ta_kPa, length_um, width_um, area_um2, shortening_pct,
 /// elastic_energy_fJ, kinetic_energy_fJ, active_work_fJ, dissipated_energy_fJ, momentum_nN_ms,
 /// angular_momentum_nN_um_ms`. A column that no
-/// sample defines (`vm_mV` of a dimensionless cell model) is left out; where only some samples
+/// sample defines (`vm_mV` of a dimensionless cell model, both potentials where calcium is given) is left out; where only some samples
 /// define it, the others stay empty. What the cell model tells besides follows, such as `Ca_i_uM`.
 /// Numbers have 9 significant digits.
 ///
@@ -57,7 +57,7 @@ const COLUMNS: [Column; 14] = [
 /// ```
 /// # use myospring::recording::{Recording, Sample};
 /// # let sample = Sample {
-/// #     t_ms: 0.5, u: 0.25, vm_mv: None, ta_kpa: 0.0, length_um: 140.0, width_um: 21.0,
+/// #     t_ms: 0.5, u: Some(0.25), vm_mv: None, ta_kpa: 0.0, length_um: 140.0, width_um: 21.0,
 /// #     area_um2: 2940.0, shortening_pct: 0.0, elastic_energy_fj: 0.0, kinetic_energy_fj: 0.0,
 /// #     active_work_fj: 0.0, dissipated_energy_fj: 0.0, momentum_nn_ms: 0.0,
 /// #     angular_momentum_nn_um_ms: 0.0,
@@ -135,7 +135,7 @@ pub fn read_traces(text: &str) -> Result<Recording, TracesError> {
     let mut places = [None; COLUMNS.len()];
     for (found, (name, _)) in places.iter_mut().zip(COLUMNS) {
         *found = place(name);
-        if found.is_none() && name != "vm_mV" {
+        if found.is_none() && !["u", "vm_mV"].contains(&name) {
             return Err(TracesError::Missing { name });
         }
     }
@@ -170,7 +170,7 @@ pub fn read_traces(text: &str) -> Result<Recording, TracesError> {
         let of = |column: usize| values[column].unwrap_or(f64::NAN);
         samples.push(Sample {
             t_ms: of(0),
-            u: of(1),
+            u: values[1],
             vm_mv: values[2],
             ta_kpa: of(3),
             length_um: of(4),
@@ -218,7 +218,7 @@ mod tests {
             let x = f64::from(i) / 3.0;
             Sample {
                 t_ms: x * 0.05,
-                u: x.sin(),
+                u: Some(x.sin()),
                 vm_mv: None,
                 ta_kpa: x.exp(),
                 length_um: 140.0 - x,
@@ -280,6 +280,17 @@ mod tests {
         let rows: Vec<&str> = table.lines().collect();
         assert_eq!(rows[1].split(',').nth(2), Some(""));
         assert_eq!(rows[2].split(',').nth(2), Some("-84"));
+    }
+
+    #[test]
+    fn a_cell_without_a_potential_has_no_column_for_it() {
+        let mut recording = recording();
+        for sample in &mut recording.samples {
+            sample.u = None;
+        }
+        let table = traces(&recording).unwrap();
+        assert!(table.starts_with("t_ms,ta_kPa,length_um,"), "{table}");
+        assert_eq!(traces(&read_traces(&table).unwrap()).unwrap(), table);
     }
 
     #[test]

@@ -30,9 +30,12 @@ pub(crate) fn action_potential<'py>(
     let trace = solved.map_err(errors::value)?;
     let times = &trace.time_ms;
     let stimuli = run.stimulus_times();
+    // A cell whose calcium is given has none.
+    let mut of_state = trace.potential;
+    of_state.resize(times.len(), f64::NAN);
     let (potential, unit) = match &trace.membrane_potential_mv {
         Some(column) => (column, "mV"),
-        None => (&trace.potential, ""),
+        None => (&of_state, ""),
     };
     let beats = stimuli.iter().enumerate().map(|(index, &stimulus)| {
         let start = if index == 0 { f64::NEG_INFINITY } else { stimulus };
@@ -45,7 +48,7 @@ pub(crate) fn action_potential<'py>(
     });
     let beats = beats.collect();
     let mut columns = vec![("t_ms".to_owned(), trace.time_ms)];
-    columns.push(("potential".to_owned(), trace.potential));
+    columns.push(("potential".to_owned(), of_state));
     columns.extend(trace.membrane_potential_mv.map(|column| ("vm_mv".to_owned(), column)));
     columns.push(("tension".to_owned(), trace.tension));
     let names = trace.state_names.into_iter().chain(trace.output_names);

@@ -30,7 +30,7 @@ type Column = (&'static str, fn(&Sample) -> f64);
 /// What one sample has, by the name of its column.
 const COLUMNS: [Column; 12] = [
     ("t_ms", |sample| sample.t_ms),
-    ("u", |sample| sample.u),
+    ("u", |sample| sample.u.unwrap_or(f64::NAN)),
     ("ta_kpa", |sample| sample.ta_kpa),
     ("length_um", |sample| sample.length_um),
     ("width_um", |sample| sample.width_um),

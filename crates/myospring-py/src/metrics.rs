@@ -11,7 +11,7 @@ pub(crate) fn metrics() -> Vec<(&'static str, &'static str, &'static str)> {
     // The names hang on nothing that was recorded.
     let still = Sample {
         t_ms: 0.0,
-        u: 0.0,
+        u: Some(0.0),
         vm_mv: Some(0.0),
         ta_kpa: 0.0,
         length_um: 1.0,

@@ -76,7 +76,7 @@ fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned) -> PageRun<'a
     let model = shown.run.cell.name().to_owned();
     PageRun {
         label: &side.label,
-        facts: vec![side.label.clone(), model, format!("{} kPa", shown.run.peak_tension)],
+        facts: vec![side.label.clone(), model, shown.run.strength()],
         summary: &owned.summary,
         recording: &side.recording,
         mesh: &shown.mesh,

@@ -86,8 +86,10 @@ pub(super) fn plan(
     let mut rows = vec![
         ("cell model", plan.model.to_owned()),
         ("beats", format!("{} in {} ms", run.protocol.beats, run.duration)),
-        ("peak tension", format!("{} kPa", run.peak_tension)),
+        ("peak tension", run.strength()),
     ];
+    // A model whose tension is in kPa has its own.
+    rows.retain(|(name, value)| *name != "peak tension" || value != plan.model);
     rows.extend(fibres.map(|fibres| ("fibres", fibres.to_string())));
     match effort {
         Effort::Verlet { time_step_ms, stability_limit_ms, steps } => rows.extend([

@@ -37,12 +37,11 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
     let summary = numbers.summary;
     let title = if run.title.is_empty() { name } else { &run.title };
     let beats = summary.beats.len();
-    let mut text = format!(
-        "{title}: {beats} beat{} of {} at {} kPa\n\n",
-        if beats == 1 { "" } else { "s" },
-        run.cell.name(),
-        run.peak_tension
-    );
+    let mut of = vec![run.cell.name().to_owned(), run.strength()];
+    // A model whose tension is in kPa has its own.
+    of.dedup();
+    let s = if beats == 1 { "" } else { "s" };
+    let mut text = format!("{title}: {beats} beat{s} of {}\n\n", of.join(" at "));
     let spread = beats > 1;
     let mut header = vec!["quantity".to_owned(), "value".to_owned()];
     if spread {

@@ -71,7 +71,7 @@ pub struct Beat {
     pub contraction: Vec<Metric>,
     /// Width and area at the peak of shortening.
     pub shape: Vec<Metric>,
-    /// Action potential.
+    /// Action potential; none of a cell that has none.
     pub action_potential: Vec<Metric>,
 }
 
@@ -158,11 +158,12 @@ fn beat(samples: &[Sample], stimulus: f64) -> Beat {
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let times = column(|s| s.t_ms);
     let contraction = contraction::metrics(&times, &column(|s| s.length_um), stimulus);
-    let in_mv: Vec<f64> = samples.iter().filter_map(|sample| sample.vm_mv).collect();
-    let action_potential = if in_mv.len() == samples.len() {
-        action_potential::metrics(&times, &in_mv, stimulus, "mV")
-    } else {
-        action_potential::metrics(&times, &column(|s| s.u), stimulus, "")
+    let everywhere =
+        |read: fn(&Sample) -> Option<f64>| samples.iter().map(read).collect::<Option<Vec<f64>>>();
+    let action_potential = match (everywhere(|s| s.vm_mv), everywhere(|s| s.u)) {
+        (Some(in_mv), _) => action_potential::metrics(&times, &in_mv, stimulus, "mV"),
+        (None, Some(u)) => action_potential::metrics(&times, &u, stimulus, ""),
+        (None, None) => Vec::new(),
     };
     let tension = tension(&times, &column(|s| s.ta_kpa), stimulus, &contraction);
     let shape = shape(samples, stimulus, &contraction);
@@ -281,7 +282,7 @@ mod tests {
             let ratio = 1.0 - 0.1 * bell(t - 2.0);
             Sample {
                 t_ms: t,
-                u: bell(t),
+                u: Some(bell(t)),
                 vm_mv: None,
                 ta_kpa: 50.0 * bell(t),
                 length_um: 100.0 * ratio,

@@ -4,6 +4,7 @@
 //! and equations from a file and make them at run time.
 
 use super::pacing::Stimulus;
+use super::settings::Settings;
 use crate::parameter::ParameterSet;
 use serde::Serialize;
 use std::any::Any;
@@ -19,11 +20,15 @@ pub struct Input {
     pub stretch: f64,
     /// Its rate of change, 1/ms; positive while the cell lengthens.
     pub stretch_rate: f64,
+    /// Time since the last stimulus began, ms; infinite before the first. For what is given as a course over
+    /// each beat; equations of a cell of its own do not depend on it.
+    pub since_stimulus_ms: f64,
 }
 
 impl Input {
-    /// No stimulus on a cell of resting length.
-    pub const REST: Self = Self { stimulus: 0.0, stretch: 1.0, stretch_rate: 0.0 };
+    /// No stimulus, now or before, on a cell of resting length.
+    pub const REST: Self =
+        Self { stimulus: 0.0, stretch: 1.0, stretch_rate: 0.0, since_stimulus_ms: f64::INFINITY };
 }
 
 /// One variable of the state vector.
@@ -58,7 +63,8 @@ pub struct Stimulation {
     /// Unit of a stimulus current: `1/ms` for a dimensionless potential, `A/F` for one in mV.
     pub current_unit: Cow<'static, str>,
     /// The states that a stimulus moves, the potential first. A jump moves that one by its amplitude, in
-    /// its own unit, and the others in proportion to the weights.
+    /// its own unit, and the others in proportion to the weights. None where a stimulus only says when a
+    /// given course begins ([`Input::since_stimulus_ms`]).
     pub moves: Cow<'static, [Moved]>,
 }
 
@@ -140,8 +146,8 @@ pub trait CellModel: Any + Send + Sync {
     fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]);
     /// The stimulus, its unit and what it moves.
     fn stimulation(&self) -> Stimulation;
-    /// The potential variable, in the unit of its state.
-    fn potential(&self, state: &[f64]) -> f64;
+    /// The potential variable, in the unit of its state; `None`, at all times, where there is none.
+    fn potential(&self, state: &[f64]) -> Option<f64>;
     /// Membrane potential, mV, where the model defines it.
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64>;
     /// Active tension, as [`Self::tension_kind`] says; the stimulus does not matter.
@@ -155,6 +161,10 @@ pub trait CellModel: Any + Send + Sync {
     }
     /// Writes the [`Self::outputs`], in their order, into `values`.
     fn write_outputs(&self, _state: &[f64], _input: &Input, _values: &mut [f64]) {}
+    /// The places of the states that a run records beside the outputs; none by default.
+    fn recorded_states(&self) -> &[usize] {
+        &[]
+    }
     /// The places of the states that are gates, for the method of Rush and Larsen; none by default.
     fn gates(&self) -> &[usize] {
         &[]
@@ -178,6 +188,10 @@ pub trait CellModel: Any + Send + Sync {
     /// The state at rest, before any stimulus.
     fn initial_state(&self) -> Vec<f64> {
         self.states().iter().map(|state| state.start).collect()
+    }
+    /// Method and step or tolerance that serve it; by default the default.
+    fn usual_settings(&self) -> Settings {
+        Settings::default()
     }
     /// The stimulus that makes the model beat as its authors meant.
     fn default_stimulus(&self) -> Stimulus {

@@ -100,7 +100,11 @@ impl FixedSteps {
         // Between grid points the step is the step, not a difference of rounded times.
         let step_ms = if self.on_grid && to_grid { self.step_ms } else { stop_ms - self.time_ms };
 
-        let input = Input { stimulus: self.pacer.current(), ..*felt };
+        let input = Input {
+            stimulus: self.pacer.current(),
+            since_stimulus_ms: self.pacer.since_stimulus(self.time_ms),
+            ..*felt
+        };
         self.work.step(self.scheme, model, &mut self.state, &input, step_ms);
         self.time_ms = stop_ms;
         self.on_grid = to_grid;
@@ -194,7 +198,7 @@ impl Work {
         }
     }
 
-    /// The classical method of order 4; the stimulus is constant within a step.
+    /// The classical method of order 4; the stimulus is constant within a step, its time goes on.
     fn runge_kutta_4(&mut self, model: &dyn CellModel, state: &mut [f64], input: &Input, h: f64) {
         let Self { rates: [k1, k2, k3, k4], trial, .. } = self;
         let shift = |trial: &mut [f64], state: &[f64], k: &[f64], h: f64| {
@@ -202,13 +206,14 @@ impl Work {
                 *trial = state + h * k;
             }
         };
+        let later = |by: f64| Input { since_stimulus_ms: input.since_stimulus_ms + by, ..*input };
         model.derivatives(state, input, k1);
         shift(trial, state, k1, h / 2.0);
-        model.derivatives(trial, input, k2);
+        model.derivatives(trial, &later(h / 2.0), k2);
         shift(trial, state, k2, h / 2.0);
-        model.derivatives(trial, input, k3);
+        model.derivatives(trial, &later(h / 2.0), k3);
         shift(trial, state, k3, h);
-        model.derivatives(trial, input, k4);
+        model.derivatives(trial, &later(h), k4);
         for i in 0..state.len() {
             state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
         }

@@ -35,7 +35,7 @@ use std::sync::Arc;
 /// for step in 1..=60 {
 ///     cell.advance_to(f64::from(step), 1.0, 0.0)?; // at resting length, which does not change
 /// }
-/// assert!(cell.model().potential(cell.state()) > 0.9);
+/// assert!(cell.model().potential(cell.state()).is_some_and(|u| u > 0.9));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]
@@ -155,6 +155,10 @@ impl Steps {
                 let reason = "whose steps shrink to nothing where equations jump";
                 return Err(refuse(reason, "`adaptive`, which knows the jumps"));
             }
+            Method::Stiff if model.stimulation().moves.is_empty() => {
+                let reason = "whose steps know no course that is given over time";
+                return Err(refuse(reason, "`runge-kutta-4`"));
+            }
             Method::Stiff => {
                 Way::Stiff(Box::new(StiffSteps::new(model, pacer, settings.tolerance)))
             }
@@ -179,7 +183,12 @@ impl Steps {
     }
 
     pub(super) fn outputs(&self, model: &dyn CellModel) -> Vec<f64> {
-        let input = Input { stimulus: self.protocol.current_at(self.time()), ..self.felt };
+        let time_ms = self.time();
+        let input = Input {
+            stimulus: self.protocol.current_at(time_ms),
+            since_stimulus_ms: self.protocol.since_stimulus(time_ms),
+            ..self.felt
+        };
         let mut values = vec![f64::NAN; model.outputs().len()];
         model.write_outputs(self.state(), &input, &mut values);
         values

@@ -3,10 +3,12 @@
 //! Calcium binds to troponin, troponin frees the thin filament, and crossbridges bind weakly, then strongly; two
 //! distortions follow the rate of stretch. Tension is in kPa. What stands here takes calcium from whoever has
 //! it: [`Myofilaments`] are the equations alone, and a cell model with calcium of its own adds their six states
-//! to its own.
+//! to its own; [`Land2017`] is a cell model whose calcium is given.
 
+mod model;
 mod myofilaments;
 mod parameters;
 
+pub use model::Land2017;
 pub use myofilaments::{Myofilaments, STATES, states};
 pub use parameters::{parameters, rows};

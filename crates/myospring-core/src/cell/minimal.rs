@@ -166,8 +166,8 @@ impl CellModel for MinimalModel {
         Stimulation::of_first_state(self.identity.stimulus)
     }
 
-    fn potential(&self, state: &[f64]) -> f64 {
-        state[0]
+    fn potential(&self, state: &[f64]) -> Option<f64> {
+        Some(state[0])
     }
 
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64> {

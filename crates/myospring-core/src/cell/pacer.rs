@@ -11,6 +11,8 @@ pub(super) struct Pacer {
     jumps: Vec<Moved>,
     next: u64,
     current: f64,
+    /// When the last stimulus began, ms.
+    began_ms: f64,
 }
 
 impl Pacer {
@@ -23,12 +25,17 @@ impl Pacer {
         let first = stimulation.moves.first().map_or(1.0, |moved| moved.weight);
         let share = |moved: &Moved| Moved { weight: moved.weight / first, ..*moved };
         let jumps = stimulation.moves.iter().map(share).collect();
-        Ok(Self { protocol, jumps, next: 0, current: 0.0 })
+        Ok(Self { protocol, jumps, next: 0, current: 0.0, began_ms: f64::NEG_INFINITY })
     }
 
     /// The stimulus current that acts now.
     pub(super) fn current(&self) -> f64 {
         self.current
+    }
+
+    /// Time at `time_ms` since the last stimulus began, ms.
+    pub(super) fn since_stimulus(&self, time_ms: f64) -> f64 {
+        time_ms - self.began_ms
     }
 
     /// When the next event comes, ms.
@@ -42,6 +49,9 @@ impl Pacer {
         while let Some((event_ms, event)) = self.protocol.nth_event(self.next)
             && event_ms <= time_ms
         {
+            if !matches!(event, Event::CurrentOff) {
+                self.began_ms = event_ms;
+            }
             match event {
                 Event::Jump(amplitude) => {
                     for moved in &self.jumps {

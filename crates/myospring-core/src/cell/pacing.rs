@@ -186,6 +186,23 @@ impl Protocol {
         if acts && self.beats > 0 { amplitude } else { 0.0 }
     }
 
+    /// Time since the last stimulus began, ms; infinite before the first.
+    pub(super) fn since_stimulus(&self, time_ms: f64) -> f64 {
+        if self.beats == 0 || time_ms < self.start_ms {
+            return f64::INFINITY;
+        }
+        let last = self.beats - 1;
+        let began = |beat: u32| self.start_ms + f64::from(beat) * self.cycle_length_ms;
+        let near = if last > 0 {
+            (((time_ms - self.start_ms) / self.cycle_length_ms).floor() as u32).min(last)
+        } else {
+            0
+        };
+        // The quotient may be rounded down to the beat before.
+        let next = (near + 1).min(last);
+        time_ms - if last > 0 && began(next) <= time_ms { began(next) } else { began(near) }
+    }
+
     /// Event number `index` in order of time, if there is one.
     pub(super) fn nth_event(&self, index: u64) -> Option<(f64, Event)> {
         let (events_per_beat, duration_ms) = match self.stimulus {

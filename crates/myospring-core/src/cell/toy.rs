@@ -119,8 +119,8 @@ impl CellModel for ToyModel {
         Stimulation::of_first_state(Stimulus::Jump { amplitude: 1.0 })
     }
 
-    fn potential(&self, state: &[f64]) -> f64 {
-        state[0]
+    fn potential(&self, state: &[f64]) -> Option<f64> {
+        Some(state[0])
     }
 
     fn membrane_potential_mv(&self, _state: &[f64]) -> Option<f64> {

@@ -4,7 +4,7 @@ use super::cell_model::{CellModel, Input};
 use super::settings::{SolveError, validate_time};
 use crate::analysis::trace::{self, Point};
 
-/// A cell's course, sampled; all columns have the length of `time_ms`.
+/// A cell's course, sampled; all columns that there are have the length of `time_ms`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellTrace {
     /// Times, ms.
@@ -13,7 +13,7 @@ pub struct CellTrace {
     pub state_names: Vec<String>,
     /// One column per state variable.
     pub states: Vec<Vec<f64>>,
-    /// The potential variable, in the unit of its state.
+    /// The potential variable, in the unit of its state; empty where there is none.
     pub potential: Vec<f64>,
     /// Membrane potential, mV, where the model defines it.
     pub membrane_potential_mv: Option<Vec<f64>>,
@@ -58,7 +58,7 @@ impl CellTrace {
             let time_ms = sample as f64 * sample_interval_ms;
             let Instant { state, outputs } = at(time_ms)?;
             trace.time_ms.push(time_ms);
-            trace.potential.push(model.potential(&state));
+            trace.potential.extend(model.potential(&state));
             trace.tension.push(model.tension(&state, &Input::REST));
             if let Some(column) = &mut trace.membrane_potential_mv {
                 column.extend(model.membrane_potential_mv(&state));

@@ -4,7 +4,7 @@ use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Settings, SolveError};
-use crate::cell::{CellModel, Input, Output};
+use crate::cell::{CellModel, Input, Output, StateVariable};
 use crate::mechanics::Tension;
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ impl Activation for WholeCell {
         self.strongest
     }
 
-    fn potential(&self) -> f64 {
+    fn potential(&self) -> Option<f64> {
         self.moved.model().potential(self.moved.state())
     }
 
@@ -96,11 +96,19 @@ impl Activation for WholeCell {
     }
 
     fn outputs(&self) -> Vec<Output> {
-        self.moved.model().outputs().to_vec()
+        let model = self.moved.model();
+        let states = model.recorded_states().iter().map(|&place| {
+            let StateVariable { name, unit, meaning, .. } = model.states()[place].clone();
+            Output { name, unit, meaning }
+        });
+        model.outputs().iter().cloned().chain(states).collect()
     }
 
     fn output_values(&self) -> Vec<f64> {
-        self.moved.outputs()
+        let mut values = self.moved.outputs();
+        let states = self.moved.model().recorded_states().iter();
+        values.extend(states.map(|&place| self.moved.state()[place]));
+        values
     }
 
     fn boxed(&self) -> Box<dyn Activation> {

@@ -5,7 +5,7 @@ use super::font::text_width;
 use super::shapes::draw_scale_bar;
 use super::sheet::{Path, Sheet, Stroke, Style};
 use super::theme::{CURVE_WIDTH, CURVES, DOUBLE, LABEL, LETTER, MUTED, TICK, fixed, time};
-use super::traces::{ACTIVE_TENSION, Quantity, SHORTENING, extent, peak, points, potential};
+use super::traces::{ACTIVE_TENSION, Drives, Quantity, SHORTENING, extent, peak, points};
 use super::{Figure, FigureError};
 use myospring_core::recording::Recording;
 
@@ -29,6 +29,8 @@ const GAP: f64 = 16.0;
 /// Height of a row of the legend and length of its swatch with the gap after it, px.
 const ROW: f64 = 14.0;
 const SWATCH: f64 = 24.0;
+/// Letters of the panels: charts above each other, then cells.
+const LETTERS: [&str; 6] = ["A", "B", "C", "D", "E", "F"];
 /// Dashes of the curves of one colour: the second and the third time that it is used.
 const DASHES: [Option<[f64; 2]>; 3] = [None, Some([5.0, 3.0]), Some([1.5, 2.5])];
 
@@ -37,10 +39,10 @@ fn pen(index: usize) -> Stroke {
     Stroke { dash: DASHES[index / CURVES.len() % DASHES.len()], ..stroke }
 }
 
-/// Potential, tension and shortening of several runs over one time axis, and their outlines over each other at rest
+/// Potential, calcium, tension and shortening of several runs over one time axis, and their outlines over each other at rest
 /// and at peak, each about its own middle at rest.
 ///
-/// The potential is in mV where all runs have it so. Width: two columns, 178 mm.
+/// The potential is in mV where all runs have it so; potential and calcium stand where all runs have them. Width: two columns, 178 mm.
 ///
 /// # Errors
 /// No run, or one without a finite sample.
@@ -49,10 +51,9 @@ pub fn compared(runs: &[Compared<'_>]) -> Result<Figure, FigureError> {
         return Err(FigureError::Nothing { what: "runs" });
     }
     let mut sheet = Sheet::default();
-    let in_mv = |run: &Compared<'_>| run.recording.samples.iter().any(|s| s.vm_mv.is_some());
-    let usual = Recording::default();
-    let whose = if runs.iter().all(in_mv) { runs[0].recording } else { &usual };
-    let quantities = [potential(whose), ACTIVE_TENSION, SHORTENING];
+    let common = runs.iter().map(|run| Drives::of(run.recording)).reduce(|all, one| all.and(&one));
+    let mut quantities = common.map_or_else(Vec::new, |drives| drives.quantities());
+    quantities.extend([ACTIVE_TENSION, SHORTENING]);
     let top = draw_legend(&mut sheet, runs);
     let cells: Vec<(usize, [Rings<'_>; 2])> = runs
         .iter()
@@ -63,7 +64,8 @@ pub fn compared(runs: &[Compared<'_>]) -> Result<Figure, FigureError> {
     let width = if cells.is_empty() { DOUBLE } else { 0.56 * DOUBLE };
     let bottom = draw_curves(&mut sheet, runs, &quantities, [width, top])?;
     if !cells.is_empty() {
-        draw_cells(&mut sheet, &cells, [width, top], bottom);
+        let letters = LETTERS.iter().skip(quantities.len());
+        draw_cells(&mut sheet, &cells, letters, [width, top], bottom);
     }
     Ok(sheet.finish(DOUBLE, bottom))
 }
@@ -121,7 +123,7 @@ fn draw_curves(
             place: [0.0, top + row as f64 * (HEIGHT + GAP)],
             size: [0.0, HEIGHT],
             x: Axis { labelled: row + 1 == quantities.len(), ..Axis::time(times) },
-            y: Axis::values(quantity.label, range, HEIGHT),
+            y: Axis::values(&quantity.label, range, HEIGHT),
             curves: curves.iter().enumerate().map(curve).collect(),
             bands: Vec::new(),
             marks: Vec::new(),
@@ -129,7 +131,7 @@ fn draw_curves(
     }
     let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
     let left = 30.0 + offset;
-    for (chart, letter) in charts.iter_mut().zip(["A", "B", "C"]) {
+    for (chart, letter) in charts.iter_mut().zip(LETTERS) {
         chart.place[0] = left;
         chart.size[0] = right - 15.0 - left;
         chart.draw(sheet, offset);
@@ -142,6 +144,7 @@ fn draw_curves(
 fn draw_cells(
     sheet: &mut Sheet,
     cells: &[(usize, [Rings<'_>; 2])],
+    letters: impl Iterator<Item = &'static &'static str>,
     [left, top]: [f64; 2],
     bottom: f64,
 ) {
@@ -170,7 +173,7 @@ fn draw_cells(
     let height = (bottom - top - 37.0 - 2.0 * 22.0) / 2.0;
     let scale = (width / extent[0]).min(height / extent[1]);
     let drawn = extent[1] * scale;
-    for (row, (name, letter)) in [("at rest", "D"), ("at peak", "E")].into_iter().enumerate() {
+    for ((row, name), letter) in ["at rest", "at peak"].into_iter().enumerate().zip(letters) {
         let head = top + row as f64 * (drawn + 34.0);
         sheet.text([left + 6.0, head + 4.0], letter, Style::new(LETTER).bold());
         sheet.text([left + 22.0, head + 4.0], name, Style::new(LABEL));

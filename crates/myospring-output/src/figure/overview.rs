@@ -5,11 +5,11 @@ use super::moments::key_shapes;
 use super::shapes::{Gallery, HEAD};
 use super::sheet::Sheet;
 use super::theme::{DOUBLE, SHORTENING};
-use super::traces::{ACTIVE_TENSION, Quantity, Stack, potential};
+use super::traces::{ACTIVE_TENSION, Drives, Quantity, SHORTENING as SHORTENING_CURVE, Stack};
 use super::{Figure, FigureError};
 use myospring_core::recording::Recording;
 
-/// The cell from rest to its peak beside potential, active tension and shortening.
+/// The cell from rest to its peak beside potential, calcium, as far as it has them, active tension and shortening.
 ///
 /// Width: two columns, 178 mm; at 200 dpi the PNG is 1402 pixels wide.
 ///
@@ -27,19 +27,14 @@ pub fn overview(
         shapes.retain(|shape| matches!(shape.name.as_str(), "at rest" | "peak" | "end of record"));
     }
     let gallery = Gallery::new(cell, &shapes)?;
-    let tension = Quantity { label: "Tension (kPa)", ..ACTIVE_TENSION };
-    let shortening = Quantity {
-        label: "Shortening (%)",
-        unit: "%",
-        colour: SHORTENING,
-        noted: true,
-        value: |sample| sample.shortening_pct,
-    };
+    let mut quantities = Drives::of(recording).quantities();
+    quantities.push(Quantity { label: "Tension (kPa)".into(), ..ACTIVE_TENSION });
+    quantities.push(Quantity { colour: SHORTENING, ..SHORTENING_CURVE });
     let mut sheet = Sheet::default();
     let (margin, width) = (8.0, 318.0);
     let stack = Stack {
         recording,
-        quantities: &[potential(recording), tension, shortening],
+        quantities: &quantities,
         stimulus_times_ms,
         sides: [margin + width + 24.0, DOUBLE - 4.0],
         top: 18.0,

@@ -55,6 +55,8 @@ pub(super) const MUTED: Colour = Colour(0x666666);
 pub(super) const BAND: Colour = Colour(0xe6e6e6);
 /// Potential (Okabe-Ito blue).
 pub(super) const POTENTIAL: Colour = Colour(0x0072b2);
+/// Calcium (Okabe-Ito reddish purple, darker, so that it stands out from paper).
+pub(super) const CALCIUM: Colour = Colour(0xb0578d);
 /// Tension (Okabe-Ito vermillion).
 pub(super) const TENSION: Colour = Colour(0xd55e00);
 /// Shortening (Okabe-Ito bluish green).
@@ -197,7 +199,7 @@ mod tests {
             for text in [INK, MUTED] {
                 assert!(contrast(shown(text), shown(WHITE)) >= 4.5, "{theme:?} {text}");
             }
-            for curve in [POTENTIAL, TENSION, SHORTENING, REST] {
+            for curve in [POTENTIAL, CALCIUM, TENSION, SHORTENING, REST] {
                 assert!(contrast(shown(curve), shown(WHITE)) >= 3.0, "{theme:?} {curve}");
             }
         }

@@ -4,64 +4,123 @@ use super::chart::{Axis, Chart, Curve};
 use super::font::text_width;
 use super::sheet::{Anchor, Look, Sheet, Stroke, Style};
 use super::theme::{
-    BAND, CURVE_WIDTH, CURVES, Colour, LETTER, MUTED, POTENTIAL, SINGLE, TENSION, TICK, fixed, time,
+    BAND, CALCIUM, CURVE_WIDTH, CURVES, Colour, LETTER, MUTED, POTENTIAL, SINGLE, TENSION, TICK,
+    fixed, time,
 };
 use super::{Figure, FigureError};
 use myospring_core::analysis::trace;
-use myospring_core::recording::{Recording, Sample};
+use myospring_core::recording::{Recording, Sample, Signal};
+use std::borrow::Cow;
 
 /// What one panel shows of a recording.
 pub(super) struct Quantity {
-    pub(super) label: &'static str,
-    pub(super) unit: &'static str,
+    pub(super) label: Cow<'static, str>,
+    pub(super) unit: Cow<'static, str>,
     pub(super) colour: Colour,
     /// Whether its peak is marked and noted.
     pub(super) noted: bool,
-    pub(super) value: fn(&Sample) -> f64,
+    pub(super) value: Shown,
 }
 
-/// The potential, in mV where the cell model defines it.
-pub(super) fn potential(recording: &Recording) -> Quantity {
-    if recording.samples.iter().any(|sample| sample.vm_mv.is_some()) {
-        Quantity {
-            label: "Potential (mV)",
-            unit: "mV",
-            colour: POTENTIAL,
-            noted: false,
-            value: |s| s.vm_mv.unwrap_or(f64::NAN),
-        }
-    } else {
-        Quantity {
-            label: "Potential u (\u{2013})",
-            unit: "",
-            colour: POTENTIAL,
-            noted: false,
-            value: |s| s.u,
+/// Where the values of a quantity stand.
+pub(super) enum Shown {
+    /// In the samples.
+    Sample(fn(&Sample) -> f64),
+    /// In what the cell model tells besides.
+    Calcium,
+}
+
+/// What of the drives of its tension a cell has.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Drives {
+    potential: bool,
+    millivolts: bool,
+    /// Its unit.
+    calcium: Option<String>,
+}
+
+impl Drives {
+    /// Those of a recording.
+    pub(super) fn of(recording: &Recording) -> Self {
+        let samples = &recording.samples;
+        Self {
+            potential: samples.iter().any(|sample| sample.u.is_some()),
+            millivolts: samples.iter().any(|sample| sample.vm_mv.is_some()),
+            calcium: calcium(recording).map(|(_, unit)| unit.to_owned()),
         }
     }
+
+    /// Those that both have.
+    pub(super) fn and(self, other: &Self) -> Self {
+        Self {
+            potential: self.potential && other.potential,
+            millivolts: self.millivolts && other.millivolts,
+            calcium: self.calcium.filter(|unit| Some(unit) == other.calcium.as_ref()),
+        }
+    }
+
+    /// As quantities: the potential, in mV where the cell model defines it, and calcium.
+    pub(super) fn quantities(&self) -> Vec<Quantity> {
+        let quantity = |label: String, unit: &str, colour, value| Quantity {
+            label: label.into(),
+            unit: unit.to_owned().into(),
+            colour,
+            noted: false,
+            value,
+        };
+        let mut quantities = Vec::new();
+        if self.millivolts {
+            let value = Shown::Sample(|s| s.vm_mv.unwrap_or(f64::NAN));
+            quantities.push(quantity("Potential (mV)".to_owned(), "mV", POTENTIAL, value));
+        } else if self.potential {
+            let value = Shown::Sample(|s| s.u.unwrap_or(f64::NAN));
+            quantities.push(quantity("Potential u (\u{2013})".to_owned(), "", POTENTIAL, value));
+        }
+        if let Some(unit) = &self.calcium {
+            let label = format!("Calcium ({})", unit.replace("uM", "\u{b5}M"));
+            quantities.push(quantity(label, unit, CALCIUM, Shown::Calcium));
+        }
+        quantities
+    }
+}
+
+/// Calcium of the cytosol and its unit, which cell models tell as `Ca_i`; a table that was read back has the unit
+/// in its name.
+fn calcium(recording: &Recording) -> Option<(&Signal, &str)> {
+    recording.signals.iter().find_map(|signal| match signal.name.strip_prefix("Ca_i")? {
+        "" => Some((signal, signal.unit.as_str())),
+        rest => Some((signal, rest.strip_prefix('_')?)),
+    })
 }
 
 /// The active tension.
 pub(super) const ACTIVE_TENSION: Quantity = Quantity {
-    label: "Active tension (kPa)",
-    unit: "kPa",
+    label: Cow::Borrowed("Active tension (kPa)"),
+    unit: Cow::Borrowed("kPa"),
     colour: TENSION,
     noted: true,
-    value: |s| s.ta_kpa,
+    value: Shown::Sample(|s| s.ta_kpa),
 };
 
 /// The shortening.
 pub(super) const SHORTENING: Quantity = Quantity {
-    label: "Shortening (%)",
-    unit: "%",
+    label: Cow::Borrowed("Shortening (%)"),
+    unit: Cow::Borrowed("%"),
     colour: CURVES[0],
     noted: true,
-    value: |s| s.shortening_pct,
+    value: Shown::Sample(|s| s.shortening_pct),
 };
 
 /// The points of a quantity over time.
 pub(super) fn points(recording: &Recording, quantity: &Quantity) -> Vec<[f64; 2]> {
-    recording.samples.iter().map(|sample| [sample.t_ms, (quantity.value)(sample)]).collect()
+    let samples = &recording.samples;
+    match quantity.value {
+        Shown::Sample(read) => samples.iter().map(|sample| [sample.t_ms, read(sample)]).collect(),
+        Shown::Calcium => {
+            let values = calcium(recording).into_iter().flat_map(|(signal, _)| &signal.values);
+            samples.iter().zip(values).map(|(sample, value)| [sample.t_ms, *value]).collect()
+        }
+    }
 }
 
 fn finite(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
@@ -126,7 +185,7 @@ impl Stack<'_> {
                 place: [0.0, self.top + row as f64 * (self.height + self.gap)],
                 size: [0.0, self.height],
                 x: Axis { labelled: row == last, ..Axis::time(times) },
-                y: Axis::values(quantity.label, [low, high + room], self.height),
+                y: Axis::values(&quantity.label, [low, high + room], self.height),
                 curves: vec![Curve {
                     points: curves[row].clone(),
                     colour: quantity.colour,
@@ -197,10 +256,10 @@ fn note_peak(sheet: &mut Sheet, chart: &Chart, top: [f64; 2], quantity: &Quantit
     }
 }
 
-/// Action potential and active tension over one time axis (the paper's Fig. 3).
+/// Action potential and active tension over one time axis (the paper's Fig. 3), and calcium of a cell that has it.
 ///
-/// The potential is in mV where the cell model defines it and dimensionless otherwise. Dashed lines
-/// mark the stimuli. Width: one column, 85 mm.
+/// The potential is in mV where the cell model defines it and dimensionless otherwise; where there is none, calcium
+/// stands in its place. Dashed lines mark the stimuli. Width: one column, 85 mm.
 ///
 /// # Errors
 /// A recording without a finite sample.
@@ -209,9 +268,11 @@ pub fn action_potential_and_tension(
     stimulus_times_ms: &[f64],
 ) -> Result<Figure, FigureError> {
     let mut sheet = Sheet::default();
+    let mut quantities = Drives::of(recording).quantities();
+    quantities.push(ACTIVE_TENSION);
     let stack = Stack {
         recording,
-        quantities: &[potential(recording), ACTIVE_TENSION],
+        quantities: &quantities,
         stimulus_times_ms,
         sides: [6.0, SINGLE - 4.0],
         top: 18.0,
@@ -290,7 +351,7 @@ pub fn contraction(
         place: [left, if options.stimulus_times_ms.is_empty() { 9.0 } else { 18.0 }],
         size: [SINGLE - left - 13.0, 168.0],
         x: Axis::time(extent(curves.iter().map(|curve| curve.points.as_slice()), 0)),
-        y: Axis::values(SHORTENING.label, [values[0], high], 168.0),
+        y: Axis::values(&SHORTENING.label, [values[0], high], 168.0),
         bands: options.reference_band.iter().map(|(band, _)| *band).collect(),
         marks: options.stimulus_times_ms.clone(),
         curves,

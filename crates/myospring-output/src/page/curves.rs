@@ -1,7 +1,7 @@
 //! The curves of a run, with no more samples than a screen shows.
 
 use super::band::Band;
-use myospring_core::recording::Recording;
+use myospring_core::recording::{Recording, Sample};
 use serde::Serialize;
 
 /// Samples of a curve beyond which it is thinned.
@@ -24,10 +24,11 @@ struct Curve {
     band: Option<Band>,
 }
 
-/// Potential, tension, shortening and whatever else the cell model tells.
+type Read = fn(&Sample) -> Option<f64>;
+
+/// Potential, where there is one, tension, shortening and whatever else the cell model tells.
 pub(super) fn of(recording: &Recording) -> Curves {
     let samples = &recording.samples;
-    let in_mv = samples.iter().any(|sample| sample.vm_mv.is_some());
     let curve = |key: &str, name: &str, unit: &str, values: Vec<f64>| Curve {
         key: key.to_owned(),
         name: name.to_owned(),
@@ -35,10 +36,14 @@ pub(super) fn of(recording: &Recording) -> Curves {
         values,
         band: None,
     };
-    let potential = samples.iter().map(|s| if in_mv { s.vm_mv.unwrap_or(f64::NAN) } else { s.u });
-    let unit = if in_mv { "mV" } else { "" };
-    let mut list = vec![
-        curve("potential", "Action potential", unit, potential.collect()),
+    let potentials: [(&str, Read); 2] = [("mV", |sample| sample.vm_mv), ("", |sample| sample.u)];
+    let known = |(_, read): &(_, Read)| samples.iter().any(|sample| read(sample).is_some());
+    let mut list: Vec<Curve> = Vec::new();
+    list.extend(potentials.into_iter().find(known).map(|(unit, read)| {
+        let values = samples.iter().map(|sample| read(sample).unwrap_or(f64::NAN));
+        curve("potential", "Action potential", unit, values.collect())
+    }));
+    list.extend([
         curve("tension", "Active tension", "kPa", samples.iter().map(|s| s.ta_kpa).collect()),
         Curve {
             band: Band::of("peak_shortening"),
@@ -49,7 +54,7 @@ pub(super) fn of(recording: &Recording) -> Curves {
                 samples.iter().map(|s| s.shortening_pct).collect(),
             )
         },
-    ];
+    ]);
     let signals = recording.signals.iter();
     list.extend(
         signals

@@ -18,7 +18,7 @@ class ActionPotential:
     t_ms : ndarray of shape (samples,)
         Times, ms.
     potential : ndarray of shape (samples,)
-        The potential variable, in the model's own unit.
+        The potential variable, in the model's own unit; NaN where it has none.
     vm_mv : ndarray of shape (samples,) or None
         Membrane potential, mV, where the model defines it.
     tension : ndarray of shape (samples,)

@@ -54,7 +54,7 @@ class Beat:
 
     @cached_property
     def u(self) -> NDArray[np.float64]:
-        """The cell model's potential variable, of shape (samples,)."""
+        """The cell model's potential variable, of shape (samples,); NaN where it has none."""
         return self._column("u")
 
     @cached_property

@@ -2,6 +2,7 @@
 
 use super::file::RunFile;
 use crate::cell::pacing::Stimulus;
+use crate::cell::{self, CellModel, TensionKind};
 use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
@@ -62,6 +63,15 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
             others.map(|springs| springs.key).collect()
         }
         "mechanics.fibre" if !["auto", "picture"].map(Some).contains(&word) => OF_FIBRES.to_vec(),
+        "cell.model" => {
+            let model = word.and_then(|name| cell::model(name).ok());
+            let own = |what: fn(&dyn CellModel) -> bool, keys: &[&'static str]| match &model {
+                Some(model) if what(&**model) => keys.to_vec(),
+                _ => Vec::new(),
+            };
+            [own(has_own_tension, &OF_RELATIVE_TENSION), own(has_given_calcium, &OF_MEMBRANE)]
+                .concat()
+        }
         "numerics.integrator" if word == Some("quasi-static") => vec!["numerics.time_step"],
         _ => {
             let groups = ALTERNATIVES.iter().map(|(keys, _)| *keys);
@@ -96,7 +106,34 @@ fn alternatives(file: &RunFile) -> Checked {
     Ok(())
 }
 
+/// Keys that only a model has whose tension is scaled.
+const OF_RELATIVE_TENSION: [&str; 2] = ["cell.peak_tension", "cell.tension_scale"];
+/// Keys that only a model has whose stimulus moves something.
+const OF_MEMBRANE: [&str; 3] = ["stimulus.kind", "stimulus.amplitude", "stimulus.duration"];
+
+fn has_own_tension(cell: &dyn CellModel) -> bool {
+    cell.tension_kind() == TensionKind::Kilopascal
+}
+
+fn has_given_calcium(cell: &dyn CellModel) -> bool {
+    cell.stimulation().moves.is_empty()
+}
+
 fn cell_model(file: &RunFile, run: &Run) -> Checked {
+    if has_own_tension(&*run.cell)
+        && let Some(second) = OF_RELATIVE_TENSION.into_iter().find(|key| file.has(key))
+    {
+        let advice = "the tension of this model is in kPa already; leave it out, and change the strength by the \
+                      model's own parameter, T_ref of land_2017";
+        return exclude("cell.model", second, advice);
+    }
+    if has_given_calcium(&*run.cell)
+        && let Some(second) = OF_MEMBRANE.into_iter().find(|key| file.has(key))
+    {
+        let advice = "the calcium of this model is given and begins with each stimulus, which moves nothing else; \
+                      leave it out";
+        return exclude("cell.model", second, advice);
+    }
     let authors = file.get("cell.authors_step") == Some(&Value::Flag(true));
     let taken = ["cell.integrator", "cell.step", "cell.tolerance"];
     if let Some(second) = taken.into_iter().find(|key| authors && file.has(key)) {

@@ -4,7 +4,7 @@ use super::content::{self, ContentError, MyofibrilContent};
 use super::fibres::{Asked, Fibre, Fibres};
 use super::shape::{Shape, Shaped, Source};
 use crate::cell::pacing::Protocol;
-use crate::cell::{CellModel, coelho_2021};
+use crate::cell::{CellModel, TensionKind, coelho_2021};
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, default_material};
@@ -31,7 +31,7 @@ pub struct Run {
     pub title: String,
     /// The cell model with its parameters.
     pub cell: Arc<dyn CellModel>,
-    /// Peak of the active tension, kPa.
+    /// Peak of the active tension, kPa; without meaning for a model whose tension is in kPa.
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
     pub tension_scale: TensionScale,
@@ -105,6 +105,30 @@ impl Run {
             support: SupportKind::MassCentre,
             duration: usual_duration(&protocol, &numerics),
             numerics,
+        }
+    }
+
+    /// Whether the cell model's tension is relative, so that it is scaled to the peak tension.
+    pub(crate) fn has_relative_tension(&self) -> bool {
+        self.cell.tension_kind() != TensionKind::Kilopascal
+    }
+
+    /// How strong its cell is, for a legend: the peak tension that it is scaled to, or the model where that
+    /// has its own.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::run_file::RunFile;
+    /// let strength = |text| Ok::<_, myospring::run_file::RunFileError>(RunFile::from_text(text)?.resolve()?.strength());
+    /// assert_eq!(strength("")?, "50 kPa");
+    /// assert_eq!(strength("[cell]\nmodel = \"land_2017\"")?, "land_2017");
+    /// # Ok::<(), myospring::run_file::RunFileError>(())
+    /// ```
+    pub fn strength(&self) -> String {
+        if self.has_relative_tension() {
+            format!("{} kPa", self.peak_tension)
+        } else {
+            self.cell.name().to_owned()
         }
     }
 

@@ -278,8 +278,8 @@ impl CellModel for OwnCell {
         }
     }
 
-    fn potential(&self, state: &[f64]) -> f64 {
-        state[V]
+    fn potential(&self, state: &[f64]) -> Option<f64> {
+        Some(state[V])
     }
 
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64> {

@@ -281,7 +281,7 @@ impl CellModel for Failing {
     fn stimulation(&self) -> Stimulation {
         self.inner.stimulation()
     }
-    fn potential(&self, state: &[f64]) -> f64 {
+    fn potential(&self, state: &[f64]) -> Option<f64> {
         self.inner.potential(state)
     }
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64> {

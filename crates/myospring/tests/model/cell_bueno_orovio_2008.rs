@@ -59,7 +59,7 @@ fn last_beat(variant: Variant, cycle_length_ms: f64) -> (f64, f64) {
     let times: Vec<f64> = (0..=steps).map(|step| step as f64 * step_ms).collect();
     let mut course = |time: &f64| {
         cell.advance_to(start_ms + time, 1.0, 0.0).unwrap();
-        model.potential(cell.state())
+        model.potential(cell.state()).unwrap()
     };
     let u: Vec<f64> = times.iter().map(&mut course).collect();
 

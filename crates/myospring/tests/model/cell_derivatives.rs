@@ -1,7 +1,7 @@
 //! Rates of every model against independent values, in units of epsilon.
 //!
 //! The table was computed once with mpmath 1.x at 50 digits by a script written from Eqs. (18)-(35)
-//! of `coelho_2021` and a second typing of the parameters, not from our code. Each entry: state
+//! of `coelho_2021`, or those of `land_2017`, and a second typing of the parameters, not from our code. Each entry: state
 //! (u, v, w, s, `Ta_i`, Ta), its six rates, and for each rate the sum of the sizes of the terms that
 //! it adds up, which is what rounding scales with. The states are the initial one, one in each
 //! interval between the thresholds, two near the peak of u, and one at u = `theta_w` exactly, where
@@ -18,7 +18,10 @@ fn rates_equal_independent_values_within_a_few_epsilon() {
     let mut worst = 0.0_f64;
     for (name, entries) in REFERENCE {
         let model = cell::model(name).unwrap();
-        assert_eq!(model.initial_state(), entries[0].0, "{name}");
+        for (start, expected) in model.initial_state().iter().zip(entries[0].0) {
+            // Systems round a power in their own way.
+            assert!((start - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(), "{name}");
+        }
         for (state, expected, scale) in *entries {
             let mut rates = vec![f64::NAN; state.len()];
             model.derivatives(state, &Input::REST, &mut rates);

@@ -13,6 +13,7 @@ mod cell_population;
 mod cell_solver;
 mod checks;
 mod exchange;
+mod land_2017;
 mod mechanics;
 mod mesh;
 mod outline;

@@ -218,7 +218,7 @@ fn its_tension_in_kilopascal_drives_a_cell_as_it_is() {
         assert!((largest / own.peak_tension - 1.0).abs() < 1e-4, "{largest} kPa");
         let shortening = samples.iter().map(|sample| sample.shortening_pct).fold(0.0, f64::max);
         assert!(shortening > 10.0, "{shortening} %");
-        assert!(samples.iter().all(|sample| sample.vm_mv == Some(sample.u)));
+        assert!(samples.iter().all(|sample| sample.vm_mv == sample.u));
     }
 }
 
@@ -283,8 +283,8 @@ impl CellModel for Feeling {
     fn stimulation(&self) -> Stimulation {
         self.stimulation.clone()
     }
-    fn potential(&self, state: &[f64]) -> f64 {
-        state[0]
+    fn potential(&self, state: &[f64]) -> Option<f64> {
+        Some(state[0])
     }
     fn membrane_potential_mv(&self, _: &[f64]) -> Option<f64> {
         None

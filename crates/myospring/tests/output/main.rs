@@ -156,7 +156,8 @@ fn a_run_cut_short_still_gives_every_figure() {
     // Numbers that broke at the end are left out.
     let mut broken = whole;
     for sample in &mut broken.samples[300..] {
-        (sample.u, sample.ta_kpa, sample.shortening_pct) = (f64::NAN, f64::INFINITY, f64::NAN);
+        (sample.u, sample.ta_kpa, sample.shortening_pct) =
+            (Some(f64::NAN), f64::INFINITY, f64::NAN);
     }
     for frame in &mut broken.frames[30..] {
         frame.positions[0][3] = f64::NAN;

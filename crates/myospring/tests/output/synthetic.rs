@@ -116,7 +116,7 @@ pub(crate) fn recording(mesh: &Mesh, fibre: [f64; 2], peak_tension: f64, in_mv: 
             let (length, width) = (140.0 * (1.0 - 0.12 * s), 21.0 * (1.0 + 0.066 * s));
             Sample {
                 t_ms: t,
-                u,
+                u: Some(u),
                 vm_mv: in_mv.then_some(85.7 * u - 84.0),
                 ta_kpa: 50.0 * s,
                 length_um: length,

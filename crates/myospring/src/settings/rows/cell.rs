@@ -8,6 +8,7 @@ use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
 use crate::cell::solve::{Method, Settings};
 use crate::cell::{self, CellModel, coelho_2021};
+use crate::mechanics::material::myofilament_material;
 use crate::simulation::TensionScale;
 use crate::units::{self, Dimension};
 use std::sync::Arc;
@@ -51,9 +52,10 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "cell.peak_tension",
         "Peak of the active tension of one default beat with the model's published parameters; \
-         changed parameters make the cell stronger or weaker than that.",
+         changed parameters make the cell stronger or weaker than that. Not of a model whose tension \
+         is in kPa already, such as land_2017: scale its T_ref.",
         Bounds::any(Dimension::Pressure, "50 kPa").from(0.0).to(500.0),
-        |run| Some(run.peak_tension),
+        |run| run.has_relative_tension().then_some(run.peak_tension),
         |run, tension| run.peak_tension = tension,
     )
     .option_saying("--peak-tension", "TENSION", "Peak of the active tension"),
@@ -63,7 +65,7 @@ pub(super) const ROWS: &[Setting] = &[
          model's own, whatever its parameters.",
         Kind::Words {
             words: TensionScale::WORDS,
-            get: |run| Some(run.tension_scale.word()),
+            get: |run| run.has_relative_tension().then(|| run.tension_scale.word()),
             set: |run, word| choose(&mut run.tension_scale, word),
         },
     )
@@ -105,7 +107,8 @@ pub(super) const ROWS: &[Setting] = &[
             (!method.chooses_steps()).then_some(step_ms)
         },
         |run, step| run.numerics.cell.step_ms = step,
-    ),
+    )
+    .otherwise("what serves the cell model: 0.005 ms, of land_2017 0.05 ms"),
     Setting::quantity(
         "cell.tolerance",
         "Largest error of a step over the size of each variable, for a method that chooses its \
@@ -135,6 +138,10 @@ pub(super) const ROWS: &[Setting] = &[
 fn set_model(run: &mut Run, name: &str) -> Result<(), Problem> {
     run.cell = cell::model(name).map_err(Problem::Model)?;
     run.protocol.stimulus = run.cell.default_stimulus();
+    run.numerics.cell = run.cell.usual_settings();
+    if run.cell.feels_stretch() && !run.has_relative_tension() {
+        run.material = myofilament_material();
+    }
     Ok(())
 }
 

@@ -31,7 +31,7 @@ pub(super) const ROWS: &[Setting] = &[
         "A jump of the potential variable, or a pulse of current.",
         Kind::Words {
             words: StimulusKind::WORDS,
-            get: |run| Some(kind(run).word()),
+            get: |run| moves_something(run).then(|| kind(run).word()),
             set: |run, word| {
                 // The rules of run files ask for the size where the model has none of this kind.
                 match (StimulusKind::of_word(word)?, run.protocol.stimulus) {
@@ -57,7 +57,7 @@ pub(super) const ROWS: &[Setting] = &[
             numbers: true,
             example: JUMP.example,
             get: |run| {
-                Some(match run.protocol.stimulus {
+                moves_something(run).then(|| match run.protocol.stimulus {
                     Stimulus::Jump { amplitude } => JUMP.write(amplitude),
                     Stimulus::Pulse { amplitude, .. } => PULSE.write(amplitude),
                 })
@@ -106,6 +106,11 @@ pub(super) const ROWS: &[Setting] = &[
     )
     .option("--cycle-length", "TIME"),
 ];
+
+/// Where calcium is given, a stimulus only says when it begins.
+fn moves_something(run: &Run) -> bool {
+    !run.cell.stimulation().moves.is_empty()
+}
 
 fn kind(run: &Run) -> StimulusKind {
     match run.protocol.stimulus {
