@@ -11,7 +11,8 @@ use crate::{interrupt, print, progress};
 use indicatif::ProgressBar;
 use myospring::output::{files, json};
 use myospring::study::parameters::{
-    Acceptance, Answer, Common, ParameterStudy, Sensitivity, Shard, Variation, VariationRow, run,
+    Acceptance, Answer, Common, ParameterStudy, Sensitivity, Shard, TRACES, TraceAxes, Variation,
+    VariationRow, merge_traces, run,
 };
 use myospring::study::{Cause, Journal, Observer, Row as _, Status, Threads};
 use serde::Serialize;
@@ -20,7 +21,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What is written anew, and what is drawn.
-const RESULTS: [&str; 5] = ["members.csv", "members.parquet", "study.toml", "study.json", FIGURES];
+const RESULTS: [&str; 6] =
+    ["members.csv", "members.parquet", "study.toml", "study.json", FIGURES, TRACES];
 const FIGURES: &str = "figures";
 /// Resolution of PNG, dots per inch.
 const DPI: f64 = 300.0;
@@ -47,6 +49,9 @@ struct Outcome<'a> {
     acceptance: Acceptance,
     /// Metrics of the run without any change.
     usual: Vec<Usual<'a>>,
+    /// What the file of curves holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    traces: Option<&'a TraceAxes>,
     sensitivity: Vec<Sensitivity>,
 }
 
@@ -84,6 +89,12 @@ fn shard_folder(target: &Path, shard: Shard) -> PathBuf {
     target.join(format!("shard_{}_of_{}", shard.part, shard.of))
 }
 
+/// The part whose folder has this name.
+fn part_of(folder: &str) -> Option<Shard> {
+    let (part, of) = folder.strip_prefix("shard_")?.split_once("_of_")?;
+    format!("{part}/{of}").parse().ok()
+}
+
 fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let (start, output) = (Instant::now(), &args.output);
     let (text, study) = read_study(&args.study)?;
@@ -98,6 +109,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     } else {
         Journal::open(&folder, &study.settings())?
     };
+    let common = common.keeping_traces(&folder, shard)?;
     interrupt::heed("the members under way are finished and kept");
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let members = study.members(shard).len();
@@ -141,13 +153,18 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
         |error: io::Error| Failure::new(format!("cannot read `{}`: {error}", target.display()));
     let all = study.members(Shard::WHOLE);
     let mut rows = Vec::new();
+    let mut parts: Vec<(Shard, PathBuf)> = Vec::new();
     for entry in std::fs::read_dir(&target).map_err(failed)? {
         let entry = entry.map_err(failed)?;
-        if entry.file_name().to_string_lossy().starts_with("shard_") && entry.path().is_dir() {
+        if let Some(part) = part_of(&entry.file_name().to_string_lossy())
+            && entry.path().is_dir()
+        {
             let journal: Journal<Variation> = Journal::open(&entry.path(), &study.settings())?;
             rows.extend(journal.rows(&all));
+            parts.push((part, entry.path()));
         }
     }
+    parts.sort_by_key(|(part, _)| (part.of, part.part));
     let answer = Answer::new(&study, &common.units, rows);
     let mut missing = all.iter().filter(|member| {
         answer.rows().binary_search_by_key(&member.number, |row| row.member).is_err()
@@ -165,6 +182,11 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
         );
         return Err(Failure::new(message)
             .advise("run the parts that are missing: myospring study run --shard i/N"));
+    }
+    if let Some(axes) = &common.axes {
+        let parts: Vec<(Shard, &Path)> =
+            parts.iter().map(|(part, folder)| (*part, folder.as_path())).collect();
+        merge_traces(&target, axes, all.len(), &parts)?;
     }
     finish(&study, &common, &answer, &target, &text, args.json)?;
     if !args.json {
@@ -198,6 +220,7 @@ fn finish(
         members: study.values.len(),
         acceptance: answer.acceptance(),
         usual: usual.map(|((metric, &value), unit)| Usual { metric, value, unit }).collect(),
+        traces: common.axes.as_ref(),
         sensitivity,
     };
     files::write(&target.join(RESULTS[3]), json::pretty(&outcome)?)?;
@@ -220,7 +243,14 @@ fn draw(
     let folder = target.join(FIGURES);
     files::create_folder(&folder)?;
     let mut count = 0;
-    for drawn in answer.figures(&common.usual, sensitivity) {
+    let traces = match answer.trace_figure(common, target) {
+        Ok(drawn) => drawn,
+        Err(error) => {
+            print::warn(&format!("figure traces is left out: {error}"));
+            None
+        }
+    };
+    for drawn in answer.figures(&common.usual, sensitivity).into_iter().chain(traces) {
         match drawn.figure.and_then(|figure| Ok((figure.to_svg(), figure.to_png(DPI)?))) {
             Ok((svg, png)) => {
                 files::write(&folder.join(format!("{}.svg", drawn.name)), svg)?;

@@ -29,6 +29,7 @@ fn done(folder: &Path, arguments: &[&str]) -> String {
 }
 
 const STUDY: &str = "
+    traces = true
     metrics = [\"peak_shortening\", \"relaxation_time_50\"]
     [run.shape]
     spacing = \"3 um\"
@@ -53,6 +54,7 @@ fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
         "{said}"
     );
     let table = fs::read(path.join("whole/members.csv")).unwrap();
+    let traces = fs::read(path.join("whole/traces.npy")).unwrap();
     let figure = fs::read_to_string(path.join("whole/figures/sensitivity.svg")).unwrap();
     assert!(figure.contains("young_modulus") && figure.contains("Peak shortening"));
     assert_eq!(text(&table).lines().count(), 129);
@@ -65,7 +67,7 @@ fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
     // Drawn anew from the table alone, a figure is the same to the last byte.
     fs::remove_dir_all(path.join("whole/figures")).unwrap();
     let again = done(path, &["study", "figures", "s.toml", "-o", "whole"]);
-    assert!(again.contains("4 figures"), "{again}");
+    assert!(again.contains("5 figures"), "{again}");
     assert_eq!(fs::read(&scatter).unwrap(), drawn);
 
     // Killed in the middle, and gone on with.
@@ -86,6 +88,7 @@ fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
     let note = text(&output.stderr);
     assert!(known < 128 && note.contains("of 128 members are done"), "{note}");
     assert_eq!(fs::read(path.join("killed/members.csv")).unwrap(), table);
+    assert!(fs::read(path.join("killed/traces.npy")).unwrap() == traces);
 
     // In two parts; the second is missed first.
     let part =
@@ -101,6 +104,7 @@ fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
     part("2/2");
     done(path, &["study", "merge", "s.toml", "-o", "parts"]);
     assert_eq!(fs::read(path.join("parts/members.csv")).unwrap(), table);
+    assert!(fs::read(path.join("parts/traces.npy")).unwrap() == traces);
     assert_eq!(
         fs::read(path.join("parts/study.json")).unwrap(),
         fs::read(path.join("whole/study.json")).unwrap()
@@ -182,7 +186,11 @@ fn a_population_says_who_is_kept_and_which_band_rejects_the_others() {
     let both = rejected(&bands[0]) + rejected(&bands[1]) - (beat - kept);
     assert_eq!(alone + both, beat - kept);
     assert!(said.contains("peak tension (kPa)") && !said.contains("hardly any"), "{said}");
-    for name in ["distributions", "scatter_peak_tension"] {
+    // 2000 members, potential and tension, each 2.5 ms of 600 ms.
+    assert_eq!(json["traces"]["times"], 241);
+    let traces = fs::metadata(path.join("p/traces.npy")).unwrap().len();
+    assert_eq!(traces, 128 + 2000 * 2 * 241 * 4);
+    for name in ["distributions", "scatter_peak_tension", "traces"] {
         let size = fs::metadata(path.join(format!("p/figures/{name}.svg"))).unwrap().len();
         assert!(size < 300_000, "{name} has {size} bytes");
     }
@@ -194,6 +202,46 @@ fn a_population_says_who_is_kept_and_which_band_rejects_the_others() {
     let said = done(path, &["study", "run", "n.toml", "-o", "n"]);
     assert!(said.contains("0 kept") && said.contains("rejects 100.0 %"), "{said}");
     assert!(said.contains("members have 27"), "{said}");
+}
+
+#[test]
+fn thousands_of_cells_give_the_same_bits_after_kills_in_parts_and_on_other_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.toml"), POPULATION.replace("size = 2000", "size = 12000")).unwrap();
+    done(path, &["study", "run", "p.toml", "-o", "whole", "--jobs", "1"]);
+    let of = |folder: &str, file: &str| fs::read(path.join(folder).join(file)).unwrap();
+    let whole = ["members.csv", "members.parquet", "study.json"].map(|file| of("whole", file));
+    let same = |folder: &str| {
+        whole[0] == of(folder, "members.csv")
+            && whole[1] == of(folder, "members.parquet")
+            && whole[2] == of(folder, "study.json")
+    };
+    assert_eq!(text(&whole[0]).lines().count(), 12_001);
+
+    // Killed twice in the middle, then gone on with to the end.
+    let length = || fs::metadata(path.join("killed/progress.jsonl")).map_or(0, |of| of.len());
+    for _ in 0..2 {
+        let before = length();
+        let mut child =
+            command(path, &["study", "run", "p.toml", "-o", "killed", "-q"]).spawn().unwrap();
+        let begun = Instant::now();
+        while length() < before + 100_000 && child.try_wait().unwrap().is_none() {
+            assert!(begun.elapsed() < Duration::from_secs(120), "no member was done");
+            sleep(Duration::from_millis(2));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let note = text(&myospring(path, &["study", "run", "p.toml", "-o", "killed"]).stderr);
+    assert!(note.contains("of 12000 members are done"), "{note}");
+    assert!(same("killed"));
+
+    for part in ["1/3", "2/3", "3/3"] {
+        done(path, &["study", "run", "p.toml", "-o", "parts", "--shard", part]);
+    }
+    done(path, &["study", "merge", "p.toml", "-o", "parts"]);
+    assert!(same("parts"));
 }
 
 #[test]

@@ -9,6 +9,7 @@
 //! | [`fibres`] | `fibres.csv`, one row per triangle |
 //! | [`field`] | what a cell is coloured by: values, units, colours |
 //! | [`frames`] | `frames.npz`, all shapes with mesh and fibres, for NumPy |
+//! | [`npy`] | NumPy's file of one array, written record by record in any order |
 //! | [`npz`] | NumPy's archive of arrays, written and read |
 //! | [`vtu`] | frames for ParaView, compressed |
 //! | [`json`] | any serialisable value for machines |
@@ -27,6 +28,7 @@ pub mod figure;
 pub mod files;
 pub mod frames;
 pub mod json;
+pub mod npy;
 pub mod npz;
 pub mod page;
 pub mod report;

@@ -66,17 +66,21 @@ impl Array {
             Numbers::Floats(_) => "<f8",
             Numbers::Whole(_) => "<i4",
         };
-        let lengths: Vec<String> = self.shape.iter().map(|length| format!("{length},")).collect();
-        let lengths = lengths.join(" ");
-        let mut text =
-            format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({lengths}), }}");
-        let before = MAGIC.len() + 2;
-        let padded = (before + text.len() + 1).next_multiple_of(ALIGNMENT);
-        text.extend(std::iter::repeat_n(' ', padded - before - text.len() - 1));
-        text.push('\n');
-        let length = (text.len() as u16).to_le_bytes();
-        [MAGIC.as_slice(), &length, text.as_bytes()].concat()
+        header(kind, &self.shape)
     }
+}
+
+/// The header of NumPy's file of an array of this kind (`<f8`) and shape.
+pub(crate) fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
+    let lengths: Vec<String> = shape.iter().map(|length| format!("{length},")).collect();
+    let lengths = lengths.join(" ");
+    let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({lengths}), }}");
+    let before = MAGIC.len() + 2;
+    let padded = (before + text.len() + 1).next_multiple_of(ALIGNMENT);
+    text.extend(std::iter::repeat_n(' ', padded - before - text.len() - 1));
+    text.push('\n');
+    let length = (text.len() as u16).to_le_bytes();
+    [MAGIC.as_slice(), &length, text.as_bytes()].concat()
 }
 
 /// Why an archive was not written or read.

@@ -40,6 +40,7 @@ mod error;
 mod figures;
 mod member;
 mod shard;
+mod traces;
 mod work;
 
 pub use answer::{Acceptance, Answer, Ranked, Rejected, Sensitivity};
@@ -48,6 +49,7 @@ pub use error::ParameterStudyError;
 pub use figures::Drawn;
 pub use member::{Variation, VariationRow};
 pub use shard::Shard;
+pub use traces::{TRACES, TraceAxes, merge_traces};
 pub use work::Common;
 
 use super::{Journal, Observer, Report, StudyError, Threads, run_together};
@@ -75,13 +77,17 @@ pub fn run(
     let most = if study.kind == Kind::Cell { CELLS_TOGETHER } else { BEATS_TOGETHER };
     let together = members.len().div_ceil(threads.count()).clamp(1, most);
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
-    run_together(&members, journal, threads, observer, together, |group| {
+    let report = run_together(&members, journal, threads, observer, together, |group| {
         let rows = match study.kind {
             Kind::Cell => common.cells(group),
             Kind::Beat => common.beats(group),
         };
         rows.into_iter().map(|row| row.map(|row| vec![row])).collect()
-    })
+    })?;
+    match common.failure() {
+        None => Ok(report),
+        Some(error) => Err(error.into()),
+    }
 }
 
 #[cfg(test)]

@@ -84,6 +84,8 @@ pub struct ParameterStudy {
     pub beat: Which,
     /// Bands by metric.
     pub keep: BTreeMap<String, Kept>,
+    /// Whether the curves of each member are kept.
+    pub traces: bool,
     /// The values: one row a member, one column a varied number.
     pub values: Vec<Vec<f64>>,
 }
@@ -107,7 +109,12 @@ struct Written {
     sampling: toml::Table,
     #[serde(default)]
     keep: BTreeMap<String, Kept>,
+    #[serde(default)]
+    traces: Option<bool>,
 }
+
+/// Populations of up to so many members keep their curves unless asked otherwise: some 15 MB.
+const TRACED: usize = 5000;
 
 /// Metrics of a beat unless others are wanted.
 const OF_BEATS: [&str; 9] = [
@@ -213,6 +220,13 @@ impl ParameterStudy {
         {
             metrics.push(name);
         }
+        let population = match design {
+            Design::Table => true,
+            Design::Sampled { sampler, .. } => {
+                matches!(sampler, Sampler::LatinHypercube { .. } | Sampler::SobolSequence { .. })
+            }
+        };
+        let traces = written.traces.unwrap_or(population && values.len() <= TRACED);
         Ok(Self {
             title: written.title,
             kind: written.kind,
@@ -222,6 +236,7 @@ impl ParameterStudy {
             metrics,
             beat: written.beat,
             keep: written.keep,
+            traces,
             values,
         })
     }

@@ -1,20 +1,26 @@
 //! The figures of a study, from its rows.
 
-use super::super::Status;
 use super::super::sampling::Sampler;
+use super::super::{Status, StudyError};
 use super::answer::{Answer, Ranked, Sensitivity};
 use super::description::{Design, Varied};
 use super::member::VariationRow;
+use super::traces::TRACES;
+use super::work::Common;
 use crate::output::figure::{
-    Bar, Distribution, Figure, FigureError, Numbers, Ranking, Response, ResponseMap, Scatter,
-    distributions, rankings, response_map, responses, scatter,
+    Bar, Distribution, Figure, FigureError, Numbers, QUANTILES, Ranking, Response, ResponseMap,
+    Scatter, TraceBand, distributions, rankings, response_map, responses, scatter, trace_bands,
 };
+use crate::output::npy::Records;
+use std::path::Path;
 
 /// Bars of a ranking, and parameters of a scatter.
 const BARS: usize = 10;
 const PARAMETERS: usize = 12;
 /// Members that are drawn, evenly from all.
 const MEMBERS: usize = 50_000;
+/// Members whose curves are drawn, at most.
+const TRACED: usize = 5000;
 
 /// A figure by the name of its file, without ending.
 #[derive(Debug)]
@@ -109,6 +115,61 @@ impl Answer<'_> {
             }
         }
         all
+    }
+
+    /// The curves of the members that are kept, or of all: where half of them lie and nine of ten; `None` where the study
+    /// keeps no curves, or no member is kept. At most 5000 of them, evenly from all, are read.
+    ///
+    /// `folder` has the file of curves.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn trace_figure(
+        &self,
+        common: &Common<'_>,
+        folder: &Path,
+    ) -> Result<Option<Drawn>, StudyError> {
+        let Some(axes) = &common.axes else { return Ok(None) };
+        let kept: Vec<usize> =
+            self.rows.iter().filter(|row| self.is_kept(row)).map(|row| row.member).collect();
+        if kept.is_empty() {
+            return Ok(None);
+        }
+        let shape = [self.study.values.len(), axes.quantities.len(), axes.times];
+        let mut records = Records::open(&folder.join(TRACES), &shape)?;
+        let mut columns = vec![Vec::new(); axes.quantities.len() * axes.times];
+        for member in kept.iter().step_by(kept.len().div_ceil(TRACED)) {
+            for (column, number) in columns.iter_mut().zip(records.read(member - 1)?) {
+                if number.is_finite() {
+                    column.push(number);
+                }
+            }
+        }
+        for column in &mut columns {
+            column.sort_by(f32::total_cmp);
+        }
+        let band = |(quantity, label): (usize, &&str)| {
+            let of = quantity * axes.times..(quantity + 1) * axes.times;
+            let below = |part: f64| {
+                let value = |column: &Vec<f32>| {
+                    let last = column.len().checked_sub(1)?;
+                    Some(f64::from(column[(part * last as f64).round() as usize]))
+                };
+                let values = columns[of.clone()].iter().map(|column| value(column));
+                values.map(|value| value.unwrap_or(f64::NAN)).collect()
+            };
+            let usual = common.usual_curves.get(of.clone()).unwrap_or_default();
+            TraceBand {
+                label: (*label).to_owned(),
+                quantiles: QUANTILES.map(below),
+                usual: usual.iter().map(|&number| f64::from(number)).collect(),
+            }
+        };
+        let bands: Vec<TraceBand> = axes.quantities.iter().enumerate().map(band).collect();
+        let which = if self.study.keep.is_empty() { "members" } else { "members kept" };
+        let words = format!("{} {which}", kept.len());
+        let figure = trace_bands(&axes.times_ms(), &bands, &words);
+        Ok(Some(Drawn { name: "traces".to_owned(), figure }))
     }
 
     /// Members that beat, evenly from all where there are very many.

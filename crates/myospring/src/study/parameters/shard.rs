@@ -52,10 +52,11 @@ impl ParameterStudy {
             self.varied.iter().map(|varied| varied.number.key.as_str()).collect();
         format!(
             "# What the members in this folder depend on; a study goes on only with the same.\n\
-             # version {}, kind {:?}, beat {:?}\n# metrics {}\n# varied {}\n\n{}",
+             # version {}, kind {:?}, beat {:?}, traces {}\n# metrics {}\n# varied {}\n\n{}",
             env!("CARGO_PKG_VERSION"),
             self.kind,
             self.beat,
+            self.traces,
             self.metrics.join(", "),
             names.join(", "),
             self.run.to_toml(),

@@ -1,7 +1,8 @@
 //! Small studies whose answers are known.
 
 use super::super::{Journal, Row as _, Status, Threads};
-use super::{Answer, Common, ParameterStudy, Ranked, Shard, VariationRow, run};
+use super::{Answer, Common, ParameterStudy, Ranked, Shard, TRACES, VariationRow, run};
+use crate::output::npy::Records;
 use std::io;
 
 fn no_file(_file: &str) -> io::Result<Vec<u8>> {
@@ -190,5 +191,43 @@ fn a_part_of_a_study_is_written_as_i_of_n() {
     assert_eq!("2/8".parse::<Shard>().unwrap(), Shard { part: 2, of: 8 });
     for text in ["0/8", "9/8", "2", "a/b", "2/8/1"] {
         assert!(text.parse::<Shard>().unwrap_err().to_string().contains("like 2/8"), "{text}");
+    }
+}
+
+#[test]
+fn curves_are_those_of_the_members_and_change_no_row() {
+    for kind in ["cell", "beat"] {
+        let text = format!(
+            "kind = \"{kind}\"
+            metrics = [\"peak_tension\"]
+            [run.shape]
+            spacing = \"5 um\"
+            [parameters]
+            tau_si = {{ distribution = \"uniform\", low = 0.98, high = 1.02, relative = true }}
+            [sampling]
+            sampler = \"latin-hypercube\"
+            size = 9"
+        );
+        let with = study(&text);
+        let without = study(&format!("traces = false\n{text}"));
+        assert!(with.traces && !without.traces);
+        let folder = tempfile::tempdir().unwrap();
+        let threads = Threads::new(Some(2)).unwrap();
+        let common = Common::new(&with, &no_file).unwrap();
+        let part = Shard { part: 2, of: 2 };
+        let common = common.keeping_traces(folder.path(), part).unwrap();
+        let rows_with = run(&common, part, &Journal::in_memory(), &threads, &()).unwrap().rows;
+        assert_eq!(rows_with, rows(&without, part, 1));
+        let axes = common.axes.as_ref().unwrap();
+        let file = folder.path().join(TRACES);
+        let mut records = Records::open(&file, &[4, axes.quantities.len(), axes.times]).unwrap();
+        for (record, row) in rows_with.iter().enumerate() {
+            let curves = records.read(record).unwrap();
+            let tension = &curves[axes.times..2 * axes.times];
+            let peak = tension.iter().copied().fold(f32::MIN, f32::max);
+            // Half of 2.5 ms beside the peak, tension is less by a thousandth at most.
+            let off = f64::from(peak) / row.metrics[0].unwrap() - 1.0;
+            assert!((-1e-3..1e-6).contains(&off), "{kind}, member {}: {off}", row.member);
+        }
     }
 }

@@ -1,9 +1,12 @@
 //! The work on members: whole beats, or cells side by side.
 
 use super::super::Cause;
+use super::super::{Interrupted, StudyError};
 use super::description::{Kind, OF_CELLS, ParameterStudy, Which, is_minimal};
 use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
+use super::shard::Shard;
+use super::traces::{TraceAxes, Traces};
 use crate::analysis::beat::Beats;
 use crate::cell::adaptive;
 use crate::cell::minimal::MinimalModel;
@@ -12,11 +15,14 @@ use crate::cell::{CellModel as _, TensionKind};
 use crate::integrate::Method;
 use crate::integrate::quasi_static::Shapes;
 use crate::mesh::Mesh;
+use crate::output::files::FileError;
+use crate::recording::Sample;
 use crate::run_file::RunFile;
 use crate::settings::{Run, Shaped};
 use crate::simulation::{Outcome, Ready, TensionScale};
 use std::any::Any;
-use std::io;
+use std::path::Path;
+use std::{io, iter};
 
 /// Reads a file by its name as written.
 type Read<'a> = dyn Fn(&str) -> io::Result<Vec<u8>> + Sync + 'a;
@@ -29,8 +35,25 @@ pub struct Common<'a> {
     pub units: Vec<&'static str>,
     /// The metrics of the run without any change, in their order.
     pub usual: Vec<Option<f64>>,
+    /// What the curves that are kept of each member have in common; `None` where none are.
+    pub axes: Option<TraceAxes>,
+    /// The curves of the run without any change, quantity by quantity.
+    pub usual_curves: Vec<f32>,
+    traces: Option<Traces>,
     body: Option<Body>,
 }
+
+/// A member's cell without a mesh.
+struct Alone {
+    cell: Cell,
+    /// Slope and offset of its membrane potential, mV, where its model has one.
+    millivolts: Option<(f64, f64)>,
+    /// kPa per unit of its tension.
+    scale: f64,
+}
+
+/// A member that is done, and its curves where they are wanted.
+type Done = (VariationRow, Vec<f32>);
 
 /// The mesh that members share, where what they differ in leaves it as it is.
 struct Body {
@@ -59,11 +82,60 @@ impl<'a> Common<'a> {
     /// A shape that cannot be made, a run that cannot beat, or a metric that it does not have.
     pub fn new(study: &'a ParameterStudy, read: &'a Read<'a>) -> Result<Self, ParameterStudyError> {
         let run = study.run.resolve()?;
-        let common = Self { study, read, units: Vec::new(), usual: Vec::new(), body: None };
+        let in_mv = run.cell.membrane_potential_mv(&run.cell.initial_state()).is_some();
+        let potential = if in_mv { "Potential (mV)" } else { "Potential u (\u{2013})" };
+        let mut quantities = vec![potential, "Active tension (kPa)"];
+        if study.kind == Kind::Beat {
+            quantities.push("Shortening (%)");
+        }
+        let common = Self {
+            study,
+            read,
+            units: Vec::new(),
+            usual: Vec::new(),
+            axes: study.traces.then(|| TraceAxes::new(run.duration, quantities)),
+            usual_curves: Vec::new(),
+            traces: None,
+            body: None,
+        };
         match study.kind {
             Kind::Cell => common.of_cells(&run),
             Kind::Beat => common.of_beats(&run),
         }
+    }
+
+    /// Keeps the curves of the members of a part in a folder, where the study wants them: [`TRACES`](super::TRACES).
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keeping_traces(self, folder: &Path, part: Shard) -> Result<Self, StudyError> {
+        let Some(axes) = &self.axes else { return Ok(self) };
+        let members = (self.study.values.len() + part.of - part.part) / part.of;
+        let traces = Some(Traces::open(folder, axes, part, members)?);
+        Ok(Self { traces, ..self })
+    }
+
+    /// Why curves were not kept.
+    pub(super) fn failure(&self) -> Option<FileError> {
+        self.traces.as_ref()?.failure()
+    }
+
+    /// The rows of members, once their curves are kept.
+    fn kept(
+        &self,
+        members: &[&Variation],
+        done: Vec<Result<Done, Cause>>,
+    ) -> Vec<Result<VariationRow, Cause>> {
+        if let Some(traces) = &self.traces {
+            let curves = |done: &Result<Done, Cause>| {
+                done.as_ref().map_or_else(|_| Vec::new(), |(_, curves)| curves.clone())
+            };
+            let curves: Vec<Vec<f32>> = done.iter().map(curves).collect();
+            if traces.keep(members, &curves).is_err() {
+                return members.iter().map(|_| Err(Interrupted.into())).collect();
+            }
+        }
+        done.into_iter().map(|done| done.map(|(row, _)| row)).collect()
     }
 
     fn of_cells(self, run: &Run) -> Result<Self, ParameterStudyError> {
@@ -83,9 +155,10 @@ impl<'a> Common<'a> {
         let units = ["kPa", "ms", "ms", "", ""];
         let place = |name: &String| OF_CELLS.iter().position(|known| known == name);
         let units = self.in_order(|name| place(name).map(|at| units[at]), &OF_CELLS)?;
-        let usual = self.cells(&[&Variation::new(0, self.usual_values(run))]).remove(0);
-        let usual = usual.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
-        Ok(Self { units, usual: usual.metrics, ..self })
+        let usual = self.cells_done(&[&Variation::new(0, self.usual_values(run))]).remove(0);
+        let (usual, usual_curves) =
+            usual.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
+        Ok(Self { units, usual: usual.metrics, usual_curves, ..self })
     }
 
     fn of_beats(self, run: &Run) -> Result<Self, ParameterStudyError> {
@@ -109,8 +182,10 @@ impl<'a> Common<'a> {
         let unit = |name: &String| Some(first.metrics().find(|metric| metric.name == *name)?.unit);
         let units = self.in_order(unit, &known)?;
         let usual = self.metrics(&beats);
+        let usual_curves = self.curves(&outcome);
         let shared = !keys().any(|key| starts(key, &SHAPING));
-        Ok(Self { units, usual, body: Some(body).filter(|_| shared), ..self })
+        let body = Some(body).filter(|_| shared);
+        Ok(Self { units, usual, usual_curves, body, ..self })
     }
 
     /// What is known of each metric, or the one that does not exist.
@@ -134,15 +209,24 @@ impl<'a> Common<'a> {
 
     /// The rows of some members, each a beat of its own.
     pub fn beats(&self, members: &[&Variation]) -> Vec<Result<VariationRow, Cause>> {
-        members.iter().map(|member| self.beat(member)).collect()
+        self.kept(members, members.iter().map(|member| self.beat(member)).collect())
     }
 
-    fn beat(&self, member: &Variation) -> Result<VariationRow, Cause> {
+    fn beat(&self, member: &Variation) -> Result<Done, Cause> {
         let file = self.study.run_of(&member.values)?;
         let run = file.resolve()?;
         let (_, ready) = self.made(&file, &run)?;
-        let beats = ended(&ready.run(|_progress| true))?;
-        Ok(VariationRow::done(member.number, self.metrics(&beats)))
+        let outcome = ready.run(|_progress| true);
+        let beats = ended(&outcome)?;
+        Ok((VariationRow::done(member.number, self.metrics(&beats)), self.curves(&outcome)))
+    }
+
+    /// The curves of a beat, where they are wanted.
+    fn curves(&self, outcome: &Outcome) -> Vec<f32> {
+        let Some(axes) = &self.axes else { return Vec::new() };
+        let quantities: [fn(&Sample) -> f64; 3] =
+            [|s| s.vm_mv.unwrap_or(s.u), |s| s.ta_kpa, |s| s.shortening_pct];
+        axes.resampled(&outcome.recording.samples, &quantities)
     }
 
     /// The simulation of a run, on the mesh that members share or on its own.
@@ -187,21 +271,25 @@ impl<'a> Common<'a> {
 
     /// The rows of some members, whose cells go side by side.
     pub fn cells(&self, members: &[&Variation]) -> Vec<Result<VariationRow, Cause>> {
-        let tasks: Vec<Result<(Cell, f64), Cause>> =
+        self.kept(members, self.cells_done(members))
+    }
+
+    fn cells_done(&self, members: &[&Variation]) -> Vec<Result<Done, Cause>> {
+        let tasks: Vec<Result<Alone, Cause>> =
             members.iter().map(|member| self.cell(member)).collect();
         let cells: Vec<Cell> =
-            tasks.iter().filter_map(|task| Some(task.as_ref().ok()?.0.clone())).collect();
+            tasks.iter().filter_map(|task| Some(task.as_ref().ok()?.cell.clone())).collect();
         let settings = population::Settings {
             method: adaptive::Settings::default(),
-            sample_interval_ms: None,
+            sample_interval_ms: self.axes.as_ref().map(|axes| axes.interval_ms),
         };
         let outcomes = match population::run(&cells, &settings) {
             Ok(outcomes) => outcomes,
             Err(error) => return members.iter().map(|_| Err(error.clone().into())).collect(),
         };
         let mut outcomes = outcomes.into_iter();
-        let row = |(member, task): (&&Variation, Result<(Cell, f64), Cause>)| {
-            let (_, scale) = task?;
+        let row = |(member, task): (&&Variation, Result<Alone, Cause>)| {
+            let Alone { millivolts, scale, .. } = task?;
             let outcome = outcomes.next().ok_or("a cell without an outcome")??;
             let value = |beat: &adaptive::Beat, name: &String| match name.as_str() {
                 "peak_tension" => Some(scale * beat.peak_tension),
@@ -221,13 +309,24 @@ impl<'a> Common<'a> {
                     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
                 }
             };
-            Ok(VariationRow::done(member.number, self.study.metrics.iter().map(of).collect()))
+            let curves = self.axes.as_ref().map_or_else(Vec::new, |axes| {
+                let potential = |state: &[f64; 6]| {
+                    millivolts.map_or(state[0], |(slope, rest)| slope * state[0] + rest) as f32
+                };
+                let one = |value: &dyn Fn(&[f64; 6]) -> f32| {
+                    let values = outcome.samples.iter().map(value);
+                    values.chain(iter::repeat(f32::NAN)).take(axes.times).collect::<Vec<f32>>()
+                };
+                [one(&potential), one(&|state| (scale * state[5]) as f32)].concat()
+            });
+            let metrics = self.study.metrics.iter().map(of).collect();
+            Ok((VariationRow::done(member.number, metrics), curves))
         };
         members.iter().zip(tasks).map(row).collect()
     }
 
-    /// A member's cell, and kPa per unit of its tension.
-    fn cell(&self, member: &Variation) -> Result<(Cell, f64), Cause> {
+    /// A member's cell.
+    fn cell(&self, member: &Variation) -> Result<Alone, Cause> {
         let run = self.study.run_of(&member.values)?.resolve()?;
         let model = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
         let model = model.ok_or("the model is not the minimal one")?;
@@ -235,7 +334,8 @@ impl<'a> Common<'a> {
             TensionKind::Relative { published_peak } => run.peak_tension / published_peak,
             TensionKind::Kilopascal => 1.0,
         };
-        Ok((Cell::new(model, run.protocol, run.duration)?, scale))
+        let cell = Cell::new(model, run.protocol, run.duration)?;
+        Ok(Alone { cell, millivolts: model.identity().millivolts, scale })
     }
 }
 
