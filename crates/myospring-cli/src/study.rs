@@ -9,12 +9,13 @@ use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::{interrupt, print, progress};
 use indicatif::ProgressBar;
+use myospring::output::table::{write_csv, write_parquet};
 use myospring::output::{files, json};
 use myospring::study::parameters::{
     Acceptance, Answer, Common, ParameterStudy, Sensitivity, Shard, TRACES, TraceAxes, Variation,
     VariationRow, merge_traces, run,
 };
-use myospring::study::{Cause, Journal, Observer, Row as _, Status, Threads};
+use myospring::study::{Journal, Observer, Row as _, Status, Threads};
 use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -160,7 +161,7 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
             && entry.path().is_dir()
         {
             let journal: Journal<Variation> = Journal::open(&entry.path(), &study.settings())?;
-            rows.extend(journal.rows(&all));
+            rows.extend(journal.rows(&all)?);
             parts.push((part, entry.path()));
         }
     }
@@ -203,9 +204,12 @@ fn finish(
     text: &str,
     as_json: bool,
 ) -> Result<(), Failure> {
-    let table = answer.table();
-    files::write(&target.join(RESULTS[0]), table.to_csv()?)?;
-    files::write(&target.join(RESULTS[1]), table.to_parquet().map_err(Failure::new)?)?;
+    files::write_with(&target.join(RESULTS[0]), |file| {
+        write_csv(file, answer.pieces()).map_err(Failure::from)
+    })?;
+    files::write_with(&target.join(RESULTS[1]), |file| {
+        write_parquet(file, answer.pieces()).map_err(Failure::new)
+    })?;
     files::write(&target.join(RESULTS[2]), text)?;
     let sensitivity = match answer.sensitivity() {
         Ok(sensitivity) => sensitivity,
@@ -304,8 +308,8 @@ impl Observer<Variation> for Seen<'_> {
         !interrupt::asked()
     }
 
-    fn table(&self, _rows: &[VariationRow]) -> Result<(), Cause> {
-        Ok(())
+    fn wants_tables(&self) -> bool {
+        false
     }
 }
 

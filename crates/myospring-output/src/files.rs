@@ -8,8 +8,8 @@ pub use draft::Draft;
 pub use error::FileError;
 pub use hold::{Hold, hold};
 
-use std::fs;
-use std::io::Write;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// Makes a folder with all above it; one that exists is fine.
@@ -37,27 +37,39 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
+    let failed = |source| FileError::Write { path: path.to_owned(), source };
+    write_with(path, |file| file.write_all(contents.as_ref()).map_err(failed))
+}
+
+/// As [`write`], with what `fill` writes: a file that is larger than memory need not be held.
+///
+/// # Errors
+/// Those of [`write`] and of `fill`; the file is then as it was before.
+pub fn write_with<E: From<FileError>>(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
+) -> Result<(), E> {
     let Some(name) = path.file_name() else {
-        return Err(FileError::NoName { path: path.to_owned() });
+        return Err(FileError::NoName { path: path.to_owned() }.into());
     };
     let mut part_name = name.to_owned();
     part_name.push(".part");
     let part = path.with_file_name(part_name);
     let failed = |source| FileError::Write { path: path.to_owned(), source };
     // Held until it has its name, so that nobody else writes into it or takes it for a leftover.
-    let mut file = match hold(&part).map_err(failed)? {
+    let file = match hold(&part).map_err(failed)? {
         Hold::Ours(file) | Hold::Unknown(file) => file,
-        Hold::Others => return Err(FileError::InUse { path: path.to_owned() }),
+        Hold::Others => return Err(FileError::InUse { path: path.to_owned() }.into()),
     };
-    let outcome = file
-        .set_len(0)
-        .and_then(|()| file.write_all(contents.as_ref()))
-        .and_then(|()| file.sync_all())
-        .map_err(failed)
-        .and_then(|()| {
-            fs::rename(&part, path)
-                .map_err(|source| FileError::Rename { path: path.to_owned(), source })
-        });
+    let filled = || {
+        file.set_len(0).map_err(failed)?;
+        let mut writer = BufWriter::new(&file);
+        fill(&mut writer)?;
+        writer.flush().and_then(|()| file.sync_all()).map_err(failed)?;
+        let renamed = fs::rename(&part, path);
+        Ok(renamed.map_err(|source| FileError::Rename { path: path.to_owned(), source })?)
+    };
+    let outcome = filled();
     if outcome.is_err() {
         // The error above says what went wrong; a rest that stays is named `.part`.
         fs::remove_file(&part).ok();

@@ -1,5 +1,7 @@
 //! A table of many runs, one row each: CSV for people, Parquet for programs.
 
+use std::borrow::Borrow;
+use std::io::Write;
 #[cfg(feature = "parquet")]
 use std::sync::Arc;
 
@@ -107,17 +109,9 @@ impl Table {
     /// # Ok::<(), myospring::output::csv::CsvError>(())
     /// ```
     pub fn to_csv(&self) -> Result<Vec<u8>, CsvError> {
-        let failed = |row, source| CsvError::Row { row, source };
-        let mut writer = ::csv::Writer::from_writer(Vec::new());
-        writer
-            .write_record(self.columns.iter().map(Column::name))
-            .map_err(|error| failed(0, error))?;
-        for row in 0..self.rows() {
-            writer
-                .write_record(self.columns.iter().map(|column| column.field(row)))
-                .map_err(|error| failed(row, error))?;
-        }
-        writer.into_inner().map_err(|error| failed(self.rows(), error.into_error().into()))
+        let mut bytes = Vec::new();
+        write_csv(&mut bytes, [self])?;
+        Ok(bytes)
     }
 
     /// The table as Apache Parquet: text as UTF-8 strings, numbers as doubles, none as null.
@@ -126,6 +120,14 @@ impl Table {
     /// Columns of different lengths.
     #[cfg(feature = "parquet")]
     pub fn to_parquet(&self) -> Result<Vec<u8>, ParquetError> {
+        let mut bytes = Vec::new();
+        write_parquet(&mut bytes, [self])?;
+        Ok(bytes)
+    }
+
+    /// The columns with their kinds, as Parquet has them.
+    #[cfg(feature = "parquet")]
+    fn schema(&self) -> Result<Type, ParquetError> {
         let fields = self.columns.iter().map(|column| {
             let field = match column {
                 Column::Text { name, .. } => {
@@ -137,13 +139,56 @@ impl Table {
             field.with_repetition(Repetition::OPTIONAL).build().map(Arc::new)
         });
         let fields = fields.collect::<Result<Vec<_>, _>>()?;
-        let schema = Type::group_type_builder("cells").with_fields(fields).build()?;
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-        let mut bytes = Vec::new();
-        let mut file =
-            SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties))?;
+        Type::group_type_builder("cells").with_fields(fields).build()
+    }
+}
+
+/// Writes pieces of one table below each other as CSV: what is held is a piece.
+///
+/// # Errors
+/// What the sink says, with the row.
+pub fn write_csv<T: Borrow<Table>>(
+    sink: impl Write,
+    pieces: impl IntoIterator<Item = T>,
+) -> Result<(), CsvError> {
+    let failed = |row, source| CsvError::Row { row, source };
+    let mut writer = ::csv::Writer::from_writer(sink);
+    let mut before = 0;
+    for (index, piece) in pieces.into_iter().enumerate() {
+        let piece = piece.borrow();
+        if index == 0 {
+            let names = piece.columns.iter().map(Column::name);
+            writer.write_record(names).map_err(|error| failed(0, error))?;
+        }
+        for row in 0..piece.rows() {
+            writer
+                .write_record(piece.columns.iter().map(|column| column.field(row)))
+                .map_err(|error| failed(before + row, error))?;
+        }
+        before += piece.rows();
+    }
+    writer.flush().map_err(|error| failed(before, error.into()))
+}
+
+/// Writes pieces of one table below each other as Apache Parquet, each a row group: what is held is a piece.
+///
+/// # Errors
+/// No piece, or columns of different lengths.
+#[cfg(feature = "parquet")]
+pub fn write_parquet<T: Borrow<Table>>(
+    sink: impl Write + Send,
+    pieces: impl IntoIterator<Item = T>,
+) -> Result<(), ParquetError> {
+    let mut pieces = pieces.into_iter();
+    let Some(first) = pieces.next() else {
+        return Err(ParquetError::General("a table has at least one piece".to_owned()));
+    };
+    let schema = Arc::new(first.borrow().schema()?);
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let mut file = SerializedFileWriter::new(sink, schema, Arc::new(properties))?;
+    for piece in std::iter::once(first).chain(pieces) {
         let mut group = file.next_row_group()?;
-        for column in &self.columns {
+        for column in &piece.borrow().columns {
             let Some(mut writer) = group.next_column()? else { break };
             match column {
                 Column::Text { values, .. } => {
@@ -164,7 +209,7 @@ impl Table {
             writer.close()?;
         }
         group.close()?;
-        file.close()?;
-        Ok(bytes)
     }
+    file.close()?;
+    Ok(())
 }

@@ -3,9 +3,10 @@
 use super::{Member, StudyError};
 use crate::output::files::{self, FileError, Hold, hold};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs::{self, DirEntry, File};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -26,19 +27,36 @@ struct Entry<R> {
 /// The journal of a study: `progress.jsonl`, a line for each member that is done, beside `settings.toml`, all
 /// that they have in common. A study goes on only with the same settings to the letter. While it goes on, the
 /// journal is locked: a second study in its folder is refused.
+///
+/// Rows stay on the disk: of each member that is done, memory has its name and the place of its line.
 pub struct Journal<M: Member> {
     state: Mutex<State<M::Row>>,
 }
 
-struct State<R> {
-    file: Option<(PathBuf, File)>,
-    entries: BTreeMap<String, Entry<R>>,
+enum State<R> {
+    InMemory(BTreeMap<String, Entry<R>>),
+    OnDisk { path: PathBuf, file: File, lines: BTreeMap<Box<str>, Line> },
+}
+
+/// The line of a member that is done.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    /// Of the hash of its input: all that is asked is whether it is another.
+    input: u64,
+    start: u64,
+    length: u32,
+}
+
+fn digest(sha256: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    sha256.hash(&mut hasher);
+    hasher.finish()
 }
 
 impl<M: Member> Journal<M> {
     /// A journal that is forgotten with the study.
     pub fn in_memory() -> Self {
-        Self { state: Mutex::new(State { file: None, entries: BTreeMap::new() }) }
+        Self { state: Mutex::new(State::InMemory(BTreeMap::new())) }
     }
 
     /// Goes on with the journal in a folder of results, or begins one in a folder that is empty or not there.
@@ -79,8 +97,8 @@ impl<M: Member> Journal<M> {
         Ok(Self::of(path, file, BTreeMap::new()))
     }
 
-    fn of(path: PathBuf, file: File, entries: BTreeMap<String, Entry<M::Row>>) -> Self {
-        Self { state: Mutex::new(State { file: Some((path, file)), entries }) }
+    fn of(path: PathBuf, file: File, lines: BTreeMap<Box<str>, Line>) -> Self {
+        Self { state: Mutex::new(State::OnDisk { path, file, lines }) }
     }
 
     /// Whether a study of these settings may go on or begin in a folder.
@@ -120,14 +138,18 @@ impl<M: Member> Journal<M> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Names of those members that are done and whose input has not changed since.
-    pub(super) fn done(&self, members: &[M]) -> BTreeSet<String> {
+    /// The members that are not done, or whose input has changed since.
+    pub(super) fn left<'a>(&self, members: &'a [M]) -> Vec<&'a M> {
         let state = self.state();
-        let unchanged = |member: &&M| {
-            let entry = state.entries.get(member.name());
-            entry.is_some_and(|entry| member.key().is_some_and(|key| key == entry.sha256))
+        let unchanged = |member: &&M| match &*state {
+            State::InMemory(entries) => entries
+                .get(member.name())
+                .is_some_and(|entry| member.key().is_some_and(|key| key == entry.sha256)),
+            State::OnDisk { lines, .. } => lines
+                .get(member.name())
+                .is_some_and(|line| member.key().is_some_and(|key| digest(&key) == line.input)),
         };
-        members.iter().filter(unchanged).map(|member| member.name().to_owned()).collect()
+        members.iter().filter(|member| !unchanged(member)).collect()
     }
 
     /// Adds members that are done, each with its key and rows; they are on the disk when this returns.
@@ -145,20 +167,51 @@ impl<M: Member> Journal<M> {
                 Entry { name, sha256: key.unwrap_or_default(), rows }
             })
             .collect();
-        let lines = lines(&entries)?;
-        let mut state = self.state();
-        if let Some((path, file)) = &mut state.file {
-            append(file, lines.as_bytes()).map_err(|source| unwritten(path, source))?;
+        let texts = entries.iter().map(line).collect::<Result<Vec<String>, _>>()?;
+        match &mut *self.state() {
+            State::InMemory(known) => known.extend(entries.into_iter().filter_map(named::<M>)),
+            State::OnDisk { path, file, lines } => {
+                let mut start = append(file, texts.concat().as_bytes())
+                    .map_err(|source| unwritten(path, source))?;
+                for (entry, text) in entries.into_iter().zip(texts) {
+                    let length = text.len();
+                    lines.extend(placed::<M>(&entry, start, length));
+                    start += length as u64;
+                }
+            }
         }
-        state.entries.extend(entries.into_iter().filter_map(named::<M>));
         Ok(())
     }
 
     /// The rows of these members, in their order, as far as they are done.
-    pub fn rows(&self, members: &[M]) -> Vec<M::Row> {
-        let state = self.state();
-        let entries = members.iter().filter_map(|member| state.entries.get(member.name()));
-        entries.flat_map(|entry| entry.rows.iter().cloned()).collect()
+    ///
+    /// # Errors
+    /// A journal that cannot be read.
+    pub fn rows(&self, members: &[M]) -> Result<Vec<M::Row>, StudyError> {
+        let mut rows = Vec::with_capacity(members.len());
+        match &mut *self.state() {
+            State::InMemory(entries) => {
+                let entries = members.iter().filter_map(|member| entries.get(member.name()));
+                rows.extend(entries.flat_map(|entry| entry.rows.iter().cloned()));
+            }
+            State::OnDisk { path, file, lines } => {
+                let mut reader = BufReader::new(file);
+                let mut here =
+                    reader.stream_position().map_err(|source| unwritten(path, source))?;
+                let mut bytes = Vec::new();
+                for line in members.iter().filter_map(|member| lines.get(member.name())) {
+                    bytes.resize(line.length as usize, 0);
+                    // Neighbours in the journal are mostly neighbours in the study.
+                    reader
+                        .seek_relative(line.start.cast_signed() - here.cast_signed())
+                        .and_then(|()| reader.read_exact(&mut bytes))
+                        .map_err(|source| unwritten(path, source))?;
+                    here = line.start + u64::from(line.length);
+                    rows.extend(serde_json::from_slice::<Entry<M::Row>>(&bytes)?.rows);
+                }
+            }
+        }
+        Ok(rows)
     }
 }
 
@@ -176,42 +229,51 @@ fn remove(path: &Path) -> io::Result<()> {
     )
 }
 
-fn lines<'a, R: Serialize + 'a>(
-    entries: impl IntoIterator<Item = &'a Entry<R>>,
-) -> Result<String, StudyError> {
-    let mut lines = String::new();
-    for entry in entries {
-        lines.push_str(&serde_json::to_string(entry)?);
-        lines.push('\n');
-    }
-    Ok(lines)
+fn line<R: Serialize>(entry: &Entry<R>) -> Result<String, StudyError> {
+    Ok(serde_json::to_string(entry)? + "\n")
 }
 
-/// Adds whole lines at the end of a journal, or nothing.
-fn append(file: &mut File, lines: &[u8]) -> io::Result<()> {
+/// Adds whole lines at the end of a journal, or nothing; returns where they begin.
+fn append(file: &mut File, lines: &[u8]) -> io::Result<u64> {
     let end = file.seek(SeekFrom::End(0))?;
     let written = file.write_all(lines).and_then(|()| file.sync_data());
     if written.is_err() {
         // A part of a line that stays is cut off by the next study.
         file.set_len(end).ok();
     }
-    written
+    written.map(|()| end)
 }
 
-/// The entries of a journal, of several of one name the last; a last line that was cut off is removed.
-fn known<M: Member>(file: &mut File) -> io::Result<BTreeMap<String, Entry<M::Row>>> {
+/// The lines of a journal, of several of one name the last; a last line that was cut off is removed.
+fn known<M: Member>(file: &mut File) -> io::Result<BTreeMap<Box<str>, Line>> {
+    let mut lines = BTreeMap::new();
+    let mut start = 0;
+    let mut reader = BufReader::new(&mut *file);
     let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes)?;
-    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-    if whole < bytes.len() {
-        file.set_len(whole as u64)?;
+    loop {
+        bytes.clear();
+        let length = reader.read_until(b'\n', &mut bytes)?;
+        if bytes.last() != Some(&b'\n') {
+            break;
+        }
+        let entry = serde_json::from_slice::<Entry<M::Row>>(&bytes).ok();
+        lines.extend(entry.and_then(|entry| placed::<M>(&entry, start, length)));
+        start += length as u64;
     }
-    let lines = bytes[..whole].split(|byte| *byte == b'\n');
-    let entries = lines.filter_map(|line| serde_json::from_slice(line).ok());
-    Ok(entries.filter_map(named::<M>).collect())
+    if start < file.metadata()?.len() {
+        file.set_len(start)?;
+    }
+    Ok(lines)
 }
 
 /// An entry by its name, if it is of such a member.
 fn named<M: Member>(entry: Entry<M::Row>) -> Option<(String, Entry<M::Row>)> {
     Some((entry.name.get(M::KIND)?.clone(), entry))
+}
+
+/// The place of an entry by its name, if it is of such a member.
+fn placed<M: Member>(entry: &Entry<M::Row>, start: u64, length: usize) -> Option<(Box<str>, Line)> {
+    let name = entry.name.get(M::KIND)?.as_str().into();
+    let length = u32::try_from(length).ok()?;
+    Some((name, Line { input: digest(&entry.sha256), start, length }))
 }

@@ -16,6 +16,11 @@ pub trait Observer<M: Member>: Sync {
         true
     }
 
+    /// Whether [`Observer::table`] is called while members are under way; of very many that takes long.
+    fn wants_tables(&self) -> bool {
+        true
+    }
+
     /// The rows so far, in the order of the members: every [`TABLE_EVERY`], and at the end.
     ///
     /// # Errors

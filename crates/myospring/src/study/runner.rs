@@ -58,13 +58,12 @@ pub fn run_together<M: Member>(
     together: NonZeroUsize,
     work: impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync,
 ) -> Result<Report<M::Row>, StudyError> {
-    let mut names = BTreeSet::new();
-    if let Some(twice) = members.iter().find(|member| !names.insert(member.name())) {
-        return Err(StudyError::SameName { name: twice.name().to_owned() });
+    if let Some(name) = twice(members) {
+        return Err(StudyError::SameName { name: name.to_owned() });
     }
-    let done = journal.done(members);
-    observer.begins(done.len(), members.len());
-    let left: Vec<&M> = members.iter().filter(|member| !done.contains(member.name())).collect();
+    let left = journal.left(members);
+    let resumed = members.len() - left.len();
+    observer.begins(resumed, members.len());
     let last_table = Mutex::new(Instant::now());
     let group = |group: &[&M]| {
         let keys: Vec<Option<String>> = group.iter().map(|member| member.key()).collect();
@@ -81,9 +80,9 @@ pub fn run_together<M: Member>(
             goes_on &= observer.finished(member, rows);
         }
         let mut last = last_table.lock().unwrap_or_else(PoisonError::into_inner);
-        if last.elapsed() > TABLE_EVERY {
+        if observer.wants_tables() && last.elapsed() > TABLE_EVERY {
             *last = Instant::now();
-            observer.table(&journal.rows(members)).map_err(StudyError::Observer)?;
+            observer.table(&journal.rows(members)?).map_err(StudyError::Observer)?;
         }
         if goes_on { Ok(()) } else { Err(End::Stopped) }
     };
@@ -93,9 +92,15 @@ pub fn run_together<M: Member>(
         Err(End::Stopped) => true,
         Err(End::Failed(error)) => return Err(error),
     };
-    let rows = journal.rows(members);
+    let rows = journal.rows(members)?;
     observer.table(&rows).map_err(StudyError::Observer)?;
-    Ok(Report { resumed: done.len(), stopped, rows })
+    Ok(Report { resumed, stopped, rows })
+}
+
+/// A name that two members have.
+fn twice<M: Member>(members: &[M]) -> Option<&str> {
+    let mut names = BTreeSet::new();
+    members.iter().map(Member::name).find(|name| !names.insert(*name))
 }
 
 /// Why a study ends before its last member.

@@ -9,6 +9,9 @@ use super::member::VariationRow;
 use crate::output::table::{Column, Table, column_name};
 use serde::Serialize;
 
+/// Rows that are written at a time.
+const PIECE: usize = 1 << 16;
+
 /// The rows of a study, in the order of its members.
 pub struct Answer<'a> {
     pub(super) study: &'a ParameterStudy,
@@ -269,13 +272,24 @@ impl<'a> Answer<'a> {
 
     /// One row a member: its values, its metrics, what became of it.
     pub fn table(&self) -> Table {
+        self.piece(&self.rows)
+    }
+
+    /// The table in pieces of some 65 000 rows, one below the other: at least one.
+    pub fn pieces(&self) -> impl Iterator<Item = Table> {
+        let rest = self.rows.chunks(PIECE).skip(1);
+        let first = &self.rows[..PIECE.min(self.rows.len())];
+        std::iter::once(first).chain(rest).map(|rows| self.piece(rows))
+    }
+
+    fn piece(&self, rows: &[VariationRow]) -> Table {
         let number = |name: String, value: &dyn Fn(&VariationRow) -> Option<f64>| Column::Number {
             name,
-            values: self.rows.iter().map(value).collect(),
+            values: rows.iter().map(value).collect(),
         };
         let text = |name: &str, value: &dyn Fn(&VariationRow) -> String| Column::Text {
             name: name.to_owned(),
-            values: self.rows.iter().map(|row| Some(value(row))).collect(),
+            values: rows.iter().map(|row| Some(value(row))).collect(),
         };
         let mut columns = vec![number("member".to_owned(), &|row| Some(row.member as f64))];
         for (at, varied) in self.study.varied.iter().enumerate() {

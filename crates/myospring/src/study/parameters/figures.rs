@@ -155,7 +155,7 @@ impl Answer<'_> {
                     let last = column.len().checked_sub(1)?;
                     Some(f64::from(column[(part * last as f64).round() as usize]))
                 };
-                let values = columns[of.clone()].iter().map(|column| value(column));
+                let values = columns[of.clone()].iter().map(value);
                 values.map(|value| value.unwrap_or(f64::NAN)).collect()
             };
             let usual = common.usual_curves.get(of.clone()).unwrap_or_default();

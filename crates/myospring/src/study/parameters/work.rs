@@ -82,9 +82,14 @@ impl<'a> Common<'a> {
     /// A shape that cannot be made, a run that cannot beat, or a metric that it does not have.
     pub fn new(study: &'a ParameterStudy, read: &'a Read<'a>) -> Result<Self, ParameterStudyError> {
         let run = study.run.resolve()?;
-        let in_mv = run.cell.membrane_potential_mv(&run.cell.initial_state()).is_some();
-        let potential = if in_mv { "Potential (mV)" } else { "Potential u (\u{2013})" };
-        let mut quantities = vec![potential, "Active tension (kPa)"];
+        let at_rest = run.cell.initial_state();
+        let mut quantities = Vec::new();
+        if run.cell.membrane_potential_mv(&at_rest).is_some() {
+            quantities.push("Potential (mV)");
+        } else if run.cell.potential(&at_rest).is_some() {
+            quantities.push("Potential u (\u{2013})");
+        }
+        quantities.push("Active tension (kPa)");
         if study.kind == Kind::Beat {
             quantities.push("Shortening (%)");
         }
@@ -224,9 +229,14 @@ impl<'a> Common<'a> {
     /// The curves of a beat, where they are wanted.
     fn curves(&self, outcome: &Outcome) -> Vec<f32> {
         let Some(axes) = &self.axes else { return Vec::new() };
-        let quantities: [fn(&Sample) -> f64; 3] =
-            [|s| s.vm_mv.unwrap_or(s.u), |s| s.ta_kpa, |s| s.shortening_pct];
-        axes.resampled(&outcome.recording.samples, &quantities)
+        let quantities: [fn(&Sample) -> f64; 3] = [
+            |sample| sample.vm_mv.or(sample.u).unwrap_or(f64::NAN),
+            |sample| sample.ta_kpa,
+            |sample| sample.shortening_pct,
+        ];
+        // Some cells have no potential.
+        let first = quantities.len() - axes.quantities.len();
+        axes.resampled(&outcome.recording.samples, &quantities[first..])
     }
 
     /// The simulation of a run, on the mesh that members share or on its own.
