@@ -271,3 +271,50 @@ fn response_curves_are_drawn_for_grids_and_for_one_parameter_at_a_time() {
         assert!(text(&svg).contains(words) && text(&svg).contains("Peak tension (kPa)"), "{name}");
     }
 }
+
+/// Smaller than it is shipped.
+fn small(study: &str) -> String {
+    let mesh = "[run.shape]\nspacing = \"7 um\"\n[run.cell]";
+    let study = study.replace("[run.shape]\nspacing = \"4 um\"\n", "");
+    let beats = study.contains("kind = \"beat\"");
+    let study = if beats { study.replace("[run.cell]", mesh) } else { study };
+    let less = ["trajectories = 50", "size = 1024", "size = 2000"];
+    less.into_iter()
+        .zip(["trajectories = 2", "size = 2", "size = 20"])
+        .fold(study, |study, (usual, small)| study.replace(usual, small))
+}
+
+#[test]
+fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/studies");
+    let mut known = Vec::new();
+    for entry in fs::read_dir(&studies).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        let text = fs::read_to_string(studies.join(&name)).unwrap();
+        assert!(text.contains(&format!("myospring study run examples/studies/{name}")), "{name}");
+        fs::write(path.join(&name), small(&text)).unwrap();
+        let said = done(path, &["study", "run", &name, "-o", &format!("{name}.out")]);
+        let members = if name == "population.toml" { "20 members: 20 beat" } else { " beat\n" };
+        assert!(said.contains(members), "{name}: {said}");
+        known.push(name);
+    }
+    known.sort();
+    assert_eq!(known, ["contraction_morris.toml", "contraction_sobol.toml", "population.toml"]);
+    let models = done(path, &["models", "coelho_2021"]);
+    let rows = models.lines().skip_while(|line| !line.starts_with("parameter")).skip(1);
+    let parameters: Vec<&str> = rows.filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(parameters.len(), 35);
+    for study in ["contraction_morris.toml", "contraction_sobol.toml"] {
+        let json: serde_json::Value = serde_json::from_slice(
+            &fs::read(path.join(format!("{study}.out/study.json"))).unwrap(),
+        )
+        .unwrap();
+        let looked_at = json["sensitivity"][0]["parameters"].as_array().unwrap();
+        for parameter in &parameters {
+            let key = format!("cell.parameters.{parameter}");
+            assert!(looked_at.iter().any(|one| one["parameter"] == key.as_str()), "{key}");
+        }
+    }
+}

@@ -57,7 +57,9 @@ pub(super) fn for_people(study: &ParameterStudy, outcome: &Outcome<'_>) -> Strin
                 }
             }
         }));
-        text.push_str(&aligned(&rows, &[1, 2, 3]));
+        if rows.len() > 1 {
+            text.push_str(&aligned(&rows, &[1, 2, 3]));
+        }
         if one.left_out > 0 {
             let all = one.used + one.left_out;
             let _ = writeln!(

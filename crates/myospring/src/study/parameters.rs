@@ -57,7 +57,7 @@ use crate::cell::population::LANES;
 use std::num::NonZeroUsize;
 
 /// So many cells go side by side, and are noted together.
-const CELLS_TOGETHER: usize = 8 * LANES;
+const CELLS_TOGETHER: usize = 64 * LANES;
 /// So many beats are noted together: half a second of work.
 const BEATS_TOGETHER: usize = 8;
 

@@ -1,7 +1,7 @@
 //! What the members of a study say together.
 
 use super::super::sampling::Sampler;
-use super::super::sensitivity::{Index, Pair, morris, sobol};
+use super::super::sensitivity::{Index, Pair, SensitivityError, morris, sobol};
 use super::super::{Row as _, Status};
 use super::description::{Design, ParameterStudy};
 use super::error::ParameterStudyError;
@@ -78,6 +78,22 @@ pub struct Sensitivity {
     pub used: usize,
     /// Those that were left out, since a member of theirs failed or does not have the metric.
     pub left_out: usize,
+}
+
+impl Sensitivity {
+    /// Of a metric that too few members have.
+    fn none(metric: &str, unit: &'static str, left_out: usize) -> Self {
+        let (metric, parameters, pairs) = (metric.to_owned(), Vec::new(), Vec::new());
+        Self { metric, unit, parameters, pairs, used: 0, left_out }
+    }
+}
+
+/// What was found, or `None` where too few members have the metric.
+fn enough<T>(found: Result<T, SensitivityError>) -> Result<Option<T>, SensitivityError> {
+    match found {
+        Err(SensitivityError::TooFew { .. }) => Ok(None),
+        found => found.map(Some),
+    }
 }
 
 /// What one parameter does.
@@ -310,9 +326,11 @@ impl<'a> Answer<'a> {
     }
 
     /// How much each metric hangs on each parameter; empty where the design is none for that, or members are missing.
+    /// A metric that fewer than two base points or trajectories have in all their members has no parameters, and all
+    /// are left out.
     ///
     /// # Errors
-    /// Fewer than two base points or trajectories without a failure.
+    /// Rows that are not those of the design.
     pub fn sensitivity(&self) -> Result<Vec<Sensitivity>, ParameterStudyError> {
         let Design::Sampled { sampler, seed } = self.study.design else { return Ok(Vec::new()) };
         let moving = self.study.moving();
@@ -330,8 +348,11 @@ impl<'a> Answer<'a> {
                 continue;
             }
             let (mut parameters, mut pairs, used, left_out) = match sampler {
-                Sampler::Saltelli { pairs, .. } => {
-                    let found = sobol(&answers, moving.len(), pairs, seed)?;
+                Sampler::Saltelli { size, pairs } => {
+                    let Some(found) = enough(sobol(&answers, moving.len(), pairs, seed))? else {
+                        all.push(Sensitivity::none(metric, unit, size));
+                        continue;
+                    };
                     let both = found.first.iter().zip(&found.total).enumerate();
                     let of = |(at, (&first, &total))| Ranked::Sobol {
                         parameter: name(at),
@@ -342,9 +363,12 @@ impl<'a> Answer<'a> {
                     let pairs: Vec<_> = found.pairs.iter().map(couple).collect();
                     (both.map(of).collect::<Vec<_>>(), pairs, found.used, found.left_out)
                 }
-                Sampler::Morris { .. } => {
+                Sampler::Morris { trajectories, .. } => {
                     let points = sampler.unit_cube(moving.len(), seed)?;
-                    let found = morris(&points, &answers, moving.len(), seed)?;
+                    let Some(found) = enough(morris(&points, &answers, moving.len(), seed))? else {
+                        all.push(Sensitivity::none(metric, unit, trajectories));
+                        continue;
+                    };
                     let of = |(at, effect): (usize, &super::super::sensitivity::Effect)| {
                         Ranked::Morris {
                             parameter: name(at),

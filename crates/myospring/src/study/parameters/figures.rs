@@ -44,7 +44,8 @@ impl Answer<'_> {
             return all;
         }
         if !sensitivity.is_empty() {
-            let bars: Vec<Ranking> = sensitivity.iter().map(ranking).collect();
+            let known = sensitivity.iter().filter(|one| !one.parameters.is_empty());
+            let bars: Vec<Ranking> = known.map(ranking).collect();
             add("sensitivity".to_owned(), rankings(&bars));
         }
         let kept: Option<Vec<bool>> = (!self.study.keep.is_empty())
