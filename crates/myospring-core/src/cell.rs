@@ -27,10 +27,12 @@ pub mod bueno_orovio_2008;
 pub mod calcium;
 mod cell_model;
 pub mod coelho_2021;
+mod exponential;
 mod fixed;
 pub mod integrator;
 pub mod land_2017;
 pub mod minimal;
+mod number;
 mod pacer;
 pub mod pacing;
 pub mod population;
@@ -39,6 +41,7 @@ mod settings;
 pub mod solve;
 mod stiff;
 pub mod tension;
+pub mod tomek_2019;
 pub mod toy;
 pub mod trace;
 
@@ -47,6 +50,7 @@ pub use cell_model::{
 };
 
 use std::sync::Arc;
+use tomek_2019::{Layer, TomekModel, Variant};
 
 /// No model has the name that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -78,6 +82,15 @@ pub fn models() -> Vec<Arc<dyn CellModel>> {
         Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Pb)),
         Arc::new(bueno_orovio_2008::model(bueno_orovio_2008::Variant::Tnnp)),
         Arc::new(land_2017::Land2017::published()),
+        Arc::new(TomekModel::published(Layer::Endo, Variant::Land)),
+        Arc::new(TomekModel::published(Layer::Epi, Variant::Land)),
+        Arc::new(TomekModel::published(Layer::Mid, Variant::Land)),
+        Arc::new(TomekModel::published(Layer::Endo, Variant::Published)),
+        Arc::new(TomekModel::published(Layer::Epi, Variant::Published)),
+        Arc::new(TomekModel::published(Layer::Mid, Variant::Published)),
+        Arc::new(TomekModel::published(Layer::Endo, Variant::MovingChloride)),
+        Arc::new(TomekModel::published(Layer::Epi, Variant::MovingChloride)),
+        Arc::new(TomekModel::published(Layer::Mid, Variant::MovingChloride)),
         Arc::new(toy::ToyModel::published()),
     ]
 }

@@ -44,7 +44,6 @@
 
 mod branch;
 mod course;
-mod exponential;
 mod lanes;
 mod piece;
 mod watch;

@@ -100,6 +100,8 @@ pub enum TensionKind {
     },
     /// In kPa already; never scaled.
     Kilopascal,
+    /// There is none: a membrane alone, which moves no cell.
+    None,
 }
 
 impl TensionKind {
@@ -107,7 +109,7 @@ impl TensionKind {
     pub fn published_peak(self) -> Option<f64> {
         match self {
             Self::Relative { published_peak } => Some(published_peak),
-            Self::Kilopascal => None,
+            Self::Kilopascal | Self::None => None,
         }
     }
 }

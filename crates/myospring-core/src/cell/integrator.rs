@@ -166,6 +166,13 @@ impl Steps {
         Ok(Self { way, protocol, felt: Input::REST })
     }
 
+    /// From now on the stretch stays as it is.
+    pub(super) fn hold(&mut self) {
+        if let Way::Stiff(steps) = &mut self.way {
+            steps.hold();
+        }
+    }
+
     fn time(&self) -> f64 {
         match &self.way {
             Way::Fixed(steps) => steps.time(),

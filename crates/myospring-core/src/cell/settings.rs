@@ -206,6 +206,14 @@ pub enum SolveError {
         /// The step tried, ms.
         step_ms: f64,
     },
+    /// The model has no tension, and some was asked for.
+    #[error(
+        "cell model `{model}` has no tension, so it moves no cell; take one that has, like tor_ord_land"
+    )]
+    NoTension {
+        /// The model.
+        model: String,
+    },
     /// One default beat raises no tension that peaks within the reference time.
     #[error(
         "cell model `{model}` has no peak of tension within {duration_ms} ms of one default beat: \

@@ -12,7 +12,7 @@
 pub use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
 pub use super::settings::{Method, Settings, SolveError};
 
-use super::cell_model::CellModel;
+use super::cell_model::{CellModel, TensionKind};
 use super::integrator::Steps;
 use super::pacing::Protocol;
 use super::trace::{CellTrace, Instant};
@@ -43,6 +43,7 @@ pub fn solve(
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
     let mut steps = Steps::new(model, protocol, settings)?;
+    steps.hold();
     CellTrace::sample(model, duration_ms, sample_interval_ms, |time_ms| {
         steps.advance_to(model, time_ms, 1.0, 0.0)?;
         Ok(Instant { state: steps.state().to_vec(), outputs: steps.outputs(model) })
@@ -57,6 +58,9 @@ pub fn reference_beat(
     model: &(dyn CellModel + 'static),
     settings: Settings,
 ) -> Result<ReferenceBeat, SolveError> {
+    if model.tension_kind() == TensionKind::None {
+        return Err(SolveError::NoTension { model: model.name().to_owned() });
+    }
     let protocol = Protocol::once(model.default_stimulus());
     let trace = solve(model, protocol, settings, REFERENCE_BEAT_MS, 0.1)?;
     let last_ms = trace.time_ms.last().copied().unwrap_or_default();

@@ -45,6 +45,8 @@ const SHORTEST_MS: f64 = 1e-11;
 pub(super) struct StiffSteps {
     tolerance: f64,
     floors: Vec<f64>,
+    /// Whether the stretch may be another one from each time asked for on.
+    stretch_varies: bool,
     pacer: Pacer,
     rosenbrock: Rosenbrock,
     /// The last step.
@@ -79,8 +81,9 @@ impl StiffSteps {
         Self {
             tolerance,
             floors: model.states().iter().map(floor).collect(),
+            stretch_varies: model.feels_stretch(),
             pacer,
-            rosenbrock: Rosenbrock::new(state.len()),
+            rosenbrock: Rosenbrock::new(state.len(), model.gates()),
             piece: None,
             end_ms: 0.0,
             end: state.clone(),
@@ -88,6 +91,11 @@ impl StiffSteps {
             time_ms: 0.0,
             state,
         }
+    }
+
+    /// From now on the stretch stays, so that steps need not end where the state is asked for.
+    pub(super) fn hold(&mut self) {
+        self.stretch_varies = false;
     }
 
     /// Time reached, ms.
@@ -110,7 +118,7 @@ impl StiffSteps {
         if !t_ms.is_finite() || (t_ms < self.time_ms && !same_instant(t_ms, self.time_ms)) {
             return Err(SolveError::BackInTime { target_ms: t_ms, time_ms: self.time_ms });
         }
-        let bound_ms = if model.feels_stretch() { t_ms } else { f64::INFINITY };
+        let bound_ms = if self.stretch_varies { t_ms } else { f64::INFINITY };
         while self.end_ms < t_ms && !same_instant(self.end_ms, t_ms) {
             let stop_ms = self.pacer.next_ms().unwrap_or(f64::INFINITY).min(bound_ms);
             self.step(model, felt, stop_ms)?;

@@ -105,6 +105,9 @@ impl Simulation {
         };
         Ok(match self.cell.tension_kind() {
             TensionKind::Kilopascal => Strength { scale: 1.0, strongest: own()?, relative: 1.0 },
+            TensionKind::None => {
+                return Err(SolveError::NoTension { model: self.cell.name().to_owned() });
+            }
             TensionKind::Relative { .. } if self.tension_scale == TensionScale::OwnPeak => {
                 let peak = solve::reference_beat(&*self.cell, self.numerics.cell)?.peak_tension;
                 scaled(peak, peak)

@@ -2,7 +2,7 @@
 
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::{Protocol, Stimulus};
-use crate::cell::solve::{Settings, reference_beat, solve};
+use crate::cell::solve::{Settings, SolveError, reference_beat, solve};
 use crate::cell::{CellModel, Gate, Input, TensionKind, is_as_published};
 use std::sync::Arc;
 
@@ -269,6 +269,11 @@ fn check_outputs(model: &dyn CellModel, state: &[f64]) {
 /// The default beat raises a peak of tension above rest, and the settings are converged.
 fn check_beat(model: &(dyn CellModel + 'static), settings: Settings) {
     let name = model.name();
+    if model.tension_kind() == TensionKind::None {
+        let error = reference_beat(model, settings).err();
+        assert!(matches!(error, Some(SolveError::NoTension { .. })), "{name}: {error:?}");
+        return;
+    }
     let beat = match reference_beat(model, settings) {
         Ok(beat) => beat,
         Err(error) => panic!("{name}: {error}"),
@@ -329,12 +334,10 @@ fn check_pieces(model: &Arc<dyn CellModel>, settings: Settings) {
 
 #[cfg(test)]
 mod tests {
-    use crate::cell::solve::Settings;
-
     #[test]
     fn every_listed_model_holds_to_its_promises() {
         for model in crate::cell::models() {
-            super::check_cell_model_with(&model, Settings::default());
+            super::check_cell_model_with(&model, model.usual_settings());
         }
     }
 }

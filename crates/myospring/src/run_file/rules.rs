@@ -112,7 +112,7 @@ const OF_RELATIVE_TENSION: [&str; 2] = ["cell.peak_tension", "cell.tension_scale
 const OF_MEMBRANE: [&str; 3] = ["stimulus.kind", "stimulus.amplitude", "stimulus.duration"];
 
 fn has_own_tension(cell: &dyn CellModel) -> bool {
-    cell.tension_kind() == TensionKind::Kilopascal
+    !matches!(cell.tension_kind(), TensionKind::Relative { .. })
 }
 
 fn has_given_calcium(cell: &dyn CellModel) -> bool {

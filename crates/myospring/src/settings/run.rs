@@ -110,7 +110,7 @@ impl Run {
 
     /// Whether the cell model's tension is relative, so that it is scaled to the peak tension.
     pub(crate) fn has_relative_tension(&self) -> bool {
-        self.cell.tension_kind() != TensionKind::Kilopascal
+        matches!(self.cell.tension_kind(), TensionKind::Relative { .. })
     }
 
     /// How strong its cell is, for a legend: the peak tension that it is scaled to, or the model where that

@@ -318,11 +318,18 @@ fn every_model_of_the_list_can_drive_the_mesh() {
     for model in cell::models() {
         let name = model.name().to_owned();
         let relative = model.tension_kind().published_peak().is_some();
-        let simulation = Simulation {
+        let has_tension = model.tension_kind() != TensionKind::None;
+        let mut simulation = Simulation {
             protocol: Protocol::once(model.default_stimulus()),
-            cell: model,
             ..Simulation::new(built_in_cell(0.0, Some(5.0)))
         };
+        simulation.numerics.cell = model.usual_settings();
+        simulation.cell = model;
+        if !has_tension {
+            let error = simulation.build().err().unwrap().to_string();
+            assert!(error.contains("has no tension"), "{error}");
+            continue;
+        }
         let outcome = run(&simulation);
         assert_eq!(outcome.stop, None, "{name}");
         let peak = peak_shortening(&outcome).value;

@@ -21,4 +21,5 @@ mod own_model;
 mod quasi_static;
 mod solid;
 mod supports;
+mod tor_ord;
 mod viscosity;

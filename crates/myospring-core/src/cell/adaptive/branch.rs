@@ -6,7 +6,7 @@
 //! `theta_v_minus` above `theta_v` and `theta_o` above `theta_w`.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
-use super::exponential::exp;
+use crate::cell::exponential::exp;
 use crate::cell::minimal::Electrical;
 use crate::cell::tension::Tension;
 use std::f64::consts::PI;

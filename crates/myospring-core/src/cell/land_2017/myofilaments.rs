@@ -1,7 +1,9 @@
 //! The six equations of `land_2017`.
+#![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::parameters::parameters;
 use crate::cell::cell_model::{ModelError, StateVariable};
+use crate::cell::number::Number;
 use crate::parameter::ParameterSet;
 use std::borrow::Cow;
 
@@ -49,27 +51,27 @@ pub fn states(start: [f64; STATES]) -> Vec<StateVariable> {
 /// assert!((held(1.0) - 107.3).abs() < 0.1 && (held(1.1) - 132.0).abs() < 0.1);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Myofilaments {
-    k_trpn: f64,
-    n_trpn: f64,
-    ca50_ref: f64,
-    k_u: f64,
-    n_tm: f64,
-    k_uw: f64,
-    k_ws: f64,
-    r_s: f64,
-    gamma_s: f64,
-    gamma_w: f64,
-    beta_0: f64,
-    beta_1: f64,
-    t_ref: f64,
+pub struct Myofilaments<C = f64> {
+    k_trpn: C,
+    n_trpn: C,
+    ca50_ref: C,
+    k_u: C,
+    n_tm: C,
+    k_uw: C,
+    k_ws: C,
+    r_s: C,
+    gamma_s: C,
+    gamma_w: C,
+    beta_0: C,
+    beta_1: C,
+    t_ref: C,
     // What follows from those and the others.
-    k_b: f64,
-    k_wu: f64,
-    k_su: f64,
-    a: f64,
-    c_s: f64,
-    c_w: f64,
+    k_b: C,
+    k_wu: C,
+    k_su: C,
+    a: C,
+    c_s: C,
+    c_w: C,
 }
 
 impl Myofilaments {
@@ -140,23 +142,7 @@ impl Myofilaments {
         stretch: f64,
         stretch_rate: f64,
     ) -> [f64; STATES] {
-        let [xs, xw, c, b, zeta_s, zeta_w] = *state;
-        let xu = 1.0 - b - xw - xs;
-        // dXS/dt = k_ws XW - k_su XS - gamma_s g(zeta_s) XS
-        let torn = if zeta_s > 0.0 { zeta_s } else { (-zeta_s - 1.0).max(0.0) };
-        let strong = self.k_ws * xw - self.k_su * xs - self.gamma_s * torn * xs;
-        // dXW/dt = k_uw XU - k_wu XW - k_ws XW - gamma_w |zeta_w| XW
-        let weak =
-            self.k_uw * xu - self.k_wu * xw - self.k_ws * xw - self.gamma_w * zeta_w.abs() * xw;
-        // dC/dt = k_TRPN ((Ca/Ca50)^n_TRPN (1 - C) - C)
-        let binding = self.binding(calcium_um, stretch);
-        let troponin = self.k_trpn * (binding * (1.0 - c) - c);
-        // dB/dt = k_b min(100, C^(-n_Tm/2)) XU - k_u C^(n_Tm/2) B
-        let [block, free] = self.blocking(c);
-        let blocked = block * xu - free * b;
-        // d zeta/dt = A d lambda/dt - c zeta
-        let pulled = self.a * stretch_rate;
-        [strong, weak, troponin, blocked, pulled - self.c_s * zeta_s, pulled - self.c_w * zeta_w]
+        self.rates_of(state, calcium_um, stretch, stretch_rate)
     }
 
     /// Active tension at a stretch, kPa.
@@ -193,24 +179,9 @@ impl Myofilaments {
         // Parts of the crossbridges relative to those unbound; no calcium leaves all sites blocked.
         let weak = self.k_uw / (self.k_wu + self.k_ws);
         let strong = weak * self.k_ws / self.k_su;
-        if free == 0.0 {
-            return [0.0, 0.0, c, 1.0, 0.0, 0.0];
-        }
-        let blocked = block / free;
-        let unbound = 1.0 / (1.0 + weak + strong + blocked);
-        [strong * unbound, weak * unbound, c, blocked * unbound, 0.0, 0.0]
-    }
-
-    /// `(Ca/Ca50(lambda))^n_TRPN`, with `Ca50 = Ca50_ref + beta_1 min(0.2, lambda - 1)`.
-    fn binding(&self, calcium_um: f64, stretch: f64) -> f64 {
-        let ca50 = self.ca50_ref + self.beta_1 * (stretch.min(LONGEST) - 1.0);
-        (calcium_um / ca50).powf(self.n_trpn)
-    }
-
-    /// Rates at which sites are blocked and set free with a part `c` of troponin filled, 1/ms.
-    fn blocking(&self, c: f64) -> [f64; 2] {
-        let power = c.max(0.0).powf(0.5 * self.n_tm);
-        [self.k_b * power.recip().min(MOST_BLOCKING), self.k_u * power]
+        let unbound = free / (free * (1.0 + weak + strong) + block);
+        let blocked = block / (free * (1.0 + weak + strong) + block);
+        [strong * unbound, weak * unbound, c, blocked, 0.0, 0.0]
     }
 
     /// `h(lambda) = max(0, 1 + beta_0 (lambda + min(0.87, lambda) - 1.87))`, with lambda at most 1.2.
@@ -228,6 +199,56 @@ impl Myofilaments {
         } else {
             2.0 * self.beta_0
         }
+    }
+}
+
+impl<C: Number> Myofilaments<C> {
+    /// [`Myofilaments::rates`] over any number whose constants these are.
+    #[inline(always)]
+    pub(in crate::cell) fn rates_of<T: Number<Constant = C>>(
+        &self,
+        state: &[T; STATES],
+        calcium_um: T,
+        stretch: C,
+        stretch_rate: C,
+    ) -> [T; STATES] {
+        let of = T::constant;
+        let [xs, xw, c, b, zeta_s, zeta_w] = *state;
+        let xu = -b - xw - xs + 1.0;
+        // dXS/dt = k_ws XW - k_su XS - gamma_s g(zeta_s) XS
+        let torn = zeta_s.positive() + (-zeta_s - 1.0).positive();
+        let strong = of(self.k_ws) * xw - of(self.k_su) * xs - of(self.gamma_s) * torn * xs;
+        // dXW/dt = k_uw XU - k_wu XW - k_ws XW - gamma_w |zeta_w| XW
+        let torn = zeta_w.magnitude();
+        let weak =
+            of(self.k_uw) * xu - of(self.k_wu + self.k_ws) * xw - of(self.gamma_w) * torn * xw;
+        // dC/dt = k_TRPN ((Ca/Ca50)^n_TRPN (1 - C) - C)
+        let binding = self.binding(calcium_um, stretch);
+        let troponin = of(self.k_trpn) * (binding * c.rest() - c);
+        // dB/dt = k_b min(100, C^(-n_Tm/2)) XU - k_u C^(n_Tm/2) B
+        let [block, free] = self.blocking(c);
+        let blocked = block * xu - free * b;
+        // d zeta/dt = A d lambda/dt - c zeta
+        let pulled = of(self.a * stretch_rate);
+        let [zeta_s, zeta_w] = [of(self.c_s) * zeta_s, of(self.c_w) * zeta_w];
+        [strong, weak, troponin, blocked, pulled - zeta_s, pulled - zeta_w]
+    }
+
+    /// `(Ca/Ca50(lambda))^n_TRPN`, with `Ca50 = Ca50_ref + beta_1 min(0.2, lambda - 1)`.
+    #[inline(always)]
+    fn binding<T: Number<Constant = C>>(&self, calcium_um: T, stretch: C) -> T {
+        let longest = stretch.at_least(LONGEST, C::of(LONGEST), stretch);
+        let ca50 = self.ca50_ref + self.beta_1 * (longest - 1.0);
+        ((calcium_um / T::constant(ca50)).ln() * T::constant(self.n_trpn)).exp()
+    }
+
+    /// Rates at which sites are blocked and set free with a part `c` of troponin filled, 1/ms.
+    #[inline(always)]
+    fn blocking<T: Number<Constant = C>>(&self, c: T) -> [T; 2] {
+        let power = (c.positive().ln() * T::constant(self.n_tm * 0.5)).exp();
+        let most = T::of(MOST_BLOCKING);
+        let times = power.at_least(1.0 / MOST_BLOCKING, power.inverse(), most);
+        [T::constant(self.k_b) * times, T::constant(self.k_u) * power]
     }
 }
 

@@ -342,7 +342,7 @@ impl<'a> Common<'a> {
         let model = model.ok_or("the model is not the minimal one")?;
         let scale = match model.tension_kind() {
             TensionKind::Relative { published_peak } => run.peak_tension / published_peak,
-            TensionKind::Kilopascal => 1.0,
+            TensionKind::Kilopascal | TensionKind::None => 1.0,
         };
         let cell = Cell::new(model, run.protocol, run.duration)?;
         Ok(Alone { cell, millivolts: model.identity().millivolts, scale })
