@@ -37,6 +37,7 @@ mod stop;
 mod strain;
 
 pub use check::{MOST_FRAME_MEMORY, MOST_FRAMES, MOST_SAMPLES, SettingError, divides};
+pub use coupling::END_FORCE;
 pub use fault::projected_area;
 pub use field::PreparedField;
 pub use in_time::Prepared;
@@ -166,6 +167,9 @@ pub struct Simulation {
     pub active: ActiveLaw,
     /// What holds the cell.
     pub support: SupportKind,
+    /// Distance of clamped ends relative to that of the cell at rest, a pure number: above 1 the cell is stretched
+    /// before it beats. 1 with any other support.
+    pub end_stretch: f64,
     /// Time simulated, ms.
     pub duration: f64,
     /// Numerical settings.
@@ -198,6 +202,7 @@ impl Simulation {
             material: default_material(),
             active: ActiveLaw::Fibre,
             support: SupportKind::MassCentre,
+            end_stretch: 1.0,
             duration: 600.0,
             numerics: Numerics::default(),
             stepper: None,

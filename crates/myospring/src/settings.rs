@@ -84,6 +84,7 @@ mod tests {
             "shape.pixel_size" | "shape.label" => &[("shape.picture", "cell.tif")],
             "mechanics.stain" | "mechanics.fibre_smoothing" => &[("mechanics.fibre", "picture")],
             "mechanics.end_stiffness" => &[("mechanics.support", "spring-held-ends")],
+            "mechanics.afterload" => &[("mechanics.support", "afterloaded-ends")],
             "mechanics.bed_stiffness" => &[("mechanics.support", "elastic-bed")],
             key if key.starts_with("segmentation.") => &[("shape.picture", "cell.tif")],
             _ => &[],

@@ -6,6 +6,8 @@
 //!   that an external load would push or turn.
 //! - [`SupportKind::ClampedEnd`], [`SupportKind::ClampedEnds`]: the nodes at one end or both cannot move
 //!   (isometric when both).
+//! - [`SupportKind::AfterloadedEnds`]: clamped ends, of which one leaves its stop under a constant load
+//!   ([`super::grip`]).
 //! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are forces
 //!   with an energy ([`super::anchor`]); no node is constrained besides.
 
@@ -30,6 +32,13 @@ pub enum SupportKind {
         /// Of each of the two springs, nN/um.
         stiffness: f64,
     },
+    /// Both ends are gripped; once the cell pulls harder than a constant load it shortens against that (an isotonic
+    /// contraction), until it has gone back to where the grips are stopped: an afterloaded contraction, as a force
+    /// clamp makes it. Along equilibria only.
+    AfterloadedEnds {
+        /// The load, nN.
+        load: f64,
+    },
     /// Every point is tied to its resting place: a cell that adheres to a gel.
     ElasticBed {
         /// Traction per displacement, kPa/um.
@@ -38,6 +47,14 @@ pub enum SupportKind {
 }
 
 impl SupportKind {
+    /// Whether both ends are held, so that the cell pulls at what holds them.
+    pub fn holds_both_ends(self) -> bool {
+        matches!(
+            self,
+            Self::ClampedEnds | Self::AfterloadedEnds { .. } | Self::SpringHeldEnds { .. }
+        )
+    }
+
     /// The springs of a support that gives way, on a mesh whose long axis is the unit vector `axis`.
     pub fn anchors<const D: usize, const N: usize>(
         self,
@@ -45,7 +62,10 @@ impl SupportKind {
         axis: [f64; D],
     ) -> Option<Anchors<D>> {
         match self {
-            Self::MassCentre | Self::ClampedEnd | Self::ClampedEnds => None,
+            Self::MassCentre
+            | Self::ClampedEnd
+            | Self::ClampedEnds
+            | Self::AfterloadedEnds { .. } => None,
             Self::SpringHeldEnds { stiffness } => {
                 Some(Anchors::spring_held_ends(mesh, axis, stiffness))
             }
@@ -78,7 +98,8 @@ impl Support {
             SupportKind::MassCentre => Self::MassCentre,
             SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. } => Self::Free,
             SupportKind::ClampedEnd => Self::Clamped(lower),
-            SupportKind::ClampedEnds => {
+            // At their stops; a loaded grip that has left its stop is a force ([`super::grip`]).
+            SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. } => {
                 lower.extend(upper);
                 lower.sort_unstable();
                 Self::Clamped(lower)

@@ -229,6 +229,7 @@ impl Simulation {
             SupportKind::ElasticBed { stiffness } => {
                 value("the stiffness of the bed", stiffness, "kPa/um", true)
             }
+            SupportKind::AfterloadedEnds { load } => value("the afterload", load, "nN", true),
             SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => Ok(()),
         }
     }
@@ -300,6 +301,26 @@ impl Simulation {
         if ends && field {
             let because = "loads on the ends know one tension only; take the fibre law";
             return conflict("a tension for each triangle", "the law of the ends", because);
+        }
+        let clamps =
+            matches!(self.support, SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. });
+        if self.end_stretch != 1.0 && !clamps {
+            let because = "nothing holds the cell stretched; clamp its ends";
+            return conflict("a stretch of the ends", "a support that lets them go", because);
+        }
+        if !(0.5..=1.5).contains(&self.end_stretch) {
+            let (what, must) = ("the stretch of the ends", "from 0.5 to 1.5");
+            return Err(SettingError::Value { what, value: self.end_stretch, unit: "", must });
+        }
+        if matches!(self.support, SupportKind::AfterloadedEnds { .. }) {
+            if self.numerics.method.is_in_time() {
+                let because = "a grip that leaves its stop is followed from equilibrium to equilibrium; take the quasi-static method";
+                return conflict("an afterload", "a method in time", because);
+            }
+            if field {
+                let because = "a loaded grip needs one tension for the cell";
+                return conflict("an afterload", "a tension for each triangle", because);
+            }
         }
         if self.material.retardation_time > 0.0 {
             let viscous = "a retardation time";

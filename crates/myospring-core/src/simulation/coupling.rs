@@ -38,6 +38,8 @@ pub(super) struct Observed {
     pub(super) dissipated_energy: f64,
     pub(super) momentum: f64,
     pub(super) angular_momentum: f64,
+    /// Where both ends are held.
+    pub(super) end_force: Option<f64>,
 }
 
 /// What gives the mesh its shape under a tension: a motion in time, or equilibria.
@@ -58,6 +60,8 @@ pub(super) trait Shaping {
     fn positions(&self) -> Vectors;
 }
 
+/// The signal of how hard a cell pulls at its ends.
+pub const END_FORCE: &str = "end_force";
 /// Most tries of an exchange that is found by trying.
 const TRIES: usize = 60;
 /// Part of the strongest tension to which a tension that was tried and the answer to it agree.
@@ -358,10 +362,14 @@ impl Setup {
             unit: output.unit.into_owned(),
             values: Vec::new(),
         };
-        let mut recording = Recording {
-            signals: self.activation.outputs().into_iter().map(signal).collect(),
-            ..Recording::default()
-        };
+        let ends = self.assembly.ends.as_ref().map(|_| Output {
+            name: END_FORCE.into(),
+            unit: "nN".into(),
+            meaning: "force with which the cell draws its ends inward".into(),
+        });
+        let outputs = self.activation.outputs().into_iter().chain(ends);
+        let mut recording =
+            Recording { signals: outputs.map(signal).collect(), ..Recording::default() };
         let mut strongest: Option<Frame> = None;
         let mut stop = meeting.begin(shaping).err();
         let exchanges = if stop.is_some() { 0 } else { exchanges };
@@ -384,7 +392,8 @@ impl Setup {
             if index % per_sample == 0 {
                 let observed = shaping.observe();
                 recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
-                let values = meeting.activation.output_values();
+                let values =
+                    meeting.activation.output_values().into_iter().chain(observed.end_force);
                 for (signal, value) in recording.signals.iter_mut().zip(values) {
                     signal.values.push(value);
                 }
@@ -425,7 +434,7 @@ impl Setup {
             length_um: observed.length,
             width_um: observed.width,
             area_um2: observed.area,
-            shortening_pct: 100.0 * (1.0 - observed.length / self.assembly.resting_length),
+            shortening_pct: 100.0 * (1.0 - observed.length / self.assembly.held_length),
             elastic_energy_fj: observed.elastic_energy,
             kinetic_energy_fj: observed.kinetic_energy,
             active_work_fj: observed.active_work,

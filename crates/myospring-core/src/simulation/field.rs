@@ -148,16 +148,18 @@ impl Shaping for FromRestToRest<'_> {
         let Setup { simulation, assembly, .. } = self.setup;
         let State { body, tension, active_work } = &self.state;
         let extent = assembly.meter.measure(&body.positions);
+        let at = body.configuration(tension.tension());
         Observed {
             length: extent.length,
             width: extent.width,
             area: projected_area(&simulation.mesh, &body.positions),
-            elastic_energy: assembly.system.elastic_energy(&body.configuration(tension.tension())),
+            elastic_energy: assembly.system.elastic_energy(&at),
             kinetic_energy: 0.0,
             active_work: *active_work,
             dissipated_energy: 0.0,
             momentum: 0.0,
             angular_momentum: 0.0,
+            end_force: assembly.ends.as_ref().map(|ends| ends.of(&assembly.system, &at)),
         }
     }
 

@@ -196,6 +196,7 @@ impl Shaping for InTime<'_> {
             dissipated_energy: self.ledger.dissipated,
             momentum: momentum[0].hypot(momentum[1]),
             angular_momentum: body.angular_momentum() - orbital,
+            end_force: assembly.ends.as_ref().map(|ends| ends.of(&assembly.system, &at)),
         }
     }
 

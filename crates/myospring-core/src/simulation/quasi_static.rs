@@ -16,7 +16,6 @@ use super::observer::{Observer, Progress, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::{Assembly, Setup};
 use super::{SettingError, SetupError, Simulation, StopReason};
-use crate::analysis::shape::ShapeMeter;
 use crate::exchange::Sites;
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
 use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
@@ -39,6 +38,14 @@ pub struct PreparedPath {
     /// Why the path ends before the peak of tension, if it does.
     pub end: Option<PathError>,
     pub(super) curve: Arc<Curve>,
+    pub(super) loaded: Option<Loaded>,
+}
+
+/// The cell under its afterload, away from its stop.
+pub(super) struct Loaded {
+    assembly: Assembly,
+    shapes: Shapes,
+    curve: Arc<Curve>,
 }
 
 impl Simulation {
@@ -86,8 +93,10 @@ impl Simulation {
         let Assembly { system, body, .. } = &*setup.assembly;
         let mut path = begin(system, body)?;
         let end = path.extend(setup.peak()).err();
-        let curve = Arc::new(Curve::along(&path, &setup));
-        Ok(PreparedPath { shapes: path.into_shapes(), curve, setup, end })
+        let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
+        let shapes = path.into_shapes();
+        let loaded = setup.loaded(shapes.tolerance())?;
+        Ok(PreparedPath { shapes, curve, setup, end, loaded })
     }
 
     /// Runs along the path of equilibria, to the end or to the first thing that goes wrong. `observe` is
@@ -145,13 +154,13 @@ impl Simulation {
         tolerance: Tolerance,
     ) -> Result<Equilibria, SetupError> {
         self.check()?;
-        let Assembly { body, system, meter, resting_length } = self.assembled();
-        let mut path = Path::start(&system, &body, tolerance)?;
+        let assembly = self.assembled_at_rest()?;
+        let mut path = Path::start(&assembly.system, &assembly.body, tolerance)?;
         for &tension in tensions {
             path.extend(tension)?;
         }
-        let curve = Curve::of(&path, &self.mesh, &system, &meter);
-        Ok(Equilibria { shapes: path.into_shapes(), curve, resting_length })
+        let curve = Curve::along(&path, &self.mesh, &assembly);
+        Ok(Equilibria { shapes: path.into_shapes(), curve, held_length: assembly.held_length })
     }
 }
 
@@ -166,6 +175,17 @@ impl Setup {
                 because: "take Simulation::build, or prepare_field, which goes from one to the next",
             }),
         }
+    }
+
+    /// The other path of an afterloaded cell, up to the peak of tension or as far as it goes.
+    pub(super) fn loaded(&self, tolerance: Tolerance) -> Result<Option<Loaded>, SetupError> {
+        let Some(assembly) = self.simulation.loaded(&self.assembly) else { return Ok(None) };
+        let mut path = Path::start(&assembly.system, &assembly.body, tolerance)?;
+        // One that ends before says so in the run, if it comes to that.
+        let _ = path.extend(self.peak());
+        let curve = Arc::new(Curve::along(&path, &self.simulation.mesh, &assembly));
+        let shapes = path.into_shapes();
+        Ok(Some(Loaded { assembly, shapes, curve }))
     }
 
     /// The tension up to which a path is solved in advance, kPa.
@@ -184,25 +204,29 @@ impl PreparedPath {
     /// As [`PreparedPath::run`], for an observer that also hears which part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         let setup = &self.setup;
-        let Assembly { system, body, .. } = &*setup.assembly;
-        let path = Path::resume(system, body, self.shapes.clone());
+        let held = Branch::resume(&setup.assembly, &self.shapes, &self.curve);
+        let loaded = self
+            .loaded
+            .as_ref()
+            .map(|Loaded { assembly, shapes, curve }| Branch::resume(assembly, shapes, curve));
         let start = setup.activation.tension().at(0);
-        let curve = Arc::clone(&self.curve);
         let state = Lagging { tension: start, work: 0.0 };
-        let mut shaping = AlongPath { setup, path, curve, state, marked: state, start: [0.0; 6] };
+        let mut shaping =
+            AlongPath { setup, held, loaded, state, marked: state, start: Quantities::default() };
         let (recording, stop) = match shaping.follow(0.0, [start.into(); 2]) {
             Ok(()) => {
-                shaping.start = shaping.curve.at(start);
+                shaping.start = shaping.at(start);
                 setup.run(&mut shaping, observer)
             }
             Err(reason) => (Recording::default(), Some(reason)),
         };
+        let paths = || std::iter::once(&shaping.held).chain(&shaping.loaded).map(|b| &b.path);
         let effort = Effort::QuasiStatic {
-            load_steps: shaping.path.load_steps(),
-            newton_iterations: shaping.path.newton_iterations(),
-            factorisations: shaping.path.factorisations(),
-            interpolation_error_um: shaping.path.error(),
-            delay_ms: shaping.path.delay(),
+            load_steps: paths().map(|path| path.load_steps()).sum(),
+            newton_iterations: paths().map(|path| path.newton_iterations()).sum(),
+            factorisations: paths().map(|path| path.factorisations()).sum(),
+            interpolation_error_um: paths().map(|path| path.error()).fold(0.0, f64::max),
+            delay_ms: paths().map(|path| path.delay()).fold(0.0, f64::max),
         };
         let stimulus_times_ms = setup.stimulus_times();
         Outcome { recording, stop, effort, engine: None, stimulus_times_ms }
@@ -214,7 +238,7 @@ pub struct Equilibria {
     /// The shapes and what they took.
     pub shapes: Shapes,
     curve: Curve,
-    resting_length: f64,
+    held_length: f64,
 }
 
 /// The answer of a mesh to one tension.
@@ -274,7 +298,7 @@ impl Equilibria {
                 length_um: length,
                 width_um: width,
                 area_um2: area,
-                shortening_pct: 100.0 * (1.0 - length / self.resting_length),
+                shortening_pct: 100.0 * (1.0 - length / self.held_length),
                 elastic_energy_fj: elastic_energy,
             })
         };
@@ -287,8 +311,9 @@ impl Equilibria {
     }
 }
 
-/// Length, width, area, elastic energy, work of the active forces since tension 0, their energy at 1 kPa.
-type Quantities = [f64; 6];
+/// Length, width, area, elastic energy, work of the active forces since tension 0, their energy at 1 kPa, force at
+/// the ends.
+type Quantities = [f64; 7];
 const WORK: usize = 4;
 const PER_TENSION: usize = 5;
 
@@ -303,12 +328,8 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    pub(super) fn along(shapes: &Shapes, setup: &Setup) -> Self {
-        let Assembly { system, meter, .. } = &*setup.assembly;
-        Self::of(shapes, &setup.simulation.mesh, system, meter)
-    }
-
-    fn of(shapes: &Shapes, mesh: &Mesh, system: &System, meter: &ShapeMeter) -> Self {
+    pub(super) fn along(shapes: &Shapes, mesh: &Mesh, assembly: &Assembly) -> Self {
+        let Assembly { system, meter, ends, .. } = assembly;
         let knots = shapes.tensions();
         let mut tensions: Vec<f64> = knots
             .windows(2)
@@ -349,6 +370,7 @@ impl Curve {
                 system.elastic_energy(&at),
                 0.0,
                 energy(&positions, 1.0),
+                ends.as_ref().map_or(0.0, |ends| ends.of(system, &at)),
             ]);
             sound.push(fault(mesh, &positions, 0.0, tension).is_none());
             before = Some((tension, positions));
@@ -396,11 +418,45 @@ impl Curve {
     }
 }
 
-/// A mesh that takes the shapes of the path, each at its tension, or lagging behind it.
-struct AlongPath<'a> {
-    setup: &'a Setup,
+/// A path, the forces that it is of, and what is measured along it.
+struct Branch<'a> {
+    assembly: &'a Assembly,
     path: Path<'a>,
     curve: Arc<Curve>,
+}
+
+impl<'a> Branch<'a> {
+    fn resume(assembly: &'a Assembly, shapes: &Shapes, curve: &Arc<Curve>) -> Self {
+        let Assembly { system, body, .. } = assembly;
+        let path = Path::resume(system, body, shapes.clone());
+        Self { assembly, path, curve: Arc::clone(curve) }
+    }
+
+    /// Goes on to a tension.
+    fn reach(&mut self, mesh: &Mesh, time: f64, tension: f64) -> Result<(), StopReason> {
+        if self.path.reaches(tension) {
+            return Ok(());
+        }
+        let reached = self.path.extend((1.0 + MARGIN) * tension);
+        self.curve = Arc::new(Curve::along(&self.path, mesh, self.assembly));
+        match reached {
+            Err(cause) if !self.path.reaches(tension) => {
+                let cause = cause.to_string();
+                Err(StopReason::NoEquilibrium { time, tension, cause })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A mesh that takes the shapes of a path, each at its tension, or lagging behind it.
+///
+/// An afterloaded cell has two: clamped at its stop, and shortened against its load. Where the load would let it be
+/// longer than the stop does, it is at its stop; no memory of what was before is needed.
+struct AlongPath<'a> {
+    setup: &'a Setup,
+    held: Branch<'a>,
+    loaded: Option<Branch<'a>>,
     state: Lagging,
     marked: Lagging,
     /// At the start of the run.
@@ -417,10 +473,22 @@ struct Lagging {
 }
 
 impl AlongPath<'_> {
-    fn extend(&mut self, tension: f64) -> Result<(), PathError> {
-        let reached = self.path.extend(tension);
-        self.curve = Arc::new(Curve::along(&self.path, self.setup));
-        reached
+    /// The path that the mesh is on at a tension.
+    fn branch(&self, tension: f64) -> &Branch<'_> {
+        let length = |branch: &Branch<'_>| branch.curve.at(tension)[0];
+        match &self.loaded {
+            Some(loaded) if length(loaded) < length(&self.held) => loaded,
+            _ => &self.held,
+        }
+    }
+
+    fn at(&self, tension: f64) -> Quantities {
+        self.branch(tension).curve.at(tension)
+    }
+
+    /// Whether the work of the tension hangs on more than the shape that it has come to along one path.
+    fn keeps_account(&self) -> bool {
+        self.is_viscous() || self.loaded.is_some()
     }
 
     fn is_viscous(&self) -> bool {
@@ -463,23 +531,20 @@ impl Shaping for AlongPath<'_> {
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
         let acting = tensions.map(|tension| tension.at(0));
         let tension = self.lagging(time, acting);
-        if !self.path.reaches(tension)
-            && let Err(cause) = self.extend((1.0 + MARGIN) * tension)
-            && !self.path.reaches(tension)
-        {
-            let cause = cause.to_string();
-            return Err(StopReason::NoEquilibrium { time, tension, cause });
+        let mesh = &self.setup.simulation.mesh;
+        self.held.reach(mesh, time, tension)?;
+        if let Some(loaded) = &mut self.loaded {
+            loaded.reach(mesh, time, tension)?;
         }
-        if self.is_viscous() {
-            let [before, after] =
-                [self.state.tension, tension].map(|at| self.curve.at(at)[PER_TENSION]);
+        if self.keeps_account() {
+            let [before, after] = [self.state.tension, tension].map(|at| self.at(at)[PER_TENSION]);
             self.state.work += 0.5 * (acting[0] + acting[1]) * (before - after);
         }
         self.state.tension = tension;
-        let [lowest, highest] = self.curve.intact;
+        let [lowest, highest] = self.branch(tension).curve.intact;
         if !(lowest..=highest).contains(&tension) {
             let positions = self.positions();
-            if let Some(reason) = fault(&self.setup.simulation.mesh, &positions, time, tension) {
+            if let Some(reason) = fault(mesh, &positions, time, tension) {
                 return Err(reason);
             }
         }
@@ -487,17 +552,15 @@ impl Shaping for AlongPath<'_> {
     }
 
     fn length(&self) -> f64 {
-        self.curve.at(self.state.tension)[0]
+        self.at(self.state.tension)[0]
     }
 
     fn observe(&self) -> Observed {
-        let [length, width, area, elastic_energy, work, _] = self.curve.at(self.state.tension);
-        let [.., elastic_at_start, work_at_start, _] = self.start;
-        let (active_work, dissipated_energy) = if self.is_viscous() {
-            (self.state.work, self.state.work - (elastic_energy - elastic_at_start))
-        } else {
-            (work - work_at_start, 0.0)
-        };
+        let [length, width, area, elastic_energy, work, _, end_force] = self.at(self.state.tension);
+        let [_, _, _, elastic_at_start, work_at_start, ..] = self.start;
+        let active_work = if self.keeps_account() { self.state.work } else { work - work_at_start };
+        let dissipated_energy =
+            if self.is_viscous() { active_work - (elastic_energy - elastic_at_start) } else { 0.0 };
         Observed {
             length,
             width,
@@ -508,13 +571,16 @@ impl Shaping for AlongPath<'_> {
             dissipated_energy,
             momentum: 0.0,
             angular_momentum: 0.0,
+            end_force: self.setup.assembly.ends.as_ref().map(|_| end_force),
         }
     }
 
     /// The path reaches every tension that was followed.
     fn positions(&self) -> Vectors {
-        self.path
-            .positions(self.state.tension)
+        let tension = self.state.tension;
+        self.branch(tension)
+            .path
+            .positions(tension)
             .unwrap_or_else(|| self.setup.assembly.body.positions.clone())
     }
 }

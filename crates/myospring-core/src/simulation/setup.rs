@@ -6,10 +6,14 @@ use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::solve::{self, SolveError};
 use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, Sites, Strongest, WholeCell};
+use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
+use crate::mechanics::ends::end_nodes;
+use crate::mechanics::grip::LoadedGrip;
 use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
-use crate::mechanics::{Body, Following, System, Tension};
+use crate::mechanics::{Body, Configuration, Following, System, Tension, Vectors, zeros};
+use crate::mesh::SpringKind;
 use crate::mesh::simplex::content_at;
 use std::sync::Arc;
 
@@ -44,12 +48,36 @@ pub(super) struct Assembly {
     pub(super) system: System,
     pub(super) meter: ShapeMeter,
     pub(super) resting_length: f64,
+    /// Length before the first beat, um: the resting one unless the ends are held stretched.
+    pub(super) held_length: f64,
+    /// What holds both ends, where something does.
+    pub(super) ends: Option<EndForce>,
+}
+
+/// How hard a cell pulls at its upper end.
+#[derive(Debug, Clone)]
+pub(super) struct EndForce {
+    nodes: Vec<usize>,
+    axis: [f64; 2],
+}
+
+impl EndForce {
+    /// Force with which the end is drawn inward, nN; negative where it is pushed out.
+    pub(super) fn of(&self, system: &System, at: &Configuration<'_>) -> f64 {
+        let mut forces = zeros(at.positions[0].len());
+        for force in system.passive.iter().chain(&system.active).filter(|force| force.is_internal())
+        {
+            force.add_forces(at, &mut forces);
+        }
+        let along = |&node: &usize| forces[0][node] * self.axis[0] + forces[1][node] * self.axis[1];
+        -self.nodes.iter().map(along).sum::<f64>()
+    }
 }
 
 impl Simulation {
     pub(super) fn set_up(&self) -> Result<Setup, SetupError> {
         self.check()?;
-        self.set_up_on(Arc::new(self.assembled()))
+        self.set_up_on(Arc::new(self.assembled_at_rest()?))
     }
 
     /// As [`Simulation::set_up`], checked before, on forces that are assembled already.
@@ -119,6 +147,69 @@ impl Simulation {
         })
     }
 
+    /// As [`Simulation::assembled`], at rest where the ends are held.
+    pub(super) fn assembled_at_rest(&self) -> Result<Assembly, SetupError> {
+        let mut assembly = self.assembled();
+        if self.end_stretch == 1.0 {
+            return Ok(assembly);
+        }
+        let Assembly { body, system, meter, .. } = &mut assembly;
+        body.positions = self.drawn_out(self.end_stretch);
+        let path = Path::start(system, body, Tolerance::default())?;
+        let rest = path.positions(0.0).unwrap_or_else(|| body.positions.clone());
+        assembly.held_length = meter.measure(&rest).length;
+        assembly.body.positions = rest;
+        Ok(assembly)
+    }
+
+    /// Resting positions whose ends are moved apart without changing them, and what lies between drawn out evenly, um.
+    pub(super) fn drawn_out(&self, stretch: f64) -> Vectors {
+        let axis = self.long_axis;
+        let points = &self.mesh.points;
+        let along: Vec<f64> =
+            points[0].iter().zip(&points[1]).map(|(x, y)| x * axis[0] + y * axis[1]).collect();
+        let [lower, upper] = end_nodes(&self.mesh, axis);
+        let most = |nodes: &[usize], of: fn(f64, f64) -> f64, from: f64| {
+            nodes.iter().map(|&node| along[node]).fold(from, of)
+        };
+        // The inner rims of both ends.
+        let (low, high) =
+            (most(&lower, f64::max, f64::NEG_INFINITY), most(&upper, f64::min, f64::INFINITY));
+        let apart = (stretch - 1.0) * shape::extent(points, axis);
+        let shift = |s: f64| apart * (((s - low) / (high - low)).clamp(0.0, 1.0) - 0.5);
+        let moved =
+            |k: usize| points[k].iter().zip(&along).map(|(x, s)| x + shift(*s) * axis[k]).collect();
+        [moved(0), moved(1)]
+    }
+
+    /// The cell that has left its stop under the load of an afterloaded contraction; `held` is it before.
+    pub(super) fn loaded(&self, held: &Assembly) -> Option<Assembly> {
+        let SupportKind::AfterloadedEnds { load } = self.support else { return None };
+        let Assembly { meter, resting_length, held_length, ends, .. } = held;
+        let (mut body, mut system) = assemble(
+            &self.mesh,
+            &self.material,
+            self.active,
+            Myofibrils { directions: &self.fibres, content: self.myofibril_content.as_deref() },
+            SupportKind::ClampedEnd,
+            self.long_axis,
+            *resting_length,
+        );
+        body.positions.clone_from(&held.body.positions);
+        let spring = self.material.spring_stiffness(SpringKind::Axial);
+        let grip = LoadedGrip::new(&self.mesh, self.long_axis, &body.positions, spring, load);
+        system.passive.push(Box::new(grip));
+        let (meter, ends) = (meter.clone(), ends.clone());
+        Some(Assembly {
+            body,
+            system,
+            meter,
+            resting_length: *resting_length,
+            held_length: *held_length,
+            ends,
+        })
+    }
+
     pub(super) fn assembled(&self) -> Assembly {
         let resting_length = shape::extent(&self.mesh.points, self.long_axis);
         let (body, system) = assemble(
@@ -149,7 +240,11 @@ impl Simulation {
             }
             _ => meter(areas),
         };
-        Assembly { body, system, meter, resting_length }
+        let ends = self.support.holds_both_ends().then(|| {
+            let [_, nodes] = end_nodes(&self.mesh, self.long_axis);
+            EndForce { nodes, axis: self.long_axis }
+        });
+        Assembly { body, system, meter, resting_length, held_length: resting_length, ends }
     }
 }
 

@@ -50,7 +50,7 @@ impl Simulation {
         setup.check_path()?;
         let Assembly { system, body, .. } = &*setup.assembly;
         let path = Path::start(system, body, tolerance)?;
-        let curve = Arc::new(Curve::along(&path, &setup));
+        let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
         let solved = Mutex::new(Arc::new(Solved { shapes: path.into_shapes(), curve, end: None }));
         Ok(SharedPath { simulation: self.clone(), assembly: setup.assembly, solved })
     }
@@ -76,7 +76,8 @@ impl SharedPath {
         let solved = self.up_to(peak, &setup);
         let (shapes, curve) = (solved.shapes.clone(), Arc::clone(&solved.curve));
         let end = solved.end.clone().filter(|_| !shapes.reaches(peak));
-        Ok(PreparedPath { setup, shapes, end, curve })
+        let loaded = setup.loaded(shapes.tolerance())?;
+        Ok(PreparedPath { setup, shapes, end, curve, loaded })
     }
 
     /// The path up to a tension, or as far as it goes.
@@ -88,7 +89,7 @@ impl SharedPath {
         let Assembly { system, body, .. } = &*self.assembly;
         let mut path = Path::resume(system, body, solved.shapes.clone());
         let end = path.extend(tension).err();
-        let curve = Arc::new(Curve::along(&path, setup));
+        let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
         *solved = Arc::new(Solved { shapes: path.into_shapes(), curve, end });
         Arc::clone(&solved)
     }
@@ -102,5 +103,6 @@ impl SharedPath {
             && own.material == other.material
             && own.active == other.active
             && own.support == other.support
+            && own.end_stretch == other.end_stretch
     }
 }

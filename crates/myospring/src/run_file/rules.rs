@@ -28,7 +28,7 @@ const ALTERNATIVES: [(&[&str], &str); 3] = [
     ),
 ];
 
-/// A support that gives way: its word, the key of its stiffness, why that is needed, and what to do
+/// A support that gives way: its word, the key of its stiffness or load, why that is needed, and what to do
 /// where another support has it.
 struct Springs {
     support: &'static str,
@@ -37,13 +37,20 @@ struct Springs {
     advice: &'static str,
 }
 
-const SPRINGS: [Springs; 2] = [
+const SPRINGS: [Springs; 3] = [
     Springs {
         support: "spring-held-ends",
         key: "mechanics.end_stiffness",
         reason: "the springs at the ends need their stiffness: give it like end_stiffness = \
                  \"100 nN/um\", or --end-stiffness \"100 nN/um\"",
         advice: "only support = \"spring-held-ends\" has it; choose that support or leave it out",
+    },
+    Springs {
+        support: "afterloaded-ends",
+        key: "mechanics.afterload",
+        reason: "afterloaded ends need their load: give it like afterload = \"2000 nN\", or \
+                 --afterload \"2000 nN\"",
+        advice: "only support = \"afterloaded-ends\" has it; choose that support or leave it out",
     },
     Springs {
         support: "elastic-bed",
@@ -255,6 +262,7 @@ fn support(file: &RunFile, run: &Run) -> Checked {
     let holder = match run.support {
         SupportKind::SpringHeldEnds { .. } => Some("spring-held-ends"),
         SupportKind::ElasticBed { .. } => Some("elastic-bed"),
+        SupportKind::AfterloadedEnds { .. } => Some("afterloaded-ends"),
         SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => None,
     };
     for Springs { support, key, reason, advice } in SPRINGS {
@@ -266,6 +274,18 @@ fn support(file: &RunFile, run: &Run) -> Checked {
             (false, true) => return exclude("mechanics.support", key, advice),
             _ => {}
         }
+    }
+    let clamps =
+        matches!(run.support, SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. });
+    if run.end_stretch != 1.0 && !clamps {
+        let advice = "only clamped ends keep a cell stretched; give support = \"clamped-ends\" or \
+                      \"afterloaded-ends\", or leave it out";
+        return exclude("mechanics.support", "mechanics.end_stretch", advice);
+    }
+    if holder == Some("afterloaded-ends") && run.numerics.method.is_in_time() {
+        let advice = "a grip that leaves its stop is followed along equilibria; give integrator = \
+                      \"quasi-static\", or --integrator quasi-static";
+        return exclude("numerics.integrator", "mechanics.support", advice);
     }
     Ok(())
 }
@@ -281,7 +301,8 @@ fn method(file: &RunFile, run: &Run) -> Checked {
         }
         return Ok(());
     }
-    let gives_way = SPRINGS.iter().any(|springs| file.has(springs.key));
+    let gives_way =
+        matches!(run.support, SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. });
     if viscous && gives_way {
         let advice = "the springs of the support would be viscous, too; take another support, or leave the \
                       retardation time out";

@@ -49,6 +49,8 @@ pub struct Run {
     pub myofibril_content: MyofibrilContent,
     /// What holds the cell.
     pub support: SupportKind,
+    /// How far apart clamped ends are held before the beat, relative to the cell at rest.
+    pub end_stretch: f64,
     /// Numerical settings.
     pub numerics: Numerics,
     /// Time simulated, ms.
@@ -103,6 +105,7 @@ impl Run {
             fibre: Fibre::Auto(Asked::default()),
             myofibril_content: MyofibrilContent::Uniform,
             support: SupportKind::MassCentre,
+            end_stretch: 1.0,
             duration: usual_duration(&protocol, &numerics),
             numerics,
         }
@@ -211,6 +214,7 @@ impl Run {
             material: self.material.clone(),
             active: self.active,
             support: self.support,
+            end_stretch: self.end_stretch,
             duration: self.duration,
             numerics: self.numerics.clone(),
         }

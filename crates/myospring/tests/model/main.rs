@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod afterload;
 mod architecture;
 mod beat;
 mod cell_adaptive;

@@ -36,6 +36,11 @@ impl<const D: usize> Shapes<D> {
         [0, 1].map(|side| self.branches[side][self.branches[side].len() - 1].tension)
     }
 
+    /// How closely it was solved.
+    pub fn tolerance(&self) -> Tolerance {
+        self.tolerance
+    }
+
     /// Whether it has been at a tension in kPa.
     pub fn reaches(&self, tension: f64) -> bool {
         let [lowest, highest] = self.range();

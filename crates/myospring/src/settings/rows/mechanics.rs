@@ -31,6 +31,7 @@ enum SupportName {
     MassCentre,
     ClampedEnd,
     ClampedEnds,
+    AfterloadedEnds,
     SpringHeldEnds,
     ElasticBed,
 }
@@ -41,6 +42,9 @@ worded! { SupportName {
     SupportName::ClampedEnd = "clamped-end": "The end where the long axis starts is clamped.",
     SupportName::ClampedEnds = "clamped-ends":
         "Both ends are clamped: an isometric contraction.",
+    SupportName::AfterloadedEnds = "afterloaded-ends":
+        "Both ends are held until the cell pulls harder than a load, against which it then shortens, as in a force \
+         clamp; needs `afterload`, and quasi-static.",
     SupportName::SpringHeldEnds = "spring-held-ends":
         "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs \
          `end_stiffness`.",
@@ -176,6 +180,37 @@ pub(super) const ROWS: &[Setting] = &[
     )
     .option("--support", "KIND"),
     Setting::quantity(
+        "mechanics.end_stretch",
+        "How far clamped or afterloaded ends are held apart before the beat, relative to the cell at rest.",
+        Bounds::any(Dimension::Number, "1.1").from(0.5).to(1.5),
+        |run| Some(run.end_stretch),
+        |run, stretch| run.end_stretch = stretch,
+    )
+    .option_saying(
+        "--end-stretch",
+        "RATIO",
+        "Distance of clamped or afterloaded ends before the beat, relative to the cell at rest",
+    ),
+    Setting::quantity(
+        "mechanics.afterload",
+        "Force against which the cell of \"afterloaded-ends\" shortens: 1 kPa on a section of 200 um^2 is 200 nN.",
+        Bounds::any(Dimension::Force, "2000 nN").above(0.0).to(1e9),
+        |run| match run.support {
+            SupportKind::AfterloadedEnds { load } => Some(load),
+            _ => None,
+        },
+        |run, value| {
+            if let SupportKind::AfterloadedEnds { load } = &mut run.support {
+                *load = value;
+            }
+        },
+    )
+    .option_saying(
+        "--afterload",
+        "FORCE",
+        "Force against which a cell with afterloaded-ends shortens",
+    ),
+    Setting::quantity(
         "mechanics.end_stiffness",
         "Stiffness of each of the two springs of \"spring-held-ends\", such as carbon fibres.",
         Bounds::any(Dimension::Stiffness, "100 nN/um").above(0.0).to(1e8),
@@ -236,17 +271,19 @@ fn support_name(support: SupportKind) -> SupportName {
         SupportKind::MassCentre => SupportName::MassCentre,
         SupportKind::ClampedEnd => SupportName::ClampedEnd,
         SupportKind::ClampedEnds => SupportName::ClampedEnds,
+        SupportKind::AfterloadedEnds { .. } => SupportName::AfterloadedEnds,
         SupportKind::SpringHeldEnds { .. } => SupportName::SpringHeldEnds,
         SupportKind::ElasticBed { .. } => SupportName::ElasticBed,
     }
 }
 
-/// The support of a name; the rules of run files ask for the stiffness of one that gives way.
+/// The support of a name; the rules of run files ask for the stiffness of one that gives way, or its load.
 fn support(name: SupportName) -> SupportKind {
     match name {
         SupportName::MassCentre => SupportKind::MassCentre,
         SupportName::ClampedEnd => SupportKind::ClampedEnd,
         SupportName::ClampedEnds => SupportKind::ClampedEnds,
+        SupportName::AfterloadedEnds => SupportKind::AfterloadedEnds { load: 0.0 },
         SupportName::SpringHeldEnds => SupportKind::SpringHeldEnds { stiffness: 0.0 },
         SupportName::ElasticBed => SupportKind::ElasticBed { stiffness: 0.0 },
     }
