@@ -93,6 +93,7 @@ const OUTPUTS: [Output; 6] = [
             "figures/mesh.*",
             "figures/action_potential_and_tension.*",
             "figures/contraction.*",
+            "figures/work_loop.*",
             "figures/overlay.*",
         ],
         look: Some("figures/overview.png"),
@@ -270,15 +271,18 @@ pub(crate) fn figures(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fa
     let cell = || cell.as_ref().map_err(Clone::clone);
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
-    let options =
-        ContractionOptions { stimulus_times_ms: stimuli.to_vec(), reference_band: reference };
+    let held = simulation.support.holds_both_ends();
+    let options = ContractionOptions {
+        stimulus_times_ms: stimuli.to_vec(),
+        reference_band: reference.filter(|_| !held),
+    };
     let label = run.strength();
     let overlay = || {
         let (cells, cell) = picture.as_ref().ok_or(FigureError::Nothing { what: "pictures" })?;
         let lattice = Some(Lattice { mesh, fibres });
         overlay::draw(name, cells, &[cell], lattice, &numbers.summary.warnings)
     };
-    let figures: [(&str, Draw<'_>); 6] = [
+    let figures: [(&str, Draw<'_>); 7] = [
         ("overlay", &overlay),
         ("overview", &|| figure::overview(cell()?, recording, stimuli)),
         ("cell", &|| figure::cell_shapes(cell()?, &figure::key_shapes(recording, stimuli))),
@@ -287,10 +291,12 @@ pub(crate) fn figures(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fa
             figure::action_potential_and_tension(recording, stimuli)
         }),
         ("contraction", &|| figure::contraction(&[(&label, recording)], &options)),
+        ("work_loop", &|| figure::work_loop(recording, stimuli)),
     ];
-    // Only of a picture.
+    // Only of a picture, and only of a cell whose ends are held.
     let from = usize::from(picture.is_none());
-    folder.figures(finished.look.theme, &figures[from..])
+    let to = figures.len() - usize::from(!held);
+    folder.figures(finished.look.theme, &figures[from..to])
 }
 
 /// The frames for ParaView; the collection comes last, so that it names files that are there.

@@ -49,6 +49,9 @@ pub struct Signal {
     pub values: Vec<f64>,
 }
 
+/// The signal of the force with which a cell draws its ends inward, nN, where both are held.
+pub const END_FORCE: &str = "end_force";
+
 /// The cell's shape at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame<const D: usize = 2> {

@@ -37,7 +37,6 @@ mod stop;
 mod strain;
 
 pub use check::{MOST_FRAME_MEMORY, MOST_FRAMES, MOST_SAMPLES, SettingError, divides};
-pub use coupling::END_FORCE;
 pub use fault::projected_area;
 pub use field::PreparedField;
 pub use in_time::Prepared;

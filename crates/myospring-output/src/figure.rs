@@ -49,6 +49,7 @@ mod skin;
 mod svg;
 mod theme;
 mod traces;
+mod work_loop;
 
 pub use cell::Cell;
 pub use compared::{Compared, Rings, compared};
@@ -67,6 +68,7 @@ pub use shapes::cell_shapes;
 pub use sheet::Figure;
 pub use theme::Theme;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
+pub use work_loop::work_loop;
 
 /// Why a figure was not drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

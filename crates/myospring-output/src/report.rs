@@ -31,7 +31,7 @@ impl Summary {
         mesh: MeshReport,
         warnings: Vec<String>,
     ) -> Self {
-        let beats = Beats::of(&recording.samples, stimulus_times_ms);
+        let beats = Beats::of(recording, stimulus_times_ms);
         Self {
             beat_to_beat: beats.spread(),
             energy: beats.energy,

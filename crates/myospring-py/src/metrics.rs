@@ -2,7 +2,7 @@
 
 use myospring::analysis::Metric;
 use myospring::analysis::beat::{Beats, beats, energy};
-use myospring::recording::Sample;
+use myospring::recording::{END_FORCE, Recording, Sample, Signal};
 use pyo3::prelude::*;
 
 /// All metrics of a beat in the order of reading: name, unit, definition.
@@ -25,9 +25,12 @@ pub(crate) fn metrics() -> Vec<(&'static str, &'static str, &'static str)> {
         momentum_nn_ms: 0.0,
         angular_momentum_nn_um_ms: 0.0,
     };
-    let beats = beats(&[still], &[0.0]);
+    let end_force = Signal { name: END_FORCE.into(), unit: "nN".into(), values: vec![0.0] };
+    let recording =
+        Recording { samples: vec![still], signals: vec![end_force], ..Recording::default() };
+    let beats = beats(&recording, &[0.0]);
     let of_beat = beats.first().into_iter().flat_map(|beat| beat.metrics().cloned());
-    let all = of_beat.chain(energy(&[still]));
+    let all = of_beat.chain(energy(&recording.samples));
     all.map(|Metric { name, unit, definition, .. }| (name, unit, definition)).collect()
 }
 

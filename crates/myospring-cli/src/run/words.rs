@@ -14,7 +14,7 @@ use std::path::Path;
 const LENGTHENING: &str = "peak_lengthening";
 
 /// Rows of the table after a run: metric and what people call it.
-pub(crate) const ROWS: [(&str, &str); 15] = [
+pub(crate) const ROWS: [(&str, &str); 18] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),
@@ -29,6 +29,9 @@ pub(crate) const ROWS: [(&str, &str); 15] = [
     ("width_change_at_peak", "width change at peak"),
     ("isovolumic_width_change", "  that would keep the volume"),
     ("area_change_at_peak", "projected area change at peak"),
+    ("peak_end_force", "peak force at the ends"),
+    ("time_to_end_systole", "time to end of systole, from stimulus"),
+    ("work_on_load", "work on the load"),
     ("action_potential_duration_90", "APD90"),
 ];
 
@@ -47,7 +50,9 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
     if spread {
         header.push("+- sd".to_owned());
     }
-    header.extend(["unit".to_owned(), "band*".to_owned()]);
+    let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
+    let band_column = if loaded { "" } else { "band*" };
+    header.extend(["unit".to_owned(), band_column.to_owned()]);
     let mut rows = vec![header];
     let Some(first) = summary.beats.first() else {
         text.push_str("no stimulus, so nothing to measure\n");
@@ -67,7 +72,9 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         if spread {
             row.push(over_beats.map_or_else(String::new, |s| number(s.standard_deviation)));
         }
-        let reference = band(metric).map(|Band { low, high, .. }| format!("{low} to {high}"));
+        // What is known is of unloaded cells.
+        let reference = band(metric).filter(|_| !loaded);
+        let reference = reference.map(|Band { low, high, .. }| format!("{low} to {high}"));
         let last = match value {
             Some(_) => reference.unwrap_or_default(),
             None => why_not(first, metric).to_owned(),
@@ -84,7 +91,11 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         rows.push(row);
     }
     text.push_str(&aligned(&rows, right));
-    text.push_str("* bands of unloaded adult ventricular myocytes: what is seen, not a target\n");
+    if first.load.is_empty() {
+        text.push_str(
+            "* bands of unloaded adult ventricular myocytes: what is seen, not a target\n",
+        );
+    }
     if let Some(fibres) = fibres {
         let _ = writeln!(text, "fibres: {fibres}");
     }

@@ -1,7 +1,7 @@
 //! What each beat of a run amounts to, where its work went, and what is known of such numbers.
 
-use super::{Metric, Spread, action_potential, beat_to_beat, contraction, trace, value};
-use crate::recording::Sample;
+use super::{Metric, Spread, action_potential, beat_to_beat, contraction, load, trace, value};
+use crate::recording::{END_FORCE, Recording, Sample};
 use serde::Serialize;
 use std::ops::Deref;
 
@@ -71,6 +71,8 @@ pub struct Beat {
     pub contraction: Vec<Metric>,
     /// Width and area at the peak of shortening.
     pub shape: Vec<Metric>,
+    /// What the cell did at its ends; empty where nothing holds both.
+    pub load: Vec<Metric>,
     /// Action potential; none of a cell that has none.
     pub action_potential: Vec<Metric>,
 }
@@ -78,7 +80,8 @@ pub struct Beat {
 impl Beat {
     /// All metrics in the order of reading.
     pub fn metrics(&self) -> impl Iterator<Item = &Metric> {
-        let parts = [&self.tension, &self.contraction, &self.shape, &self.action_potential];
+        let parts =
+            [&self.tension, &self.contraction, &self.shape, &self.load, &self.action_potential];
         parts.into_iter().flatten()
     }
 
@@ -113,9 +116,10 @@ pub struct Beats {
 }
 
 impl Beats {
-    /// Of the samples of a run whose stimuli fell at these times, ms.
-    pub fn of(samples: &[Sample], stimulus_times_ms: &[f64]) -> Self {
-        Self { list: beats(samples, stimulus_times_ms), energy: energy(samples), bands: BANDS }
+    /// Of what a run recorded whose stimuli fell at these times, ms.
+    pub fn of(recording: &Recording, stimulus_times_ms: &[f64]) -> Self {
+        let energy = energy(&recording.samples);
+        Self { list: beats(recording, stimulus_times_ms), energy, bands: BANDS }
     }
 
     /// Mean and standard deviation over the beats of every metric, where there are several.
@@ -138,7 +142,9 @@ impl Deref for Beats {
 }
 
 /// The metrics of each beat; it ends at the next stimulus.
-pub fn beats(samples: &[Sample], stimulus_times_ms: &[f64]) -> Vec<Beat> {
+pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
+    let Recording { samples, signals, .. } = recording;
+    let force = signals.iter().find(|signal| signal.name == END_FORCE);
     let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
     stimulus_times_ms
         .iter()
@@ -149,12 +155,13 @@ pub fn beats(samples: &[Sample], stimulus_times_ms: &[f64]) -> Vec<Beat> {
             let first = times.partition_point(|time| *time < start);
             let last = times.partition_point(|time| *time < end);
             let samples = samples.get(first..last).filter(|samples| !samples.is_empty())?;
-            Some(beat(samples, stimulus))
+            let force = force.and_then(|force| force.values.get(first..last));
+            Some(beat(samples, force, stimulus))
         })
         .collect()
 }
 
-fn beat(samples: &[Sample], stimulus: f64) -> Beat {
+fn beat(samples: &[Sample], force: Option<&[f64]>, stimulus: f64) -> Beat {
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let times = column(|s| s.t_ms);
     let contraction = contraction::metrics(&times, &column(|s| s.length_um), stimulus);
@@ -167,7 +174,10 @@ fn beat(samples: &[Sample], stimulus: f64) -> Beat {
     };
     let tension = tension(&times, &column(|s| s.ta_kpa), stimulus, &contraction);
     let shape = shape(samples, stimulus, &contraction);
-    Beat { stimulus_ms: stimulus, tension, contraction, shape, action_potential }
+    let load = force.map_or_else(Vec::new, |force| {
+        load::metrics(&times, &column(|s| s.length_um), force, stimulus)
+    });
+    Beat { stimulus_ms: stimulus, tension, contraction, shape, load, action_potential }
 }
 
 fn tension(times: &[f64], tension: &[f64], stimulus: f64, contraction: &[Metric]) -> Vec<Metric> {
@@ -300,9 +310,13 @@ mod tests {
         (0..2000).map(|i| sample(0.5 * f64::from(i))).collect()
     }
 
+    fn recording() -> Recording {
+        Recording { samples: samples(), ..Recording::default() }
+    }
+
     #[test]
     fn every_beat_is_measured_against_its_own_rest() {
-        let beats = beats(&samples(), &[0.0, 500.0]);
+        let beats = beats(&recording(), &[0.0, 500.0]);
         assert_eq!(beats.len(), 2);
         for (beat, peak) in beats.iter().zip([150.0, 650.0]) {
             for (name, expected, tolerance) in [
@@ -329,13 +343,13 @@ mod tests {
 
     #[test]
     fn a_recording_without_samples_has_no_beats() {
-        assert!(beats(&[], &[50.0]).is_empty());
+        assert!(beats(&Recording::default(), &[50.0]).is_empty());
         assert_eq!(value(&energy(&[]), "active_work"), None);
     }
 
     #[test]
     fn every_band_belongs_to_a_metric_of_the_same_unit() {
-        let beat = &beats(&samples(), &[0.0])[0];
+        let beat = &beats(&recording(), &[0.0])[0];
         for band in &BANDS {
             let metric = beat.metrics().find(|metric| metric.name == band.name).unwrap();
             assert_eq!(metric.unit, band.unit);

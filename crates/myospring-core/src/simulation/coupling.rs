@@ -24,7 +24,7 @@ use super::{Simulation, StopReason};
 use crate::cell::Output;
 use crate::exchange::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use crate::mechanics::{Following, Tension, Vectors};
-use crate::recording::{Frame, Recording, Sample, Signal};
+use crate::recording::{END_FORCE, Frame, Recording, Sample, Signal};
 
 /// What a shape is recorded by; units as in [`Sample`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,8 +60,6 @@ pub(super) trait Shaping {
     fn positions(&self) -> Vectors;
 }
 
-/// The signal of how hard a cell pulls at its ends.
-pub const END_FORCE: &str = "end_force";
 /// Most tries of an exchange that is found by trying.
 const TRIES: usize = 60;
 /// Part of the strongest tension to which a tension that was tried and the answer to it agree.

@@ -25,7 +25,7 @@ impl Outcome {
     /// What the beats amount to: tension, contraction, width and area, action potential of each, where the
     /// energy went, and the bands of what is known.
     pub fn beats(&self) -> Beats {
-        Beats::of(&self.recording.samples, &self.stimulus_times_ms)
+        Beats::of(&self.recording, &self.stimulus_times_ms)
     }
 }
 

@@ -73,7 +73,16 @@ const COMMON: [(&str, &[&str]); 5] = [
     ("pacing", &["stimulus.", "run.duration"]),
     ("cell or mesh", &["shape.", "segmentation."]),
     ("cell model", &["cell.model"]),
-    ("support", &["mechanics.support", "mechanics.end_stiffness", "mechanics.bed_stiffness"]),
+    (
+        "support",
+        &[
+            "mechanics.support",
+            "mechanics.end_stretch",
+            "mechanics.afterload",
+            "mechanics.end_stiffness",
+            "mechanics.bed_stiffness",
+        ],
+    ),
     ("numerics", &["numerics.", "cell.integrator", "cell.step", "cell.tolerance"]),
 ];
 

@@ -4,8 +4,8 @@
 use myospring::integrate::Method;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::lattice;
-use myospring::recording::Sample;
-use myospring::simulation::{END_FORCE, Outcome, Simulation};
+use myospring::recording::{END_FORCE, Sample};
+use myospring::simulation::{Outcome, Simulation};
 
 /// A strip of 100 x 20 um, 10 um thick.
 fn strip(support: SupportKind) -> Simulation {

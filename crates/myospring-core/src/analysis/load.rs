@@ -1,0 +1,78 @@
+//! What a cell does at its ends where both are held: its force, and the loop of force and length.
+
+use super::{Metric, trace};
+
+/// The metrics of one beat from length (um) and the force at the ends (nN) over time (ms).
+///
+/// The end of systole is the instant of the largest force over length: of an isometric beat that of the largest
+/// force, of one against a constant load that of the shortest length, of one against springs both.
+///
+/// # Example
+/// ```
+/// use myospring::analysis::{load, value};
+/// let times: Vec<f64> = (0..=200).map(f64::from).collect();
+/// // Isometric up to 100 nN, then shorter by 5 um under that force, and back.
+/// let force = |t: f64| (10.0 * (t - 10.0)).clamp(0.0, 100.0);
+/// let forces: Vec<f64> = times.iter().map(|&t| force(t.min(220.0 - t))).collect();
+/// let length = |t: f64| 100.0 - (0.1 * (t - 20.0)).clamp(0.0, 5.0);
+/// let lengths: Vec<f64> = times.iter().map(|&t| length(t.min(190.0 - t))).collect();
+/// let metrics = load::metrics(&times, &lengths, &forces, 10.0);
+/// assert_eq!(value(&metrics, "peak_end_force"), Some(100.0));
+/// assert_eq!(value(&metrics, "end_systolic_length"), Some(95.0));
+/// assert!((value(&metrics, "work_on_load").unwrap() - 500.0).abs() < 1e-9);
+/// ```
+pub fn metrics(times: &[f64], lengths: &[f64], forces: &[f64], stimulus: f64) -> Vec<Metric> {
+    let after = times.partition_point(|time| *time < stimulus);
+    let most = |of: &dyn Fn(usize) -> f64| {
+        // The first where several are alike.
+        (after..times.len().min(forces.len()))
+            .reduce(|best, here| if of(here) > of(best) { here } else { best })
+    };
+    let strongest = most(&|k| forces[k]).filter(|&k| forces[k] > 0.0);
+    let end = most(&|k| forces[k] / lengths[k]).filter(|_| strongest.is_some());
+    // W = -int F dL
+    let work = end.map(|end| {
+        let part = |k: usize| 0.5 * (forces[k] + forces[k + 1]) * (lengths[k] - lengths[k + 1]);
+        (after..end).map(part).sum::<f64>()
+    });
+    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
+    vec![
+        row(
+            "end_force_at_rest",
+            trace::baseline(times, forces, stimulus),
+            "nN",
+            "mean force at the ends before the stimulus",
+        ),
+        row(
+            "peak_end_force",
+            strongest.map(|k| forces[k]),
+            "nN",
+            "largest force with which the cell draws its ends inward",
+        ),
+        row(
+            "time_to_peak_end_force",
+            strongest.map(|k| times[k] - stimulus),
+            "ms",
+            "from the stimulus to it",
+        ),
+        row(
+            "end_systolic_force",
+            end.map(|k| forces[k]),
+            "nN",
+            "force at the end of systole, where force over length is largest",
+        ),
+        row("end_systolic_length", end.map(|k| lengths[k]), "um", "length at the end of systole"),
+        row(
+            "time_to_end_systole",
+            end.map(|k| times[k] - stimulus),
+            "ms",
+            "from the stimulus to the end of systole",
+        ),
+        row(
+            "work_on_load",
+            work,
+            "fJ",
+            "work on what holds the ends, from the stimulus to the end of systole",
+        ),
+    ]
+}
