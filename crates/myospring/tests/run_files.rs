@@ -98,6 +98,7 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         "pixel_size",
         "label",
         "outline",
+        "afterload",
         "end_stiffness",
         "bed_stiffness",
     ];

@@ -15,9 +15,9 @@ use myospring::output::csv::traces;
 use myospring::output::field::Fields;
 use myospring::output::figure::{
     Cell, ContractionOptions, Figure, FigureError, Shape, action_potential_and_tension,
-    cell_shapes, contraction, key_shapes, mesh, overview,
+    cell_shapes, contraction, key_shapes, mesh, overview, work_loop,
 };
-use myospring::recording::{Frame, Recording};
+use myospring::recording::{END_FORCE, Frame, Recording, Sample, Signal};
 use synthetic::{STIMULUS, elongated, recording, roundish};
 
 const X: [f64; 2] = [1.0, 0.0];
@@ -223,6 +223,7 @@ fn nothing_to_draw_is_an_error_and_not_a_panic() {
         (cell_shapes(&drawn, &shape(&wrong)), "has 0 positions along axis 0"),
         (mesh(&nowhere), "given 0 points"),
         (overview(&drawn, &empty, &[]), "given 0 frames"),
+        (work_loop(&run, &[STIMULUS]), "given 0 forces at the ends"),
     ] {
         let error: FigureError = result.unwrap_err();
         assert!(error.to_string().contains(message), "{error}");
@@ -235,6 +236,22 @@ fn nothing_to_draw_is_an_error_and_not_a_panic() {
         let error: FigureError = result.unwrap_err();
         assert!(error.to_string().contains(message), "{error}");
     }
+}
+
+#[test]
+fn a_loop_of_force_and_length_names_its_end_of_systole_and_the_work_up_to_there() {
+    let mut run = beat(&elongated(4.0));
+    // Against springs: the force is in proportion to the shortening, so half of their product is the work.
+    let shortening = |sample: &Sample| 140.0 - sample.length_um;
+    let values: Vec<f64> = run.samples.iter().map(|sample| 50.0 * shortening(sample)).collect();
+    let most = values.iter().copied().fold(0.0, f64::max);
+    let work_pj = 0.5 * most * most / 50.0 / 1000.0;
+    run.signals = vec![Signal { name: END_FORCE.into(), unit: "nN".into(), values }];
+    let figure = work_loop(&run, &[STIMULUS]).unwrap();
+    let text = figure.to_svg();
+    assert!(text.contains(&format!("end of systole, {most:.0} nN")), "{most}");
+    assert!(text.contains(&format!("work on the load {work_pj:.2} pJ")), "{work_pj}");
+    size(&figure);
 }
 
 #[test]
