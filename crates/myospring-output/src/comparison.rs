@@ -71,7 +71,7 @@ pub fn with_paper(
     weights: &[f64],
 ) -> Vec<Finding> {
     let beats: Vec<Beat> =
-        runs.iter().flat_map(|run| beats(&run.recording, &[stimulus_ms])).collect();
+        runs.iter().flat_map(|run| beats(run.recording, &[stimulus_ms])).collect();
     let column = |name: &str| -> Vec<f64> {
         beats.iter().map(|beat| beat.value(name).unwrap_or(f64::NAN)).collect()
     };

@@ -38,7 +38,7 @@ pub struct PreparedPath {
     /// Why the path ends before the peak of tension, if it does.
     pub end: Option<PathError>,
     pub(super) curve: Arc<Curve>,
-    pub(super) loaded: Option<Loaded>,
+    pub(super) loaded: Option<Box<Loaded>>,
 }
 
 /// The cell under its afterload, away from its stop.
@@ -96,7 +96,7 @@ impl Simulation {
         let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
         let shapes = path.into_shapes();
         let loaded = setup.loaded(shapes.tolerance())?;
-        Ok(PreparedPath { shapes, curve, setup, end, loaded })
+        Ok(PreparedPath { setup, shapes, end, curve, loaded })
     }
 
     /// Runs along the path of equilibria, to the end or to the first thing that goes wrong. `observe` is
@@ -178,14 +178,14 @@ impl Setup {
     }
 
     /// The other path of an afterloaded cell, up to the peak of tension or as far as it goes.
-    pub(super) fn loaded(&self, tolerance: Tolerance) -> Result<Option<Loaded>, SetupError> {
+    pub(super) fn loaded(&self, tolerance: Tolerance) -> Result<Option<Box<Loaded>>, SetupError> {
         let Some(assembly) = self.simulation.loaded(&self.assembly) else { return Ok(None) };
         let mut path = Path::start(&assembly.system, &assembly.body, tolerance)?;
         // One that ends before says so in the run, if it comes to that.
         let _ = path.extend(self.peak());
         let curve = Arc::new(Curve::along(&path, &self.simulation.mesh, &assembly));
         let shapes = path.into_shapes();
-        Ok(Some(Loaded { assembly, shapes, curve }))
+        Ok(Some(Box::new(Loaded { assembly, shapes, curve })))
     }
 
     /// The tension up to which a path is solved in advance, kPa.
@@ -207,7 +207,7 @@ impl PreparedPath {
         let held = Branch::resume(&setup.assembly, &self.shapes, &self.curve);
         let loaded = self
             .loaded
-            .as_ref()
+            .as_deref()
             .map(|Loaded { assembly, shapes, curve }| Branch::resume(assembly, shapes, curve));
         let start = setup.activation.tension().at(0);
         let state = Lagging { tension: start, work: 0.0 };
