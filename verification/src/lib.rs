@@ -14,6 +14,7 @@ pub mod engine;
 pub mod finite_elements;
 pub mod fit;
 pub mod lammps;
+pub mod land;
 pub mod myokit;
 pub mod oscillator;
 pub mod patch;
@@ -60,6 +61,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "convergence", run: convergence::rows },
         Check { name: "lammps", run: lammps::write },
         Check { name: "myokit", run: myokit::write },
+        Check { name: "land", run: land::rows },
         Check { name: "finite-elements", run: finite_elements::rows },
         Check { name: "sarcomeres", run: sarcomeres::rows },
     ]

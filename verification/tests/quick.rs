@@ -55,6 +55,11 @@ fn a_block_deforms_homogeneously_whichever_way_it_lies() {
 }
 
 #[test]
+fn lands_myofilaments_are_those_of_independent_programs() {
+    passes("land");
+}
+
+#[test]
 fn a_free_lattice_conserves_what_it_must() {
     passes("conservation");
 }

@@ -33,6 +33,7 @@ Checks:
   convergence      Shortening on finer and finer lattices
   lammps           A lattice in motion, mass by mass, against LAMMPS
   myokit           All sets of the minimal model, all states, against Myokit's CVODE
+  land             Myofilaments that feel length and speed, against independent programs
   finite-elements  A published finite-element twitch, if its data are there
   sarcomeres       Sarcomeres in published pictures, against SarcGraph's, if they are there
 
@@ -65,7 +66,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 12] = [
+const CHECKS: [Check; 13] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
@@ -76,6 +77,7 @@ const CHECKS: [Check; 12] = [
     own("convergence", "Convergence with the lattice"),
     Check { name: "lammps", title: "LAMMPS", peer: Some(("lammps_check.py", "LAMMPS")) },
     Check { name: "myokit", title: "Myokit", peer: Some(("myokit_check.py", "Myokit")) },
+    own("land", "Myofilaments that feel length and speed"),
     own("finite-elements", "Finite-element twitch"),
     own("sarcomeres", "Sarcomeres in pictures"),
 ];

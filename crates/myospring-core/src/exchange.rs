@@ -10,10 +10,13 @@
 //! `simulation` asks it once in every exchange interval. An activation that feels nothing is asked
 //! first, and the mesh follows. Where the tension depends on the stretch that it causes, both are found
 //! together: the activation may be asked again and again from the same start ([`Activation::advance`]),
-//! and says by its [`Tangent`] where to look. [`WholeCell`] is a cell model as an activation.
+//! and says by its [`Tangent`] where to look. [`WholeCell`] is a cell model as an activation, [`ByTriangle`] has one
+//! in each triangle.
 
+mod by_triangle;
 mod whole_cell;
 
+pub use by_triangle::ByTriangle;
 pub use whole_cell::WholeCell;
 
 use crate::cell::Output;

@@ -25,6 +25,7 @@ mod check;
 mod coupling;
 mod fault;
 mod field;
+mod given_tension;
 mod held;
 mod in_time;
 mod observer;
@@ -117,6 +118,16 @@ pub enum TensionScale {
     OwnPeak,
 }
 
+/// Whose stretch a cell model feels that feels any.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StretchFelt {
+    /// That of the whole cell, so one model serves it.
+    Cell,
+    /// That of each triangle along its fibre: a model for each.
+    Triangle,
+}
+
 /// All that a run is made of.
 ///
 /// # Example
@@ -148,6 +159,8 @@ pub struct Simulation {
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
     pub tension_scale: TensionScale,
+    /// Whose stretch the cell model feels, if it feels any.
+    pub stretch_felt: StretchFelt,
     /// What makes the tension instead of the cell model, in its state at 0 ms; cell model, protocol, peak
     /// tension and whose peak it is do not matter then.
     pub activation: Option<Box<dyn Activation>>,
@@ -193,6 +206,7 @@ impl Simulation {
             cell: Arc::new(cell),
             peak_tension: 50.0,
             tension_scale: TensionScale::Published,
+            stretch_felt: StretchFelt::Cell,
             activation: None,
             long_axis,
             fibres: vec![long_axis; mesh.simplices.len()],

@@ -16,7 +16,7 @@ pub struct Summary {
     /// Where the work of the active force went, at the end of the run.
     pub energy: Vec<Metric>,
     /// Bands, not targets, from measurements on unloaded adult ventricular myocytes.
-    pub reference_bands: [Band; 4],
+    pub reference_bands: [Band; 5],
     /// What became of the picture or outline.
     pub mesh: MeshReport,
     /// What a person should look at.

@@ -23,9 +23,10 @@ pub(crate) fn action_potential<'py>(
     let mut file = RunFile::default();
     settings::put(&mut file, given)?;
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    let (cell, _warning) = run.driven(|path| std::fs::read(path)).map_err(errors::value)?;
     let solved = interruptible(py, |_stop| {
         let interval = run.numerics.output_interval;
-        solve(&*run.cell, run.protocol, run.numerics.cell, run.duration, interval)
+        solve(&*cell, run.protocol, run.numerics.cell, run.duration, interval)
     })?;
     let trace = solved.map_err(errors::value)?;
     let times = &trace.time_ms;

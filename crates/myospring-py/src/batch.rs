@@ -145,7 +145,13 @@ impl Batch<'_> {
     fn simulation(&self, run: &Run) -> Result<Simulation, String> {
         if !self.varies(&["shape", "segmentation", "mechanics"]) {
             let Simulation { mesh, fibres, myofibril_content, .. } = &self.made.simulation;
-            return Ok(run.simulation(mesh.clone(), fibres.clone(), myofibril_content.clone()));
+            let driven = run.driven(|path| self.cell.read(path));
+            let (cell, _) = driven.map_err(|error| error.to_string())?;
+            let content = myofibril_content.clone();
+            return Ok(Simulation {
+                cell,
+                ..run.simulation(mesh.clone(), fibres.clone(), content)
+            });
         }
         let shaped = if self.varies(&["shape", "segmentation"]) {
             run.shape.mesh(&self.cell.bytes).map_err(|error| error.to_string())?

@@ -21,6 +21,7 @@
 //! ```
 
 mod bounds;
+mod calcium;
 mod content;
 mod fibres;
 mod number;
@@ -33,6 +34,7 @@ mod value;
 mod words;
 
 pub use bounds::{Bounds, Whole};
+pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
 pub use content::{CONTENT_ENDINGS, ContentError, MyofibrilContent};
 pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
 pub use number::{Number, NumberError};

@@ -92,6 +92,10 @@ fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
 fn every_commented_key_of_the_template_is_valid_where_it_stands() {
     let text = template();
     let alternatives = [
+        "calcium",
+        "calcium_dissociation",
+        "ratio_min",
+        "ratio_max",
         "tolerance",
         "spring_stiffness",
         "picture",

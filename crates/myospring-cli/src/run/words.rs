@@ -14,7 +14,7 @@ use std::path::Path;
 const LENGTHENING: &str = "peak_lengthening";
 
 /// Rows of the table after a run: metric and what people call it.
-pub(crate) const ROWS: [(&str, &str); 18] = [
+pub(crate) const ROWS: [(&str, &str); 19] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),
@@ -23,6 +23,7 @@ pub(crate) const ROWS: [(&str, &str); 18] = [
     ("time_to_peak_from_stimulus", "time to peak shortening, from stimulus"),
     ("lag_of_shortening", "lag of shortening behind tension"),
     ("maximum_shortening_rate", "largest shortening rate"),
+    ("shortening_rate_over_peak", "  over peak shortening"),
     ("maximum_relengthening_rate", "largest relengthening rate"),
     ("relaxation_time_50", "peak to 50 % relengthened"),
     ("relaxation_time_90", "peak to 90 % relengthened"),

@@ -24,7 +24,7 @@ pub struct Band {
 }
 
 /// The reference bands.
-pub const BANDS: [Band; 4] = [
+pub const BANDS: [Band; 5] = [
     Band {
         name: "peak_shortening",
         low: 7.0,
@@ -45,6 +45,13 @@ pub const BANDS: [Band; 4] = [
         high: 1.2,
         unit: "L0/s",
         scope: "unloaded adult ventricular myocytes (guinea pig 0.82, rabbit 0.98 L0/s)",
+    },
+    Band {
+        name: "shortening_rate_over_peak",
+        low: 8.0,
+        high: 13.0,
+        unit: "1/s",
+        scope: "unloaded adult ventricular myocytes (guinea pig 10.1, rabbit 10.8 1/s, and a fifth either way)",
     },
     Band {
         name: "time_to_peak_from_stimulus",
@@ -112,7 +119,7 @@ pub struct Beats {
     /// Where the work of the active force went, at the end of the run.
     pub energy: Vec<Metric>,
     /// What is known of these quantities.
-    pub bands: [Band; 4],
+    pub bands: [Band; 5],
 }
 
 impl Beats {

@@ -127,6 +127,12 @@ pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
             "largest rate of shortening per resting length",
         ),
         row(
+            "shortening_rate_over_peak",
+            Some(()).and_then(|()| Some(fastest(1.0)? / peak?.value)),
+            "1/s",
+            "largest rate of shortening over the peak shortening: the shape of a beat, whatever its size",
+        ),
+        row(
             "maximum_relengthening_rate",
             fastest(-1.0),
             "L0/s",

@@ -50,6 +50,22 @@ impl WholeCell {
     }
 }
 
+/// What a cell model tells besides: its outputs, and the states that are recorded.
+pub(super) fn told_by(model: &dyn CellModel) -> Vec<Output> {
+    let states = model.recorded_states().iter().map(|&place| {
+        let StateVariable { name, unit, meaning, .. } = model.states()[place].clone();
+        Output { name, unit, meaning }
+    });
+    model.outputs().iter().cloned().chain(states).collect()
+}
+
+/// Their values.
+pub(super) fn told(cell: &CellIntegrator) -> Vec<f64> {
+    let mut values = cell.outputs();
+    values.extend(cell.model().recorded_states().iter().map(|&place| cell.state()[place]));
+    values
+}
+
 impl Activation for WholeCell {
     fn sites(&self) -> Sites {
         Sites::Whole
@@ -96,19 +112,11 @@ impl Activation for WholeCell {
     }
 
     fn outputs(&self) -> Vec<Output> {
-        let model = self.moved.model();
-        let states = model.recorded_states().iter().map(|&place| {
-            let StateVariable { name, unit, meaning, .. } = model.states()[place].clone();
-            Output { name, unit, meaning }
-        });
-        model.outputs().iter().cloned().chain(states).collect()
+        told_by(&**self.moved.model())
     }
 
     fn output_values(&self) -> Vec<f64> {
-        let mut values = self.moved.outputs();
-        let states = self.moved.model().recorded_states().iter();
-        values.extend(states.map(|&place| self.moved.state()[place]));
-        values
+        told(&self.moved)
     }
 
     fn boxed(&self) -> Box<dyn Activation> {

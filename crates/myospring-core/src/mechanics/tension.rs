@@ -69,7 +69,8 @@ impl Tension<'_> {
     }
 
     /// The tension a part (0 to 1) of the way from one to another, which says what it follows; `buffer` is room
-    /// for the tensions of the triangles.
+    /// for the tensions of the triangles. Where both follow the stretch, so does the state about which they do:
+    /// nothing jumps at the start.
     pub fn between<'b>(
         [from, to]: [Tension<'b>; 2],
         part: f64,
@@ -89,8 +90,17 @@ impl Tension<'_> {
                 _,
             ) => list.len(),
         };
+        // About the state at the end, what has the tension at the start in the state there.
+        let first = |element: usize| match (from, to) {
+            (Tension::Following(start), Tension::Following(end)) => {
+                start.tension[element]
+                    + end.per_stretch[element] * (end.stretch[element] - start.stretch[element])
+                    + end.per_rate[element] * (end.rate[element] - start.rate[element])
+            }
+            _ => from.at(element),
+        };
         buffer.clear();
-        buffer.extend((0..count).map(|element| mixed(from.at(element), to.at(element))));
+        buffer.extend((0..count).map(|element| mixed(first(element), to.at(element))));
         match to {
             Tension::Following(law) => Tension::Following(Following { tension: buffer, ..law }),
             _ => Tension::PerElement(buffer),

@@ -1,6 +1,6 @@
 //! What a simulation is checked for before it runs.
 
-use super::Simulation;
+use super::{Simulation, StretchFelt};
 use crate::exchange::{Sites, Strongest};
 use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
@@ -148,6 +148,14 @@ pub(super) fn check_strongest(strongest: Strongest) -> Checked {
 }
 
 impl Simulation {
+    /// Whether the tension is made in each triangle.
+    pub(super) fn has_sites_in_triangles(&self) -> bool {
+        match &self.activation {
+            Some(activation) => matches!(activation.sites(), Sites::PerElement(_)),
+            None => self.stretch_felt == StretchFelt::Triangle && self.cell.feels_stretch(),
+        }
+    }
+
     /// Checks every setting.
     pub(super) fn check(&self) -> Checked {
         self.check_times()?;
@@ -190,10 +198,7 @@ impl Simulation {
     fn check_memory(&self) -> Checked {
         let (duration, interval) = (self.duration, self.numerics.frame_interval);
         let masses = self.mesh.len();
-        let field = matches!(
-            self.activation.as_ref().map(|activation| activation.sites()),
-            Some(Sites::PerElement(_))
-        );
+        let field = self.has_sites_in_triangles();
         let numbers = 2 * masses + if field { self.mesh.simplices.len() } else { 0 };
         let bytes = (numbers * size_of::<f64>()) as f64;
         // One at 0 ms, and one at the peak of tension.
@@ -289,7 +294,7 @@ impl Simulation {
                     let must = "a finite number";
                     return Err(SettingError::Value { what, value, unit: "kPa", must });
                 }
-                false
+                self.has_sites_in_triangles()
             }
         };
         let ends = self.active == ActiveLaw::Ends;

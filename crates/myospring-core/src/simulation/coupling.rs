@@ -290,12 +290,15 @@ impl<'a> Exchange<'a> {
         let enough = FOLLOWED * self.setup.strongest.tension.abs();
         let (mut about, mut rate) = (self.stretch.clone(), self.rate.clone());
         let mut miss = f64::INFINITY;
+        let before = (0..about.len()).map(|e| self.tension.tension().at(e)).collect::<Vec<_>>();
+        let (from, from_rate) = (self.stretch.clone(), self.rate.clone());
         shaping.mark();
         for _ in 0..TRIES {
             let law = self.law(&about, &rate, false);
             let law = following(&law);
+            let start = Following { tension: &before, stretch: &from, rate: &from_rate, ..law };
             shaping.back();
-            shaping.follow(time, [self.tension.tension(), Tension::Following(law)])?;
+            shaping.follow(time, [Tension::Following(start), Tension::Following(law)])?;
             about = self.felt(shaping);
             rate = self.rates(&about);
             self.ask(time, &about, &rate)?;

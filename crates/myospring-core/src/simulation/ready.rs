@@ -4,7 +4,6 @@ use super::observer::{Observer, Samples};
 use super::outcome::Outcome;
 use super::setup::Setup;
 use super::{Prepared, PreparedField, PreparedPath, Progress, SetupError, Simulation};
-use crate::exchange::Sites;
 use crate::integrate::Method;
 use crate::integrate::engine::EngineUsed;
 use crate::integrate::quasi_static::Tolerance;
@@ -46,10 +45,9 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn build(&self) -> Result<Ready, SetupError> {
-        let sites = self.activation.as_ref().map(|activation| activation.sites());
         Ok(match self.numerics.method {
             Method::Verlet(_) => Ready::InTime(self.prepare()?),
-            Method::QuasiStatic if matches!(sites, Some(Sites::PerElement(_))) => {
+            Method::QuasiStatic if self.has_sites_in_triangles() => {
                 Ready::FromRestToRest(self.prepare_field(Tolerance::default())?)
             }
             Method::QuasiStatic => {

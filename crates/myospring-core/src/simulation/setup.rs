@@ -5,7 +5,7 @@ use super::{SetupError, Simulation, TensionScale};
 use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::solve::{self, SolveError};
 use crate::cell::{self, TensionKind};
-use crate::exchange::{Activation, Sites, Strongest, WholeCell};
+use crate::exchange::{Activation, ByTriangle, Sites, Strongest, WholeCell};
 use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
 use crate::mechanics::ends::end_nodes;
@@ -113,6 +113,11 @@ impl Simulation {
         let Strength { scale, strongest, relative } = self.strength().map_err(failed)?;
         let strongest = Strongest { tension: strongest, ..Strongest::default() };
         let model = self.cell.clone();
+        if self.has_sites_in_triangles() {
+            let protocols = vec![self.protocol; self.mesh.simplices.len()];
+            let cells = ByTriangle::new(model, &protocols, self.numerics.cell, scale);
+            return Ok((Box::new(cells.map_err(failed)?), relative));
+        }
         let cell = WholeCell::new(model, self.protocol, self.numerics.cell, scale, strongest);
         Ok((Box::new(cell.map_err(failed)?), relative))
     }

@@ -21,7 +21,7 @@ const LITTLE_LONGER_PCT: f64 = 0.1;
 
 impl Ready {
     /// What a person should know of what came of this run: that it went beyond what the material's law was made for,
-    /// or that the cell became longer instead of shorter.
+    /// that the cell became longer instead of shorter, or that it shortened at a rate that no free cell has.
     ///
     /// Of the strain it looks at the shape at the highest tension and the one at the largest change of length.
     ///
@@ -34,13 +34,15 @@ impl Ready {
     ///     let ready = simulation.build()?;
     ///     Ok(ready.warnings_after(&ready.run(|_progress| true)))
     /// };
-    /// assert!(warnings(&simulation)?.is_empty());
+    /// // The published tension feels neither length nor speed.
+    /// assert!(warnings(&simulation)?[0].contains("lengths/s"));
     /// simulation.peak_tension = 200.0;
     /// assert!(warnings(&simulation)?[0].contains("more than 20 %"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn warnings_after(&self, outcome: &Outcome) -> Vec<String> {
-        self.lengthened(outcome).into_iter().chain(self.strained(outcome)).collect()
+        let all = [self.lengthened(outcome), self.strained(outcome), self.out_of_pace(outcome)];
+        all.into_iter().flatten().collect()
     }
 
     fn lengthened(&self, outcome: &Outcome) -> Option<String> {

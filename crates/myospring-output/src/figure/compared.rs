@@ -3,9 +3,9 @@
 use super::chart::{Axis, Chart, Curve};
 use super::font::text_width;
 use super::shapes::draw_scale_bar;
-use super::sheet::{Path, Sheet, Stroke, Style};
-use super::theme::{CURVE_WIDTH, CURVES, DOUBLE, LABEL, LETTER, MUTED, TICK, fixed, time};
-use super::traces::{ACTIVE_TENSION, Drives, Quantity, SHORTENING, extent, peak, points};
+use super::sheet::{Path, Sheet, Style};
+use super::theme::{DOUBLE, LABEL, LETTER, MUTED, TICK, fixed, time};
+use super::traces::{ACTIVE_TENSION, Drives, Quantity, SHORTENING, extent, peak, pen, points};
 use super::{Figure, FigureError};
 use myospring_core::recording::Recording;
 
@@ -31,14 +31,6 @@ const ROW: f64 = 14.0;
 const SWATCH: f64 = 24.0;
 /// Letters of the panels: charts above each other, then cells.
 const LETTERS: [&str; 6] = ["A", "B", "C", "D", "E", "F"];
-/// Dashes of the curves of one colour: the second and the third time that it is used.
-const DASHES: [Option<[f64; 2]>; 3] = [None, Some([5.0, 3.0]), Some([1.5, 2.5])];
-
-fn pen(index: usize) -> Stroke {
-    let stroke = Stroke::new(CURVES[index % CURVES.len()], CURVE_WIDTH);
-    Stroke { dash: DASHES[index / CURVES.len() % DASHES.len()], ..stroke }
-}
-
 /// Potential, calcium, tension and shortening of several runs over one time axis, and their outlines over each other at rest
 /// and at peak, each about its own middle at rest.
 ///

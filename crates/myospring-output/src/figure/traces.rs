@@ -294,10 +294,19 @@ pub struct ContractionOptions<'a> {
     pub reference_band: Option<([f64; 2], &'a str)>,
 }
 
-/// A line of the legend: text, colour, whether it is a band.
+/// Dashes of the curves of one colour: the second and the third time that it is used.
+const DASHES: [Option<[f64; 2]>; 3] = [None, Some([5.0, 3.0]), Some([1.5, 2.5])];
+
+/// What draws one of several curves.
+pub(super) fn pen(index: usize) -> Stroke {
+    let stroke = Stroke::new(CURVES[index % CURVES.len()], CURVE_WIDTH);
+    Stroke { dash: DASHES[index / CURVES.len() % DASHES.len()], ..stroke }
+}
+
+/// A line of the legend: text, what draws the curve, whether it is a band.
 struct Entry {
     text: String,
-    colour: Colour,
+    pen: Stroke,
     band: bool,
 }
 
@@ -319,12 +328,12 @@ pub fn contraction(
     for (index, (label, recording)) in recordings.iter().enumerate() {
         let points = points(recording, &SHORTENING);
         check(&points, || format!("the recording \"{label}\""))?;
-        let colour = CURVES[index % CURVES.len()];
+        let pen = pen(index);
         if let Some([t, value]) = peak(&points) {
             let text = format!("{label}: {} % at {}", fixed(value, 1), time(t));
-            legend.push(Entry { text, colour, band: false });
+            legend.push(Entry { text, pen, band: false });
         }
-        curves.push(Curve { points, colour, dash: None });
+        curves.push(Curve { points, colour: pen.colour, dash: pen.dash });
     }
     // The strongest contraction first, as the curves lie.
     let height_of = |curve: &Curve| peak(&curve.points).map_or(f64::NEG_INFINITY, |top| top[1]);
@@ -340,7 +349,8 @@ pub fn contraction(
     if let Some(([low, high], name)) = options.reference_band {
         let digits = usize::from(low.fract() != 0.0 || high.fract() != 0.0);
         let range = format!("{}\u{2013}{} %", fixed(low, digits), fixed(high, digits));
-        legend.push(Entry { text: format!("{name}: {range} (band)"), colour: BAND, band: true });
+        let pen = Stroke::new(BAND, CURVE_WIDTH);
+        legend.push(Entry { text: format!("{name}: {range} (band)"), pen, band: true });
     }
 
     let left = 44.0;
@@ -398,11 +408,11 @@ fn draw_legend(sheet: &mut Sheet, [left, top]: [f64; 2], legend: &[Entry]) {
     for (row, entry) in legend.iter().enumerate() {
         let middle = top + ROW * (row as f64 + 0.5);
         if entry.band {
-            let look = Look::fill(entry.colour);
+            let look = Look::fill(entry.pen.colour);
             sheet.rect([left, middle - 4.0], [SWATCH - 6.0, 8.0], look);
         } else {
             let end = [left + SWATCH - 6.0, middle];
-            sheet.line([left, middle], end, Stroke::new(entry.colour, CURVE_WIDTH));
+            sheet.line([left, middle], end, entry.pen);
         }
         sheet.text([left + SWATCH, middle + 3.5], &entry.text, Style::new(TICK));
     }

@@ -2,7 +2,7 @@
 
 use super::file::RunFile;
 use crate::cell::pacing::Stimulus;
-use crate::cell::{self, CellModel, TensionKind};
+use crate::cell::{self, CellModel, TensionKind, calcium};
 use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
@@ -140,6 +140,29 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
         let advice = "the calcium of this model is given and begins with each stimulus, which moves nothing else; \
                       leave it out";
         return exclude("cell.model", second, advice);
+    }
+    if let Some(second) = ["cell.calcium_dissociation", "cell.ratio_min", "cell.ratio_max"]
+        .into_iter()
+        .find(|key| file.has(key) && !file.has("cell.calcium"))
+    {
+        let reason =
+            "a calibration is of a ratio in a table; give calcium = \"FILE.csv\", or leave it out";
+        return Err((second.to_owned(), Problem::Missing { key: "cell.calcium", reason }));
+    }
+    if file.has("cell.calcium") {
+        if !has_given_calcium(&*run.cell) {
+            let advice = "only a model whose calcium is given takes it from a table; take model = \"land_2017\", or \
+                          leave the table out";
+            return exclude("cell.model", "cell.calcium", advice);
+        }
+        let own = calcium::rows();
+        if let Some(Value::Named(given)) = file.get("cell.parameters")
+            && own.iter().any(|row| given.contains_key(&*row.name))
+        {
+            let advice = "a table has no rise and fall of two exponentials; leave Ca_rest, Ca_amplitude, tau_Ca_rise \
+                          and tau_Ca_fall out, or the table";
+            return exclude("cell.calcium", "cell.parameters", advice);
+        }
     }
     let authors = file.get("cell.authors_step") == Some(&Value::Flag(true));
     let taken = ["cell.integrator", "cell.step", "cell.tolerance"];

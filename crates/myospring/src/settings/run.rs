@@ -1,5 +1,6 @@
 //! A run: everything checked, in internal units, every default filled in.
 
+use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError, MyofibrilContent};
 use super::fibres::{Asked, Fibre, Fibres};
 use super::shape::{Shape, Shaped, Source};
@@ -16,7 +17,7 @@ use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::FibreError;
 use crate::microscopy::outlines::trace::{Edge, trace_mask};
 use crate::microscopy::segment::Modality;
-use crate::simulation::{Numerics, Simulation, TensionScale};
+use crate::simulation::{Numerics, Simulation, StretchFelt, TensionScale};
 use std::io;
 use std::sync::Arc;
 
@@ -31,6 +32,10 @@ pub struct Run {
     pub title: String,
     /// The cell model with its parameters.
     pub cell: Arc<dyn CellModel>,
+    /// The table that its calcium is taken from, as written, where it is given.
+    pub calcium: Option<String>,
+    /// How a ratio in that table becomes calcium.
+    pub calibration: Calibration,
     /// Peak of the active tension, kPa; without meaning for a model whose tension is in kPa.
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
@@ -45,6 +50,8 @@ pub struct Run {
     pub active: ActiveLaw,
     /// Direction of the fibres.
     pub fibre: Fibre,
+    /// Whose stretch the cell model feels, if it feels any.
+    pub stretch_felt: StretchFelt,
     /// How many myofibrils there are in each place.
     pub myofibril_content: MyofibrilContent,
     /// What holds the cell.
@@ -81,6 +88,9 @@ pub enum MakeError {
     /// No content of myofibrils.
     #[error(transparent)]
     Content(#[from] ContentError),
+    /// No course of calcium.
+    #[error(transparent)]
+    Calcium(#[from] CalciumError),
 }
 
 impl Run {
@@ -92,6 +102,8 @@ impl Run {
         Self {
             title: String::new(),
             cell: Arc::new(cell),
+            calcium: None,
+            calibration: Calibration::default(),
             peak_tension: PEAK_TENSION,
             tension_scale: TensionScale::Published,
             protocol,
@@ -103,6 +115,7 @@ impl Run {
             material: default_material(),
             active: ActiveLaw::Fibre,
             fibre: Fibre::Auto(Asked::default()),
+            stretch_felt: StretchFelt::Cell,
             myofibril_content: MyofibrilContent::Uniform,
             support: SupportKind::MassCentre,
             end_stretch: 1.0,
@@ -176,12 +189,15 @@ impl Run {
             }
             MyofibrilContent::File(path) => {
                 let (content, warning) =
-                    content::read_content(path, &mesh, cells.zip(chosen), read)?;
+                    content::read_content(path, &mesh, cells.zip(chosen), &read)?;
                 report.warnings.extend(warning);
                 Some(content)
             }
         };
-        let simulation = self.simulation(mesh, fibres.directions.clone(), content);
+        let (cell, warning) = self.driven(read)?;
+        report.warnings.extend(warning);
+        let simulation =
+            Simulation { cell, ..self.simulation(mesh, fibres.directions.clone(), content) };
         // The pixels of a mask are exact for its area, but a cell has no steps.
         let of_mask = picture.as_ref().filter(|(cells, _)| {
             cells.segmentation().is_some_and(|found| found.modality == Modality::Mask)
@@ -191,7 +207,23 @@ impl Run {
         Ok(Made { simulation, report, outline, fibres, picture })
     }
 
-    /// The simulation of this run on a mesh, with the direction of its fibres ([`Fibre::on`]) and the content of
+    /// The cell model with the calcium that a table gives, and what a person should know of it; `read` reads a
+    /// file by its name as written. Without a table the model as it is.
+    ///
+    /// # Errors
+    /// A model that makes its own calcium, or a table that is no course of it.
+    pub fn driven(
+        &self,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<(Arc<dyn CellModel>, Option<String>), CalciumError> {
+        match &self.calcium {
+            Some(path) => calcium::with_calcium(&self.cell, path, self.calibration, read),
+            None => Ok((Arc::clone(&self.cell), None)),
+        }
+    }
+
+    /// The simulation of this run on a mesh, without files: the cell model has the calcium of its own
+    /// ([`Run::driven`]), with the direction of its fibres ([`Fibre::on`]) and the content of
     /// myofibrils of each triangle.
     pub fn simulation(
         &self,
@@ -202,6 +234,7 @@ impl Run {
         let long_axis = long_axis(&mesh);
         Simulation {
             cell: Arc::clone(&self.cell),
+            stretch_felt: self.stretch_felt,
             activation: None,
             myofibril_content,
             stepper: None,

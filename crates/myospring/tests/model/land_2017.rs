@@ -11,7 +11,7 @@ use myospring::integrate::verlet::Integrator;
 use myospring::mechanics::material::myofilament_material;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::{built_in, lattice};
-use myospring::simulation::{Numerics, Simulation};
+use myospring::simulation::{Numerics, Simulation, StretchFelt};
 use std::sync::Arc;
 
 /// Young's modulus of the passive cell, kPa, and Poisson's ratio.
@@ -229,4 +229,50 @@ fn calcium_begins_anew_with_each_stimulus() {
         assert!((calcium[10 + at] - calcium[810 + at]).abs() < 1e-12);
     }
     assert!(trace.potential.is_empty() && trace.membrane_potential_mv.is_none());
+}
+
+/// A strip with half as many myofibrils in one half.
+fn weak_half() -> Simulation {
+    let mesh = lattice::rectangle(16, 3, 5.0).unwrap();
+    let usual = cell(Method::QuasiStatic, 1.0, SupportKind::MassCentre);
+    let half = |triangle| if mesh.centre(triangle)[0] < 40.0 { 0.5 } else { 1.0 };
+    Simulation {
+        myofibril_content: Some(mesh.simplices.iter().map(half).collect()),
+        stretch_felt: StretchFelt::Triangle,
+        duration: 300.0,
+        numerics: Numerics { frame_interval: 150.0, ..usual.numerics.clone() },
+        cell: usual.cell.clone(),
+        protocol: usual.protocol,
+        material: usual.material.clone(),
+        ..Simulation::new(mesh)
+    }
+}
+
+#[test]
+fn triangles_that_feel_their_own_stretch_are_the_whole_cell_where_all_are_alike() {
+    let whole =
+        Simulation { myofibril_content: None, stretch_felt: StretchFelt::Cell, ..weak_half() };
+    let each = Simulation { stretch_felt: StretchFelt::Triangle, ..whole.clone() };
+    let (whole, each) = (shortening(&whole), shortening(&each));
+    let peak = whole.iter().copied().fold(0.0, f64::max);
+    // A uniform strip deforms homogeneously: what is left is the path's interpolation.
+    let off = largest_difference(&whole, &each);
+    assert!(off < 1e-5 * peak, "{off} of {peak} %");
+}
+
+#[test]
+fn triangles_that_differ_are_found_at_any_exchange_interval_and_in_time() {
+    let run = |method, exchange_interval: f64| {
+        let simulation = weak_half();
+        let numerics = Numerics { method, exchange_interval, ..simulation.numerics.clone() };
+        shortening(&Simulation { numerics, ..simulation })
+    };
+    let fine = run(Method::QuasiStatic, 0.25);
+    let peak = fine.iter().copied().fold(0.0, f64::max);
+    let off = largest_difference(&run(Method::QuasiStatic, 1.0), &fine);
+    assert!(off < 1e-3 * peak, "{off} of {peak} %");
+    let moving = run(Method::Verlet(Integrator::StoermerVerlet), 0.25);
+    let off = largest_difference(&moving[20..], &fine[20..]);
+    println!("in time {}", off / peak);
+    assert!(off < 4e-3 * peak, "in time: {off} of {peak} %");
 }

@@ -1,6 +1,7 @@
 //! `[cell]`.
 
 use super::super::bounds::Bounds;
+use super::super::calcium::CALCIUM_ENDINGS;
 use super::super::problem::{Failure, Problem};
 use super::super::run::Run;
 use super::super::setting::{Kind, Named, Setting};
@@ -9,7 +10,7 @@ use super::super::words::{Word, Worded, choose, worded};
 use crate::cell::solve::{Method, Settings};
 use crate::cell::{self, CellModel, coelho_2021};
 use crate::mechanics::material::myofilament_material;
-use crate::simulation::TensionScale;
+use crate::simulation::{StretchFelt, TensionScale};
 use crate::units::{self, Dimension};
 use std::sync::Arc;
 
@@ -20,6 +21,13 @@ worded! { TensionScale {
     TensionScale::OwnPeak = "own-peak":
         "That of the model as it is, by a reference beat of its own: every cell has the same \
          peak tension, whatever its parameters.",
+} }
+
+worded! { StretchFelt {
+    StretchFelt::Cell = "cell": "That of the whole cell: its length over its resting length.",
+    StretchFelt::Triangle = "triangle":
+        "That of each triangle along its fibre: a model for each, some hundred times slower. For cells whose \
+         parts differ, by their content of myofibrils or their fibres.",
 } }
 
 worded! { Method {
@@ -49,6 +57,47 @@ pub(super) const ROWS: &[Setting] = &[
         Kind::Text { get: |run| Some(run.cell.name().to_owned()), set: set_model },
     )
     .option("--model", "NAME"),
+    Setting::new(
+        "cell.calcium",
+        "Calcium from a table (.csv), relative to this file, for a model whose calcium is given: a column of times \
+         from the stimulus and one of calcium, with their units in the header like time (ms),calcium (uM), or a ratio \
+         with its calibration. It begins anew with each stimulus.",
+        Kind::File {
+            endings: CALCIUM_ENDINGS,
+            words: &[],
+            example: "calcium.csv",
+            get: |run| run.calcium.clone(),
+            set: |run, path| run.calcium = Some(path),
+        },
+    )
+    .otherwise("the cell model's own, of land_2017 two exponentials")
+    .option_saying(
+        "--calcium",
+        "FILE",
+        "Calcium from a table (.csv) for --model land_2017: time (ms),calcium (uM), or a ratio with its calibration",
+    ),
+    Setting::quantity(
+        "cell.calcium_dissociation",
+        "Of a ratio in that table: dissociation constant of the dye times its fluorescence without over that with \
+         calcium at the second wavelength, K in Ca = K (R - R_min) / (R_max - R).",
+        Bounds::any(Dimension::Concentration, "0.8 uM").above(0.0).to(1000.0),
+        |run| run.calibration.dissociation_um,
+        |run, value| run.calibration.dissociation_um = Some(value),
+    ),
+    Setting::quantity(
+        "cell.ratio_min",
+        "The ratio without calcium, R_min.",
+        Bounds::any(Dimension::Number, "0.4").from(0.0).to(1e6),
+        |run| run.calibration.ratio_min,
+        |run, value| run.calibration.ratio_min = Some(value),
+    ),
+    Setting::quantity(
+        "cell.ratio_max",
+        "The ratio with the dye full of calcium, R_max.",
+        Bounds::any(Dimension::Number, "6").above(0.0).to(1e6),
+        |run| run.calibration.ratio_max,
+        |run, value| run.calibration.ratio_max = Some(value),
+    ),
     Setting::quantity(
         "cell.peak_tension",
         "Peak of the active tension of one default beat with the model's published parameters; \
@@ -75,6 +124,15 @@ pub(super) const ROWS: &[Setting] = &[
         "Whose peak is scaled to that: published (of the model's published parameters; changed \
          ones make the cell stronger or weaker) or own-peak (the model's own, whatever its \
          parameters)",
+    ),
+    Setting::new(
+        "cell.stretch_felt",
+        "Whose stretch a model feels that feels any, such as land_2017.",
+        Kind::Words {
+            words: StretchFelt::WORDS,
+            get: |run| Some(run.stretch_felt.word()),
+            set: |run, word| choose(&mut run.stretch_felt, word),
+        },
     ),
     Setting::new(
         "cell.authors_step",

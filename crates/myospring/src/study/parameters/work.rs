@@ -19,7 +19,7 @@ use crate::output::files::FileError;
 use crate::recording::Sample;
 use crate::run_file::RunFile;
 use crate::settings::{Run, Shaped};
-use crate::simulation::{Outcome, Ready, TensionScale};
+use crate::simulation::{Outcome, Ready, Simulation, TensionScale};
 use std::any::Any;
 use std::path::Path;
 use std::{io, iter};
@@ -242,7 +242,9 @@ impl<'a> Common<'a> {
     /// The simulation of a run, on the mesh that members share or on its own.
     fn made(&self, file: &RunFile, run: &Run) -> Result<(Body, Ready), Cause> {
         let mut simulation = if let Some(body) = &self.body {
-            run.simulation(body.mesh.clone(), body.fibres.clone(), body.content.clone())
+            let (cell, _) = run.driven(self.read)?;
+            let content = body.content.clone();
+            Simulation { cell, ..run.simulation(body.mesh.clone(), body.fibres.clone(), content) }
         } else {
             let bytes = run.shape.bytes(self.read)?;
             let shaped: Shaped = run.shape.mesh(&bytes)?;

@@ -1,0 +1,211 @@
+//! A cell model in each triangle, which feels the stretch there.
+
+use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
+use crate::cell::integrator::CellIntegrator;
+use crate::cell::pacing::Protocol;
+use crate::cell::solve::{Settings, SolveError};
+use crate::cell::{CellModel, Input, Output};
+use crate::mechanics::Tension;
+use std::sync::Arc;
+
+/// Difference of stretch by which slopes are taken: far above rounding, and tension bends little over it.
+const APART: f64 = 1e-6;
+/// Times the steepest slope of a beat at resting length that is allowed for: a cell that is drawn out is stiffer.
+const STEEPER: f64 = 2.0;
+
+/// One cell model for each triangle, each with its stimuli: content of myofibrils, oblique fibres or a wave of
+/// calcium make their stretches differ.
+///
+/// All have the same equations and parameters. What is recorded of them is their mean.
+///
+/// # Example
+/// Calcium that goes along a cell at 0.1 um/ms:
+/// ```
+/// use myospring::cell::land_2017::Land2017;
+/// use myospring::cell::{CellModel, pacing::Protocol};
+/// use myospring::exchange::ByTriangle;
+/// use myospring::prelude::*;
+/// use std::sync::Arc;
+///
+/// let mesh = lattice::rectangle(8, 2, 5.0)?;
+/// let model = Land2017::published();
+/// let protocol = |triangle| Protocol {
+///     start_ms: mesh.centre(triangle)[0] / 0.1,
+///     ..Protocol::once(model.default_stimulus())
+/// };
+/// let protocols: Vec<Protocol> = mesh.simplices.iter().map(protocol).collect();
+/// let settings = model.usual_settings();
+/// let wave = ByTriangle::new(Arc::new(model), &protocols, settings, 1.0)?;
+/// let mut simulation = Simulation {
+///     activation: Some(Box::new(wave)),
+///     duration: 50.0,
+///     ..Simulation::new(mesh)
+/// };
+/// simulation.numerics.method = Method::QuasiStatic;
+/// let outcome = simulation.build()?.run(|_progress| true);
+/// assert!(outcome.stop.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct ByTriangle {
+    model: Arc<dyn CellModel>,
+    kept: Vec<CellIntegrator>,
+    moved: Vec<CellIntegrator>,
+    /// Where each is tried, a little longer.
+    longer: CellIntegrator,
+    /// kPa per unit of the model's tension.
+    scale: f64,
+    tension: Vec<f64>,
+    per_stretch: Vec<f64>,
+    per_rate: Vec<f64>,
+    strongest: Strongest,
+    stimulus_times_ms: Vec<f64>,
+}
+
+impl ByTriangle {
+    /// Cells in their initial state, one for each protocol, whose tension counts `scale` kPa per unit of the
+    /// model's.
+    ///
+    /// Beats are measured from the stimuli of the triangle that is stimulated first.
+    ///
+    /// # Errors
+    /// A protocol or settings that the model cannot follow.
+    pub fn new(
+        model: Arc<dyn CellModel>,
+        protocols: &[Protocol],
+        settings: Settings,
+        scale: f64,
+    ) -> Result<Self, SolveError> {
+        let one = |protocol: Protocol| CellIntegrator::new(Arc::clone(&model), protocol, settings);
+        let longer = one(Protocol::rest())?;
+        let kept: Vec<CellIntegrator> =
+            protocols.iter().map(|protocol| one(*protocol)).collect::<Result<_, _>>()?;
+        let count = kept.len();
+        let tension =
+            kept.iter().map(|cell| scale * model.tension(cell.state(), &Input::REST)).collect();
+        let first = protocols.iter().min_by(|a, b| a.start_ms.total_cmp(&b.start_ms));
+        let stimulus_times_ms = first.map_or_else(Vec::new, |it| it.stimulus_times().collect());
+        let strongest = strongest(&model, settings, scale)?;
+        Ok(Self {
+            moved: kept.clone(),
+            kept,
+            longer,
+            scale,
+            tension,
+            per_stretch: vec![0.0; count],
+            per_rate: vec![0.0; count],
+            strongest,
+            stimulus_times_ms,
+            model,
+        })
+    }
+}
+
+/// Stretch half way through an interval: it goes evenly to its end, which is right to the second order.
+fn middle(end: f64, rate: f64, interval_ms: f64) -> f64 {
+    end - 0.5 * rate * interval_ms
+}
+
+/// Moves a cell on and says its tension in kPa.
+fn reach(
+    cell: &mut CellIntegrator,
+    to_ms: f64,
+    stretch: f64,
+    rate: f64,
+) -> Result<f64, SolveError> {
+    let over = to_ms - cell.time();
+    cell.advance_to(to_ms, middle(stretch, rate, over), rate)?;
+    Ok(cell.model().tension(cell.state(), &Input { stretch, stretch_rate: rate, ..Input::REST }))
+}
+
+/// Of one default beat at resting length.
+fn strongest(
+    model: &Arc<dyn CellModel>,
+    settings: Settings,
+    scale: f64,
+) -> Result<Strongest, SolveError> {
+    const INTERVAL_MS: f64 = 1.0;
+    let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
+    let mut cell = CellIntegrator::new(Arc::clone(model), protocol, settings)?;
+    let mut most = Strongest::default();
+    for ms in 1..=600 {
+        let time = f64::from(ms) * INTERVAL_MS;
+        let mut longer = cell.clone();
+        let tension = reach(&mut cell, time, 1.0, 0.0)?;
+        let above = reach(&mut longer, time, 1.0 + APART, APART / INTERVAL_MS)?;
+        most.tension = most.tension.max(scale * tension);
+        most.per_stretch = most.per_stretch.max(scale * STEEPER * (above - tension) / APART);
+    }
+    Ok(most)
+}
+
+impl Activation for ByTriangle {
+    fn sites(&self) -> Sites {
+        Sites::PerElement(self.kept.len())
+    }
+
+    fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+        let failed = |error: SolveError| ActivationError(error.to_string());
+        for site in 0..self.kept.len() {
+            let (stretch, rate) = (felt.stretch[site], felt.rate[site]);
+            let kept = &self.kept[site];
+            let over = to_ms - kept.time();
+            let moved = &mut self.moved[site];
+            moved.clone_from(kept);
+            let tension = reach(moved, to_ms, stretch, rate).map_err(failed)?;
+            // A longer one has been drawn out on the way: crossbridges that follow the stretch within an
+            // interval are springs, not dashpots.
+            self.longer.clone_from(kept);
+            let faster = if over > 0.0 { rate + APART / over } else { rate };
+            let above = reach(&mut self.longer, to_ms, stretch + APART, faster).map_err(failed)?;
+            self.tension[site] = self.scale * tension;
+            // Where it would let the cell go, or is steeper than the steps are stable for, the tangent only
+            // leads there more slowly.
+            let slope = self.scale * (above - tension) / APART;
+            self.per_stretch[site] = slope.clamp(0.0, self.strongest.per_stretch);
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self) {
+        for (kept, moved) in self.kept.iter_mut().zip(&self.moved) {
+            kept.clone_from(moved);
+        }
+    }
+
+    fn tension(&self) -> Tension<'_> {
+        Tension::PerElement(&self.tension)
+    }
+
+    fn tangent(&self) -> Option<Tangent<'_>> {
+        let Self { per_stretch, per_rate, .. } = self;
+        self.model.feels_stretch().then_some(Tangent { per_stretch, per_rate })
+    }
+
+    fn strongest(&self) -> Strongest {
+        self.strongest
+    }
+
+    fn stimulus_times_ms(&self) -> Vec<f64> {
+        self.stimulus_times_ms.clone()
+    }
+
+    fn outputs(&self) -> Vec<Output> {
+        super::whole_cell::told_by(&*self.model)
+    }
+
+    fn output_values(&self) -> Vec<f64> {
+        let mut sum = vec![0.0; self.outputs().len()];
+        for cell in &self.moved {
+            for (sum, value) in sum.iter_mut().zip(super::whole_cell::told(cell)) {
+                *sum += value;
+            }
+        }
+        let count = self.moved.len().max(1) as f64;
+        sum.into_iter().map(|sum| sum / count).collect()
+    }
+
+    fn boxed(&self) -> Box<dyn Activation> {
+        Box::new(self.clone())
+    }
+}

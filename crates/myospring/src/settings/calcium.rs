@@ -1,0 +1,371 @@
+//! A measured course of calcium, from a table.
+//!
+//! The table has a column of times and one of calcium, each with its unit: `time (ms)` or `t_ms`, `calcium (uM)` or
+//! `Ca_nM`; others are passed over. Time counts from the stimulus. Instead of calcium it may have a `ratio` of two
+//! fluorescences, with a calibration after `grynkiewicz_1985`:
+//! ```text
+//! Ca = K (R - R_min) / (R_max - R)
+//! ```
+
+use crate::cell::CellModel;
+use crate::cell::calcium::{CalciumTrace, TraceError};
+use crate::cell::land_2017::Land2017;
+use crate::units::{self, Dimension};
+use std::any::Any;
+use std::io;
+use std::sync::Arc;
+
+/// Endings of files that hold a course of calcium, without the dot.
+pub const CALCIUM_ENDINGS: &[&str] = &["csv", "txt", "tsv"];
+
+/// Part of its height by which calcium may jump at the next stimulus before it is remarked upon.
+const JUMP: f64 = 0.05;
+
+/// How a ratio of fluorescences becomes calcium.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Calibration {
+    /// Dissociation constant of the dye times the ratio of its fluorescence without and with calcium at the second
+    /// wavelength, uM.
+    pub dissociation_um: Option<f64>,
+    /// Ratio without calcium.
+    pub ratio_min: Option<f64>,
+    /// Ratio with the dye full of it.
+    pub ratio_max: Option<f64>,
+}
+
+/// Why a table gives no course of calcium.
+#[derive(Debug, thiserror::Error)]
+pub enum CalciumError {
+    /// The cell model makes its own.
+    #[error(
+        "cell model `{model}` takes no calcium from a table; take `land_2017`, or leave the table out"
+    )]
+    Model {
+        /// The model.
+        model: String,
+    },
+    /// The file could not be read.
+    #[error("cannot read `{path}`: {cause}")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// It is no such table.
+    #[error(
+        "`{path}`: {cause}; a table of calcium has a column of times and one of calcium or of a ratio, with their \
+         units in the header, such as `time (ms),calcium (uM)`"
+    )]
+    Table {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        cause: String,
+    },
+    /// A field that is no number, or one that cannot be.
+    #[error("`{path}`, line {line}, column `{column}`: {cause}")]
+    Field {
+        /// The file.
+        path: String,
+        /// Its line, from 1.
+        line: u64,
+        /// The column as its header calls it.
+        column: String,
+        /// What is wrong, with the value.
+        cause: String,
+    },
+    /// The samples together are no course.
+    #[error("`{path}`: {cause}")]
+    Course {
+        /// The file.
+        path: String,
+        /// Why.
+        cause: TraceError,
+    },
+    /// A ratio without what makes it calcium.
+    #[error(
+        "`{path}` has a ratio in the column `{column}`, and {missing} of its calibration is missing: give \
+         calcium_dissociation (like \"0.8 uM\"), ratio_min and ratio_max in [cell], by \
+         Ca = K (R - R_min) / (R_max - R)"
+    )]
+    Uncalibrated {
+        /// The file.
+        path: String,
+        /// The column as its header calls it.
+        column: String,
+        /// What is missing.
+        missing: &'static str,
+    },
+    /// Ratios in the wrong order.
+    #[error("ratio_min = {min} must be below ratio_max = {max}")]
+    Order {
+        /// Ratio without calcium.
+        min: f64,
+        /// Ratio with the dye full of it.
+        max: f64,
+    },
+}
+
+/// The cell model with calcium from a table, and what a person should know of it; `read` reads a file by its name as
+/// written.
+pub(super) fn with_calcium(
+    cell: &Arc<dyn CellModel>,
+    path: &str,
+    calibration: Calibration,
+    read: impl Fn(&str) -> io::Result<Vec<u8>>,
+) -> Result<(Arc<dyn CellModel>, Option<String>), CalciumError> {
+    let model = (&**cell as &dyn Any).downcast_ref::<Land2017>();
+    let model = model.ok_or_else(|| CalciumError::Model { model: cell.name().to_owned() })?;
+    let bytes = read(path).map_err(|cause| CalciumError::Read { path: path.to_owned(), cause })?;
+    let trace = of_table(path, &String::from_utf8_lossy(&bytes), calibration)?;
+    let [rest, last, peak] = trace.ends();
+    let jumps = (last - rest).abs() > JUMP * (peak - rest);
+    let warning = jumps.then(|| {
+        format!(
+            "`{path}` ends at {last:.3} uM and rests at {rest:.3} uM: calcium stays there until the next stimulus and \
+             jumps then; record until it is back, or give a single beat"
+        )
+    });
+    Ok((Arc::new(model.with_trace(trace)), warning))
+}
+
+/// What a column holds, and what turns its numbers into ms or uM.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Holds {
+    Time(f64),
+    Calcium(f64),
+    Ratio,
+}
+
+/// Name and unit of a column: `time (ms)`, `time [ms]`, `time_ms`.
+fn name_and_unit(header: &str) -> (String, &str) {
+    let header = header.trim().trim_matches('\u{feff}');
+    let parts = [('(', ')'), ('[', ']')]
+        .into_iter()
+        .find_map(|(open, close)| header.strip_suffix(close)?.rsplit_once(open));
+    let (name, unit) =
+        parts.or_else(|| header.rsplit_once(['_', ' ', '/'])).unwrap_or((header, ""));
+    (name.trim().to_lowercase(), unit.trim())
+}
+
+fn holds(header: &str) -> Option<Result<Holds, String>> {
+    let (name, unit) = name_and_unit(header);
+    let whole = header.trim().to_lowercase();
+    let factor = |dimension: Dimension| {
+        units::parse(&format!("1 {unit}"), dimension).map_err(|_| {
+            let wanted = match dimension {
+                Dimension::Time => "`time (ms)` or `time (s)`",
+                _ => "`calcium (uM)` or `calcium (nM)`",
+            };
+            format!("the column `{}` has no unit that is known; call it {wanted}", header.trim())
+        })
+    };
+    if whole.starts_with("ratio") || name == "ratio" {
+        return Some(Ok(Holds::Ratio));
+    }
+    match name.as_str() {
+        "time" | "t" => Some(factor(Dimension::Time).map(Holds::Time)),
+        "calcium" | "ca" | "ca_i" | "cai" | "ca2+" | "[ca2+]i" | "[ca]i" => {
+            Some(factor(Dimension::Concentration).map(Holds::Calcium))
+        }
+        _ => None,
+    }
+}
+
+fn of_table(
+    path: &str,
+    text: &str,
+    calibration: Calibration,
+) -> Result<CalciumTrace, CalciumError> {
+    let table = |cause: String| CalciumError::Table { path: path.to_owned(), cause };
+    let first = text.lines().find(|line| !line.trim_start().starts_with('#')).unwrap_or_default();
+    let delimiter = ['\t', ';'].into_iter().find(|mark| first.contains(*mark)).unwrap_or(',');
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .delimiter(delimiter as u8)
+        .from_reader(text.as_bytes());
+    let header = reader.headers().map_err(|error| table(error.to_string()))?.clone();
+    let mut columns = Vec::new();
+    for (place, name) in header.iter().enumerate() {
+        if let Some(held) = holds(name) {
+            columns.push((place, held.map_err(table)?));
+        }
+    }
+    let find = |what: fn(&Holds) -> bool| columns.iter().find(|(_, held)| what(held)).copied();
+    let names = || header.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let missing =
+        |what: &str| table(format!("it has no column of {what}; its columns are {}", names()));
+    let time = find(|held| matches!(held, Holds::Time(_))).ok_or_else(|| missing("times"))?;
+    let value = find(|held| matches!(held, Holds::Calcium(_)))
+        .or_else(|| find(|held| *held == Holds::Ratio))
+        .ok_or_else(|| missing("calcium or of a ratio"))?;
+    let calcium = calibrated(path, &header[value.0], value.1, calibration)?;
+
+    let (mut times, mut values, mut lines) = (Vec::new(), Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(|error| table(error.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let field = |place: usize, cause: String| CalciumError::Field {
+            path: path.to_owned(),
+            line,
+            column: header[place].to_owned(),
+            cause,
+        };
+        let number = |place: usize| {
+            let text = record.get(place).unwrap_or_default();
+            // Where semicolons part the fields, a comma may be the decimal point.
+            let plain = if delimiter == ';' { text.replace(',', ".") } else { text.to_owned() };
+            let number = plain.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| field(place, format!("\"{text}\" is no finite number")))
+        };
+        let Holds::Time(to_ms) = time.1 else { continue };
+        times.push(to_ms * number(time.0)?);
+        values.push(calcium(number(value.0)?).map_err(|cause| field(value.0, cause))?);
+        lines.push(line);
+    }
+    CalciumTrace::new(&times, &values).map_err(|cause| match cause.sample() {
+        Some(sample) => {
+            let place = if matches!(cause, TraceError::Time { .. }) { time.0 } else { value.0 };
+            CalciumError::Field {
+                path: path.to_owned(),
+                line: lines[sample],
+                column: header[place].to_owned(),
+                cause: cause.to_string(),
+            }
+        }
+        None => CalciumError::Course { path: path.to_owned(), cause },
+    })
+}
+
+/// What turns a number into calcium, uM, or says why it cannot.
+type ToCalcium = Box<dyn Fn(f64) -> Result<f64, String>>;
+
+/// What turns the numbers of a column into calcium.
+fn calibrated(
+    path: &str,
+    column: &str,
+    held: Holds,
+    calibration: Calibration,
+) -> Result<ToCalcium, CalciumError> {
+    let Holds::Ratio = held else {
+        let to_um = if let Holds::Calcium(to_um) = held { to_um } else { 1.0 };
+        return Ok(Box::new(move |value| Ok(to_um * value)));
+    };
+    let needed = |value: Option<f64>, missing: &'static str| {
+        let (path, column) = (path.to_owned(), column.to_owned());
+        value.ok_or(CalciumError::Uncalibrated { path, column, missing })
+    };
+    let k = needed(calibration.dissociation_um, "calcium_dissociation")?;
+    let min = needed(calibration.ratio_min, "ratio_min")?;
+    let max = needed(calibration.ratio_max, "ratio_max")?;
+    if min >= max {
+        return Err(CalciumError::Order { min, max });
+    }
+    Ok(Box::new(move |ratio| {
+        if !(min..max).contains(&ratio) {
+            return Err(format!(
+                "the ratio {ratio} lies outside the calibration, from ratio_min = {min} to below ratio_max = {max}"
+            ));
+        }
+        // Ca = K (R - R_min) / (R_max - R)
+        Ok(k * (ratio - min) / (max - ratio))
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell;
+
+    fn read(text: &str, calibration: Calibration) -> Result<CalciumTrace, CalciumError> {
+        of_table("trace.csv", text, calibration)
+    }
+
+    const NONE: Calibration =
+        Calibration { dissociation_um: None, ratio_min: None, ratio_max: None };
+
+    #[test]
+    fn the_same_course_is_read_in_any_unit_and_form_of_header() {
+        let course = CalciumTrace::new(&[0.0, 50.0, 400.0], &[0.07, 0.5, 0.08]).unwrap();
+        for text in [
+            "time (ms),calcium (uM)\n0,0.07\n50,0.5\n400,0.08\n",
+            "# cell 3\nt_s,Ca_nM\n0,70\n0.05,500\n0.4,80\n",
+            "\u{feff}Time [s];note;[Ca2+]i [nM]\n0;rest;70\n0,05;;500\n0,4;;80\n",
+            "Ca_i_uM\ttime_ms\n0.07\t0\n0.5\t50\n0.08\t400\n",
+        ] {
+            let found = read(text, NONE).unwrap_or_else(|error| panic!("{text}: {error}"));
+            for at in [0.0, 20.0, 50.0, 300.0, 900.0] {
+                assert!((found.at(at) - course.at(at)).abs() < 1e-12, "{text}: {at} ms");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ratio_becomes_calcium_by_its_calibration() {
+        let text = "time (ms),ratio\n0,0.8\n50,2.0\n400,0.9\n";
+        let whole =
+            Calibration { dissociation_um: Some(0.8), ratio_min: Some(0.4), ratio_max: Some(6.0) };
+        let trace = read(text, whole).unwrap();
+        // 0.8 uM (2.0 - 0.4) / (6 - 2)
+        assert!((trace.at(50.0) - 0.32).abs() < 1e-12);
+        for (calibration, part) in [
+            (NONE, "column `ratio`, and calcium_dissociation of its calibration is missing"),
+            (Calibration { ratio_max: None, ..whole }, "ratio_max of its calibration is missing"),
+            (Calibration { ratio_max: Some(0.4), ..whole }, "ratio_min = 0.4 must be below"),
+            (
+                Calibration { ratio_max: Some(1.5), ..whole },
+                "line 3, column `ratio`: the ratio 2 lies",
+            ),
+        ] {
+            let error = read(text, calibration).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_table_that_is_no_course_is_refused_with_file_line_column_and_value() {
+        for (text, part) in [
+            ("", "`trace.csv`: it has no column of times"),
+            (
+                "time (ms),force\n0,1\n",
+                "no column of calcium or of a ratio; its columns are `time (ms)`, `force`",
+            ),
+            (
+                "time,calcium (uM)\n0,1\n",
+                "the column `time` has no unit that is known; call it `time (ms)`",
+            ),
+            ("time (ms),calcium (mV)\n0,1\n", "column `calcium (mV)` has no unit that is known"),
+            (
+                "time (ms),calcium (uM)\n0,0.1\n10,much\n",
+                "`trace.csv`, line 3, column `calcium (uM)`: \"much\" is no finite number",
+            ),
+            (
+                "time (ms),calcium (uM)\n0,0.1\n10,0.2\n10,0.2\n",
+                "line 4, column `time (ms)`: time 10 ms does not come after 10 ms",
+            ),
+            (
+                "time (ms),calcium (uM)\n0,70\n10,500\n20,80\n",
+                "line 3, column `calcium (uM)`: calcium is 500 uM; it must be between 0 and 100 uM",
+            ),
+            ("time (ms),calcium (uM)\n0,0.1\n", "0 samples after the stimulus"),
+        ] {
+            let error = read(text, NONE).unwrap_err().to_string();
+            assert!(error.contains(part), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn only_a_cell_whose_calcium_is_given_takes_it_and_a_jump_is_told() {
+        let text = "time (ms),calcium (uM)\n0,0.07\n50,0.5\n400,0.2\n";
+        let read = |_: &str| Ok(text.as_bytes().to_vec());
+        let cell = |name| cell::model(name).unwrap();
+        let (land, warning) = with_calcium(&cell("land_2017"), "a.csv", NONE, read).unwrap();
+        assert!(warning.unwrap().contains("ends at 0.200 uM and rests at 0.070 uM"));
+        let outputs = land.outputs().iter().map(|output| &*output.name);
+        assert_eq!(outputs.collect::<Vec<_>>(), ["Ca_i"]);
+        let error = with_calcium(&cell("coelho_2021"), "a.csv", NONE, read).err().unwrap();
+        assert!(error.to_string().contains("`coelho_2021` takes no calcium"), "{error}");
+    }
+}
