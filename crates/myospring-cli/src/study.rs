@@ -161,7 +161,7 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
             && entry.path().is_dir()
         {
             let journal: Journal<Variation> = Journal::open(&entry.path(), &study.settings())?;
-            rows.extend(journal.rows(&all)?);
+            rows.extend(journal.rows(&study.members(part))?);
             parts.push((part, entry.path()));
         }
     }

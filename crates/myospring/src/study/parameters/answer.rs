@@ -10,7 +10,7 @@ use crate::output::table::{Column, Table, column_name};
 use serde::Serialize;
 
 /// Rows that are written at a time.
-const PIECE: usize = 1 << 16;
+const PIECE: usize = 1 << 14;
 
 /// The rows of a study, in the order of its members.
 pub struct Answer<'a> {
@@ -291,7 +291,7 @@ impl<'a> Answer<'a> {
         self.piece(&self.rows)
     }
 
-    /// The table in pieces of some 65 000 rows, one below the other: at least one.
+    /// The table in pieces of some 16 000 rows, one below the other: at least one.
     pub fn pieces(&self) -> impl Iterator<Item = Table> {
         let rest = self.rows.chunks(PIECE).skip(1);
         let first = &self.rows[..PIECE.min(self.rows.len())];
