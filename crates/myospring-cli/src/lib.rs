@@ -38,6 +38,7 @@ use failure::Failure;
 pub use run::Over;
 use std::ffi::OsString;
 use std::io::Write;
+pub use study::{RESULTS as STUDY_RESULTS, save as save_study};
 
 /// The whole program, with the arguments of a command line, its own name first; the code to end with.
 ///

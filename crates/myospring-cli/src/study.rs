@@ -1,5 +1,6 @@
 //! `myospring study`: many runs that differ in numbers.
 
+mod files;
 mod words;
 
 use crate::args::{
@@ -8,25 +9,18 @@ use crate::args::{
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::{interrupt, print, progress};
+use files::{FIGURES, draw, write};
+pub use files::{RESULTS, save};
 use indicatif::ProgressBar;
-use myospring::output::table::{write_csv, write_parquet};
-use myospring::output::{files, json};
+use myospring::output::json;
 use myospring::study::parameters::{
-    Acceptance, Answer, Common, ParameterStudy, Sensitivity, Shard, TRACES, TraceAxes, Variation,
-    VariationRow, merge_traces, run,
+    Answer, Common, ParameterStudy, Shard, Variation, VariationRow, merge_traces, run,
 };
 use myospring::study::{Journal, Observer, Row as _, Status, Threads};
-use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What is written anew, and what is drawn.
-const RESULTS: [&str; 6] =
-    ["members.csv", "members.parquet", "study.toml", "study.json", FIGURES, TRACES];
-const FIGURES: &str = "figures";
-/// Resolution of PNG, dots per inch.
-const DPI: f64 = 300.0;
 /// Missing members that are named.
 const NAMED: usize = 5;
 
@@ -39,28 +33,6 @@ pub(crate) fn study(args: &StudyArgs) -> Result<ExitCode, Failure> {
         StudyCommand::Figures(args) => figures(args),
         StudyCommand::Init(args) => init(args),
     }
-}
-
-/// study.json.
-#[derive(Serialize)]
-struct Outcome<'a> {
-    title: &'a str,
-    members: usize,
-    #[serde(flatten)]
-    acceptance: Acceptance,
-    /// Metrics of the run without any change.
-    usual: Vec<Usual<'a>>,
-    /// What the file of curves holds.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    traces: Option<&'a TraceAxes>,
-    sensitivity: Vec<Sensitivity>,
-}
-
-#[derive(Serialize)]
-struct Usual<'a> {
-    metric: &'a str,
-    value: Option<f64>,
-    unit: &'a str,
 }
 
 fn read_study(path: &Path) -> Result<(String, ParameterStudy), Failure> {
@@ -100,15 +72,15 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let (start, output) = (Instant::now(), &args.output);
     let (text, study) = read_study(&args.study)?;
     let read = beside(&args.study);
-    let common = Common::new(&study, &read).map_err(Failure::new)?;
+    let common = Common::new(&study, read).map_err(Failure::new)?;
     let target = target(output.output.as_ref(), &args.study);
     let shard: Shard =
         args.shard.as_deref().map_or(Ok(Shard::WHOLE), str::parse).map_err(Failure::new)?;
     let folder = if args.shard.is_some() { shard_folder(&target, shard) } else { target.clone() };
     let journal = if output.force {
-        Journal::begin_anew(&folder, &study.settings(), &RESULTS)?
+        Journal::begin_anew(&folder, &study.settings(&common), &RESULTS)?
     } else {
-        Journal::open(&folder, &study.settings())?
+        Journal::open(&folder, &study.settings(&common))?
     };
     let common = common.keeping_traces(&folder, shard)?;
     interrupt::heed("the members under way are finished and kept");
@@ -116,7 +88,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let members = study.members(shard).len();
     let bar = progress::of_members(output.quiet, members, "members");
     let seen = Seen { bar: &bar, quiet: output.quiet };
-    let report = run(&common, shard, &journal, &threads, &seen)?;
+    let report = run(&study, &common, shard, &journal, &threads, &seen)?;
     bar.finish_and_clear();
     if report.stopped {
         print::note(&format!(
@@ -148,7 +120,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
 fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
     let (text, study) = read_study(&args.study)?;
     let read = beside(&args.study);
-    let common = Common::new(&study, &read).map_err(Failure::new)?;
+    let common = Common::new(&study, read).map_err(Failure::new)?;
     let target = target(args.output.as_ref(), &args.study);
     let failed =
         |error: io::Error| Failure::new(format!("cannot read `{}`: {error}", target.display()));
@@ -160,7 +132,8 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
         if let Some(part) = part_of(&entry.file_name().to_string_lossy())
             && entry.path().is_dir()
         {
-            let journal: Journal<Variation> = Journal::open(&entry.path(), &study.settings())?;
+            let journal: Journal<Variation> =
+                Journal::open(&entry.path(), &study.settings(&common))?;
             rows.extend(journal.rows(&study.members(part))?);
             parts.push((part, entry.path()));
         }
@@ -198,37 +171,16 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
 
 fn finish(
     study: &ParameterStudy,
-    common: &Common<'_>,
+    common: &Common,
     answer: &Answer<'_>,
     target: &Path,
     text: &str,
     as_json: bool,
 ) -> Result<(), Failure> {
-    files::write_with(&target.join(RESULTS[0]), |file| {
-        write_csv(file, answer.pieces()).map_err(Failure::from)
-    })?;
-    files::write_with(&target.join(RESULTS[1]), |file| {
-        write_parquet(file, answer.pieces()).map_err(Failure::new)
-    })?;
-    files::write(&target.join(RESULTS[2]), text)?;
-    let sensitivity = match answer.sensitivity() {
-        Ok(sensitivity) => sensitivity,
-        Err(error) => {
-            print::warn(&error.to_string());
-            Vec::new()
-        }
-    };
-    let usual = study.metrics.iter().zip(&common.usual).zip(&common.units);
-    let outcome = Outcome {
-        title: &study.title,
-        members: study.values.len(),
-        acceptance: answer.acceptance(),
-        usual: usual.map(|((metric, &value), unit)| Usual { metric, value, unit }).collect(),
-        traces: common.axes.as_ref(),
-        sensitivity,
-    };
-    files::write(&target.join(RESULTS[3]), json::pretty(&outcome)?)?;
-    draw(answer, common, &outcome.sensitivity, target)?;
+    let (outcome, left_out) = write(study, common, answer, target, text)?;
+    for warning in &left_out {
+        print::warn(warning);
+    }
     print::out(&if as_json {
         json::pretty(&outcome)?
     } else {
@@ -237,40 +189,10 @@ fn finish(
     Ok(())
 }
 
-/// Draws the figures of a study into its folder, instead of those that are there; returns how many.
-fn draw(
-    answer: &Answer<'_>,
-    common: &Common<'_>,
-    sensitivity: &[Sensitivity],
-    target: &Path,
-) -> Result<usize, Failure> {
-    let folder = target.join(FIGURES);
-    files::create_folder(&folder)?;
-    let mut count = 0;
-    let traces = match answer.trace_figure(common, target) {
-        Ok(drawn) => drawn,
-        Err(error) => {
-            print::warn(&format!("figure traces is left out: {error}"));
-            None
-        }
-    };
-    for drawn in answer.figures(&common.usual, sensitivity).into_iter().chain(traces) {
-        match drawn.figure.and_then(|figure| Ok((figure.to_svg(), figure.to_png(DPI)?))) {
-            Ok((svg, png)) => {
-                files::write(&folder.join(format!("{}.svg", drawn.name)), svg)?;
-                files::write(&folder.join(format!("{}.png", drawn.name)), png)?;
-                count += 1;
-            }
-            Err(error) => print::warn(&format!("figure {} is left out: {error}", drawn.name)),
-        }
-    }
-    Ok(count)
-}
-
 fn figures(args: &StudyFiguresArgs) -> Result<ExitCode, Failure> {
     let (_, study) = read_study(&args.study)?;
     let read = beside(&args.study);
-    let common = Common::new(&study, &read).map_err(Failure::new)?;
+    let common = Common::new(&study, read).map_err(Failure::new)?;
     let target = target(args.output.as_ref(), &args.study);
     let table = target.join(RESULTS[0]);
     let named = |cause: &dyn std::fmt::Display| {
@@ -280,7 +202,10 @@ fn figures(args: &StudyFiguresArgs) -> Result<ExitCode, Failure> {
     let rows = std::fs::read(&table).map_err(|error| named(&error))?;
     let answer = Answer::from_csv(&study, &common.units, &rows).map_err(|error| named(&error))?;
     let sensitivity = answer.sensitivity().unwrap_or_default();
-    let count = draw(&answer, &common, &sensitivity, &target)?;
+    let (count, left_out) = draw(&answer, &common, &sensitivity, &target)?;
+    for warning in &left_out {
+        print::warn(warning);
+    }
     print::out(&format!("{count} figures in {}", target.join(FIGURES).display()))?;
     Ok(ExitCode::SUCCESS)
 }
@@ -322,7 +247,7 @@ fn init(args: &StudyInitArgs) -> Result<ExitCode, Failure> {
         let message = format!("`{}` exists already", path.display());
         return Err(Failure::new(message).advise("give another name, or replace it with --force"));
     }
-    files::write(path, TEMPLATE)?;
+    myospring::output::files::write(path, TEMPLATE)?;
     print::note(&format!("wrote {0}; try: myospring study run {0}", path.display()));
     Ok(ExitCode::SUCCESS)
 }

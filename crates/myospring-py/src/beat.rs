@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, Inner, pairs, triangles};
 use crate::waiting::interruptible;
-use crate::{errors, metrics, settings};
+use crate::{errors, settings};
 use ciborium::{from_reader, into_writer};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::Beats;
@@ -165,8 +165,7 @@ impl Beat {
     fn metrics(&self) -> Vec<(&'static str, Option<f64>, &'static str)> {
         let Some(first) = self.beats.first() else { return Vec::new() };
         let all = first.metrics().chain(&self.beats.energy);
-        let row =
-            |metric: &Metric| (metric.name, metrics::value(&self.beats, metric.name), metric.unit);
+        let row = |metric: &Metric| (metric.name, self.beats.mean(metric.name), metric.unit);
         all.map(row).collect()
     }
 

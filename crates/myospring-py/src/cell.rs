@@ -23,8 +23,8 @@ pub(crate) struct Cell(pub(crate) Arc<Inner>);
 pub(crate) struct Inner {
     /// The settings that make it.
     pub(crate) file: RunFile,
-    /// Files that are no files but arrays, by name.
-    pub(crate) arrays: BTreeMap<String, Vec<u8>>,
+    /// The bytes of its files by name as written; also of those that are no files but arrays.
+    pub(crate) files: BTreeMap<String, Vec<u8>>,
     pub(crate) bytes: ShapeBytes,
     pub(crate) shaped: Shaped,
     pub(crate) name: String,
@@ -41,7 +41,7 @@ impl Cell {
     ) -> PyResult<Self> {
         let mut file = RunFile::default();
         settings::put(&mut file, given)?;
-        Self::made(py, file, arrays, None)
+        Self::made(py, file, arrays)
     }
 
     /// Name of the cell, for people and folders.
@@ -115,52 +115,46 @@ impl Cell {
 
     /// All that makes the cell again.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let Inner { file, arrays, bytes, name, .. } = &*self.0;
-        let state = (file.to_toml(), arrays, &bytes.shape, &bytes.outline, name);
+        let Inner { file, files, .. } = &*self.0;
         let mut written = Vec::new();
-        into_writer(&state, &mut written).map_err(errors::value)?;
+        into_writer(&(file.to_toml(), files), &mut written).map_err(errors::value)?;
         Ok(PyBytes::new(py, &written))
     }
 
     /// The cell of a state.
     #[staticmethod]
     fn of_state(py: Python<'_>, state: &[u8]) -> PyResult<Self> {
-        let (text, arrays, shape, outline, _name): State =
+        let (text, files): (String, BTreeMap<String, Vec<u8>>) =
             from_reader(state).map_err(errors::value)?;
         let file = RunFile::from_text(&text).map_err(|error| errors::of_settings(py, &error))?;
-        Self::made(py, file, arrays, Some(ShapeBytes { shape, outline }))
+        Self::made(py, file, files)
     }
 }
 
-type State = (String, BTreeMap<String, Vec<u8>>, Vec<u8>, Option<Vec<u8>>, String);
-
 impl Cell {
-    fn made(
-        py: Python<'_>,
-        file: RunFile,
-        arrays: BTreeMap<String, Vec<u8>>,
-        bytes: Option<ShapeBytes>,
-    ) -> PyResult<Self> {
+    fn made(py: Python<'_>, file: RunFile, mut files: BTreeMap<String, Vec<u8>>) -> PyResult<Self> {
         let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
         let shaped = py.detach(|| {
-            let read = |path: &str| match arrays.get(path) {
-                Some(bytes) => Ok(bytes.clone()),
-                None => fs::read(path),
-            };
-            let bytes = bytes.map_or_else(|| run.shape.bytes(read), Ok)?;
+            let read =
+                |path: &str| files.get(path).map_or_else(|| fs::read(path), |it| Ok(it.clone()));
+            let bytes = run.shape.bytes(read)?;
             let shaped = run.shape.mesh(&bytes)?;
             Ok((bytes, shaped))
         });
         let (bytes, shaped) = shaped.map_err(|error| errors::of_shape(&error))?;
+        // A cell stays what it is, also where its files are not.
+        let drawn = run.shape.source.picture().and_then(|picture| picture.outline.as_deref());
+        files.extend(run.shape.file().map(|path| (path.to_owned(), bytes.shape.clone())));
+        files.extend(drawn.map(str::to_owned).zip(bytes.outline.clone()));
         let name = run.shape.name().to_owned();
-        Ok(Self(Arc::new(Inner { file, arrays, bytes, shaped, name })))
+        Ok(Self(Arc::new(Inner { file, files, bytes, shaped, name })))
     }
 }
 
 impl Inner {
     /// Reads a file by its name as written.
     pub(crate) fn read(&self, path: &str) -> io::Result<Vec<u8>> {
-        self.arrays.get(path).map_or_else(|| fs::read(path), |bytes| Ok(bytes.clone()))
+        self.files.get(path).map_or_else(|| fs::read(path), |bytes| Ok(bytes.clone()))
     }
 }
 

@@ -3,6 +3,8 @@
 use crate::settings;
 use myospring::run_file::RunFileError;
 use myospring::settings::{MakeError, Problem, ShapeError};
+use myospring::study::StudyError;
+use myospring::study::parameters::ParameterStudyError;
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::io;
@@ -61,6 +63,26 @@ pub(crate) fn of_shape(error: &ShapeError) -> PyErr {
 /// A shape that was meshed and gives no simulation.
 pub(crate) fn of_making(error: &MakeError) -> PyErr {
     PyValueError::new_err(settings::in_python(&error.to_string()))
+}
+
+/// A study that cannot be.
+pub(crate) fn of_study(py: Python<'_>, error: &ParameterStudyError) -> PyErr {
+    match error {
+        ParameterStudyError::Run(error) => of_settings(py, error),
+        ParameterStudyError::Shape(error) => of_shape(error),
+        ParameterStudyError::Metric { name, known, .. } => {
+            unknown_among(py, name, known.iter().copied())
+        }
+        ParameterStudyError::Name(_) => unknown(py, error.to_string()),
+        ParameterStudyError::Read { cause, .. } => of_reading(cause, error.to_string()),
+        ParameterStudyError::Study(error) => of_journal(error),
+        _ => value(error),
+    }
+}
+
+/// A folder of results that cannot be gone on with.
+pub(crate) fn of_journal(error: &StudyError) -> PyErr {
+    PyOSError::new_err(error.to_string())
 }
 
 fn of_reading(cause: &io::Error, message: String) -> PyErr {

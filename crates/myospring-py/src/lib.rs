@@ -9,9 +9,11 @@ mod batch;
 mod beat;
 mod cell;
 mod errors;
+mod head;
 mod metrics;
 mod pictures;
 mod settings;
+mod study;
 mod waiting;
 
 use pyo3::prelude::*;
@@ -29,12 +31,16 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<cell::Cell>()?;
     module.add_class::<beat::Beat>()?;
+    module.add_class::<study::Study>()?;
+    module.add_class::<study::Members>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(beat::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(batch::simulate_batch, module)?)?;
     module.add_function(wrap_pyfunction!(action_potential::action_potential, module)?)?;
     module.add_function(wrap_pyfunction!(metrics::metrics, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::tiff, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_toml, module)?)?;
+    module.add_function(wrap_pyfunction!(study::with_rows, module)?)?;
     module.add_function(wrap_pyfunction!(settings::settings, module)?)?;
     module.add_function(wrap_pyfunction!(settings::models, module)?)?;
     module.add_function(wrap_pyfunction!(settings::parameters, module)?)

@@ -89,9 +89,12 @@ def test_the_program_gives_its_exit_code_and_heeds_ctrl_c(program, tmp_path):
     assert running.wait(timeout=20) in (-signal.SIGINT, 128 + signal.SIGINT)
 
 
-def test_the_tutorial_runs(tmp_path):
+@pytest.mark.parametrize("page", ["python.md", "clusters.md"])
+def test_the_tutorial_runs(page, tmp_path):
     """The blocks of the page, one after the other, as one script."""
-    page = (HERE.parents[1] / "docs" / "python.md").read_text()
+    for package in ("SALib", "distributed"):
+        pytest.importorskip(package)
+    page = (HERE.parents[1] / "docs" / page).read_text()
     blocks = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     script = "import matplotlib\nmatplotlib.use('agg')\n" + "\n".join(blocks)
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True,

@@ -104,10 +104,11 @@ fn study(model: &str) -> Result<Table, Box<dyn Error>> {
     );
     let no_file = |_file: &str| Err(std::io::ErrorKind::NotFound.into());
     let study = ParameterStudy::from_toml(&description, no_file)?;
-    let common = Common::new(&study, &no_file)?;
+    let common = Common::new(&study, no_file)?;
     // This thread and no other, whose time is measured.
     let rows = study.members(Shard::WHOLE);
-    let rows = rows.chunks(64).flat_map(|group| common.cells(&group.iter().collect::<Vec<_>>()));
+    let groups = rows.chunks(64).map(|group| group.iter().collect::<Vec<_>>());
+    let rows = groups.flat_map(|group| common.rows(&group, &|| true));
     let rows = rows.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
     Ok(Answer::new(&study, &common.units, rows).table())
 }

@@ -1,6 +1,6 @@
 //! What a study found, as people read it.
 
-use super::Outcome;
+use super::files::Outcome;
 use crate::table::{aligned, number};
 use myospring::study::parameters::{Acceptance, ParameterStudy, Ranked, Rejected};
 use myospring::study::sensitivity::Index;

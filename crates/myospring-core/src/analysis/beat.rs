@@ -1,7 +1,7 @@
 //! What each beat of a run amounts to, where its work went, and what is known of such numbers.
 
 use super::{Metric, Spread, action_potential, beat_to_beat, contraction, load, trace, value};
-use crate::recording::{END_FORCE, Recording, Sample};
+use crate::recording::{END_FORCE, Recording, Sample, Signal};
 use serde::Serialize;
 use std::ops::Deref;
 
@@ -129,6 +129,15 @@ impl Beats {
         Self { list: beats(recording, stimulus_times_ms), energy, bands: BANDS }
     }
 
+    /// The value of a metric of the whole run, or the mean of one over the beats that show it; `None` where none does.
+    pub fn mean(&self, name: &str) -> Option<f64> {
+        if let Some(metric) = self.energy.iter().find(|metric| metric.name == name) {
+            return metric.value;
+        }
+        let values: Vec<f64> = self.iter().filter_map(|beat| beat.value(name)).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    }
+
     /// Mean and standard deviation over the beats of every metric, where there are several.
     pub fn spread(&self) -> Vec<Spread> {
         if self.list.len() < 2 {
@@ -146,6 +155,33 @@ impl Deref for Beats {
     fn deref(&self) -> &[Beat] {
         &self.list
     }
+}
+
+/// Every metric of a beat, then those of the whole run, in the order of reading and without a value; `in_mv` says whether
+/// potentials are in mV.
+pub fn known(in_mv: bool) -> Vec<Metric> {
+    let still = Sample {
+        t_ms: 0.0,
+        u: Some(0.0),
+        vm_mv: in_mv.then_some(0.0),
+        ta_kpa: 0.0,
+        length_um: 1.0,
+        width_um: 1.0,
+        area_um2: 1.0,
+        shortening_pct: 0.0,
+        elastic_energy_fj: 0.0,
+        kinetic_energy_fj: 0.0,
+        active_work_fj: 0.0,
+        dissipated_energy_fj: 0.0,
+        momentum_nn_ms: 0.0,
+        angular_momentum_nn_um_ms: 0.0,
+    };
+    // Their names hang on nothing that was recorded.
+    let held = Signal { name: END_FORCE.to_owned(), unit: "nN".to_owned(), values: vec![0.0] };
+    let recording = Recording { samples: vec![still], signals: vec![held], frames: Vec::new() };
+    let Beats { list, energy, .. } = Beats::of(&recording, &[0.0]);
+    let of_beat = list.iter().flat_map(Beat::metrics).cloned();
+    of_beat.chain(energy).map(|metric| Metric { value: None, ..metric }).collect()
 }
 
 /// The metrics of each beat; it ends at the next stimulus.

@@ -34,6 +34,9 @@ use super::settings::{SolveError, validate_time};
 /// Cells that move together.
 pub const LANES: usize = 16;
 
+/// So many steps of all lanes are made before it is asked again whether to go on: a few milliseconds.
+const ASKED_EVERY: u32 = 4096;
+
 /// One cell of a population: its constants, its pacing, and how long it is followed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
@@ -89,20 +92,33 @@ pub fn run(
     cells: &[Cell],
     settings: &Settings,
 ) -> Result<Vec<Result<Outcome, SolveError>>, SolveError> {
+    Ok(run_while(cells, settings, &|| true)?.unwrap_or_default())
+}
+
+/// As [`run`], while `goes_on`, which is asked often, says so; `None` once it does not.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_while(
+    cells: &[Cell],
+    settings: &Settings,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<Option<Vec<Result<Outcome, SolveError>>>, SolveError> {
     settings.method.validate()?;
     if let Some(interval_ms) = settings.sample_interval_ms {
         validate_time("sample interval", interval_ms)?;
     }
     let arch = pulp::Arch::new();
     let step = |lanes: &mut Lanes<LANES>| arch.dispatch(TryStep(lanes));
-    Ok(side_by_side(cells, settings, step))
+    Ok(side_by_side(cells, settings, goes_on, step))
 }
 
 fn side_by_side<const N: usize>(
     cells: &[Cell],
     settings: &Settings,
+    goes_on: &dyn Fn() -> bool,
     try_step: impl Fn(&mut Lanes<N>),
-) -> Vec<Result<Outcome, SolveError>> {
+) -> Option<Vec<Result<Outcome, SolveError>>> {
     let mut lanes = Lanes::<N>::new(settings.method.tolerance);
     let mut outcomes: Vec<Option<Result<Outcome, SolveError>>> = vec![None; cells.len()];
     let mut queue = 0..cells.len();
@@ -113,7 +129,12 @@ fn side_by_side<const N: usize>(
     };
     let mut courses: [Option<(usize, Course)>; N] =
         std::array::from_fn(|lane| next(&mut lanes, lane));
+    let mut steps = 0_u32;
     while courses.iter().any(Option::is_some) {
+        steps = steps.wrapping_add(1);
+        if steps.is_multiple_of(ASKED_EVERY) && !goes_on() {
+            return None;
+        }
         try_step(&mut lanes);
         for lane in 0..N {
             if lanes.attention[lane] == 0 {
@@ -137,7 +158,7 @@ fn side_by_side<const N: usize>(
             }
         }
     }
-    outcomes.into_iter().flatten().collect()
+    Some(outcomes.into_iter().flatten().collect())
 }
 
 /// One step of all lanes, compiled for each kind of vector unit.
@@ -178,13 +199,22 @@ mod tests {
         let settings = Settings { sample_interval_ms: Some(3.0), ..Settings::default() };
         let expected = run(&cells, &settings).unwrap();
         assert!(expected.iter().all(Result::is_ok));
-        assert_eq!(side_by_side::<1>(&cells, &settings, Lanes::try_step), expected);
-        assert_eq!(side_by_side::<5>(&cells, &settings, Lanes::try_step), expected);
-        assert_eq!(side_by_side::<8>(&cells, &settings, Lanes::try_step), expected);
+        assert_eq!(
+            side_by_side::<1>(&cells, &settings, &|| true, Lanes::try_step).unwrap(),
+            expected
+        );
+        assert_eq!(
+            side_by_side::<5>(&cells, &settings, &|| true, Lanes::try_step).unwrap(),
+            expected
+        );
+        assert_eq!(
+            side_by_side::<8>(&cells, &settings, &|| true, Lanes::try_step).unwrap(),
+            expected
+        );
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = pulp::x86::V3::try_new() {
             let step = |lanes: &mut Lanes<8>| pulp::Simd::vectorize(avx2, TryStep(lanes));
-            assert_eq!(side_by_side(&cells, &settings, step), expected);
+            assert_eq!(side_by_side(&cells, &settings, &|| true, step).unwrap(), expected);
         }
     }
 }

@@ -18,7 +18,7 @@ use super::setup::{Assembly, Setup};
 use super::{SettingError, SetupError, Simulation, StopReason};
 use crate::exchange::Sites;
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
-use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
+use crate::mechanics::{Configuration, Tension, Vectors, zeros};
 use crate::mesh::Mesh;
 use crate::recording::Recording;
 use std::sync::Arc;
@@ -56,42 +56,10 @@ impl Simulation {
     /// A setting that no run can have, forces for which there is no such path, or a cell model without tension.
     /// A path that ends before the peak is no error but [`PreparedPath::end`].
     pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<PreparedPath, SetupError> {
-        self.along(|system, body| Path::start(system, body, tolerance))
-    }
-
-    /// As [`Simulation::prepare_quasi_static`], going on from the equilibria that a run with the same mesh,
-    /// material, fibres and supports has solved ([`PreparedPath::shapes`]): runs that differ in their cell model and
-    /// its pacing alone share them.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::prepare_quasi_static`].
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::integrate::quasi_static::Tolerance;
-    /// use myospring::mesh::lattice;
-    /// use myospring::simulation::Simulation;
-    ///
-    /// let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
-    /// let usual = simulation.prepare_quasi_static(Tolerance::default())?;
-    /// simulation.peak_tension = 30.0;
-    /// let weak = simulation.prepare_quasi_static_from(usual.shapes.clone())?.run(|_| true);
-    /// let shortening = weak.beats()[0].value("peak_shortening").unwrap();
-    /// assert!((shortening - 7.6).abs() < 0.1);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn prepare_quasi_static_from(&self, shapes: Shapes) -> Result<PreparedPath, SetupError> {
-        self.along(|system, body| Ok(Path::resume(system, body, shapes)))
-    }
-
-    fn along(
-        &self,
-        begin: impl for<'a> FnOnce(&'a System, &'a Body) -> Result<Path<'a>, PathError>,
-    ) -> Result<PreparedPath, SetupError> {
         let setup = self.set_up()?;
         setup.check_path()?;
         let Assembly { system, body, .. } = &*setup.assembly;
-        let mut path = begin(system, body)?;
+        let mut path = Path::start(system, body, tolerance)?;
         let end = path.extend(setup.peak()).err();
         let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
         let shapes = path.into_shapes();

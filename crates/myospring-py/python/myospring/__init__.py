@@ -17,20 +17,26 @@ from myospring._errors import SimulationError, UnknownNameError
 from myospring._functions import action_potential, simulate
 from myospring._lists import METRICS, Metric, Parameter, models, parameters
 from myospring._native import __version__
+from myospring._study import Index, Morris, Sobol, StudyResult, run_study
 
 __all__ = [
     "METRICS",
     "ActionPotential",
     "Beat",
     "Cell",
+    "Index",
     "Metric",
+    "Morris",
     "Parameter",
     "SimulationError",
+    "Sobol",
+    "StudyResult",
     "UnknownNameError",
     "__version__",
     "action_potential",
     "models",
     "parameters",
+    "run_study",
     "simulate",
     "simulate_batch",
 ]

@@ -165,7 +165,12 @@ impl Number {
 
     /// A value, in its unit, as a run file has it.
     pub fn written(&self, value: f64) -> Value {
-        match find(&self.key).and_then(super::Setting::bounds) {
+        let setting = find(&self.key);
+        let whole = setting.is_some_and(|it| matches!(it.kind, Kind::Whole { .. }));
+        match setting.and_then(super::Setting::bounds) {
+            // Of text it could not be said that it is no number.
+            _ if !value.is_finite() => Value::Number(value),
+            _ if whole && value.fract() == 0.0 => Value::Whole(value as i64),
             Some(bounds) => Value::Text(units::format(value, bounds.dimension)),
             None => Value::Number(value),
         }

@@ -34,8 +34,14 @@ pub struct Journal<M: Member> {
 }
 
 enum State<R> {
-    InMemory(BTreeMap<String, Entry<R>>),
+    InMemory(BTreeMap<String, Done<R>>),
     OnDisk { path: PathBuf, file: File, lines: BTreeMap<Box<str>, Line> },
+}
+
+/// What is kept of an entry beside its member's name.
+struct Done<R> {
+    sha256: String,
+    rows: Vec<R>,
 }
 
 /// The line of a member that is done.
@@ -267,8 +273,9 @@ fn known<M: Member>(file: &mut File) -> io::Result<BTreeMap<Box<str>, Line>> {
 }
 
 /// An entry by its name, if it is of such a member.
-fn named<M: Member>(entry: Entry<M::Row>) -> Option<(String, Entry<M::Row>)> {
-    Some((entry.name.get(M::KIND)?.clone(), entry))
+fn named<M: Member>(mut entry: Entry<M::Row>) -> Option<(String, Done<M::Row>)> {
+    let done = Done { sha256: entry.sha256, rows: entry.rows };
+    Some((entry.name.remove(M::KIND)?, done))
 }
 
 /// The place of an entry by its name, if it is of such a member.

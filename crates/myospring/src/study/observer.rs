@@ -16,6 +16,12 @@ pub trait Observer<M: Member>: Sync {
         true
     }
 
+    /// Asked often while members are worked on; `false` leaves those under way undone, with
+    /// [`Interrupted`](super::Interrupted).
+    fn goes_on(&self) -> bool {
+        true
+    }
+
     /// Whether [`Observer::table`] is called while members are under way; of very many that takes long.
     fn wants_tables(&self) -> bool {
         true

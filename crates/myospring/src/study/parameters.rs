@@ -26,8 +26,8 @@
 //!     "#,
 //!     no_file,
 //! )?;
-//! let common = Common::new(&study, &no_file)?;
-//! let rows = run(&common, Shard::WHOLE, &Journal::in_memory(), &Threads::new(None)?, &())?.rows;
+//! let common = Common::new(&study, no_file)?;
+//! let rows = run(&study, &common, Shard::WHOLE, &Journal::in_memory(), &Threads::new(None)?, &())?.rows;
 //! let answer = Answer::new(&study, &common.units, rows);
 //! let tension = &answer.sensitivity()?[0];
 //! assert_eq!(tension.metric, "peak_tension");
@@ -36,6 +36,7 @@
 
 mod answer;
 mod description;
+mod elsewhere;
 mod error;
 mod figures;
 mod member;
@@ -60,28 +61,43 @@ use std::num::NonZeroUsize;
 const CELLS_TOGETHER: usize = 64 * LANES;
 /// So many beats are noted together: half a second of work.
 const BEATS_TOGETHER: usize = 8;
+/// Every thread has at least so many groups, so that all end at about the same time.
+const GROUPS: usize = 4;
 
-/// Works on every member of a part of a study that the journal does not have.
+/// Works on every member of a part of a study that the journal does not have; `common` is made of the same study.
 ///
 /// # Errors
 /// Those of [`study::run`](super::run); what is wrong with a member is a row.
 pub fn run(
-    common: &Common<'_>,
+    study: &ParameterStudy,
+    common: &Common,
     part: Shard,
     journal: &Journal<Variation>,
     threads: &Threads,
     observer: &impl Observer<Variation>,
 ) -> Result<Report<VariationRow>, StudyError> {
-    let study = common.study();
-    let members = study.members(part);
-    let most = if study.kind == Kind::Cell { CELLS_TOGETHER } else { BEATS_TOGETHER };
-    let together = members.len().div_ceil(threads.count()).clamp(1, most);
+    run_members(common, &study.members(part), journal, threads, observer)
+}
+
+/// As [`run`], for any members.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_members(
+    common: &Common,
+    members: &[Variation],
+    journal: &Journal<Variation>,
+    threads: &Threads,
+    observer: &impl Observer<Variation>,
+) -> Result<Report<VariationRow>, StudyError> {
+    let shares = |groups: usize| members.len().div_ceil(groups * threads.count());
+    let together = match common.kind() {
+        Kind::Cell => shares(1).clamp(1, CELLS_TOGETHER),
+        Kind::Beat => shares(GROUPS).clamp(1, BEATS_TOGETHER),
+    };
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
-    let report = run_together(&members, journal, threads, observer, together, |group| {
-        let rows = match study.kind {
-            Kind::Cell => common.cells(group),
-            Kind::Beat => common.beats(group),
-        };
+    let report = run_together(members, journal, threads, observer, together, |group| {
+        let rows = common.rows(group, &|| observer.goes_on());
         rows.into_iter().map(|row| row.map(|row| vec![row])).collect()
     })?;
     match common.failure() {

@@ -129,13 +129,13 @@ const OF_BEATS: [&str; 9] = [
     "action_potential_duration_90",
 ];
 
-/// Metrics of a cell without a mesh.
-pub(super) const OF_CELLS: [&str; 5] = [
-    "peak_tension",
-    "time_to_peak_tension",
-    "action_potential_duration_90",
-    "peak_potential",
-    "resting_potential",
+/// Metrics of a cell without a mesh, with their units.
+pub(super) const OF_CELLS: [(&str, &str); 5] = [
+    ("peak_tension", "kPa"),
+    ("time_to_peak_tension", "ms"),
+    ("action_potential_duration_90", "ms"),
+    ("peak_potential", ""),
+    ("resting_potential", ""),
 ];
 
 impl ParameterStudy {
@@ -209,10 +209,12 @@ impl ParameterStudy {
             let values = sample(&sampler, &distributions, seed)?;
             (varied, Design::Sampled { sampler, seed }, values)
         };
-        let usual: &[&str] = if written.kind == Kind::Cell { &OF_CELLS } else { &OF_BEATS };
         let mut metrics = written.metrics;
         if metrics.is_empty() {
-            metrics = usual.iter().map(|name| (*name).to_owned()).collect();
+            metrics = match written.kind {
+                Kind::Cell => OF_CELLS.iter().map(|(name, _)| (*name).to_owned()).collect(),
+                Kind::Beat => OF_BEATS.iter().map(|name| (*name).to_owned()).collect(),
+            };
         }
         // What decides who is kept is looked at, too.
         for name in
@@ -241,16 +243,60 @@ impl ParameterStudy {
         })
     }
 
+    /// A study of rows that somebody else has made: beats of a run in which each of these numbers has the value of
+    /// its column. Metrics are the mean over the beats of a run; methods are those of the run, or its usual ones.
+    ///
+    /// # Errors
+    /// Rows of another length than there are numbers.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::run_file::RunFile;
+    /// use myospring::settings::Number;
+    /// use myospring::study::parameters::{Common, ParameterStudy, Shard, run};
+    /// use myospring::study::{Journal, Threads};
+    ///
+    /// let file = RunFile::from_text("numerics.integrator = \"quasi-static\"")?;
+    /// let tension = Number::named(&file.resolve()?, "peak_tension")?;
+    /// let metrics = vec!["peak_shortening".to_owned()];
+    /// let study = ParameterStudy::of_rows(file, vec![tension], metrics, vec![vec![20.0], vec![50.0]])?;
+    /// let common = Common::new(&study, |file| std::fs::read(file))?;
+    /// let rows = run(&study, &common, Shard::WHOLE, &Journal::in_memory(), &Threads::new(None)?, &())?.rows;
+    /// assert!(rows[0].metrics[0] < rows[1].metrics[0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_rows(
+        run: RunFile,
+        numbers: Vec<Number>,
+        metrics: Vec<String>,
+        values: Vec<Vec<f64>>,
+    ) -> Result<Self, ParameterStudyError> {
+        if let Some((row, of)) = values.iter().enumerate().find(|(_, of)| of.len() != numbers.len())
+        {
+            let (length, columns) = (of.len(), numbers.len());
+            return Err(ParameterStudyError::Length { row: row + 1, length, columns });
+        }
+        let varied = numbers.into_iter().map(|number| Varied { number, distribution: None });
+        Ok(Self {
+            title: String::new(),
+            kind: Kind::Beat,
+            run,
+            varied: varied.collect(),
+            design: Design::Table,
+            metrics,
+            beat: Which::Mean,
+            keep: BTreeMap::new(),
+            traces: false,
+            values,
+        })
+    }
+
     /// The run file of a member.
     ///
     /// # Errors
     /// A value of the wrong kind; bounds are looked at when it is resolved.
     pub fn run_of(&self, values: &[f64]) -> Result<RunFile, RunFileError> {
-        let mut file = self.run.clone();
-        for (varied, value) in self.varied.iter().zip(values) {
-            write(&varied.number, &mut file, *value)?;
-        }
-        Ok(file)
+        run_of(&self.run, &self.varied, values)
     }
 
     /// The columns in which members differ.
@@ -342,6 +388,19 @@ fn rows_of_table(
         return Err(wrong("it has no rows".to_owned()));
     }
     Ok((varied, values))
+}
+
+/// A run file with other values of some numbers.
+pub(super) fn run_of(
+    run: &RunFile,
+    varied: &[Varied],
+    values: &[f64],
+) -> Result<RunFile, RunFileError> {
+    let mut file = run.clone();
+    for (varied, value) in varied.iter().zip(values) {
+        write(&varied.number, &mut file, *value)?;
+    }
+    Ok(file)
 }
 
 /// Puts a value of a number, in its unit, into a run file.

@@ -78,6 +78,16 @@ pub enum ParameterStudyError {
         /// What is wrong with it.
         cause: String,
     },
+    /// A row that does not have a value for each number.
+    #[error("row {row} has {length} values, but {columns} numbers vary")]
+    Length {
+        /// Which row, from 1.
+        row: usize,
+        /// Its values.
+        length: usize,
+        /// Numbers that vary.
+        columns: usize,
+    },
     /// A metric that members do not have.
     #[error("{place}: there is no metric `{name}`{}", hint(name, known))]
     Metric {

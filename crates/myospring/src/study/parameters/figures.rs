@@ -127,7 +127,7 @@ impl Answer<'_> {
     /// A file that cannot be read.
     pub fn trace_figure(
         &self,
-        common: &Common<'_>,
+        common: &Common,
         folder: &Path,
     ) -> Result<Option<Drawn>, StudyError> {
         let Some(axes) = &common.axes else { return Ok(None) };

@@ -1,45 +1,51 @@
 //! The work on members: whole beats, or cells side by side.
 
-use super::super::Cause;
-use super::super::{Interrupted, StudyError};
-use super::description::{Kind, OF_CELLS, ParameterStudy, Which, is_minimal};
+use super::super::{Cause, Interrupted, StudyError};
+use super::description::{Kind, OF_CELLS, ParameterStudy, Varied, Which, is_minimal, run_of};
 use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
 use super::shard::Shard;
 use super::traces::{TraceAxes, Traces};
-use crate::analysis::beat::Beats;
+use crate::analysis::beat::{Beats, known};
 use crate::cell::adaptive;
 use crate::cell::minimal::MinimalModel;
 use crate::cell::population::{self, Cell};
 use crate::cell::{CellModel as _, TensionKind};
 use crate::integrate::Method;
-use crate::integrate::quasi_static::Shapes;
+use crate::integrate::quasi_static::Tolerance;
 use crate::mesh::Mesh;
 use crate::output::files::FileError;
 use crate::recording::Sample;
 use crate::run_file::RunFile;
-use crate::settings::{Run, Shaped};
-use crate::simulation::{Outcome, Ready, Simulation, TensionScale};
+use crate::settings::{Run, ShapeBytes, Shaped};
+use crate::simulation::{Outcome, Ready, SharedPath, Simulation, StopReason, TensionScale};
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::{io, iter};
 
-/// Reads a file by its name as written.
-type Read<'a> = dyn Fn(&str) -> io::Result<Vec<u8>> + Sync + 'a;
-
-/// What all members have in common, made once.
-pub struct Common<'a> {
-    study: &'a ParameterStudy,
-    read: &'a Read<'a>,
+/// What all members of a study have in common, made once.
+pub struct Common {
+    kind: Kind,
+    run: RunFile,
+    varied: Vec<Varied>,
+    metrics: Vec<String>,
+    beat: Which,
+    files: BTreeMap<String, Vec<u8>>,
     /// Units of the metrics, in their order.
     pub units: Vec<&'static str>,
-    /// The metrics of the run without any change, in their order.
+    /// The metrics of the run without any change, in their order; empty until it has beaten.
     pub usual: Vec<Option<f64>>,
     /// What the curves that are kept of each member have in common; `None` where none are.
     pub axes: Option<TraceAxes>,
     /// The curves of the run without any change, quantity by quantity.
     pub usual_curves: Vec<f32>,
+    /// How many members the study has.
+    members: usize,
     traces: Option<Traces>,
+    /// Curves by member that somebody else keeps.
+    handed: Option<Mutex<BTreeMap<usize, Vec<f32>>>>,
     body: Option<Body>,
 }
 
@@ -55,36 +61,68 @@ struct Alone {
 /// A member that is done, and its curves where they are wanted.
 type Done = (VariationRow, Vec<f32>);
 
-/// The mesh that members share, where what they differ in leaves it as it is.
+/// What the beats have in common.
 struct Body {
+    bytes: ShapeBytes,
+    /// The shape that was meshed, where it is everyone's.
+    shaped: Option<Shaped>,
+    /// The mesh with its fibres, where these are everyone's, too.
+    meshed: Option<Meshed>,
+    /// Whether all that is left to differ is the course of tension, so that members share their equilibria.
+    shares_path: bool,
+    path: OnceLock<Result<SharedPath, String>>,
+}
+
+struct Meshed {
     mesh: Mesh,
     fibres: Vec<[f64; 2]>,
     content: Option<Vec<f64>>,
-    /// The equilibria that they share, where they differ in the cell model and its pacing alone.
-    shapes: Option<Shapes>,
 }
 
 /// Keys under which a number changes nothing but the course of tension.
 const TENSION_ONLY: [&str; 3] = ["cell.", "stimulus.", "run."];
-/// Keys of numbers that decide mesh or fibres.
-const SHAPING: [&str; 4] =
-    ["shape.", "segmentation.", "mechanics.fibre", "mechanics.myofibril_content"];
+/// Keys of numbers that decide the mesh.
+const SHAPING: [&str; 2] = ["shape.", "segmentation."];
+/// Keys of numbers that decide the fibres on it.
+const FIBRES: [&str; 2] = ["mechanics.fibre", "mechanics.myofibril_content"];
 
-impl<'a> Common<'a> {
-    /// The study.
-    pub fn study(&self) -> &'a ParameterStudy {
-        self.study
-    }
-
-    /// Makes what members share, and beats the run without any change.
+impl Common {
+    /// Makes what members share, and beats the run without any change. `read` reads a file by its name as written.
     ///
     /// # Errors
     /// A shape that cannot be made, a run that cannot beat, or a metric that it does not have.
-    pub fn new(study: &'a ParameterStudy, read: &'a Read<'a>) -> Result<Self, ParameterStudyError> {
+    pub fn new(
+        study: &ParameterStudy,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<Self, ParameterStudyError> {
+        let mut common = Self::still(study, read, None)?;
+        let run = common.run.resolve()?;
+        let usual = common.varied.iter().map(|varied| varied.number.get(&run).unwrap_or(f64::NAN));
+        let usual = Variation::new(0, usual.collect());
+        let row = match common.kind {
+            Kind::Cell => common.cells(&[&usual], &|| true).remove(0),
+            Kind::Beat => common.beat(None, &|| true),
+        };
+        let (row, curves) = row.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
+        (common.usual, common.usual_curves) = (row.metrics, curves);
+        Ok(common)
+    }
+
+    /// As [`Common::new`], without a beat: [`Common::usual`] stays empty. `shaped` is the shape of the run, where it
+    /// is meshed already.
+    ///
+    /// # Errors
+    /// A shape that cannot be made, or a metric that beats do not have.
+    pub fn still(
+        study: &ParameterStudy,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+        shaped: Option<&Shaped>,
+    ) -> Result<Self, ParameterStudyError> {
         let run = study.run.resolve()?;
         let at_rest = run.cell.initial_state();
+        let in_mv = run.cell.membrane_potential_mv(&at_rest).is_some();
         let mut quantities = Vec::new();
-        if run.cell.membrane_potential_mv(&at_rest).is_some() {
+        if in_mv {
             quantities.push("Potential (mV)");
         } else if run.cell.potential(&at_rest).is_some() {
             quantities.push("Potential u (\u{2013})");
@@ -93,20 +131,45 @@ impl<'a> Common<'a> {
         if study.kind == Kind::Beat {
             quantities.push("Shortening (%)");
         }
-        let common = Self {
-            study,
-            read,
+        let mut common = Self {
+            kind: study.kind,
+            run: study.run.clone(),
+            varied: study.varied.clone(),
+            metrics: study.metrics.clone(),
+            beat: study.beat,
+            files: BTreeMap::new(),
             units: Vec::new(),
             usual: Vec::new(),
             axes: study.traces.then(|| TraceAxes::new(run.duration, quantities)),
             usual_curves: Vec::new(),
+            members: study.values.len(),
             traces: None,
+            handed: None,
             body: None,
         };
-        match study.kind {
-            Kind::Cell => common.of_cells(&run),
-            Kind::Beat => common.of_beats(&run),
+        let units: Vec<(&str, &str)> = match study.kind {
+            Kind::Cell => {
+                common.check_cells(&run)?;
+                OF_CELLS.to_vec()
+            }
+            Kind::Beat => {
+                // A metric that this cell does not have is one that none of its beats shows.
+                known(in_mv).iter().map(|metric| (metric.name, metric.unit)).collect()
+            }
+        };
+        let unit = |name: &String| {
+            let unit = units.iter().find(|(known, _)| known == name).map(|(_, unit)| *unit);
+            unit.ok_or_else(|| ParameterStudyError::Metric {
+                place: if study.keep.contains_key(name) { "[keep]" } else { "metrics" },
+                name: name.clone(),
+                known: units.iter().map(|(name, _)| *name).collect(),
+            })
+        };
+        common.units = study.metrics.iter().map(unit).collect::<Result<_, _>>()?;
+        if study.kind == Kind::Beat {
+            common.share(&run, read, shaped)?;
         }
+        Ok(common)
     }
 
     /// Keeps the curves of the members of a part in a folder, where the study wants them: [`TRACES`](super::TRACES).
@@ -115,9 +178,36 @@ impl<'a> Common<'a> {
     /// A file that cannot be written.
     pub fn keeping_traces(self, folder: &Path, part: Shard) -> Result<Self, StudyError> {
         let Some(axes) = &self.axes else { return Ok(self) };
-        let members = (self.study.values.len() + part.of - part.part) / part.of;
+        let members = (self.members + part.of - part.part) / part.of;
         let traces = Some(Traces::open(folder, axes, part, members)?);
         Ok(Self { traces, ..self })
+    }
+
+    /// Hands the curves of members on, where the study wants them, for somebody else to keep: [`Common::handed`].
+    #[must_use]
+    pub fn handing_on(self) -> Self {
+        Self { handed: Some(Mutex::default()), ..self }
+    }
+
+    /// The curves of a member that was done, once; empty where there are none.
+    pub fn handed(&self, member: usize) -> Vec<f32> {
+        let Some(handed) = &self.handed else { return Vec::new() };
+        let mut handed = handed.lock().unwrap_or_else(PoisonError::into_inner);
+        handed.remove(&member).unwrap_or_default()
+    }
+
+    /// Keeps curves that were handed on elsewhere; empty ones of members that have none.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keep(&self, members: &[&Variation], curves: &[Vec<f32>]) -> Result<(), StudyError> {
+        match &self.traces {
+            Some(traces) if traces.keep(members, curves).is_err() => match traces.failure() {
+                Some(error) => Err(error.into()),
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
     }
 
     /// Why curves were not kept.
@@ -140,10 +230,25 @@ impl<'a> Common<'a> {
                 return members.iter().map(|_| Err(Interrupted.into())).collect();
             }
         }
+        if let Some(handed) = self.handed.as_ref().filter(|_| self.axes.is_some()) {
+            let mut handed = handed.lock().unwrap_or_else(PoisonError::into_inner);
+            let curves = done.iter().flatten().map(|(row, curves)| (row.member, curves.clone()));
+            handed.extend(curves);
+        }
         done.into_iter().map(|done| done.map(|(row, _)| row)).collect()
     }
 
-    fn of_cells(self, run: &Run) -> Result<Self, ParameterStudyError> {
+    /// What every member is.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// The bytes of every file that the members need, by its name as written.
+    pub fn files(&self) -> &BTreeMap<String, Vec<u8>> {
+        &self.files
+    }
+
+    fn check_cells(&self, run: &Run) -> Result<(), ParameterStudyError> {
         let no = |what: &str| Err(ParameterStudyError::NoCell { what: what.to_owned() });
         if !is_minimal(run) {
             return no(&format!("the model is {}", run.cell.name()));
@@ -151,79 +256,89 @@ impl<'a> Common<'a> {
         if run.tension_scale == TensionScale::OwnPeak {
             return no("tension_scale = \"own-peak\" needs a reference beat of each");
         }
-        let other = self.study.varied.iter().map(|varied| &varied.number.key);
-        if let Some(key) =
-            other.into_iter().find(|key| !TENSION_ONLY.iter().any(|of| key.starts_with(of)))
-        {
-            return no(&format!("`{key}` is of the mesh"));
+        match self.keys().find(|key| !starts(key, &TENSION_ONLY)) {
+            Some(key) => no(&format!("`{key}` is of the mesh")),
+            None => Ok(()),
         }
-        let units = ["kPa", "ms", "ms", "", ""];
-        let place = |name: &String| OF_CELLS.iter().position(|known| known == name);
-        let units = self.in_order(|name| place(name).map(|at| units[at]), &OF_CELLS)?;
-        let usual = self.cells_done(&[&Variation::new(0, self.usual_values(run))]).remove(0);
-        let (usual, usual_curves) =
-            usual.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
-        Ok(Self { units, usual: usual.metrics, usual_curves, ..self })
     }
 
-    fn of_beats(self, run: &Run) -> Result<Self, ParameterStudyError> {
-        let base = |error: Cause| ParameterStudyError::Base(error.to_string());
-        let keys = || self.study.varied.iter().map(|varied| varied.number.key.as_str());
-        let starts = |key: &str, list: &[&str]| list.iter().any(|start| key.starts_with(start));
-        let (mut body, ready) = self.made(&self.study.run, run).map_err(base)?;
-        if let Ready::AlongPath(path) = &ready
-            && keys().all(|key| starts(key, &TENSION_ONLY))
-        {
-            body.shapes = Some(path.shapes.clone());
-        }
-        let outcome = ready.run(|_progress| true);
-        let beats = ended(&outcome).map_err(base)?;
-        let Some(first) = beats.first() else {
-            return Err(ParameterStudyError::Base(
-                "no stimulus falls within its duration".to_owned(),
-            ));
+    fn keys(&self) -> impl Iterator<Item = &str> {
+        self.varied.iter().map(|varied| varied.number.key.as_str())
+    }
+
+    /// Makes the shape and the mesh, as far as all members have the same.
+    fn share(
+        &mut self,
+        run: &Run,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+        shaped: Option<&Shaped>,
+    ) -> Result<(), ParameterStudyError> {
+        let files = Mutex::new(BTreeMap::new());
+        let read = |path: &str| {
+            let bytes = read(path)?;
+            let mut files = files.lock().unwrap_or_else(PoisonError::into_inner);
+            files.insert(path.to_owned(), bytes.clone());
+            Ok(bytes)
         };
-        let known: Vec<&'static str> = first.metrics().map(|metric| metric.name).collect();
-        let unit = |name: &String| Some(first.metrics().find(|metric| metric.name == *name)?.unit);
-        let units = self.in_order(unit, &known)?;
-        let usual = self.metrics(&beats);
-        let usual_curves = self.curves(&outcome);
-        let shared = !keys().any(|key| starts(key, &SHAPING));
-        let body = Some(body).filter(|_| shared);
-        Ok(Self { units, usual, usual_curves, body, ..self })
+        let bytes = run.shape.bytes(read)?;
+        let shaped = shaped.map_or_else(|| run.shape.mesh(&bytes), |shaped| Ok(shaped.clone()))?;
+        let made = run.make(shaped.clone(), read);
+        let made = made.map_err(|error| ParameterStudyError::Base(error.to_string()))?.simulation;
+        let shares_path = self.keys().all(|key| starts(key, &TENSION_ONLY));
+        let same_shape = !self.keys().any(|key| starts(key, &SHAPING));
+        let same_mesh = same_shape && !self.keys().any(|key| starts(key, &FIBRES));
+        let Simulation { mesh, fibres, myofibril_content: content, .. } = made;
+        self.body = Some(Body {
+            bytes,
+            shaped: Some(shaped).filter(|_| same_shape && !same_mesh),
+            meshed: Some(Meshed { mesh, fibres, content }).filter(|_| same_mesh),
+            shares_path,
+            path: OnceLock::new(),
+        });
+        self.files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(())
     }
 
-    /// What is known of each metric, or the one that does not exist.
-    fn in_order(
+    /// The rows of some members; `goes_on` is asked often, and once it says no, those that are not done yet are
+    /// [`Interrupted`].
+    pub fn rows(
         &self,
-        of: impl Fn(&String) -> Option<&'static str>,
-        known: &[&'static str],
-    ) -> Result<Vec<&'static str>, ParameterStudyError> {
-        let unknown = |name: &String| {
-            let place = if self.study.keep.contains_key(name) { "[keep]" } else { "metrics" };
-            ParameterStudyError::Metric { place, name: name.clone(), known: known.to_vec() }
+        members: &[&Variation],
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<Result<VariationRow, Cause>> {
+        let done = match self.kind {
+            Kind::Cell => self.cells(members, goes_on),
+            Kind::Beat => members.iter().map(|member| self.beat(Some(member), goes_on)).collect(),
         };
-        self.study.metrics.iter().map(|name| of(name).ok_or_else(|| unknown(name))).collect()
+        self.kept(members, done)
     }
 
-    fn usual_values(&self, run: &Run) -> Vec<f64> {
-        let value =
-            |varied: &super::description::Varied| varied.number.get(run).unwrap_or(f64::NAN);
-        self.study.varied.iter().map(value).collect()
-    }
-
-    /// The rows of some members, each a beat of its own.
-    pub fn beats(&self, members: &[&Variation]) -> Vec<Result<VariationRow, Cause>> {
-        self.kept(members, members.iter().map(|member| self.beat(member)).collect())
-    }
-
-    fn beat(&self, member: &Variation) -> Result<Done, Cause> {
-        let file = self.study.run_of(&member.values)?;
-        let run = file.resolve()?;
-        let (_, ready) = self.made(&file, &run)?;
-        let outcome = ready.run(|_progress| true);
-        let beats = ended(&outcome)?;
-        Ok((VariationRow::done(member.number, self.metrics(&beats)), self.curves(&outcome)))
+    /// The row of a member, or of the run without any change.
+    fn beat(
+        &self,
+        member: Option<&Variation>,
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Done, Cause> {
+        if !goes_on() {
+            return Err(Interrupted.into());
+        }
+        let values = member.map_or(&[][..], |member| &member.values);
+        let file = run_of(&self.run, &self.varied, values)?;
+        let outcome = self.ready(&file)?.run(|_progress| goes_on());
+        match &outcome.stop {
+            Some(StopReason::Interrupted { .. }) => return Err(Interrupted.into()),
+            Some(reason) => return Err(reason.to_string().into()),
+            None => {}
+        }
+        let beats = outcome.beats();
+        match member {
+            None if beats.is_empty() => Err("no stimulus falls within its duration".into()),
+            _ => {
+                let row =
+                    VariationRow::done(member.map_or(0, |it| it.number), self.of_beats(&beats));
+                Ok((row, self.curves(&outcome)))
+            }
+        }
     }
 
     /// The curves of a beat, where they are wanted.
@@ -240,53 +355,57 @@ impl<'a> Common<'a> {
     }
 
     /// The simulation of a run, on the mesh that members share or on its own.
-    fn made(&self, file: &RunFile, run: &Run) -> Result<(Body, Ready), Cause> {
-        let mut simulation = if let Some(body) = &self.body {
-            let (cell, _) = run.driven(self.read)?;
-            let content = body.content.clone();
-            Simulation { cell, ..run.simulation(body.mesh.clone(), body.fibres.clone(), content) }
-        } else {
-            let bytes = run.shape.bytes(self.read)?;
-            let shaped: Shaped = run.shape.mesh(&bytes)?;
-            run.make(shaped, self.read)?.simulation
-        };
+    fn ready(&self, file: &RunFile) -> Result<Ready, Cause> {
+        let body = self.body.as_ref().ok_or("cells have no mesh")?;
+        let run = file.resolve()?;
+        let mut simulation = self.simulation(body, &run)?;
         if !file.has("numerics.frame_interval") {
             // Nobody looks at the shapes in between.
             let output = simulation.numerics.output_interval;
             simulation.numerics.frame_interval =
                 output * (simulation.duration / output).ceil().max(1.0);
         }
-        let shapes = self.body.as_ref().and_then(|body| body.shapes.clone());
-        let ready = match (simulation.numerics.method, shapes) {
-            (Method::QuasiStatic, Some(shapes)) => {
-                Ready::AlongPath(simulation.prepare_quasi_static_from(shapes)?)
-            }
-            _ => simulation.build()?,
+        if simulation.numerics.method != Method::QuasiStatic || !body.shares_path {
+            return Ok(simulation.build()?);
+        }
+        let path = body.path.get_or_init(|| {
+            let path = simulation.shared_path(Tolerance::default());
+            path.map_err(|error| error.to_string())
+        });
+        Ok(Ready::AlongPath(path.as_ref().map_err(String::as_str)?.prepare(&simulation)?))
+    }
+
+    fn simulation(&self, body: &Body, run: &Run) -> Result<Simulation, Cause> {
+        let read = |path: &str| {
+            self.files.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
         };
-        let content = simulation.myofibril_content;
-        let body = Body { mesh: simulation.mesh, fibres: simulation.fibres, content, shapes: None };
-        Ok((body, ready))
+        if let Some(Meshed { mesh, fibres, content }) = &body.meshed {
+            let (cell, _) = run.driven(read)?;
+            let simulation = run.simulation(mesh.clone(), fibres.clone(), content.clone());
+            return Ok(Simulation { cell, ..simulation });
+        }
+        let shaped = body.shaped.clone().map_or_else(|| run.shape.mesh(&body.bytes), Ok)?;
+        Ok(run.make(shaped, read)?.simulation)
     }
 
     /// The metrics that are wanted, in their order.
-    fn metrics(&self, beats: &Beats) -> Vec<Option<f64>> {
-        let of = |name: &String| match self.study.beat {
-            Which::First => beats.first()?.value(name),
-            Which::Last => beats.last()?.value(name),
-            Which::Mean => {
-                let values: Vec<f64> = beats.iter().filter_map(|beat| beat.value(name)).collect();
-                (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-            }
+    fn of_beats(&self, beats: &Beats) -> Vec<Option<f64>> {
+        let whole = |name: &str| beats.energy.iter().find(|metric| metric.name == name);
+        let of = |name: &String| match (self.beat, whole(name)) {
+            (Which::Mean, _) => beats.mean(name),
+            (_, Some(metric)) => metric.value,
+            (Which::First, None) => beats.first()?.value(name),
+            (Which::Last, None) => beats.last()?.value(name),
         };
-        self.study.metrics.iter().map(of).collect()
+        self.metrics.iter().map(of).collect()
     }
 
-    /// The rows of some members, whose cells go side by side.
-    pub fn cells(&self, members: &[&Variation]) -> Vec<Result<VariationRow, Cause>> {
-        self.kept(members, self.cells_done(members))
-    }
-
-    fn cells_done(&self, members: &[&Variation]) -> Vec<Result<Done, Cause>> {
+    /// Some members, whose cells go side by side.
+    fn cells(
+        &self,
+        members: &[&Variation],
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<Result<Done, Cause>> {
         let tasks: Vec<Result<Alone, Cause>> =
             members.iter().map(|member| self.cell(member)).collect();
         let cells: Vec<Cell> =
@@ -295,8 +414,9 @@ impl<'a> Common<'a> {
             method: adaptive::Settings::default(),
             sample_interval_ms: self.axes.as_ref().map(|axes| axes.interval_ms),
         };
-        let outcomes = match population::run(&cells, &settings) {
-            Ok(outcomes) => outcomes,
+        let outcomes = match population::run_while(&cells, &settings, goes_on) {
+            Ok(Some(outcomes)) => outcomes,
+            Ok(None) => return members.iter().map(|_| Err(Interrupted.into())).collect(),
             Err(error) => return members.iter().map(|_| Err(error.clone().into())).collect(),
         };
         let mut outcomes = outcomes.into_iter();
@@ -312,7 +432,7 @@ impl<'a> Common<'a> {
             };
             let beats = &outcome.beats;
             let (first, last) = (beats.first(), beats.last());
-            let of = |name: &String| match self.study.beat {
+            let of = |name: &String| match self.beat {
                 Which::First => value(first?, name),
                 Which::Last => value(last?, name),
                 Which::Mean => {
@@ -331,7 +451,7 @@ impl<'a> Common<'a> {
                 };
                 [one(&potential), one(&|state| (scale * state[5]) as f32)].concat()
             });
-            let metrics = self.study.metrics.iter().map(of).collect();
+            let metrics = self.metrics.iter().map(of).collect();
             Ok((VariationRow::done(member.number, metrics), curves))
         };
         members.iter().zip(tasks).map(row).collect()
@@ -339,7 +459,7 @@ impl<'a> Common<'a> {
 
     /// A member's cell.
     fn cell(&self, member: &Variation) -> Result<Alone, Cause> {
-        let run = self.study.run_of(&member.values)?.resolve()?;
+        let run = run_of(&self.run, &self.varied, &member.values)?.resolve()?;
         let model = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
         let model = model.ok_or("the model is not the minimal one")?;
         let scale = match model.tension_kind() {
@@ -351,10 +471,6 @@ impl<'a> Common<'a> {
     }
 }
 
-/// The beats of a run that came to its end.
-fn ended(outcome: &Outcome) -> Result<Beats, Cause> {
-    match &outcome.stop {
-        Some(reason) => Err(reason.to_string().into()),
-        None => Ok(outcome.beats()),
-    }
+fn starts(key: &str, list: &[&str]) -> bool {
+    list.iter().any(|start| key.starts_with(start))
 }

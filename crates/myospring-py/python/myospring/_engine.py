@@ -1,0 +1,313 @@
+"""The members of a study on somebody else's executor: batches go out, rows come back."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections import OrderedDict, deque
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from dataclasses import dataclass
+from typing import Any, Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from myospring import _native
+
+# What a batch of rows is: numbers of members, metrics (n, M), why one has none, curves (n, L), seconds of work.
+Rows = tuple[NDArray[np.uint64], NDArray[np.float64], list[str | None], NDArray[np.float32], float]
+
+# The first batches, before it is known what a member takes.
+FIRST = {"cell": 128, "beat": 4}
+# Cells go side by side in lanes, which are best filled.
+LANES = {"cell": 16, "beat": 1}
+# A batch is bounded, however quick its members are.
+LARGEST = 65_536
+# How often signals, workers and the clock are looked at, s.
+SOON = 0.1
+WORKERS_EVERY = 5.0
+# After so many batches in a row whose workers died it is not the members that are to blame.
+HOPELESS = 3
+
+_made: OrderedDict[str, _native.Members] = OrderedDict()
+_making = threading.Lock()
+
+
+def work(key: str, head: bytes, numbers: NDArray[np.uint64], values: NDArray[np.float64], threads: int, _try: int) -> Rows:
+    """The rows of a batch, in a worker; what its members share is made once in a process."""
+    with _making:
+        members = _made.pop(key, None) or _native.Members(head)
+        _made[key] = members
+        while len(_made) > 4:
+            _made.popitem(last=False)
+    return members.rows(numbers, values, threads)
+
+
+@dataclass(eq=False)
+class Batch:
+    """Members that are worked on together."""
+
+    numbers: NDArray[np.uint64]
+    # How often its worker died, and whether it may be to blame for what became of others.
+    deaths: int = 0
+    alone: bool = False
+    # Tasks of one batch must not be taken for the same by an engine that remembers answers.
+    tries: int = 0
+
+
+class Pace:
+    """How many members take as long as a batch is to take."""
+
+    def __init__(self, kind: str, seconds: float) -> None:
+        self._kind = kind
+        self._seconds = seconds
+        self._members, self._took = 0, 0.0
+
+    def seen(self, members: int, seconds: float) -> None:
+        """Some members took so long."""
+        self._members += members
+        self._took += seconds
+
+    def size(self, left: int, workers: int) -> int:
+        """How many of those that are left come next."""
+        lanes = LANES[self._kind]
+        if self._took > 0:
+            size = min(LARGEST, int(self._seconds * self._members / self._took))
+        else:
+            size = FIRST[self._kind]
+        # The last ones are shared out, so that all workers end at about the same time.
+        size = min(size, -(-left // (2 * workers)))
+        return min(left, max(lanes, size - size % lanes))
+
+
+def died(error: BaseException) -> bool:
+    """Whether an error says that a worker is gone, and nothing of what it worked on."""
+    names = {kind.__name__ for kind in type(error).__mro__}
+    gone = {"KilledWorker", "CommClosedError", "FutureCancelledError"}
+    return isinstance(error, (BrokenExecutor, CancelledError, ConnectionError)) or bool(names & gone)
+
+
+class Pool:
+    """An executor, and another one of its kind where it breaks."""
+
+    def __init__(self, executor: Executor | Callable[[], Executor]) -> None:
+        self._make = None if isinstance(executor, Executor) else executor
+        self.executor: Executor = executor if isinstance(executor, Executor) else executor()
+        if not hasattr(self.executor, "submit"):
+            kind = type(self.executor).__name__
+            raise TypeError(f"executor is of type {kind}; give a concurrent.futures.Executor or a function that makes one")
+        self._own = self._make is not None
+        self._workers, self._looked = 1, -np.inf
+
+    def workers(self) -> int:
+        """Batches that are worked on at a time; of an engine that grows, now."""
+        if time.monotonic() - self._looked < WORKERS_EVERY:
+            return self._workers
+        self._looked = time.monotonic()
+        client: Any = getattr(self.executor, "_client", None)
+        if client is not None and hasattr(client, "nthreads"):
+            count = sum(client.nthreads().values())
+        else:
+            counts = (getattr(self.executor, name, None) for name in ("num_workers", "_max_workers"))
+            count = next((count for count in counts if isinstance(count, int)), os.cpu_count() or 1)
+        self._workers = max(1, count)
+        return self._workers
+
+    def renew(self, error: BaseException) -> None:
+        """Takes the place of an executor that broke."""
+        broken = self.executor
+        if self._make is not None:
+            self.executor = self._make()
+        elif type(broken) is ProcessPoolExecutor:
+            # What it was made with is kept under these names by every Python from 3.10 on.
+            made: Any = broken
+            self.executor = ProcessPoolExecutor(
+                made._max_workers, made._mp_context, made._initializer, made._initargs
+            )
+        else:
+            raise RuntimeError(
+                f"the executor broke ({error}) and takes no more work; what is done is kept where there is an output "
+                "folder. Give a function that makes an executor instead, so that another can take its place"
+            ) from error
+        if self._own:
+            broken.shutdown(wait=False)
+        self._own = True
+
+    def close(self, cancel: bool) -> None:
+        """Ends an executor of our own."""
+        if self._own:
+            self.executor.shutdown(wait=not cancel, cancel_futures=cancel)
+
+
+class Run:
+    """A study under way."""
+
+    def __init__(
+        self,
+        study: _native.Study,
+        threads: int,
+        seconds: float,
+        tries: int,
+        watch: Callable[[int, int, float | None], None] | None,
+    ) -> None:
+        self._study = study
+        self._threads = threads
+        self._tries = tries
+        self._watch = watch
+        self._pace = Pace(study.kind, seconds)
+        self._left = study.left()
+        self._next = 0
+        self._again: deque[Batch] = deque()
+        self._pending: dict[Future[Rows], Batch] = {}
+        self._given_up = 0
+        self._begun, self._done = time.monotonic(), 0
+        self._shown = -np.inf
+
+    def here(self, threads: int) -> None:
+        """Works on all members on threads of this process."""
+        executor = ThreadPoolExecutor(threads, thread_name_prefix="myospring")
+        pool = Pool(executor)
+
+        def submit(batch: Batch) -> Future[Rows]:
+            return executor.submit(self._study.work, batch.numbers)
+
+        try:
+            self._loop(pool, submit)
+        except BaseException:
+            # Those under way end at once, and what they have done is kept.
+            self._study.stop()
+            executor.shutdown(wait=True, cancel_futures=True)
+            self._keep()
+            raise
+        executor.shutdown()
+
+    def on(self, executor: Executor | Callable[[], Executor], key: str, head: bytes) -> None:
+        """Works on all members on an executor."""
+        pool = Pool(executor)
+
+        def submit(batch: Batch) -> Future[Rows]:
+            values = self._study.values_of(batch.numbers)
+            return pool.executor.submit(work, key, head, batch.numbers, values, self._threads, batch.tries)
+
+        try:
+            self._loop(pool, submit)
+        except BaseException:
+            for future in self._pending:
+                future.cancel()
+            self._keep()
+            pool.close(cancel=True)
+            raise
+        pool.close(cancel=False)
+
+    def _loop(self, pool: Pool, submit: Callable[[Batch], Future[Rows]]) -> None:
+        self._show(pool)
+        while True:
+            try:
+                # Never more than a window: an engine that is given millions of tasks at once does not get to work.
+                for batch in self._batches(pool):
+                    batch.tries += 1
+                    self._pending[submit(batch)] = batch
+            except BrokenExecutor as error:
+                self._again.appendleft(batch)
+                self._broke(pool, error)
+                continue
+            if not self._pending:
+                break
+            done, _ = wait(self._pending, timeout=SOON, return_when=FIRST_COMPLETED)
+            for future in done:
+                if future not in self._pending:
+                    continue
+                failure = CancelledError() if future.cancelled() else future.exception()
+                if failure is None:
+                    self._take(self._pending.pop(future), future.result())
+                elif isinstance(failure, BrokenExecutor):
+                    self._broke(pool, failure)
+                elif died(failure):
+                    self._blame(self._pending.pop(future), failure)
+                else:
+                    raise failure
+            self._show(pool)
+        self._show(pool, last=True)
+
+    def _batches(self, pool: Pool) -> Iterator[Batch]:
+        """What is to be submitted now."""
+        while len(self._pending) < 2 * pool.workers():
+            if any(batch.alone for batch in self._pending.values()):
+                return
+            if self._again:
+                if self._again[0].alone and self._pending:
+                    return
+                yield self._again.popleft()
+            elif self._next < len(self._left):
+                size = self._pace.size(len(self._left) - self._next, pool.workers())
+                numbers = self._left[self._next : self._next + size]
+                self._next += size
+                yield Batch(numbers)
+            else:
+                return
+
+    def _take(self, batch: Batch, rows: Rows) -> None:
+        numbers, metrics, reasons, curves, seconds = rows
+        self._study.note(numbers, metrics, reasons, curves)
+        self._pace.seen(len(numbers), seconds)
+        self._done += len(numbers)
+        self._given_up = 0
+        if len(numbers) < len(batch.numbers):
+            # Its worker was asked to stop.
+            rest = np.setdiff1d(batch.numbers, numbers)
+            self._again.append(Batch(rest, batch.deaths))
+
+    def _broke(self, pool: Pool, error: BaseException) -> None:
+        """All that the executor had is lost; who is to blame is known only if it had one."""
+        wait(self._pending, timeout=10)
+        self._keep()
+        lost = list(self._pending.values())
+        self._pending.clear()
+        pool.renew(error)
+        if len(lost) == 1:
+            self._blame(lost[0], error)
+        else:
+            for batch in lost:
+                batch.alone = True
+            self._again.extendleft(lost)
+
+    def _blame(self, batch: Batch, error: BaseException) -> None:
+        batch.deaths += 1
+        if batch.deaths < self._tries:
+            self._again.appendleft(batch)
+            return
+        self._given_up += 1
+        reason = f"its worker died {batch.deaths} times ({type(error).__name__}: {error})"
+        if self._given_up >= HOPELESS:
+            raise RuntimeError(
+                f"{self._given_up} batches in a row were lost with their workers, of the last one {reason}; "
+                "what is done is kept where there is an output folder"
+            ) from error
+        self._study.lose(batch.numbers, reason)
+        self._done += len(batch.numbers)
+
+    def _keep(self) -> None:
+        """Notes what is done of all that is under way."""
+        for future in [future for future in self._pending if future.done()]:
+            if not future.cancelled() and future.exception() is None:
+                self._take(self._pending.pop(future), future.result())
+
+    def _show(self, pool: Pool, last: bool = False) -> None:
+        now = time.monotonic()
+        if self._watch is None or (not last and now - self._shown < 0.25):
+            return
+        self._shown = now
+        left = len(self._left) - self._done
+        members = self._study.size
+        seconds = (now - self._begun) / self._done * left if self._done else None
+        self._watch(members - left, members, seconds)

@@ -1,0 +1,406 @@
+"""Studies: many runs that differ in numbers, here or on any executor."""
+
+from __future__ import annotations
+
+import hashlib
+import html
+import json
+import os
+import sys
+import warnings
+from concurrent.futures import Executor
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from myospring import _native
+from myospring._engine import Run
+
+ROWS = "rows.csv"
+
+
+class Index(NamedTuple):
+    """A number that was estimated.
+
+    Attributes
+    ----------
+    value : float
+        The estimate.
+    confidence : float
+        Half of its 95 % confidence interval, by bootstrap.
+    """
+
+    value: float
+    confidence: float
+
+
+class Sobol(NamedTuple):
+    """What part of a metric's variance a parameter causes.
+
+    Attributes
+    ----------
+    first : Index
+        Alone.
+    total : Index
+        With all its interactions.
+    """
+
+    first: Index
+    total: Index
+
+
+class Morris(NamedTuple):
+    """The elementary effects of a parameter, in the metric's unit over the parameter's range.
+
+    Attributes
+    ----------
+    mean_size : Index
+        Mean of their sizes.
+    mean, spread : float
+        Mean and standard deviation.
+    """
+
+    mean_size: Index
+    mean: float
+    spread: float
+
+
+class StudyResult:
+    """What came of a study. `run_study` makes one; it can be pickled."""
+
+    def __init__(self, native: _native.Study) -> None:
+        self._native = native
+
+    @cached_property
+    def _table(self) -> tuple[NDArray[np.float64], list[str], list[str | None], NDArray[np.bool_]]:
+        metrics, status, reasons, kept = self._native.table()
+        metrics.flags.writeable = kept.flags.writeable = False
+        return metrics, status, reasons, kept
+
+    @property
+    def title(self) -> str:
+        """Title of the study."""
+        return self._native.title
+
+    @cached_property
+    def names(self) -> list[str]:
+        """What varies: the columns of `values`."""
+        return [name for name, _, _ in self._native.varied]
+
+    @cached_property
+    def metric_names(self) -> list[str]:
+        """The columns of `metrics`."""
+        return [name for name, _, _ in self._native.metrics]
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Units of parameters and metrics by name; empty for a pure number."""
+        metrics = {name: unit for name, unit, _ in self._native.metrics}
+        return {**{name: unit for name, _, unit in self._native.varied}, **metrics}
+
+    @cached_property
+    def usual(self) -> dict[str, float]:
+        """Metrics of the run without any change; NaN where its curves do not show one."""
+        return {name: np.nan if value is None else value for name, _, value in self._native.metrics}
+
+    @cached_property
+    def values(self) -> NDArray[np.float64]:
+        """What each member was given, of shape (members, parameters)."""
+        values = self._native.values()
+        values.flags.writeable = False
+        return values
+
+    @property
+    def metrics(self) -> NDArray[np.float64]:
+        """What each member gave, of shape (members, metrics); NaN where it failed or does not show one."""
+        return self._table[0]
+
+    @property
+    def status(self) -> list[str]:
+        """What became of each member: ``"ok"`` or ``"failed"``."""
+        return self._table[1]
+
+    @property
+    def reasons(self) -> list[str | None]:
+        """Why a member failed; None of one that did not."""
+        return self._table[2]
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """Whether a member beat and its metrics lie in every band of ``[keep]``, of shape (members,)."""
+        return self._table[3]
+
+    @cached_property
+    def _found(self) -> list[dict[str, Any]]:
+        found: list[dict[str, Any]] = json.loads(self._native.sensitivity())
+        return found
+
+    def _name(self, key: str) -> str:
+        return next(name for name, known, _ in self._native.varied if known == key)
+
+    @cached_property
+    def sensitivity(self) -> dict[str, dict[str, Sobol | Morris]]:
+        """How much each metric hangs on each parameter, what matters most first: ``sensitivity[metric][parameter]``.
+
+        Empty where the sampler is none for that. Members that failed are left out with all of their base point or
+        trajectory. A metric that is the same for all members is left out.
+        """
+
+        def of(row: dict[str, Any]) -> Sobol | Morris:
+            if "total" in row:
+                return Sobol(Index(**row["first"]), Index(**row["total"]))
+            return Morris(Index(**row["mean_size"]), row["mean"], row["spread"])
+
+        return {
+            one["metric"]: {self._name(row["parameter"]): of(row) for row in one["parameters"]}
+            for one in self._found
+        }
+
+    @cached_property
+    def interactions(self) -> dict[str, dict[tuple[str, str], Index]]:
+        """What two parameters cause together beyond what each causes alone, of a sampler with ``pairs = true``."""
+        return {
+            one["metric"]: {(self._name(a), self._name(b)): Index(**index) for (a, b), index in one["pairs"]}
+            for one in self._found
+            if one.get("pairs")
+        }
+
+    def to_dataframe(self) -> Any:
+        """Values, metrics, status and reason of each member as a table; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each member, whose number is the index.
+        """
+        import pandas
+
+        columns: dict[str, Any] = dict(zip(self.names, self.values.T))
+        columns.update(zip(self.metric_names, self.metrics.T))
+        columns.update(kept=self.kept, status=self.status, reason=self.reasons)
+        return pandas.DataFrame(columns, index=pandas.RangeIndex(1, self._native.size + 1, name="member"))
+
+    def save(self, folder: str | PathLike[str]) -> Path:
+        """Writes what ``myospring study run`` writes: ``members.csv``, ``members.parquet``, ``study.json``, figures.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it is not there; files of a study in it are replaced.
+
+        Returns
+        -------
+        pathlib.Path
+            The folder.
+
+        Raises
+        ------
+        OSError
+            The folder cannot be written to.
+        """
+        for left_out in self._native.save(os.fspath(folder)):
+            warnings.warn(left_out, RuntimeWarning, stacklevel=2)
+        return Path(folder)
+
+    def _in_words(self) -> str:
+        failed = len(self.status) - self.status.count("ok")
+        text = f"{len(self.status)} members"
+        text += f", {failed} failed" if failed else ""
+        return text + (f", {self.kept.sum()} kept" if self.kept.sum() < len(self.status) - failed else "")
+
+    def __repr__(self) -> str:
+        return f"<myospring.StudyResult: {self._in_words()}; {', '.join(self.metric_names)}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{metric.replace('_', ' ')}</td><td>{name}</td><td>{index.value:.3f} &plusmn; "
+            f"{index.confidence:.3f}</td></tr>"
+            for metric, of in self.sensitivity.items()
+            for name, index in [
+                (name, one.total if isinstance(one, Sobol) else one.mean_size) for name, one in list(of.items())[:3]
+            ]
+        )
+        return f"<div><b>{html.escape(self.title or 'Study')}</b>: {self._in_words()}<table>{rows}</table></div>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        numbers = np.arange(1, self._native.size + 1, dtype=np.uint64)
+        return _restored, (self._native.text, self._native.files, numbers, self.metrics, self.reasons)
+
+
+def _restored(
+    text: str,
+    files: dict[str, bytes],
+    numbers: NDArray[np.uint64],
+    metrics: NDArray[np.float64],
+    reasons: list[str | None],
+) -> StudyResult:
+    native = _native.Study(text, files, "", None, False)
+    native.note(numbers, metrics, reasons, np.empty((len(numbers), 0), dtype=np.float32))
+    return StudyResult(native)
+
+
+def _read(study: str | PathLike[str] | Mapping[str, Any]) -> tuple[str, str]:
+    """The text of a description, and the folder of its files."""
+    if isinstance(study, Mapping):
+        return _native.study_toml(json.dumps(study, default=_plain)), ""
+    if isinstance(study, str) and ("\n" in study or "=" in study):
+        return study, ""
+    path = Path(study)
+    return path.read_text(encoding="utf-8"), os.fspath(path.parent)
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and arrays of NumPy, and paths, as JSON has them."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    if isinstance(value, PathLike):
+        return os.fspath(value)
+    raise TypeError(f"a study has text, numbers, lists and tables, not {type(value).__name__}")
+
+
+def _csv(rows: ArrayLike, names: Sequence[str] | None) -> bytes:
+    """A table of rows, every number to its last bit."""
+    columns = getattr(rows, "columns", None)
+    names = list(columns) if names is None and columns is not None else names
+    matrix = np.asarray(rows, dtype=np.float64)
+    if names is None or matrix.ndim != 2 or matrix.shape[1] != len(names):
+        known = "no names" if names is None else f"{len(names)} names"
+        raise ValueError(f"rows has the shape {matrix.shape} and {known}; give (N, K) with K names")
+    lines = [",".join(names), *(",".join(map(repr, row)) for row in matrix.tolist())]
+    return ("\n".join(lines) + "\n").encode()
+
+
+class _Bar:
+    """A line on the terminal."""
+
+    def __call__(self, done: int, members: int, seconds: float | None) -> None:
+        share = done / max(members, 1)
+        bar = "#" * round(30 * share)
+        left = "" if seconds is None or done == members else f", {_duration(seconds)} left"
+        end = "\n" if done == members else ""
+        print(f"\r[{bar:30}] {done}/{members} members{left}\x1b[K", end=end, file=sys.stderr, flush=True)
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.0f} h"
+
+
+def run_study(
+    study: str | PathLike[str] | Mapping[str, Any],
+    executor: Executor | Callable[[], Executor] | None = None,
+    output: str | PathLike[str] | None = None,
+    *,
+    rows: ArrayLike | None = None,
+    names: Sequence[str] | None = None,
+    force: bool = False,
+    threads: int | None = None,
+    batch_seconds: float = 2.0,
+    tries: int = 3,
+    progress: Callable[[int, int, float | None], None] | bool | None = None,
+) -> StudyResult:
+    """Runs a study, or goes on with it, here or on any executor.
+
+    What a member gives hangs on its values alone: neither batches nor workers, interruptions or machines of one kind
+    change a bit of it, and ``myospring study run`` gives the same.
+
+    Parameters
+    ----------
+    study : path, str or mapping
+        A description as ``myospring study init`` writes it: its file, its text (TOML), or a dict of the same tables.
+        Files that it names are looked for beside its file, else in the current folder.
+    executor : concurrent.futures.Executor, function that makes one, or None
+        Who works: None takes threads of this process; else for instance ``client.get_executor(pure=False)`` of
+        ``dask.distributed``, ``mpi4py.futures.MPIPoolExecutor()`` or ``concurrent.futures.ProcessPoolExecutor()``. A
+        function makes another executor where one breaks; of a ``ProcessPoolExecutor`` that is known without.
+    output : path or None
+        Folder of the results, those of ``myospring study run``. What is done is kept there from the beginning, so that
+        the same call, or the program, goes on with a study that was interrupted or killed. None keeps nothing, and
+        no curves.
+    rows : array_like of shape (N, K) or None
+        Members of your own instead of ``[parameters]`` and ``[sampling]``: one in each row.
+    names : sequence of K str or None
+        What the columns of `rows` are; a DataFrame has them.
+    force : bool
+        Begins anew in a folder that holds results.
+    threads : int or None
+        Without an executor, members at a time: None takes as many as there are cores. With one, threads of each batch:
+        None takes one, for as many workers as there are cores; give all cores to a single worker on a machine.
+    batch_seconds : float
+        How long a batch is to take, 0.5 to 30 s. Members are many where they are quick.
+    tries : int
+        How often a batch whose worker died is worked on before its members fail. Such failures are not kept in
+        `output`, so that the same call tries again.
+    progress : callable, bool or None
+        Called with the number of members that are done, of all members, and the seconds left (None as long as nothing is
+        known); True draws a bar, None does so on a terminal, False shows nothing.
+
+    Returns
+    -------
+    StudyResult
+        Values, metrics, status and reason of each member, and how much each metric hangs on each parameter.
+
+    Raises
+    ------
+    ValueError
+        A description that cannot be, with its place.
+    UnknownNameError
+        A parameter or a metric that does not exist.
+    OSError
+        An output folder that holds something else, or cannot be written to.
+    RuntimeError
+        Workers that die whatever they work on, or an executor that takes no more work.
+    KeyboardInterrupt
+        Ctrl-C; without an executor within a second. What is done is kept.
+
+    Examples
+    --------
+    >>> import myospring
+    >>> result = myospring.run_study({
+    ...     "kind": "cell",
+    ...     "parameters": {"tau_si": {"distribution": "uniform", "low": 0.99, "high": 1.01, "relative": True}},
+    ...     "sampling": {"sampler": "latin-hypercube", "size": 8},
+    ... })
+    >>> result.values.shape, result.metrics.shape, set(result.status)
+    ((8, 1), (8, 5), {'ok'})
+    """
+    if not 0.5 <= batch_seconds <= 30:
+        raise ValueError(f"batch_seconds = {batch_seconds} is outside its bounds, 0.5 to 30 s")
+    if tries < 1:
+        raise ValueError(f"tries = {tries} is below 1")
+    text, folder = _read(study)
+    files: dict[str, bytes] = {}
+    if rows is not None:
+        files[ROWS] = _csv(rows, names)
+        text = _native.with_rows(text, ROWS)
+    native = _native.Study(text, files, folder, None if output is None else os.fspath(output), force)
+    try:
+        if output is not None:
+            (Path(output) / "study.toml").write_text(text, encoding="utf-8")
+            for name, content in files.items():
+                (Path(output) / name).write_bytes(content)
+        watch: Callable[[int, int, float | None], None] | None
+        if callable(progress):
+            watch = progress
+        else:
+            shown = sys.stderr.isatty() if progress is None else progress
+            watch = _Bar() if shown else None
+        run = Run(native, threads or 1, batch_seconds, tries, watch)
+        if executor is None:
+            cores = os.cpu_count() or 1
+            run.here(min(threads or cores, cores))
+        else:
+            head = native.head()
+            run.on(executor, hashlib.sha256(head).hexdigest(), head)
+        result = StudyResult(native)
+        if output is not None:
+            result.save(output)
+    finally:
+        # An interpreter may hold on to an error, and with it to all of this.
+        native.close()
+    return result

@@ -1,0 +1,435 @@
+//! A study whose members are worked on by anyone's engine: what it gives to workers, and what it makes of their rows.
+
+use crate::batch::{numbers_of, rows_of};
+use crate::waiting::interruptible;
+use crate::{errors, head};
+use myospring::study::parameters::{
+    Answer, Common, Kind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
+    VariationRow,
+};
+use myospring::study::{Journal, Status, StudyError, Threads};
+use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// Members, their metrics (n, M), why one has none, their curves (n, L) where they are wanted, and the seconds that
+/// it took.
+type Rows<'py> = (
+    Bound<'py, PyArray1<u64>>,
+    Bound<'py, PyArray2<f64>>,
+    Vec<Option<String>>,
+    Bound<'py, PyArray2<f32>>,
+    f64,
+);
+
+/// Metrics (N, M), status and reason of each member, and who is kept.
+type Table<'py> =
+    (Bound<'py, PyArray2<f64>>, Vec<String>, Vec<Option<String>>, Bound<'py, PyArray1<bool>>);
+
+/// A study of parameters and what of it is done.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct Study {
+    text: String,
+    /// What was read for the description itself, and what the members need.
+    files: BTreeMap<String, Vec<u8>>,
+    parameters: ParameterStudy,
+    common: Common,
+    /// Where what is done is kept.
+    output: Option<PathBuf>,
+    progress: Mutex<Progress>,
+    stop: AtomicBool,
+}
+
+/// A description, JSON, as TOML.
+#[pyfunction]
+pub(crate) fn study_toml(json: &str) -> PyResult<String> {
+    let value: toml::Value = serde_json::from_str(json).map_err(errors::value)?;
+    toml::to_string(&value).map_err(errors::value)
+}
+
+/// A description, TOML, whose members are the rows of a file instead of those that it samples.
+#[pyfunction]
+pub(crate) fn with_rows(py: Python<'_>, text: &str, file: &str) -> PyResult<String> {
+    let table: Result<toml::Table, _> = text.parse();
+    let mut table = table.map_err(|error| errors::of_study(py, &error.into()))?;
+    table.remove("parameters");
+    let sampling = [("sampler", "table"), ("file", file)];
+    let sampling = sampling.map(|(key, value)| (key.to_owned(), value.into()));
+    table.insert("sampling".to_owned(), toml::Value::Table(sampling.into_iter().collect()));
+    toml::to_string(&table).map_err(errors::value)
+}
+
+/// What is done.
+struct Progress {
+    journal: Journal<Variation>,
+    /// What the journal had when it was closed.
+    rows: Vec<VariationRow>,
+    /// Members that were lost with their workers: rows for now, and done anew when the study goes on.
+    lost: Vec<VariationRow>,
+}
+
+#[pymethods]
+impl Study {
+    /// Reads a description, TOML, whose files are those of `files` or else in a folder; makes what its members share,
+    /// beats the run without any change, and goes on with the journal in the folder `output`, or begins one there.
+    #[new]
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn new(
+        py: Python<'_>,
+        text: String,
+        files: BTreeMap<String, Vec<u8>>,
+        folder: PathBuf,
+        output: Option<PathBuf>,
+        force: bool,
+    ) -> PyResult<Self> {
+        let made = py.detach(|| {
+            let seen = Mutex::new(BTreeMap::new());
+            let read = |path: &str| -> io::Result<Vec<u8>> {
+                let bytes = files
+                    .get(path)
+                    .map_or_else(|| fs::read(folder.join(path)), |it| Ok(it.clone()))?;
+                let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
+                seen.insert(path.to_owned(), bytes.clone());
+                Ok(bytes)
+            };
+            let mut study = ParameterStudy::from_toml(&text, read)?;
+            // Without a folder there is no place for curves.
+            study.traces &= output.is_some();
+            let mut common = Common::new(&study, read)?;
+            let mut journal = Journal::in_memory();
+            if let Some(folder) = &output {
+                let settings = study.settings(&common);
+                journal = if force {
+                    Journal::begin_anew(folder, &settings, &myospring_cli::STUDY_RESULTS)?
+                } else {
+                    Journal::open(folder, &settings)?
+                };
+                common = common.keeping_traces(folder, Shard::WHOLE)?;
+            }
+            let files = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+            Ok::<_, ParameterStudyError>((study, common, journal, files))
+        });
+        let (parameters, common, journal, files) =
+            made.map_err(|error| errors::of_study(py, &error))?;
+        let progress = Progress { journal, rows: Vec::new(), lost: Vec::new() };
+        let (progress, stop) = (Mutex::new(progress), AtomicBool::new(false));
+        Ok(Self { text, files, parameters, common, output, progress, stop })
+    }
+
+    /// The description, TOML.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The files that it names, as they were read.
+    #[getter]
+    fn files(&self) -> BTreeMap<String, Vec<u8>> {
+        self.files.clone()
+    }
+
+    /// Title, for people.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.parameters.title
+    }
+
+    /// What every member is: `"beat"` or `"cell"`.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.parameters.kind {
+            Kind::Beat => "beat",
+            Kind::Cell => "cell",
+        }
+    }
+
+    /// How many members there are.
+    #[getter]
+    fn size(&self) -> usize {
+        self.parameters.values.len()
+    }
+
+    /// What varies: name, key, unit.
+    #[getter]
+    fn varied(&self) -> Vec<(&str, &str, &str)> {
+        let numbers = self.parameters.varied.iter().map(|varied| &varied.number);
+        numbers.map(|number| (number.name(), number.key.as_str(), number.unit.as_str())).collect()
+    }
+
+    /// The metrics: name, unit, and the value of the run without any change.
+    #[getter]
+    fn metrics(&self) -> Vec<(&str, &str, Option<f64>)> {
+        let named = self.parameters.metrics.iter().zip(&self.common.units).zip(&self.common.usual);
+        named.map(|((name, unit), usual)| (name.as_str(), *unit, *usual)).collect()
+    }
+
+    /// All values: (N, K).
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let flat: Vec<f64> = self.parameters.values.iter().flatten().copied().collect();
+        PyArray1::from_vec(py, flat).reshape([self.size(), self.parameters.varied.len()])
+    }
+
+    /// The values of some members, by their numbers from 1: (n, K).
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn values_of<'py>(
+        &self,
+        py: Python<'py>,
+        numbers: PyReadonlyArray1<'py, u64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let members = self.members(numbers_of(&numbers)?);
+        let count = members.len();
+        let flat = members.into_iter().flat_map(|member| member.values).collect();
+        PyArray1::from_vec(py, flat).reshape([count, self.parameters.varied.len()])
+    }
+
+    /// Numbers of the members that are not done.
+    fn left<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
+        let left = py.detach(|| self.parameters.left(Shard::WHOLE, &self.progress().journal));
+        PyArray1::from_iter(py, left.into_iter().map(|number| number as u64))
+    }
+
+    /// All that a worker needs beside the members' values: what [`Members`] are made of.
+    fn head<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let written = head::write(&self.parameters, &self.common).map_err(errors::value)?;
+        Ok(PyBytes::new(py, &written))
+    }
+
+    /// Works on some members on this thread, until [`Study::stop`] is called.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn work<'py>(
+        &self,
+        py: Python<'py>,
+        numbers: PyReadonlyArray1<'py, u64>,
+    ) -> PyResult<Rows<'py>> {
+        let members = self.members(numbers_of(&numbers)?);
+        let begun = Instant::now();
+        let rows = py.detach(|| {
+            let threads = Threads::new(Some(1))?;
+            rows_of(&self.common, &members, &threads, &self.stop)
+        });
+        let rows = rows.map_err(errors::value)?;
+        back(py, rows, self.parameters.metrics.len(), &self.common, begun)
+    }
+
+    /// Ends the work on members.
+    fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Notes the rows of members that a worker has done.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn note(
+        &self,
+        py: Python<'_>,
+        numbers: PyReadonlyArray1<'_, u64>,
+        metrics: PyReadonlyArray2<'_, f64>,
+        reasons: Vec<Option<String>>,
+        curves: PyReadonlyArray2<'_, f32>,
+    ) -> PyResult<()> {
+        let numbers = numbers_of(&numbers)?;
+        let metrics = metrics.as_array();
+        if metrics.dim() != (numbers.len(), self.parameters.metrics.len())
+            || reasons.len() != numbers.len()
+            || numbers.iter().any(|&number| number == 0 || number > self.size())
+        {
+            return Err(errors::value("these rows are not of this study"));
+        }
+        let curves = curves.as_array();
+        let done: Vec<(Variation, Vec<f32>)> = if curves.dim().1 == 0 {
+            Vec::new()
+        } else {
+            let rows = numbers.iter().zip(curves.outer_iter()).zip(&reasons);
+            let done = rows.filter(|(_, reason)| reason.is_none());
+            done.map(|((&number, curves), _)| (Variation::new(number, Vec::new()), curves.to_vec()))
+                .collect()
+        };
+        let rows = numbers.into_iter().zip(metrics.outer_iter()).zip(reasons);
+        let rows: Vec<VariationRow> = rows
+            .map(|((member, metrics), reason)| match reason {
+                None => {
+                    let metrics = metrics.iter().map(|&it| Some(it).filter(|it| !it.is_nan()));
+                    let (status, reason) = (Status::Ok, String::new());
+                    VariationRow { member, status, reason, metrics: metrics.collect() }
+                }
+                Some(reason) => failed(member, reason),
+            })
+            .collect();
+        let noted = py.detach(|| {
+            let (members, curves): (Vec<Variation>, Vec<Vec<f32>>) = done.into_iter().unzip();
+            self.common.keep(&members.iter().collect::<Vec<_>>(), &curves)?;
+            self.parameters.note(&self.progress().journal, rows)
+        });
+        noted.map_err(|error| errors::of_journal(&error))
+    }
+
+    /// Members that were lost with their workers: rows with a reason, which are not kept for another time.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn lose(&self, numbers: PyReadonlyArray1<'_, u64>, reason: &str) -> PyResult<()> {
+        let lost =
+            numbers_of(&numbers)?.into_iter().map(|member| failed(member, reason.to_owned()));
+        self.progress().lost.extend(lost);
+        Ok(())
+    }
+
+    /// Leaves the folder to others; what is done stays known.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let closed = py.detach(|| {
+            let mut progress = self.progress();
+            let rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
+            progress.rows.extend(rows);
+            progress.journal = Journal::in_memory();
+            Ok(())
+        });
+        closed.map_err(|error: StudyError| errors::of_journal(&error))
+    }
+
+    /// What is known of each member that is done or lost, in their order.
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<Table<'py>> {
+        let answer = py.detach(|| self.answer()).map_err(|error| errors::of_journal(&error))?;
+        let width = self.parameters.metrics.len();
+        let kept: Vec<bool> = answer.rows().iter().map(|row| answer.is_kept(row)).collect();
+        let mut flat = Vec::with_capacity(width * kept.len());
+        let (mut statuses, mut reasons) = (Vec::new(), Vec::new());
+        for row in answer.rows() {
+            let value = |at| row.metrics.get(at).copied().flatten().unwrap_or(f64::NAN);
+            flat.extend((0..width).map(value));
+            statuses.push(row.status.to_string());
+            reasons.push(Some(row.reason.clone()).filter(|reason| !reason.is_empty()));
+        }
+        let metrics = PyArray1::from_vec(py, flat).reshape([kept.len(), width])?;
+        Ok((metrics, statuses, reasons, PyArray1::from_vec(py, kept)))
+    }
+
+    /// How much each metric hangs on each parameter, JSON.
+    fn sensitivity(&self, py: Python<'_>) -> PyResult<String> {
+        let found = py.detach(|| self.answer()?.sensitivity());
+        let found = found.map_err(|error| errors::of_study(py, &error))?;
+        myospring::output::json::pretty(&found).map_err(errors::value)
+    }
+
+    /// Writes the files of `myospring study run` into a folder; what stands in the way of some of them.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<String>> {
+        let saved = py.detach(|| {
+            let answer = self.answer().map_err(|error| error.to_string())?;
+            if let (Some(_), Some(output)) = (&self.common.axes, &self.output)
+                && *output != folder
+            {
+                let copied = fs::create_dir_all(&folder)
+                    .and_then(|()| fs::copy(output.join(TRACES), folder.join(TRACES)));
+                copied.map_err(|error| format!("cannot write `{}`: {error}", folder.display()))?;
+            }
+            let threads = Threads::new(None).map_err(|error| error.to_string())?;
+            threads.install(|| {
+                myospring_cli::save_study(
+                    &self.parameters,
+                    &self.common,
+                    &answer,
+                    &folder,
+                    &self.text,
+                )
+            })
+        });
+        saved.map_err(pyo3::exceptions::PyOSError::new_err)
+    }
+}
+
+impl Study {
+    fn progress(&self) -> MutexGuard<'_, Progress> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn members(&self, numbers: Vec<usize>) -> Vec<Variation> {
+        let of = |number: usize| {
+            Some(Variation::new(
+                number,
+                self.parameters.values.get(number.checked_sub(1)?)?.clone(),
+            ))
+        };
+        numbers.into_iter().filter_map(of).collect()
+    }
+
+    fn answer(&self) -> Result<Answer<'_>, StudyError> {
+        let progress = self.progress();
+        let mut rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
+        rows.extend(progress.rows.iter().chain(&progress.lost).cloned());
+        Ok(Answer::new(&self.parameters, &self.common.units, rows))
+    }
+}
+
+fn failed(member: usize, reason: String) -> VariationRow {
+    VariationRow { member, status: Status::Failed, reason, metrics: Vec::new() }
+}
+
+/// What members share, in a worker.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct Members {
+    common: Common,
+    width: usize,
+}
+
+#[pymethods]
+impl Members {
+    /// Of what [`Study::head`] has written.
+    #[new]
+    fn new(py: Python<'_>, head: &[u8]) -> PyResult<Self> {
+        let made = py.detach(|| {
+            let (study, files) = head::read(head)?;
+            let read =
+                |path: &str| files.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into());
+            let common = Common::still(&study, read, None).map_err(|error| error.to_string())?;
+            Ok::<_, String>(Self { common: common.handing_on(), width: study.metrics.len() })
+        });
+        made.map_err(errors::value)
+    }
+
+    /// The rows of some members, by their numbers and their values (n, K).
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn rows<'py>(
+        &self,
+        py: Python<'py>,
+        numbers: PyReadonlyArray1<'py, u64>,
+        values: PyReadonlyArray2<'py, f64>,
+        threads: usize,
+    ) -> PyResult<Rows<'py>> {
+        let values = values.as_array();
+        let members = numbers_of(&numbers)?.into_iter().zip(values.outer_iter());
+        let members: Vec<Variation> =
+            members.map(|(number, values)| Variation::new(number, values.to_vec())).collect();
+        let begun = Instant::now();
+        let rows = interruptible(py, |stop| {
+            let threads = Threads::new(Some(threads))?;
+            rows_of(&self.common, &members, &threads, stop)
+        })?;
+        back(py, rows.map_err(errors::value)?, self.width, &self.common, begun)
+    }
+}
+
+/// Rows on their way back.
+fn back<'py>(
+    py: Python<'py>,
+    rows: Vec<VariationRow>,
+    width: usize,
+    common: &Common,
+    begun: Instant,
+) -> PyResult<Rows<'py>> {
+    let seconds = begun.elapsed().as_secs_f64();
+    let curves: Vec<Vec<f32>> = rows.iter().map(|row| common.handed(row.member)).collect();
+    let length = curves.iter().map(Vec::len).max().unwrap_or(0);
+    let missing = |mut curves: Vec<f32>| {
+        curves.resize(length, f32::NAN);
+        curves
+    };
+    let flat: Vec<f32> = curves.into_iter().flat_map(missing).collect();
+    let curves = PyArray1::from_vec(py, flat).reshape([rows.len(), length])?;
+    let numbers = PyArray1::from_iter(py, rows.iter().map(|row| row.member as u64));
+    let (metrics, reasons) = crate::batch::answer(py, rows, width, str::to_owned)?;
+    Ok((numbers, metrics, reasons, curves, seconds))
+}
