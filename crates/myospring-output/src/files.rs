@@ -41,10 +41,10 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
     write_with(path, |file| file.write_all(contents.as_ref()).map_err(failed))
 }
 
-/// As [`write`], with what `fill` writes: a file that is larger than memory need not be held.
+/// As [`write()`], with what `fill` writes: a file that is larger than memory need not be held.
 ///
 /// # Errors
-/// Those of [`write`] and of `fill`; the file is then as it was before.
+/// Those of [`write()`] and of `fill`; the file is then as it was before.
 pub fn write_with<E: From<FileError>>(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,

@@ -177,6 +177,20 @@ fn negative_tension_lengthens_and_tension_zero_is_the_resting_shape_to_the_last_
 }
 
 #[test]
+fn a_tension_that_rounding_takes_below_zero_is_no_end_of_the_path() {
+    // A cell model at rest goes to -6e-23 kPa and ten times further, as one of a thousand of a study did.
+    let mesh = built_in_cell(0.0, 4.0);
+    let (body, system) = cell(&mesh, &default_material(), SupportKind::MassCentre);
+    let mut path = Path::start(&system, &body, Tolerance::default()).unwrap();
+    for tension in [-6e-23, -6e-22, -1e-15, 50.0] {
+        path.extend(tension).unwrap();
+        let there = path.positions(tension).unwrap();
+        let moved = largest_difference(&there, &body.positions);
+        assert!((tension > 0.0) == (moved > 1e-9), "{tension} kPa moves by {moved} um");
+    }
+}
+
+#[test]
 fn the_path_to_a_tension_is_the_start_of_any_longer_one_to_the_last_bit() {
     let mesh = built_in_cell(10.0, 4.0);
     for support in [SupportKind::MassCentre, SupportKind::ElasticBed { stiffness: 0.5 }] {

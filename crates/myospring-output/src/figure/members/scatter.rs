@@ -17,8 +17,8 @@ const ABOVE: f64 = 24.0;
 const BELOW: f64 = 46.0;
 /// Up to so many members each is a dot; of more, the shade says how many there are.
 const DOTS: usize = 2500;
-/// Diameter of a dot and side of a shaded square, px.
-const DOT: f64 = 2.2;
+/// Diameter of dots, of many and of few, and side of a shaded square, px.
+const DOT: [f64; 2] = [2.2, 3.6];
 const SQUARE: f64 = 2.5;
 /// Few to many members in a square: kept ones, and others.
 const KEPT_SHADES: [Colour; 4] =
@@ -159,8 +159,9 @@ fn cloud(sheet: &mut Sheet, chart: &Chart, points: &[[f64; 2]], kept: Option<&[b
         let ends = if many { [x, x + side] } else { [x + 0.5 * side; 2] };
         paths[kind][shade].add_line(ends.map(|x| [x, middle]));
     }
+    let dot = (60.0 / (points.len() as f64).sqrt()).clamp(DOT[0], DOT[1]);
     let pen = |colour| {
-        if many { Stroke::new(colour, SQUARE) } else { Stroke::new(colour, DOT).round_ends() }
+        if many { Stroke::new(colour, SQUARE) } else { Stroke::new(colour, dot).round_ends() }
     };
     let [kept, rejected] = paths;
     for (shades, colours) in [(rejected, REJECTED_SHADES), (kept, KEPT_SHADES)] {
