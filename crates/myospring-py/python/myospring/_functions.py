@@ -18,10 +18,15 @@ class BeatSettings(TypedDict, total=False):
     peak_tension_kpa: float
     parameters: Mapping[str, float | str] | None
     title: str
+    calcium: str | PathLike[str] | None
+    cell_calcium_dissociation: float | None
+    cell_ratio_min: float | None
+    cell_ratio_max: float | None
     tension_scale: Literal["published", "own-peak"]
+    cell_stretch_felt: Literal["cell", "triangle"]
     authors_step: bool
-    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"]
-    cell_step_ms: float
+    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None
+    cell_step_ms: float | None
     cell_tolerance: float | None
     stimulus_kind: Literal["jump", "pulse"] | None
     stimulus_amplitude: float | str | None
@@ -29,20 +34,23 @@ class BeatSettings(TypedDict, total=False):
     stimulus_start_ms: float | None
     beats: int
     cycle_length_ms: float
-    young_modulus_kpa: float
+    young_modulus_kpa: float | None
     spring_stiffness_nn_per_um: float | None
     thickness_um: float
     area_law: Literal["gradient", "barycentric", "printed"]
-    area_modulus_kpa: float
+    area_modulus_kpa: float | None
     damping_ratio: float
     slowest_period_ms: float
     drag_ratio: float
+    retardation_time_ms: float
     active: Literal["fibre", "ends"]
     fibre: str
     stain: Literal["z-disc", "filament"] | None
     fibre_smoothing_um: float | None
     myofibril_content: str | PathLike[str]
-    support: Literal["mass-centre", "clamped-end", "clamped-ends", "spring-held-ends", "elastic-bed"]
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"]
+    end_stretch: float
+    afterload: float | None
     end_stiffness_nn_per_um: float | None
     bed_stiffness_kpa_per_um: float | None
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"]
@@ -59,10 +67,15 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "peak_tension_kpa": ("cell.peak_tension", 50.0),
     "parameters": ("cell.parameters", None),
     "title": ("title", ""),
+    "calcium": ("cell.calcium", None),
+    "cell_calcium_dissociation": ("cell.calcium_dissociation", None),
+    "cell_ratio_min": ("cell.ratio_min", None),
+    "cell_ratio_max": ("cell.ratio_max", None),
     "tension_scale": ("cell.tension_scale", "published"),
+    "cell_stretch_felt": ("cell.stretch_felt", "cell"),
     "authors_step": ("cell.authors_step", False),
-    "cell_integrator": ("cell.integrator", "runge-kutta-4"),
-    "cell_step_ms": ("cell.step", 0.005),
+    "cell_integrator": ("cell.integrator", None),
+    "cell_step_ms": ("cell.step", None),
     "cell_tolerance": ("cell.tolerance", None),
     "stimulus_kind": ("stimulus.kind", None),
     "stimulus_amplitude": ("stimulus.amplitude", None),
@@ -70,20 +83,23 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "stimulus_start_ms": ("stimulus.start", None),
     "beats": ("stimulus.beats", 1),
     "cycle_length_ms": ("stimulus.cycle_length", 1000.0),
-    "young_modulus_kpa": ("material.young_modulus", 308.0),
+    "young_modulus_kpa": ("material.young_modulus", None),
     "spring_stiffness_nn_per_um": ("material.spring_stiffness", None),
     "thickness_um": ("material.thickness", 10.0),
     "area_law": ("material.area_law", "gradient"),
-    "area_modulus_kpa": ("material.area_modulus", 175.0),
+    "area_modulus_kpa": ("material.area_modulus", None),
     "damping_ratio": ("material.damping_ratio", 0.05),
     "slowest_period_ms": ("material.slowest_period", 2.0),
     "drag_ratio": ("material.drag_ratio", 0.3),
+    "retardation_time_ms": ("material.retardation_time", 0.0),
     "active": ("mechanics.active", "fibre"),
     "fibre": ("mechanics.fibre", "auto"),
     "stain": ("mechanics.stain", None),
     "fibre_smoothing_um": ("mechanics.fibre_smoothing", None),
     "myofibril_content": ("mechanics.myofibril_content", "uniform"),
     "support": ("mechanics.support", "mass-centre"),
+    "end_stretch": ("mechanics.end_stretch", 1.0),
+    "afterload": ("mechanics.afterload", None),
     "end_stiffness_nn_per_um": ("mechanics.end_stiffness", None),
     "bed_stiffness_kpa_per_um": ("mechanics.bed_stiffness", None),
     "integrator": ("numerics.integrator", "verlet"),
@@ -104,10 +120,15 @@ def simulate(
     peak_tension_kpa: float = 50.0,
     parameters: Mapping[str, float | str] | None = None,
     title: str = "",
+    calcium: str | PathLike[str] | None = None,
+    cell_calcium_dissociation: float | None = None,
+    cell_ratio_min: float | None = None,
+    cell_ratio_max: float | None = None,
     tension_scale: Literal["published", "own-peak"] = "published",
+    cell_stretch_felt: Literal["cell", "triangle"] = "cell",
     authors_step: bool = False,
-    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] = "runge-kutta-4",
-    cell_step_ms: float = 0.005,
+    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None = None,
+    cell_step_ms: float | None = None,
     cell_tolerance: float | None = None,
     stimulus_kind: Literal["jump", "pulse"] | None = None,
     stimulus_amplitude: float | str | None = None,
@@ -115,20 +136,23 @@ def simulate(
     stimulus_start_ms: float | None = None,
     beats: int = 1,
     cycle_length_ms: float = 1000.0,
-    young_modulus_kpa: float = 308.0,
+    young_modulus_kpa: float | None = None,
     spring_stiffness_nn_per_um: float | None = None,
     thickness_um: float = 10.0,
     area_law: Literal["gradient", "barycentric", "printed"] = "gradient",
-    area_modulus_kpa: float = 175.0,
+    area_modulus_kpa: float | None = None,
     damping_ratio: float = 0.05,
     slowest_period_ms: float = 2.0,
     drag_ratio: float = 0.3,
+    retardation_time_ms: float = 0.0,
     active: Literal["fibre", "ends"] = "fibre",
     fibre: str = "auto",
     stain: Literal["z-disc", "filament"] | None = None,
     fibre_smoothing_um: float | None = None,
     myofibril_content: str | PathLike[str] = "uniform",
-    support: Literal["mass-centre", "clamped-end", "clamped-ends", "spring-held-ends", "elastic-bed"] = "mass-centre",
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"] = "mass-centre",
+    end_stretch: float = 1.0,
+    afterload: float | None = None,
     end_stiffness_nn_per_um: float | None = None,
     bed_stiffness_kpa_per_um: float | None = None,
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] = "verlet",
@@ -150,23 +174,39 @@ def simulate(
         Cell model; `myospring.models()` lists them.
     peak_tension_kpa : float, default 50.0
         Peak of the active tension of one default beat with the model's published parameters;
-        changed parameters make the cell stronger or weaker than that. In kPa, 0 kPa to 500 kPa.
+        changed parameters make the cell stronger or weaker than that. Not of a model whose tension
+        is in kPa already, such as land_2017: scale its T_ref. In kPa, 0 kPa to 500 kPa.
     parameters : Mapping[str, float or str] or None
         Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
         plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
     title : str, default ""
         What this run is about, for people.
+    calcium : str or PathLike[str] or None
+        Calcium from a table (.csv), relative to this file, for a model whose calcium is given: a
+        column of times from the stimulus and one of calcium, with their units in the header like
+        time (ms),calcium (uM), or a ratio with its calibration. It begins anew with each stimulus.
+        None: the cell model's own, of land_2017 two exponentials.
+    cell_calcium_dissociation : float or None
+        Of a ratio in that table: dissociation constant of the dye times its fluorescence without
+        over that with calcium at the second wavelength, K in Ca = K (R - R_min) / (R_max - R). In
+        uM, above 0 uM, at most 1000 uM.
+    cell_ratio_min : float or None
+        The ratio without calcium, R_min. 0 to 1000000.
+    cell_ratio_max : float or None
+        The ratio with the dye full of calcium, R_max. Above 0, at most 1000000.
     tension_scale : {"published", "own-peak"}, default "published"
         Whose peak is scaled to `peak_tension_kpa`: that of the published parameters, or the model's
         own, whatever its parameters.
+    cell_stretch_felt : {"cell", "triangle"}, default "cell"
+        Whose stretch a model feels that feels any, such as land_2017.
     authors_step : bool, default False
         Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
         peak tension is 4 % low, its onset 20 ms late. Not together with method or step.
-    cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"}, default "runge-kutta-4"
+    cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed steps or with steps of its own choice.
-    cell_step_ms : float, default 0.005
+    cell_step_ms : float or None
         Largest time step of the cell model, for a method with fixed steps. In ms, above 0 ms, at
-        most 1 ms.
+        most 1 ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
     cell_tolerance : float or None
         Largest error of a step over the size of each variable, for a method that chooses its steps.
         0.0000000001 to 0.01. None: 0.00001.
@@ -183,7 +223,7 @@ def simulate(
         Number of stimuli; 0 leaves the cell at rest. 0 to 10000.
     cycle_length_ms : float, default 1000.0
         Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
-    young_modulus_kpa : float, default 308.0
+    young_modulus_kpa : float or None
         Young's modulus of the sheet that the springs make. In kPa, 0.1 kPa to 1000000 kPa.
     spring_stiffness_nn_per_um : float or None
         Stiffness of a horizontal or vertical spring, instead of `young_modulus_kpa`; a diagonal one
@@ -192,7 +232,7 @@ def simulate(
         Thickness of the cell. In um, above 0 um, at most 100 um.
     area_law : {"gradient", "barycentric", "printed"}, default "gradient"
         What keeps the projected area.
-    area_modulus_kpa : float, default 175.0
+    area_modulus_kpa : float or None
         Stiffness of the area law per thickness. In kPa, 0 kPa to 1000000 kPa.
     damping_ratio : float, default 0.05
         Dashpots along the springs, as a part of critical damping. 0 to 10.
@@ -201,6 +241,9 @@ def simulate(
         contraction is no longer quasi-static. In ms, 0.01 ms to 100 ms.
     drag_ratio : float, default 0.3
         Damping of that vibration by drag, as a part of critical damping. 0 to 100.
+    retardation_time_ms : float, default 0.0
+        Viscosity of the cell over its Young's modulus (Kelvin and Voigt): by so much its shape lags
+        behind its tension. Quasi-static runs only. In ms, 0 ms to 1000 ms.
     active : {"fibre", "ends"}, default "fibre"
         How the tension acts.
     fibre : str, default "auto"
@@ -220,8 +263,14 @@ def simulate(
         and nothing where it shows none; or a file, relative to this one: a table (.csv) with the
         header content, a row for each triangle, or x_um,y_um,content, taken as it stands, or a
         picture of the same frame as the cell's, whose grey values are taken relative to their mean.
-    support : {"mass-centre", "clamped-end", "clamped-ends", "spring-held-ends", "elastic-bed"}, default "mass-centre"
+    support : {"mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"}, default "mass-centre"
         What holds the cell.
+    end_stretch : float, default 1.0
+        How far clamped or afterloaded ends are held apart before the beat, relative to the cell at
+        rest. 0.5 to 1.5.
+    afterload : float or None
+        Force against which the cell of "afterloaded-ends" shortens: 1 kPa on a section of 200 um^2
+        is 200 nN. In nN, above 0 nN, at most 1000000000 nN.
     end_stiffness_nn_per_um : float or None
         Stiffness of each of the two springs of "spring-held-ends", such as carbon fibres. In nN/um,
         above 0 nN/um, at most 100000000 nN/um.
@@ -281,10 +330,15 @@ def simulate(
         ("cell.peak_tension", peak_tension_kpa, 50.0),
         ("cell.parameters", parameters, None),
         ("title", title, ""),
+        ("cell.calcium", calcium, None),
+        ("cell.calcium_dissociation", cell_calcium_dissociation, None),
+        ("cell.ratio_min", cell_ratio_min, None),
+        ("cell.ratio_max", cell_ratio_max, None),
         ("cell.tension_scale", tension_scale, "published"),
+        ("cell.stretch_felt", cell_stretch_felt, "cell"),
         ("cell.authors_step", authors_step, False),
-        ("cell.integrator", cell_integrator, "runge-kutta-4"),
-        ("cell.step", cell_step_ms, 0.005),
+        ("cell.integrator", cell_integrator, None),
+        ("cell.step", cell_step_ms, None),
         ("cell.tolerance", cell_tolerance, None),
         ("stimulus.kind", stimulus_kind, None),
         ("stimulus.amplitude", stimulus_amplitude, None),
@@ -292,20 +346,23 @@ def simulate(
         ("stimulus.start", stimulus_start_ms, None),
         ("stimulus.beats", beats, 1),
         ("stimulus.cycle_length", cycle_length_ms, 1000.0),
-        ("material.young_modulus", young_modulus_kpa, 308.0),
+        ("material.young_modulus", young_modulus_kpa, None),
         ("material.spring_stiffness", spring_stiffness_nn_per_um, None),
         ("material.thickness", thickness_um, 10.0),
         ("material.area_law", area_law, "gradient"),
-        ("material.area_modulus", area_modulus_kpa, 175.0),
+        ("material.area_modulus", area_modulus_kpa, None),
         ("material.damping_ratio", damping_ratio, 0.05),
         ("material.slowest_period", slowest_period_ms, 2.0),
         ("material.drag_ratio", drag_ratio, 0.3),
+        ("material.retardation_time", retardation_time_ms, 0.0),
         ("mechanics.active", active, "fibre"),
         ("mechanics.fibre", fibre, "auto"),
         ("mechanics.stain", stain, None),
         ("mechanics.fibre_smoothing", fibre_smoothing_um, None),
         ("mechanics.myofibril_content", myofibril_content, "uniform"),
         ("mechanics.support", support, "mass-centre"),
+        ("mechanics.end_stretch", end_stretch, 1.0),
+        ("mechanics.afterload", afterload, None),
         ("mechanics.end_stiffness", end_stiffness_nn_per_um, None),
         ("mechanics.bed_stiffness", bed_stiffness_kpa_per_um, None),
         ("numerics.integrator", integrator, "verlet"),
@@ -323,8 +380,8 @@ def action_potential(
     model: str = "coelho_2021",
     parameters: Mapping[str, float | str] | None = None,
     *,
-    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] = "runge-kutta-4",
-    cell_step_ms: float = 0.005,
+    cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None = None,
+    cell_step_ms: float | None = None,
     cell_tolerance: float | None = None,
     authors_step: bool = False,
     stimulus_kind: Literal["jump", "pulse"] | None = None,
@@ -345,11 +402,11 @@ def action_potential(
     parameters : Mapping[str, float or str] or None
         Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
         plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
-    cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"}, default "runge-kutta-4"
+    cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed steps or with steps of its own choice.
-    cell_step_ms : float, default 0.005
+    cell_step_ms : float or None
         Largest time step of the cell model, for a method with fixed steps. In ms, above 0 ms, at
-        most 1 ms.
+        most 1 ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
     cell_tolerance : float or None
         Largest error of a step over the size of each variable, for a method that chooses its steps.
         0.0000000001 to 0.01. None: 0.00001.
@@ -398,8 +455,8 @@ def action_potential(
     given = changed(
         ("cell.model", model, "coelho_2021"),
         ("cell.parameters", parameters, None),
-        ("cell.integrator", cell_integrator, "runge-kutta-4"),
-        ("cell.step", cell_step_ms, 0.005),
+        ("cell.integrator", cell_integrator, None),
+        ("cell.step", cell_step_ms, None),
         ("cell.tolerance", cell_tolerance, None),
         ("cell.authors_step", authors_step, False),
         ("stimulus.kind", stimulus_kind, None),
