@@ -159,14 +159,14 @@ def test_a_dict_a_text_and_a_file_are_the_same_study(serial):
 def test_ctrl_c_ends_a_study_within_a_second_and_what_is_done_is_kept(serial, tmp_path):
     from test_batch import interrupted
 
-    for name, size in [("cells", "size = 8000"), ("beats", "size = 4000")]:
+    for name, size in [("cells", "size = 30000"), ("beats", "size = 4000")]:
         text = STUDIES[name].replace("size = 512", size).replace("size = 240", size)
         folder = tmp_path / name
         # A second, and another one where others use the machine.
-        assert interrupted(lambda: myospring.run_study(text, output=folder, batch_seconds=0.5)) < 2
+        assert interrupted(lambda: myospring.run_study(text, output=folder, threads=2, batch_seconds=0.5)) < 2
         # What was kept is read by the next one, which is interrupted, too.
         before = (folder / "progress.jsonl").read_bytes()
-        assert interrupted(lambda: myospring.run_study(text, output=folder)) < 2
+        assert interrupted(lambda: myospring.run_study(text, output=folder, threads=2)) < 2
         assert (folder / "progress.jsonl").read_bytes().startswith(before)
 
 

@@ -32,7 +32,7 @@ FIRST = {"cell": 128, "beat": 4}
 # Cells go side by side in lanes, which are best filled.
 LANES = {"cell": 16, "beat": 1}
 # A batch is bounded, however quick its members are.
-LARGEST = 65_536
+LARGEST = 1_000_000
 # How often signals, workers and the clock are looked at, s.
 SOON = 0.1
 WORKERS_EVERY = 5.0
@@ -50,7 +50,12 @@ def work(key: str, head: bytes, numbers: NDArray[np.uint64], values: NDArray[np.
         _made[key] = members
         while len(_made) > 4:
             _made.popitem(last=False)
-    return members.rows(numbers, values, threads)
+    return members.rows(_aligned(numbers), _aligned(values), threads)
+
+
+def _aligned(array: NDArray[Any]) -> NDArray[Any]:
+    """An array that may lie anywhere in a message, in a place of its own if need be."""
+    return np.require(array, requirements=["C_CONTIGUOUS", "ALIGNED"])
 
 
 @dataclass(eq=False)
@@ -258,7 +263,7 @@ class Run:
 
     def _take(self, batch: Batch, rows: Rows) -> None:
         numbers, metrics, reasons, curves, seconds = rows
-        self._study.note(numbers, metrics, reasons, curves)
+        self._study.note(_aligned(numbers), _aligned(metrics), reasons, _aligned(curves))
         self._pace.seen(len(numbers), seconds)
         self._done += len(numbers)
         self._given_up = 0
