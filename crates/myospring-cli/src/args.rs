@@ -165,7 +165,10 @@ pub(crate) struct PaperArgs {
     hill = 1.0                # 1 unless stated\n  \
     maximal_effect = -0.8     # -1 unless stated\n\
     which multiply the parameter by 1 + maximal_effect c^hill / (ic50^hill + c^hill).\n\
-    Parameters of the cell models are phenomenological: none is a channel.\n\n\
+    Blocks of one name are one drug; several are given at once by a [[together]] block:\n  \
+    doses = [\"blocker 1 uM\", \"other 30 nM\"]\n\
+    Conductances of tor_ord_land are channels (P_Ca, G_Kr, G_Na, G_NaL, G_Ks, G_K1, G_to);\n\
+    parameters of the minimal models are phenomenological: none is a channel.\n\n\
     Results: report.html, figures/compared and contraction (SVG and PNG), metrics.csv,\n\
     comparison.json (settings and numbers that differ, warnings), runs/ (curves, run files).\n\
     Exit codes: 0 done, 1 a run stopped early, 2 bad input or usage.")]

@@ -5,14 +5,15 @@
 //! - [`setting`]: the keys in which runs differ, and which of these make them hard to compare.
 //! - [`metric`]: the numbers of each run, and their differences from those of the first.
 //!
-//! The parameters of the cell models that Myospring has are phenomenological: `tau_si` shapes a current that stands
-//! for several channels. A factor on one is not the block of a channel, whatever the name of the drug.
+//! The parameters of the minimal models are phenomenological: `tau_si` shapes a current that stands for several
+//! channels. A factor on one is not the block of a channel, whatever the name of the drug; one on a conductance of
+//! ToR-ORd is.
 
 pub mod dose;
 pub mod factor;
 pub mod metric;
 pub mod setting;
 
-/// What every comparison that scales parameters has to say.
+/// What every comparison that scales parameters of the minimal models has to say.
 pub const PHENOMENOLOGICAL: &str = "parameters of these cell models are phenomenological: they shape currents and tension \
      as a whole and stand for no single channel, so a factor on one is not the block of a channel";

@@ -195,6 +195,10 @@ pub trait CellModel: Any + Send + Sync {
     fn usual_settings(&self) -> Settings {
         Settings::default()
     }
+    /// The longest rest, ms, after which its beat is not known to be wrong; by default none is.
+    fn longest_rest_ms(&self) -> f64 {
+        f64::INFINITY
+    }
     /// The stimulus that makes the model beat as its authors meant.
     fn default_stimulus(&self) -> Stimulus {
         self.stimulation().default

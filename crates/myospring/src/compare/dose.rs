@@ -7,7 +7,8 @@
 //! factor = 1 + maximal_effect c^hill / (ic50^hill + c^hill)
 //! ```
 //!
-//! A maximal effect of -1 takes the number to 0, one of 0.5 to half as much again.
+//! A maximal effect of -1 takes the number to 0, one of 0.5 to half as much again. Blocks of one name are one drug with
+//! several effects; `[[together]]` blocks give several drugs at once, whose factors multiply.
 
 use super::factor::Factor;
 use crate::units::{self, Dimension, UnitError};
@@ -24,6 +25,30 @@ concentration = [\"0.3 uM\", \"1 uM\", \"10 uM\"]
 ic50 = \"1 uM\"
 hill = 1.0               # 1 unless stated
 maximal_effect = -0.8    # -1 unless stated: the parameter goes to 0
+";
+
+/// A file for ToR-ORd: two drugs that block channels, one of them two, alone and together. Their numbers are made up.
+pub const CHANNELS_EXAMPLE: &str = "[[drug]]
+name = \"calcium blocker\"
+parameter = \"P_Ca\"
+concentration = [\"0.1 uM\", \"1 uM\"]
+ic50 = \"1 uM\"
+
+[[drug]]
+name = \"calcium blocker\"
+parameter = \"G_Kr\"
+concentration = [\"0.1 uM\", \"1 uM\"]
+ic50 = \"5 uM\"
+hill = 1.2
+
+[[drug]]
+name = \"potassium blocker\"
+parameter = \"G_Kr\"
+concentration = \"10 nM\"
+ic50 = \"10 nM\"
+
+[[together]]
+doses = [\"calcium blocker 1 uM\", \"potassium blocker 10 nM\"]
 ";
 
 /// One dose, or the control: which numbers are multiplied by what.
@@ -47,7 +72,10 @@ pub enum DoseError {
         reason: String,
     },
     /// Neither a `[drug]` nor a `[[drug]]` block, or something beside them.
-    #[error("{found}; a file of doses has [[drug]] blocks and nothing else, like\n{EXAMPLE}")]
+    #[error(
+        "{found}; a file of doses has [[drug]] blocks, perhaps [[together]] blocks, and nothing else, like\n\
+         {EXAMPLE}"
+    )]
     Blocks {
         /// What is wrong.
         found: String,
@@ -82,6 +110,19 @@ pub enum DoseError {
         /// The bounds in words.
         bounds: &'static str,
     },
+    /// A dose among several drugs that names none of them.
+    #[error(
+        "together {number}: `{text}` is no dose of {known}; write the drug and a concentration, like \
+         \"blocker 1 uM\""
+    )]
+    Together {
+        /// Which, counted from 1.
+        number: usize,
+        /// What was written.
+        text: String,
+        /// The drugs of the file.
+        known: String,
+    },
     /// Blocks of one drug with different concentrations.
     #[error(
         "the blocks of `{name}` differ in their concentrations; one drug is given at the same ones"
@@ -105,6 +146,13 @@ struct Block {
     hill: f64,
     #[serde(default = "minus_one")]
     maximal_effect: f64,
+}
+
+/// Several drugs at once, as it is written.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Together {
+    doses: Vec<String>,
 }
 
 fn one() -> f64 {
@@ -140,7 +188,19 @@ impl Effect {
     }
 }
 
-/// The control, then each dose of each drug in the order of the file; blocks of one name are one drug.
+impl Drug {
+    /// What it does at a concentration, uM.
+    fn factors(&self, concentration: f64) -> Vec<Factor> {
+        let factor = |effect: &Effect| Factor {
+            name: effect.parameter.clone(),
+            factor: effect.factor(concentration),
+        };
+        self.effects.iter().map(factor).collect()
+    }
+}
+
+/// The control, then each dose of each drug in the order of the file, then the drugs that are given together; blocks
+/// of one name are one drug.
 ///
 /// # Errors
 /// What is no such file, with the block and the key.
@@ -156,28 +216,67 @@ impl Effect {
 /// ```
 pub fn read(text: &str) -> Result<Vec<Dose>, DoseError> {
     let mut doses = vec![Dose { label: "control".to_owned(), factors: Vec::new() }];
-    for drug in drugs(text)? {
+    let table = table(text)?;
+    let drugs = drugs(&table)?;
+    for drug in &drugs {
         for &concentration in &drug.concentrations {
             let mut label = drug.name.clone();
             let _ = write!(label, " {}", units::format(concentration, Dimension::Concentration));
-            let factor = |effect: &Effect| Factor {
-                name: effect.parameter.clone(),
-                factor: effect.factor(concentration),
-            };
-            doses.push(Dose { label, factors: drug.effects.iter().map(factor).collect() });
+            doses.push(Dose { label, factors: drug.factors(concentration) });
         }
+    }
+    let together = match table.get("together") {
+        Some(toml::Value::Array(blocks)) => blocks.clone(),
+        Some(one) => vec![one.clone()],
+        None => Vec::new(),
+    };
+    for (number, block) in (1..).zip(together) {
+        doses.push(several(number, block, &drugs)?);
     }
     Ok(doses)
 }
 
-fn drugs(text: &str) -> Result<Vec<Drug>, DoseError> {
-    let table: toml::Table = toml::from_str(text).map_err(|error: toml::de::Error| {
+/// Several drugs at once: what they do to one number multiplies.
+fn several(number: usize, block: toml::Value, drugs: &[Drug]) -> Result<Dose, DoseError> {
+    let Together { doses } = block.try_into().map_err(|error: toml::de::Error| {
+        DoseError::Blocks { found: format!("together {number}: {}", error.message()) }
+    })?;
+    let mut factors: Vec<Factor> = Vec::new();
+    for text in &doses {
+        let unknown = || DoseError::Together {
+            number,
+            text: text.clone(),
+            known: drugs.iter().map(|drug| drug.name.as_str()).collect::<Vec<_>>().join(", "),
+        };
+        // Of drugs whose names begin alike, the one with the longest.
+        let named = drugs.iter().filter(|drug| text.starts_with(&drug.name));
+        let drug = named.max_by_key(|drug| drug.name.len()).ok_or_else(unknown)?;
+        let rest = text[drug.name.len()..].trim();
+        let concentration = units::parse(rest, Dimension::Concentration).map_err(|_| unknown())?;
+        if concentration.is_nan() || concentration < 0.0 {
+            return Err(unknown());
+        }
+        for factor in drug.factors(concentration) {
+            match factors.iter_mut().find(|other| other.name == factor.name) {
+                Some(other) => other.factor *= factor.factor,
+                None => factors.push(factor),
+            }
+        }
+    }
+    Ok(Dose { label: doses.join(" + "), factors })
+}
+
+fn table(text: &str) -> Result<toml::Table, DoseError> {
+    toml::from_str(text).map_err(|error: toml::de::Error| {
         let before = error.span().map_or(0, |span| span.start).min(text.len());
         let line = text.get(..before).unwrap_or_default().matches('\n').count() + 1;
         DoseError::Syntax { line, reason: error.message().to_owned() }
-    })?;
+    })
+}
+
+fn drugs(table: &toml::Table) -> Result<Vec<Drug>, DoseError> {
     let wrong = |found: String| DoseError::Blocks { found };
-    if let Some(other) = table.keys().find(|key| *key != "drug") {
+    if let Some(other) = table.keys().find(|key| *key != "drug" && *key != "together") {
         return Err(wrong(format!("`{other}` is not known")));
     }
     let blocks = match table.get("drug") {
@@ -275,6 +374,33 @@ mod tests {
         assert_eq!(doses.len(), 2);
         let factors = &doses[1].factors;
         assert_eq!((factors.len(), factors[0].factor, factors[1].factor), (2, 0.5, 0.5));
+    }
+
+    #[test]
+    fn drugs_given_together_multiply() {
+        let doses = read(CHANNELS_EXAMPLE).unwrap();
+        let labels: Vec<&str> = doses.iter().map(|dose| dose.label.as_str()).collect();
+        let alone = ["control", "calcium blocker 0.1 uM", "calcium blocker 1 uM"];
+        assert_eq!(labels[..3], alone);
+        assert_eq!(labels[4], "calcium blocker 1 uM + potassium blocker 10 nM");
+        let factor = |dose: &Dose, name: &str| {
+            dose.factors.iter().find(|factor| factor.name == name).unwrap().factor
+        };
+        assert_eq!(factor(&doses[4], "P_Ca"), 0.5);
+        let product = factor(&doses[2], "G_Kr") * factor(&doses[3], "G_Kr");
+        assert_eq!(factor(&doses[4], "G_Kr"), product);
+        assert!((factor(&doses[3], "G_Kr") - 0.5).abs() < 1e-12);
+        for (dose, expected) in [
+            ("nothing 1 uM", "`nothing 1 uM` is no dose of calcium blocker, potassium blocker"),
+            ("calcium blocker 1", "is no dose of"),
+            ("calcium blocker -1 uM", "is no dose of"),
+        ] {
+            let text = format!("{CHANNELS_EXAMPLE}\n[[together]]\ndoses = [\"{dose}\"]\n");
+            let said = read(&text).unwrap_err().to_string();
+            assert!(said.contains(expected) && said.contains("together 2"), "{said}");
+        }
+        let said = read(&format!("{CHANNELS_EXAMPLE}\n[[together]]\ndose = 1\n")).unwrap_err();
+        assert!(said.to_string().contains("together 2"), "{said}");
     }
 
     #[test]

@@ -280,7 +280,16 @@ impl Run {
                 self.material.young_modulus()
             ));
         }
-        let Protocol { start_ms, beats, .. } = self.protocol;
+        let Protocol { start_ms, beats, cycle_length_ms, .. } = self.protocol;
+        let between = if beats > 1 { cycle_length_ms } else { 0.0 };
+        let (rest_ms, longest) = (start_ms.max(between), self.cell.longest_rest_ms());
+        if beats > 0 && rest_ms > longest {
+            warnings.push(format!(
+                "the cell rests for {rest_ms} ms; after more than {longest} ms the next beat of {} is known to be \
+                 wrong: weaker, where measured muscle is stronger",
+                self.cell.name()
+            ));
+        }
         if beats > 0 && start_ms >= self.duration {
             warnings.push(format!(
                 "the run ends at {} ms, before the first stimulus at {start_ms} ms: the cell stays \

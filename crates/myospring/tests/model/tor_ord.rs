@@ -171,6 +171,32 @@ fn with_myofilaments_a_beat_of_each_layer_is_that_of_an_independent_program() {
 }
 
 #[test]
+fn blocked_channels_and_other_rates_change_it_as_in_an_independent_program() {
+    let published = model("tor_ord_land");
+    // Factor on a conductance, APD90, largest calcium, tension; that program looked at the 60th beat.
+    for (name, factor, apd90, calcium, tension) in [
+        ("P_Ca", 0.75, 258.3, 347.0, 11.4),
+        ("P_Ca", 0.5, 240.3, 229.0, 3.20),
+        ("G_Kr", 0.5, 363.3, 514.0, 28.0),
+    ] {
+        let mut parameters = published.parameters().clone();
+        parameters.set(name, factor * parameters.get(name).unwrap()).unwrap();
+        let found = beat(&*published.with_parameters(parameters).unwrap(), 60, 1000.0);
+        assert!((found.apd90_ms - 0.9 - apd90).abs() < 0.3, "{name}: {} ms", found.apd90_ms);
+        assert!((found.calcium[1] / calcium - 1.0).abs() < 5e-3, "{name}: {:?}", found.calcium);
+        assert!((found.tension - tension).abs() < 0.06, "{name}: {} kPa", found.tension);
+    }
+    // Cycle length, APD90, tension, at rest in its rhythm.
+    for (cycle_ms, apd90, tension) in
+        [(2000.0, 296.5, 14.6), (667.0, 252.4, 29.0), (500.0, 235.2, 31.5), (400.0, 220.4, 32.6)]
+    {
+        let found = beat(&*published, 100, cycle_ms);
+        assert!((found.apd90_ms - 0.9 - apd90).abs() < 0.2, "{cycle_ms}: {} ms", found.apd90_ms);
+        assert!((found.tension - tension).abs() < 0.06, "{cycle_ms}: {} kPa", found.tension);
+    }
+}
+
+#[test]
 fn the_jacobian_is_that_of_differences_in_every_form() {
     for variant in [Variant::Published, Variant::MovingChloride, Variant::Land] {
         let model = TomekModel::published(Layer::Epi, variant);
@@ -205,6 +231,12 @@ fn the_jacobian_is_that_of_differences_in_every_form() {
             }
         }
     }
+}
+
+#[test]
+fn long_rests_are_outside_of_what_it_is_known_to_get_right() {
+    assert_eq!(model("tor_ord_land").longest_rest_ms(), 5000.0);
+    assert_eq!(model("coelho_2021").longest_rest_ms(), f64::INFINITY);
 }
 
 #[test]
