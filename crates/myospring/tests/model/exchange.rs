@@ -288,7 +288,6 @@ fn a_tension_that_bends_with_the_stretch_of_its_triangle_is_followed_by_repeatin
         .into_iter()
         .filter_map(|width| Some(until_8_ms(width, 0.25).stop?.to_string()))
         .collect();
-    println!("{refused:?}");
     assert!(!refused.is_empty());
     for steep in refused {
         assert!(steep.contains("take a shorter exchange interval"), "{steep}");

@@ -26,7 +26,7 @@ worded! { TensionScale {
 worded! { StretchFelt {
     StretchFelt::Cell = "cell": "That of the whole cell: its length over its resting length.",
     StretchFelt::Triangle = "triangle":
-        "That of each triangle along its fibre: a model for each, some hundred times slower. For cells whose \
+        "That of each triangle along its fibre: a model for each, much slower. For cells whose \
          parts differ, by their content of myofibrils or their fibres.",
 } }
 
