@@ -32,7 +32,7 @@ pub(crate) fn read(
     mesh(name, run, results)
 }
 
-/// Meshes the shape of a run, as [`read`] does.
+/// Meshes the shape of a run, as [`read()`] does.
 pub(crate) fn mesh(name: String, run: Run, results: Option<&OutputArgs>) -> Result<Input, Failure> {
     let bytes = run.shape.bytes(|file| fs::read(file))?;
     let shaped = match (&run.shape.source, results) {

@@ -115,6 +115,7 @@ fn small(run: &PageRun<'_>, all: &[&Frame], budget: usize) -> Small {
     let times: Vec<f64> = all.iter().map(|frame| frame.t_ms).collect();
     let [low, high] = run.outline.bounds();
     let mut tolerance = UNSEEN * (high[0] - low[0]).max(high[1] - low[1]);
+    let mut longest = frames::LONGEST;
     let mut coarser = (run.mesh.len() as f64 / FINE as f64).sqrt().ceil().max(1.0) as u32;
     loop {
         let display = Display::new(run.mesh, run.outline, coarser);
@@ -123,14 +124,16 @@ fn small(run: &PageRun<'_>, all: &[&Frame], budget: usize) -> Small {
         let per_frame =
             4 * display.rest.len() + if differs(run) { 2 * display.corners.len() } else { 0 };
         loop {
-            let kept = frames::kept(&times, &displacements, tolerance);
+            let kept = frames::kept(&times, &displacements, tolerance, longest);
             if kept.len() * per_frame <= budget || kept.len() <= 2 {
                 return Small { display, kept, displacements, tolerance };
             }
             if display.rest.len() > COARSE {
                 break;
             }
+            // Sooner or later two frames are left.
             tolerance *= 1.5;
+            longest = longest * 3 / 2;
         }
         coarser += 1;
     }

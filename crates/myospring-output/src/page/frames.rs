@@ -1,16 +1,21 @@
 //! Which frames the eye can tell apart.
 
-/// Frames between two that are kept, at most.
-const LONGEST: usize = 12;
+/// Frames between two that are kept, at most, unless there is no room for so many.
+pub(super) const LONGEST: usize = 12;
 
 /// The frames to keep, so that every point of the others lies within `tolerance` um of the straight line between
-/// the two around it: as few as a look ahead from each finds, the first and last among them.
-pub(super) fn kept(times: &[f64], displacements: &[Vec<f32>], tolerance: f64) -> Vec<usize> {
+/// the two around it: as few as a look ahead over `longest` frames from each finds, the first and last among them.
+pub(super) fn kept(
+    times: &[f64],
+    displacements: &[Vec<f32>],
+    tolerance: f64,
+    longest: usize,
+) -> Vec<usize> {
     let Some(last) = times.len().checked_sub(1) else { return Vec::new() };
     let mut kept = vec![0];
     let mut from = 0;
     while from < last {
-        let furthest = (from + LONGEST).min(last);
+        let furthest = (from + longest).min(last);
         let fits = |&to: &usize| {
             (from + 1..to).all(|at| {
                 let part = ((times[at] - times[from]) / (times[to] - times[from])) as f32;
@@ -37,10 +42,11 @@ mod tests {
     fn a_straight_way_needs_its_ends_only_and_a_bend_is_kept() {
         let times: Vec<f64> = (0..11).map(f64::from).collect();
         let straight: Vec<Vec<f32>> = times.iter().map(|&t| vec![t as f32]).collect();
-        assert_eq!(kept(&times, &straight, 1e-3), [0, 10]);
+        assert_eq!(kept(&times, &straight, 1e-3, LONGEST), [0, 10]);
         let bent: Vec<Vec<f32>> = times.iter().map(|&t| vec![(t - 5.0).abs() as f32]).collect();
-        assert_eq!(kept(&times, &bent, 1e-3), [0, 5, 10]);
-        assert_eq!(kept(&times, &bent, 10.0), [0, 10]);
-        assert!(kept(&[], &[], 1.0).is_empty());
+        assert_eq!(kept(&times, &bent, 1e-3, LONGEST), [0, 5, 10]);
+        assert_eq!(kept(&times, &bent, 10.0, LONGEST), [0, 10]);
+        assert_eq!(kept(&times, &bent, 10.0, 4), [0, 4, 8, 10]);
+        assert!(kept(&[], &[], 1.0, LONGEST).is_empty());
     }
 }

@@ -115,6 +115,10 @@ fn a_large_cell_and_many_frames_still_make_a_page_of_less_than_three_megabytes()
     let page = html(&[cell.on_page()]);
     assert!(page.len() < 3_000_000, "{}", page.len());
     assert!(data(&page)["runs"][0]["cell"]["accuracy_um"].as_f64().unwrap() < 140.0 / 100.0);
+    // And eight of them beside each other, as doses of a drug are, which leave little room for each.
+    let runs: Vec<_> = (0..8).map(|_| cell.on_page()).collect();
+    let page = html(&runs);
+    assert!(page.len() < 3_000_000, "{}", page.len());
 }
 
 #[test]
