@@ -1,15 +1,38 @@
-//! Members that are worked on elsewhere, by any engine: which are left, and their rows as these come back.
+//! What of a study is done, here or elsewhere by any engine: what it hangs on, which members are left, and rows as
+//! they come back.
 
-use super::super::{Journal, Member as _, StudyError};
+use super::super::{Journal, Member as _, StudyError, sha256};
 use super::description::ParameterStudy;
 use super::member::{Variation, VariationRow};
 use super::shard::Shard;
+use super::work::Common;
 use std::iter::successors;
 
 /// So many members are made at a time.
 const AT_ONCE: usize = 4096;
 
 impl ParameterStudy {
+    /// What the rows depend on beside the members' values, as text for [`Journal::open`](super::super::Journal::open);
+    /// `common` is made of this study.
+    pub fn settings(&self, common: &Common) -> String {
+        let names: Vec<&str> =
+            self.varied.iter().map(|varied| varied.number.key.as_str()).collect();
+        let file =
+            |(name, bytes): (&String, &Vec<u8>)| format!("# file {name:?} {}\n", sha256(bytes));
+        let files: String = common.files().iter().map(file).collect();
+        format!(
+            "# What the members in this folder depend on; a study goes on only with the same.\n\
+             # version {}, kind {:?}, beat {:?}, traces {}\n# metrics {}\n# varied {}\n{files}\n{}",
+            env!("CARGO_PKG_VERSION"),
+            self.kind,
+            self.beat,
+            self.traces,
+            self.metrics.join(", "),
+            names.join(", "),
+            self.run.to_toml(),
+        )
+    }
+
     /// Numbers of the members of a part that a journal does not have.
     pub fn left(&self, part: Shard, journal: &Journal<Variation>) -> Vec<usize> {
         let mut left = Vec::new();

@@ -1,10 +1,8 @@
 //! A part of a study, for one of several machines.
 
-use super::super::sha256;
 use super::description::ParameterStudy;
 use super::error::ParameterStudyError;
 use super::member::Variation;
-use super::work::Common;
 use std::fmt;
 use std::str::FromStr;
 
@@ -46,26 +44,5 @@ impl ParameterStudy {
     pub fn members(&self, Shard { part, of }: Shard) -> Vec<Variation> {
         let all = (1..).zip(&self.values).skip(part - 1).step_by(of);
         all.map(|(number, values)| Variation::new(number, values.clone())).collect()
-    }
-
-    /// What the rows depend on beside the members' values, as text for [`Journal::open`](super::super::Journal::open);
-    /// `common` is made of this study.
-    pub fn settings(&self, common: &Common) -> String {
-        let names: Vec<&str> =
-            self.varied.iter().map(|varied| varied.number.key.as_str()).collect();
-        let file =
-            |(name, bytes): (&String, &Vec<u8>)| format!("# file {name:?} {}\n", sha256(bytes));
-        let files: String = common.files().iter().map(file).collect();
-        format!(
-            "# What the members in this folder depend on; a study goes on only with the same.\n\
-             # version {}, kind {:?}, beat {:?}, traces {}\n# metrics {}\n# varied {}\n{files}\n{}",
-            env!("CARGO_PKG_VERSION"),
-            self.kind,
-            self.beat,
-            self.traces,
-            self.metrics.join(", "),
-            names.join(", "),
-            self.run.to_toml(),
-        )
     }
 }
