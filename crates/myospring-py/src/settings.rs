@@ -11,11 +11,14 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
 use std::collections::BTreeMap;
 
 /// Ends of names for units.
-const SUFFIXES: [(&str, &str); 8] = [
+const SUFFIXES: [(&str, &str); 10] = [
     ("ms", "_ms"),
     ("um", "_um"),
     ("um^2", "_um2"),
     ("kPa", "_kpa"),
+    ("nN", "_nn"),
+    // Micrometres have the short name.
+    ("uM", "_micromolar"),
     ("nN/um", "_nn_per_um"),
     ("kPa/um", "_kpa_per_um"),
     ("deg", "_deg"),

@@ -35,7 +35,7 @@ def test_names_are_unique_and_end_in_their_unit():
     assert len(set(names)) == len(names)
     for row in rows:
         if row["kind"] == "quantity" and row["unit"]:
-            unit = row["unit"].lower().replace("^", "").replace("/", "_per_")
+            unit = row["unit"].replace("uM", "micromolar").lower().replace("^", "").replace("/", "_per_")
             assert row["name"].endswith("_" + unit), row["name"]
 
 

@@ -19,7 +19,7 @@ class BeatSettings(TypedDict, total=False):
     parameters: Mapping[str, float | str] | None
     title: str
     calcium: str | PathLike[str] | None
-    cell_calcium_dissociation: float | None
+    cell_calcium_dissociation_micromolar: float | None
     cell_ratio_min: float | None
     cell_ratio_max: float | None
     tension_scale: Literal["published", "own-peak"]
@@ -50,7 +50,7 @@ class BeatSettings(TypedDict, total=False):
     myofibril_content: str | PathLike[str]
     support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"]
     end_stretch: float
-    afterload: float | None
+    afterload_nn: float | None
     end_stiffness_nn_per_um: float | None
     bed_stiffness_kpa_per_um: float | None
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"]
@@ -68,7 +68,7 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "parameters": ("cell.parameters", None),
     "title": ("title", ""),
     "calcium": ("cell.calcium", None),
-    "cell_calcium_dissociation": ("cell.calcium_dissociation", None),
+    "cell_calcium_dissociation_micromolar": ("cell.calcium_dissociation", None),
     "cell_ratio_min": ("cell.ratio_min", None),
     "cell_ratio_max": ("cell.ratio_max", None),
     "tension_scale": ("cell.tension_scale", "published"),
@@ -99,7 +99,7 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "myofibril_content": ("mechanics.myofibril_content", "uniform"),
     "support": ("mechanics.support", "mass-centre"),
     "end_stretch": ("mechanics.end_stretch", 1.0),
-    "afterload": ("mechanics.afterload", None),
+    "afterload_nn": ("mechanics.afterload", None),
     "end_stiffness_nn_per_um": ("mechanics.end_stiffness", None),
     "bed_stiffness_kpa_per_um": ("mechanics.bed_stiffness", None),
     "integrator": ("numerics.integrator", "verlet"),
@@ -121,7 +121,7 @@ def simulate(
     parameters: Mapping[str, float | str] | None = None,
     title: str = "",
     calcium: str | PathLike[str] | None = None,
-    cell_calcium_dissociation: float | None = None,
+    cell_calcium_dissociation_micromolar: float | None = None,
     cell_ratio_min: float | None = None,
     cell_ratio_max: float | None = None,
     tension_scale: Literal["published", "own-peak"] = "published",
@@ -152,7 +152,7 @@ def simulate(
     myofibril_content: str | PathLike[str] = "uniform",
     support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"] = "mass-centre",
     end_stretch: float = 1.0,
-    afterload: float | None = None,
+    afterload_nn: float | None = None,
     end_stiffness_nn_per_um: float | None = None,
     bed_stiffness_kpa_per_um: float | None = None,
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] = "verlet",
@@ -186,7 +186,7 @@ def simulate(
         column of times from the stimulus and one of calcium, with their units in the header like
         time (ms),calcium (uM), or a ratio with its calibration. It begins anew with each stimulus.
         None: the cell model's own, of land_2017 two exponentials.
-    cell_calcium_dissociation : float or None
+    cell_calcium_dissociation_micromolar : float or None
         Of a ratio in that table: dissociation constant of the dye times its fluorescence without
         over that with calcium at the second wavelength, K in Ca = K (R - R_min) / (R_max - R). In
         uM, above 0 uM, at most 1000 uM.
@@ -268,7 +268,7 @@ def simulate(
     end_stretch : float, default 1.0
         How far clamped or afterloaded ends are held apart before the beat, relative to the cell at
         rest. 0.5 to 1.5.
-    afterload : float or None
+    afterload_nn : float or None
         Force against which the cell of "afterloaded-ends" shortens: 1 kPa on a section of 200 um^2
         is 200 nN. In nN, above 0 nN, at most 1000000000 nN.
     end_stiffness_nn_per_um : float or None
@@ -331,7 +331,7 @@ def simulate(
         ("cell.parameters", parameters, None),
         ("title", title, ""),
         ("cell.calcium", calcium, None),
-        ("cell.calcium_dissociation", cell_calcium_dissociation, None),
+        ("cell.calcium_dissociation", cell_calcium_dissociation_micromolar, None),
         ("cell.ratio_min", cell_ratio_min, None),
         ("cell.ratio_max", cell_ratio_max, None),
         ("cell.tension_scale", tension_scale, "published"),
@@ -362,7 +362,7 @@ def simulate(
         ("mechanics.myofibril_content", myofibril_content, "uniform"),
         ("mechanics.support", support, "mass-centre"),
         ("mechanics.end_stretch", end_stretch, 1.0),
-        ("mechanics.afterload", afterload, None),
+        ("mechanics.afterload", afterload_nn, None),
         ("mechanics.end_stiffness", end_stiffness_nn_per_um, None),
         ("mechanics.bed_stiffness", bed_stiffness_kpa_per_um, None),
         ("numerics.integrator", integrator, "verlet"),
