@@ -278,9 +278,9 @@ fn small(study: &str) -> String {
     let study = study.replace("[run.shape]\nspacing = \"4 um\"\n", "");
     let beats = study.contains("kind = \"beat\"");
     let study = if beats { study.replace("[run.cell]", mesh) } else { study };
-    let less = ["trajectories = 50", "size = 1024", "size = 2000"];
+    let less = ["trajectories = 50", "size = 1024", "size = 2000", "levels = 24"];
     less.into_iter()
-        .zip(["trajectories = 2", "size = 2", "size = 20"])
+        .zip(["trajectories = 2", "size = 2", "size = 20", "levels = 3"])
         .fold(study, |study, (usual, small)| study.replace(usual, small))
 }
 
@@ -301,7 +301,13 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         known.push(name);
     }
     known.sort();
-    assert_eq!(known, ["contraction_morris.toml", "contraction_sobol.toml", "population.toml"]);
+    let all = [
+        "contraction_morris.toml",
+        "contraction_sobol.toml",
+        "force_clamp.toml",
+        "population.toml",
+    ];
+    assert_eq!(known, all);
     let models = done(path, &["models", "coelho_2021"]);
     let rows = models.lines().skip_while(|line| !line.starts_with("parameter")).skip(1);
     let parameters: Vec<&str> = rows.filter_map(|line| line.split_whitespace().next()).collect();
