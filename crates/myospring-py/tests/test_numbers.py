@@ -76,7 +76,16 @@ def test_arrays_have_the_shapes_that_are_stated(cell, beat):
     np.testing.assert_allclose(np.hypot(*beat.fibres.T), 1.0)
     assert beat.positions is beat.positions and not beat.positions.flags.writeable
     assert list(beat.to_dataframe().columns)[0] == "t_ms"
-    assert set(beat.metrics) == set(beat.units) == set(myospring.METRICS)
+    assert list(beat.metrics) == list(beat.units) == [name for name in myospring.METRICS if name in beat.metrics]
+
+
+def test_a_beat_has_every_metric_there_is_but_those_of_held_ends_where_nothing_holds_them(cell, beat):
+    held = myospring.simulate(cell, integrator="quasi-static", support="clamped-ends")
+    assert set(held.metrics) == set(myospring.METRICS)
+    free = {"end_force_at_rest", "peak_end_force", "time_to_peak_end_force", "end_systolic_force",
+            "end_systolic_length", "time_to_end_systole", "work_on_load"}
+    assert set(beat.metrics) == set(myospring.METRICS) - free
+    assert 1000 < held.metrics["peak_end_force"] < 20000
 
 
 def test_parameters_of_a_model_change_its_action_potential():
