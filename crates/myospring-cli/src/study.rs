@@ -85,7 +85,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let common = common.keeping_traces(&folder, shard)?;
     interrupt::heed("the members under way are finished and kept");
     let threads = Threads::new(args.jobs.map(usize::from))?;
-    let members = study.members(shard).len();
+    let members = shard.size(study.values.members());
     let bar = progress::of_members(output.quiet, members, "members");
     let seen = Seen { bar: &bar, quiet: output.quiet };
     let report = run(&study, &common, shard, &journal, &threads, &seen)?;
@@ -124,7 +124,7 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
     let target = target(args.output.as_ref(), &args.study);
     let failed =
         |error: io::Error| Failure::new(format!("cannot read `{}`: {error}", target.display()));
-    let all = study.members(Shard::WHOLE);
+    let all = study.values.members();
     let mut rows = Vec::new();
     let mut parts: Vec<(Shard, PathBuf)> = Vec::new();
     for entry in std::fs::read_dir(&target).map_err(failed)? {
@@ -134,23 +134,21 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
         {
             let journal: Journal<Variation> =
                 Journal::open(&entry.path(), &study.settings(&common))?;
-            rows.extend(journal.rows(&study.members(part))?);
+            rows.extend(study.noted(part, &journal)?);
             parts.push((part, entry.path()));
         }
     }
     parts.sort_by_key(|(part, _)| (part.of, part.part));
     let answer = Answer::new(&study, &common.units, rows);
-    let mut missing = all.iter().filter(|member| {
-        answer.rows().binary_search_by_key(&member.number, |row| row.member).is_err()
-    });
-    let named: Vec<&str> =
-        missing.by_ref().take(NAMED).map(|member| member.name.as_str()).collect();
+    let is_there = |member| answer.rows().binary_search_by_key(&member, |row| row.member).is_ok();
+    let mut missing = (1..=all).filter(|member| !is_there(*member));
+    let named: Vec<String> =
+        missing.by_ref().take(NAMED).map(|member| member.to_string()).collect();
     if !named.is_empty() {
         let count = named.len() + missing.count();
         let dots = if count > named.len() { ", ..." } else { "" };
         let message = format!(
-            "{count} of {} members are not in the parts in `{}`: {}{dots}",
-            all.len(),
+            "{count} of {all} members are not in the parts in `{}`: {}{dots}",
             target.display(),
             named.join(", ")
         );
@@ -160,7 +158,7 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
     if let Some(axes) = &common.axes {
         let parts: Vec<(Shard, &Path)> =
             parts.iter().map(|(part, folder)| (*part, folder.as_path())).collect();
-        merge_traces(&target, axes, all.len(), &parts)?;
+        merge_traces(&target, axes, all, &parts)?;
     }
     finish(&study, &common, &answer, &target, &text, args.json)?;
     if !args.json {

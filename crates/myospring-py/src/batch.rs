@@ -5,7 +5,7 @@ use crate::waiting::interruptible;
 use crate::{errors, settings};
 use myospring::settings::{Kind, Number, Run};
 use myospring::study::parameters::{
-    Common, ParameterStudy, ParameterStudyError, Variation, VariationRow, run_members,
+    Common, ParameterStudy, ParameterStudyError, Shard, Variation, VariationRow, run_members,
 };
 use myospring::study::{Journal, Observer, StudyError, Threads};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2};
@@ -34,8 +34,41 @@ fn number(py: Python<'_>, name: &str, usual: &Run) -> PyResult<Number> {
     found.ok_or_else(|| errors::unknown_among(py, name, rows.iter().map(|row| &*row.name)))
 }
 
-/// The metrics (N, M), and why a row has none.
-pub(crate) type Answer<'py> = (Bound<'py, PyArray2<f64>>, Vec<Option<String>>);
+/// The metrics (N, M), and why a row has none, in Python's hands.
+pub(crate) type Answered<'py> = (Bound<'py, PyArray2<f64>>, Vec<Option<String>>);
+
+/// Metrics of members, row by row, and why a row has none.
+pub(crate) struct Matrix {
+    width: usize,
+    values: Vec<f64>,
+    reasons: Vec<Option<String>>,
+}
+
+impl Matrix {
+    /// Of so many metrics, with room for so many members.
+    pub(crate) fn new(width: usize, members: usize) -> Self {
+        let values = Vec::with_capacity(width * members);
+        Self { width, values, reasons: Vec::with_capacity(members) }
+    }
+
+    /// Adds the rows of some members; a reason is put in these words.
+    pub(crate) fn add(&mut self, rows: Vec<VariationRow>, words: fn(&str) -> String) {
+        for VariationRow { metrics, reason, .. } in rows {
+            if reason.is_empty() {
+                self.values.extend(metrics.into_iter().map(|value| value.unwrap_or(f64::NAN)));
+                self.reasons.push(None);
+            } else {
+                self.values.extend(std::iter::repeat_n(f64::NAN, self.width));
+                self.reasons.push(Some(words(&reason)));
+            }
+        }
+    }
+
+    pub(crate) fn into_python(self, py: Python<'_>) -> PyResult<Answered<'_>> {
+        let shape = [self.reasons.len(), self.width];
+        Ok((PyArray1::from_vec(py, self.values).reshape(shape)?, self.reasons))
+    }
+}
 
 /// Beats a cell once for each row of `params` (N, K), whose columns `names` say; `given` are settings by key that all
 /// share. The metrics (N, M), and why a row has none.
@@ -49,7 +82,7 @@ pub(crate) fn simulate_batch<'py>(
     params: PyReadonlyArray2<'py, f64>,
     wanted: Vec<String>,
     threads: Option<usize>,
-) -> PyResult<Answer<'py>> {
+) -> PyResult<Answered<'py>> {
     let mut file = cell.0.file.clone();
     settings::put(&mut file, given)?;
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
@@ -58,21 +91,17 @@ pub(crate) fn simulate_batch<'py>(
     let width = wanted.len();
     let study = ParameterStudy::of_rows(file, numbers, wanted, rows)
         .map_err(|error| errors::of_study(py, &error))?;
-    let answers = interruptible(py, |stop| {
+    let matrix = interruptible(py, |stop| {
         let inner = &cell.0;
         let common = Common::still(&study, |path| inner.read(path), Some(&inner.shaped))?;
         let threads = Threads::new(threads)?;
-        let mut rows = Vec::with_capacity(study.values.len());
-        for (part, values) in study.values.chunks(AT_ONCE).enumerate() {
-            let members = (part * AT_ONCE + 1..).zip(values);
-            let members: Vec<Variation> =
-                members.map(|(number, values)| Variation::new(number, values.clone())).collect();
-            rows.extend(rows_of(&common, &members, &threads, stop)?);
+        let mut matrix = Matrix::new(width, study.values.members());
+        for members in study.in_turn(Shard::WHOLE, AT_ONCE) {
+            matrix.add(rows_of(&common, &members, &threads, stop)?, settings::in_python);
         }
-        Ok::<_, ParameterStudyError>(rows)
+        Ok::<_, ParameterStudyError>(matrix)
     })?;
-    let rows = answers.map_err(|error| errors::of_study(py, &error))?;
-    answer(py, rows, width, settings::in_python)
+    matrix.map_err(|error| errors::of_study(py, &error))?.into_python(py)
 }
 
 /// The rows of some members, in order; fewer once `stop` is set.
@@ -89,27 +118,6 @@ pub(crate) fn rows_of(
 pub(crate) fn numbers_of(numbers: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<usize>> {
     let number = |number: &u64| usize::try_from(*number).map_err(errors::value);
     numbers.as_array().iter().map(number).collect()
-}
-
-/// The numbers of rows as a matrix, and why a row has none, in these words.
-pub(crate) fn answer(
-    py: Python<'_>,
-    rows: Vec<VariationRow>,
-    width: usize,
-    words: fn(&str) -> String,
-) -> PyResult<Answer<'_>> {
-    let mut values = Vec::with_capacity(width * rows.len());
-    let mut reasons = Vec::with_capacity(rows.len());
-    for VariationRow { metrics, reason, .. } in rows {
-        if reason.is_empty() {
-            values.extend(metrics.into_iter().map(|value| value.unwrap_or(f64::NAN)));
-            reasons.push(None);
-        } else {
-            values.extend(std::iter::repeat_n(f64::NAN, width));
-            reasons.push(Some(words(&reason)));
-        }
-    }
-    Ok((PyArray1::from_vec(py, values).reshape([reasons.len(), width])?, reasons))
 }
 
 /// Ends a study once its flag is set.

@@ -1,6 +1,6 @@
 //! A study whose members are worked on by anyone's engine: what it gives to workers, and what it makes of their rows.
 
-use crate::batch::{numbers_of, rows_of};
+use crate::batch::{Matrix, numbers_of, rows_of};
 use crate::waiting::interruptible;
 use crate::{errors, head};
 use myospring::study::parameters::{
@@ -153,7 +153,7 @@ impl Study {
     /// How many members there are.
     #[getter]
     fn size(&self) -> usize {
-        self.parameters.values.len()
+        self.parameters.values.members()
     }
 
     /// What varies: name, key, unit.
@@ -172,7 +172,9 @@ impl Study {
 
     /// All values: (N, K).
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let flat: Vec<f64> = self.parameters.values.iter().flatten().copied().collect();
+        let values = &self.parameters.values;
+        let rows = (1..=values.members()).filter_map(|member| values.of(member));
+        let flat: Vec<f64> = rows.flat_map(std::borrow::Cow::into_owned).collect();
         PyArray1::from_vec(py, flat).reshape([self.size(), self.parameters.varied.len()])
     }
 
@@ -347,13 +349,7 @@ impl Study {
     }
 
     fn members(&self, numbers: Vec<usize>) -> Vec<Variation> {
-        let of = |number: usize| {
-            Some(Variation::new(
-                number,
-                self.parameters.values.get(number.checked_sub(1)?)?.clone(),
-            ))
-        };
-        numbers.into_iter().filter_map(of).collect()
+        numbers.into_iter().filter_map(|number| self.parameters.member(number)).collect()
     }
 
     fn answer(&self) -> Result<Answer<'_>, StudyError> {
@@ -430,6 +426,8 @@ fn back<'py>(
     let flat: Vec<f32> = curves.into_iter().flat_map(missing).collect();
     let curves = PyArray1::from_vec(py, flat).reshape([rows.len(), length])?;
     let numbers = PyArray1::from_iter(py, rows.iter().map(|row| row.member as u64));
-    let (metrics, reasons) = crate::batch::answer(py, rows, width, str::to_owned)?;
+    let mut matrix = Matrix::new(width, rows.len());
+    matrix.add(rows, str::to_owned);
+    let (metrics, reasons) = matrix.into_python(py)?;
     Ok((numbers, metrics, reasons, curves, seconds))
 }

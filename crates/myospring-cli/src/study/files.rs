@@ -78,7 +78,7 @@ pub(super) fn write<'a>(
     let usual = study.metrics.iter().zip(&common.usual).zip(&common.units);
     let outcome = Outcome {
         title: &study.title,
-        members: study.values.len(),
+        members: study.values.members(),
         acceptance: answer.acceptance(),
         usual: usual.map(|((metric, &value), unit)| Usual { metric, value, unit }).collect(),
         traces: common.axes.as_ref(),

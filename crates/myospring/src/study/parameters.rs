@@ -42,6 +42,7 @@ mod figures;
 mod member;
 mod shard;
 mod traces;
+mod values;
 mod work;
 
 pub use answer::{Acceptance, Answer, Ranked, Rejected, Sensitivity};
@@ -51,6 +52,7 @@ pub use figures::Drawn;
 pub use member::{Variation, VariationRow};
 pub use shard::Shard;
 pub use traces::{TRACES, TraceAxes, merge_traces};
+pub use values::Values;
 pub use work::Common;
 
 use super::{Journal, Observer, Report, StudyError, Threads, run_together};

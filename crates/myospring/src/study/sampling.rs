@@ -18,9 +18,9 @@
 //!
 //! let tau_si = Distribution::Normal { mean: 1.768, standard_deviation: 0.05 };
 //! let modulus = Distribution::LogUniform { low: 100.0, high: 400.0 };
-//! let rows = sample(&Sampler::LatinHypercube { size: 100 }, &[tau_si, modulus], 1)?;
-//! assert_eq!((rows.len(), rows[0].len()), (100, 2));
-//! assert!(rows.iter().all(|row| (100.0..=400.0).contains(&row[1])));
+//! let design = sample(&Sampler::LatinHypercube { size: 100 }, &[tau_si, modulus], 1)?;
+//! assert_eq!((design.count(), design.row(99).map(|row| row.len())), (100, Some(2)));
+//! assert!(design.iter().all(|row| (100.0..=400.0).contains(&row[1])));
 //! # Ok::<(), myospring::study::sampling::SamplingError>(())
 //! ```
 
@@ -28,147 +28,49 @@ mod distribution;
 mod error;
 mod latin_hypercube;
 mod morris;
+mod points;
 mod random;
 mod saltelli;
+mod sampler;
 mod sobol_sequence;
 
 pub use distribution::Distribution;
 pub use error::{MOST_DIMENSIONS, SamplingError};
+pub use points::Points;
+pub use sampler::Sampler;
 
-use error::MOST_ROWS;
-use latin_hypercube::latin_hypercube;
 pub(super) use random::Random;
-use serde::{Deserialize, Serialize};
 
-/// How points are placed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(tag = "sampler", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Sampler {
-    /// Every combination of so many values of each parameter, evenly spaced in probability from one end of its
-    /// distribution to the other; the last parameter changes fastest.
-    Grid {
-        /// Values of each parameter.
-        levels: usize,
-    },
-    /// For each parameter so many of its values, evenly spaced in probability, with all others in the middle of their
-    /// distributions.
-    OneAtATime {
-        /// Values of each parameter; with an odd number the middle is one of them.
-        levels: usize,
-    },
-    /// So many rows, in each column one value in each of as many equally likely strata (McKay et al. 1979).
-    LatinHypercube {
-        /// Rows.
-        size: usize,
-    },
-    /// The first points of Sobol's sequence, shifted at random (Joe and Kuo 2008).
-    SobolSequence {
-        /// Rows.
-        size: usize,
-    },
-    /// Saltelli's design for Sobol indices: for each of `size` base points the rows A, A with one column of B for each
-    /// parameter, and B; with `pairs` also B with one column of A, before the last (Saltelli 2002; the order of SALib).
-    Saltelli {
-        /// Base points; a power of two is best.
-        size: usize,
-        /// Whether interactions of pairs of parameters are wanted, too.
-        #[serde(default)]
-        pairs: bool,
-    },
-    /// Trajectories through a grid, on which one parameter changes at a time (Morris 1991).
-    Morris {
-        /// Trajectories.
-        trajectories: usize,
-        /// Levels of the grid, an even number; 4 is usual.
-        #[serde(default = "usual_levels")]
-        levels: usize,
-    },
+/// The values of parameters: one row a member, each made when it is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    points: Points,
+    distributions: Vec<Distribution>,
 }
 
-fn usual_levels() -> usize {
-    4
-}
-
-impl Sampler {
-    /// How many rows it gives for so many parameters that vary.
-    ///
-    /// # Errors
-    /// A size of nothing, or too many rows.
-    pub fn rows(&self, dimensions: usize) -> Result<usize, SamplingError> {
-        let at_least = |what, value, least: usize, must| {
-            if value >= least { Ok(()) } else { Err(SamplingError::Size { what, value, must }) }
-        };
-        let d = dimensions as f64;
-        let rows = match *self {
-            Self::Grid { levels } => {
-                at_least("the number of levels", levels, 2, "2 or more")?;
-                (levels as f64).powf(d)
-            }
-            Self::OneAtATime { levels } => {
-                at_least("the number of levels", levels, 2, "2 or more")?;
-                levels as f64 * d
-            }
-            Self::LatinHypercube { size } | Self::SobolSequence { size } => {
-                at_least("the size", size, 1, "1 or more")?;
-                size as f64
-            }
-            Self::Saltelli { size, pairs } => {
-                at_least("the size", size, 2, "2 or more, 512 for a first answer")?;
-                size as f64 * if pairs { 2.0 * d + 2.0 } else { d + 2.0 }
-            }
-            Self::Morris { trajectories, levels } => {
-                at_least(
-                    "the number of trajectories",
-                    trajectories,
-                    2,
-                    "2 or more; 10 to 50 are usual",
-                )?;
-                if levels < 2 || levels % 2 == 1 {
-                    let (what, must) = ("the number of levels", "an even number; 4 is usual");
-                    return Err(SamplingError::Size { what, value: levels, must });
-                }
-                trajectories as f64 * (d + 1.0)
-            }
-        };
-        if rows > MOST_ROWS as f64 { Err(SamplingError::Rows { rows }) } else { Ok(rows as usize) }
+impl Sample {
+    /// How many rows there are.
+    pub fn count(&self) -> usize {
+        self.points.count()
     }
 
-    /// The points in the unit cube: one row a member, one column a dimension.
-    ///
-    /// # Errors
-    /// A size that is not possible, or no dimension.
-    pub fn unit_cube(&self, dimensions: usize, seed: u64) -> Result<Vec<Vec<f64>>, SamplingError> {
-        if dimensions == 0 {
-            return Err(SamplingError::NoParameters);
-        }
-        let rows = self.rows(dimensions)?;
-        match *self {
-            Self::Grid { levels } => {
-                let last = (levels - 1) as f64;
-                let digit = |row: usize, column: usize| {
-                    row / levels.pow((dimensions - 1 - column) as u32) % levels
-                };
-                let point = |row| (0..dimensions).map(|at| digit(row, at) as f64 / last).collect();
-                Ok((0..rows).map(point).collect())
-            }
-            Self::OneAtATime { levels } => {
-                let place = |row: usize| (row % levels) as f64 / (levels - 1) as f64;
-                let at = |row: usize, column| if row / levels == column { place(row) } else { 0.5 };
-                let point = |row| (0..dimensions).map(|column| at(row, column)).collect();
-                Ok((0..rows).map(point).collect())
-            }
-            Self::LatinHypercube { size } => Ok(latin_hypercube(size, dimensions, seed)),
-            Self::SobolSequence { size } => sobol_sequence::shifted(size, dimensions, seed),
-            Self::Saltelli { size, pairs } => saltelli::saltelli(size, dimensions, pairs, seed),
-            Self::Morris { trajectories, levels } => {
-                Ok(morris::trajectories(trajectories, levels, dimensions, seed))
-            }
-        }
+    /// The values of a row, from 0, in the order of the distributions; none past the last.
+    pub fn row(&self, row: usize) -> Option<Vec<f64>> {
+        let mut places = self.points.point(row)?.into_iter();
+        let value = |distribution: &Distribution| {
+            let place = if distribution.is_fixed() { 0.5 } else { places.next().unwrap_or(0.5) };
+            distribution.quantile(place)
+        };
+        Some(self.distributions.iter().map(value).collect())
+    }
+
+    /// All rows, in order.
+    pub fn iter(&self) -> impl Iterator<Item = Vec<f64>> {
+        (0..self.count()).filter_map(|row| self.row(row))
     }
 }
 
-/// The values of parameters, in the order of their distributions: one row a member. Those that are fixed take no
-/// dimension of the design.
+/// The values of parameters, in the order of their distributions. Those that are fixed take no dimension of the design.
 ///
 /// # Errors
 /// A distribution or size that is not possible, or nothing that varies.
@@ -176,19 +78,11 @@ pub fn sample(
     sampler: &Sampler,
     distributions: &[Distribution],
     seed: u64,
-) -> Result<Vec<Vec<f64>>, SamplingError> {
+) -> Result<Sample, SamplingError> {
     distributions.iter().try_for_each(Distribution::check)?;
     let varied = distributions.iter().filter(|distribution| !distribution.is_fixed()).count();
     let points = sampler.unit_cube(varied, seed)?;
-    let values = |point: Vec<f64>| {
-        let mut places = point.into_iter();
-        let value = |distribution: &Distribution| {
-            let place = if distribution.is_fixed() { 0.5 } else { places.next().unwrap_or(0.5) };
-            distribution.quantile(place)
-        };
-        distributions.iter().map(value).collect()
-    };
-    Ok(points.into_iter().map(values).collect())
+    Ok(Sample { points, distributions: distributions.to_vec() })
 }
 
 #[cfg(test)]
@@ -199,15 +93,34 @@ mod tests {
 
     #[test]
     fn a_seed_gives_the_same_rows_for_ever_and_another_seed_others() {
-        let sampler = Sampler::LatinHypercube { size: 3 };
-        let rows = sampler.unit_cube(2, 1).unwrap();
-        assert_eq!(rows, sampler.unit_cube(2, 1).unwrap());
-        assert_ne!(rows, sampler.unit_cube(2, 2).unwrap());
         // A study that is resumed with a later version must go on with the same members.
-        assert_eq!(rows[0], FIRST);
+        let ever = [
+            (Sampler::LatinHypercube { size: 17 }, LATIN_HYPERCUBE),
+            (Sampler::SobolSequence { size: 17 }, SOBOL_SEQUENCE),
+            (Sampler::Saltelli { size: 17, pairs: true }, SALTELLI),
+            (Sampler::Morris { trajectories: 17, levels: 4 }, MORRIS),
+        ];
+        for (sampler, expected) in ever {
+            let last = |seed| sampler.unit_cube(3, seed).unwrap().iter().last().unwrap();
+            assert_eq!(last(1), expected, "{sampler:?}");
+            assert_ne!(last(2), expected, "{sampler:?}");
+        }
     }
 
-    const FIRST: [f64; 2] = [0.8655200603116183, 0.5195841832102822];
+    const LATIN_HYPERCUBE: [f64; 3] = [0.3593085563283518, 0.8635590956533196, 0.8560637086707912];
+    const SOBOL_SEQUENCE: [f64; 3] = [0.2777798629611582, 0.5879063288845575, 0.6703291539033179];
+    const SALTELLI: [f64; 3] = [0.35865496152824583, 0.9346939133633417, 0.22703695849868055];
+    const MORRIS: [f64; 3] = [1.0, 2.0 / 3.0, 2.0 / 3.0];
+
+    #[test]
+    fn a_row_of_a_design_of_millions_is_had_without_the_others() {
+        let design = Sampler::Saltelli { size: 2_000_000, pairs: false };
+        let point = design.unit_cube(36, 1).unwrap().point(75_999_999).unwrap();
+        // Base points are the first of the sequence, however many there are; this is B of the last one.
+        let both = Sampler::SobolSequence { size: 2_000_000 }.unit_cube(72, 1).unwrap();
+        assert_eq!(point, both.point(1_999_999).unwrap()[36..]);
+        assert_eq!(both.point(2_000_000), None);
+    }
 
     #[test]
     fn every_sampler_gives_the_rows_that_it_promises_within_the_unit_cube() {
@@ -221,7 +134,7 @@ mod tests {
             Sampler::Morris { trajectories: 5, levels: 6 },
         ] {
             for dimensions in 1..=5 {
-                let points = sampler.unit_cube(dimensions, 3).unwrap();
+                let points: Vec<_> = sampler.unit_cube(dimensions, 3).unwrap().iter().collect();
                 assert_eq!(points.len(), sampler.rows(dimensions).unwrap(), "{sampler:?}");
                 let within = |x: &f64| (0.0..=1.0).contains(x);
                 assert!(
@@ -236,6 +149,7 @@ mod tests {
     #[test]
     fn a_latin_hypercube_has_one_row_in_each_stratum_of_each_column() {
         let points = Sampler::LatinHypercube { size: 50 }.unit_cube(4, 8).unwrap();
+        let points: Vec<_> = points.iter().collect();
         for column in 0..4 {
             let mut strata: Vec<usize> =
                 points.iter().map(|point| (point[column] * 50.0) as usize).collect();
@@ -247,6 +161,7 @@ mod tests {
     #[test]
     fn rows_of_saltelli_differ_from_their_base_point_in_one_column() {
         let points = Sampler::Saltelli { size: 16, pairs: true }.unit_cube(3, 4).unwrap();
+        let points: Vec<_> = points.iter().collect();
         let differ =
             |x: &[f64], y: &[f64]| -> Vec<usize> { (0..3).filter(|&at| x[at] != y[at]).collect() };
         for rows in points.chunks_exact(8) {
@@ -268,7 +183,8 @@ mod tests {
             Distribution::Fixed { value: 7.0 },
             UNIT,
         ];
-        let rows = sample(&Sampler::SobolSequence { size: 4096 }, &distributions, 5).unwrap();
+        let design = sample(&Sampler::SobolSequence { size: 4096 }, &distributions, 5).unwrap();
+        let rows: Vec<_> = design.iter().collect();
         let mean = |of: &dyn Fn(&Vec<f64>) -> f64| rows.iter().map(of).sum::<f64>() / 4096.0;
         // The sequence's error for 4096 points is some 1e-3.
         let close = |found: f64, expected: f64| {

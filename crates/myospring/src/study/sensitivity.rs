@@ -102,7 +102,7 @@ mod tests {
         let mut before = f64::INFINITY;
         for size in [256, 1024, 4096] {
             let rows = sample(&Sampler::Saltelli { size, pairs: true }, &[x; 3], 1).unwrap();
-            let answers: Vec<f64> = rows.iter().map(|row| ishigami(row)).collect();
+            let answers: Vec<f64> = rows.iter().map(|row| ishigami(&row)).collect();
             let found = sobol(&answers, 3, true, 1).unwrap();
             let mut worst = 0.0_f64;
             for (found, exact) in
@@ -127,7 +127,7 @@ mod tests {
         let x = Distribution::Uniform { low: -PI, high: PI };
         let sampler = Sampler::Saltelli { size: 256, pairs: false };
         let rows = sample(&sampler, &[x; 3], 1).unwrap();
-        let mut answers: Vec<f64> = rows.iter().map(|row| ishigami(row)).collect();
+        let mut answers: Vec<f64> = rows.iter().map(|row| ishigami(&row)).collect();
         let fewer = sobol(&answers[5..], 3, false, 1).unwrap();
         answers[2] = f64::NAN;
         let found = sobol(&answers, 3, false, 1).unwrap();
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn a_step_of_morris_over_a_straight_line_gives_its_slope() {
         let sampler = Sampler::Morris { trajectories: 10, levels: 4 };
-        let points = sampler.unit_cube(3, 9).unwrap();
+        let points: Vec<_> = sampler.unit_cube(3, 9).unwrap().iter().collect();
         let answers: Vec<f64> = points.iter().map(|x| 2.0 * x[0] - 3.0 * x[2]).collect();
         let found = morris(&points, &answers, 3, 1).unwrap();
         for (effect, slope) in found.effects.iter().zip([2.0_f64, 0.0, -3.0]) {

@@ -206,9 +206,9 @@ impl<'a> Answer<'a> {
             let text = |at: usize| record.get(at).unwrap_or_default();
             let line = record.position().map_or(0, csv::Position::line);
             let of_study = text(member).parse::<usize>().ok().and_then(|member| {
-                let known = study.values.get(member.checked_sub(1)?)?;
+                let known = study.values.of(member)?;
                 let same = |(&at, known): (&usize, &f64)| text(at).parse() == Ok(*known);
-                values.iter().zip(known).all(same).then_some(member)
+                values.iter().zip(&*known).all(same).then_some(member)
             });
             let member = of_study.ok_or_else(|| {
                 wrong(format!("line {line} is no member of this study; run it, or name its folder"))
@@ -229,7 +229,7 @@ impl<'a> Answer<'a> {
 
     /// Whether every member has a row.
     pub fn is_whole(&self) -> bool {
-        self.rows.len() == self.study.values.len()
+        self.rows.len() == self.study.values.members()
     }
 
     /// Whether a member's metrics lie in every band.
@@ -308,11 +308,11 @@ impl<'a> Answer<'a> {
             values: rows.iter().map(|row| Some(value(row))).collect(),
         };
         let mut columns = vec![number("member".to_owned(), &|row| Some(row.member as f64))];
+        let values: Vec<_> = rows.iter().map(|row| self.study.values.of(row.member)).collect();
         for (at, varied) in self.study.varied.iter().enumerate() {
             let name = column_name(varied.number.name(), &varied.number.unit);
-            columns.push(number(name, &|row| {
-                self.study.values.get(row.member.checked_sub(1)?)?.get(at).copied()
-            }));
+            let values = values.iter().map(|values| values.as_ref()?.get(at).copied()).collect();
+            columns.push(Column::Number { name, values });
         }
         for (at, (name, unit)) in self.study.metrics.iter().zip(self.units).enumerate() {
             columns.push(number(column_name(name, unit), &|row| *row.metrics.get(at)?));
@@ -364,7 +364,7 @@ impl<'a> Answer<'a> {
                     (both.map(of).collect::<Vec<_>>(), pairs, found.used, found.left_out)
                 }
                 Sampler::Morris { trajectories, .. } => {
-                    let points = sampler.unit_cube(moving.len(), seed)?;
+                    let points: Vec<_> = sampler.unit_cube(moving.len(), seed)?.iter().collect();
                     let Some(found) = enough(morris(&points, &answers, moving.len(), seed))? else {
                         all.push(Sensitivity::none(metric, unit, trajectories));
                         continue;

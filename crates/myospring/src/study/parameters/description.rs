@@ -2,6 +2,7 @@
 
 use super::super::sampling::{Distribution, Sampler, sample};
 use super::error::ParameterStudyError;
+use super::values::Values;
 use crate::cell::minimal::MinimalModel;
 use crate::run_file::{RunFile, RunFileError};
 use crate::settings::{Named, Number, Run, Value};
@@ -86,8 +87,8 @@ pub struct ParameterStudy {
     pub keep: BTreeMap<String, Kept>,
     /// Whether the curves of each member are kept.
     pub traces: bool,
-    /// The values: one row a member, one column a varied number.
-    pub values: Vec<Vec<f64>>,
+    /// The values of each member.
+    pub values: Values,
 }
 
 /// As it is written.
@@ -159,7 +160,7 @@ impl ParameterStudy {
     ///     "#,
     ///     |_file| Err(std::io::ErrorKind::NotFound.into()),
     /// )?;
-    /// assert_eq!((study.values.len(), study.varied[1].number.unit.as_str()), (20, "um"));
+    /// assert_eq!((study.values.members(), study.varied[1].number.unit.as_str()), (20, "um"));
     /// # Ok::<(), myospring::study::parameters::ParameterStudyError>(())
     /// ```
     pub fn from_toml(
@@ -196,7 +197,7 @@ impl ParameterStudy {
             let file = sampling.get("file").and_then(toml::Value::as_str).unwrap_or_default();
             let (varied, values) =
                 rows_of_table(file, &read_text("[sampling] file", file)?, &base)?;
-            (varied, Design::Table, values)
+            (varied, Design::Table, Values::Table(values))
         } else {
             let seed = match sampling.remove("seed") {
                 None => 1,
@@ -207,7 +208,7 @@ impl ParameterStudy {
             let distributions: Vec<Distribution> =
                 varied.iter().filter_map(|varied| varied.distribution).collect();
             let values = sample(&sampler, &distributions, seed)?;
-            (varied, Design::Sampled { sampler, seed }, values)
+            (varied, Design::Sampled { sampler, seed }, Values::Sampled(values))
         };
         let mut metrics = written.metrics;
         if metrics.is_empty() {
@@ -228,7 +229,7 @@ impl ParameterStudy {
                 matches!(sampler, Sampler::LatinHypercube { .. } | Sampler::SobolSequence { .. })
             }
         };
-        let traces = written.traces.unwrap_or(population && values.len() <= TRACED);
+        let traces = written.traces.unwrap_or(population && values.members() <= TRACED);
         Ok(Self {
             title: written.title,
             kind: written.kind,
@@ -287,7 +288,7 @@ impl ParameterStudy {
             beat: Which::Mean,
             keep: BTreeMap::new(),
             traces: false,
-            values,
+            values: Values::Table(values),
         })
     }
 

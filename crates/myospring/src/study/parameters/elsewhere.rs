@@ -36,7 +36,7 @@ impl ParameterStudy {
     /// Numbers of the members of a part that a journal does not have.
     pub fn left(&self, part: Shard, journal: &Journal<Variation>) -> Vec<usize> {
         let mut left = Vec::new();
-        for members in self.in_turn(part) {
+        for members in self.in_turn(part, AT_ONCE) {
             left.extend(journal.left(&members).into_iter().map(|member| member.number));
         }
         left
@@ -51,10 +51,7 @@ impl ParameterStudy {
         journal: &Journal<Variation>,
         rows: Vec<VariationRow>,
     ) -> Result<(), StudyError> {
-        let member = |row: VariationRow| {
-            let values = self.values.get(row.member.checked_sub(1)?)?;
-            Some((Variation::new(row.member, values.clone()), row))
-        };
+        let member = |row: VariationRow| Some((self.member(row.member)?, row));
         let done: Vec<(Variation, VariationRow)> = rows.into_iter().filter_map(member).collect();
         journal.add(done.iter().map(|(member, row)| (member, member.key(), vec![row.clone()])))
     }
@@ -69,19 +66,23 @@ impl ParameterStudy {
         journal: &Journal<Variation>,
     ) -> Result<Vec<VariationRow>, StudyError> {
         let mut rows = Vec::new();
-        for members in self.in_turn(part) {
+        for members in self.in_turn(part, AT_ONCE) {
             rows.extend(journal.rows(&members)?);
         }
         Ok(rows)
     }
 
-    /// The members of a part, some at a time.
-    fn in_turn(&self, Shard { part, of }: Shard) -> impl Iterator<Item = Vec<Variation>> {
-        let starts = successors(Some(part - 1), move |start| Some(start + AT_ONCE * of));
-        let starts = starts.take_while(|start| *start < self.values.len());
+    /// The members of a part in order, so many at a time; no others are in memory.
+    pub fn in_turn(
+        &self,
+        Shard { part, of }: Shard,
+        at_once: usize,
+    ) -> impl Iterator<Item = Vec<Variation>> {
+        let starts = successors(Some(part - 1), move |start| Some(start + at_once * of));
+        let starts = starts.take_while(|start| *start < self.values.members());
         starts.map(move |start| {
-            let some = (start..self.values.len()).step_by(of).take(AT_ONCE);
-            some.map(|at| Variation::new(at + 1, self.values[at].clone())).collect()
+            let some = (start..self.values.members()).step_by(of).take(at_once);
+            some.filter_map(|at| self.member(at + 1)).collect()
         })
     }
 }

@@ -12,6 +12,7 @@ use crate::output::figure::{
     Scatter, TraceBand, distributions, rankings, response_map, responses, scatter, trace_bands,
 };
 use crate::output::npy::Records;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Bars of a ranking, and parameters of a scatter.
@@ -99,8 +100,7 @@ impl Answer<'_> {
                 }
             }
             _ => {
-                let parameters: Vec<(usize, Numbers)> =
-                    moving.iter().map(|&at| (at, self.parameter(at, &members))).collect();
+                let parameters = self.parameters(&moving, &members);
                 for &at in &there {
                     let ranked =
                         sensitivity.iter().find(|one| one.metric == self.study.metrics[at]);
@@ -136,7 +136,7 @@ impl Answer<'_> {
         if kept.is_empty() {
             return Ok(None);
         }
-        let shape = [self.study.values.len(), axes.quantities.len(), axes.times];
+        let shape = [self.study.values.members(), axes.quantities.len(), axes.times];
         let mut records = Records::open(&folder.join(TRACES), &shape)?;
         let mut columns = vec![Vec::new(); axes.quantities.len() * axes.times];
         for member in kept.iter().step_by(kept.len().div_ceil(TRACED)) {
@@ -188,14 +188,20 @@ impl Answer<'_> {
         }
     }
 
-    fn parameter(&self, at: usize, members: &[&VariationRow]) -> Numbers {
-        let values = members.iter().map(|row| self.value(row, at)).collect();
-        Numbers { label: label(&self.study.varied[at]), values }
+    fn parameters(&self, columns: &[usize], members: &[&VariationRow]) -> Vec<(usize, Numbers)> {
+        let of = |row: &&VariationRow| self.study.values.of(row.member);
+        let rows: Vec<_> = members.iter().map(of).collect();
+        let column = |&at: &usize| {
+            let value = |row: &Option<Cow<'_, [f64]>>| row.as_ref()?.get(at).copied();
+            let values = rows.iter().map(|row| value(row).unwrap_or(f64::NAN)).collect();
+            (at, Numbers { label: label(&self.study.varied[at]), values })
+        };
+        columns.iter().map(column).collect()
     }
 
     fn value(&self, row: &VariationRow, at: usize) -> f64 {
-        let values = row.member.checked_sub(1).and_then(|place| self.study.values.get(place));
-        values.and_then(|values| values.get(at)).copied().unwrap_or(f64::NAN)
+        let values = self.study.values.of(row.member);
+        values.and_then(|values| values.get(at).copied()).unwrap_or(f64::NAN)
     }
 
     /// The parameters that matter most for a metric: by their indices, or else by their rank correlation with it.
@@ -234,8 +240,9 @@ impl Answer<'_> {
     /// Metrics over a grid of two parameters, the second of which changes fastest.
     fn map(&self, columns: [usize; 2], metrics: &[usize]) -> ResponseMap {
         let values = columns.map(|column| {
-            let mut values: Vec<f64> =
-                self.study.values.iter().map(|values| values[column]).collect();
+            let members = 1..=self.study.values.members();
+            let value = |member| Some(self.study.values.of(member)?[column]);
+            let mut values: Vec<f64> = members.filter_map(value).collect();
             values.sort_by(f64::total_cmp);
             values.dedup();
             values

@@ -20,6 +20,13 @@ impl Shard {
     pub const WHOLE: Self = Self { part: 1, of: 1 };
 }
 
+impl Shard {
+    /// How many of so many members are in it.
+    pub fn size(self, members: usize) -> usize {
+        (members + self.of - self.part) / self.of
+    }
+}
+
 impl fmt::Display for Shard {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}/{}", self.part, self.of)
@@ -42,7 +49,14 @@ impl FromStr for Shard {
 impl ParameterStudy {
     /// The members of a part, in order: each `of`-th, so that parts take equally long.
     pub fn members(&self, Shard { part, of }: Shard) -> Vec<Variation> {
-        let all = (1..).zip(&self.values).skip(part - 1).step_by(of);
-        all.map(|(number, values)| Variation::new(number, values.clone())).collect()
+        (part..=self.values.members())
+            .step_by(of)
+            .filter_map(|number| self.member(number))
+            .collect()
+    }
+
+    /// The member of a number, from 1; `None` if there is no such member.
+    pub fn member(&self, number: usize) -> Option<Variation> {
+        Some(Variation::new(number, self.values.of(number)?.into_owned()))
     }
 }

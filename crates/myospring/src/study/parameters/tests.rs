@@ -2,7 +2,7 @@
 
 use super::super::{Journal, Observer, Row as _, Status, Threads};
 use super::{
-    Answer, Common, ParameterStudy, Ranked, Shard, TRACES, Variation, VariationRow, run,
+    Answer, Common, ParameterStudy, Ranked, Shard, TRACES, Values, Variation, VariationRow, run,
     run_members,
 };
 use crate::output::npy::Records;
@@ -43,7 +43,7 @@ fn a_member_gives_what_a_run_with_its_values_gives() {
     let rows = rows(&study, Shard::WHOLE, 2);
     assert_eq!(rows.len(), 24);
     for row in [&rows[0], &rows[17]] {
-        let file = study.run_of(&study.values[row.member - 1]).unwrap();
+        let file = study.run_of(&study.values.of(row.member).unwrap()).unwrap();
         let run = file.resolve().unwrap();
         let shaped = run.shape.mesh(&run.shape.bytes(no_file).unwrap()).unwrap();
         let outcome = run.make(shaped, no_file).unwrap().simulation.build().unwrap().run(|_| true);
@@ -178,7 +178,7 @@ fn a_table_of_rows_is_taken_as_it_stands() {
         ParameterStudy::from_toml(text, move |_| Ok(table.as_bytes().to_vec()))
     };
     let study = read("tau_si,cell.peak_tension\n1.7,50\n1.8,30 kPa\n").unwrap();
-    assert_eq!(study.values, [[1.7, 50.0], [1.8, 30.0]]);
+    assert_eq!(study.values, Values::Table(vec![vec![1.7, 50.0], vec![1.8, 30.0]]));
     assert_eq!(rows(&study, Shard::WHOLE, 1).len(), 2);
     for (table, expected) in [
         ("tau_si\n1.7\nmany\n", "line 3, column tau_si"),

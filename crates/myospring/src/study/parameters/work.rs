@@ -142,7 +142,7 @@ impl Common {
             usual: Vec::new(),
             axes: study.traces.then(|| TraceAxes::new(run.duration, quantities)),
             usual_curves: Vec::new(),
-            members: study.values.len(),
+            members: study.values.members(),
             traces: None,
             handed: None,
             body: None,

@@ -3,15 +3,31 @@
 use super::random::Random;
 
 /// `size` points: in each column, one in each of `size` strata.
-pub(super) fn latin_hypercube(size: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
-    let mut points = vec![vec![0.0; dimensions]; size];
-    for column in 0..dimensions {
-        let mut random = Random::new(seed, column as u64);
-        let mut strata: Vec<usize> = (0..size).collect();
-        random.shuffle(&mut strata);
-        for (point, stratum) in points.iter_mut().zip(strata) {
-            point[column] = (stratum as f64 + random.unit()) / size as f64;
-        }
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LatinHypercube {
+    seed: u64,
+    size: usize,
+    /// For each column the stratum of every point: a permutation, so it has to be there as a whole.
+    strata: Vec<Vec<u32>>,
+}
+
+impl LatinHypercube {
+    pub(super) fn new(size: usize, dimensions: usize, seed: u64) -> Self {
+        let column = |column: usize| {
+            let mut strata: Vec<u32> = (0..).take(size).collect();
+            Random::new(seed, column as u64).shuffle(&mut strata);
+            strata
+        };
+        Self { seed, size, strata: (0..dimensions).map(column).collect() }
     }
-    points
+
+    pub(super) fn point(&self, row: usize) -> Vec<f64> {
+        let place = |(column, strata): (usize, &Vec<u32>)| {
+            // Places within strata are drawn after the order of the strata, which takes one number less than points.
+            let mut random = Random::new(self.seed, column as u64);
+            random.skip(self.size - 1 + row);
+            (f64::from(strata[row]) + random.unit()) / self.size as f64
+        };
+        self.strata.iter().enumerate().map(place).collect()
+    }
 }

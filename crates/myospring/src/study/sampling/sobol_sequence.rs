@@ -37,42 +37,41 @@ fn directions(polynomial: u64, initial: &[u64]) -> [u64; BITS] {
     v
 }
 
-/// The first points of the sequence, from the origin on.
-fn points(size: usize, dimensions: usize) -> Result<Vec<Vec<u64>>, SamplingError> {
-    if dimensions > MOST_DIMENSIONS {
-        return Err(SamplingError::Dimensions { dimensions });
+/// The sequence, each digit of a column changed or not as a random number has it: as even as the sequence, and never on
+/// the border.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SobolSequence {
+    shifts: Vec<u64>,
+}
+
+impl SobolSequence {
+    pub(super) fn new(dimensions: usize, seed: u64) -> Result<Self, SamplingError> {
+        if dimensions > MOST_DIMENSIONS {
+            return Err(SamplingError::Dimensions { dimensions });
+        }
+        let mut random = Random::new(seed, SHIFT);
+        let shifts = (0..dimensions).map(|_| random.bits() >> (64 - BITS)).collect();
+        Ok(Self { shifts })
     }
+
+    pub(super) fn point(&self, row: usize) -> Vec<f64> {
+        let place = |(dimension, shift): (usize, &u64)| {
+            ((digits(dimension, row) ^ shift) as f64 + 0.5) / (1_u64 << BITS) as f64
+        };
+        self.shifts.iter().enumerate().map(place).collect()
+    }
+}
+
+/// A coordinate of the point of a row, the first of which is the origin.
+fn digits(dimension: usize, row: usize) -> u64 {
+    // Gray's code: one bit changes from one row to the next (Antonov and Saleev 1979).
+    let gray = row ^ (row >> 1);
     // In the first dimension digits are turned round: van der Corput's sequence.
-    let direction = |dimension: usize, bit: usize| match dimension {
+    let direction = |bit: usize| match dimension {
         0 => 1 << (BITS - 1 - bit),
         _ => DIRECTIONS[dimension - 1][bit],
     };
-    let mut point = vec![0; dimensions];
-    let mut points = Vec::with_capacity(size);
-    for index in 1..=size {
-        points.push(point.clone());
-        // Gray's code: one bit changes from one to the next (Antonov and Saleev 1979).
-        let bit = index.trailing_zeros() as usize;
-        for (dimension, value) in point.iter_mut().enumerate() {
-            *value ^= direction(dimension, bit);
-        }
-    }
-    Ok(points)
-}
-
-/// The first points, each digit of a column changed or not as a random number has it: as even as the sequence, and never
-/// on the border.
-pub(super) fn shifted(
-    size: usize,
-    dimensions: usize,
-    seed: u64,
-) -> Result<Vec<Vec<f64>>, SamplingError> {
-    let mut random = Random::new(seed, SHIFT);
-    let shifts: Vec<u64> = (0..dimensions).map(|_| random.bits() >> (64 - BITS)).collect();
-    let place =
-        |(value, shift): (u64, &u64)| ((value ^ shift) as f64 + 0.5) / (1_u64 << BITS) as f64;
-    let points = points(size, dimensions)?.into_iter();
-    Ok(points.map(|point| point.into_iter().zip(&shifts).map(place).collect()).collect())
+    (0..BITS).filter(|bit| gray >> bit & 1 == 1).fold(0, |sum, bit| sum ^ direction(bit))
 }
 
 #[cfg(test)]
@@ -92,23 +91,22 @@ mod tests {
             [0.625, 0.125, 0.875, 0.625, 0.625, 0.875],
             [0.125, 0.625, 0.375, 0.125, 0.125, 0.375],
         ];
-        let unit = |value: &u64| *value as f64 / (1_u64 << BITS) as f64;
-        for (point, expected) in points(8, 6).unwrap().iter().zip(expected) {
-            assert_eq!(point.iter().map(unit).collect::<Vec<_>>(), expected);
+        let unit = |dimension, row| digits(dimension, row) as f64 / (1_u64 << BITS) as f64;
+        for (row, expected) in expected.into_iter().enumerate() {
+            assert_eq!([0, 1, 2, 3, 4, 5].map(|dimension| unit(dimension, row)), expected);
         }
         // Point 1000 in dimensions 100 and 512.
-        let last = &points(1001, MOST_DIMENSIONS).unwrap()[1000];
-        assert_eq!([99, 511].map(|at: usize| unit(&last[at])), LATE);
+        assert_eq!([99, MOST_DIMENSIONS - 1].map(|dimension| unit(dimension, 1000)), LATE);
     }
 
     const LATE: [f64; 2] = [0.186_523_437_5, 0.395_507_812_5];
 
     #[test]
     fn each_column_of_a_power_of_two_has_one_point_in_each_stratum() {
+        let sequence = SobolSequence::new(40, 7).unwrap();
         for column in 0..40 {
-            let points = shifted(256, 40, 7).unwrap();
             let mut strata: Vec<usize> =
-                points.iter().map(|point| (point[column] * 256.0) as usize).collect();
+                (0..256).map(|row| (sequence.point(row)[column] * 256.0) as usize).collect();
             strata.sort_unstable();
             assert!(strata.into_iter().eq(0..256), "column {column}");
         }
