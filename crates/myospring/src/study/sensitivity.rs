@@ -13,7 +13,7 @@
 //!
 //! let x = Distribution::Uniform { low: -PI, high: PI };
 //! let rows = sample(&Sampler::Saltelli { size: 1024, pairs: false }, &[x; 3], 1)?;
-//! let ishigami = |x: &Vec<f64>| x[0].sin() * (1.0 + 0.1 * x[2].powi(4)) + 7.0 * x[1].sin().powi(2);
+//! let ishigami = |x: Vec<f64>| x[0].sin() * (1.0 + 0.1 * x[2].powi(4)) + 7.0 * x[1].sin().powi(2);
 //! let answers: Vec<f64> = rows.iter().map(ishigami).collect();
 //! let indices = sobol(&answers, 3, false, 1)?;
 //! assert!((indices.first[0].value - 0.3139).abs() < 0.02);
