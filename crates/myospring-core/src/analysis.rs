@@ -6,6 +6,7 @@
 pub mod action_potential;
 pub mod beat;
 pub mod contraction;
+pub mod kind;
 pub mod load;
 pub mod shape;
 pub mod trace;

@@ -68,7 +68,7 @@ impl Dimension {
             Self::Pressure => {
                 &[("kPa", 1.0), ("Pa", 1e-3), ("MPa", 1e3), ("mN/mm^2", 1.0), ("nN/um^2", 1.0)]
             }
-            Self::Force => &[("nN", 1.0), ("uN", 1e3), ("µN", 1e3), ("pN", 1e-3)],
+            Self::Force => &[("nN", 1.0), ("uN", 1e3), ("µN", 1e3), ("mN", 1e6), ("pN", 1e-3)],
             Self::Stiffness => {
                 &[("nN/um", 1.0), ("nN/µm", 1.0), ("mN/m", 1.0), ("N/m", 1e3), ("pN/nm", 1.0)]
             }

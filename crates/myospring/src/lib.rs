@@ -40,7 +40,7 @@
 //! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
 //! [`integrate`] moves the masses; [`exchange`] says how cell and mesh meet, [`simulation`] joins them and
 //! fills a [`recording`];
-//! [`analysis`] makes metrics of it and `output` files and figures; `settings` has what a user may choose, one row
+//! [`analysis`] makes metrics of it and `output` files and figures; `measured` reads curves of real cells; `settings` has what a user may choose, one row
 //! each, and `run_file` reads what was written;
 //! `compare` lays runs side by side; `study` does that for many at once; [`references`] has the papers that all of these cite.
 //!
@@ -68,6 +68,8 @@ pub use myospring_output as output;
 
 #[cfg(feature = "run-file")]
 pub mod compare;
+#[cfg(feature = "run-file")]
+pub mod measured;
 #[cfg(feature = "run-file")]
 pub mod run_file;
 #[cfg(feature = "run-file")]

@@ -10,7 +10,7 @@
 use crate::cell::CellModel;
 use crate::cell::calcium::{CalciumTrace, TraceError};
 use crate::cell::land_2017::Land2017;
-use crate::units::{self, Dimension};
+use crate::measured::{self, Curve, Kind, Options, ReadError};
 use std::any::Any;
 use std::io;
 use std::sync::Arc;
@@ -118,7 +118,7 @@ pub(super) fn with_calcium(
     let model = (&**cell as &dyn Any).downcast_ref::<Land2017>();
     let model = model.ok_or_else(|| CalciumError::Model { model: cell.name().to_owned() })?;
     let bytes = read(path).map_err(|cause| CalciumError::Read { path: path.to_owned(), cause })?;
-    let trace = of_table(path, &String::from_utf8_lossy(&bytes), calibration)?;
+    let trace = of_table(path, &bytes, calibration)?;
     let [rest, last, peak] = trace.ends();
     let jumps = (last - rest).abs() > JUMP * (peak - rest);
     let warning = jumps.then(|| {
@@ -130,111 +130,47 @@ pub(super) fn with_calcium(
     Ok((Arc::new(model.with_trace(trace)), warning))
 }
 
-/// What a column holds, and what turns its numbers into ms or uM.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Holds {
-    Time(f64),
-    Calcium(f64),
-    Ratio,
-}
-
-/// Name and unit of a column: `time (ms)`, `time [ms]`, `time_ms`.
-fn name_and_unit(header: &str) -> (String, &str) {
-    let header = header.trim().trim_matches('\u{feff}');
-    let parts = [('(', ')'), ('[', ']')]
-        .into_iter()
-        .find_map(|(open, close)| header.strip_suffix(close)?.rsplit_once(open));
-    let (name, unit) =
-        parts.or_else(|| header.rsplit_once(['_', ' ', '/'])).unwrap_or((header, ""));
-    (name.trim().to_lowercase(), unit.trim())
-}
-
-fn holds(header: &str) -> Option<Result<Holds, String>> {
-    let (name, unit) = name_and_unit(header);
-    let whole = header.trim().to_lowercase();
-    let factor = |dimension: Dimension| {
-        units::parse(&format!("1 {unit}"), dimension).map_err(|_| {
-            let wanted = match dimension {
-                Dimension::Time => "`time (ms)` or `time (s)`",
-                _ => "`calcium (uM)` or `calcium (nM)`",
-            };
-            format!("the column `{}` has no unit that is known; call it {wanted}", header.trim())
-        })
-    };
-    if whole.starts_with("ratio") || name == "ratio" {
-        return Some(Ok(Holds::Ratio));
-    }
-    match name.as_str() {
-        "time" | "t" => Some(factor(Dimension::Time).map(Holds::Time)),
-        "calcium" | "ca" | "ca_i" | "cai" | "ca2+" | "[ca2+]i" | "[ca]i" => {
-            Some(factor(Dimension::Concentration).map(Holds::Calcium))
-        }
-        _ => None,
-    }
-}
-
 fn of_table(
     path: &str,
-    text: &str,
+    bytes: &[u8],
     calibration: Calibration,
 ) -> Result<CalciumTrace, CalciumError> {
     let table = |cause: String| CalciumError::Table { path: path.to_owned(), cause };
-    let first = text.lines().find(|line| !line.trim_start().starts_with('#')).unwrap_or_default();
-    let delimiter = ['\t', ';'].into_iter().find(|mark| first.contains(*mark)).unwrap_or(',');
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .delimiter(delimiter as u8)
-        .from_reader(text.as_bytes());
-    let header = reader.headers().map_err(|error| table(error.to_string()))?.clone();
-    let mut columns = Vec::new();
-    for (place, name) in header.iter().enumerate() {
-        if let Some(held) = holds(name) {
-            columns.push((place, held.map_err(table)?));
+    let options = Options { units_required: true, ..Options::default() };
+    let read = measured::read_bytes(path, bytes, &options).map_err(|error| match error {
+        ReadError::Field { path, line, column, cause } => {
+            CalciumError::Field { path, line, column, cause }
         }
-    }
-    let find = |what: fn(&Holds) -> bool| columns.iter().find(|(_, held)| what(held)).copied();
-    let names = || header.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let missing =
-        |what: &str| table(format!("it has no column of {what}; its columns are {}", names()));
-    let time = find(|held| matches!(held, Holds::Time(_))).ok_or_else(|| missing("times"))?;
-    let value = find(|held| matches!(held, Holds::Calcium(_)))
-        .or_else(|| find(|held| *held == Holds::Ratio))
-        .ok_or_else(|| missing("calcium or of a ratio"))?;
-    let calcium = calibrated(path, &header[value.0], value.1, calibration)?;
-
-    let (mut times, mut values, mut lines) = (Vec::new(), Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(|error| table(error.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let field = |place: usize, cause: String| CalciumError::Field {
-            path: path.to_owned(),
-            line,
-            column: header[place].to_owned(),
-            cause,
-        };
-        let number = |place: usize| {
-            let text = record.get(place).unwrap_or_default();
-            // Where semicolons part the fields, a comma may be the decimal point.
-            let plain = if delimiter == ';' { text.replace(',', ".") } else { text.to_owned() };
-            let number = plain.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| field(place, format!("\"{text}\" is no finite number")))
-        };
-        let Holds::Time(to_ms) = time.1 else { continue };
-        times.push(to_ms * number(time.0)?);
-        values.push(calcium(number(value.0)?).map_err(|cause| field(value.0, cause))?);
-        lines.push(line);
-    }
-    CalciumTrace::new(&times, &values).map_err(|cause| match cause.sample() {
-        Some(sample) => {
-            let place = if matches!(cause, TraceError::Time { .. }) { time.0 } else { value.0 };
-            CalciumError::Field {
-                path: path.to_owned(),
-                line: lines[sample],
-                column: header[place].to_owned(),
-                cause: cause.to_string(),
-            }
-        }
+        ReadError::Table { cause, .. } => table(cause),
+        other => table(other.to_string()),
+    })?;
+    let find = |kind| read.curves.iter().find(|curve| curve.kind == kind);
+    let Some(curve) = find(Kind::Calcium).or_else(|| find(Kind::CalciumRatio)) else {
+        let names: Vec<String> =
+            read.curves.iter().map(|curve| format!("`{}`", curve.name)).collect();
+        let names = names.join(", ");
+        return Err(table(match find(Kind::Fluorescence) {
+            Some(bright) => format!(
+                "the column `{}` has no unit that is known; call it `calcium (uM)` or `calcium (nM)`",
+                bright.name
+            ),
+            None => format!("it has no column of calcium or of a ratio, only of {names}"),
+        }));
+    };
+    let calcium = calibrated(path, curve, calibration)?;
+    let field = |sample: usize, column: &str, cause: String| CalciumError::Field {
+        path: path.to_owned(),
+        line: curve.lines[sample],
+        column: column.to_owned(),
+        cause,
+    };
+    let values =
+        curve.values.iter().enumerate().map(|(sample, &value)| {
+            calcium(value).map_err(|cause| field(sample, &curve.name, cause))
+        });
+    let values = values.collect::<Result<Vec<f64>, _>>()?;
+    CalciumTrace::new(&curve.times_ms, &values).map_err(|cause| match cause.sample() {
+        Some(sample) => field(sample, &curve.name, cause.to_string()),
         None => CalciumError::Course { path: path.to_owned(), cause },
     })
 }
@@ -245,16 +181,14 @@ type ToCalcium = Box<dyn Fn(f64) -> Result<f64, String>>;
 /// What turns the numbers of a column into calcium.
 fn calibrated(
     path: &str,
-    column: &str,
-    held: Holds,
+    curve: &Curve,
     calibration: Calibration,
 ) -> Result<ToCalcium, CalciumError> {
-    let Holds::Ratio = held else {
-        let to_um = if let Holds::Calcium(to_um) = held { to_um } else { 1.0 };
-        return Ok(Box::new(move |value| Ok(to_um * value)));
-    };
+    if curve.kind != Kind::CalciumRatio {
+        return Ok(Box::new(Ok));
+    }
     let needed = |value: Option<f64>, missing: &'static str| {
-        let (path, column) = (path.to_owned(), column.to_owned());
+        let (path, column) = (path.to_owned(), curve.name.clone());
         value.ok_or(CalciumError::Uncalibrated { path, column, missing })
     };
     let k = needed(calibration.dissociation_um, "calcium_dissociation")?;
@@ -280,7 +214,7 @@ mod tests {
     use crate::cell;
 
     fn read(text: &str, calibration: Calibration) -> Result<CalciumTrace, CalciumError> {
-        of_table("trace.csv", text, calibration)
+        of_table("trace.csv", text.as_bytes(), calibration)
     }
 
     const NONE: Calibration =
@@ -327,16 +261,16 @@ mod tests {
     #[test]
     fn a_table_that_is_no_course_is_refused_with_file_line_column_and_value() {
         for (text, part) in [
-            ("", "`trace.csv`: it has no column of times"),
-            (
-                "time (ms),force\n0,1\n",
-                "no column of calcium or of a ratio; its columns are `time (ms)`, `force`",
-            ),
+            ("", "`trace.csv`: it has no line with numbers"),
+            ("time (ms),force\n0,1\n", "no column of calcium or of a ratio, only of `force`"),
             (
                 "time,calcium (uM)\n0,1\n",
                 "the column `time` has no unit that is known; call it `time (ms)`",
             ),
-            ("time (ms),calcium (mV)\n0,1\n", "column `calcium (mV)` has no unit that is known"),
+            (
+                "time (ms),calcium (mV)\n0,1\n",
+                "column `calcium`: `1 mV` is a potential, but a concentration is needed",
+            ),
             (
                 "time (ms),calcium (uM)\n0,0.1\n10,much\n",
                 "`trace.csv`, line 3, column `calcium (uM)`: \"much\" is no finite number",

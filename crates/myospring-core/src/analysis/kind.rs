@@ -1,0 +1,144 @@
+//! What a curve of a beating cell shows, and which way it goes in a beat.
+
+use serde::Serialize;
+use std::fmt;
+
+/// What the values of a curve are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Length of the cell, um or pixels; falls in a beat.
+    Length,
+    /// Mean length of its sarcomeres, um or pixels; falls in a beat.
+    SarcomereLength,
+    /// Length over a length of reference, such as that at rest or the mean, or a stretch; falls in a beat.
+    NormalisedLength,
+    /// Shortening, % of the length at rest; rises in a beat.
+    Shortening,
+    /// Motion of any unit, such as `MUSCLEMOTION`'s amplitude or a displacement; rises in a beat.
+    Contraction,
+    /// Force, nN; rises in a beat.
+    Force,
+    /// Active tension, force over cross-section, kPa; rises in a beat.
+    Tension,
+    /// Concentration of calcium, uM; rises in a beat.
+    Calcium,
+    /// Ratio of two fluorescences that rises with calcium.
+    CalciumRatio,
+    /// Fluorescence of a dye that brightens with calcium, in any unit.
+    Fluorescence,
+    /// Membrane potential, mV; rises in a beat.
+    Potential,
+    /// Nobody has said what it is: it may go either way.
+    Unknown,
+}
+
+/// Which metrics tell of a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// Lengths, shortening and other motion.
+    Contraction,
+    /// Force and tension.
+    Tension,
+    /// Calcium and what stands for it.
+    Calcium,
+    /// Membrane potential.
+    ActionPotential,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 12] = [
+        Self::Length,
+        Self::SarcomereLength,
+        Self::NormalisedLength,
+        Self::Shortening,
+        Self::Contraction,
+        Self::Force,
+        Self::Tension,
+        Self::Calcium,
+        Self::CalciumRatio,
+        Self::Fluorescence,
+        Self::Potential,
+        Self::Unknown,
+    ];
+
+    /// Its word: `sarcomere-length`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::SarcomereLength => "sarcomere-length",
+            Self::NormalisedLength => "normalised-length",
+            Self::Shortening => "shortening",
+            Self::Contraction => "contraction",
+            Self::Force => "force",
+            Self::Tension => "tension",
+            Self::Calcium => "calcium",
+            Self::CalciumRatio => "calcium-ratio",
+            Self::Fluorescence => "fluorescence",
+            Self::Potential => "potential",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// The kind of a word, in any case, with hyphens, underscores or spaces.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::analysis::kind::Kind;
+    /// assert_eq!(Kind::of_word("Sarcomere_length"), Some(Kind::SarcomereLength));
+    /// ```
+    pub fn of_word(word: &str) -> Option<Self> {
+        let word = word.trim().to_lowercase().replace(['_', ' '], "-");
+        Self::ALL.into_iter().find(|kind| kind.word() == word)
+    }
+
+    /// Its name in a sentence.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Length => "length of the cell",
+            Self::SarcomereLength => "sarcomere length",
+            Self::NormalisedLength => "normalised length",
+            Self::Shortening => "shortening",
+            Self::Contraction => "contraction",
+            Self::Force => "force",
+            Self::Tension => "tension",
+            Self::Calcium => "calcium",
+            Self::CalciumRatio => "calcium ratio",
+            Self::Fluorescence => "fluorescence",
+            Self::Potential => "membrane potential",
+            Self::Unknown => "curve of unknown kind",
+        }
+    }
+
+    /// Whether it rises in a beat; `None` where that is not known.
+    pub const fn rises(self) -> Option<bool> {
+        match self {
+            Self::Length | Self::SarcomereLength | Self::NormalisedLength => Some(false),
+            Self::Unknown => None,
+            _ => Some(true),
+        }
+    }
+
+    /// Whether the zero of its values means something: a length has one, a fluorescence over an unknown background none.
+    pub const fn is_length(self) -> bool {
+        matches!(self, Self::Length | Self::SarcomereLength | Self::NormalisedLength)
+    }
+
+    /// Which metrics tell of it.
+    pub const fn family(self) -> Family {
+        match self {
+            Self::Force | Self::Tension => Family::Tension,
+            Self::Calcium | Self::CalciumRatio | Self::Fluorescence => Family::Calcium,
+            Self::Potential => Family::ActionPotential,
+            _ => Family::Contraction,
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}

@@ -1,0 +1,66 @@
+//! Curves that were measured: a table from any laboratory's program becomes times and values with a kind and a unit.
+//!
+//! What parts the fields, the mark of decimals, the header and what stands above it, encoding and line ends are found; a
+//! column is known by its name and unit, or chosen by name or number. Rows may be frames, with a curve in each column;
+//! curves, with a frame in each column, as `SarcGraph` writes them; or one curve after the other, told apart by a column
+//! such as `sarc_id`. What was taken for granted stands in [`Table::notes`].
+//!
+//! | kind of curve | unit of its values | columns, for example |
+//! |---|---|---|
+//! | length, sarcomere length | um; px without a pixel size | `length_um`, `Length (µm)`, `Sarc Length [um]` |
+//! | normalised length | 1, of a length of reference | `stretch_1`, `lambda1`, `L/L0`, `length (%)` |
+//! | shortening | % of the length at rest | `shortening_pct`, `Fractional shortening` |
+//! | contraction | um, px, % or a.u., as it was | `contraction`, `displacement (um)` |
+//! | force; tension | nN; kPa; a.u. without a unit | `force_nN`; `stress (mN/mm2)` |
+//! | calcium; ratio; fluorescence | uM; 1; a.u. | `Ca_nM`; `ratio`; `F/F0` |
+//! | membrane potential | mV; a.u. without a unit | `Vm (mV)` |
+
+mod column;
+mod curve;
+mod decode;
+mod error;
+mod number;
+mod options;
+mod pick;
+mod sheet;
+#[cfg(test)]
+mod tests;
+mod times;
+
+pub use crate::analysis::kind::Kind;
+pub use curve::{Curve, Table};
+pub use error::ReadError;
+pub use options::{Column, Layout, Options};
+use std::path::Path;
+
+/// Reads the curves of a file.
+///
+/// # Errors
+/// A file that cannot be read, is no text, or has no curve; a field that is no number, times that do not rise, neither
+/// times nor a frame rate, or both and they contradict each other; with file, line, column, value and how to mend it.
+pub fn read(path: &Path, options: &Options) -> Result<Table, ReadError> {
+    let name = path.display().to_string();
+    let bytes =
+        std::fs::read(path).map_err(|cause| ReadError::Read { path: name.clone(), cause })?;
+    read_bytes(&name, &bytes, options)
+}
+
+/// Reads the curves of a file's bytes; `path` is what errors call it, and what tells of columns without names.
+///
+/// # Errors
+/// As [`read`].
+///
+/// # Example
+/// ```
+/// use myospring::measured::{Kind, Options, read_bytes};
+/// let file = "Zeit (s);Länge (µm)\n0,00;120,5\n0,01;118,2\n0,02;115,0\n";
+/// let table = read_bytes("cell.csv", file.as_bytes(), &Options::default())?;
+/// let curve = &table.curves[0];
+/// assert_eq!((curve.kind, curve.unit), (Kind::Length, "um"));
+/// assert_eq!(curve.times_ms, [0.0, 10.0, 20.0]);
+/// assert_eq!(curve.values, [120.5, 118.2, 115.0]);
+/// # Ok::<(), myospring::measured::ReadError>(())
+/// ```
+pub fn read_bytes(path: &str, bytes: &[u8], options: &Options) -> Result<Table, ReadError> {
+    pick::Picked::of(path, bytes, options)?.table()
+}

@@ -1,0 +1,362 @@
+//! What a column holds, by its name and unit: `time (ms)`, `Length [µm]`, `Ca_nM`, `frame`.
+
+use crate::analysis::kind::Kind;
+use crate::units::{self, Dimension};
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Holds {
+    Time,
+    /// Number of the frame.
+    Frame,
+    /// Which cell, sarcomere or region a row belongs to.
+    Identity,
+    Curve(Kind),
+    /// Nothing that is known by this name.
+    Other,
+}
+
+/// A column's name and unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Title {
+    /// Without the unit.
+    pub(super) name: String,
+    /// As `units` knows it; empty where none is given.
+    pub(super) unit: String,
+}
+
+/// Other ways to write units.
+const WRITTEN: [(&str, &str); 34] = [
+    ("msec", "ms"),
+    ("msecs", "ms"),
+    ("millisecond", "ms"),
+    ("milliseconds", "ms"),
+    ("sec", "s"),
+    ("secs", "s"),
+    ("second", "s"),
+    ("seconds", "s"),
+    ("minutes", "min"),
+    ("micron", "um"),
+    ("microns", "um"),
+    ("micrometer", "um"),
+    ("micrometers", "um"),
+    ("micrometre", "um"),
+    ("micrometres", "um"),
+    ("pixel", "px"),
+    ("pixels", "px"),
+    ("pix", "px"),
+    ("percent", "%"),
+    ("pct", "%"),
+    ("per cent", "%"),
+    ("au", "a.u."),
+    ("a.u", "a.u."),
+    ("arb. units", "a.u."),
+    ("arb. unit", "a.u."),
+    ("arb.u.", "a.u."),
+    ("arbitrary units", "a.u."),
+    ("arbitrary unit", "a.u."),
+    ("rfu", "a.u."),
+    ("counts", "a.u."),
+    ("mn/mm2", "mN/mm^2"),
+    ("mn/mm²", "mN/mm^2"),
+    ("nn/um2", "nN/um^2"),
+    ("1", ""),
+];
+
+/// Dimensions that columns of curves have.
+const DIMENSIONS: [Dimension; 6] = [
+    Dimension::Time,
+    Dimension::Length,
+    Dimension::Pressure,
+    Dimension::Force,
+    Dimension::Concentration,
+    Dimension::Voltage,
+];
+
+/// A unit as `units` writes it, `px`, `%` or `a.u.`; `None` for what is none.
+pub(super) fn unit(text: &str) -> Option<String> {
+    let text = text.trim().trim_end_matches('.').replace(['μ', 'µ'], "u");
+    let whole = text.to_lowercase();
+    if let Some((_, unit)) = WRITTEN.iter().find(|(written, _)| *written == whole) {
+        return Some((*unit).to_owned());
+    }
+    if ["px", "%"].contains(&whole.as_str()) {
+        return Some(whole);
+    }
+    // As it stands, then in small letters: `MS`, `Um`, but `mM` is not `mm`.
+    [text, whole].into_iter().find(|unit| {
+        let one = format!("1 {unit}");
+        !unit.is_empty()
+            && DIMENSIONS.iter().any(|dimension| units::parse(&one, *dimension).is_ok())
+    })
+}
+
+/// Whether a field is nothing but a unit, brackets or not.
+pub(super) fn is_unit(field: &str) -> bool {
+    unit(field.trim_matches(['(', ')', '[', ']'])).is_some()
+}
+
+/// Name and unit of a header: `time (ms)`, `time [ms]`, `time_ms`, `time/ms`, `time, ms`.
+pub(super) fn title(header: &str) -> Title {
+    let header = header.trim();
+    for (open, close) in [('(', ')'), ('[', ']')] {
+        let parts = header.strip_suffix(close).and_then(|text| text.rsplit_once(open));
+        if let Some((name, unit_text)) = parts {
+            if name.trim().is_empty() {
+                continue;
+            }
+            let unit = unit(unit_text).unwrap_or_else(|| unit_text.trim().to_owned());
+            return Title { name: name.trim().to_owned(), unit };
+        }
+    }
+    for mark in ['_', ' ', '/', ',', '.'] {
+        let Some((name, text)) = header.rsplit_once(mark) else { continue };
+        if let Some(unit) = unit(text).filter(|unit| !unit.is_empty() && !name.trim().is_empty()) {
+            return Title { name: name.trim().trim_end_matches(',').to_owned(), unit };
+        }
+    }
+    // `Sec` alone is a column of times.
+    let unit = unit(header).filter(|unit| !unit.is_empty()).unwrap_or_default();
+    Title { name: header.to_owned(), unit }
+}
+
+/// What a column of this title holds.
+pub(super) fn holds(title: &Title) -> Holds {
+    let name = title.name.to_lowercase().replace(['_', '-', '.'], " ");
+    let words: Vec<&str> = name.split_whitespace().collect();
+    let has = |part: &str| name.contains(part);
+    let word = |one: &[&str]| words.iter().any(|word| one.contains(word));
+    let only = |one: &[&str]| one.contains(&name.trim());
+    let of_dimension = |dimension| units::parse(&format!("1 {}", title.unit), dimension).is_ok();
+
+    if only(&[
+        "frame",
+        "frames",
+        "frame number",
+        "frame no",
+        "frame index",
+        "image",
+        "slice",
+        "index",
+        "#",
+    ]) || only(&["frame #", "sample", "point", "stack"])
+    {
+        return Holds::Frame;
+    }
+    if only(&[
+        "time",
+        "t",
+        "times",
+        "zeit",
+        "elapsed time",
+        "time point",
+        "timestamp",
+        "time stamp",
+    ]) || (words.first() == Some(&"time") && of_dimension(Dimension::Time))
+        || (of_dimension(Dimension::Time) && unit(&title.name).is_some())
+    {
+        return Holds::Time;
+    }
+    if only(&[
+        "sarc id",
+        "sarcomere id",
+        "cell id",
+        "cell",
+        "roi",
+        "roi id",
+        "id",
+        "track",
+        "track id",
+        "particle",
+    ]) {
+        return Holds::Identity;
+    }
+    // Rates and times of something are no curve of it, and no width is a length.
+    let rate = ["speed", "velocity", "rate", "d/dt", "derivative", "width", "angle", "area"];
+    if rate.iter().any(|part| has(part)) || has("energy") || has("work") || has("shortening time") {
+        return Holds::Other;
+    }
+    if word(&["fs"]) || has("shortening") {
+        return Holds::Curve(match title.unit.as_str() {
+            "um" | "px" | "nm" | "mm" | "a.u." => Kind::Contraction,
+            _ => Kind::Shortening,
+        });
+    }
+    if has("stretch") || has("lambda") || has("λ") || only(&["l/l0", "l/lmax"]) {
+        return Holds::Curve(Kind::NormalisedLength);
+    }
+    let sarcomere = has("sarc") || word(&["sl", "ssl", "z disc distance", "zdisc"]);
+    let length = sarcomere || has("length") || word(&["len", "l", "länge"]);
+    if length
+        && (has("norm") || has("relative") || title.unit == "%" || title.unit.starts_with("norm"))
+    {
+        return Holds::Curve(Kind::NormalisedLength);
+    }
+    if sarcomere {
+        return Holds::Curve(Kind::SarcomereLength);
+    }
+    if length {
+        return Holds::Curve(Kind::Length);
+    }
+    if has("ratio") || has("340/380") || has("340:380") || has("fura") || has("indo") {
+        return Holds::Curve(Kind::CalciumRatio);
+    }
+    let calcium = word(&[
+        "ca",
+        "cai",
+        "ca2+",
+        "[ca2+]",
+        "[ca2+]i",
+        "[ca]i",
+        "[ca]",
+        "ca2+i",
+        "cai2+",
+        "catransient",
+    ]) || has("calcium")
+        || has("[ca");
+    if calcium && !title.unit.is_empty() && title.unit != "a.u." && title.unit != "%" {
+        return Holds::Curve(Kind::Calcium);
+    }
+    let bright = [
+        "f/f0",
+        "df/f",
+        "δf/f",
+        "∆f/f",
+        "fluo",
+        "intensity",
+        "gcamp",
+        "geco",
+        "rhod",
+        "cal 520",
+        "mean grey",
+        "mean gray",
+    ];
+    if calcium || bright.iter().any(|part| has(part)) {
+        return Holds::Curve(Kind::Fluorescence);
+    }
+    if has("force") {
+        return Holds::Curve(Kind::Force);
+    }
+    if has("tension") || has("stress") || word(&["ta"]) && of_dimension(Dimension::Pressure) {
+        return Holds::Curve(Kind::Tension);
+    }
+    if has("potential") || has("voltage") || word(&["vm", "em", "v", "mv"]) {
+        return Holds::Curve(Kind::Potential);
+    }
+    let motion = ["contraction", "displacement", "motion", "amplitude", "movement", "deflection"];
+    if motion.iter().any(|part| has(part)) {
+        return Holds::Curve(Kind::Contraction);
+    }
+    Holds::Other
+}
+
+/// What turns the numbers of a column into those of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scale {
+    pub(super) kind: Kind,
+    pub(super) factor: f64,
+    pub(super) unit: &'static str,
+}
+
+/// How numbers of this kind and unit become those of a curve; with the size of a pixel, um.
+pub(super) fn scale(kind: Kind, unit: &str, pixel_um: Option<f64>) -> Result<Scale, String> {
+    let fixed = |kind, factor, unit| Ok(Scale { kind, factor, unit });
+    let of = |dimension: Dimension, written: &'static str| {
+        let factor =
+            units::parse(&format!("1 {unit}"), dimension).map_err(|error| error.to_string());
+        factor.map(|factor| Scale { kind, factor, unit: written })
+    };
+    let pixels = |kind| match pixel_um {
+        Some(size) => fixed(kind, size, "um"),
+        None => fixed(kind, 1.0, "px"),
+    };
+    match kind {
+        Kind::Length | Kind::SarcomereLength => match unit {
+            "px" => pixels(kind),
+            "" if pixel_um.is_some() => pixels(kind),
+            "" => fixed(kind, 1.0, "um"),
+            "a.u." => fixed(kind, 1.0, "a.u."),
+            _ => of(Dimension::Length, "um"),
+        },
+        Kind::NormalisedLength => match unit {
+            "%" => fixed(kind, 0.01, ""),
+            _ => fixed(kind, 1.0, ""),
+        },
+        Kind::Shortening => match unit {
+            "" | "%" => fixed(kind, 1.0, "%"),
+            _ => Err(format!(
+                "a shortening in `{unit}` is none of a length; give %, or --kind contraction for a way"
+            )),
+        },
+        Kind::Contraction => match unit {
+            "px" => pixels(kind),
+            "%" => fixed(kind, 1.0, "%"),
+            _ => of(Dimension::Length, "um").or_else(|_| fixed(kind, 1.0, "a.u.")),
+        },
+        Kind::Force if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
+        Kind::Force => of(Dimension::Force, "nN"),
+        Kind::Tension if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
+        Kind::Tension => of(Dimension::Pressure, "kPa"),
+        Kind::Calcium if matches!(unit, "" | "a.u.") => fixed(Kind::Fluorescence, 1.0, "a.u."),
+        Kind::Calcium => of(Dimension::Concentration, "uM"),
+        Kind::CalciumRatio => fixed(kind, 1.0, ""),
+        Kind::Potential if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
+        Kind::Potential => of(Dimension::Voltage, "mV"),
+        Kind::Fluorescence | Kind::Unknown => fixed(kind, 1.0, "a.u."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_known_by_their_names_in_any_form() {
+        use Holds::{Curve, Frame, Identity, Other, Time};
+        for (header, held, unit) in [
+            ("time (ms)", Time, "ms"),
+            ("Time [s]", Time, "s"),
+            ("t_ms", Time, "ms"),
+            ("Time (sec)", Time, "s"),
+            ("Sec", Time, "s"),
+            ("Time", Time, ""),
+            ("frame", Frame, ""),
+            ("sarc_id", Identity, ""),
+            ("length_um", Curve(Kind::Length), "um"),
+            ("Length (µm)", Curve(Kind::Length), "um"),
+            ("Cell length [microns]", Curve(Kind::Length), "um"),
+            ("length_px", Curve(Kind::Length), "px"),
+            ("Sarc Length (um)", Curve(Kind::SarcomereLength), "um"),
+            ("Sarcomere Length/µm", Curve(Kind::SarcomereLength), "um"),
+            ("sarcomere_um", Curve(Kind::SarcomereLength), "um"),
+            ("mean_norm_sarc_len", Curve(Kind::NormalisedLength), ""),
+            ("stretch_1", Curve(Kind::NormalisedLength), ""),
+            ("lambda1", Curve(Kind::NormalisedLength), ""),
+            ("shortening_pct", Curve(Kind::Shortening), "%"),
+            ("Fractional shortening (%)", Curve(Kind::Shortening), "%"),
+            ("Shortening (um)", Curve(Kind::Contraction), "um"),
+            ("Contraction (a.u.)", Curve(Kind::Contraction), "a.u."),
+            ("displacement [um]", Curve(Kind::Contraction), "um"),
+            ("Speed of contraction (a.u.)", Other, "a.u."),
+            ("width_um", Other, "um"),
+            ("force_nN", Curve(Kind::Force), "nN"),
+            ("ta_kPa", Curve(Kind::Tension), "kPa"),
+            ("Stress (mN/mm2)", Curve(Kind::Tension), "mN/mm^2"),
+            ("Ca_nM", Curve(Kind::Calcium), "nM"),
+            ("[Ca2+]i [nM]", Curve(Kind::Calcium), "nM"),
+            ("Ca_i_uM", Curve(Kind::Calcium), "uM"),
+            ("calcium (mM)", Curve(Kind::Calcium), "mM"),
+            ("Ca2+", Curve(Kind::Fluorescence), ""),
+            ("F/F0", Curve(Kind::Fluorescence), ""),
+            ("Ratio", Curve(Kind::CalciumRatio), ""),
+            ("Ratio 340/380", Curve(Kind::CalciumRatio), ""),
+            ("Vm (mV)", Curve(Kind::Potential), "mV"),
+            ("vm_mV", Curve(Kind::Potential), "mV"),
+            ("cell 1", Other, ""),
+            ("elastic_energy_fJ", Other, ""),
+        ] {
+            let title = title(header);
+            assert_eq!((holds(&title), title.unit.as_str()), (held, unit), "{header}: {title:?}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Numbers as people and programs write them: decimal comma or point, thousands parted or not.
+
+/// What stands before the decimals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Decimal {
+    /// `1,234.5`
+    Point,
+    /// `1.234,5`
+    Comma,
+}
+
+/// What a field holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Cell {
+    Number(f64),
+    /// Nothing, or a word for it: `NaN`, `n/a`.
+    Missing,
+    Text,
+}
+
+/// Words for no number.
+const MISSING: [&str; 9] = ["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
+
+/// What a field holds, with this mark of decimals.
+pub(super) fn cell(field: &str, decimal: Decimal) -> Cell {
+    let field = field.trim();
+    if MISSING.contains(&field.to_lowercase().as_str()) {
+        return Cell::Missing;
+    }
+    number(field, decimal).map_or(Cell::Text, Cell::Number)
+}
+
+fn number(field: &str, decimal: Decimal) -> Option<f64> {
+    // Names of numbers (`inf`) are none that was measured.
+    if !field.bytes().any(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let (mark, thousands) = match decimal {
+        Decimal::Point => ('.', ','),
+        Decimal::Comma => (',', '.'),
+    };
+    let (whole, rest) = match field.find([mark, 'e', 'E']) {
+        Some(at) => field.split_at(at),
+        None => (field, ""),
+    };
+    let groups: Vec<&str> = whole.trim_start_matches(['+', '-']).split([thousands, '\'']).collect();
+    let grouped = groups.len() == 1
+        || (groups[0].len() <= 3
+            && !groups[0].is_empty()
+            && groups[1..].iter().all(|group| group.len() == 3));
+    if !grouped {
+        return None;
+    }
+    let plain = format!("{whole}{rest}").replace([thousands, '\''], "").replace(mark, ".");
+    plain.parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
+/// The mark of decimals that these fields have: a comma where one of them needs it to be a number, or where commas are
+/// the only marks. Where commas part the fields, too, a quoted `1,234` has its thousands parted.
+pub(super) fn decimal<'a>(fields: impl Iterator<Item = &'a str>, delimiter: char) -> Decimal {
+    let (mut point, mut comma) = (0_usize, 0_usize);
+    for field in fields.filter(|field| field.contains([',', '.'])) {
+        let marks = [Decimal::Point, Decimal::Comma].map(|mark| number(field, mark).is_some());
+        match marks {
+            [false, true] => comma += 1,
+            // `1,234` and `1.234` may be either: most measured numbers have decimals.
+            [true, true] if field.contains(',') => comma += usize::from(delimiter != ','),
+            [true, _] => point += 1,
+            [false, false] => {}
+        }
+    }
+    if comma > point { Decimal::Comma } else { Decimal::Point }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_with_either_mark_and_with_thousands() {
+        for (field, mark, value) in [
+            ("1.82", Decimal::Point, 1.82),
+            ("-1,234.5", Decimal::Point, -1234.5),
+            ("1,82", Decimal::Comma, 1.82),
+            ("1.234,5", Decimal::Comma, 1234.5),
+            ("1'234.5", Decimal::Point, 1234.5),
+            ("2.5e-3", Decimal::Point, 2.5e-3),
+            ("2,5E-3", Decimal::Comma, 2.5e-3),
+            (" +7 ", Decimal::Point, 7.0),
+            (".5", Decimal::Point, 0.5),
+        ] {
+            assert_eq!(cell(field, mark), Cell::Number(value), "{field}");
+        }
+        for field in ["1.8.2", "12:30:01", "3 um", "inf", "1e999", "1,82"] {
+            assert_eq!(cell(field, Decimal::Point), Cell::Text, "{field}");
+        }
+        assert_eq!(cell("NaN", Decimal::Point), Cell::Missing);
+    }
+
+    #[test]
+    fn the_mark_is_what_makes_numbers_of_most_fields() {
+        let of = |fields: &[&str]| decimal(fields.iter().copied(), ';');
+        assert_eq!(of(&["0,05", "1,9999"]), Decimal::Comma);
+        assert_eq!(of(&["1,234.5", "0.2"]), Decimal::Point);
+        assert_eq!(of(&["1.234,5", "0,2"]), Decimal::Comma);
+        assert_eq!(of(&["1", "2"]), Decimal::Point);
+    }
+}
