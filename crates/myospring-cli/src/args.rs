@@ -3,6 +3,7 @@
 use crate::look::Look;
 use crate::options::{Beat, Seen, Settings};
 use crate::outputs;
+use crate::track;
 use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand};
@@ -18,6 +19,7 @@ const STYLES: Styles = Styles::styled()
 /// Headings of options that are no settings.
 const CELL: &str = "Cell model and stimulus";
 const NUMERICS: &str = "Numerics";
+const FILM: &str = "Film";
 pub(crate) const OUTPUT: &str = "Output";
 
 /// From a microscope picture of a heart cell to its beat.
@@ -29,6 +31,7 @@ pub(crate) const OUTPUT: &str = "Output";
         myospring run                                     beat the built-in cell\n  \
         myospring run cell.tif --pixel-size \"0.27 um\"     beat the cell of a picture\n  \
         myospring segment cell.tif                        only find its outline\n  \
+        myospring track film.avi --pixel-size \"0.2 um\"   follow the cell of a film\n  \
         myospring batch pictures                          beat the cells of a whole folder\n  \
         myospring compare results/a results/b             lay two results side by side\n  \
         myospring init beat.toml && myospring run beat.toml\n  \
@@ -54,6 +57,8 @@ pub(crate) enum Command {
     Paper(PaperArgs),
     /// Find the cells of a picture: outlines, their shapes and how sure they are; nothing beats
     Segment(SegmentArgs),
+    /// Follow a cell through a film: its curve of length, its stretches and sarcomeres, the motion of its points
+    Track(TrackArgs),
     /// Beat the cells of a whole folder of pictures: one row a cell
     Batch(Box<BatchArgs>),
     /// Lay runs side by side: curves, cells and a table of differences; factors and doses
@@ -237,6 +242,43 @@ pub(crate) struct SegmentArgs {
     /// No notes
     #[arg(short, long, help_heading = OUTPUT)]
     pub(crate) quiet: bool,
+}
+
+/// `myospring track`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring track film.avi --pixel-size \"0.18 um\" --frame-rate 30 --allow-cut\n  \
+    myospring track film.ome.tif                       pixel size and frame rate are the file's\n  \
+    myospring track frames --pixel-size \"0.27 um\" --frame-rate 100       a folder of pictures, in order\n  \
+    myospring track film.tif --frame 12 --outline cell.roi      the cell as drawn on frame 12\n\n\
+    Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; of other\n\
+    kinds whatever ffmpeg reads, where it is installed.\n\n\
+    Results: track.csv (a row a frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2,\n\
+    sarcomere_um where there are stripes, healed_pct), track.json (settings, warnings, numbers), rest.tif and\n\
+    outline.geojson (the cell at rest); then what --outputs names.\n\
+    Interrupted (Ctrl-C), the frames that are done are written.")]
+pub(crate) struct TrackArgs {
+    /// Film (.tif, .avi, ...) or folder of pictures
+    #[arg(value_name = "FILM")]
+    pub(crate) input: PathBuf,
+    /// Frames a second (30, or "30 /s") [default: as the film says]
+    #[arg(long, value_name = "RATE", allow_hyphen_values = true, help_heading = FILM)]
+    pub(crate) frame_rate: Option<String>,
+    /// Side of the squares of the picture that are looked for in each frame ("4 um"): larger is surer, smaller shows
+    /// finer motion [default: "4 um", at least 17 pixels]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, help_heading = FILM)]
+    pub(crate) subset: Option<String>,
+    #[command(flatten)]
+    pub(crate) settings: Settings<Seen>,
+    /// Threads; the numbers do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", help_heading = NUMERICS)]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// What to write beside the curve, parted by commas
+    #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = track::words(),
+          default_value = track::DEFAULT, help_heading = OUTPUT)]
+    pub(crate) outputs: Vec<String>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
 }
 
 /// `myospring batch`.

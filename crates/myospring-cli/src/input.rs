@@ -36,27 +36,30 @@ pub(crate) fn read(
 pub(crate) fn mesh(name: String, run: Run, results: Option<&OutputArgs>) -> Result<Input, Failure> {
     let bytes = run.shape.bytes(|file| fs::read(file))?;
     let shaped = match (&run.shape.source, results) {
-        (Source::Picture(source), Some(args)) => {
+        (Source::Picture(_), Some(args)) => {
             let folder = args.output.as_ref().and_then(|output| {
                 let beside = output.file_name()?.to_string_lossy();
                 Some(output.with_file_name(format!("{beside}_outline")))
             });
             let place = Place::Folder(folder.unwrap_or_else(|| segment::folder(&name)));
-            let (picture, shape) = (source.path.as_str(), &run.shape);
-            let refused = Refused { picture, shape, place };
-            match source.cells(&bytes) {
-                Err(cause) => return Err(refused.without_cells(cause, &bytes)),
-                Ok(cells) => match cells.cell(source.choice, source.allow_cut) {
-                    Ok(cell) => run.shape.mesh_cell(cells, cell)?,
-                    Err(cause) => {
-                        return Err(refused.with_cells(source.failed(cause), &cells, false));
-                    }
-                },
-            }
+            mesh_picture(&run, &bytes, place)?
         }
         _ => run.shape.mesh(&bytes)?,
     };
     Ok(Input { name, run, bytes, shaped })
+}
+
+/// Meshes the cell of a picture; of one that gives none an overlay is written to `place`.
+pub(crate) fn mesh_picture(run: &Run, bytes: &ShapeBytes, place: Place) -> Result<Shaped, Failure> {
+    let Source::Picture(source) = &run.shape.source else { return Ok(run.shape.mesh(bytes)?) };
+    let refused = Refused { picture: source.path.as_str(), shape: &run.shape, place };
+    match source.cells(bytes) {
+        Err(cause) => Err(refused.without_cells(cause, bytes)),
+        Ok(cells) => match cells.cell(source.choice, source.allow_cut) {
+            Ok(cell) => Ok(run.shape.mesh_cell(cells, cell)?),
+            Err(cause) => Err(refused.with_cells(source.failed(cause), &cells, false)),
+        },
+    }
 }
 
 /// Reads and checks every setting; the name of the results, and the run.

@@ -30,6 +30,7 @@ mod segment;
 mod study;
 mod summary;
 mod table;
+mod track;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -72,6 +73,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Paper(args)) => paper::paper(args),
         Some(Command::Segment(args)) => segment::segment(args),
+        Some(Command::Track(args)) => track::track(args),
         Some(Command::Batch(args)) => batch::batch(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Study(args)) => study::study(args),

@@ -219,7 +219,7 @@ fn is_ours(name: &str) -> bool {
 
 /// Names of the files that commands write to a folder of results; `*` stands for anything.
 fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 23] = [
+    const FILES: [&str; 28] = [
         "traces.csv",
         fibres::FILE,
         "summary.json",
@@ -243,6 +243,11 @@ fn ours() -> impl Iterator<Item = &'static str> {
         "runs/traces_*.csv",
         "figures/compared.*",
         "figures/contraction.*",
+        "track.csv",
+        "track.json",
+        "track.gif",
+        "rest.tif",
+        "figures/track.*",
     ];
     FILES.into_iter().chain(outputs::files())
 }

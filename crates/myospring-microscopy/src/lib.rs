@@ -3,12 +3,16 @@
 //! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`hot`] takes its hot pixels
 //! out; [`segment`] finds the cells in the plane; [`outlines`] reads those that were drawn elsewhere, and writes ours; [`report`] says what shape
 //! a cell has; [`fibres`] reads the direction of its myofibrils. [`cells`] strings these together.
+//! A [`film`] is many such planes; [`motion`] follows a cell through them.
 
 pub mod cells;
 mod dilation;
 pub mod fibres;
+pub mod film;
 pub mod filter;
 pub mod hot;
+pub mod motion;
+
 pub mod outlines;
 pub mod picture;
 pub mod plane;

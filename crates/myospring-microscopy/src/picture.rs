@@ -119,6 +119,8 @@ pub struct Picture {
     pub frames: usize,
     /// Number of slices in depth.
     pub slices: usize,
+    /// Time between two frames, s, where the file states one.
+    pub frame_interval_s: Option<f64>,
     /// What a person should know: which channel was taken of several, a pixel size that was not believed.
     pub notes: Vec<String>,
 }

@@ -2,6 +2,7 @@
 
 use super::picture::{Picture, Selection};
 
+pub(crate) mod avi;
 mod canvas;
 mod check;
 mod error;
@@ -10,6 +11,7 @@ mod limits;
 mod pixel_size;
 mod png;
 mod tiff;
+pub(crate) mod y4m;
 
 pub use error::PictureError;
 pub use limits::{LONGEST_SIDE, MOST_PIXELS};

@@ -14,6 +14,7 @@
 //! | [`distributions`] | histograms of the metrics of many members | |
 //! | [`responses`], [`response_map`] | a metric over one parameter, or over two | |
 //! | [`trace_bands`] | curves of many members: where half of them lie, and nine of ten | |
+//! | [`Tracked`] | a film with the lattice that was followed through it, and its curves | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
@@ -49,6 +50,7 @@ mod skin;
 mod svg;
 mod theme;
 mod traces;
+mod tracked;
 mod work_loop;
 
 pub use cell::Cell;
@@ -68,6 +70,7 @@ pub use shapes::cell_shapes;
 pub use sheet::Figure;
 pub use theme::Theme;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
+pub use tracked::{Tracked, TrackedFrame};
 pub use work_loop::work_loop;
 
 /// Why a figure was not drawn.

@@ -34,7 +34,21 @@ pub fn to_npz(
     content: Option<&[f64]>,
     outline: &Outline,
 ) -> Result<Vec<u8>, NpzError> {
-    let frames = &recording.frames;
+    to_npz_with(mesh, &recording.frames, fibres, content, outline, Vec::new())
+}
+
+/// As [`to_npz`], of frames that may come from elsewhere, with more arrays behind its own.
+///
+/// # Errors
+/// More than an archive can hold.
+pub fn to_npz_with(
+    mesh: &Mesh,
+    frames: &[Frame],
+    fibres: &[[f64; 2]],
+    content: Option<&[f64]>,
+    outline: &Outline,
+    more: Vec<(&'static str, Array)>,
+) -> Result<Vec<u8>, NpzError> {
     let (nodes, triangles) = (mesh.points[0].len(), mesh.simplices.len());
     let pairs = |[xs, ys]: &[Vec<f64>; 2]| -> Vec<f64> {
         xs.iter().zip(ys).flat_map(|(x, y)| [*x, *y]).collect()
@@ -84,6 +98,7 @@ pub fn to_npz(
         let array = Array::floats([frames.len(), triangles], tensions);
         arrays.push(("tension_by_triangle_kPa", array));
     }
+    arrays.extend(more);
     npz::to_bytes(&arrays)
 }
 

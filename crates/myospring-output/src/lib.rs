@@ -18,6 +18,7 @@
 //! | [`report`] | the numbers of a run with units, definitions and reference bands |
 //! | [`comparison`] | the paper's numbers beside ours |
 //! | [`table`] | a row for each of many runs, as CSV and Parquet |
+//! | [`track`] | `track.csv`, a cell followed through a film, a row a frame |
 //! | [`files`] | whole files or none |
 
 pub mod comparison;
@@ -33,4 +34,5 @@ pub mod npz;
 pub mod page;
 pub mod report;
 pub mod table;
+pub mod track;
 pub mod vtu;

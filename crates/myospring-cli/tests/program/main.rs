@@ -4,6 +4,7 @@
 
 mod compare;
 mod outputs;
+mod track;
 
 use std::fs;
 use std::path::Path;

@@ -49,6 +49,7 @@ pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Pictu
         channels: colours.channels(),
         frames: 1,
         slices: 1,
+        frame_interval_s: None,
         notes,
     })
 }

@@ -84,7 +84,18 @@ pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Pictu
     }
     let pixel_size = pixel_size::choose(stack.sizes, &mut notes)?;
     let frames = stack.planes.size(Axis::Frame);
-    Ok(Picture { plane, pixel_size, samples, coloured, channels, frames, slices, notes })
+    let frame_interval_s = stack.frame_interval_s.filter(|s| s.is_finite() && *s > 0.0);
+    Ok(Picture {
+        plane,
+        pixel_size,
+        samples,
+        coloured,
+        channels,
+        frames,
+        slices,
+        frame_interval_s,
+        notes,
+    })
 }
 
 /// What is made of the samples of a pixel.

@@ -1,6 +1,6 @@
 //! The beating cell as a film: frames at regular times, each a figure of its own, and all of them as GIF.
 
-mod gif;
+pub(super) mod gif;
 
 use super::cell::{COLOURS, Cell, closed, draw_colour_bar};
 use super::facets::check_frame;

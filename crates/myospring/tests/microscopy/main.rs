@@ -12,13 +12,17 @@ mod outline_files;
 mod picture_bytes;
 #[path = "../common/synthetic_cell.rs"]
 mod synthetic_cell;
+#[path = "../common/synthetic_film.rs"]
+mod synthetic_film;
 #[path = "../common/touching_cells.rs"]
 mod touching_cells;
 
 mod fibres;
+mod films;
 mod fuzz_corpus;
 mod hot_pixels;
 mod masks;
+mod motion;
 mod outlines_damaged;
 mod outlines_given;
 mod outlines_traced;

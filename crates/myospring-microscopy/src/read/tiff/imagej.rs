@@ -17,6 +17,8 @@ pub(super) struct ImageJ {
     /// Distance of slices, which only a stack in depth has.
     spacing: bool,
     unit: Option<String>,
+    /// Time between two frames, s.
+    frame_interval_s: Option<f64>,
 }
 
 impl ImageJ {
@@ -27,6 +29,16 @@ impl ImageJ {
                 description.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='))
             };
             let number = |name| value(name).and_then(|text| text.trim().parse().ok()).unwrap_or(1);
+            let real = |name| value(name).and_then(|text| text.trim().parse::<f64>().ok());
+            // `finterval` is what was recorded; `fps` is how fast it is shown, which stands in for it.
+            let per_unit = match value("tunit").map(str::trim) {
+                Some("ms" | "msec") => 1e-3,
+                Some("min") => 60.0,
+                _ => 1.0,
+            };
+            let recorded = real("finterval").filter(|interval| *interval > 0.0);
+            let shown = real("fps").filter(|rate| *rate > 0.0).map(f64::recip);
+            let interval = recorded.map(|interval| interval * per_unit).or(shown);
             Self {
                 images: number("images"),
                 channels: number("channels"),
@@ -35,6 +47,7 @@ impl ImageJ {
                 hyperstack: value("hyperstack").is_some_and(|text| text.trim() == "true"),
                 spacing: value("spacing").is_some(),
                 unit: value("unit").map(str::to_owned),
+                frame_interval_s: interval,
             }
         })
     }
@@ -63,6 +76,11 @@ impl ImageJ {
             planes.add([0; 3], Run { page: 0, count: pages, elsewhere: None });
             planes
         }))
+    }
+
+    /// Time between two frames, s.
+    pub(super) fn frame_interval_s(&self) -> Option<f64> {
+        self.frame_interval_s
     }
 
     /// Size of a pixel from the resolution tags, which count pixels per unit.

@@ -28,6 +28,10 @@ pub(super) struct Ome {
     order: String,
     sides: [Option<f64>; 2],
     units: [Option<String>; 2],
+    /// Time between two frames as it was set, s.
+    increment_s: Option<f64>,
+    /// Number and time of the first and of the last frame that has a time, s.
+    times: [Option<(u64, f64)>; 2],
     data: Vec<Data>,
 }
 
@@ -97,6 +101,7 @@ impl Ome {
                 }
                 self.data.push(data);
             }
+            "Plane" if is_first => self.plane(element)?,
             "UUID" if is_first => {
                 let file = attribute(element, "FileName")?.map(Cow::into_owned);
                 if let Some(data) = self.data.last_mut() {
@@ -122,7 +127,30 @@ impl Ome {
             self.sides[axis] = attribute(element, name)?.and_then(|text| text.trim().parse().ok());
             self.units[axis] = attribute(element, unit)?.map(Cow::into_owned);
         }
+        self.increment_s = seconds(element, "TimeIncrement", "TimeIncrementUnit")?;
         Ok(())
+    }
+
+    /// Notes when a plane was taken.
+    fn plane(&mut self, element: &BytesStart) -> Result<(), String> {
+        let time = seconds(element, "DeltaT", "DeltaTUnit")?;
+        let other = |name| Ok::<_, String>(number(element, name)?.unwrap_or(0) > 0);
+        if let (Some(time), false, false) = (time, other("TheC")?, other("TheZ")?) {
+            let taken = (number(element, "TheT")?.unwrap_or(0), time);
+            let [first, last] = &mut self.times;
+            *first = first.filter(|first| first.0 <= taken.0).or(Some(taken));
+            *last = last.filter(|last| last.0 >= taken.0).or(Some(taken));
+        }
+        Ok(())
+    }
+
+    /// Time between two frames, s: as it was set, else the mean of the times at which they were taken.
+    pub(super) fn frame_interval_s(&self) -> Option<f64> {
+        let taken = || {
+            let [Some((first, start)), Some((last, end))] = self.times else { return None };
+            (last > first).then(|| (end - start) / (last - first) as f64)
+        };
+        self.increment_s.filter(|interval| *interval > 0.0).or_else(taken)
     }
 
     /// Which page holds what, where each page has `samples` channels.
@@ -186,6 +214,20 @@ fn attribute<'a>(element: &'a BytesStart, name: &str) -> Result<Option<Cow<'a, s
         .map(|value| value.normalized_value(XmlVersion::Implicit1_0))
         .transpose()
         .map_err(|error| format!("{name}: {error}"))
+}
+
+/// A time, s; that is its unit where none stands.
+fn seconds(element: &BytesStart, name: &str, unit: &str) -> Result<Option<f64>, String> {
+    let time = attribute(element, name)?.and_then(|text| text.trim().parse::<f64>().ok());
+    let unit = attribute(element, unit)?;
+    let scale = match unit.as_deref() {
+        None | Some("s") => 1.0,
+        Some("ms") => 1e-3,
+        Some("\u{b5}s" | "\u{3bc}s" | "us") => 1e-6,
+        Some("min") => 60.0,
+        Some(_) => return Ok(None),
+    };
+    Ok(time.map(|time| time * scale))
 }
 
 fn number(element: &BytesStart, name: &str) -> Result<Option<u64>, String> {

@@ -17,6 +17,8 @@ pub(super) struct Stack {
     pages: Vec<usize>,
     /// Statements of the size of a pixel, the most trustworthy first.
     pub(super) sizes: Vec<Stated>,
+    /// Time between two frames, s, as the file states it.
+    pub(super) frame_interval_s: Option<f64>,
 }
 
 impl Stack {
@@ -42,7 +44,8 @@ impl Stack {
             }
             let planes = ome.planes(pages.len() as u64, u64::from(first.channels()));
             if let Some(planes) = planes.filter(|_| ome.images > 0) {
-                return Ok(Self { planes, pages, sizes });
+                let frame_interval_s = ome.frame_interval_s();
+                return Ok(Self { planes, pages, sizes, frame_interval_s });
             }
         }
         pages.retain(|&page| {
@@ -77,7 +80,8 @@ impl Stack {
         let axis = if selection.depth.is_some() { Axis::Slice } else { Axis::Frame };
         let planes = planes.or_else(|| imagej::series(axis, count));
         let planes = planes.ok_or_else(|| damaged_tiff(format!("it has {count} pages")))?;
-        Ok(Self { planes, pages, sizes })
+        let frame_interval_s = imagej.as_ref().and_then(ImageJ::frame_interval_s);
+        Ok(Self { planes, pages, sizes, frame_interval_s })
     }
 
     /// The page in the file that holds a plane.

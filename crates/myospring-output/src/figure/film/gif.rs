@@ -15,7 +15,7 @@ pub struct Still {
 }
 
 /// A painted frame in the nearest colours of a palette of at most 255.
-pub(super) fn still(palette: &[[u8; 3]], size: [u32; 2], colours: &[u8]) -> Still {
+pub(in crate::figure) fn still(palette: &[[u8; 3]], size: [u32; 2], colours: &[u8]) -> Still {
     // Few colours, many pixels.
     let mut known: HashMap<[u8; 3], u8> = HashMap::new();
     let pixels = colours.chunks_exact(3).map(|pixel| {
@@ -34,7 +34,7 @@ fn nearest(palette: &[[u8; 3]], colour: [u8; 3]) -> u8 {
 }
 
 /// Frames one after the other, each shown for `delay` hundredths of a second, without end.
-pub(super) fn animated(
+pub(in crate::figure) fn animated(
     palette: &[[u8; 3]],
     stills: &[Still],
     delay: u16,

@@ -1,0 +1,98 @@
+//! Opening films: files and folders that the library reads, all others through ffmpeg.
+
+use crate::failure::Failure;
+use crate::input::{cannot_read, ending, unread_picture};
+use myospring::microscopy::film::{Film, FilmError};
+use myospring::microscopy::picture::Selection;
+use myospring::settings::PICTURE_ENDINGS;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Endings of films that the library reads.
+const FILM_ENDINGS: [&str; 4] = ["tif", "tiff", "avi", "y4m"];
+
+/// A name for results: that of the film without its ending.
+pub(super) fn name(path: &Path) -> Result<String, Failure> {
+    // Before anything else is said about it.
+    let about = fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
+    let whole = fs::canonicalize(path).map_err(|error| cannot_read(path, &error))?;
+    let name = if about.is_dir() { whole.file_name() } else { whole.file_stem() };
+    Ok(name.unwrap_or_default().to_string_lossy().trim_end_matches(".ome").to_owned())
+}
+
+/// Opens a film.
+pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> {
+    let failed = |error: FilmError| Failure::new(format!("`{}`: {error}", path.display()));
+    let about = fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
+    if about.is_dir() {
+        return Film::of_pictures(pictures(path)?, selection).map_err(failed);
+    }
+    let kind = ending(path);
+    if !FILM_ENDINGS.contains(&kind.as_str()) {
+        if let Some(format) = unread_picture(&kind).filter(|_| kind != "gif") {
+            let message = format!("`{}`: this is a {format}", path.display());
+            return Err(Failure::new(message));
+        }
+        if PICTURE_ENDINGS.contains(&kind.as_str()) {
+            return Err(failed(FilmError::TooFew { frames: 1 })
+                .advise("give a film, or the folder that holds all its pictures"));
+        }
+        return Film::read(through_ffmpeg(path, None)?, selection).map_err(failed);
+    }
+    let bytes = fs::read(path).map_err(|error| cannot_read(path, &error))?;
+    match Film::read(bytes, selection) {
+        Err(FilmError::Codec { codec }) => {
+            Film::read(through_ffmpeg(path, Some(&codec))?, selection).map_err(failed)
+        }
+        film => film.map_err(failed),
+    }
+}
+
+/// The pictures of a folder, not of folders in it.
+fn pictures(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|error| cannot_read(folder, &error))? {
+        let path = entry.map_err(|error| cannot_read(folder, &error))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let is_picture = PICTURE_ENDINGS.contains(&ending(&path).as_str());
+        if is_picture && path.is_file() && !name.starts_with('.') {
+            files.push((name, fs::read(&path).map_err(|error| cannot_read(&path, &error))?));
+        }
+    }
+    if files.is_empty() {
+        let message = format!("the folder `{}` holds no pictures", folder.display());
+        return Err(
+            Failure::new(message).advise("give a folder of .png or .tif files, one a frame")
+        );
+    }
+    Ok(files)
+}
+
+/// The film as a stream of grey frames, by ffmpeg; `codec` is what the library cannot read of it.
+fn through_ffmpeg(path: &Path, codec: Option<&str>) -> Result<Vec<u8>, Failure> {
+    let what = match codec {
+        Some(codec) => format!("`{}`: the frames are compressed with {codec}", path.display()),
+        None => format!("`{}` is no TIFF, AVI or .y4m", path.display()),
+    };
+    let made = Command::new("ffmpeg")
+        .args(["-nostdin", "-loglevel", "error", "-i"])
+        .arg(path)
+        .args(["-map", "0:v:0", "-pix_fmt", "gray", "-f", "yuv4mpegpipe", "-"])
+        .stdin(Stdio::null())
+        .output();
+    let made = made.map_err(|error| {
+        Failure::new(format!("{what}, which only ffmpeg reads, and it does not start: {error}")).advise(
+            "install ffmpeg (https://ffmpeg.org, or `apt install ffmpeg`, `brew install ffmpeg`, `winget install \
+             ffmpeg`), or save the film as TIFF or uncompressed AVI (Fiji: File > Save As)",
+        )
+    })?;
+    if made.stdout.is_empty() {
+        let said = String::from_utf8_lossy(&made.stderr);
+        let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
+        let last = last.unwrap_or("it says nothing more");
+        return Err(Failure::new(format!("{what}, and ffmpeg reads no film from it: {last}"))
+            .advise("is this a film? save it as TIFF or AVI"));
+    }
+    Ok(made.stdout)
+}

@@ -1,0 +1,200 @@
+//! What is written beside the curve.
+
+use super::follow::Followed;
+use super::report::Report;
+use crate::failure::Failure;
+use crate::results::{Draw, Folder};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use myospring::microscopy::plane::Plane;
+use myospring::output::figure::{FigureError, Theme, Tracked, TrackedFrame};
+use myospring::output::npz::Array;
+use myospring::output::{frames, vtu};
+use myospring::recording::Frame;
+use rayon::prelude::*;
+
+/// What is written unless others are asked for.
+pub(crate) const DEFAULT: &str = "figures,gif,frames";
+
+const WORDS: [(&str, &str); 5] = [
+    ("figures", "cell at rest and shortest, curves: figures/track, SVG and PNG"),
+    ("gif", "the film with the lattice laid over (track.gif)"),
+    (
+        "frames",
+        "positions of all points, which were healed, mesh and fibres, for NumPy (frames.npz)",
+    ),
+    ("vtu", "displacements and strains for ParaView: open cell.pvd (and the folder vtu/)"),
+    ("none", "the curve and its numbers only"),
+];
+
+/// Most frames of the GIF: of longer films every second, third, ... is shown.
+const MOST_SHOWN: usize = 150;
+/// Hundredths of a second that a frame is shown, at least.
+const SHORTEST: f64 = 3.0;
+
+/// What `--outputs` takes.
+pub(crate) fn words() -> PossibleValuesParser {
+    WORDS.map(|(word, about)| PossibleValue::new(word).help(about)).to_vec().into()
+}
+
+/// Writes what was named.
+pub(super) fn write(
+    folder: &Folder,
+    words: &[String],
+    followed: &Followed,
+    report: &Report<'_>,
+) -> Result<(), Failure> {
+    let named = |word: &str| words.iter().any(|other| other == word);
+    if named("none") && words.len() > 1 {
+        return Err(Failure::new(format!("--outputs {}: `none` stands alone", words.join(",")))
+            .advise("leave out `none` or everything else"));
+    }
+    let drawn = Drawn { followed, report };
+    if named("figures") {
+        drawn.figures(folder)?;
+    }
+    if named("gif") {
+        drawn.gif(folder)?;
+    }
+    if named("frames") || named("vtu") {
+        let shapes = shapes(followed);
+        if named("frames") {
+            npz(folder, followed, &shapes)?;
+        }
+        if named("vtu") {
+            grids(folder, followed, &shapes)?;
+        }
+    }
+    Ok(())
+}
+
+/// The frames in the form of a run's; no tension is known.
+fn shapes(followed: &Followed) -> Vec<Frame> {
+    let motion = &followed.motion;
+    let frame = |at: usize| Frame {
+        t_ms: motion.times_ms[at],
+        ta_kpa: f64::NAN,
+        ta_by_triangle_kpa: None,
+        positions: motion.positions(at),
+    };
+    (0..motion.len()).map(frame).collect()
+}
+
+fn npz(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), Failure> {
+    let Followed { motion, shaped, fibres, .. } = followed;
+    let (count, points) = (motion.len(), motion.mesh.len());
+    let healed = motion.healed.iter().flatten().map(|&healed| i32::from(healed));
+    let stage = motion.stage_um.iter().flatten().copied();
+    let more = vec![
+        ("healed", Array::whole([count, points], healed)),
+        ("stage_um", Array::floats([count, 2], stage)),
+    ];
+    let directions = &fibres.directions;
+    let bytes = frames::to_npz_with(&motion.mesh, shapes, directions, None, &shaped.outline, more)?;
+    folder.write("frames.npz", bytes)
+}
+
+fn grids(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), Failure> {
+    let frames =
+        vtu::Frames::new(&followed.motion.mesh, shapes, &followed.fibres.directions, None)?;
+    (0..frames.len()).into_par_iter().try_for_each(|index| {
+        folder.write(&format!("vtu/{}", frames.name(index)), frames.frame(index))
+    })?;
+    folder.write("cell.pvd", frames.collection("vtu"))
+}
+
+/// What figures and films are drawn from.
+struct Drawn<'a> {
+    followed: &'a Followed,
+    report: &'a Report<'a>,
+}
+
+impl Drawn<'_> {
+    fn tracked(&self) -> Option<Tracked<'_>> {
+        let Followed { film, motion, shaped, run, .. } = self.followed;
+        let (cells, _) = shaped.picture.as_ref()?;
+        let [width, height] = film.size();
+        Some(Tracked {
+            title: run
+                .shape
+                .file()
+                .map_or("", |file| file.rsplit(['/', '\\']).next().unwrap_or(file)),
+            width,
+            height,
+            pixel_size: cells.pixel_size,
+            mesh: &motion.mesh,
+            rows: &self.report.rows,
+        })
+    }
+
+    /// A frame of the film, and where the points are in it.
+    fn seen(&self, at: usize) -> Result<(Plane, [Vec<f64>; 2]), Failure> {
+        let Followed { film, motion, .. } = self.followed;
+        let plane = film.frame(motion.first + at).map_err(Failure::new)?;
+        let mut positions = motion.positions(at);
+        for (positions, stage) in positions.iter_mut().zip(motion.stage_um[at]) {
+            positions.iter_mut().for_each(|position| *position += stage);
+        }
+        Ok((plane, positions))
+    }
+
+    fn figures(&self, folder: &Folder) -> Result<(), Failure> {
+        let Some(tracked) = self.tracked() else { return Ok(()) };
+        let motion = &self.followed.motion;
+        let rest = motion.rest - motion.first;
+        let rows = &self.report.rows;
+        let shortest = (0..rows.len())
+            .max_by(|&a, &b| rows[a].shortening_pct.total_cmp(&rows[b].shortening_pct))
+            .unwrap_or(rest);
+        let [(rest_plane, rest_at), (plane, at)] = [self.seen(rest)?, self.seen(shortest)?];
+        // What never was found is as unsure in the picture at rest as it is later.
+        let often: Vec<bool> = (0..motion.mesh.len())
+            .map(|point| {
+                let healed = motion.healed.iter().filter(|healed| healed[point]).count();
+                2 * healed > motion.len()
+            })
+            .collect();
+        let frame = |plane: &'_ Plane| plane.values().to_vec();
+        let (rest_values, values) = (frame(&rest_plane), frame(&plane));
+        let draw = || -> Result<_, FigureError> {
+            let rest = TrackedFrame {
+                values: &rest_values,
+                positions: &rest_at,
+                healed: &often,
+                row: rest,
+            };
+            let healed = &motion.healed[shortest];
+            let shortest = TrackedFrame { values: &values, positions: &at, healed, row: shortest };
+            tracked.summary(&rest, &shortest)
+        };
+        let figures: [(&str, Draw<'_>); 1] = [("track", &draw)];
+        folder.figures(Theme::default(), &figures)
+    }
+
+    fn gif(&self, folder: &Folder) -> Result<(), Failure> {
+        let Some(tracked) = self.tracked() else { return Ok(()) };
+        let motion = &self.followed.motion;
+        if motion.len() < 2 {
+            return Ok(());
+        }
+        // Real time as far as players show it.
+        let hundredths = 100.0 / self.followed.frames_per_second;
+        let every =
+            motion.len().div_ceil(MOST_SHOWN).max((SHORTEST / hundredths).floor() as usize).max(1);
+        let shown: Vec<usize> = (0..motion.len()).step_by(every).collect();
+        let stills: Result<Vec<_>, Failure> = shown
+            .into_par_iter()
+            .map(|at| {
+                let (plane, positions) = self.seen(at)?;
+                let frame = TrackedFrame {
+                    values: plane.values(),
+                    positions: &positions,
+                    healed: &motion.healed[at],
+                    row: at,
+                };
+                Ok(tracked.still(&frame)?)
+            })
+            .collect();
+        let delay = (hundredths * every as f64).round().clamp(SHORTEST, 6000.0);
+        folder.write("track.gif", tracked.gif(&stills?, delay as u16)?)
+    }
+}

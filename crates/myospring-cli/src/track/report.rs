@@ -1,0 +1,224 @@
+//! What was measured, for machines and for people.
+
+use super::follow::Followed;
+use myospring::microscopy::motion::{Motion, Stage};
+use myospring::microscopy::report::ShapeReport;
+use myospring::output::track::TrackRow;
+use myospring::settings::FibreReport;
+use myospring::study::sha256;
+use serde::Serialize;
+use std::path::Path;
+
+/// Share of healed points from which on a person is told, per cent.
+const MANY_HEALED_PCT: f64 = 30.0;
+/// Least shortening that is a beat, in standard errors of the length, and in per cent.
+const LEAST_ERRORS: f64 = 4.0;
+const LEAST_SHORTENING_PCT: f64 = 0.2;
+/// Part of its excursion by which a cell may be longer than at rest.
+const LONGER: f64 = 0.5;
+
+/// `track.json`.
+#[derive(Serialize)]
+pub(super) struct Report<'a> {
+    program: &'static str,
+    version: &'static str,
+    film: String,
+    frames: usize,
+    /// Of these followed, from this one on.
+    frames_followed: usize,
+    first_frame: usize,
+    rest_frame: usize,
+    frames_per_second: f64,
+    frame_rate_source: &'static str,
+    pixel_size_um: f64,
+    pixel_size_source: &'static str,
+    subset_um: f64,
+    spacing_um: f64,
+    points: usize,
+    /// Standard deviation of the noise, grey levels.
+    noise_grey_levels: f64,
+    /// Standard error of a point's displacement that the noise makes, before neighbours are averaged; median.
+    noise_error_um: Option<f64>,
+    healed_pct_mean: f64,
+    healed_pct_most: f64,
+    stage: String,
+    stage_largest_um: f64,
+    resting_length_um: f64,
+    peak_shortening_pct: f64,
+    peak_frame: usize,
+    sarcomere_places: usize,
+    sarcomere_rest_um: Option<f64>,
+    sarcomere_least_um: Option<f64>,
+    rest_picture_sha256: String,
+    cell: Option<&'a ShapeReport>,
+    fibres: FibreReport,
+    pub(super) warnings: Vec<String>,
+    /// A row a frame: `track.csv`.
+    #[serde(skip)]
+    pub(super) rows: Vec<TrackRow>,
+}
+
+impl<'a> Report<'a> {
+    pub(super) fn of(path: &Path, followed: &'a Followed) -> Self {
+        let Followed { film, motion, shaped, fibres, .. } = followed;
+        let rows = rows(motion);
+        let rest = motion.rest - motion.first;
+        let most =
+            |of: &dyn Fn(&TrackRow) -> f64| rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        let peak = rows.iter().max_by(|a, b| a.shortening_pct.total_cmp(&b.shortening_pct));
+        let lengths = || rows.iter().filter_map(|row| row.sarcomere_um);
+        let stage = match motion.stage {
+            Stage::Background { points } => format!("background, median over {points} places"),
+            Stage::CellMean => "mean of the cell (the background has no texture)".to_owned(),
+        };
+        let spacing_um = shaped.report.spacing_um;
+        let picture = shaped.picture.as_ref();
+        Self {
+            program: "myospring",
+            version: env!("CARGO_PKG_VERSION"),
+            film: path.display().to_string(),
+            frames: film.len(),
+            frames_followed: motion.len(),
+            first_frame: motion.first,
+            rest_frame: motion.rest,
+            frames_per_second: followed.frames_per_second,
+            frame_rate_source: if followed.rate_given { "given" } else { "the film" },
+            pixel_size_um: motion.pixel_um,
+            pixel_size_source: if followed
+                .run
+                .shape
+                .source
+                .picture()
+                .is_some_and(|it| it.options.pixel_size.is_some())
+            {
+                "given"
+            } else {
+                "the film"
+            },
+            subset_um: motion.subset_um,
+            spacing_um,
+            points: motion.mesh.len(),
+            noise_grey_levels: motion.noise,
+            noise_error_um: motion.error_um,
+            healed_pct_mean: rows.iter().map(|row| row.healed_pct).sum::<f64>() / rows.len() as f64,
+            healed_pct_most: most(&|row| row.healed_pct),
+            stage,
+            stage_largest_um: most(&|row| row.stage_um[0].hypot(row.stage_um[1])),
+            resting_length_um: rows[rest].length_um,
+            peak_shortening_pct: peak.map_or(0.0, |row| row.shortening_pct),
+            peak_frame: peak.map_or(0, |row| row.frame),
+            sarcomere_places: motion.sarcomere_places,
+            sarcomere_rest_um: rows[rest].sarcomere_um,
+            sarcomere_least_um: lengths().reduce(f64::min),
+            rest_picture_sha256: sha256(&followed.rest_picture),
+            cell: picture.map(|(_, cell)| &cell.shape),
+            fibres: fibres.report(),
+            warnings: warnings(followed, &rows, rest),
+            rows,
+        }
+    }
+
+    pub(super) fn for_people(&self) -> String {
+        let mut lines = vec![format!(
+            "{}: {} of {} frames at {} /s ({}), pixels of {} um; at rest in frame {}",
+            self.film,
+            self.frames_followed,
+            self.frames,
+            self.frames_per_second,
+            self.frame_rate_source,
+            self.pixel_size_um,
+            self.rest_frame
+        )];
+        lines.push(format!(
+            "length {:.1} um at rest, shortens by {:.2} % (frame {})",
+            self.resting_length_um, self.peak_shortening_pct, self.peak_frame
+        ));
+        if let (Some(rest), Some(least)) = (self.sarcomere_rest_um, self.sarcomere_least_um) {
+            lines.push(format!(
+                "sarcomeres {rest:.3} um at rest, {least:.3} um at least (mean over {} places)",
+                self.sarcomere_places
+            ));
+        }
+        lines.push(format!(
+            "{} points, subsets of {:.1} um, healed {:.1} % on average, {:.1} % at most",
+            self.points, self.subset_um, self.healed_pct_mean, self.healed_pct_most
+        ));
+        lines.push(format!(
+            "motion of the stage: {}, up to {:.2} um",
+            self.stage, self.stage_largest_um
+        ));
+        lines.join("\n")
+    }
+}
+
+fn rows(motion: &Motion) -> Vec<TrackRow> {
+    let extents = motion.extents();
+    let rest = extents[motion.rest - motion.first].length;
+    let all = motion.stretches();
+    let row = |(at, extent): (usize, &myospring::analysis::shape::Extent)| {
+        let stretches = all[at];
+        TrackRow {
+            frame: motion.first + at,
+            t_ms: motion.times_ms[at],
+            length_um: extent.length,
+            shortening_pct: 100.0 * (1.0 - extent.length / rest),
+            width_um: extent.width,
+            area_um2: motion.area_um2(at),
+            stretch_1: stretches.smaller,
+            stretch_2: stretches.larger,
+            sarcomere_um: motion.sarcomeres_um[at],
+            healed_pct: 100.0 * motion.healed_share(at),
+            correlation: motion.correlation[at],
+            stage_um: motion.stage_um[at],
+        }
+    };
+    extents.iter().enumerate().map(row).collect()
+}
+
+fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> {
+    let Followed { film, motion, shaped, fibres, .. } = followed;
+    let mut warnings = film.notes.clone();
+    warnings.extend(shaped.report.warnings.iter().cloned());
+    warnings.extend(fibres.warnings.iter().cloned());
+    if motion.len() < film.len() {
+        warnings.push(format!(
+            "interrupted: frames {} to {} of {} were followed",
+            motion.first,
+            motion.first + motion.len() - 1,
+            film.len()
+        ));
+    }
+    if let (Some(own), true) = (film.frames_per_second, followed.rate_given) {
+        let given = followed.frames_per_second;
+        if (own / given - 1.0).abs() > 0.01 {
+            warnings.push(format!(
+                "the film says {own:.4} frames a second, but {given} were given and are used (what a film says is \
+                 often how fast it is to be shown)"
+            ));
+        }
+    }
+    let worst = rows.iter().max_by(|a, b| a.healed_pct.total_cmp(&b.healed_pct));
+    if let Some(row) = worst.filter(|row| row.healed_pct > MANY_HEALED_PCT) {
+        let frames = rows.iter().filter(|row| row.healed_pct > MANY_HEALED_PCT).count();
+        warnings.push(format!(
+            "in {frames} frames more than {MANY_HEALED_PCT} % of the points were not found again but put where their \
+             neighbours would have them (frame {}: {:.0} %)",
+            row.frame, row.healed_pct
+        ));
+    }
+    let shortest = rows.iter().map(|row| row.shortening_pct).fold(0.0, f64::max);
+    let longest = rows.iter().map(|row| -row.shortening_pct).fold(0.0, f64::max);
+    let error_pct = 100.0 * motion.error_um.unwrap_or(0.0) / rows[rest].length_um;
+    if shortest < (LEAST_ERRORS * error_pct).max(LEAST_SHORTENING_PCT) {
+        warnings.push(format!(
+            "the cell hardly moves: it shortens by {shortest:.3} % at most, while the noise makes an error of \
+             {error_pct:.3} %"
+        ));
+    } else if longest > LONGER * (shortest + longest) {
+        warnings.push(format!(
+            "the cell is up to {longest:.1} % longer than in frame {}, which was taken for rest; choose it with --frame",
+            motion.rest
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,79 @@
+//! Why bytes are not a film, or a frame is not one.
+
+use super::FEWEST_FRAMES;
+use crate::read::PictureError;
+
+/// Why bytes are not a film, or a frame is not one.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FilmError {
+    /// No TIFF, AVI or `YUV4MPEG2`, or a damaged one.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// One frame cannot be read.
+    #[error("frame {frame}{}: {cause}", named(name))]
+    Frame {
+        /// Its number, from 0.
+        frame: usize,
+        /// Its file, where each has one.
+        name: Option<String>,
+        /// What is wrong.
+        cause: PictureError,
+    },
+    /// Frames of different sizes.
+    #[error(
+        "frame {frame}{} has {} x {} pixels, but the first has {} x {}; give frames of one size",
+        named(name), found[0], found[1], expected[0], expected[1]
+    )]
+    Sizes {
+        /// Its number, from 0.
+        frame: usize,
+        /// Its file, where each has one.
+        name: Option<String>,
+        /// Columns and rows of the first frame.
+        expected: [usize; 2],
+        /// Its own.
+        found: [usize; 2],
+    },
+    /// Too few frames.
+    #[error(
+        "there {}; at least {FEWEST_FRAMES} are needed to follow a cell: is this a picture, or was the \
+         recording cut off?",
+        match frames { 1 => "is only one frame".to_owned(), count => format!("are only {count} frames") }
+    )]
+    TooFew {
+        /// How many there are.
+        frames: usize,
+    },
+    /// A frame that is not there.
+    #[error(
+        "frame {frame} was asked for, but the film has {frames}, 0 to {}",
+        frames.saturating_sub(1)
+    )]
+    NoSuchFrame {
+        /// The one that was asked for.
+        frame: usize,
+        /// How many there are.
+        frames: usize,
+    },
+    /// An AVI or `YUV4MPEG2` that is damaged.
+    #[error("the {format} film cannot be read: {reason}; is the file complete?")]
+    Damaged {
+        /// AVI or `YUV4MPEG2`.
+        format: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Compression that is not read here.
+    #[error(
+        "the frames are compressed with {codec}, which is not read here; save the film uncompressed (Fiji: \
+         File > Save As > AVI, compression none), or as TIFF"
+    )]
+    Codec {
+        /// Four letters, or a number.
+        codec: String,
+    },
+}
+
+fn named(name: &Option<String>) -> String {
+    name.as_ref().map(|name| format!(" (`{name}`)")).unwrap_or_default()
+}

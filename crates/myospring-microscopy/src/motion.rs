@@ -1,0 +1,495 @@
+//! The motion of a cell through a film: digital image correlation on the points of its lattice.
+//!
+//! 1. [`Rest::find`] chooses the frame at rest.
+//! 2. Around each point of the lattice a **subset** of the picture at rest, as far as it is the cell, is looked for in
+//!    every frame, translation and gradients free, by the zero-normalised sum of squared differences (brightness and
+//!    contrast do not matter) and inverse-compositional Gauss-Newton steps, between pixels by cubic B-splines.
+//! 3. Every frame is compared with the one at rest, so nothing drifts; the search starts from the frame before, and
+//!    from a coarse level, where stripes are blurred away: stripes repeat, so a start that is half a sarcomere off
+//!    would end on the wrong one.
+//! 4. Points that correlate badly, do not agree with their neighbours, or belong to a group that does not agree with a
+//!    larger one beside it are looked for anew from where their neighbours would have them, and those that are still
+//!    wrong are **healed**: put there. They are marked and counted.
+//! 5. The motion of the stage is taken out: that of the background, where it has a texture; otherwise the mean of the
+//!    cell.
+//!
+//! Displacements are um, y upward, as in meshes.
+
+mod error;
+mod level;
+mod measure;
+mod neighbours;
+mod rest;
+mod spline;
+mod stage;
+mod stripes;
+mod subset;
+
+pub use error::MotionError;
+pub use measure::Stretches;
+pub use rest::Rest;
+pub use stage::Stage;
+
+use crate::fibres::FibreField;
+use crate::film::Film;
+use crate::filter;
+use crate::outlines::PixelFrame;
+use crate::plane::Plane;
+use level::{Detail, Field, Level};
+use myospring_core::mesh::Mesh;
+use myospring_core::mesh::pixel_size::PixelSize;
+use rayon::ThreadPoolBuilder;
+use spline::Spline;
+use stage::Background;
+use stripes::Stripes;
+use subset::Warp;
+
+/// Half of the least and of the largest side of a subset, pixels.
+const HALVES: [usize; 2] = [8, 30];
+/// Blur before anything is compared, pixels: what single pixels do is noise, and its slopes would shorten every step.
+const SMOOTHING: f64 = 0.8;
+/// Width beside the cell that is looked at with it, um: the rim belongs to it.
+const RIM_UM: f64 = 0.6;
+/// Blur that leaves nothing of stripes, um, and at least so many pixels; the pixels of the coarse level.
+const BLUR_UM: f64 = 0.9;
+const LEAST_BLUR: f64 = 1.5;
+const COARSE_UM: f64 = 0.8;
+/// Half of a coarse subset's side, pixels of its level, and the distance of its points, um.
+const COARSE_HALF: usize = 9;
+const COARSE_APART_UM: f64 = 4.0;
+/// From this difference on the coarse level is another start than the frame before, pixels.
+const ANOTHER_START: f32 = 0.3;
+/// Most that a point may be off its neighbours, um: well below half a sarcomere.
+const OFF_UM: f64 = 0.4;
+/// Distance of neighbours in spacings of the lattice, and of those next to each other.
+const REACH: f32 = 2.6;
+const NEXT: f32 = 1.5;
+/// Least part of the points that must be found in the middle one of all frames.
+const LEAST_FOUND: f64 = 0.3;
+
+/// How a cell is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Frames a second.
+    pub frames_per_second: f64,
+    /// Side of a subset, um; at least 17 pixels and at most 61 are taken.
+    pub subset_um: f64,
+    /// Threads; `None` takes as many as there are cores. The numbers do not depend on it.
+    pub threads: Option<usize>,
+}
+
+impl Settings {
+    /// Side of a subset unless another is asked for, um: two sarcomeres.
+    pub const SUBSET_UM: f64 = 4.0;
+
+    /// The defaults, with a frame rate.
+    pub const fn at(frames_per_second: f64) -> Self {
+        Self { frames_per_second, subset_um: Self::SUBSET_UM, threads: None }
+    }
+}
+
+/// The cell in the frame at rest.
+#[derive(Debug, Clone, Copy)]
+pub struct Cell<'a> {
+    /// Its lattice, um from the lower left corner of the picture.
+    pub mesh: &'a Mesh,
+    /// Row by row from the top left: is this pixel the cell?
+    pub inside: &'a [bool],
+    /// Row by row from the top left: does this pixel belong to any cell, this one or another?
+    pub any_cell: &'a [bool],
+    /// Side of a pixel.
+    pub pixel_size: PixelSize,
+    /// What the picture shows of its fibres.
+    pub fibres: Option<&'a FibreField>,
+}
+
+/// The motion of a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// The lattice at rest.
+    pub mesh: Mesh,
+    /// Number in the film of the first frame that was followed; the others come one after the other.
+    pub first: usize,
+    /// Number in the film of the frame at rest.
+    pub rest: usize,
+    /// Time of each frame from the first of the film, ms.
+    pub times_ms: Vec<f64>,
+    /// How far each point has gone from where it rests, without the motion of the stage, um, y upward:
+    /// `displacements_um[frame][axis][point]`.
+    pub displacements_um: Vec<[Vec<f64>; 2]>,
+    /// Which points were put where their neighbours would have them: `healed[frame][point]`.
+    pub healed: Vec<Vec<bool>>,
+    /// Median zero-normalised correlation of the points that were found, 1 for a perfect match.
+    pub correlation: Vec<Option<f64>>,
+    /// What was taken for the motion of the stage.
+    pub stage: Stage,
+    /// Motion of the stage that was taken out of each frame, um, y upward.
+    pub stage_um: Vec<[f64; 2]>,
+    /// Mean length of the sarcomeres in each frame by the period of the stripes, um; `None` where the picture shows
+    /// none.
+    pub sarcomeres_um: Vec<Option<f64>>,
+    /// Places at which they were read.
+    pub sarcomere_places: usize,
+    /// Median standard error of a point's displacement that the noise makes, um.
+    pub error_um: Option<f64>,
+    /// Standard deviation of the noise, grey levels.
+    pub noise: f64,
+    /// Side of a subset, um.
+    pub subset_um: f64,
+    /// Side of a pixel, um.
+    pub pixel_um: f64,
+}
+
+/// How far it has come: frames that are done, and all of them.
+pub type Progress = (usize, usize);
+
+/// Follows a cell through a film from the frame at rest. `goes_on` hears of each frame; where it says no, the motion has
+/// the frames that were done.
+///
+/// # Errors
+/// A frame that cannot be read, a rate that is none, a mask of another size, a cell without texture, a film in which
+/// hardly a point is found again.
+pub fn follow(
+    film: &Film,
+    rest: Rest,
+    cell: &Cell<'_>,
+    settings: Settings,
+    goes_on: impl FnMut(Progress) -> bool + Send,
+) -> Result<Motion, MotionError> {
+    let rate = settings.frames_per_second;
+    if !(rate.is_finite() && (RATES[0]..=RATES[1]).contains(&rate)) {
+        return Err(MotionError::Rate { rate });
+    }
+    let [width, height] = film.size();
+    if [cell.inside, cell.any_cell].iter().any(|mask| mask.len() != width * height) {
+        return Err(MotionError::Mask { width, height });
+    }
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads =
+        settings.threads.filter(|count| *count > 0).map_or(cores, |count| count.min(cores));
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|cause| MotionError::Threads { cause: cause.to_string() })?;
+    pool.install(|| Follower::new(film, rest, cell, settings)?.film(goes_on))
+}
+
+/// Least and largest frame rate, frames a second: an hour between frames, and beyond the fastest cameras.
+pub(crate) const RATES: [f64; 2] = [1.0 / 3600.0, 1e6];
+
+/// What is known of the frame at rest.
+struct Follower<'a> {
+    film: &'a Film,
+    rest: Rest,
+    cell: &'a Cell<'a>,
+    settings: Settings,
+    fine: Level,
+    coarse: Level,
+    /// Of the points those of the coarse level, and for each point which of these stand for it, with their weights.
+    chosen: Vec<usize>,
+    standing: Vec<Vec<(usize, f32)>>,
+    points: Vec<[f32; 2]>,
+    stripes: Stripes,
+    background: Option<Background>,
+}
+
+/// What was found in a frame.
+struct Frame {
+    field: Field,
+    stage: Option<[f32; 2]>,
+    periods: Vec<Option<f32>>,
+}
+
+/// A frame as both levels see it.
+struct Seen {
+    fine: Spline,
+    coarse: Spline,
+}
+
+impl<'a> Follower<'a> {
+    fn new(
+        film: &'a Film,
+        rest: Rest,
+        cell: &'a Cell<'a>,
+        settings: Settings,
+    ) -> Result<Self, MotionError> {
+        let plane = film.frame(rest.frame)?;
+        let pixel_um = cell.pixel_size.um();
+        let frame = PixelFrame::new(plane.width(), plane.height(), cell.pixel_size)
+            .map_err(|_| MotionError::Mask { width: plane.width(), height: plane.height() })?;
+        let points: Vec<[f32; 2]> = (0..cell.mesh.len())
+            .map(|node| frame.to_pixels(cell.mesh.point(node)).map(|at| (at - 0.5) as f32))
+            .collect();
+        let spacing = spacing(cell.mesh) / pixel_um;
+        let half = ((settings.subset_um / pixel_um - 1.0) / 2.0).round().max(0.0) as usize;
+        let [least, most] = HALVES;
+        let detail = Detail {
+            factor: 1,
+            blur: SMOOTHING,
+            half: half.clamp(least, most),
+            reach: [REACH, NEXT].map(|part| part * spacing as f32),
+            off_by: [0.25, (OFF_UM / pixel_um).max(1.0) as f32],
+        };
+        let allowed = mask(&plane, |at| cell.inside[at]);
+        let allowed =
+            filter::largest_nearby(&allowed, (RIM_UM / pixel_um).round().max(1.0) as usize);
+        let fine = Level::new(&plane, &points, &allowed, rest.noise, detail);
+        if fine.textured_share() < LEAST_FOUND {
+            return Err(MotionError::Flat {
+                textured_pct: 100.0 * fine.textured_share(),
+                noise: rest.noise,
+                contrast: rest.contrast,
+            });
+        }
+
+        let factor = ((COARSE_UM / pixel_um).round() as usize).max(2);
+        let blur = (BLUR_UM / pixel_um).max(LEAST_BLUR);
+        let chosen = scattered(&points, (COARSE_APART_UM / pixel_um).max(spacing) as f32);
+        let apart = ((COARSE_APART_UM / pixel_um).max(spacing) / factor as f64) as f32;
+        let coarse_detail = Detail {
+            factor,
+            blur,
+            half: COARSE_HALF,
+            reach: [3.5 * apart, 2.0 * apart],
+            off_by: [0.3, 1.0],
+        };
+        let coarse_points: Vec<[f32; 2]> = chosen.iter().map(|&point| points[point]).collect();
+        let coarse = Level::new(&plane, &coarse_points, &allowed, rest.noise, coarse_detail);
+        let standing = standing(&points, &coarse_points, apart * factor as f32);
+        let stripes = cell.fibres.map(|field| Stripes::new(field, &points, &frame));
+        let background =
+            Background::new(&plane, cell.any_cell, pixel_um, rest.noise, half.clamp(least, most));
+        Ok(Self {
+            film,
+            rest,
+            cell,
+            settings,
+            fine,
+            coarse,
+            chosen,
+            standing,
+            points,
+            stripes: stripes.unwrap_or_default(),
+            background,
+        })
+    }
+
+    fn see(&self, plane: &Plane) -> Seen {
+        let (fine, coarse) = rayon::join(|| self.fine.look(plane), || self.coarse.look(plane));
+        Seen { fine, coarse }
+    }
+
+    /// Follows all frames, forward from the one at rest and then backward.
+    fn film(
+        &self,
+        mut goes_on: impl FnMut(Progress) -> bool + Send,
+    ) -> Result<Motion, MotionError> {
+        let (rest, count) = (self.rest.frame, self.film.len());
+        let mut frames: Vec<Option<Frame>> = (0..count).map(|_| None).collect();
+        let ways = [(rest..count).collect::<Vec<_>>(), (0..rest).rev().collect()];
+        let mut done = 0;
+        'ways: for way in ways {
+            let still = vec![Warp::default(); self.points.len()];
+            let mut last = match &frames[rest] {
+                Some(frame) => frame.field.warps.clone(),
+                None => still,
+            };
+            let mut stage = [0.0; 2];
+            let mut next = way.first().map(|&first| self.film.frame(first)).transpose()?;
+            for (at, &index) in way.iter().enumerate() {
+                let Some(plane) = next.take() else { break };
+                // The next frame is decoded meanwhile.
+                let following = way.get(at + 1).copied();
+                let decode = || following.map(|index| self.film.frame(index)).transpose();
+                let (frame, decoded) = rayon::join(|| self.frame(&plane, &last, stage), decode);
+                next = decoded?;
+                last.clone_from(&frame.field.warps);
+                stage = frame.stage.unwrap_or(stage);
+                frames[index] = Some(frame);
+                done += 1;
+                if !goes_on((done, count)) {
+                    break 'ways;
+                }
+            }
+        }
+        self.motion(frames)
+    }
+
+    /// Follows all points into a frame.
+    fn frame(&self, plane: &Plane, last: &[Warp], stage: [f32; 2]) -> Frame {
+        let seen = self.see(plane);
+        let start: Vec<Warp> = self.chosen.iter().map(|&point| last[point]).collect();
+        let coarse = self.coarse.follow(&seen.coarse, &[&start]);
+        // What the coarse level says beyond the last frame, spread over all points.
+        let beyond: Vec<Option<Warp>> = (coarse.warps.iter().zip(&coarse.found).zip(&start))
+            .map(|((now, found), start)| found.map(|_| difference(now, start)))
+            .collect();
+        let mut differs = false;
+        let moved: Vec<Warp> = (last.iter().zip(&self.standing).enumerate())
+            .map(|(point, (warp, standing))| {
+                let more = self.spread(point, standing, &beyond);
+                let more = more.filter(|more| more.shift[0].hypot(more.shift[1]) > ANOTHER_START);
+                differs |= more.is_some();
+                more.map_or(*warp, |more| sum(warp, &more))
+            })
+            .collect();
+        let field = if differs {
+            self.fine.follow(&seen.fine, &[last, &moved])
+        } else {
+            self.fine.follow(&seen.fine, &[last])
+        };
+        let background = self.background.as_ref();
+        let stage = background.and_then(|background| background.shift(&seen.fine, stage));
+        let periods = self.stripes.read(&seen.fine, &field.warps);
+        Frame { field, stage, periods }
+    }
+
+    fn spread(
+        &self,
+        point: usize,
+        standing: &[(usize, f32)],
+        beyond: &[Option<Warp>],
+    ) -> Option<Warp> {
+        let (mut total, mut all) = (0.0, Warp::default());
+        for &(coarse, weight) in standing {
+            let Some(more) = &beyond[coarse] else { continue };
+            let from = self.points[self.chosen[coarse]];
+            let shift = more.at([0, 1].map(|a: usize| self.points[point][a] - from[a]));
+            total += weight;
+            for a in 0..2 {
+                all.shift[a] += weight * shift[a];
+            }
+        }
+        (total > 0.0).then(|| Warp { shift: all.shift.map(|shift| shift / total), ..all })
+    }
+
+    /// Puts the frames that were done together.
+    fn motion(&self, frames: Vec<Option<Frame>>) -> Result<Motion, MotionError> {
+        let first = frames.iter().position(Option::is_some).unwrap_or(0);
+        let done: Vec<Frame> = frames.into_iter().flatten().collect();
+        let mut shares: Vec<f64> = done.iter().map(|frame| frame.field.found_share()).collect();
+        let worst = (0..shares.len()).min_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap_or(0);
+        let least_share = shares.get(worst).copied().unwrap_or(0.0);
+        shares.sort_by(f64::total_cmp);
+        let middle = shares.get((shares.len().max(1) - 1) / 2).copied().unwrap_or(0.0);
+        if middle < LEAST_FOUND {
+            return Err(MotionError::Lost {
+                found_pct: 100.0 * middle,
+                frame: first + worst,
+                least_pct: 100.0 * least_share,
+            });
+        }
+        let pixel_um = self.cell.pixel_size.um();
+        let from_background = done.iter().filter(|frame| frame.stage.is_some()).count();
+        // Where the background was seen in nearly all frames, what it did in the others lies between.
+        let stage = match &self.background {
+            Some(background) if 10 * from_background >= 9 * done.len() => {
+                Stage::Background { points: background.len() }
+            }
+            _ => Stage::CellMean,
+        };
+        let (mut displacements_um, mut stage_um) = (Vec::new(), Vec::new());
+        let mut last = [0.0; 2];
+        let areas = &self.cell.mesh.areas;
+        let total: f64 = areas.iter().sum();
+        for frame in &done {
+            let along = |axis: usize| -> Vec<f64> {
+                let sign = if axis == 0 { pixel_um } else { -pixel_um };
+                frame.field.warps.iter().map(|warp| sign * f64::from(warp.shift[axis])).collect()
+            };
+            let mut moved = [along(0), along(1)];
+            let stage = match stage {
+                Stage::Background { .. } => {
+                    let shift = frame.stage.map(|[x, y]| [f64::from(x), -f64::from(y)]);
+                    shift.map_or(last, |shift| shift.map(|shift| shift * pixel_um))
+                }
+                Stage::CellMean => [0, 1].map(|axis: usize| {
+                    moved[axis].iter().zip(areas).map(|(u, area)| u * area).sum::<f64>() / total
+                }),
+            };
+            last = stage;
+            for (moved, stage) in moved.iter_mut().zip(stage) {
+                moved.iter_mut().for_each(|u| *u -= stage);
+            }
+            displacements_um.push(moved);
+            stage_um.push(stage);
+        }
+        let periods: Vec<Vec<Option<f32>>> =
+            done.iter().map(|frame| frame.periods.clone()).collect();
+        let (sarcomeres_um, sarcomere_places) = stripes::mean_lengths(&periods, pixel_um);
+        let time = |index: usize| 1000.0 * (first + index) as f64 / self.settings.frames_per_second;
+        let side = (2 * self.fine.half() + 1) as f64 * pixel_um;
+        Ok(Motion {
+            mesh: self.cell.mesh.clone(),
+            first,
+            rest: self.rest.frame,
+            times_ms: (0..done.len()).map(time).collect(),
+            displacements_um,
+            healed: done
+                .iter()
+                .map(|frame| frame.field.found.iter().map(Option::is_none).collect())
+                .collect(),
+            correlation: done
+                .iter()
+                .map(|frame| frame.field.correlation().map(f64::from))
+                .collect(),
+            stage,
+            stage_um,
+            sarcomeres_um,
+            sarcomere_places,
+            error_um: self.fine.error(self.rest.noise).map(|error| error * pixel_um),
+            noise: self.rest.noise,
+            subset_um: side,
+            pixel_um,
+        })
+    }
+}
+
+/// Distance of neighbouring points, um.
+fn spacing(mesh: &Mesh) -> f64 {
+    let mean = || (mesh.area() / mesh.len() as f64).sqrt();
+    mesh.lattice.as_ref().map_or_else(mean, |lattice| lattice.spacing)
+}
+
+/// 1 where `is` holds, else 0, for the pixels of a plane.
+fn mask(plane: &Plane, is: impl Fn(usize) -> bool) -> Plane {
+    let values = (0..plane.values().len()).map(|at| if is(at) { 1.0 } else { 0.0 }).collect();
+    Plane::new(plane.width(), plane.height(), values).unwrap_or_else(|| plane.clone())
+}
+
+/// Of many points some, at most one in each square of a grid.
+fn scattered(points: &[[f32; 2]], apart: f32) -> Vec<usize> {
+    let mut nearest = std::collections::BTreeMap::<[i32; 2], (f32, usize)>::new();
+    for (index, point) in points.iter().enumerate() {
+        let square = point.map(|at| (at / apart).floor());
+        let middle = square.map(|at| (at + 0.5) * apart);
+        let away = (point[0] - middle[0]).hypot(point[1] - middle[1]);
+        let entry = nearest.entry(square.map(|at| at as i32)).or_insert((away, index));
+        if away < entry.0 {
+            *entry = (away, index);
+        }
+    }
+    nearest.into_values().map(|(_, index)| index).collect()
+}
+
+/// For each point the coarse points around it, with weights that fall with their distance.
+fn standing(points: &[[f32; 2]], coarse: &[[f32; 2]], apart: f32) -> Vec<Vec<(usize, f32)>> {
+    let of = |point: &[f32; 2]| {
+        let weigh = |(index, other): (usize, &[f32; 2])| {
+            let away = (point[0] - other[0]).hypot(point[1] - other[1]) / apart;
+            (away < 2.5).then(|| (index, (-away * away).exp()))
+        };
+        coarse.iter().enumerate().filter_map(weigh).collect()
+    };
+    points.iter().map(of).collect()
+}
+
+fn difference(a: &Warp, b: &Warp) -> Warp {
+    let minus = |a: [f32; 2], b: [f32; 2]| [a[0] - b[0], a[1] - b[1]];
+    let [ga, gb] = [a.gradient, b.gradient];
+    Warp { shift: minus(a.shift, b.shift), gradient: [minus(ga[0], gb[0]), minus(ga[1], gb[1])] }
+}
+
+fn sum(a: &Warp, b: &Warp) -> Warp {
+    let plus = |a: [f32; 2], b: [f32; 2]| [a[0] + b[0], a[1] + b[1]];
+    let [ga, gb] = [a.gradient, b.gradient];
+    Warp { shift: plus(a.shift, b.shift), gradient: [plus(ga[0], gb[0]), plus(ga[1], gb[1])] }
+}

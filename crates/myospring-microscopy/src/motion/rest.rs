@@ -1,0 +1,117 @@
+//! The frame at rest, and the noise of a film.
+
+use crate::film::{Film, FilmError};
+use crate::filter;
+use crate::picture::Samples;
+use crate::plane::Plane;
+use rayon::prelude::*;
+
+/// Most frames that are compared with each other, and most values of each.
+const MOST_FRAMES: usize = 300;
+const MOST_VALUES: usize = 10_000;
+/// Part of a film during which a cell rests, at least.
+const RESTING: f64 = 0.25;
+/// How far to both sides of the frame at rest the noise is looked for, frames.
+const BESIDE: usize = 3;
+/// Standard deviation of what rounding to whole numbers does.
+const ROUNDING: f64 = 0.288_675;
+
+/// The frame at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// Its number in the film, from 0.
+    pub frame: usize,
+    /// Standard deviation of the noise, grey levels.
+    pub noise: f64,
+    /// Standard deviation of the grey values of the frame.
+    pub contrast: f64,
+}
+
+impl Rest {
+    /// The frame that a quarter of the film looks most like: a cell rests longer, and comes back to rest, while
+    /// nothing else repeats as well, neither the top of a beat nor the ways there and back. Brightness and contrast of
+    /// the whole frame do not matter, so a stain may bleach.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    pub fn find(film: &Film) -> Result<Self, FilmError> {
+        let every = film.len().div_ceil(MOST_FRAMES);
+        let frames: Vec<usize> = (0..film.len()).step_by(every).collect();
+        let small: Vec<Vec<f32>> = frames
+            .par_iter()
+            .map(|&frame| Ok(normalised(&film.frame(frame)?)))
+            .collect::<Result<_, FilmError>>()?;
+        let count = ((frames.len() as f64 * RESTING).ceil() as usize).max(1);
+        let strangeness = |one: &Vec<f32>| {
+            let mut unlike: Vec<f32> = small.iter().map(|other| unlike(one, other)).collect();
+            // The least of all is that to itself.
+            let last = count.min(unlike.len() - 1);
+            unlike.select_nth_unstable_by(last, f32::total_cmp);
+            unlike[..=last].iter().sum::<f32>()
+        };
+        let strangeness: Vec<f32> = small.par_iter().map(strangeness).collect();
+        let least = (0..frames.len()).min_by(|&a, &b| strangeness[a].total_cmp(&strangeness[b]));
+        Self::at(film, frames[least.unwrap_or(0)])
+    }
+
+    /// A given frame as the one at rest.
+    ///
+    /// # Errors
+    /// A frame that is not there or cannot be read.
+    pub fn at(film: &Film, frame: usize) -> Result<Self, FilmError> {
+        let rest = film.frame(frame)?;
+        let beside = frame.saturating_sub(BESIDE)..(frame + BESIDE + 1).min(film.len());
+        let mut noise = f64::INFINITY;
+        for other in beside.filter(|&other| other != frame) {
+            let other = film.frame(other)?;
+            let pairs = rest.values().iter().zip(other.values());
+            let sum: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
+            // Of a normal distribution the mean size of a difference is 2 / sqrt(pi) standard deviations of one.
+            let found = sum / rest.values().len() as f64 * std::f64::consts::PI.sqrt() / 2.0;
+            // A frame that was written twice has none.
+            if found > 0.0 {
+                noise = noise.min(found);
+            }
+        }
+        let [low, high] = rest.range();
+        let least = match film.samples {
+            Samples::Integer { .. } => ROUNDING,
+            Samples::Float { .. } => 1e-4 * f64::from(high - low),
+        };
+        let noise = if noise.is_finite() { noise.max(least) } else { least };
+        Ok(Self { frame, noise, contrast: deviation(rest.values()) })
+    }
+}
+
+fn deviation(values: &[f32]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().map(|&value| f64::from(value)).sum::<f64>() / count;
+    (values.iter().map(|&value| (f64::from(value) - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
+/// Values of a frame at regular places, with mean 0 and norm 1.
+fn normalised(plane: &Plane) -> Vec<f32> {
+    // Means of four: half of the noise, and stripes stay.
+    let plane = filter::coarse(plane, 2);
+    let step = (plane.values().len() as f64 / MOST_VALUES as f64).sqrt().ceil().max(1.0) as usize;
+    let rows = plane.values().chunks_exact(plane.width()).step_by(step);
+    let mut values: Vec<f32> = rows.flat_map(|row| row.iter().step_by(step)).copied().collect();
+    let mean = values.iter().sum::<f32>() / values.len() as f32;
+    values.iter_mut().for_each(|value| *value -= mean);
+    let norm = values.iter().map(|value| value * value).sum::<f32>().sqrt();
+    if norm > 0.0 {
+        values.iter_mut().for_each(|value| *value /= norm);
+    }
+    values
+}
+
+fn unlike(one: &[f32], other: &[f32]) -> f32 {
+    let (a, b) = (one.as_chunks::<8>(), other.as_chunks::<8>());
+    let mut sums = [0.0_f32; 8];
+    for (a, b) in a.0.iter().zip(b.0) {
+        for at in 0..8 {
+            sums[at] += (a[at] - b[at]).powi(2);
+        }
+    }
+    sums.iter().sum()
+}

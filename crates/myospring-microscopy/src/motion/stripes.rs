@@ -1,0 +1,237 @@
+//! The length of sarcomeres in every frame, from the period of the stripes themselves.
+//!
+//! Where the picture at rest shows stripes, grey values are read along the fibre in every frame, from the place to which
+//! the fibre has gone and in the direction to which it has turned; the wave that has the most power in that profile is
+//! the sarcomere.
+
+use super::spline::Spline;
+use super::subset::Warp;
+use crate::fibres::FibreField;
+use crate::outlines::PixelFrame;
+use rayon::prelude::*;
+use std::f32::consts::TAU;
+
+/// Distance of the places, um, unless they were more than [`MOST_PLACES`].
+const APART_UM: f64 = 1.0;
+const MOST_PLACES: usize = 800;
+/// Half of the profile, periods: its window, a squared cosine, leaves about half of it.
+const HALF_PERIODS: f32 = 3.0;
+/// Samples of a period, at least.
+const SAMPLES: f32 = 10.0;
+/// Half of the width over which profiles are averaged, um, and how many they are.
+const HALF_WIDTH_UM: f64 = 0.5;
+const PROFILES: i16 = 5;
+/// Periods that are looked at, relative to that at rest: first and last wave number, and how many.
+const WAVES: [f32; 2] = [0.78, 1.3];
+const STEPS: usize = 27;
+/// Least part of the profile's variation that is the wave.
+const LEAST_POWER: f32 = 0.25;
+/// Part of the frames in which a place must be read to count.
+const OFTEN: f64 = 0.8;
+/// Fewest places that say how long sarcomeres are.
+const FEWEST: usize = 5;
+
+/// A place with stripes.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// The point next to it, and how far it is from that, pixels.
+    point: usize,
+    offset: [f32; 2],
+    middle: [f32; 2],
+    /// Unit vector along the fibre at rest, y downward.
+    along: [f32; 2],
+    period: f32,
+}
+
+/// Places with stripes at rest.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Stripes {
+    places: Vec<Place>,
+    half_width: f32,
+}
+
+impl Stripes {
+    /// Places where a field shows sarcomeres; points are pixels.
+    pub(super) fn new(field: &FibreField, points: &[[f32; 2]], frame: &PixelFrame) -> Self {
+        let pixel_um = frame.pixel_size().um();
+        let mut apart = APART_UM;
+        let striped = loop {
+            let grid = field.on_grid(apart);
+            let striped: Vec<_> = grid
+                .into_iter()
+                .filter_map(|(point, fibre)| Some((point, fibre.direction, fibre.sarcomere_um?)))
+                .collect();
+            if striped.len() <= MOST_PLACES {
+                break striped;
+            }
+            apart *= (striped.len() as f64 / MOST_PLACES as f64).sqrt().max(1.05);
+        };
+        let place = |(at, [x, y], length): ([f64; 2], [f64; 2], f64)| {
+            let middle = frame.to_pixels(at).map(|place| (place - 0.5) as f32);
+            let away = |point: &[f32; 2]| (point[0] - middle[0]).hypot(point[1] - middle[1]);
+            let point =
+                (0..points.len()).min_by(|&a, &b| away(&points[a]).total_cmp(&away(&points[b])))?;
+            let offset = [0, 1].map(|a: usize| middle[a] - points[point][a]);
+            let period = (length / pixel_um) as f32;
+            Some(Place { point, offset, middle, along: [x as f32, -y as f32], period })
+        };
+        let places = striped.into_iter().filter_map(place).collect();
+        Self { places, half_width: (HALF_WIDTH_UM / pixel_um) as f32 }
+    }
+
+    /// Period of the stripes of each place in a frame, pixels.
+    pub(super) fn read(&self, now: &Spline, warps: &[Warp]) -> Vec<Option<f32>> {
+        self.places
+            .par_iter()
+            .map_init(Vec::new, |profile, place| {
+                let warp = &warps[place.point];
+                let shift = warp.at(place.offset);
+                let middle = [0, 1].map(|a: usize| place.middle[a] + shift[a]);
+                let [x, y] = place.along;
+                let [[xx, xy], [yx, yy]] = warp.gradient;
+                let turned = [x + xx * x + xy * y, y + yx * x + yy * y];
+                let stretch = turned[0].hypot(turned[1]);
+                let along = turned.map(|part| part / stretch);
+                self.profile(now, middle, along, place.period, profile)?;
+                period(profile, place.period)
+            })
+            .collect()
+    }
+
+    /// Mean grey values across a fibre, along it.
+    fn profile(
+        &self,
+        now: &Spline,
+        middle: [f32; 2],
+        [x, y]: [f32; 2],
+        period: f32,
+        profile: &mut Vec<f32>,
+    ) -> Option<()> {
+        let (step, half) = steps(period);
+        profile.clear();
+        for k in -half..=half {
+            let along = f32::from(k) * step;
+            let mut sum = 0.0;
+            for line in 0..PROFILES {
+                let part = 2.0 * f32::from(line) / f32::from(PROFILES - 1) - 1.0;
+                let across = part * self.half_width;
+                sum +=
+                    now.at(middle[0] + along * x - across * y, middle[1] + along * y + across * x)?;
+            }
+            profile.push(sum / f32::from(PROFILES));
+        }
+        Some(())
+    }
+}
+
+/// Length of a sample and number of samples to each side.
+fn steps(period: f32) -> (f32, i16) {
+    let step = (period / SAMPLES).min(1.0);
+    (step, (HALF_PERIODS * period / step).round() as i16)
+}
+
+/// The period with the most power in a profile, near one that is known; `None` where no wave stands out.
+fn period(profile: &mut [f32], known: f32) -> Option<f32> {
+    let (step, half) = steps(known);
+    let window = |k: i16| (0.25 * TAU * f32::from(k) / f32::from(half + 1)).cos().powi(2);
+    // Level and slope are no stripes.
+    let (mut weights, mut mean, mut slope, mut squares) = (0.0, 0.0, 0.0, 0.0);
+    for (value, k) in profile.iter().zip(-half..) {
+        let (weight, k) = (window(k), f32::from(k));
+        weights += weight;
+        mean += weight * value;
+        slope += weight * k * value;
+        squares += weight * k * k;
+    }
+    let (mean, slope) = (mean / weights, slope / squares);
+    let mut variation = 0.0;
+    for (value, k) in profile.iter_mut().zip(-half..) {
+        let flat = *value - mean - slope * f32::from(k);
+        variation += window(k) * flat * flat;
+        *value = window(k) * flat;
+    }
+    let [first, last] = WAVES;
+    let wave = |at: f32| (first + (last - first) * at / (STEPS - 1) as f32) / known;
+    let power = |at: usize| {
+        let turn = TAU * wave(at as f32) * step;
+        let (mut real, mut imaginary) = (0.0_f32, 0.0_f32);
+        for (value, k) in profile.iter().zip(-half..) {
+            let (sine, cosine) = (turn * f32::from(k)).sin_cos();
+            real += value * cosine;
+            imaginary += value * sine;
+        }
+        real * real + imaginary * imaginary
+    };
+    let powers: Vec<f32> = (0..STEPS).map(power).collect();
+    let top = (0..STEPS).max_by(|&a, &b| powers[a].total_cmp(&powers[b]))?;
+    if top == 0 || top + 1 == STEPS {
+        return None;
+    }
+    // Of a pure wave the power is half of weights times variation.
+    let part = 2.0 * powers[top] / (weights * variation);
+    if part.is_nan() || part < LEAST_POWER {
+        return None;
+    }
+    let [left, middle, right] = [top - 1, top, top + 1].map(|at| powers[at].max(1e-30).ln());
+    let bend = left - 2.0 * middle + right;
+    let shift = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+    Some(wave(top as f32 + shift.clamp(-0.5, 0.5)).recip())
+}
+
+/// Mean length over the places in each frame, um, from their periods by frame; the places are those that were read in
+/// nearly all frames, so that none comes and goes. How many there are.
+pub(super) fn mean_lengths(
+    periods: &[Vec<Option<f32>>],
+    pixel_um: f64,
+) -> (Vec<Option<f64>>, usize) {
+    let places = periods.first().map_or(0, Vec::len);
+    let often = (OFTEN * periods.len() as f64).ceil() as usize;
+    let known: Vec<(usize, f64)> = (0..places)
+        .filter_map(|place| {
+            let read: Vec<f32> = periods.iter().filter_map(|frame| frame[place]).collect();
+            (read.len() >= often.max(1))
+                .then(|| (place, f64::from(super::neighbours::median(read))))
+        })
+        .collect();
+    if known.len() < FEWEST {
+        return (vec![None; periods.len()], known.len());
+    }
+    let usual = known.iter().map(|(_, usual)| usual).sum::<f64>() / known.len() as f64;
+    let lengths = periods.iter().map(|frame| {
+        let ratios: Vec<f64> = (known.iter())
+            .filter_map(|&(place, usual)| Some(f64::from(frame[place]?) / usual))
+            .collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        (ratios.len() >= FEWEST).then_some(mean * usual * pixel_um)
+    });
+    (lengths.collect(), known.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_period_of_a_wave_is_read_between_the_samples() {
+        let known = 9.0;
+        for true_period in [7.6_f32, 8.3, 9.0, 9.7, 10.6] {
+            for phase in [0.0, 1.0, 2.5] {
+                let (step, half) = steps(known);
+                let mut profile: Vec<f32> = (-half..=half)
+                    .map(|k| f32::from(k) * step)
+                    .map(|s| 30.0 + 0.2 * s + 5.0 * (TAU * s / true_period + phase).cos())
+                    .collect();
+                let found = period(&mut profile, known).unwrap();
+                // What the window lets through from the wave's mirror image.
+                assert!((found / true_period - 1.0).abs() < 2e-3, "{true_period} {phase}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_profile_without_stripes_has_no_period() {
+        let (_, half) = steps(9.0);
+        let mut flat = vec![7.0; 2 * half as usize + 1];
+        assert_eq!(period(&mut flat, 9.0), None);
+    }
+}

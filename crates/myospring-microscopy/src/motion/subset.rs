@@ -1,0 +1,356 @@
+//! One subset of the picture at rest, and where it has gone: inverse-compositional Gauss-Newton on the zero-normalised
+//! sum of squared differences, with translation and gradients free (`baker_matthews_2004`, `pan_2013`).
+
+use super::spline::Spline;
+
+/// Most steps of one search.
+const MOST_STEPS: usize = 10;
+/// Steps that shrink by a steady ratio, since noise steepens the slopes, are taken together; at most so many.
+const MOST_TOGETHER: f32 = 3.0;
+/// A search has ended when its step moves no pixel of the subset by more than this part of what noise does, within
+/// these bounds, pixels.
+const SMALL_PART: f32 = 0.15;
+const SMALL_STEPS: [f32; 2] = [0.005, 0.04];
+/// What did not come to rest within all steps is taken if its last step was below this, pixels.
+const RESTLESS: f32 = 0.05;
+/// Gradients above this are none that a cell has.
+const STEEPEST: f32 = 0.5;
+/// Least part of a subset that must be within the frame.
+const LEAST_SEEN: f32 = 0.6;
+/// Fewest pixels of a subset.
+const FEWEST: usize = 40;
+/// From so many pixels on half of them do.
+const DENSE: usize = 300;
+/// Sums are made in so many strands, which vectorise.
+const STRANDS: usize = 8;
+
+/// Where a subset has gone: `x + d` to `x + d + shift + gradient d`, pixels, y downward.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Warp {
+    pub(super) shift: [f32; 2],
+    /// `gradient[a][b]` is the slope of shift `a` along axis `b`.
+    pub(super) gradient: [[f32; 2]; 2],
+}
+
+impl Warp {
+    /// The shift at a distance from the middle.
+    pub(super) fn at(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|a: usize| self.shift[a] + self.gradient[a][0] * x + self.gradient[a][1] * y)
+    }
+
+    /// With the shift in other pixels.
+    pub(super) fn scaled(&self, factor: f32) -> Self {
+        Self { shift: self.shift.map(|shift| factor * shift), ..*self }
+    }
+
+    /// This warp with the inverse of a small one before it; `None` where that turns the subset over.
+    fn after_inverse(&self, step: &Self) -> Option<Self> {
+        let [[a, b], [c, d]] = step.gradient;
+        let (a, d) = (1.0 + a, 1.0 + d);
+        let determinant = a * d - b * c;
+        if determinant.is_nan() || determinant < 0.1 {
+            return None;
+        }
+        let inverse = [[d / determinant, -b / determinant], [-c / determinant, a / determinant]];
+        let back =
+            [0, 1].map(|i: usize| -(inverse[i][0] * step.shift[0] + inverse[i][1] * step.shift[1]));
+        let own = [
+            [1.0 + self.gradient[0][0], self.gradient[0][1]],
+            [self.gradient[1][0], 1.0 + self.gradient[1][1]],
+        ];
+        let product = |i: usize, j: usize| own[i][0] * inverse[0][j] + own[i][1] * inverse[1][j];
+        Some(Self {
+            shift: [0, 1].map(|i: usize| self.shift[i] + own[i][0] * back[0] + own[i][1] * back[1]),
+            gradient: [[product(0, 0) - 1.0, product(0, 1)], [product(1, 0), product(1, 1) - 1.0]],
+        })
+    }
+}
+
+/// Where a subset was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Found {
+    pub(super) warp: Warp,
+    /// Zero-normalised cross-correlation, -1 to 1.
+    pub(super) correlation: f32,
+}
+
+/// The pixels around a point at rest.
+#[derive(Debug, Clone)]
+pub(super) struct Subset {
+    /// Pixel that stands for the middle.
+    centre: [f32; 2],
+    /// From that pixel to the point.
+    offset: [f32; 2],
+    /// Distances from the middle.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    /// Grey values less their mean, over their norm.
+    grey: Vec<f32>,
+    /// Slopes over that norm.
+    slope_x: Vec<f32>,
+    slope_y: Vec<f32>,
+    /// Inverse of the normal equations.
+    inverse: [[f32; 6]; 6],
+    half: f32,
+    /// Standard error of the shift in its worst direction per standard deviation of the noise, pixels per grey level.
+    pub(super) sensitivity: f32,
+    /// A search has ended when its step moves no pixel by more, pixels.
+    small_step: f32,
+    /// Variance of the grey values.
+    pub(super) variance: f32,
+}
+
+impl Subset {
+    /// The pixels of a square around a point that may be looked at; `None` where they are too few or flat.
+    pub(super) fn new(
+        rest: &Spline,
+        point: [f32; 2],
+        half: usize,
+        allowed: &[bool],
+        noise: f32,
+    ) -> Option<Self> {
+        let [width, height] = rest.size();
+        let middle = [0, 1].map(|a: usize| point[a].round());
+        let within = middle[0] >= 0.0
+            && middle[1] >= 0.0
+            && middle[0] < width as f32
+            && middle[1] < height as f32;
+        if !within {
+            return None;
+        }
+        let [column, row] = middle.map(|place| place as usize);
+        let (mut x, mut y) = (Vec::new(), Vec::new());
+        let mut values: [Vec<f32>; 3] = Default::default();
+        // As on a chessboard: after the blur the pixels between tell nothing more.
+        let thin = (2 * half + 1).pow(2) > DENSE;
+        for r in row.saturating_sub(half)..(row + half + 1).min(height) {
+            for c in column.saturating_sub(half)..(column + half + 1).min(width) {
+                if allowed[r * width + c] && !(thin && (r + c + row + column) % 2 == 1) {
+                    x.push(c as f32 - middle[0]);
+                    y.push(r as f32 - middle[1]);
+                    for (into, value) in values.iter_mut().zip(rest.at_pixel(c, r)) {
+                        into.push(value);
+                    }
+                }
+            }
+        }
+        let count = x.len();
+        let pixels = (2 * half + 1).pow(2) / if thin { 2 } else { 1 };
+        if count < FEWEST.max(pixels / 4) {
+            return None;
+        }
+        let [mut grey, mut slope_x, mut slope_y] = values;
+        let mean = grey.iter().sum::<f32>() / count as f32;
+        grey.iter_mut().for_each(|value| *value -= mean);
+        let norm = grey.iter().map(|value| value * value).sum::<f32>().sqrt();
+        if norm.is_nan() || norm <= 1e-6 {
+            return None;
+        }
+        for list in [&mut grey, &mut slope_x, &mut slope_y] {
+            list.iter_mut().for_each(|value| *value /= norm);
+        }
+        let mut normal = [[0.0_f64; 6]; 6];
+        for k in 0..count {
+            let [gx, gy, dx, dy] = [slope_x[k], slope_y[k], x[k], y[k]].map(f64::from);
+            let descent = [gx, gx * dx, gx * dy, gy, gy * dx, gy * dy];
+            for i in 0..6 {
+                for j in 0..6 {
+                    normal[i][j] += descent[i] * descent[j];
+                }
+            }
+        }
+        let inverse = inverted(normal)?;
+        let [a, b, d] = [inverse[0][0], inverse[0][3], inverse[3][3]];
+        let worst = f64::midpoint(a, d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
+        // Both pictures have the noise.
+        let sensitivity = ((2.0 * worst).sqrt() / f64::from(norm)) as f32;
+        let [least, most] = SMALL_STEPS;
+        Some(Self {
+            centre: middle,
+            small_step: (SMALL_PART * sensitivity * noise).clamp(least, most),
+            offset: [point[0] - middle[0], point[1] - middle[1]],
+            inverse: inverse.map(|row| row.map(|value| value as f32)),
+            half: half as f32,
+            sensitivity,
+            variance: norm * norm / count as f32,
+            x,
+            y,
+            grey,
+            slope_x,
+            slope_y,
+        })
+    }
+
+    /// Looks for the subset from where it may be; `start` and what is found are shifts of the point itself.
+    pub(super) fn find(&self, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
+        let back = self.offset.map(|offset| -offset);
+        let mut warp = Warp { shift: start.at(back), gradient: start.gradient };
+        let count = self.x.len();
+        let (mut taken, mut before) = (None, None);
+        for _ in 0..MOST_STEPS {
+            let correlation = self.compare(now, &warp, room)?;
+            let sums = self.descent(&room[..count]);
+            let by =
+                |i: usize| -> f32 { self.inverse[i].iter().zip(&sums).map(|(a, b)| a * b).sum() };
+            let mut steps = [0, 1, 2, 3, 4, 5].map(by);
+            if let Some(before) = before.take() {
+                let ratio = self.alike(&steps, &before) / self.alike(&before, &before);
+                if ratio > 0.0 {
+                    let together = (1.0 - ratio).recip().clamp(1.0, MOST_TOGETHER);
+                    steps = steps.map(|step| together * step);
+                }
+            } else {
+                before = Some(steps);
+            }
+            let step = Warp {
+                shift: [steps[0], steps[3]],
+                gradient: [[steps[1], steps[2]], [steps[4], steps[5]]],
+            };
+            let of = |a: usize| {
+                step.shift[a].abs()
+                    + self.half * (step.gradient[a][0].abs() + step.gradient[a][1].abs())
+            };
+            let size = of(0).max(of(1));
+            // A longer step than this goes somewhere else.
+            if size.is_nan() || step.shift[0].hypot(step.shift[1]) > 2.0 * self.half {
+                return None;
+            }
+            warp = warp.after_inverse(&step)?;
+            if warp.gradient.as_flattened().iter().any(|slope| slope.abs() > STEEPEST) {
+                return None;
+            }
+            if size < RESTLESS {
+                // The last step has changed the correlation by next to nothing.
+                let shift = warp.at(self.offset);
+                taken = Some(Found { warp: Warp { shift, ..warp }, correlation });
+            }
+            if size < self.small_step {
+                break;
+            }
+        }
+        taken
+    }
+
+    /// Product of two steps, gradients by what they do at the rim.
+    fn alike(&self, a: &[f32; 6], b: &[f32; 6]) -> f32 {
+        let weigh = |at: usize| if at.is_multiple_of(3) { 1.0 } else { self.half * self.half };
+        (0..6).map(|at| weigh(at) * a[at] * b[at]).sum()
+    }
+
+    /// Leaves in `room` the differences of the normalised grey values, now less at rest; their correlation.
+    fn compare(&self, now: &Spline, warp: &Warp, room: &mut Vec<f32>) -> Option<f32> {
+        let count = self.x.len();
+        let [cx, cy] = [0, 1].map(|a: usize| self.centre[a] + warp.shift[a]);
+        let [[xx, xy], [yx, yy]] = warp.gradient;
+        room.clear();
+        let mut outside = 0_usize;
+        room.extend(self.x.iter().zip(&self.y).map(|(&x, &y)| {
+            let value = now.at(cx + x + xx * x + xy * y, cy + y + yx * x + yy * y);
+            outside += usize::from(value.is_none());
+            value.unwrap_or(f32::NAN)
+        }));
+        let seen = (count - outside) as f32;
+        if seen < LEAST_SEEN * count as f32 {
+            return None;
+        }
+        let (mut rest_mean, mut rest_scale) = (0.0, 1.0);
+        if outside > 0 {
+            // What is out of sight does not count, in neither picture.
+            let both = || self.grey.iter().zip(room.iter()).filter(|(_, now)| !now.is_nan());
+            rest_mean = both().map(|(rest, _)| rest).sum::<f32>() / seen;
+            let norm = both().map(|(rest, _)| (rest - rest_mean).powi(2)).sum::<f32>().sqrt();
+            rest_scale = 1.0 / norm.max(1e-6);
+        }
+        let valid = || room.iter().filter(|value| !value.is_nan());
+        let mean = if outside > 0 { valid().sum::<f32>() } else { total(room) } / seen;
+        let squares = if outside > 0 {
+            valid().map(|value| (value - mean).powi(2)).sum::<f32>()
+        } else {
+            total_of(room, |value| (value - mean) * (value - mean))
+        };
+        let scale = 1.0 / squares.sqrt();
+        if !scale.is_finite() {
+            return None;
+        }
+        for (value, rest) in room.iter_mut().zip(&self.grey) {
+            *value = (*value - mean) * scale - (rest - rest_mean) * rest_scale;
+        }
+        if outside > 0 {
+            room.iter_mut().filter(|value| value.is_nan()).for_each(|value| *value = 0.0);
+        }
+        Some(1.0 - 0.5 * total_of(room, |value| value * value))
+    }
+
+    /// Sums of the differences over the directions of steepest descent.
+    fn descent(&self, differences: &[f32]) -> [f32; 6] {
+        let mut sums = [[0.0_f32; STRANDS]; 6];
+        let lists = [&self.x, &self.y, &self.slope_x, &self.slope_y];
+        let [xs, ys, gxs, gys] = lists.map(|list| list.as_chunks::<STRANDS>());
+        let (chunks, rest) = differences.as_chunks::<STRANDS>();
+        let mut add = |at: usize, x: f32, y: f32, gx: f32, gy: f32, off: f32| {
+            let (a, b) = (gx * off, gy * off);
+            sums[0][at] += a;
+            sums[1][at] += a * x;
+            sums[2][at] += a * y;
+            sums[3][at] += b;
+            sums[4][at] += b * x;
+            sums[5][at] += b * y;
+        };
+        for (k, off) in chunks.iter().enumerate() {
+            let (x, y, gx, gy) = (&xs.0[k], &ys.0[k], &gxs.0[k], &gys.0[k]);
+            for at in 0..STRANDS {
+                add(at, x[at], y[at], gx[at], gy[at], off[at]);
+            }
+        }
+        for (at, off) in rest.iter().enumerate() {
+            add(at, xs.1[at], ys.1[at], gxs.1[at], gys.1[at], *off);
+        }
+        sums.map(|strands| strands.iter().sum())
+    }
+}
+
+fn total(values: &[f32]) -> f32 {
+    total_of(values, |value| value)
+}
+
+fn total_of(values: &[f32], of: impl Fn(f32) -> f32) -> f32 {
+    let (chunks, rest) = values.as_chunks::<STRANDS>();
+    let mut sums = [0.0_f32; STRANDS];
+    for chunk in chunks {
+        for (sum, &value) in sums.iter_mut().zip(chunk) {
+            *sum += of(value);
+        }
+    }
+    sums.iter().sum::<f32>() + rest.iter().map(|&value| of(value)).sum::<f32>()
+}
+
+/// The inverse of a symmetric matrix by Gauss and Jordan with pivots; `None` where it has none to speak of.
+fn inverted(mut matrix: [[f64; 6]; 6]) -> Option<[[f64; 6]; 6]> {
+    let mut inverse = [[0.0; 6]; 6];
+    for (i, row) in inverse.iter_mut().enumerate() {
+        row[i] = 1.0;
+    }
+    let largest = (0..6).map(|i| matrix[i][i]).fold(0.0, f64::max);
+    for column in 0..6 {
+        let pivot = (column..6)
+            .max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))?;
+        if matrix[pivot][column].abs() < 1e-12 * largest || largest == 0.0 {
+            return None;
+        }
+        matrix.swap(column, pivot);
+        inverse.swap(column, pivot);
+        let scale = matrix[column][column].recip();
+        for j in 0..6 {
+            matrix[column][j] *= scale;
+            inverse[column][j] *= scale;
+        }
+        for i in (0..6).filter(|&i| i != column) {
+            let factor = matrix[i][column];
+            for j in 0..6 {
+                matrix[i][j] -= factor * matrix[column][j];
+                inverse[i][j] -= factor * inverse[column][j];
+            }
+        }
+    }
+    Some(inverse)
+}
