@@ -15,6 +15,7 @@ pub mod finite_elements;
 pub mod fit;
 pub mod lammps;
 pub mod land;
+pub mod motion;
 pub mod myokit;
 pub mod oscillator;
 pub mod patch;
@@ -64,6 +65,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "land", run: land::rows },
         Check { name: "finite-elements", run: finite_elements::rows },
         Check { name: "sarcomeres", run: sarcomeres::rows },
+        Check { name: "motion", run: motion::rows },
     ]
 }
 

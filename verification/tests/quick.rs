@@ -84,6 +84,11 @@ fn sarcomeres_of_real_cells_lie_where_another_program_finds_them() {
     passes("sarcomeres");
 }
 
+#[test]
+fn a_cell_in_a_film_moves_as_another_program_sees_it() {
+    passes("motion");
+}
+
 fn reference(name: &str) -> csv::Reader<std::fs::File> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
     csv::Reader::from_path(folder.join(name)).unwrap()

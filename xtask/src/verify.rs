@@ -36,6 +36,7 @@ Checks:
   land             Myofilaments that feel length and speed, against independent programs
   finite-elements  A published finite-element twitch, if its data are there
   sarcomeres       Sarcomeres in published pictures, against SarcGraph's, if they are there
+  motion           Motion of a cell in a published film, against scikit-image's, if it is there
 
 Options:
   --quick          Fewer steps and beats, coarser lattices, the same tolerances
@@ -66,7 +67,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 13] = [
+const CHECKS: [Check; 14] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
@@ -80,6 +81,7 @@ const CHECKS: [Check; 13] = [
     own("land", "Myofilaments that feel length and speed"),
     own("finite-elements", "Finite-element twitch"),
     own("sarcomeres", "Sarcomeres in pictures"),
+    own("motion", "Motion of a cell in a film"),
 ];
 
 const fn own(name: &'static str, title: &'static str) -> Check {

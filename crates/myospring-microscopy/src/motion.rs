@@ -407,7 +407,9 @@ impl<'a> Follower<'a> {
             };
             last = stage;
             for (moved, stage) in moved.iter_mut().zip(stage) {
-                moved.iter_mut().for_each(|u| *u -= stage);
+                for u in moved {
+                    *u -= stage;
+                }
             }
             displacements_um.push(moved);
             stage_um.push(stage);

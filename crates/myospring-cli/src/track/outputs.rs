@@ -132,7 +132,9 @@ impl Drawn<'_> {
         let plane = film.frame(motion.first + at).map_err(Failure::new)?;
         let mut positions = motion.positions(at);
         for (positions, stage) in positions.iter_mut().zip(motion.stage_um[at]) {
-            positions.iter_mut().for_each(|position| *position += stage);
+            for position in positions {
+                *position += stage;
+            }
         }
         Ok((plane, positions))
     }

@@ -10,7 +10,7 @@ pub enum FilmError {
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// One frame cannot be read.
-    #[error("frame {frame}{}: {cause}", named(name))]
+    #[error("frame {frame}{}: {cause}", named(name.as_ref()))]
     Frame {
         /// Its number, from 0.
         frame: usize,
@@ -22,7 +22,7 @@ pub enum FilmError {
     /// Frames of different sizes.
     #[error(
         "frame {frame}{} has {} x {} pixels, but the first has {} x {}; give frames of one size",
-        named(name), found[0], found[1], expected[0], expected[1]
+        named(name.as_ref()), found[0], found[1], expected[0], expected[1]
     )]
     Sizes {
         /// Its number, from 0.
@@ -74,6 +74,6 @@ pub enum FilmError {
     },
 }
 
-fn named(name: &Option<String>) -> String {
-    name.as_ref().map(|name| format!(" (`{name}`)")).unwrap_or_default()
+fn named(name: Option<&String>) -> String {
+    name.map(|name| format!(" (`{name}`)")).unwrap_or_default()
 }

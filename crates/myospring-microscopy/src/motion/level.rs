@@ -154,8 +154,7 @@ impl Level {
                 for (at, start) in starts.iter().enumerate() {
                     // A start that is near an earlier one ends where that did.
                     let from = start[point].shift;
-                    if starts[..at].iter().any(|other| distance(&other[point].shift, &from) < ANEW)
-                    {
+                    if starts[..at].iter().any(|other| distance(other[point].shift, from) < ANEW) {
                         continue;
                     }
                     let found = self.find(point, now, &start[point].scaled(scale), room);
@@ -188,12 +187,12 @@ impl Level {
                     let know = |other: usize| found[other].map(|found| found.warp);
                     let said = self.neighbours.hearsay(point, know)?;
                     let from = said.warp.shift;
-                    if distance(&from, &tried[point]) < ANEW {
+                    if distance(from, tried[point]) < ANEW {
                         return None;
                     }
                     let again = self.find(point, now, &said.warp, room);
                     let agrees = |again: &Found| {
-                        distance(&again.warp.shift, &from) <= self.tolerance(said.spread)
+                        distance(again.warp.shift, from) <= self.tolerance(said.spread)
                     };
                     Some((point, from, again.filter(agrees)))
                 })
@@ -240,7 +239,7 @@ impl Level {
             let Some(said) = self.neighbours.hearsay(point, |other| warps[other]) else {
                 return false;
             };
-            distance(&own.shift, &said.warp.shift) > self.tolerance(said.spread)
+            distance(own.shift, said.warp.shift) > self.tolerance(said.spread)
         };
         (0..warps.len()).into_par_iter().map(is_off).collect()
     }

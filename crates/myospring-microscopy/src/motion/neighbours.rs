@@ -21,6 +21,9 @@ pub(super) struct Neighbours {
     adjacent: Vec<usize>,
 }
 
+/// Where a neighbour would have a point, and how that neighbour has gone itself.
+type Heard = ([f32; 2], Warp);
+
 /// What the neighbours of a point say of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hearsay {
@@ -46,7 +49,7 @@ impl Neighbours {
             let mut found: Vec<(f32, u32)> = around
                 .filter_map(|bin| bins.get(&bin))
                 .flatten()
-                .map(|&other| (distance(point, &points[other as usize]), other))
+                .map(|&other| (distance(*point, points[other as usize]), other))
                 .filter(|&(distance, other)| distance <= reach && other as usize != index)
                 .collect();
             found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -72,7 +75,7 @@ impl Neighbours {
         point: usize,
         know: impl Fn(usize) -> Option<Warp>,
     ) -> Option<Hearsay> {
-        let heard: Vec<([f32; 2], Warp)> = (self.near[point].iter())
+        let heard: Vec<Heard> = (self.near[point].iter())
             .filter_map(|&other| {
                 let warp = know(other as usize)?;
                 Some((self.says(other as usize, &warp, point), warp))
@@ -81,12 +84,12 @@ impl Neighbours {
         if heard.len() < FEWEST {
             return None;
         }
-        let middle = |of: &dyn Fn(&([f32; 2], Warp)) -> f32| median(heard.iter().map(of).collect());
+        let middle = |of: &dyn Fn(&Heard) -> f32| median(heard.iter().map(of).collect());
         let shift = [0, 1].map(|a: usize| middle(&|said| said.0[a]));
         let slope = |a: usize, b: usize| middle(&|said| said.1.gradient[a][b]);
         let gradient = [[slope(0, 0), slope(0, 1)], [slope(1, 0), slope(1, 1)]];
         // Of a normal distribution in a plane the median distance is 1.1774 standard deviations.
-        let spread = middle(&|said| distance(&said.0, &shift)) / 1.1774;
+        let spread = middle(&|said| distance(said.0, shift)) / 1.1774;
         Some(Hearsay { warp: Warp { shift, gradient }, spread })
     }
 
@@ -159,13 +162,6 @@ impl Neighbours {
     /// next to each other and agree within `tolerance`.
     pub(super) fn at_odds(&self, known: &[Option<Warp>], tolerance: f32) -> Vec<bool> {
         let mut root: Vec<u32> = (0..self.len() as u32).collect();
-        fn top(root: &mut [u32], mut at: u32) -> u32 {
-            while root[at as usize] != at {
-                root[at as usize] = root[root[at as usize] as usize];
-                at = root[at as usize];
-            }
-            at
-        }
         let mut torn = Vec::new();
         for (point, warp) in known.iter().enumerate() {
             let Some(warp) = warp else { continue };
@@ -176,7 +172,7 @@ impl Neighbours {
                 }
                 let there = self.says(point, warp, other as usize);
                 let back = self.says(other as usize, others, point);
-                let off = distance(&there, &others.shift).min(distance(&back, &warp.shift));
+                let off = distance(there, others.shift).min(distance(back, warp.shift));
                 if off <= tolerance {
                     let [a, b] = [point as u32, other].map(|at| top(&mut root, at));
                     root[a.max(b) as usize] = a.min(b);
@@ -206,7 +202,16 @@ impl Neighbours {
     }
 }
 
-pub(super) fn distance(a: &[f32; 2], b: &[f32; 2]) -> f32 {
+/// The point that stands for the group of a point.
+fn top(root: &mut [u32], mut at: u32) -> u32 {
+    while root[at as usize] != at {
+        root[at as usize] = root[root[at as usize] as usize];
+        at = root[at as usize];
+    }
+    at
+}
+
+pub(super) fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 

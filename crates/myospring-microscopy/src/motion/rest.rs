@@ -97,10 +97,14 @@ fn normalised(plane: &Plane) -> Vec<f32> {
     let rows = plane.values().chunks_exact(plane.width()).step_by(step);
     let mut values: Vec<f32> = rows.flat_map(|row| row.iter().step_by(step)).copied().collect();
     let mean = values.iter().sum::<f32>() / values.len() as f32;
-    values.iter_mut().for_each(|value| *value -= mean);
+    for value in &mut values {
+        *value -= mean;
+    }
     let norm = values.iter().map(|value| value * value).sum::<f32>().sqrt();
     if norm > 0.0 {
-        values.iter_mut().for_each(|value| *value /= norm);
+        for value in &mut values {
+            *value /= norm;
+        }
     }
     values
 }

@@ -118,6 +118,11 @@ fn weights(t: f32) -> [f32; 4] {
     [ss * s / 6.0, 2.0 / 3.0 - tt * (1.0 - 0.5 * t), 2.0 / 3.0 - ss * (1.0 - 0.5 * s), tt * t / 6.0]
 }
 
+/// The powers of the pole with which the filter starts.
+fn powers() -> impl Iterator<Item = f32> {
+    std::iter::successors(Some(1.0), |power| Some(power * POLE)).take(START)
+}
+
 /// Values of a line to coefficients: forward and backward over the line, mirrored at its ends.
 fn filter_line(line: &mut [f32]) {
     let count = line.len();
@@ -127,7 +132,7 @@ fn filter_line(line: &mut [f32]) {
     for value in line.iter_mut() {
         *value *= 6.0;
     }
-    line[0] += (1..START.min(count)).map(|k| POLE.powi(k as i32) * line[k]).sum::<f32>();
+    line[0] += powers().zip(line.iter()).skip(1).map(|(power, value)| power * value).sum::<f32>();
     for k in 1..count {
         line[k] += POLE * line[k - 1];
     }
@@ -145,9 +150,8 @@ fn filter_columns(rows: &mut [f32], stride: usize, height: usize) {
     for value in rows.iter_mut() {
         *value *= 6.0;
     }
-    for k in 1..START.min(height) {
+    for (k, weight) in powers().enumerate().take(height).skip(1) {
         let (first, others) = rows.split_at_mut(stride);
-        let weight = POLE.powi(k as i32);
         let from = &others[(k - 1) * stride..k * stride];
         first.iter_mut().zip(from).for_each(|(into, value)| *into += weight * value);
     }

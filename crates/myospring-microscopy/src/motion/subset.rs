@@ -141,13 +141,17 @@ impl Subset {
         }
         let [mut grey, mut slope_x, mut slope_y] = values;
         let mean = grey.iter().sum::<f32>() / count as f32;
-        grey.iter_mut().for_each(|value| *value -= mean);
+        for value in &mut grey {
+            *value -= mean;
+        }
         let norm = grey.iter().map(|value| value * value).sum::<f32>().sqrt();
         if norm.is_nan() || norm <= 1e-6 {
             return None;
         }
         for list in [&mut grey, &mut slope_x, &mut slope_y] {
-            list.iter_mut().for_each(|value| *value /= norm);
+            for value in list.iter_mut() {
+                *value /= norm;
+            }
         }
         let mut normal = [[0.0_f64; 6]; 6];
         for k in 0..count {

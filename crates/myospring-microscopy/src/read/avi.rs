@@ -1,4 +1,4 @@
-//! AVI: chunks of a RIFF file (Microsoft, AVI RIFF File Reference; OpenDML 1.02 for those above 1 GB).
+//! AVI: chunks of a RIFF file (Microsoft, AVI RIFF File Reference; `OpenDML` 1.02 for those above 1 GB).
 //!
 //! Frames are uncompressed (grey, palette, 24 and 32 bits of colour, planar and packed YUV), JPEG or PNG. The list of
 //! frames is made by walking through the file, so an index that is missing or wrong does not matter.

@@ -1,0 +1,157 @@
+//! How well a known motion is found, over scale, noise, depth of grey and frame rate; and how fast.
+//!
+//! `cargo run --release -p myospring --example motion_accuracy` prints the table of `docs/measured-beats.md`;
+//! `-- speed` times 500 frames of 512 x 512 pixels with about 2000 points; `-- film FILE.y4m` writes a film to try
+//! `myospring track` on.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
+
+#[path = "../tests/common/synthetic_cell.rs"]
+mod synthetic_cell;
+#[path = "../tests/common/synthetic_film.rs"]
+mod synthetic_film;
+
+use myospring::mesh::lattice;
+use myospring::microscopy::film::Film;
+use myospring::microscopy::motion::{self, Cell, Motion, Rest, Settings};
+use myospring::microscopy::picture::Selection;
+use std::time::Instant;
+use synthetic_film::{FilmScene, SARCOMERE_UM};
+
+fn follow(scene: &FilmScene, film: &Film, spacing: Option<f64>) -> Motion {
+    let mask = scene.mask();
+    let (mesh, _) = lattice::from_mask(&mask, spacing).unwrap();
+    let inside = mask.inside();
+    let pixel_size = mask.pixel_size();
+    let cell = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+    motion::follow(film, Rest::at(film, 0).unwrap(), &cell, Settings::at(50.0), |_| true).unwrap()
+}
+
+/// Errors of all points in all frames, pixels, the least first.
+fn errors(scene: &FilmScene, motion: &Motion) -> Vec<f64> {
+    let mut errors = Vec::new();
+    for frame in 0..motion.len() {
+        for node in 0..motion.mesh.len() {
+            let wanted = scene.displacement(motion.mesh.point(node), frame);
+            let off = [0, 1].map(|axis: usize| {
+                let found = motion.displacements_um[frame][axis][node];
+                found + motion.stage_um[frame][axis] - wanted[axis]
+            });
+            errors.push(off[0].hypot(off[1]) / scene.pixel_um);
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
+/// Largest difference of measured and true shortening, percentage points.
+fn shortening(scene: &FilmScene, motion: &Motion) -> f64 {
+    let lengths = motion.lengths_um();
+    let truth = |frame: usize| {
+        let place = |node: usize| {
+            let rest = motion.mesh.point(node);
+            rest[0] + scene.displacement(rest, frame)[0]
+        };
+        let ends = (0..motion.mesh.len()).map(place);
+        ends.clone().fold(f64::NEG_INFINITY, f64::max) - ends.fold(f64::INFINITY, f64::min)
+    };
+    let off = |frame| 100.0 * (lengths[frame] / lengths[0] - truth(frame) / truth(0)).abs();
+    (0..motion.len()).map(off).fold(0.0, f64::max)
+}
+
+fn row(scene: &FilmScene) {
+    let motion = follow(scene, &scene.film(), Some(2.0));
+    let errors = errors(scene, &motion);
+    let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
+    let wrong = 0.5 * SARCOMERE_UM / scene.pixel_um;
+    let wrong = errors.iter().filter(|error| **error > wrong).count() as f64 / errors.len() as f64;
+    let healed: f64 = (0..motion.len()).map(|frame| motion.healed_share(frame)).sum();
+    println!(
+        "| {:.0} | {} | {:.0} | {:.0} | {} | {:.3} | {:.2} | {:.2} | {:.1} | {:.3} |",
+        SARCOMERE_UM / scene.pixel_um,
+        scene.noise,
+        100.0 * scene.shortening,
+        scene.cell_um[0],
+        scene.beat,
+        at(0.5),
+        at(0.95),
+        100.0 * wrong,
+        100.0 * healed / motion.len() as f64,
+        shortening(scene, &motion)
+    );
+}
+
+fn grid() {
+    println!(
+        "| px a sarcomere | noise | shortening, % | length, um | frames a beat | median error, px | 95 % | wrong stripe, % | \
+         healed, % | error of shortening, points |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    let usual = FilmScene { bits: 8, ..FilmScene::default() };
+    for pixels in [6.0, 9.0, 12.0, 20.0] {
+        for noise in [0.0, 0.155, 0.4] {
+            let scale = if pixels > 15.0 { 50.0 } else { 80.0 };
+            let pixel_um = SARCOMERE_UM / pixels;
+            row(&FilmScene { pixel_um, noise, cell_um: [scale, 16.0], ..usual });
+        }
+    }
+    for beat in [5, 8, 12, 25] {
+        let cell_um = [120.0, 16.0];
+        let frames = beat + 4;
+        row(&FilmScene { cell_um, shortening: 0.12, beat, frames, noise: 0.155, ..usual });
+    }
+}
+
+fn speed() {
+    let scene = FilmScene {
+        cell_um: [86.0, 80.0],
+        frames: 25,
+        beat: 20,
+        noise: 0.1,
+        bits: 8,
+        ..FilmScene::default()
+    };
+    let bytes = scene.bytes();
+    let [width, height] = scene.size();
+    let head = bytes.len() - scene.frames * (6 + width * height);
+    let mut film = bytes[..head].to_vec();
+    for _ in 0..20 {
+        film.extend(&bytes[head..]);
+    }
+    let film = Film::read(film, &Selection::default()).unwrap();
+    let start = Instant::now();
+    let motion = follow(&scene, &film, None);
+    let seconds = start.elapsed().as_secs_f64();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    println!(
+        "{} frames of {width} x {height} pixels, {} points: {seconds:.1} s on {threads} threads",
+        motion.len(),
+        motion.mesh.len()
+    );
+}
+
+/// A film of a beat to try things on, pixels of 0.2 um, 50 frames a second.
+fn example(file: &str) {
+    let scene = FilmScene {
+        cell_um: [100.0, 22.0],
+        frames: 60,
+        beat: 36,
+        shortening: 0.1,
+        noise: 0.15,
+        vignette: 0.3,
+        bits: 8,
+        stage_um: 0.5,
+        beads: true,
+        ..FilmScene::default()
+    };
+    std::fs::write(file, scene.bytes()).unwrap();
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["speed"] => speed(),
+        ["film", file] => example(file),
+        _ => grid(),
+    }
+}
