@@ -18,6 +18,7 @@ pub mod land;
 pub mod motion;
 pub mod myokit;
 pub mod oscillator;
+pub mod parts;
 pub mod patch;
 pub mod row;
 pub mod sarcomeres;
@@ -63,6 +64,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "lammps", run: lammps::write },
         Check { name: "myokit", run: myokit::write },
         Check { name: "land", run: land::rows },
+        Check { name: "parts", run: parts::rows },
         Check { name: "finite-elements", run: finite_elements::rows },
         Check { name: "sarcomeres", run: sarcomeres::rows },
         Check { name: "motion", run: motion::rows },

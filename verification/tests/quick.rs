@@ -60,6 +60,11 @@ fn lands_myofilaments_are_those_of_independent_programs() {
 }
 
 #[test]
+fn parts_that_differ_have_the_strain_of_a_finer_mesh() {
+    passes("parts");
+}
+
+#[test]
 fn a_free_lattice_conserves_what_it_must() {
     passes("conservation");
 }

@@ -34,6 +34,7 @@ Checks:
   lammps           A lattice in motion, mass by mass, against LAMMPS
   myokit           All sets of the minimal model, all states, against Myokit's CVODE
   land             Myofilaments that feel length and speed, against independent programs
+  parts            A weak half and a passive nucleus: strain against a closed form and a finer mesh
   finite-elements  A published finite-element twitch, if its data are there
   sarcomeres       Sarcomeres in published pictures, against SarcGraph's, if they are there
   motion           Motion of a cell in a published film, against scikit-image's, if it is there
@@ -79,6 +80,7 @@ const CHECKS: [Check; 14] = [
     Check { name: "lammps", title: "LAMMPS", peer: Some(("lammps_check.py", "LAMMPS")) },
     Check { name: "myokit", title: "Myokit", peer: Some(("myokit_check.py", "Myokit")) },
     own("land", "Myofilaments that feel length and speed"),
+    own("parts", "Parts of a cell that differ"),
     own("finite-elements", "Finite-element twitch"),
     own("sarcomeres", "Sarcomeres in pictures"),
     own("motion", "Motion of a cell in a film"),

@@ -14,7 +14,7 @@ use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_p
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, Cell, ContractionOptions, FigureError, Theme};
 use myospring::output::{csv, json};
-use myospring::settings::{self, Shaped, Value};
+use myospring::settings::{self, Places, Shaped, Value};
 use myospring::simulation::{Effort, Outcome};
 use myospring::study::Threads;
 use rayon::prelude::*;
@@ -49,7 +49,14 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     bar.set_length(TENSIONS.len() as u64 * run.duration as u64);
     let fibres = run.fibre.on(&mesh, None)?;
     let one = |peak_tension: f64| -> Result<Outcome, Failure> {
-        let mut simulation = run.simulation(mesh.clone(), fibres.directions.clone(), None);
+        let mut simulation = run.simulation(
+            mesh.clone(),
+            Places {
+                fibres: fibres.directions.clone(),
+                myofibril_content: None,
+                resting_stretch: None,
+            },
+        );
         simulation.peak_tension = peak_tension;
         let mut before = 0.0;
         Ok(simulation.build()?.run(|progress| {

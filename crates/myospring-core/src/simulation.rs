@@ -173,6 +173,13 @@ pub struct Simulation {
     /// Content of myofibrils in each triangle relative to that of the cell, which its tension is in proportion
     /// to; `None` is 1 everywhere.
     pub myofibril_content: Option<Vec<f64>>,
+    /// Stretch along the fibre of each triangle of the cell at rest, as the cell model feels it: the length of its
+    /// sarcomeres over that at which the model's stretch is 1; `None` is 1 everywhere. A model of the whole cell feels
+    /// the mean. The shape at rest stays as it is.
+    pub resting_stretch: Option<Vec<f64>>,
+    /// Speed at which each stimulus, and what follows from it, travels along the long axis from the end where that
+    /// starts, um/ms; `None` is at once everywhere.
+    pub wave_speed: Option<f64>,
     /// What the cell is made of.
     pub material: Material,
     /// How the active tension acts.
@@ -211,6 +218,8 @@ impl Simulation {
             long_axis,
             fibres: vec![long_axis; mesh.simplices.len()],
             myofibril_content: None,
+            resting_stretch: None,
+            wave_speed: None,
             mesh,
             material: default_material(),
             active: ActiveLaw::Fibre,

@@ -48,6 +48,8 @@ pub enum Dimension {
     Capacitance,
     /// Rate, 1/ms.
     Rate,
+    /// Speed, um/ms.
+    Speed,
     /// Angle, degrees.
     Angle,
     /// A pure number; a percentage may be written.
@@ -99,6 +101,14 @@ impl Dimension {
                 &[("pF", 1.0), ("nF", 1e3), ("uF", 1e6), ("µF", 1e6), ("mF", 1e9), ("F", 1e12)]
             }
             Self::Rate => &[("1/ms", 1.0), ("/ms", 1.0), ("1/s", 1e-3), ("/s", 1e-3), ("Hz", 1e-3)],
+            Self::Speed => &[
+                ("um/ms", 1.0),
+                ("µm/ms", 1.0),
+                ("um/s", 1e-3),
+                ("µm/s", 1e-3),
+                ("mm/s", 1.0),
+                ("m/s", 1e3),
+            ],
             Self::Angle => {
                 &[("deg", 1.0), ("degrees", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)]
             }
@@ -133,12 +143,13 @@ impl Dimension {
             Self::Current => "a current",
             Self::Capacitance => "a capacitance",
             Self::Rate => "a rate",
+            Self::Speed => "a speed",
             Self::Angle => "an angle",
             Self::Number => "a number",
         }
     }
 
-    const ALL: [Self; 21] = [
+    const ALL: [Self; 22] = [
         Self::Time,
         Self::Length,
         Self::Area,
@@ -158,6 +169,7 @@ impl Dimension {
         Self::Current,
         Self::Capacitance,
         Self::Rate,
+        Self::Speed,
         Self::Angle,
         Self::Number,
     ];

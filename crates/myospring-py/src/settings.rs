@@ -11,7 +11,7 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
 use std::collections::BTreeMap;
 
 /// Ends of names for units.
-const SUFFIXES: [(&str, &str); 10] = [
+const SUFFIXES: [(&str, &str); 11] = [
     ("ms", "_ms"),
     ("um", "_um"),
     ("um^2", "_um2"),
@@ -23,6 +23,7 @@ const SUFFIXES: [(&str, &str); 10] = [
     ("kPa/um", "_kpa_per_um"),
     ("deg", "_deg"),
     ("1/ms", "_per_ms"),
+    ("um/ms", "_um_per_ms"),
 ];
 
 /// The name of a setting in Python. One that has no option has no name of its own on the command line either, so

@@ -25,9 +25,11 @@ mod calcium;
 mod content;
 mod fibres;
 mod number;
+mod places;
 mod problem;
 mod rows;
 mod run;
+mod sarcomeres;
 mod setting;
 mod shape;
 mod value;
@@ -38,10 +40,12 @@ pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
 pub use content::{CONTENT_ENDINGS, ContentError, MyofibrilContent};
 pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
 pub use number::{Number, NumberError};
+pub use places::PlacesError;
 pub(crate) use problem::nearest;
 pub use problem::{Failure, Problem};
 pub use rows::Table;
-pub use run::{Made, MakeError, Run};
+pub use run::{Made, MakeError, Places, Run};
+pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError, SarcomereLength};
 pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
 pub use shape::{
     OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,

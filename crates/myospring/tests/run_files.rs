@@ -102,6 +102,8 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         "pixel_size",
         "label",
         "outline",
+        "sarcomere_length",
+        "sarcomere_reference",
         "afterload",
         "end_stiffness",
         "bed_stiffness",

@@ -59,6 +59,9 @@ pub struct ByTriangle {
     per_stretch: Vec<f64>,
     per_rate: Vec<f64>,
     strongest: Strongest,
+    /// What each feels of the cell at rest.
+    resting_stretch: Vec<f64>,
+    settings: Settings,
     stimulus_times_ms: Vec<f64>,
 }
 
@@ -85,7 +88,7 @@ impl ByTriangle {
             kept.iter().map(|cell| scale * model.tension(cell.state(), &Input::REST)).collect();
         let first = protocols.iter().min_by(|a, b| a.start_ms.total_cmp(&b.start_ms));
         let stimulus_times_ms = first.map_or_else(Vec::new, |it| it.stimulus_times().collect());
-        let strongest = strongest(&model, settings, scale)?;
+        let strongest = strongest(&model, settings, scale, 1.0)?;
         Ok(Self {
             moved: kept.clone(),
             kept,
@@ -95,9 +98,26 @@ impl ByTriangle {
             per_stretch: vec![0.0; count],
             per_rate: vec![0.0; count],
             strongest,
+            resting_stretch: vec![1.0; count],
+            settings,
             stimulus_times_ms,
             model,
         })
+    }
+
+    /// The same whose models feel these stretches in the cell at rest, one for each triangle, and in proportion else.
+    ///
+    /// # Errors
+    /// A model that cannot beat at the longest of them.
+    ///
+    /// # Panics
+    /// If there is not one for each triangle.
+    pub fn at_resting_stretch(mut self, resting_stretch: &[f64]) -> Result<Self, SolveError> {
+        assert_eq!(resting_stretch.len(), self.kept.len(), "one stretch at rest per triangle");
+        resting_stretch.clone_into(&mut self.resting_stretch);
+        let longest = resting_stretch.iter().copied().fold(1.0, f64::max);
+        self.strongest = strongest(&self.model, self.settings, self.scale, longest)?;
+        Ok(self)
     }
 }
 
@@ -118,11 +138,12 @@ fn reach(
     Ok(cell.model().tension(cell.state(), &Input { stretch, stretch_rate: rate, ..Input::REST }))
 }
 
-/// Of one default beat at resting length.
+/// Of one default beat at a stretch.
 fn strongest(
     model: &Arc<dyn CellModel>,
     settings: Settings,
     scale: f64,
+    stretch: f64,
 ) -> Result<Strongest, SolveError> {
     const INTERVAL_MS: f64 = 1.0;
     let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
@@ -131,8 +152,10 @@ fn strongest(
     for ms in 1..=600 {
         let time = f64::from(ms) * INTERVAL_MS;
         let mut longer = cell.clone();
-        let tension = reach(&mut cell, time, 1.0, 0.0)?;
-        let above = reach(&mut longer, time, 1.0 + APART, APART / INTERVAL_MS)?;
+        let tension = reach(&mut cell, time, stretch, 0.0)?;
+        // By the stretch of the mesh, in proportion to which it feels.
+        let apart = stretch * APART;
+        let above = reach(&mut longer, time, stretch + apart, apart / INTERVAL_MS)?;
         most.tension = most.tension.max(scale * tension);
         most.per_stretch = most.per_stretch.max(scale * STEEPER * (above - tension) / APART);
     }
@@ -146,19 +169,25 @@ impl Activation for ByTriangle {
 
     fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
         let failed = |error: SolveError| ActivationError(error.to_string());
+        let feels = self.model.feels_stretch();
         for site in 0..self.kept.len() {
-            let (stretch, rate) = (felt.stretch[site], felt.rate[site]);
+            let at_rest = self.resting_stretch[site];
+            let [stretch, rate] = [felt.stretch[site], felt.rate[site]].map(|of| at_rest * of);
             let kept = &self.kept[site];
             let over = to_ms - kept.time();
             let moved = &mut self.moved[site];
             moved.clone_from(kept);
             let tension = reach(moved, to_ms, stretch, rate).map_err(failed)?;
+            self.tension[site] = self.scale * tension;
+            if !feels {
+                continue;
+            }
             // A longer one has been drawn out on the way: crossbridges that follow the stretch within an
             // interval are springs, not dashpots.
             self.longer.clone_from(kept);
-            let faster = if over > 0.0 { rate + APART / over } else { rate };
-            let above = reach(&mut self.longer, to_ms, stretch + APART, faster).map_err(failed)?;
-            self.tension[site] = self.scale * tension;
+            let apart = at_rest * APART;
+            let faster = if over > 0.0 { rate + apart / over } else { rate };
+            let above = reach(&mut self.longer, to_ms, stretch + apart, faster).map_err(failed)?;
             // Where it would let the cell go, or is steeper than the steps are stable for, the tangent only
             // leads there more slowly.
             let slope = self.scale * (above - tension) / APART;

@@ -19,6 +19,8 @@ pub struct WholeCell {
     scale: f64,
     strongest: Strongest,
     feels_stretch: bool,
+    /// What it feels of the cell at rest.
+    resting_stretch: f64,
     stimulus_times_ms: Vec<f64>,
 }
 
@@ -45,8 +47,15 @@ impl WholeCell {
             scale,
             strongest,
             feels_stretch,
+            resting_stretch: 1.0,
             stimulus_times_ms,
         })
+    }
+
+    /// The same whose model feels this stretch in the cell at rest, and in proportion else.
+    #[must_use]
+    pub fn at_resting_stretch(self, resting_stretch: f64) -> Self {
+        Self { resting_stretch, ..self }
     }
 }
 
@@ -73,7 +82,7 @@ impl Activation for WholeCell {
 
     fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
         let failed = |error: SolveError| ActivationError(error.to_string());
-        let (stretch, rate) = (felt.stretch[0], felt.rate[0]);
+        let [stretch, rate] = [felt.stretch[0], felt.rate[0]].map(|of| self.resting_stretch * of);
         self.moved.clone_from(&self.kept);
         // The stretch goes evenly to its end: half way it is right to the second order of the interval.
         let middle = stretch - 0.5 * rate * (to_ms - self.kept.time());

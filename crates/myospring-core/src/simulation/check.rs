@@ -91,6 +91,9 @@ pub enum SettingError {
 /// rounding, far below what anybody means.
 const SLACK: f64 = 1e-6;
 
+/// Stretches that a cell at rest may have, held or of its own.
+const RESTING_STRETCH: std::ops::RangeInclusive<f64> = 0.5..=1.5;
+
 type Checked = Result<(), SettingError>;
 
 fn value(what: &'static str, value: f64, unit: &'static str, positive: bool) -> Checked {
@@ -152,7 +155,10 @@ impl Simulation {
     pub(super) fn has_sites_in_triangles(&self) -> bool {
         match &self.activation {
             Some(activation) => matches!(activation.sites(), Sites::PerElement(_)),
-            None => self.stretch_felt == StretchFelt::Triangle && self.cell.feels_stretch(),
+            None => {
+                let feels = self.stretch_felt == StretchFelt::Triangle && self.cell.feels_stretch();
+                feels || self.wave_speed.is_some()
+            }
         }
     }
 
@@ -261,6 +267,14 @@ impl Simulation {
                 return Err(SettingError::Entry { what, triangle, value, must });
             }
         }
+        if let Some(stretch) = &self.resting_stretch {
+            length("the stretch at rest", stretch.len())?;
+            let outside = |value: &f64| !RESTING_STRETCH.contains(value);
+            if let Some(triangle) = stretch.iter().position(outside) {
+                let (what, must) = ("the stretch at rest", "from 0.5 to 1.5");
+                return Err(SettingError::Entry { what, triangle, value: stretch[triangle], must });
+            }
+        }
         let Some(content) = &self.myofibril_content else { return Ok(()) };
         length("the content of myofibrils", content.len())?;
         match content.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
@@ -279,6 +293,9 @@ impl Simulation {
     }
 
     fn check_choices(&self) -> Checked {
+        if let Some(speed) = self.wave_speed {
+            value("the speed of the wave", speed, "um/ms", true)?;
+        }
         let field = match self.activation.as_ref().map(|activation| activation.sites()) {
             Some(Sites::PerElement(found)) => {
                 let (what, expected) = ("the activation", self.mesh.simplices.len());
@@ -313,7 +330,7 @@ impl Simulation {
             let because = "nothing holds the cell stretched; clamp its ends";
             return conflict("a stretch of the ends", "a support that lets them go", because);
         }
-        if !(0.5..=1.5).contains(&self.end_stretch) {
+        if !RESTING_STRETCH.contains(&self.end_stretch) {
             let (what, must) = ("the stretch of the ends", "from 0.5 to 1.5");
             return Err(SettingError::Value { what, value: self.end_stretch, unit: "", must });
         }

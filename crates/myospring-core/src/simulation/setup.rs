@@ -3,6 +3,7 @@
 use super::check::check_strongest;
 use super::{SetupError, Simulation, TensionScale};
 use crate::analysis::shape::{self, ShapeMeter};
+use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, SolveError};
 use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, ByTriangle, Sites, Strongest, WholeCell};
@@ -13,8 +14,8 @@ use crate::mechanics::grip::LoadedGrip;
 use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Configuration, Following, System, Tension, Vectors, zeros};
-use crate::mesh::SpringKind;
 use crate::mesh::simplex::content_at;
+use crate::mesh::{Simplex, SpringKind};
 use std::sync::Arc;
 
 /// What every run starts from.
@@ -86,17 +87,13 @@ impl Simulation {
         let strongest = activation.strongest();
         check_strongest(strongest)?;
         let field = matches!(activation.sites(), Sites::PerElement(_));
-        let volumes = self.mesh.simplices.iter().enumerate().map(|(element, simplex)| {
-            let content = self.myofibril_content.as_ref().map_or(1.0, |content| content[element]);
-            simplex.weight * content_at(&self.mesh.points, simplex.nodes) * content
-        });
         Ok(Setup {
             activation,
             assembly,
             strongest,
             strength,
             fibre_stretch: field.then(|| FibreStretch::new(&self.mesh, &self.fibres)),
-            volumes: volumes.collect(),
+            volumes: self.volumes(),
             simulation: self.clone(),
         })
     }
@@ -113,13 +110,52 @@ impl Simulation {
         let Strength { scale, strongest, relative } = self.strength().map_err(failed)?;
         let strongest = Strongest { tension: strongest, ..Strongest::default() };
         let model = self.cell.clone();
+        let settings = self.numerics.cell;
         if self.has_sites_in_triangles() {
-            let protocols = vec![self.protocol; self.mesh.simplices.len()];
-            let cells = ByTriangle::new(model, &protocols, self.numerics.cell, scale);
-            return Ok((Box::new(cells.map_err(failed)?), relative));
+            let cells = ByTriangle::new(model, &self.protocols(), settings, scale);
+            let cells = cells.map_err(failed)?;
+            let cells = match &self.resting_stretch {
+                Some(stretch) => cells.at_resting_stretch(stretch).map_err(failed)?,
+                None => cells,
+            };
+            return Ok((Box::new(cells), relative));
         }
-        let cell = WholeCell::new(model, self.protocol, self.numerics.cell, scale, strongest);
-        Ok((Box::new(cell.map_err(failed)?), relative))
+        let cell = WholeCell::new(model, self.protocol, settings, scale, strongest);
+        let cell = cell.map_err(failed)?.at_resting_stretch(self.mean_resting_stretch());
+        Ok((Box::new(cell), relative))
+    }
+
+    /// The protocol of each triangle: where the stimulus travels it begins when it is there.
+    fn protocols(&self) -> Vec<Protocol> {
+        let Some(speed) = self.wave_speed else {
+            return vec![self.protocol; self.mesh.simplices.len()];
+        };
+        let along = |[x, y]: [f64; 2]| x * self.long_axis[0] + y * self.long_axis[1];
+        let points = (0..self.mesh.len()).map(|node| along(self.mesh.point(node)));
+        let start = points.fold(f64::INFINITY, f64::min);
+        let triangles = self.mesh.simplices.iter().map(|triangle| self.mesh.centre(triangle));
+        let delay = |centre| (along(centre) - start) / speed;
+        let delayed =
+            |centre| Protocol { start_ms: self.protocol.start_ms + delay(centre), ..self.protocol };
+        triangles.map(delayed).collect()
+    }
+
+    /// Mean over the volume of the myofibrils.
+    fn mean_resting_stretch(&self) -> f64 {
+        let Some(stretch) = &self.resting_stretch else { return 1.0 };
+        let volumes = self.volumes();
+        let sum: f64 = stretch.iter().zip(&volumes).map(|(stretch, volume)| stretch * volume).sum();
+        sum / volumes.iter().sum::<f64>()
+    }
+
+    /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2.
+    fn volumes(&self) -> Vec<f64> {
+        let content =
+            |element: usize| self.myofibril_content.as_ref().map_or(1.0, |it| it[element]);
+        let volume = |(element, simplex): (usize, &Simplex<3>)| {
+            simplex.weight * content_at(&self.mesh.points, simplex.nodes) * content(element)
+        };
+        self.mesh.simplices.iter().enumerate().map(volume).collect()
     }
 
     /// How strong the cell model is. One with its published parameters needs no beat for it; tension in kPa is

@@ -7,7 +7,9 @@ use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
-use crate::settings::{self, Failure, Fibre, MyofibrilContent, Problem, Run, Source, Value};
+use crate::settings::{
+    self, Failure, Fibre, MyofibrilContent, Problem, Run, SarcomereLength, Source, Value,
+};
 use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
 
 type Checked = Result<(), Failure>;
@@ -94,6 +96,7 @@ pub(super) fn check(file: &RunFile, run: &Run) -> Checked {
     stimulus(file, run)?;
     shape(file, run)?;
     fibre(file, run)?;
+    sarcomeres(file, run)?;
     support(file, run)?;
     method(file, run)?;
     times(run)
@@ -279,6 +282,42 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         ),
         _ => Ok(()),
     }
+}
+
+/// Lengths of sarcomeres mean something to a model that feels its stretch, and relative to one that is stated.
+fn sarcomeres(file: &RunFile, run: &Run) -> Checked {
+    const LENGTH: &str = "mechanics.sarcomere_length";
+    const REFERENCE: &str = "mechanics.sarcomere_reference";
+    if run.sarcomere_length == SarcomereLength::Uniform {
+        if file.has(REFERENCE) {
+            let reason = "a reference is of lengths; give sarcomere_length = \"picture\" or a table, or leave it out";
+            return Err((REFERENCE.to_owned(), Problem::Missing { key: LENGTH, reason }));
+        }
+        return Ok(());
+    }
+    if !run.cell.feels_stretch() {
+        let advice = "this model does not feel its stretch; take model = \"land_2017\" or \"tor_ord_land\", or \
+                      leave the lengths out";
+        return exclude("cell.model", LENGTH, advice);
+    }
+    if !file.has(REFERENCE) {
+        let reason = "give the length at which the model's stretch is 1, like sarcomere_reference = \"1.71 um\", at \
+                      which isolated rat cells rest, or --sarcomere-reference \"1.71 um\"";
+        return Err((LENGTH.to_owned(), Problem::Missing { key: REFERENCE, reason }));
+    }
+    if run.sarcomere_length == SarcomereLength::Picture {
+        if !matches!(run.shape.source, Source::Picture(_)) {
+            let reason =
+                "sarcomere_length = \"picture\" needs a picture of the cell; give one, or a table";
+            return Err((LENGTH.to_owned(), Problem::Missing { key: "shape.picture", reason }));
+        }
+        if matches!(run.fibre, Fibre::LongAxis | Fibre::Angle(_)) {
+            let advice = "sarcomere_length = \"picture\" takes the sarcomeres that the picture shows: give fibre = \
+                          \"auto\" or \"picture\", or a table";
+            return exclude("mechanics.fibre", LENGTH, advice);
+        }
+    }
+    Ok(())
 }
 
 fn support(file: &RunFile, run: &Run) -> Checked {

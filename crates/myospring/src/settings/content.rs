@@ -9,13 +9,13 @@
 //!   over a lattice square about each triangle, relative to their mean over the cell.
 
 use super::fibres::Fibres;
+use super::places::{self, Column, PlacesError, centres};
 use crate::mesh::Mesh;
 use crate::microscopy::cells::PictureCells;
 use crate::microscopy::hot;
 use crate::microscopy::picture::Selection;
 use crate::microscopy::plane::Plane;
 use crate::microscopy::read::{PictureError, read_picture};
-use serde::Deserialize;
 use std::io;
 
 /// Endings of files that hold a content of myofibrils, without the dot.
@@ -59,9 +59,6 @@ impl MyofibrilContent {
     }
 }
 
-/// Most points of a table: each triangle looks at all of them.
-const MOST_POINTS: usize = 100_000;
-
 /// Why a file gives no content of myofibrils.
 #[derive(Debug, thiserror::Error)]
 pub enum ContentError {
@@ -74,67 +71,9 @@ pub enum ContentError {
         /// Why, after a colon; may be empty.
         reason: String,
     },
-    /// The file could not be read.
-    #[error("cannot read `{path}`: {cause}")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system says.
-        cause: io::Error,
-    },
-    /// It is no table of contents.
-    #[error(
-        "`{path}`: {cause}; a table of the content of myofibrils has the header `content`, with one row for \
-         each triangle, or `x_um,y_um,content`"
-    )]
-    Table {
-        /// The file.
-        path: String,
-        /// What is wrong, with the line.
-        cause: String,
-    },
-    /// A number that no content can be.
-    #[error("`{path}`, line {line}: {column} is {value}; it must be {must}")]
-    Value {
-        /// The file.
-        path: String,
-        /// Its line, from 1.
-        line: u64,
-        /// Column of the table.
-        column: &'static str,
-        /// The value.
-        value: f64,
-        /// What it must be.
-        must: &'static str,
-    },
-    /// Too few or too many rows.
-    #[error("`{path}` has {rows} rows; {must}")]
-    Rows {
-        /// The file.
-        path: String,
-        /// How many rows it has.
-        rows: usize,
-        /// How many it may have, and why.
-        must: String,
-    },
-    /// Places that all lie beside the cell: of another origin or unit.
-    #[error(
-        "`{path}` has places from {first:.1?} to {last:.1?} um, the cell lies from {cell_first:.1?} to \
-         {cell_last:.1?} um, so they say nothing about it; give x_um and y_um from the same origin as the \
-         cell's nodes"
-    )]
-    Beside {
-        /// The file.
-        path: String,
-        /// Least x and y of the places, um.
-        first: [f64; 2],
-        /// Largest x and y of the places, um.
-        last: [f64; 2],
-        /// Least x and y of the cell's nodes, um.
-        cell_first: [f64; 2],
-        /// Largest x and y of the cell's nodes, um.
-        cell_last: [f64; 2],
-    },
+    /// No table of contents.
+    #[error(transparent)]
+    Table(#[from] PlacesError),
     /// The picture cannot be read.
     #[error("`{path}`: {cause}")]
     Picture {
@@ -173,12 +112,13 @@ pub enum ContentError {
     },
 }
 
-#[derive(Deserialize)]
-struct Row {
-    x_um: Option<f64>,
-    y_um: Option<f64>,
-    content: f64,
-}
+/// The column of contents in a table.
+const COLUMN: Column = Column {
+    name: "content",
+    of: "the content of myofibrils",
+    within: 0.0..=f64::INFINITY,
+    must: "a finite number, 0 or above",
+};
 
 /// The content of myofibrils in each triangle of a mesh that a file has, and what a person should know of it; `read` reads a file by its name as
 /// written, `picture` is that of the cell, with the plane that was taken of it.
@@ -188,90 +128,11 @@ pub(super) fn read_content(
     picture: Option<(&PictureCells, &Selection)>,
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
 ) -> Result<(Vec<f64>, Option<String>), ContentError> {
-    let bytes = read(path).map_err(|cause| ContentError::Read { path: path.to_owned(), cause })?;
     if path.to_lowercase().ends_with(".csv") {
-        Ok((of_table(path, &bytes, mesh)?, None))
+        Ok((places::read_table(path, &COLUMN, mesh, read)?, None))
     } else {
-        of_picture(path, &bytes, mesh, picture)
+        of_picture(path, &places::read_bytes(path, read)?, mesh, picture)
     }
-}
-
-fn of_table(path: &str, bytes: &[u8], mesh: &Mesh) -> Result<Vec<f64>, ContentError> {
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes);
-    let failed =
-        |error: csv::Error| ContentError::Table { path: path.to_owned(), cause: error.to_string() };
-    let header = reader.headers().map_err(failed)?.clone();
-    let mut columns: Vec<&str> = header.iter().collect();
-    columns.sort_unstable();
-    let of_points = columns == ["content", "x_um", "y_um"];
-    if !of_points && columns != ["content"] {
-        let found: Vec<_> = header.iter().map(|name| format!("`{name}`")).collect();
-        let cause = match found.len() {
-            0 => "it is empty".to_owned(),
-            1 => format!("its one column, as commas part them, is {}", found[0]),
-            _ => format!("its columns are {}", found.join(", ")),
-        };
-        return Err(ContentError::Table { path: path.to_owned(), cause });
-    }
-    let (mut points, mut content) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(failed)?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let row: Row = record.deserialize(Some(&header)).map_err(failed)?;
-        let wrong = |column, value, must| {
-            Err(ContentError::Value { path: path.to_owned(), line, column, value, must })
-        };
-        if !(row.content.is_finite() && row.content >= 0.0) {
-            return wrong("content", row.content, "a finite number, 0 or above");
-        }
-        let [x, y] = [row.x_um, row.y_um].map(|value| value.unwrap_or(f64::NAN));
-        for (column, value) in [("x_um", x), ("y_um", y)] {
-            if of_points && !value.is_finite() {
-                return wrong(column, value, "a finite number");
-            }
-        }
-        points.push([x, y]);
-        content.push(row.content);
-    }
-    let rows = content.len();
-    let refused = |must: String| Err(ContentError::Rows { path: path.to_owned(), rows, must });
-    if !of_points {
-        let triangles = mesh.simplices.len();
-        if rows != triangles {
-            return refused(format!("the mesh has {triangles} triangles: give one for each"));
-        }
-        return Ok(content);
-    }
-    if rows == 0 || rows > MOST_POINTS {
-        return refused(format!("there may be 1 to {MOST_POINTS} points"));
-    }
-    let ([first, last], [cell_first, cell_last]) = (
-        bounds(&points),
-        bounds(&(0..mesh.len()).map(|node| mesh.point(node)).collect::<Vec<_>>()),
-    );
-    if (0..2).any(|axis| first[axis] > cell_last[axis] || last[axis] < cell_first[axis]) {
-        let path = path.to_owned();
-        return Err(ContentError::Beside { path, first, last, cell_first, cell_last });
-    }
-    let nearest = |[x, y]: [f64; 2]| {
-        let square = |at: usize| (points[at][0] - x).powi(2) + (points[at][1] - y).powi(2);
-        let at = (0..rows).min_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or(0);
-        content[at]
-    };
-    Ok(centres(mesh).map(nearest).collect())
-}
-
-/// Least and largest x and y of points.
-fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
-    let of = |most: fn(f64, f64) -> f64| {
-        points
-            .iter()
-            .copied()
-            .reduce(|[x, y], [u, v]| [most(x, u), most(y, v)])
-            .unwrap_or([f64::NAN; 2])
-    };
-    [of(f64::min), of(f64::max)]
 }
 
 fn of_picture(
@@ -354,11 +215,6 @@ fn relative(values: Vec<f64>, mesh: &Mesh) -> Option<Vec<f64>> {
     let mean = sum / whole;
     let any = mean.is_finite() && mean > 0.0;
     any.then(|| values.into_iter().map(|value| value / mean).collect())
-}
-
-/// The centre of each triangle, um.
-fn centres(mesh: &Mesh) -> impl Iterator<Item = [f64; 2]> {
-    mesh.simplices.iter().map(|triangle| mesh.centre(triangle))
 }
 
 #[cfg(test)]

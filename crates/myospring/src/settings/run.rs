@@ -3,6 +3,7 @@
 use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError, MyofibrilContent};
 use super::fibres::{Asked, Fibre, Fibres};
+use super::sarcomeres::{self, SarcomereError, SarcomereLength};
 use super::shape::{Shape, Shaped, Source};
 use crate::cell::pacing::Protocol;
 use crate::cell::{CellModel, TensionKind, coelho_2021};
@@ -54,6 +55,12 @@ pub struct Run {
     pub stretch_felt: StretchFelt,
     /// How many myofibrils there are in each place.
     pub myofibril_content: MyofibrilContent,
+    /// How long the sarcomeres of the cell at rest are in each place.
+    pub sarcomere_length: SarcomereLength,
+    /// Length of the sarcomere at which the cell model's stretch is 1, um; without meaning where all have it.
+    pub sarcomere_reference: Option<f64>,
+    /// Speed at which stimuli travel along the cell, um/ms; `None` is at once everywhere.
+    pub wave_speed: Option<f64>,
     /// What holds the cell.
     pub support: SupportKind,
     /// How far apart clamped ends are held before the beat, relative to the cell at rest.
@@ -79,6 +86,17 @@ pub struct Made {
     pub picture: Option<(PictureCells, PictureCell)>,
 }
 
+/// What differs from place to place in a cell, a list over the triangles of its mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    /// Direction of the fibres, unit vectors ([`Fibre::on`]).
+    pub fibres: Vec<[f64; 2]>,
+    /// Content of myofibrils; `None` is 1 everywhere.
+    pub myofibril_content: Option<Vec<f64>>,
+    /// Stretch of the myofilaments in the cell at rest; `None` is 1 everywhere.
+    pub resting_stretch: Option<Vec<f64>>,
+}
+
 /// Why a shape did not become a simulation.
 #[derive(Debug, thiserror::Error)]
 pub enum MakeError {
@@ -88,6 +106,9 @@ pub enum MakeError {
     /// No content of myofibrils.
     #[error(transparent)]
     Content(#[from] ContentError),
+    /// No length of sarcomeres.
+    #[error(transparent)]
+    Sarcomere(#[from] SarcomereError),
     /// No course of calcium.
     #[error(transparent)]
     Calcium(#[from] CalciumError),
@@ -117,6 +138,9 @@ impl Run {
             fibre: Fibre::Auto(Asked::default()),
             stretch_felt: StretchFelt::Cell,
             myofibril_content: MyofibrilContent::Uniform,
+            sarcomere_length: SarcomereLength::Uniform,
+            sarcomere_reference: None,
+            wave_speed: None,
             support: SupportKind::MassCentre,
             end_stretch: 1.0,
             duration: usual_duration(&protocol, &numerics),
@@ -194,10 +218,18 @@ impl Run {
                 Some(content)
             }
         };
+        let reference = self.sarcomere_reference.unwrap_or(f64::NAN);
+        let lengths = &self.sarcomere_length;
+        let stretch = sarcomeres::resting_stretch(lengths, reference, &mesh, &fibres, &read)?;
+        let (resting_stretch, told) = stretch.unzip();
+        report.warnings.extend(told);
         let (cell, warning) = self.driven(read)?;
         report.warnings.extend(warning);
-        let simulation =
-            Simulation { cell, ..self.simulation(mesh, fibres.directions.clone(), content) };
+        report.warnings.extend(self.wave_warning(report.dimensions.length_um));
+        let fibre_directions = fibres.directions.clone();
+        let places =
+            Places { fibres: fibre_directions, myofibril_content: content, resting_stretch };
+        let simulation = Simulation { cell, ..self.simulation(mesh, places) };
         // The pixels of a mask are exact for its area, but a cell has no steps.
         let of_mask = picture.as_ref().filter(|(cells, _)| {
             cells.segmentation().is_some_and(|found| found.modality == Modality::Mask)
@@ -222,21 +254,33 @@ impl Run {
         }
     }
 
-    /// The simulation of this run on a mesh, without files: the cell model has the calcium of its own
-    /// ([`Run::driven`]), with the direction of its fibres ([`Fibre::on`]) and the content of
-    /// myofibrils of each triangle.
-    pub fn simulation(
-        &self,
-        mesh: Mesh,
-        fibres: Vec<[f64; 2]>,
-        myofibril_content: Option<Vec<f64>>,
-    ) -> Simulation {
+    /// That the run ends before the wave has left the cell, if it does.
+    fn wave_warning(&self, length_um: f64) -> Option<String> {
+        let across = length_um / self.wave_speed?;
+        let Protocol { start_ms, beats, .. } = self.protocol;
+        let needed = self.usual_duration() + across;
+        (beats > 0 && start_ms + across + AFTER_LAST_STIMULUS > self.duration).then(|| {
+            format!(
+                "the wave takes {across:.0} ms along the cell and the run ends at {} ms, before its far end has \
+                 relaxed; give a duration of {:.0} ms",
+                self.duration,
+                (needed / 50.0).ceil() * 50.0
+            )
+        })
+    }
+
+    /// The simulation of this run on a mesh with what differs in it from place to place, without files: the cell
+    /// model has the calcium of its own ([`Run::driven`]).
+    pub fn simulation(&self, mesh: Mesh, places: Places) -> Simulation {
+        let Places { fibres, myofibril_content, resting_stretch } = places;
         let long_axis = long_axis(&mesh);
         Simulation {
             cell: Arc::clone(&self.cell),
             stretch_felt: self.stretch_felt,
             activation: None,
             myofibril_content,
+            resting_stretch,
+            wave_speed: self.wave_speed,
             stepper: None,
             protocol: self.protocol,
             peak_tension: self.peak_tension,

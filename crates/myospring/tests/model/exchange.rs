@@ -127,7 +127,7 @@ fn last(outcome: &Outcome) -> &Sample {
     outcome.recording.samples.last().unwrap()
 }
 
-const IN_TIME: Method = Method::Verlet(Integrator::StoermerVerlet);
+pub(crate) const IN_TIME: Method = Method::Verlet(Integrator::StoermerVerlet);
 
 #[test]
 fn a_tension_that_falls_with_length_agrees_with_the_length_that_it_causes() {

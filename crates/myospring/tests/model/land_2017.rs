@@ -144,7 +144,7 @@ fn an_unloaded_twitch_is_that_of_independent_programs() {
 }
 
 /// The built-in cell with the material for myofilaments, stimulated at 0 ms.
-fn cell(method: Method, exchange_interval: f64, support: SupportKind) -> Simulation {
+pub(crate) fn cell(method: Method, exchange_interval: f64, support: SupportKind) -> Simulation {
     let model = Land2017::published();
     let (mesh, _) = lattice::from_outline(&built_in::adult_ventricular(), Some(5.0)).unwrap();
     let usual = Simulation::new(mesh);

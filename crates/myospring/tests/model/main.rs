@@ -19,6 +19,7 @@ mod mechanics;
 mod mesh;
 mod outline;
 mod own_model;
+mod parts;
 mod quasi_static;
 mod solid;
 mod supports;

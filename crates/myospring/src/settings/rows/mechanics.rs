@@ -5,6 +5,7 @@ use super::super::content::{CONTENT_ENDINGS, CONTENT_WORDS, MyofibrilContent};
 use super::super::fibres::{Asked, Fibre};
 use super::super::problem::Problem;
 use super::super::run::Run;
+use super::super::sarcomeres::{SARCOMERE_ENDINGS, SARCOMERE_WORDS, SarcomereLength};
 use super::super::setting::{Kind, Setting};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
@@ -166,6 +167,40 @@ pub(super) const ROWS: &[Setting] = &[
          picture shows them), a table (.csv: content, or x_um,y_um,content), or a picture of the same frame",
     )
     .alias("--content"),
+    Setting::new(
+        "mechanics.sarcomere_length",
+        "How long the sarcomeres of the cell at rest are in each place, for a model that feels its stretch: there it \
+         feels this length over `sarcomere_reference`. \"uniform\", all as long as that; \"picture\", as the picture \
+         shows them, and as in the nearest place where it shows none; or a table (.csv), relative to this file, with \
+         the header sarcomere_um, a row for each triangle, or x_um,y_um,sarcomere_um, such as fibres.csv. A model for \
+         each triangle (stretch_felt = \"triangle\") feels its own, one for the cell their mean.",
+        Kind::File {
+            endings: SARCOMERE_ENDINGS,
+            words: SARCOMERE_WORDS,
+            example: "fibres.csv",
+            get: |run| Some(run.sarcomere_length.written().to_owned()),
+            set: |run, text| run.sarcomere_length = SarcomereLength::of(text),
+        },
+    )
+    .option_saying(
+        "--sarcomere-length",
+        "WHAT",
+        "Length of the sarcomeres at rest by place, for a model that feels its stretch: uniform, picture, or a table \
+         (.csv: sarcomere_um, or x_um,y_um,sarcomere_um)",
+    ),
+    Setting::quantity(
+        "mechanics.sarcomere_reference",
+        "Length of the sarcomere at which the cell model's stretch is 1. Nobody has measured it for a model: isolated \
+         rat cells rest at 1.71 um, the same cells within the heart at 1.95 um (Bub 2010).",
+        Bounds::any(Dimension::Length, "1.71 um").from(1.0).to(3.0),
+        |run| run.sarcomere_reference,
+        |run, length| run.sarcomere_reference = Some(length),
+    )
+    .option_saying(
+        "--sarcomere-reference",
+        "LENGTH",
+        "Length of the sarcomere at which the cell model's stretch is 1 (\"1.71 um\")",
+    ),
     Setting::new(
         "mechanics.support",
         "What holds the cell.",

@@ -105,6 +105,20 @@ pub(super) const ROWS: &[Setting] = &[
         |run, cycle| run.protocol.cycle_length_ms = cycle,
     )
     .option("--cycle-length", "TIME"),
+    Setting::quantity(
+        "stimulus.wave_speed",
+        "Speed at which each stimulus, and the calcium that it sets free, travels along the cell from the end where the \
+         long axis starts: a cell model for each triangle, much slower. Beats are measured from the start of the wave.",
+        Bounds::any(Dimension::Speed, "0.1 um/ms").from(1e-3).to(1e6),
+        |run| run.wave_speed,
+        |run, speed| run.wave_speed = Some(speed),
+    )
+    .otherwise("everywhere at once")
+    .option_saying(
+        "--wave-speed",
+        "SPEED",
+        "Speed at which each stimulus, and its calcium, travels along the cell (\"100 um/s\")",
+    ),
 ];
 
 /// Where calcium is given, a stimulus only says when it begins.

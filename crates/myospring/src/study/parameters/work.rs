@@ -17,7 +17,7 @@ use crate::mesh::Mesh;
 use crate::output::files::FileError;
 use crate::recording::Sample;
 use crate::run_file::RunFile;
-use crate::settings::{Run, ShapeBytes, Shaped};
+use crate::settings::{Places, Run, ShapeBytes, Shaped};
 use crate::simulation::{Outcome, Ready, SharedPath, Simulation, StopReason, TensionScale};
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -75,8 +75,7 @@ struct Body {
 
 struct Meshed {
     mesh: Mesh,
-    fibres: Vec<[f64; 2]>,
-    content: Option<Vec<f64>>,
+    places: Places,
 }
 
 /// Keys under which a number changes nothing but the course of tension.
@@ -84,7 +83,8 @@ const TENSION_ONLY: [&str; 3] = ["cell.", "stimulus.", "run."];
 /// Keys of numbers that decide the mesh.
 const SHAPING: [&str; 2] = ["shape.", "segmentation."];
 /// Keys of numbers that decide the fibres on it.
-const FIBRES: [&str; 2] = ["mechanics.fibre", "mechanics.myofibril_content"];
+const FIBRES: [&str; 3] =
+    ["mechanics.fibre", "mechanics.myofibril_content", "mechanics.sarcomere_"];
 
 impl Common {
     /// Makes what members share, and beats the run without any change. `read` reads a file by its name as written.
@@ -287,11 +287,12 @@ impl Common {
         let shares_path = self.keys().all(|key| starts(key, &TENSION_ONLY));
         let same_shape = !self.keys().any(|key| starts(key, &SHAPING));
         let same_mesh = same_shape && !self.keys().any(|key| starts(key, &FIBRES));
-        let Simulation { mesh, fibres, myofibril_content: content, .. } = made;
+        let Simulation { mesh, fibres, myofibril_content, resting_stretch, .. } = made;
+        let places = Places { fibres, myofibril_content, resting_stretch };
         self.body = Some(Body {
             bytes,
             shaped: Some(shaped).filter(|_| same_shape && !same_mesh),
-            meshed: Some(Meshed { mesh, fibres, content }).filter(|_| same_mesh),
+            meshed: Some(Meshed { mesh, places }).filter(|_| same_mesh),
             shares_path,
             path: OnceLock::new(),
         });
@@ -379,9 +380,9 @@ impl Common {
         let read = |path: &str| {
             self.files.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
         };
-        if let Some(Meshed { mesh, fibres, content }) = &body.meshed {
+        if let Some(Meshed { mesh, places }) = &body.meshed {
             let (cell, _) = run.driven(read)?;
-            let simulation = run.simulation(mesh.clone(), fibres.clone(), content.clone());
+            let simulation = run.simulation(mesh.clone(), places.clone());
             return Ok(Simulation { cell, ..simulation });
         }
         let shaped = body.shaped.clone().map_or_else(|| run.shape.mesh(&body.bytes), Ok)?;
