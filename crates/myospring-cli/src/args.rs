@@ -4,9 +4,10 @@ use crate::look::Look;
 use crate::options::{Beat, Seen, Settings};
 use crate::outputs;
 use crate::track;
-use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
+use clap::builder::{PossibleValue, PossibleValuesParser, Styles};
 use clap::{Args, Parser, Subcommand};
+use myospring::run_file::PRESETS;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -409,10 +410,25 @@ pub(crate) struct ModelsArgs {
     pub(crate) json: bool,
 }
 
+/// Names of presets, and `list`.
+fn presets() -> PossibleValuesParser {
+    let named = PRESETS.iter().map(|preset| PossibleValue::new(preset.name).help(preset.about));
+    PossibleValuesParser::new(named.chain([PossibleValue::new(LIST).help("print these lines")]))
+}
+
+/// The word that lists presets instead of writing one.
+pub(crate) const LIST: &str = "list";
+
 /// `myospring init`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  myospring init beat.toml\n  myospring init > beat.toml")]
+#[command(after_help = "Examples:
+  myospring init beat.toml                            every setting with its default
+  myospring init --preset list                        the presets
+  myospring init --preset hipsc-on-gel gel.toml       one of them")]
 pub(crate) struct InitArgs {
+    /// Write this run file instead, each of whose numbers has its source beside it; list names them
+    #[arg(long, value_name = "NAME", value_parser = presets())]
+    pub(crate) preset: Option<String>,
     /// File to write; without it, the run file goes to stdout
     pub(crate) file: Option<PathBuf>,
     /// Replace the file if it exists

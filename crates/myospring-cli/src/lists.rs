@@ -1,6 +1,6 @@
 //! `myospring models`, `init` and `schema`.
 
-use crate::args::{InitArgs, ModelsArgs};
+use crate::args::{InitArgs, LIST, ModelsArgs};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::print;
@@ -8,7 +8,7 @@ use crate::table::aligned;
 use myospring::cell::{self, CellModel};
 use myospring::output::{files, json};
 use myospring::parameter::ParameterSet;
-use myospring::run_file;
+use myospring::run_file::{self, PRESETS};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -76,7 +76,16 @@ fn parameters(model: &dyn CellModel) -> String {
 }
 
 pub(crate) fn init(args: &InitArgs) -> Result<ExitCode, Failure> {
-    let text = run_file::template();
+    if args.preset.as_deref() == Some(LIST) {
+        let rows: Vec<_> = PRESETS
+            .iter()
+            .map(|preset| [preset.name, preset.about].map(str::to_owned).to_vec())
+            .collect();
+        print::out(&aligned(&rows, &[]))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let chosen = PRESETS.iter().find(|preset| args.preset.as_deref() == Some(preset.name));
+    let text = chosen.map_or_else(run_file::template, |preset| preset.text.to_owned());
     let Some(path) = &args.file else {
         print::out(&text)?;
         return Ok(ExitCode::SUCCESS);

@@ -278,9 +278,25 @@ fn small(study: &str) -> String {
     let study = study.replace("[run.shape]\nspacing = \"4 um\"\n", "");
     let beats = study.contains("kind = \"beat\"");
     let study = if beats { study.replace("[run.cell]", mesh) } else { study };
-    let less = ["trajectories = 50", "size = 1024", "size = 2000", "levels = 24"];
+    let less = [
+        "trajectories = 50",
+        "size = 1024",
+        "size = 2000",
+        "levels = 24",
+        "levels = 15",
+        "levels = 9",
+        "beats = 30",
+    ];
     less.into_iter()
-        .zip(["trajectories = 2", "size = 2", "size = 20", "levels = 3"])
+        .zip([
+            "trajectories = 2",
+            "size = 2",
+            "size = 20",
+            "levels = 3",
+            "levels = 3",
+            "levels = 2",
+            "beats = 1",
+        ])
         .fold(study, |study, (usual, small)| study.replace(usual, small))
 }
 
@@ -296,7 +312,11 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         assert!(text.contains(&format!("myospring study run examples/studies/{name}")), "{name}");
         fs::write(path.join(&name), small(&text)).unwrap();
         let said = done(path, &["study", "run", &name, "-o", &format!("{name}.out")]);
-        let members = if name == "population.toml" { "20 members: 20 beat" } else { " beat\n" };
+        let members = match name.as_str() {
+            "population.toml" => "20 members: 20 beat",
+            "force_frequency.toml" => "2 members: 2 beat",
+            _ => " beat\n",
+        };
         assert!(said.contains(members), "{name}: {said}");
         known.push(name);
     }
@@ -305,7 +325,9 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         "contraction_morris.toml",
         "contraction_sobol.toml",
         "force_clamp.toml",
+        "force_frequency.toml",
         "population.toml",
+        "restitution.toml",
     ];
     assert_eq!(known, all);
     let models = done(path, &["models", "coelho_2021"]);

@@ -26,6 +26,7 @@
 
 mod error;
 mod file;
+mod presets;
 mod reading;
 mod resolve;
 mod rules;
@@ -37,6 +38,7 @@ pub use crate::settings::{
 };
 pub use error::{Origin, RunFileError};
 pub use file::RunFile;
+pub use presets::{PRESETS, Preset};
 pub use reading::Reader;
 pub use schema::schema;
 pub use template::template;

@@ -496,6 +496,14 @@ fn models_init_schema_and_cite_print_what_they_say() {
     assert_eq!(myospring(folder.path(), &["init", "beat.toml"]).status.code(), Some(0));
     let output = myospring(folder.path(), &["run", "beat.toml", "--dry-run"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let listed = stdout(&myospring(folder.path(), &["init", "--preset", "list"]));
+    assert!(listed.contains("hipsc-on-gel") && listed.contains("13.9 nN"), "{listed}");
+    let gel = ["init", "--preset", "hipsc-on-gel", "gel.toml"];
+    assert_eq!(myospring(folder.path(), &gel).status.code(), Some(0));
+    let output = myospring(folder.path(), &["run", "gel.toml", "--dry-run"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let unknown = myospring(folder.path(), &["init", "--preset", "giraffe"]);
+    assert!(stderr(&unknown).contains("hipsc-on-gel"), "{}", stderr(&unknown));
     let output = myospring(folder.path(), &["init", "beat.toml"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("`beat.toml` exists already"), "{}", stderr(&output));

@@ -17,11 +17,18 @@ pub struct BuiltIn {
 }
 
 /// All cells that come with the program.
-pub const CELLS: &[BuiltIn] = &[BuiltIn {
-    name: "adult_ventricular",
-    about: "adult left ventricular myocyte, 140 x 21 um, with stepped ends",
-    geojson: include_str!("../../cells/adult_ventricular.geojson"),
-}];
+pub const CELLS: &[BuiltIn] = &[
+    BuiltIn {
+        name: "adult_ventricular",
+        about: "adult left ventricular myocyte, 140 x 21 um, with stepped ends",
+        geojson: include_str!("../../cells/adult_ventricular.geojson"),
+    },
+    BuiltIn {
+        name: "hipsc_derived",
+        about: "myocyte derived from human stem cells on a strip of matrix, 58 x 14 um",
+        geojson: include_str!("../../cells/hipsc_derived.geojson"),
+    },
+];
 
 impl BuiltIn {
     /// Its outline.

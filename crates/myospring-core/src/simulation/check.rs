@@ -152,14 +152,12 @@ pub(super) fn check_strongest(strongest: Strongest) -> Checked {
 
 impl Simulation {
     /// Whether the tension is made in each triangle.
-    pub(super) fn has_sites_in_triangles(&self) -> bool {
-        match &self.activation {
-            Some(activation) => matches!(activation.sites(), Sites::PerElement(_)),
-            None => {
-                let feels = self.stretch_felt == StretchFelt::Triangle && self.cell.feels_stretch();
-                feels || self.wave_speed.is_some()
-            }
+    pub fn has_sites_in_triangles(&self) -> bool {
+        if let Some(activation) = &self.activation {
+            return matches!(activation.sites(), Sites::PerElement(_));
         }
+        let each_feels = self.stretch_felt == StretchFelt::Triangle && self.cell.feels_stretch();
+        each_feels || self.wave_speed.is_some()
     }
 
     /// Checks every setting.

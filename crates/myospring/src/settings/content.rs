@@ -306,12 +306,12 @@ mod tests {
         }
         for (text, message) in [
             ("content\n1\n", "give one for each"),
-            ("x_um,y_um,content\n0,0,1\n,,1\n", "line 3: x_um is NaN"),
+            ("x_um,y_um,content\n0,0,1\n,,1\n", "line 3: x_um is empty"),
             ("# drawn\nx_um,content\n0,1\n", "its columns are `x_um`, `content`"),
             ("x_um,y_um,content\n0,5,1\n2,5,1\n", "the cell lies from [0.0, 0.0] to [2.0, 1.0] um"),
             ("x_um,y_um,content\n", "1 to 100000 points"),
             ("amount\n1\n", "has the header `content`"),
-            ("content\nnan\n", "line 2: content is NaN"),
+            ("content\nnan\n", "line 2: content is nan"),
             ("x_um,y_um,content\ninf,0,1\n", "x_um is inf"),
         ] {
             let error = table(text).unwrap_err().to_string();

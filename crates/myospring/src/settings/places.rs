@@ -1,8 +1,8 @@
 //! Tables that say something of each place in a cell: a row for each triangle, or points of which each triangle takes
 //! the nearest.
 //!
-//! A table whose header has `x_um` and `y_um` has points; other columns than these and the one that is wanted are
-//! passed over, so `fibres.csv` may be read as it was written. Points without a value say nothing.
+//! A table whose header has `x_um` and `y_um` has points; its other columns are passed over, so `fibres.csv` may be read
+//! as it was written. Points without a value say nothing. A table with a row for each triangle has the one column.
 
 use crate::mesh::Mesh;
 use std::io;
@@ -118,7 +118,9 @@ pub(super) fn read_table(
     let header = reader.headers().map_err(|error| table(error.to_string()))?.clone();
     let place = |name: &str| header.iter().position(|column| column == name);
     let [x, y, wanted] = ["x_um", "y_um", column.name].map(place);
-    let (Some(wanted), true) = (wanted, x.is_some() == y.is_some()) else {
+    // Beside other columns a row for each triangle would be a guess: places may stand under another name.
+    let places = x.is_some() && y.is_some() || header.len() == 1;
+    let (Some(wanted), true) = (wanted, places) else {
         let found: Vec<_> = header.iter().map(|name| format!("`{name}`")).collect();
         return Err(table(match found.len() {
             0 => "it is empty".to_owned(),

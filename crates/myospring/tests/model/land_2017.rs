@@ -1,12 +1,11 @@
 //! Land's myofilaments in a cell: isometric and unloaded twitches, against numbers of independent programs.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use myospring::cell::calcium::CalciumTrace;
+use crate::block::{Load, Twitch, YOUNG, rest, torord_calcium, twitch};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::land_2017::Land2017;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::solve;
-use myospring::cell::tomek_2019::{Layer, TomekModel, Variant};
 use myospring::cell::{CellModel as _, Input};
 use myospring::integrate::Method;
 use myospring::integrate::verlet::Integrator;
@@ -16,117 +15,14 @@ use myospring::mesh::{built_in, lattice};
 use myospring::simulation::{Numerics, Simulation, StretchFelt};
 use std::sync::Arc;
 
-/// Young's modulus of the passive cell, kPa, and Poisson's ratio.
-const YOUNG: f64 = 100.6;
-const POISSON: f64 = 0.49;
-
-/// Stretch of a block of the cubic lattice (springs along sides and diagonals of faces, a volume law) that
-/// pulls itself together by a tension along its fibre, kPa: homogeneous, so two equations.
-fn rest(tension: f64, young: f64) -> f64 {
-    let shear = young / (2.0 * (1.0 + POISSON));
-    let bulk = young * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)) - shear;
-    let root2 = 2f64.sqrt();
-    // W = mu/2 sum (l_i - 1)^2 + mu sum_ij (sqrt(l_i^2 + l_j^2) - sqrt 2)^2 + kappa/2 (J - 1)^2 + Ta/2 l_1^2
-    let slopes = |l: f64, m: f64| {
-        let (long, across) = (l.hypot(m), m * root2);
-        let volume = bulk * (l * m * m - 1.0);
-        let by_l = shear * (l - 1.0)
-            + 4.0 * shear * (long - root2) * l / long
-            + volume * m * m
-            + tension * l;
-        let by_m = 2.0 * shear * (m - 1.0)
-            + 4.0 * shear * (long - root2) * m / long
-            + 2.0 * shear * (across - root2) * root2
-            + 2.0 * volume * l * m;
-        [by_l, by_m]
-    };
-    let (mut l, mut m) = (1.0, 1.0);
-    for _ in 0..50 {
-        let [f, g] = slopes(l, m);
-        let d = 1e-7;
-        let [fl, gl] = slopes(l + d, m);
-        let [fm, gm] = slopes(l, m + d).map(|x| x);
-        let [a, b, c, e] = [(fl - f) / d, (fm - f) / d, (gl - g) / d, (gm - g) / d];
-        let det = a * e - b * c;
-        l -= (f * e - g * b) / det;
-        m -= (g * a - f * c) / det;
-    }
-    l
-}
-
-/// A twitch of one stimulus at 0 ms.
-struct Twitch {
-    interval_ms: f64,
-    /// Per cent of the length at the start, which calcium at rest has shortened a little.
-    shortening: Vec<f64>,
-    tension: Vec<f64>,
-}
-
-impl Twitch {
-    fn peak(&self) -> f64 {
-        self.shortening.iter().copied().fold(0.0, f64::max)
-    }
-
-    fn time_of_peak(&self) -> f64 {
-        let at = self.shortening.iter().position(|value| *value == self.peak()).unwrap();
-        self.interval_ms * at as f64
-    }
-
-    /// Lengths per s.
-    fn largest_rate(&self) -> f64 {
-        let rate = |pair: &[f64]| (pair[1] - pair[0]) / self.interval_ms * 10.0;
-        self.shortening.windows(2).map(rate).fold(0.0, f64::max)
-    }
-
-    /// From the peak, ms.
-    fn half_relaxation(&self) -> f64 {
-        let start = (self.time_of_peak() / self.interval_ms) as usize;
-        let after = self.shortening[start..].iter();
-        self.interval_ms * after.take_while(|value| **value > 0.5 * self.peak()).count() as f64
-    }
-}
-
-/// Without load: at the end of each interval the stretch is that of the block under the tension, which has a
-/// lag of 1 ms (a filter; 0 for none), found by bisection.
 fn unloaded(model: Land2017, interval_ms: f64, lag_ms: f64, young: f64) -> Twitch {
-    let model = Arc::new(model);
-    let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
-    let mut cell = CellIntegrator::new(model.clone(), protocol, model.usual_settings()).unwrap();
-    let (mut lengths, mut tensions) = (Vec::new(), Vec::new());
-    let (mut stretch, mut felt) = (1.0, 0.0);
-    for step in 0..=(600.0 / interval_ms).round() as usize {
-        let time = step as f64 * interval_ms;
-        let (over, kept) = match step {
-            0 => (f64::INFINITY, 0.0),
-            _ if lag_ms == 0.0 => (interval_ms, 0.0),
-            _ => (interval_ms, f64::exp(-interval_ms / lag_ms)),
-        };
-        let trial = |end: f64| {
-            let mut next = cell.clone();
-            let middle = if step == 0 { end } else { 0.5 * (stretch + end) };
-            next.advance_to(time, middle, (end - stretch) / over).unwrap();
-            let tension = model.tension(next.state(), &Input { stretch: end, ..Input::REST });
-            (next, tension, tension + (felt - tension) * kept)
-        };
-        let (mut low, mut high) = (0.6, 1.2);
-        for _ in 0..45 {
-            let middle = 0.5 * (low + high);
-            if rest(trial(middle).2, young) > middle { low = middle } else { high = middle }
-        }
-        let tension;
-        (cell, tension, felt) = trial(low);
-        stretch = low;
-        lengths.push(stretch);
-        tensions.push(tension);
-    }
-    let shortening = lengths.iter().map(|length| 100.0 * (1.0 - length / lengths[0])).collect();
-    Twitch { interval_ms, shortening, tension: tensions }
+    twitch(&Arc::new(model), &Load::None, interval_ms, lag_ms, young)
 }
 
 #[test]
 fn the_block_that_the_numbers_are_for_shortens_as_published() {
     for (tension, shortening) in [(50.0, 12.0), (40.0, 9.96), (30.0, 7.75)] {
-        let found = 100.0 * (1.0 - rest(tension, 348.6));
+        let found = 100.0 * (1.0 - rest(tension, 348.6, &|_| 0.0));
         assert!((found - shortening).abs() < 5e-3, "{tension} kPa: {found} %");
     }
 }
@@ -138,7 +34,7 @@ fn an_unloaded_twitch_is_that_of_independent_programs() {
     assert!((twitch.peak() - 10.12).abs() < 5e-3, "{} %", twitch.peak());
     assert!((twitch.largest_rate() - 1.132).abs() < 2e-3, "{}/s", twitch.largest_rate());
     assert!((twitch.time_of_peak() - 163.0).abs() <= 0.5, "{} ms", twitch.time_of_peak());
-    assert!((twitch.half_relaxation() - 112.3).abs() <= 0.7, "{} ms", twitch.half_relaxation());
+    assert!((twitch.relaxation(0.5) - 112.3).abs() <= 0.7, "{} ms", twitch.relaxation(0.5));
     let strongest = twitch.tension.iter().copied().fold(0.0, f64::max);
     assert!((strongest - 11.83).abs() < 5e-3, "{strongest} kPa");
 }
@@ -279,14 +175,6 @@ fn triangles_that_differ_are_found_at_any_exchange_interval_and_in_time() {
     assert!(off < 4e-3 * peak, "in time: {off} of {peak} %");
 }
 
-/// Calcium of the first beat of ToR-ORd with these myofilaments, as a trace that is measured each 0.5 ms.
-fn torord_calcium() -> CalciumTrace {
-    let model = TomekModel::published(Layer::Endo, Variant::Land);
-    let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
-    let trace = solve(&model, protocol, model.usual_settings(), 700.0, 0.5).unwrap();
-    CalciumTrace::new(&trace.time_ms, trace.variable("Ca_i").unwrap()).unwrap()
-}
-
 #[test]
 fn held_at_three_lengths_on_the_calcium_of_torord_it_twitches_as_in_an_independent_program() {
     let model = Arc::new(Land2017::published().with_trace(torord_calcium()));
@@ -321,7 +209,10 @@ fn an_unloaded_twitch_on_the_calcium_of_torord_is_that_of_an_independent_program
     // Printed twice, 1.114 and 1.116 lengths/s, 166 and 167 ms, 120 and 119.5 ms.
     assert!((twitch.largest_rate() - 1.115).abs() < 4e-3, "{}/s", twitch.largest_rate());
     assert!((twitch.time_of_peak() - 166.5).abs() <= 1.0, "{} ms", twitch.time_of_peak());
-    assert!((twitch.half_relaxation() - 119.8).abs() <= 1.0, "{} ms", twitch.half_relaxation());
+    assert!((twitch.relaxation(0.5) - 119.8).abs() <= 1.0, "{} ms", twitch.relaxation(0.5));
+    assert!((twitch.relaxation(0.9) - 230.0).abs() <= 2.0, "{} ms", twitch.relaxation(0.9));
+    let back = twitch.largest_relengthening();
+    assert!((back - 0.593).abs() < 4e-3, "{back} lengths/s");
     // Stiffer and softer cells.
     for (young, peak) in [(40.0, 14.6), (80.0, 11.1), (150.0, 8.0)] {
         let found = unloaded(with_trace(), 1.0, 1.0, young).peak();

@@ -6,6 +6,7 @@ mod common;
 mod afterload;
 mod architecture;
 mod beat;
+mod block;
 mod cell_adaptive;
 mod cell_bueno_orovio_2008;
 mod cell_coelho_2021;

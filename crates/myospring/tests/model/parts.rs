@@ -1,4 +1,5 @@
 //! Parts of a cell that differ: sarcomeres of other lengths, and a stimulus that travels.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::land_2017::cell;
 use myospring::cell::integrator::CellIntegrator;

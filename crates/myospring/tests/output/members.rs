@@ -40,6 +40,7 @@ fn all() -> Vec<(Figure, f64)> {
         metric: metric.to_owned(),
         points: (0..9).map(|i| [f64::from(i), f64::from(i * i)]).collect(),
         usual: Some(4.0),
+        band: Some([10.0, 20.0]),
     };
     let map = |levels: usize| ResponseMap {
         parameters: ["tau_si (ms)", "tau_so1 (ms)"].map(str::to_owned),

@@ -3,7 +3,7 @@
 use super::super::chart::{Axis, Chart, Curve};
 use super::super::sheet::{Anchor, Look, Sheet, Stroke, Style};
 use super::super::theme::{
-    Colour, DOUBLE, HAIR, INK, MUTED, POTENTIAL, TICK, decimals, fixed, nice_step,
+    BAND, Colour, DOUBLE, HAIR, INK, MUTED, POTENTIAL, TICK, decimals, fixed, nice_step,
 };
 use super::super::{Figure, FigureError};
 use super::{Mark, ends, legend};
@@ -32,6 +32,8 @@ pub struct Response {
     pub points: Vec<[f64; 2]>,
     /// The parameter's usual value.
     pub usual: Option<f64>,
+    /// Band of the metric that members are kept by, such as one that was measured.
+    pub band: Option<[f64; 2]>,
 }
 
 /// Metrics over two parameters.
@@ -75,7 +77,8 @@ pub fn responses(curves: &[Response]) -> Result<Figure, FigureError> {
     }
     let chart = |one: &&Response| {
         let same = curves.iter().filter(|other| other.metric == one.metric);
-        let range = ends(same.flat_map(|one| &one.points).map(|point| point[1]));
+        let values = same.clone().flat_map(|one| &one.points).map(|point| point[1]);
+        let range = ends(values.chain(same.filter_map(|one| one.band).flatten()));
         let over = ends(one.points.iter().map(|point| point[0]));
         let curve = Curve { points: one.points.clone(), colour: POTENTIAL, dash: None };
         Chart {
@@ -84,7 +87,7 @@ pub fn responses(curves: &[Response]) -> Result<Figure, FigureError> {
             x: Axis::across(&one.parameter, over.unwrap_or([0.0, 1.0]), 150.0),
             y: Axis::upright("", range.unwrap_or([0.0, 1.0]), HEIGHT),
             curves: vec![curve],
-            bands: Vec::new(),
+            bands: one.band.into_iter().collect(),
             marks: one.usual.into_iter().collect(),
         }
     };
@@ -103,8 +106,14 @@ pub fn responses(curves: &[Response]) -> Result<Figure, FigureError> {
         }
     }
     let mut height = bottom(charts.len());
-    if curves.iter().any(|one| one.usual.is_some()) {
-        let words = [(Mark::Dashed(MUTED), "usual value".to_owned())];
+    let usual = curves.iter().any(|one| one.usual.is_some());
+    let banded = curves.iter().any(|one| one.band.is_some());
+    let words: Vec<(Mark, String)> = usual
+        .then(|| (Mark::Dashed(MUTED), "usual value".to_owned()))
+        .into_iter()
+        .chain(banded.then(|| (Mark::Patch(BAND), "band to be kept in".to_owned())))
+        .collect();
+    if !words.is_empty() {
         height += legend(&mut sheet, [MARGIN, height], DOUBLE, &words);
     }
     Ok(sheet.finish(DOUBLE, height + 6.0))

@@ -234,6 +234,7 @@ impl Answer<'_> {
             metric: self.metric(metric, &[]).label,
             points: rows.iter().map(point).collect(),
             usual: usual.and_then(|run| self.study.varied[column].number.get(&run)),
+            band: self.study.keep.get(&self.study.metrics[metric]).map(|band| band.0),
         }
     }
 

@@ -366,7 +366,9 @@ impl Common {
             simulation.numerics.frame_interval =
                 output * (simulation.duration / output).ceil().max(1.0);
         }
-        if simulation.numerics.method != Method::QuasiStatic || !body.shares_path {
+        let has_path = simulation.numerics.method == Method::QuasiStatic
+            && !simulation.has_sites_in_triangles();
+        if !has_path || !body.shares_path {
             return Ok(simulation.build()?);
         }
         let path = body.path.get_or_init(|| {
