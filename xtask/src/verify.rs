@@ -68,7 +68,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 14] = [
+const CHECKS: [Check; 15] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
