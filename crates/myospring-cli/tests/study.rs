@@ -285,7 +285,7 @@ fn small(study: &str) -> String {
         "levels = 24",
         "levels = 15",
         "levels = 9",
-        "beats = 30",
+        "steady_state = 0.001",
     ];
     less.into_iter()
         .zip([
@@ -295,7 +295,7 @@ fn small(study: &str) -> String {
             "levels = 3",
             "levels = 3",
             "levels = 2",
-            "beats = 1",
+            "steady_state = 0.1",
         ])
         .fold(study, |study, (usual, small)| study.replace(usual, small))
 }

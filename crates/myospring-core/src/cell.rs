@@ -39,6 +39,7 @@ pub mod population;
 mod reference;
 mod settings;
 pub mod solve;
+pub mod steady;
 mod stiff;
 pub mod tension;
 pub mod tomek_2019;

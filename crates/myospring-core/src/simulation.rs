@@ -155,6 +155,8 @@ pub struct Simulation {
     pub cell: Arc<dyn CellModel>,
     /// When and how it is stimulated.
     pub protocol: Protocol,
+    /// State in which the cell model starts, in the order of its states; `None` is its initial state.
+    pub start_state: Option<Vec<f64>>,
     /// Peak of the active tension, kPa, of one default beat of the cell model that `tension_scale` names.
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
@@ -211,6 +213,7 @@ impl Simulation {
         Self {
             protocol: Protocol::once(cell.default_stimulus()),
             cell: Arc::new(cell),
+            start_state: None,
             peak_tension: 50.0,
             tension_scale: TensionScale::Published,
             stretch_felt: StretchFelt::Cell,

@@ -32,6 +32,7 @@ mod run;
 mod sarcomeres;
 mod setting;
 mod shape;
+mod steady;
 mod value;
 mod words;
 
@@ -50,6 +51,7 @@ pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
 pub use shape::{
     OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,
 };
+pub use steady::CacheError;
 pub use value::Value;
 pub use words::Word;
 

@@ -604,3 +604,30 @@ fn calcium_from_a_table_drives_a_cell_that_shows_it_and_no_potential() {
     let message = stderr(&refused);
     assert!(message.contains("line 3, column `calcium (nM)`: \"x\" is no finite"), "{message}");
 }
+
+#[test]
+fn a_run_starts_from_a_steady_state_that_is_kept_and_a_damaged_one_is_told_and_made_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |results: &str, more: &[&str]| {
+        let steady = ["--steady-state", "1 %", "--steady-state-cache", "states", "-o", results];
+        let output = myospring(folder.path(), &[&QUICK[..], &steady, more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (stderr(&output), fs::read(folder.path().join(results).join("traces.csv")).unwrap())
+    };
+    let kept = || names(&folder.path().join("states"));
+    let (told, first) = run("first", &[]);
+    assert!(!told.contains("steady state"), "{told}");
+    assert_eq!(kept().len(), 1);
+    let (_, again) = run("again", &[]);
+    assert!(again == first && kept().len() == 1);
+    let (_, other) = run("other", &["--cycle-length", "700 ms"]);
+    assert!(other != first && kept().len() == 2);
+    for name in kept() {
+        fs::write(folder.path().join("states").join(name), "{").unwrap();
+    }
+    let (told, mended) = run("mended", &[]);
+    assert!(told.contains("is damaged; it was paced and written anew"), "{told}");
+    assert!(mended == first);
+    let alone = myospring(folder.path(), &["run", "--steady-state-cache", "states"]);
+    assert!(stderr(&alone).contains("steady_state"), "{}", stderr(&alone));
+}

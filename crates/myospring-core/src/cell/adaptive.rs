@@ -128,10 +128,25 @@ impl AdaptiveIntegrator {
         settings: Settings,
         duration_ms: f64,
     ) -> Result<Self, SolveError> {
-        protocol.validate()?;
+        Self::from(&task(model, protocol, duration_ms, None), model, settings)
+    }
+
+    /// As [`AdaptiveIntegrator::new`], from a state.
+    pub(super) fn starting_from(
+        model: &MinimalModel,
+        initial_state: [f64; 6],
+        protocol: Protocol,
+        settings: Settings,
+    ) -> Result<Self, SolveError> {
+        let task = Task { initial_state, ..task(model, protocol, f64::INFINITY, None) };
+        Self::from(&task, model, settings)
+    }
+
+    fn from(task: &Task, model: &MinimalModel, settings: Settings) -> Result<Self, SolveError> {
+        task.protocol.validate()?;
         settings.validate()?;
         let mut lanes = Lanes::new(settings.tolerance);
-        let course = Course::start(&task(model, protocol, duration_ms, None), &mut lanes, 0);
+        let course = Course::start(task, &mut lanes, 0);
         let state = Lanes::get(&lanes.state, 0);
         Ok(Self { model: model.identity().name, lanes, course, time_ms: 0.0, state })
     }

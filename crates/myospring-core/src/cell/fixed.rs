@@ -38,14 +38,14 @@ pub(super) struct FixedSteps {
 }
 
 impl FixedSteps {
-    /// In the initial state at 0 ms, after whatever the protocol does then.
+    /// In this state at 0 ms, after whatever the protocol does then.
     pub(super) fn new(
         model: &dyn CellModel,
+        mut state: Vec<f64>,
         scheme: Scheme,
         mut pacer: Pacer,
         step_ms: f64,
     ) -> Self {
-        let mut state = model.initial_state();
         pacer.act(0.0, &mut state);
         let work = Work::new(model);
         Self { scheme, step_ms, pacer, work, state, time_ms: 0.0, next_grid: 1, on_grid: true }

@@ -55,7 +55,25 @@ impl CellIntegrator {
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
-        Ok(Self { steps: Steps::new(&*model, protocol, settings)?, model })
+        let state = model.initial_state();
+        Self::starting_from(model, state, protocol, settings)
+    }
+
+    /// As [`CellIntegrator::new`], in another state at 0 ms; in the order of the model's states.
+    ///
+    /// # Errors
+    /// Besides, a state with another number of values, or one that is not finite.
+    pub fn starting_from(
+        model: Arc<dyn CellModel>,
+        state: Vec<f64>,
+        protocol: Protocol,
+        settings: Settings,
+    ) -> Result<Self, SolveError> {
+        let (found, expected) = (state.len(), model.states().len());
+        if found != expected || state.iter().any(|value| !value.is_finite()) {
+            return Err(SolveError::StartState { model: model.name().to_owned(), found, expected });
+        }
+        Ok(Self { steps: Steps::starting_from(&*model, state, protocol, settings)?, model })
     }
 
     /// Time reached, ms.
@@ -119,6 +137,15 @@ impl Steps {
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
+        Self::starting_from(model, model.initial_state(), protocol, settings)
+    }
+
+    fn starting_from(
+        model: &(dyn CellModel + 'static),
+        state: Vec<f64>,
+        protocol: Protocol,
+        settings: Settings,
+    ) -> Result<Self, SolveError> {
         settings.validate()?;
         let pacer = Pacer::new(&model.stimulation(), protocol)?;
         let minimal = (model as &dyn Any).downcast_ref::<MinimalModel>();
@@ -131,7 +158,8 @@ impl Steps {
         let for_any = "`runge-kutta-4`, or `stiff` if it needs tiny steps";
         let only_minimal = || refuse("which serves the minimal model only", for_any);
         let fixed = |scheme| {
-            let steps = FixedSteps::new(model, scheme, pacer.clone(), settings.step_ms);
+            let state = state.clone();
+            let steps = FixedSteps::new(model, state, scheme, pacer.clone(), settings.step_ms);
             Way::Fixed(Box::new(steps))
         };
         let way = match settings.method {
@@ -148,7 +176,9 @@ impl Steps {
             Method::Adaptive => {
                 let minimal = minimal.ok_or_else(only_minimal)?;
                 let settings = super::adaptive::Settings { tolerance: settings.tolerance };
-                Way::Adaptive(Box::new(AdaptiveIntegrator::new(minimal, protocol, settings)?))
+                let values = std::array::from_fn(|place| state[place]);
+                let steps = AdaptiveIntegrator::starting_from(minimal, values, protocol, settings)?;
+                Way::Adaptive(Box::new(steps))
             }
             // Sliding along a threshold would take millions of steps.
             Method::Stiff if minimal.is_some() => {
@@ -160,7 +190,8 @@ impl Steps {
                 return Err(refuse(reason, "`runge-kutta-4`"));
             }
             Method::Stiff => {
-                Way::Stiff(Box::new(StiffSteps::new(model, pacer, settings.tolerance)))
+                let tolerance = settings.tolerance;
+                Way::Stiff(Box::new(StiffSteps::new(model, state.clone(), pacer, tolerance)))
             }
         };
         Ok(Self { way, protocol, felt: Input::REST })

@@ -145,6 +145,18 @@ pub enum SolveError {
         /// Where it is, ms.
         time_ms: f64,
     },
+    /// A state to start in that is none of the model.
+    #[error(
+        "a state of `{model}` has {expected} finite numbers; {found} were given, or one is not finite"
+    )]
+    StartState {
+        /// The model.
+        model: String,
+        /// Numbers given.
+        found: usize,
+        /// States of the model.
+        expected: usize,
+    },
     /// No possible stretch.
     #[error("stretch {value} at {time_ms} ms must be a finite number above 0")]
     Stretch {

@@ -70,9 +70,13 @@ struct Piece {
 }
 
 impl StiffSteps {
-    /// In the initial state at 0 ms, after whatever the protocol does then.
-    pub(super) fn new(model: &dyn CellModel, mut pacer: Pacer, tolerance: f64) -> Self {
-        let mut state = model.initial_state();
+    /// In this state at 0 ms, after whatever the protocol does then.
+    pub(super) fn new(
+        model: &dyn CellModel,
+        mut state: Vec<f64>,
+        mut pacer: Pacer,
+        tolerance: f64,
+    ) -> Self {
         pacer.act(0.0, &mut state);
         let floor = |variable: &StateVariable| {
             let own = OF_START * variable.start.abs();

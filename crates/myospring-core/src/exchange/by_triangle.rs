@@ -79,7 +79,24 @@ impl ByTriangle {
         settings: Settings,
         scale: f64,
     ) -> Result<Self, SolveError> {
-        let one = |protocol: Protocol| CellIntegrator::new(Arc::clone(&model), protocol, settings);
+        Self::starting_from(model, None, protocols, settings, scale)
+    }
+
+    /// As [`ByTriangle::new`], each in this state at 0 ms.
+    ///
+    /// # Errors
+    /// Besides, a state that is none of the model.
+    pub fn starting_from(
+        model: Arc<dyn CellModel>,
+        state: Option<&[f64]>,
+        protocols: &[Protocol],
+        settings: Settings,
+        scale: f64,
+    ) -> Result<Self, SolveError> {
+        let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
+        let one = |protocol: Protocol| {
+            CellIntegrator::starting_from(Arc::clone(&model), state.clone(), protocol, settings)
+        };
         let longer = one(Protocol::rest())?;
         let kept: Vec<CellIntegrator> =
             protocols.iter().map(|protocol| one(*protocol)).collect::<Result<_, _>>()?;

@@ -37,9 +37,25 @@ impl WholeCell {
         scale: f64,
         strongest: Strongest,
     ) -> Result<Self, SolveError> {
+        Self::starting_from(model, None, protocol, settings, scale, strongest)
+    }
+
+    /// As [`WholeCell::new`], in another state at 0 ms.
+    ///
+    /// # Errors
+    /// Besides, a state that is none of the model.
+    pub fn starting_from(
+        model: Arc<dyn CellModel>,
+        state: Option<&[f64]>,
+        protocol: Protocol,
+        settings: Settings,
+        scale: f64,
+        strongest: Strongest,
+    ) -> Result<Self, SolveError> {
         let feels_stretch = model.feels_stretch();
         let stimulus_times_ms = protocol.stimulus_times().collect();
-        let kept = CellIntegrator::new(model, protocol, settings)?;
+        let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
+        let kept = CellIntegrator::starting_from(model, state, protocol, settings)?;
         Ok(Self {
             moved: kept.clone(),
             kept,

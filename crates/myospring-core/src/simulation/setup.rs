@@ -111,8 +111,10 @@ impl Simulation {
         let strongest = Strongest { tension: strongest, ..Strongest::default() };
         let model = self.cell.clone();
         let settings = self.numerics.cell;
+        let start = self.start_state.as_deref();
         if self.has_sites_in_triangles() {
-            let cells = ByTriangle::new(model, &self.protocols(), settings, scale);
+            let protocols = self.protocols();
+            let cells = ByTriangle::starting_from(model, start, &protocols, settings, scale);
             let cells = cells.map_err(failed)?;
             let cells = match &self.resting_stretch {
                 Some(stretch) => cells.at_resting_stretch(stretch).map_err(failed)?,
@@ -120,7 +122,8 @@ impl Simulation {
             };
             return Ok((Box::new(cells), relative));
         }
-        let cell = WholeCell::new(model, self.protocol, settings, scale, strongest);
+        let cell =
+            WholeCell::starting_from(model, start, self.protocol, settings, scale, strongest);
         let cell = cell.map_err(failed)?.at_resting_stretch(self.mean_resting_stretch());
         Ok((Box::new(cell), relative))
     }

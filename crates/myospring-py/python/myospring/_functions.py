@@ -34,6 +34,8 @@ class BeatSettings(TypedDict, total=False):
     stimulus_start_ms: float | None
     beats: int
     cycle_length_ms: float
+    steady_state: float | None
+    steady_state_cache: str
     wave_speed_um_per_ms: float | None
     young_modulus_kpa: float | None
     spring_stiffness_nn_per_um: float | None
@@ -86,6 +88,8 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "stimulus_start_ms": ("stimulus.start", None),
     "beats": ("stimulus.beats", 1),
     "cycle_length_ms": ("stimulus.cycle_length", 1000.0),
+    "steady_state": ("stimulus.steady_state", None),
+    "steady_state_cache": ("stimulus.steady_state_cache", ""),
     "wave_speed_um_per_ms": ("stimulus.wave_speed", None),
     "young_modulus_kpa": ("material.young_modulus", None),
     "spring_stiffness_nn_per_um": ("material.spring_stiffness", None),
@@ -142,6 +146,8 @@ def simulate(
     stimulus_start_ms: float | None = None,
     beats: int = 1,
     cycle_length_ms: float = 1000.0,
+    steady_state: float | None = None,
+    steady_state_cache: str = "",
     wave_speed_um_per_ms: float | None = None,
     young_modulus_kpa: float | None = None,
     spring_stiffness_nn_per_um: float | None = None,
@@ -232,6 +238,14 @@ def simulate(
         Number of stimuli; 0 leaves the cell at rest. 0 to 10000.
     cycle_length_ms : float, default 1000.0
         Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
+    steady_state : float or None
+        Pace the cell model alone at this cycle length before the run, until no state changes by
+        more than this over ten beats, relative to its size within a beat; the run's first beat is
+        then the next one of that train. 0.000001 to 0.1. None: the run starts from the model's
+        initial state.
+    steady_state_cache : str, default ""
+        Folder in which steady states are kept for other runs of the same model, parameters and
+        pacing; empty for none.
     wave_speed_um_per_ms : float or None
         Speed at which each stimulus, and the calcium that it sets free, travels along the cell from
         the end where the long axis starts: a cell model for each triangle, much slower. Beats are
@@ -371,6 +385,8 @@ def simulate(
         ("stimulus.start", stimulus_start_ms, None),
         ("stimulus.beats", beats, 1),
         ("stimulus.cycle_length", cycle_length_ms, 1000.0),
+        ("stimulus.steady_state", steady_state, None),
+        ("stimulus.steady_state_cache", steady_state_cache, ""),
         ("stimulus.wave_speed", wave_speed_um_per_ms, None),
         ("material.young_modulus", young_modulus_kpa, None),
         ("material.spring_stiffness", spring_stiffness_nn_per_um, None),

@@ -202,6 +202,12 @@ fn stimulus(file: &RunFile, run: &Run) -> Checked {
         }
         _ => {}
     }
+    if !run.steady_state_cache.is_empty() && run.steady_state.is_none() {
+        let reason = "a folder for steady states needs one to keep: give steady_state = 0.001, or --steady-state 0.001, \
+                      or leave the folder out";
+        let problem = Problem::Missing { key: "stimulus.steady_state", reason };
+        return Err(("stimulus.steady_state_cache".to_owned(), problem));
+    }
     let valid = run.protocol.validate();
     valid.map_err(|error| ("stimulus".to_owned(), Problem::Stimulus(error)))
 }

@@ -5,6 +5,7 @@ use super::content::{self, ContentError, MyofibrilContent};
 use super::fibres::{Asked, Fibre, Fibres};
 use super::sarcomeres::{self, SarcomereError, SarcomereLength};
 use super::shape::{Shape, Shaped, Source};
+use super::steady::{self, CacheError};
 use crate::cell::pacing::Protocol;
 use crate::cell::{CellModel, TensionKind, coelho_2021};
 use crate::mechanics::active::ActiveLaw;
@@ -20,6 +21,7 @@ use crate::microscopy::outlines::trace::{Edge, trace_mask};
 use crate::microscopy::segment::Modality;
 use crate::simulation::{Numerics, Simulation, StretchFelt, TensionScale};
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Peak tension unless stated, kPa: the largest of `coelho_2021`, Fig. 6.
@@ -37,6 +39,10 @@ pub struct Run {
     pub calcium: Option<String>,
     /// How a ratio in that table becomes calcium.
     pub calibration: Calibration,
+    /// Change to which the cell model is paced before the run, over ten beats; `None` starts from its initial state.
+    pub steady_state: Option<f64>,
+    /// Folder in which steady states are kept; empty keeps none.
+    pub steady_state_cache: String,
     /// Peak of the active tension, kPa; without meaning for a model whose tension is in kPa.
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
@@ -106,6 +112,9 @@ pub enum MakeError {
     /// No content of myofibrils.
     #[error(transparent)]
     Content(#[from] ContentError),
+    /// No steady state.
+    #[error(transparent)]
+    Steady(#[from] CacheError),
     /// No length of sarcomeres.
     #[error(transparent)]
     Sarcomere(#[from] SarcomereError),
@@ -125,6 +134,8 @@ impl Run {
             cell: Arc::new(cell),
             calcium: None,
             calibration: Calibration::default(),
+            steady_state: None,
+            steady_state_cache: String::new(),
             peak_tension: PEAK_TENSION,
             tension_scale: TensionScale::Published,
             protocol,
@@ -229,7 +240,9 @@ impl Run {
         let fibre_directions = fibres.directions.clone();
         let places =
             Places { fibres: fibre_directions, myofibril_content: content, resting_stretch };
-        let simulation = Simulation { cell, ..self.simulation(mesh, places) };
+        let (start_state, warning) = self.start_state(&cell)?;
+        report.warnings.extend(warning);
+        let simulation = Simulation { cell, start_state, ..self.simulation(mesh, places) };
         // The pixels of a mask are exact for its area, but a cell has no steps.
         let of_mask = picture.as_ref().filter(|(cells, _)| {
             cells.segmentation().is_some_and(|found| found.modality == Modality::Mask)
@@ -252,6 +265,22 @@ impl Run {
             Some(path) => calcium::with_calcium(&self.cell, path, self.calibration, read),
             None => Ok((Arc::clone(&self.cell), None)),
         }
+    }
+
+    /// The state that a cell model starts in where it is paced before the run, and what a person should know of it.
+    ///
+    /// # Errors
+    /// A cell that does not become steady, or a folder for it that cannot be written.
+    pub fn start_state(
+        &self,
+        cell: &Arc<dyn CellModel>,
+    ) -> Result<(Option<Vec<f64>>, Option<String>), CacheError> {
+        let Some(tolerance) = self.steady_state else { return Ok((None, None)) };
+        let folder = Some(&self.steady_state_cache).filter(|folder| !folder.is_empty());
+        let (protocol, settings) = (self.protocol, self.numerics.cell);
+        let folder = folder.map(Path::new);
+        let (found, told) = steady::steady_state(cell, protocol, settings, tolerance, folder)?;
+        Ok((Some(found.state), told))
     }
 
     /// That the run ends before the wave has left the cell, if it does.
@@ -282,6 +311,7 @@ impl Run {
             resting_stretch,
             wave_speed: self.wave_speed,
             stepper: None,
+            start_state: None,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
             tension_scale: self.tension_scale,

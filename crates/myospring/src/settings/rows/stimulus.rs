@@ -106,6 +106,36 @@ pub(super) const ROWS: &[Setting] = &[
     )
     .option("--cycle-length", "TIME"),
     Setting::quantity(
+        "stimulus.steady_state",
+        "Pace the cell model alone at this cycle length before the run, until no state changes by more than this over ten \
+         beats, relative to its size within a beat; the run's first beat is then the next one of that train.",
+        Bounds::any(Dimension::Number, "0.001").from(1e-6).to(0.1),
+        |run| run.steady_state,
+        |run, tolerance| run.steady_state = Some(tolerance),
+    )
+    .otherwise("the run starts from the model's initial state")
+    .option_saying(
+        "--steady-state",
+        "TOLERANCE",
+        "Pace the cell model before the run until no state changes by more than this over ten beats (\"0.1 %\")",
+    ),
+    Setting::new(
+        "stimulus.steady_state_cache",
+        "Folder in which steady states are kept for other runs of the same model, parameters and pacing; empty for none.",
+        Kind::Text {
+            get: |run| Some(run.steady_state_cache.clone()),
+            set: |run, folder| {
+                folder.clone_into(&mut run.steady_state_cache);
+                Ok(())
+            },
+        },
+    )
+    .option_saying(
+        "--steady-state-cache",
+        "DIR",
+        "Folder in which steady states are kept for other runs",
+    ),
+    Setting::quantity(
         "stimulus.wave_speed",
         "Speed at which each stimulus, and the calcium that it sets free, travels along the cell from the end where the \
          long axis starts: a cell model for each triangle, much slower. Beats are measured from the start of the wave.",

@@ -256,6 +256,9 @@ impl Common {
         if run.tension_scale == TensionScale::OwnPeak {
             return no("tension_scale = \"own-peak\" needs a reference beat of each");
         }
+        if run.steady_state.is_some() {
+            return no("it starts from the model's initial state, not from steady_state");
+        }
         match self.keys().find(|key| !starts(key, &TENSION_ONLY)) {
             Some(key) => no(&format!("`{key}` is of the mesh")),
             None => Ok(()),
@@ -384,8 +387,9 @@ impl Common {
         };
         if let Some(Meshed { mesh, places }) = &body.meshed {
             let (cell, _) = run.driven(read)?;
+            let (start_state, _) = run.start_state(&cell)?;
             let simulation = run.simulation(mesh.clone(), places.clone());
-            return Ok(Simulation { cell, ..simulation });
+            return Ok(Simulation { cell, start_state, ..simulation });
         }
         let shaped = body.shaped.clone().map_or_else(|| run.shape.mesh(&body.bytes), Ok)?;
         Ok(run.make(shaped, read)?.simulation)
