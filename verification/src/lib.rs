@@ -23,6 +23,7 @@ pub mod patch;
 pub mod row;
 pub mod sarcomeres;
 pub mod time_order;
+pub mod tor_ord;
 pub mod wave;
 
 use row::Row;
@@ -64,6 +65,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "lammps", run: lammps::write },
         Check { name: "myokit", run: myokit::write },
         Check { name: "land", run: land::rows },
+        Check { name: "tor-ord", run: tor_ord::rows },
         Check { name: "parts", run: parts::rows },
         Check { name: "finite-elements", run: finite_elements::rows },
         Check { name: "sarcomeres", run: sarcomeres::rows },

@@ -60,6 +60,11 @@ fn lands_myofilaments_are_those_of_independent_programs() {
 }
 
 #[test]
+fn tor_ord_is_that_of_other_programs() {
+    passes("tor-ord");
+}
+
+#[test]
 fn parts_that_differ_have_the_strain_of_a_finer_mesh() {
     passes("parts");
 }

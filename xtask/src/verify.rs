@@ -34,6 +34,7 @@ Checks:
   lammps           A lattice in motion, mass by mass, against LAMMPS
   myokit           All sets of the minimal model, all states, against Myokit's CVODE
   land             Myofilaments that feel length and speed, against independent programs
+  tor-ord          Action potential, calcium and tension of ToR-ORd, against Myokit's and an independent typing
   parts            A weak half and a passive nucleus: strain against a closed form and a finer mesh
   finite-elements  A published finite-element twitch, if its data are there
   sarcomeres       Sarcomeres in published pictures, against SarcGraph's, if they are there
@@ -68,7 +69,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 15] = [
+const CHECKS: [Check; 16] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
@@ -80,6 +81,7 @@ const CHECKS: [Check; 15] = [
     Check { name: "lammps", title: "LAMMPS", peer: Some(("lammps_check.py", "LAMMPS")) },
     Check { name: "myokit", title: "Myokit", peer: Some(("myokit_check.py", "Myokit")) },
     own("land", "Myofilaments that feel length and speed"),
+    own("tor-ord", "ToR-ORd"),
     own("parts", "Parts of a cell that differ"),
     own("finite-elements", "Finite-element twitch"),
     own("sarcomeres", "Sarcomeres in pictures"),

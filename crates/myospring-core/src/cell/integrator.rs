@@ -73,7 +73,7 @@ impl CellIntegrator {
         if found != expected || state.iter().any(|value| !value.is_finite()) {
             return Err(SolveError::StartState { model: model.name().to_owned(), found, expected });
         }
-        Ok(Self { steps: Steps::starting_from(&*model, state, protocol, settings)?, model })
+        Ok(Self { steps: Steps::starting_from(&*model, &state, protocol, settings)?, model })
     }
 
     /// Time reached, ms.
@@ -137,12 +137,12 @@ impl Steps {
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
-        Self::starting_from(model, model.initial_state(), protocol, settings)
+        Self::starting_from(model, &model.initial_state(), protocol, settings)
     }
 
     fn starting_from(
         model: &(dyn CellModel + 'static),
-        state: Vec<f64>,
+        state: &[f64],
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
@@ -158,8 +158,8 @@ impl Steps {
         let for_any = "`runge-kutta-4`, or `stiff` if it needs tiny steps";
         let only_minimal = || refuse("which serves the minimal model only", for_any);
         let fixed = |scheme| {
-            let state = state.clone();
-            let steps = FixedSteps::new(model, state, scheme, pacer.clone(), settings.step_ms);
+            let steps =
+                FixedSteps::new(model, state.to_vec(), scheme, pacer.clone(), settings.step_ms);
             Way::Fixed(Box::new(steps))
         };
         let way = match settings.method {
@@ -191,7 +191,7 @@ impl Steps {
             }
             Method::Stiff => {
                 let tolerance = settings.tolerance;
-                Way::Stiff(Box::new(StiffSteps::new(model, state.clone(), pacer, tolerance)))
+                Way::Stiff(Box::new(StiffSteps::new(model, state.to_vec(), pacer, tolerance)))
             }
         };
         Ok(Self { way, protocol, felt: Input::REST })

@@ -64,14 +64,14 @@ pub enum SteadyError {
 /// ```
 /// use myospring::cell::{CellModel, coelho_2021, pacing::Protocol, solve::Settings, steady};
 /// use std::sync::Arc;
-/// let model = coelho_2021::model();
+/// let model: Arc<dyn CellModel> = Arc::new(coelho_2021::model());
 /// let protocol = Protocol { cycle_length_ms: 600.0, ..Protocol::once(model.default_stimulus()) };
-/// let found = steady::pace(Arc::new(model), protocol, Settings::default(), 1e-3)?;
+/// let found = steady::pace(&model, protocol, Settings::default(), 1e-3)?;
 /// assert!(found.beats >= 10 && found.change <= 1e-3);
 /// # Ok::<(), steady::SteadyError>(())
 /// ```
 pub fn pace(
-    model: Arc<dyn CellModel>,
+    model: &Arc<dyn CellModel>,
     protocol: Protocol,
     settings: Settings,
     tolerance: f64,
@@ -79,7 +79,7 @@ pub fn pace(
     let cycle = protocol.cycle_length_ms;
     let start_ms = protocol.start_ms.max(APART_MS).min(cycle - APART_MS);
     let train = Protocol { start_ms, beats: MOST_BEATS + 1, ..protocol };
-    let mut cell = CellIntegrator::new(Arc::clone(&model), train, settings)?;
+    let mut cell = CellIntegrator::new(Arc::clone(model), train, settings)?;
     let mut before: Vec<Vec<f64>> = vec![cell.state().to_vec()];
     let mut worst = (0, f64::INFINITY);
     for beat in 1..=MOST_BEATS {

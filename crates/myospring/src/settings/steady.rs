@@ -108,7 +108,7 @@ pub(super) fn steady_state(
     tolerance: f64,
     folder: Option<&Path>,
 ) -> Result<(SteadyState, Option<String>), CacheError> {
-    let paced = || pace(Arc::clone(model), protocol, settings, tolerance);
+    let paced = || pace(model, protocol, settings, tolerance);
     let Some(folder) = folder else { return Ok((paced()?, None)) };
     let key = key(&**model, protocol, settings, tolerance);
     let path = folder.join(format!("{}-{}.json", model.name(), hash(&key)));
