@@ -64,30 +64,47 @@ impl Spline {
         [self.width, self.height]
     }
 
-    /// The value at a place, pixels from the centre of the first; `None` outside of the centres of the outermost.
-    #[inline]
-    pub(super) fn at(&self, x: f32, y: f32) -> Option<f32> {
-        // Also false for what is no number.
-        let inside =
-            x >= 0.0 && y >= 0.0 && x <= (self.width - 1) as f32 && y <= (self.height - 1) as f32;
-        if !inside {
-            return None;
+    /// The values at eight places, pixels from the centre of the first; NaN outside of the centres of the outermost.
+    #[inline(always)]
+    pub(super) fn at_eight(&self, xs: &[f32; 8], ys: &[f32; 8]) -> [f32; 8] {
+        let [right, bottom] = [self.width, self.height].map(|count| (count - 1) as f32);
+        // The first of sixteen coefficients of each place, and how far behind the second it lies.
+        let mut first = [0_usize; 8];
+        let (mut across, mut down) = ([0.0; 8], [0.0; 8]);
+        for k in 0..8 {
+            let [x, y] = [xs[k].clamp(0.0, right), ys[k].clamp(0.0, bottom)];
+            let [column, row] = [x, y].map(|place| place as u32);
+            across[k] = x - column as f32;
+            down[k] = y - row as f32;
+            first[k] = (row as usize + PAD - 1) * self.stride + column as usize + PAD - 1;
         }
-        let (column, row) = (x as usize, y as usize);
-        let across = weights(x - column as f32);
-        let down = weights(y - row as f32);
-        // The first of four coefficients is one to the left, which the padding makes one to the right.
-        let first = (row + PAD - 1) * self.stride + column + PAD - 1;
-        let mut along = [0.0_f32; 4];
-        for (line, weight) in down.iter().enumerate() {
-            let from = first + line * self.stride;
-            let four: &[f32; 4] = self.coefficients[from..from + 4].first_chunk()?;
-            for (sum, value) in along.iter_mut().zip(four) {
-                *sum += weight * value;
+        let (across, down) = (weights_of_eight(&across), weights_of_eight(&down));
+        let mut values = [0.0; 8];
+        for k in 0..8 {
+            let rows = &self.coefficients[first[k]..first[k] + 3 * self.stride + 4];
+            let mut along = [0.0_f32; 4];
+            for (line, weights) in down.iter().enumerate() {
+                let four = &rows[line * self.stride..line * self.stride + 4];
+                for at in 0..4 {
+                    along[at] += weights[k] * four[at];
+                }
             }
+            values[k] = (across[0][k] * along[0] + across[1][k] * along[1])
+                + (across[2][k] * along[2] + across[3][k] * along[3]);
         }
-        let [a, b, c, d] = along;
-        Some((across[0] * a + across[1] * b) + (across[2] * c + across[3] * d))
+        for k in 0..8 {
+            // Also false for what is no number.
+            let inside = xs[k] >= 0.0 && ys[k] >= 0.0 && xs[k] <= right && ys[k] <= bottom;
+            values[k] = if inside { values[k] } else { f32::NAN };
+        }
+        values
+    }
+
+    /// The value at a place; `None` outside of the centres of the outermost pixels.
+    #[cfg(test)]
+    fn at(&self, x: f32, y: f32) -> Option<f32> {
+        let [value, ..] = self.at_eight(&[x; 8], &[y; 8]);
+        (!value.is_nan()).then_some(value)
     }
 
     /// Value and slopes at the centre of a pixel.
@@ -110,12 +127,19 @@ impl Spline {
     }
 }
 
-/// Weights of four neighbouring coefficients at a distance of 0 to 1 behind the second.
-#[inline]
-fn weights(t: f32) -> [f32; 4] {
-    let s = 1.0 - t;
-    let (tt, ss) = (t * t, s * s);
-    [ss * s / 6.0, 2.0 / 3.0 - tt * (1.0 - 0.5 * t), 2.0 / 3.0 - ss * (1.0 - 0.5 * s), tt * t / 6.0]
+/// Weights of four neighbouring coefficients at eight distances of 0 to 1 behind the second: `[coefficient][place]`.
+#[inline(always)]
+fn weights_of_eight(distances: &[f32; 8]) -> [[f32; 8]; 4] {
+    let mut weights = [[0.0; 8]; 4];
+    for (k, &t) in distances.iter().enumerate() {
+        let s = 1.0 - t;
+        let (tt, ss) = (t * t, s * s);
+        weights[0][k] = ss * s / 6.0;
+        weights[1][k] = 2.0 / 3.0 - tt * (1.0 - 0.5 * t);
+        weights[2][k] = 2.0 / 3.0 - ss * (1.0 - 0.5 * s);
+        weights[3][k] = tt * t / 6.0;
+    }
+    weights
 }
 
 /// The powers of the pole with which the filter starts.

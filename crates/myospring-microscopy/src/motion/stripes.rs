@@ -20,7 +20,7 @@ const HALF_PERIODS: f32 = 3.0;
 const SAMPLES: f32 = 10.0;
 /// Half of the width over which profiles are averaged, um, and how many they are.
 const HALF_WIDTH_UM: f64 = 0.5;
-const PROFILES: i16 = 5;
+const PROFILES: usize = 5;
 /// Periods that are looked at, relative to that at rest: first and last wave number, and how many.
 const WAVES: [f32; 2] = [0.78, 1.3];
 const STEPS: usize = 27;
@@ -111,14 +111,19 @@ impl Stripes {
         profile.clear();
         for k in -half..=half {
             let along = f32::from(k) * step;
-            let mut sum = 0.0;
-            for line in 0..PROFILES {
-                let part = 2.0 * f32::from(line) / f32::from(PROFILES - 1) - 1.0;
+            // The profiles beside each other; the three places that are over repeat the last.
+            let place = |line: usize| {
+                let part = 2.0 * line.min(PROFILES - 1) as f32 / (PROFILES - 1) as f32 - 1.0;
                 let across = part * self.half_width;
-                sum +=
-                    now.at(middle[0] + along * x - across * y, middle[1] + along * y + across * x)?;
+                [middle[0] + along * x - across * y, middle[1] + along * y + across * x]
+            };
+            let places = [0, 1, 2, 3, 4, 5, 6, 7].map(place);
+            let values = now.at_eight(&places.map(|place| place[0]), &places.map(|place| place[1]));
+            let sum: f32 = values[..PROFILES].iter().sum();
+            if sum.is_nan() {
+                return None;
             }
-            profile.push(sum / f32::from(PROFILES));
+            profile.push(sum / PROFILES as f32);
         }
         Some(())
     }

@@ -187,6 +187,15 @@ impl Subset {
 
     /// Looks for the subset from where it may be; `start` and what is found are shifts of the point itself.
     pub(super) fn find(&self, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
+        // The widest vectors that the processor has; sums are made in the same order with any.
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.search(now, start, room),
+        )
+    }
+
+    #[inline(always)]
+    fn search(&self, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
         let back = self.offset.map(|offset| -offset);
         let mut warp = Warp { shift: start.at(back), gradient: start.gradient };
         let count = self.x.len();
@@ -242,17 +251,33 @@ impl Subset {
     }
 
     /// Leaves in `room` the differences of the normalised grey values, now less at rest; their correlation.
+    #[inline(always)]
     fn compare(&self, now: &Spline, warp: &Warp, room: &mut Vec<f32>) -> Option<f32> {
         let count = self.x.len();
         let [cx, cy] = [0, 1].map(|a: usize| self.centre[a] + warp.shift[a]);
         let [[xx, xy], [yx, yy]] = warp.gradient;
         room.clear();
-        let mut outside = 0_usize;
-        room.extend(self.x.iter().zip(&self.y).map(|(&x, &y)| {
-            let value = now.at(cx + x + xx * x + xy * y, cy + y + yx * x + yy * y);
-            outside += usize::from(value.is_none());
-            value.unwrap_or(f32::NAN)
-        }));
+        let (xs, x_rest) = self.x.as_chunks::<STRANDS>();
+        let (ys, y_rest) = self.y.as_chunks::<STRANDS>();
+        let places = |xs: &[f32; STRANDS], ys: &[f32; STRANDS]| -> [[f32; STRANDS]; 2] {
+            let mut to = [[0.0; STRANDS]; 2];
+            for k in 0..STRANDS {
+                let (x, y) = (xs[k], ys[k]);
+                to[0][k] = cx + x + xx * x + xy * y;
+                to[1][k] = cy + y + yx * x + yy * y;
+            }
+            to
+        };
+        for (xs, ys) in xs.iter().zip(ys) {
+            let [to_x, to_y] = places(xs, ys);
+            room.extend_from_slice(&now.at_eight(&to_x, &to_y));
+        }
+        let (mut xs, mut ys) = ([0.0; STRANDS], [0.0; STRANDS]);
+        xs[..x_rest.len()].copy_from_slice(x_rest);
+        ys[..y_rest.len()].copy_from_slice(y_rest);
+        let [to_x, to_y] = places(&xs, &ys);
+        room.extend_from_slice(&now.at_eight(&to_x, &to_y)[..x_rest.len()]);
+        let outside = room.iter().filter(|value| value.is_nan()).count();
         let seen = (count - outside) as f32;
         if seen < LEAST_SEEN * count as f32 {
             return None;
@@ -286,6 +311,7 @@ impl Subset {
     }
 
     /// Sums of the differences over the directions of steepest descent.
+    #[inline(always)]
     fn descent(&self, differences: &[f32]) -> [f32; 6] {
         let mut sums = [[0.0_f32; STRANDS]; 6];
         let lists = [&self.x, &self.y, &self.slope_x, &self.slope_y];
@@ -313,10 +339,12 @@ impl Subset {
     }
 }
 
+#[inline(always)]
 fn total(values: &[f32]) -> f32 {
     total_of(values, |value| value)
 }
 
+#[inline(always)]
 fn total_of(values: &[f32], of: impl Fn(f32) -> f32) -> f32 {
     let (chunks, rest) = values.as_chunks::<STRANDS>();
     let mut sums = [0.0_f32; STRANDS];
