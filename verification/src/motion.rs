@@ -104,13 +104,11 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         pairs.iter().map(|Pair { flow, ours }| (flow[0] - ours[0]).hypot(flow[1] - ours[1]));
     let moved = |pair: &Pair| pair.ours[0].hypot(pair.ours[1]);
     let typical = median(pairs.iter().map(moved).collect());
-    // The slope of ours over theirs, both components: 1 where both move as far.
-    let sums = pairs.iter().fold([0.0; 2], |[both, theirs], Pair { flow, ours }| {
-        [
-            both + flow[0] * ours[0] + flow[1] * ours[1],
-            theirs + flow[0] * flow[0] + flow[1] * flow[1],
-        ]
-    });
+    // By the mean squares, to which the errors of both add alike; a slope would have those of the flow alone.
+    let squares = |of: &dyn Fn(&Pair) -> [f64; 2]| {
+        pairs.iter().map(of).map(|[right, down]| right * right + down * down).sum::<f64>()
+    };
+    let ratio = (squares(&|pair| pair.ours) / squares(&|pair| pair.flow)).sqrt();
     Ok(vec![
         Row::difference(
             format!(
@@ -125,12 +123,12 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
              to 0.4 px with 23 and either: it has no gradients and wanders along stripes",
         ),
         Row::about(
-            format!("{what}: how far ours goes where the flow goes one pixel"),
+            format!("{what}: how far ours goes over how far the flow goes, by their mean squares"),
             AGAINST,
-            sums[0] / sums[1],
+            ratio,
             1.0,
             0.1,
-            "px",
+            "",
             "the flow averages over its windows, and where they hold both cell and ground",
         ),
     ])

@@ -27,7 +27,7 @@ const WORDS: [(&str, &str); 5] = [
 ];
 
 /// Most frames of the GIF: of longer films every second, third, ... is shown.
-const MOST_SHOWN: usize = 150;
+const MOST_SHOWN: usize = 100;
 /// Hundredths of a second that a frame is shown, at least.
 const SHORTEST: f64 = 3.0;
 

@@ -1,4 +1,5 @@
 //! A plane between its pixels: the cubic B-spline that passes through all of them (`unser_1993`).
+#![allow(clippy::inline_always, reason = "what is dispatched to wider vectors must be within")]
 
 use crate::plane::Plane;
 
@@ -205,7 +206,7 @@ mod tests {
 
     #[test]
     fn the_spline_passes_through_the_pixels_and_near_what_lies_between() {
-        let values = (0..30 * 20).map(|at| wave((at % 30) as f64, (at / 30) as f64)).collect();
+        let values = (0..30 * 20).map(|at| wave(f64::from(at % 30), f64::from(at / 30))).collect();
         let plane = Plane::new(30, 20, values).unwrap();
         let spline = Spline::of(&plane);
         let mean = plane.values().iter().sum::<f32>() / 600.0;

@@ -1,5 +1,6 @@
 //! One subset of the picture at rest, and where it has gone: inverse-compositional Gauss-Newton on the zero-normalised
 //! sum of squared differences, with translation and gradients free (`baker_matthews_2004`, `pan_2013`).
+#![allow(clippy::inline_always, reason = "what is dispatched to wider vectors must be within")]
 
 use super::spline::Spline;
 

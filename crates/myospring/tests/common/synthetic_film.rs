@@ -188,9 +188,9 @@ impl FilmScene {
             bytes.extend(b"FRAME\n");
             for count in self.counts(frame) {
                 if self.bits == 8 {
-                    bytes.push(count as u8)
+                    bytes.push(count as u8);
                 } else {
-                    bytes.extend(count.to_le_bytes())
+                    bytes.extend(count.to_le_bytes());
                 }
             }
         }

@@ -6,7 +6,7 @@ use myospring::microscopy::picture::Selection;
 use super::common::shared_data;
 
 /// A chunk of a RIFF file.
-fn chunk(name: &[u8; 4], content: &[u8]) -> Vec<u8> {
+fn chunk(name: [u8; 4], content: &[u8]) -> Vec<u8> {
     let mut bytes = name.to_vec();
     bytes.extend((content.len() as u32).to_le_bytes());
     bytes.extend(content);
@@ -16,8 +16,8 @@ fn chunk(name: &[u8; 4], content: &[u8]) -> Vec<u8> {
     bytes
 }
 
-fn list(kind: &[u8; 4], chunks: &[Vec<u8>]) -> Vec<u8> {
-    chunk(b"LIST", &[kind.to_vec(), chunks.concat()].concat())
+fn list(kind: [u8; 4], chunks: &[Vec<u8>]) -> Vec<u8> {
+    chunk(*b"LIST", &[kind.to_vec(), chunks.concat()].concat())
 }
 
 fn words(numbers: &[u32]) -> Vec<u8> {
@@ -25,21 +25,21 @@ fn words(numbers: &[u32]) -> Vec<u8> {
 }
 
 /// An AVI of so many bits a pixel and compression with these frames, 25 of them a second.
-fn avi(size: [u32; 2], bits: u32, compression: &[u8; 4], frames: &[Vec<u8>]) -> Vec<u8> {
+fn avi(size: [u32; 2], bits: u32, compression: [u8; 4], frames: &[Vec<u8>]) -> Vec<u8> {
     let count = frames.len() as u32;
     let header =
-        chunk(b"avih", &words(&[40_000, 0, 0, 16, count, 0, 1, 0, size[0], size[1], 0, 0, 0, 0]));
+        chunk(*b"avih", &words(&[40_000, 0, 0, 16, count, 0, 1, 0, size[0], size[1], 0, 0, 0, 0]));
     let stream = [b"vids".to_vec(), words(&[0, 0, 0, 0, 1, 25, 0, count, 0, 0, 0, 0, 0])].concat();
-    let code = u32::from_le_bytes(*compression);
+    let code = u32::from_le_bytes(compression);
     let mut format = words(&[40, size[0], size[1], 1 | bits << 16, code, 0, 0, 0, 0, 0]);
     if bits == 8 {
         // A palette that turns grey over.
         format.extend((0..256_u32).flat_map(|k| (0x0001_0101 * (255 - k)).to_le_bytes()));
     }
-    let stream = list(b"strl", &[chunk(b"strh", &stream), chunk(b"strf", &format)]);
-    let frames: Vec<Vec<u8>> = frames.iter().map(|frame| chunk(b"00db", frame)).collect();
-    let inside = [b"AVI ".to_vec(), list(b"hdrl", &[header, stream]), list(b"movi", &frames)];
-    chunk(b"RIFF", &inside.concat())
+    let stream = list(*b"strl", &[chunk(*b"strh", &stream), chunk(*b"strf", &format)]);
+    let frames: Vec<Vec<u8>> = frames.iter().map(|frame| chunk(*b"00db", frame)).collect();
+    let inside = [b"AVI ".to_vec(), list(*b"hdrl", &[header, stream]), list(*b"movi", &frames)];
+    chunk(*b"RIFF", &inside.concat())
 }
 
 fn read(bytes: Vec<u8>) -> Result<Film, FilmError> {
@@ -50,7 +50,7 @@ fn read(bytes: Vec<u8>) -> Result<Film, FilmError> {
 fn an_avi_of_grey_values_is_read_from_below_through_its_palette() {
     // Three pixels a row, padded to four; rows from below.
     let frames: Vec<Vec<u8>> = (0..4).map(|k| vec![10 + k, 11, 12, 0, 20, 21, 22, 0]).collect();
-    let film = read(avi([3, 2], 8, b"\0\0\0\0", &frames)).unwrap();
+    let film = read(avi([3, 2], 8, *b"\0\0\0\0", &frames)).unwrap();
     assert_eq!((film.len(), film.size(), film.frames_per_second), (4, [3, 2], Some(25.0)));
     let wanted: Vec<f32> = [20, 21, 22, 12, 11, 12].map(|index| 255.0 - index as f32).to_vec();
     assert_eq!(film.frame(2).unwrap().values(), wanted);
@@ -62,7 +62,7 @@ fn an_avi_of_colours_is_read_as_their_luminance() {
     let grey = [7, 7, 7, 9, 9, 9, 0, 0];
     let red = [0, 0, 200, 0, 0, 0, 0, 0];
     let frames = [grey.to_vec(), red.to_vec(), grey.to_vec()];
-    let film = read(avi([2, 1], 24, b"\0\0\0\0", &frames)).unwrap();
+    let film = read(avi([2, 1], 24, *b"\0\0\0\0", &frames)).unwrap();
     assert_eq!(film.frame(0).unwrap().values(), [7.0, 9.0]);
     // ITU-R BT.709.
     assert!((film.frame(1).unwrap().values()[0] - 0.2126 * 200.0).abs() < 1e-3);
@@ -71,7 +71,7 @@ fn an_avi_of_colours_is_read_as_their_luminance() {
 #[test]
 fn an_avi_that_is_cut_off_has_the_frames_before_and_says_so() {
     let frames: Vec<Vec<u8>> = (0..6).map(|k| vec![k; 400]).collect();
-    let whole = avi([20, 20], 8, b"Y800", &frames);
+    let whole = avi([20, 20], 8, *b"Y800", &frames);
     for (cut, left) in [(100, 5), (500, 4), (1000, 3)] {
         let film = read(whole[..whole.len() - cut].to_vec()).unwrap();
         assert_eq!(film.len(), left);
@@ -91,7 +91,7 @@ fn an_avi_that_is_cut_off_has_the_frames_before_and_says_so() {
 #[test]
 fn dropped_frames_repeat_the_one_before() {
     let frames = [vec![1; 4], vec![], vec![3; 4], vec![4; 4]];
-    let film = read(avi([2, 2], 8, b"Y800", &frames)).unwrap();
+    let film = read(avi([2, 2], 8, *b"Y800", &frames)).unwrap();
     assert_eq!(film.frame(1).unwrap().values(), [1.0; 4]);
     assert_eq!(film.notes, ["1 frames were dropped by the camera; each repeats the one before it"]);
 }
@@ -99,11 +99,11 @@ fn dropped_frames_repeat_the_one_before() {
 #[test]
 fn compression_that_is_not_read_is_named() {
     let frames = [vec![1; 4], vec![2; 4], vec![3; 4]];
-    let error = read(avi([2, 2], 24, b"XVID", &frames)).unwrap_err();
+    let error = read(avi([2, 2], 24, *b"XVID", &frames)).unwrap_err();
     assert_eq!(error, FilmError::Codec { codec: "XVID".to_owned() });
     assert!(error.to_string().contains("save the film uncompressed"), "{error}");
     // What claims to be JPEG and is none fails where it is looked at, with the frame's number.
-    let film = read(avi([2, 2], 24, b"MJPG", &frames)).unwrap();
+    let film = read(avi([2, 2], 24, *b"MJPG", &frames)).unwrap();
     assert!(film.frame(1).unwrap_err().to_string().starts_with("frame 1: the JPEG picture cannot"));
 }
 

@@ -3,7 +3,7 @@
 //! `fuzz/` at the root of the repository has the targets that run on a nightly compiler.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::picture_bytes;
+use crate::{film_bytes, picture_bytes};
 
 use std::path::{Path, PathBuf};
 
@@ -26,4 +26,20 @@ fn no_file_of_the_corpus_makes_the_reader_of_pictures_panic() {
         read += picture_bytes::exercise(&bytes);
     }
     assert!(read > 0, "a corpus without any picture that can be read tests little");
+}
+
+#[test]
+fn no_file_of_the_corpus_makes_the_reader_of_films_panic() {
+    let mut read = 0;
+    for (path, bytes) in files("film") {
+        println!("{}", path.display());
+        let frames = film_bytes::exercise(&bytes);
+        let whole = !path.to_string_lossy().contains("xvid");
+        assert_eq!(frames > 0, whole, "{}: {frames} frames", path.display());
+        read += frames;
+        for end in 0..bytes.len() {
+            film_bytes::exercise(&bytes[..end]);
+        }
+    }
+    assert!(read > 40, "{read} frames");
 }

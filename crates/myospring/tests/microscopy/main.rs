@@ -4,6 +4,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/film_bytes.rs"]
+mod film_bytes;
 #[path = "../common/outline_bytes.rs"]
 mod outline_bytes;
 #[path = "../common/outline_files.rs"]
