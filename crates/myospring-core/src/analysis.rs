@@ -6,10 +6,17 @@
 pub mod action_potential;
 pub mod beat;
 pub mod contraction;
+pub mod curve;
 pub mod kind;
 pub mod load;
+pub mod pulse;
+pub mod rows;
 pub mod shape;
+pub mod tension;
+#[cfg(test)]
+mod tests;
 pub mod trace;
+pub mod transient;
 
 use serde::Serialize;
 

@@ -15,6 +15,7 @@
 //! | [`responses`], [`response_map`] | a metric over one parameter, or over two | |
 //! | [`trace_bands`] | curves of many members: where half of them lie, and nine of ten | |
 //! | [`Tracked`] | a film with the lattice that was followed through it, and its curves | |
+//! | [`measured()`] | a measured curve with its beats, and where the metrics of one were read | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
@@ -37,6 +38,7 @@ pub(crate) mod facets;
 mod film;
 mod font;
 mod lattice;
+mod measured;
 mod members;
 mod moments;
 mod overlay;
@@ -58,6 +60,7 @@ pub use compared::{Compared, Rings, compared};
 pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{FRAMES_PER_SECOND, Film, Still};
 pub use lattice::mesh;
+pub use measured::{Measured, measured};
 pub use members::{
     Distribution, Numbers, QUANTILES, Response, ResponseMap, Scatter, TraceBand, distributions,
     response_map, responses, scatter, trace_bands,

@@ -1,7 +1,9 @@
 //! Metrics of an action potential, per beat.
 
 use super::Metric;
-use super::trace::{self, Point};
+use super::pulse::{Pulse, Top};
+use super::rows::{Context, between, row};
+use super::trace;
 
 /// Metrics of one action potential from a potential over time (ms), in any unit.
 ///
@@ -9,55 +11,111 @@ use super::trace::{self, Point};
 /// to the potential before the stimulus. `unit` names the potential's unit: `mV`, or nothing.
 pub fn metrics(times: &[f64], potential: &[f64], stimulus: f64, unit: &'static str) -> Vec<Metric> {
     let rest = trace::baseline(times, potential, stimulus);
-    let peak = trace::largest(times, potential).filter(|peak| Some(peak.value) > rest);
-    let duration = |part: f64| {
-        let Point { time, value } = peak?;
-        let level = value - part * (value - rest?);
-        Some(trace::falls_through(times, potential, level, time)? - stimulus)
+    let heights: Vec<f64> =
+        rest.map(|rest| potential.iter().map(|v| v - rest).collect()).unwrap_or_default();
+    let pulse = Pulse::new(times, &heights, stimulus, Top::Sample);
+    let context = Context {
+        stimulus: Some(stimulus),
+        onset: None,
+        rest: "mean potential before the stimulus",
     };
-    let (middles, rates) = trace::slopes(times, potential);
-    let upstroke = trace::largest(&middles, &rates).filter(|_| peak.is_some());
-    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
-    vec![
-        row("resting_potential", rest, unit, "mean potential before the stimulus"),
-        row("peak_potential", peak.map(|peak| peak.value), unit, "largest potential"),
+    let mut rows = of_pulse(&pulse, rest, unit, &context);
+    // As it stands in the samples.
+    if let Some(peak) = trace::largest(times, potential).filter(|_| pulse.peak().is_some()) {
+        rows[1].value = Some(peak.value);
+    }
+    rows
+}
+
+/// Metrics of an action potential whose height above rest is a pulse: durations run from the stimulus, or from the
+/// steepest rise where none is known.
+pub fn of_pulse(
+    pulse: &Pulse,
+    rest: Option<f64>,
+    unit: &'static str,
+    context: &Context,
+) -> Vec<Metric> {
+    let peak = pulse.peak();
+    let upstroke = pulse.fastest(1.0);
+    let start = context.stimulus.or(upstroke.map(|upstroke| upstroke.time));
+    let duration = |part: f64| between(pulse.falls(1.0 - part), start);
+    let from = |stimulus: &'static str, upstroke: &'static str| {
+        if context.stimulus.is_some() { stimulus } else { upstroke }
+    };
+    let mut rows = vec![
+        row("resting_potential", rest, unit, context.rest),
+        row(
+            "peak_potential",
+            Some(()).and_then(|()| Some(rest? + peak?.value)),
+            unit,
+            "largest potential",
+        ),
         row(
             "action_potential_duration_30",
             duration(0.3),
             "ms",
-            "from the stimulus to 30 % repolarisation",
+            from(
+                "from the stimulus to 30 % repolarisation",
+                "from the steepest rise to 30 % repolarisation",
+            ),
         ),
         row(
             "action_potential_duration_50",
             duration(0.5),
             "ms",
-            "from the stimulus to 50 % repolarisation",
+            from(
+                "from the stimulus to 50 % repolarisation",
+                "from the steepest rise to 50 % repolarisation",
+            ),
         ),
         row(
             "action_potential_duration_80",
             duration(0.8),
             "ms",
-            "from the stimulus to 80 % repolarisation",
+            from(
+                "from the stimulus to 80 % repolarisation",
+                "from the steepest rise to 80 % repolarisation",
+            ),
         ),
         row(
             "action_potential_duration_90",
             duration(0.9),
             "ms",
-            "from the stimulus to 90 % repolarisation",
+            from(
+                "from the stimulus to 90 % repolarisation",
+                "from the steepest rise to 90 % repolarisation",
+            ),
         ),
-        row(
-            "triangulation",
-            Some(()).and_then(|()| Some(duration(0.9)? - duration(0.3)?)),
-            "ms",
-            "APD90 - APD30",
-        ),
+        row("triangulation", between(duration(0.9), duration(0.3)), "ms", "APD90 - APD30"),
         row(
             "maximum_upstroke_velocity",
             upstroke.map(|point| point.value),
-            if unit == "mV" { "mV/ms" } else { "1/ms" },
-            "largest slope between samples, an instantaneous stimulus included",
+            match unit {
+                "mV" => "mV/ms",
+                "a.u." => "a.u./ms",
+                _ => "1/ms",
+            },
+            from(
+                "largest slope between samples, an instantaneous stimulus included",
+                "largest slope between samples",
+            ),
         ),
-    ]
+    ];
+    if context.onset.is_some() {
+        rows.push(row(
+            "action_potential_amplitude",
+            peak.map(|peak| peak.value),
+            unit,
+            "peak above rest",
+        ));
+        rows.push(row(
+            "time_of_upstroke",
+            upstroke.map(|at| at.time),
+            "ms",
+            "time of the steepest rise",
+        ));
+    }
+    rows
 }
 
 #[cfg(test)]

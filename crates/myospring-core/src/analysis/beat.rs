@@ -1,6 +1,10 @@
 //! What each beat of a run amounts to, where its work went, and what is known of such numbers.
 
-use super::{Metric, Spread, action_potential, beat_to_beat, contraction, load, trace, value};
+use super::pulse::{Pulse, Top};
+use super::rows::{Context, between, row};
+use super::{
+    Metric, Spread, action_potential, beat_to_beat, contraction, load, tension, trace, value,
+};
 use crate::recording::{END_FORCE, Recording, Sample, Signal};
 use serde::Serialize;
 use std::ops::Deref;
@@ -223,24 +227,24 @@ fn beat(samples: &[Sample], force: Option<&[f64]>, stimulus: f64) -> Beat {
     Beat { stimulus_ms: stimulus, tension, contraction, shape, load, action_potential }
 }
 
-fn tension(times: &[f64], tension: &[f64], stimulus: f64, contraction: &[Metric]) -> Vec<Metric> {
-    let peak = trace::peak(times, tension).filter(|peak| peak.value > 0.0);
-    let time = peak.map(|peak| peak.time);
-    let lag = Some(()).and_then(|()| Some(value(contraction, "time_of_peak")? - time?));
-    let at_end = peak.and_then(|peak| Some(100.0 * tension.last()? / peak.value));
-    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
-    vec![
-        row("peak_tension", peak.map(|peak| peak.value), "kPa", "largest active tension"),
-        row("time_of_peak_tension", time, "ms", "time of it on the run's clock"),
-        row(
-            "time_to_peak_tension",
-            time.map(|time| time - stimulus),
-            "ms",
-            "from the stimulus to the largest active tension",
-        ),
+fn tension(times: &[f64], active: &[f64], stimulus: f64, contraction: &[Metric]) -> Vec<Metric> {
+    let rest = trace::baseline(times, active, stimulus).unwrap_or_default();
+    let heights: Vec<f64> = active.iter().map(|tension| tension - rest).collect();
+    let pulse = Pulse::new(times, &heights, stimulus, Top::Vertex);
+    let context = Context {
+        stimulus: Some(stimulus),
+        onset: None,
+        rest: "mean active tension before the stimulus",
+    };
+    let peak = pulse.peak();
+    let lag = between(value(contraction, "time_of_peak"), peak.map(|peak| peak.time));
+    let at_end = peak.and_then(|peak| Some(100.0 * active.last()? / (rest + peak.value)));
+    let mut rows = tension::of_pulse(&pulse, rest, "kPa", &context);
+    rows.extend([
         row("lag_of_shortening", lag, "ms", "from the largest tension to the largest shortening"),
         row("tension_at_end", at_end, "%", "tension at the end of the beat, of its peak"),
-    ]
+    ]);
+    rows
 }
 
 /// Width and area at the sample nearest to the peak, against a cell that keeps its volume.

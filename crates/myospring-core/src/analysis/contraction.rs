@@ -4,7 +4,9 @@
 //! crossing of 10 % of the peak (`MUSCLEMOTION`); both are given under names that say so.
 
 use super::Metric;
-use super::trace::{self, Point};
+use super::pulse::{Pulse, Top};
+use super::rows::{Context, ONSET, between, per_second, row, times_ms};
+use super::trace;
 
 /// Peak shortening below which there is no contraction to speak of: a millionth of the length.
 const LEAST: f64 = 1e-6;
@@ -26,37 +28,32 @@ const LEAST: f64 = 1e-6;
 /// assert!((value(&metrics, "time_to_peak_from_stimulus").unwrap() - 150.0).abs() < 0.1);
 /// ```
 pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
-    let baseline = trace::baseline(times, length, stimulus);
+    let rest = trace::baseline(times, length, stimulus);
     let shortening: Vec<f64> =
-        baseline.map(|rest| length.iter().map(|l| 1.0 - l / rest).collect()).unwrap_or_default();
-    let peak = trace::peak(times, &shortening).filter(|peak| peak.value > LEAST);
-    let after_peak = |part: f64| {
-        peak.and_then(|Point { time, value }| {
-            trace::falls_through(times, &shortening, part * value, time)
-        })
-    };
-    let before_peak = |part: f64| {
-        peak.and_then(|Point { time, value }| {
-            trace::rises_through(times, &shortening, part * value, stimulus)
-                .filter(|crossing| *crossing <= time)
-        })
-    };
-    let between = |end: Option<f64>, start: Option<f64>| Some(end? - start?);
-    let peak_time = peak.map(|peak| peak.time);
-    let (middles, rates) = trace::slopes(times, &shortening);
-    let fastest = |sign: f64| {
-        let rates: Vec<f64> = rates.iter().map(|rate| sign * rate).collect();
-        // 1/ms to 1/s
-        trace::largest(&middles, &rates).filter(|_| peak.is_some()).map(|top| 1e3 * top.value)
-    };
-    let to_um_per_s = |rate: Option<f64>| Some(rate? * baseline?);
-    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
-    vec![
-        row("resting_length", baseline, "um", "mean length before the stimulus"),
+        rest.map(|rest| length.iter().map(|l| 1.0 - l / rest).collect()).unwrap_or_default();
+    let pulse = Pulse::new(times, &shortening, stimulus, Top::Vertex).above(LEAST);
+    let context =
+        Context { stimulus: Some(stimulus), onset: None, rest: "mean length before the stimulus" };
+    of_length(&pulse, rest, "um", &context)
+}
+
+/// Metrics of a length whose shortening, as a part of the length at rest, is a pulse.
+pub fn of_length(
+    pulse: &Pulse,
+    rest: Option<f64>,
+    unit: &'static str,
+    context: &Context,
+) -> Vec<Metric> {
+    let peak = pulse.peak();
+    // 1/ms to 1/s
+    let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
+    let velocity = |sign: f64| Some(fastest(sign)? * rest?);
+    let mut rows = vec![
+        row("resting_length", rest, unit, context.rest),
         row(
             "minimum_length",
-            Some(()).and_then(|()| Some(baseline? * (1.0 - peak?.value))),
-            "um",
+            Some(()).and_then(|()| Some(rest? * (1.0 - peak?.value))),
+            unit,
             "length at the peak of shortening",
         ),
         row(
@@ -67,59 +64,13 @@ pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
         ),
         row(
             "peak_lengthening",
-            shortening.iter().copied().reduce(f64::min).map(|least| (-100.0 * least).max(0.0)),
+            pulse.lowest().map(|least| (-100.0 * least).max(0.0)),
             "%",
             "largest (length - resting length) / resting length, 0 where it is never longer",
         ),
-        row("time_of_peak", peak_time, "ms", "time of the largest shortening on the run's clock"),
-        row(
-            "time_to_peak_from_stimulus",
-            between(peak_time, Some(stimulus)),
-            "ms",
-            "from the stimulus to the largest shortening (IonOptix)",
-        ),
-        row(
-            "time_to_peak_from_10_percent",
-            between(peak_time, before_peak(0.1)),
-            "ms",
-            "from 10 % of the peak shortening to the peak (MUSCLEMOTION)",
-        ),
-        row(
-            "rise_time_10_90",
-            between(before_peak(0.9), before_peak(0.1)),
-            "ms",
-            "from 10 % to 90 % of the peak shortening",
-        ),
-        row(
-            "relaxation_time_50",
-            between(after_peak(0.5), peak_time),
-            "ms",
-            "from the peak until 50 % relengthened",
-        ),
-        row(
-            "relaxation_time_90",
-            between(after_peak(0.1), peak_time),
-            "ms",
-            "from the peak until 90 % relengthened",
-        ),
-        row(
-            "contraction_duration_10",
-            between(after_peak(0.1), before_peak(0.1)),
-            "ms",
-            "time above 10 % of the peak shortening",
-        ),
-        row(
-            "contraction_duration_50",
-            between(after_peak(0.5), before_peak(0.5)),
-            "ms",
-            "time above 50 % of the peak shortening",
-        ),
-        row(
-            "contraction_duration_90",
-            between(after_peak(0.9), before_peak(0.9)),
-            "ms",
-            "time above 90 % of the peak shortening",
-        ),
+    ];
+    rows.extend(timing(pulse, context));
+    rows.extend([
         row(
             "maximum_shortening_rate",
             fastest(1.0),
@@ -138,56 +89,169 @@ pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
             "L0/s",
             "largest rate of relengthening per resting length",
         ),
-        row(
-            "maximum_shortening_velocity",
-            to_um_per_s(fastest(1.0)),
-            "um/s",
-            "largest velocity of shortening, end to end",
-        ),
-        row(
-            "maximum_relengthening_velocity",
-            to_um_per_s(fastest(-1.0)),
-            "um/s",
-            "largest velocity of relengthening, end to end",
-        ),
+    ]);
+    // Of a pure number velocities are those rates.
+    if !unit.is_empty() {
+        rows.extend([
+            row(
+                "maximum_shortening_velocity",
+                velocity(1.0),
+                per_second(unit),
+                "largest velocity of shortening, end to end",
+            ),
+            row(
+                "maximum_relengthening_velocity",
+                velocity(-1.0),
+                per_second(unit),
+                "largest velocity of relengthening, end to end",
+            ),
+        ]);
+    }
+    rows.extend([
         row(
             "relaxation_time_constant",
-            relaxation_time_constant(times, &shortening, after_peak(0.5), after_peak(0.1)),
+            pulse.time_constant(),
             "ms",
             "slope of log shortening between 50 % and 90 % relengthened",
         ),
         row(
             "area_under_curve",
-            peak.map(|_| 100.0 * trace::integral(times, &shortening)),
+            pulse.area().map(|area| 100.0 * area),
             "% ms",
             "integral of the shortening over the beat",
         ),
         row(
             "residual_shortening",
-            shortening.last().map(|last| 100.0 * last),
+            pulse.last().map(|last| 100.0 * last),
             "%",
             "shortening at the end of the beat",
         ),
-    ]
+    ]);
+    rows
 }
 
-/// Time constant of an exponential fitted to the fall between two times, ms.
-fn relaxation_time_constant(
-    times: &[f64],
-    shortening: &[f64],
-    from: Option<f64>,
-    to: Option<f64>,
-) -> Option<f64> {
-    let (times, values) = trace::window(times, shortening, from?, to?);
-    let count = times.len() as f64;
-    if times.len() < 3 {
-        return None;
+/// Times of a contraction.
+fn timing(pulse: &Pulse, context: &Context) -> Vec<Metric> {
+    let peak = pulse.peak().map(|peak| peak.time);
+    let mut rows = vec![row(
+        "time_of_peak",
+        peak,
+        "ms",
+        "time of the largest shortening on the clock of the run or recording",
+    )];
+    if let Some(stimulus) = context.stimulus {
+        rows.push(row(
+            "time_to_peak_from_stimulus",
+            between(peak, Some(stimulus)),
+            "ms",
+            "from the stimulus to the largest shortening (IonOptix)",
+        ));
     }
-    let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-    let (mean_t, mean_l) = (times.iter().sum::<f64>() / count, logs.iter().sum::<f64>() / count);
-    let covariance: f64 = times.iter().zip(&logs).map(|(t, l)| (t - mean_t) * (l - mean_l)).sum();
-    let variance: f64 = times.iter().map(|t| (t - mean_t).powi(2)).sum();
-    Some(-variance / covariance).filter(|tau| tau.is_finite() && *tau > 0.0)
+    if let Some(onset) = context.onset {
+        rows.push(row("time_of_onset", Some(onset), "ms", ONSET));
+        rows.push(row(
+            "time_to_peak_from_onset",
+            between(peak, Some(onset)),
+            "ms",
+            "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
+        ));
+    }
+    rows.extend([
+        row(
+            "time_to_peak_from_10_percent",
+            between(peak, pulse.rises(0.1)),
+            "ms",
+            "from 10 % of the peak shortening to the peak (MUSCLEMOTION)",
+        ),
+        row(
+            "rise_time_10_90",
+            between(pulse.rises(0.9), pulse.rises(0.1)),
+            "ms",
+            "from 10 % to 90 % of the peak shortening",
+        ),
+        row(
+            "relaxation_time_50",
+            between(pulse.falls(0.5), peak),
+            "ms",
+            "from the peak until 50 % relengthened",
+        ),
+        row(
+            "relaxation_time_90",
+            between(pulse.falls(0.1), peak),
+            "ms",
+            "from the peak until 90 % relengthened",
+        ),
+        row(
+            "contraction_duration_10",
+            pulse.duration(0.1),
+            "ms",
+            "time above 10 % of the peak shortening",
+        ),
+        row(
+            "contraction_duration_50",
+            pulse.duration(0.5),
+            "ms",
+            "time above 50 % of the peak shortening",
+        ),
+        row(
+            "contraction_duration_90",
+            pulse.duration(0.9),
+            "ms",
+            "time above 90 % of the peak shortening",
+        ),
+    ]);
+    rows
+}
+
+/// Metrics of a contraction of which only the motion is known: a shortening in %, a displacement, an amplitude in any
+/// unit.
+pub fn of_motion(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context) -> Vec<Metric> {
+    let peak = pulse.peak().map(|peak| peak.value);
+    let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
+    let mut rows = vec![
+        row("baseline", Some(rest), unit, context.rest),
+        row("peak_amplitude", peak, unit, "largest value above the baseline"),
+    ];
+    rows.extend(timing(pulse, context));
+    rows.extend([
+        row(
+            "maximum_contraction_rate",
+            fastest(1.0),
+            per_second(unit),
+            "largest slope of the rise",
+        ),
+        row(
+            "shortening_rate_over_peak",
+            Some(()).and_then(|()| Some(fastest(1.0)? / peak?)),
+            "1/s",
+            "largest slope of the rise over the peak: the shape of a beat, whatever its size",
+        ),
+        row(
+            "maximum_relaxation_rate",
+            fastest(-1.0),
+            per_second(unit),
+            "largest slope of the fall, as a positive number",
+        ),
+        row(
+            "relaxation_time_constant",
+            pulse.time_constant(),
+            "ms",
+            "slope of the logarithm between 50 % and 90 % relaxed",
+        ),
+        row(
+            "area_under_curve",
+            pulse.area(),
+            times_ms(unit),
+            "integral above the baseline over the beat",
+        ),
+        row(
+            "residual_amplitude",
+            pulse.last(),
+            unit,
+            "value above the baseline at the end of the beat",
+        ),
+    ]);
+    rows
 }
 
 #[cfg(test)]

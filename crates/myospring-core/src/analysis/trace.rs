@@ -9,8 +9,8 @@ pub struct Point {
     pub value: f64,
 }
 
-/// The curve's maximum: the vertex of the parabola through the largest sample and its neighbours.
-/// `None` if no sample is finite.
+/// The curve's maximum: the vertex of the parabola through the largest sample and its neighbours; where
+/// the curve is straight on both sides, the corner in which the two lines meet. `None` if no sample is finite.
 ///
 /// # Example
 /// ```
@@ -26,6 +26,9 @@ pub fn peak(times: &[f64], values: &[f64]) -> Option<Point> {
     if top == 0 || top + 1 == values.len() {
         return Some(sample);
     }
+    if let Some(corner) = corner(times, values, top) {
+        return Some(corner);
+    }
     let (before, after) = (times[top] - times[top - 1], times[top + 1] - times[top]);
     let (down, up) = (values[top] - values[top - 1], values[top + 1] - values[top]);
     // Newton's form of the parabola through the three samples.
@@ -36,6 +39,31 @@ pub fn peak(times: &[f64], values: &[f64]) -> Option<Point> {
     }
     let shift = -0.5 * slope / curvature;
     Some(Point { time: sample.time + shift, value: sample.value + 0.5 * slope * shift })
+}
+
+/// How straight a side of a corner is: its bend between three samples, as a part of the whole bend. Of a parabola
+/// it would be a third.
+const STRAIGHT: f64 = 0.05;
+
+/// Where the lines through the samples on both sides of a top meet, if the curve is straight there.
+fn corner(times: &[f64], values: &[f64], top: usize) -> Option<Point> {
+    if top < 3 || top + 3 >= values.len() {
+        return None;
+    }
+    let slope = |at: usize| (values[at + 1] - values[at]) / (times[at + 1] - times[at]);
+    let (left, right) = (slope(top - 2), slope(top + 1));
+    let bend = left - right;
+    let bent = (left - slope(top - 3)).abs().max((right - slope(top + 2)).abs());
+    if left <= 0.0 || right >= 0.0 || bent > STRAIGHT * bend {
+        return None;
+    }
+    let time =
+        (values[top + 1] - values[top - 1] + left * times[top - 1] - right * times[top + 1]) / bend;
+    let value = values[top - 1] + left * (time - times[top - 1]);
+    // Sides that are not quite straight meet a little below a corner at the sample itself.
+    let least = values[top] - STRAIGHT * bend * (times[top + 1] - times[top - 1]);
+    let between = (times[top - 1]..=times[top + 1]).contains(&time) && value >= least;
+    between.then_some(Point { time, value: value.max(values[top]) })
 }
 
 /// The largest sample, for curves with corners that no parabola fits (an upstroke). `None` if no
@@ -53,6 +81,22 @@ fn index_of_largest(values: &[f64]) -> Option<usize> {
 /// First time from `from` (ms) on at which the curve rises through `level`, between samples linear.
 pub fn rises_through(times: &[f64], values: &[f64], level: f64, from: f64) -> Option<f64> {
     crossing(times, values, from, |a, b| a < level && b >= level, level)
+}
+
+/// Last time from `from` to `until` (ms) at which the curve rises through `level`, between samples linear.
+pub fn last_rise_through(
+    times: &[f64],
+    values: &[f64],
+    level: f64,
+    from: f64,
+    until: f64,
+) -> Option<f64> {
+    let last = times.partition_point(|time| *time < until).min(times.len().checked_sub(1)?);
+    (1..=last).rev().take_while(|&i| times[i] >= from).find_map(|i| {
+        let (a, b) = (values[i - 1], values[i]);
+        let time = times[i - 1] + (level - a) / (b - a) * (times[i] - times[i - 1]);
+        (a < level && b >= level && (from..=until).contains(&time)).then_some(time)
+    })
 }
 
 /// First time from `from` (ms) on at which the curve falls through `level`, between samples linear.
@@ -136,6 +180,18 @@ mod tests {
         let down = falls_through(&times, &values, 0.5, up).unwrap();
         assert!((down - 5.0 * std::f64::consts::FRAC_PI_6).abs() < 1e-4);
         assert_eq!(rises_through(&times, &values, 2.0, 0.0), None);
+    }
+
+    #[test]
+    fn a_corner_is_found_wherever_it_lies_between_samples() {
+        for shift in [0.0, 0.2, 0.5, 0.8] {
+            let times: Vec<f64> = (0..40).map(f64::from).collect();
+            let at = 20.0 + shift;
+            let line = |t: &f64| if *t < at { (t - at) / 10.0 } else { (at - t) / 30.0 };
+            let values: Vec<f64> = times.iter().map(line).collect();
+            let top = peak(&times, &values).unwrap();
+            assert!((top.time - at).abs() < 1e-9 && top.value.abs() < 1e-12, "{top:?}");
+        }
     }
 
     #[test]

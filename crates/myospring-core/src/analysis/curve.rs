@@ -1,0 +1,299 @@
+//! Beats of a measured curve and their metrics.
+//!
+//! A beat is a pulse that stands above the curve's own noise. The same code ([`Pulse`]) reads the metrics of simulated
+//! beats; what a measurement needs besides is here, and every step is stated in [`Treatment`]:
+//!
+//! 1. *Which way.* Curves whose kind falls in a beat (lengths) are turned over; of an unknown kind the way in which it
+//!    departs furthest and shortest.
+//! 2. *Bad frames*, single frames far from where their neighbours point, are replaced by the mean of the two beside them;
+//!    hum of the mains is taken off where it stands out of the spectrum.
+//! 3. *Noise* is the median of fourth differences, which a smooth curve has none of.
+//! 4. *Beats*: maxima whose prominence noise of this size would not reach in as many samples, and at least a fifth of the
+//!    usual beat's. With stimuli a beat is what follows one before the next.
+//! 5. *Rest* of a beat is the mean of the last 15 % of the cycle before it (with a stimulus: before that).
+//! 6. *Drift*: the line from this rest to the next, each the median of three neighbours, so that one early beat does not
+//!    tilt it, is taken off the beat.
+//! 7. *Smoothing*: local parabolas over a window that leaves noise of half a per cent of a beat, and never wider than an
+//!    eighth of a beat's width either side; none where there is less noise than that.
+
+mod answer;
+mod beat;
+mod detect;
+mod noise;
+mod rhythm;
+mod smooth;
+#[cfg(test)]
+mod tests;
+
+use super::Metric;
+use super::kind::Kind;
+use answer::LEAST_FRAMES;
+pub use answer::{Analysis, CurveBeat, CurveError, Mark, State, Treatment};
+use beat::Reader;
+
+/// Noise that is smoothed down to, as a part of a beat's height.
+const SMOOTH_TO: f64 = 0.005;
+
+/// What a user may say.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Options {
+    /// When stimuli fell, ms on the clock of the curve; beats are looked for where there are none.
+    pub stimuli_ms: Vec<f64>,
+    /// Half of the window of smoothing, ms; by the noise where it is not given, none where it is 0.
+    pub smoothing_ms: Option<f64>,
+    /// Leave the drift of the baseline in.
+    pub keep_drift: bool,
+}
+
+/// Beats of a curve over times in ms, and their metrics.
+///
+/// # Errors
+/// Lists of different length, less than 8 frames, numbers that are none, a curve that is still, or in which nothing stands
+/// above its noise; stimuli outside.
+///
+/// # Example
+/// ```
+/// use myospring::analysis::curve::{Options, analyse};
+/// use myospring::analysis::kind::Kind;
+/// // 120 um, shorter by a tenth each second, in half sines of 300 ms.
+/// let times: Vec<f64> = (0..1000).map(|i| 4.0 * f64::from(i)).collect();
+/// let length: Vec<f64> = times
+///     .iter()
+///     .map(|t| {
+///         let t = (t - 200.0).rem_euclid(1000.0);
+///         120.0 - if t < 300.0 { 12.0 * (std::f64::consts::PI * t / 300.0).sin() } else { 0.0 }
+///     })
+///     .collect();
+/// let analysis = analyse(&times, &length, Kind::Length, "um", &Options::default())?;
+/// assert_eq!(analysis.beats.len(), 4);
+/// assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.01); // %
+/// assert!((analysis.mean("interval").unwrap() - 1000.0).abs() < 0.1); // ms
+/// # Ok::<(), myospring::analysis::curve::CurveError>(())
+/// ```
+pub fn analyse(
+    times: &[f64],
+    values: &[f64],
+    kind: Kind,
+    unit: &'static str,
+    options: &Options,
+) -> Result<Analysis, CurveError> {
+    check(times, values)?;
+    let rises = kind.rises().unwrap_or_else(|| departs_upward(values));
+    let sign = if rises { 1.0 } else { -1.0 };
+    let mut signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
+
+    let bad = noise::bad_frames(&signal, noise::level(&signal));
+    for &at in &bad {
+        let part = (times[at] - times[at - 1]) / (times[at + 1] - times[at - 1]);
+        signal[at] = signal[at - 1] + part * (signal[at + 1] - signal[at - 1]);
+    }
+    let hum = noise::hum(times, &signal);
+    if let Some(hum) = &hum {
+        signal.iter_mut().zip(&hum.wave).for_each(|(value, wave)| *value -= wave);
+    }
+    let level = noise::level(&signal);
+    let plateau = kind == Kind::Potential;
+    let found = detect::beats(times, &signal, plateau);
+    if found.peaks.is_empty() {
+        let hint = if kind.rises().is_some() && departs_upward(values) != rises {
+            "; it departs the other way: is its kind right?"
+        } else {
+            ""
+        };
+        return Err(CurveError::NoBeat { noise: level, least: found.least, unit, hint });
+    }
+    let half = half_window(times, &signal, &found, level, options);
+    let smoothed = smooth::smooth(times, &signal, half);
+    let reader = Reader {
+        times,
+        signal: &signal,
+        smoothed: &smoothed,
+        noise: level * smooth::gain(half),
+        sign,
+        kind,
+        unit,
+        found: &found,
+        keep_drift: options.keep_drift,
+    };
+    let stimuli = stimuli_within(times, &options.stimuli_ms)?;
+    let mut beats = match &stimuli {
+        Some(stimuli) => reader.after(stimuli),
+        None => reader.found(),
+    };
+    if !beats.iter().any(|beat| beat.state != State::Missed) {
+        return Err(CurveError::NoBeat {
+            noise: level,
+            least: found.least,
+            unit,
+            hint: " after any stimulus",
+        });
+    }
+    let mut remarks = rhythm::remarks(&mut beats, stimuli.is_some());
+    remarks.extend(doubts(times, values, &beats, &found, kind, rises));
+    let window_ms = half as f64 * 2.0 * median_step(times);
+    let treatment = Treatment {
+        rises,
+        beats: match &stimuli {
+            Some(stimuli) => format!("what follows each of {} stimuli", stimuli.len()),
+            None => format!(
+                "pulses higher than {:.4} {unit}, of which noise gives none, and a fifth of the usual one",
+                found.least.max(0.2 * found.usual)
+            ),
+        },
+        baseline: if stimuli.is_some() { beat::REST_STIMULUS } else { beat::REST_ONSET },
+        drift: if options.keep_drift {
+            "left in"
+        } else {
+            "taken off: the line from the rest before each beat to that before the next, medians of three"
+        },
+        smoothing: if half == 0 {
+            "none".to_owned()
+        } else {
+            format!("local parabolas over {} frames, {window_ms:.1} ms", 2 * half + 1)
+        },
+        noise: level,
+        bad_frames: bad.iter().map(|at| at + 1).collect(),
+        hum: hum.map(|hum| [hum.frequency_hz, hum.amplitude]),
+    };
+    let read = smoothed.iter().map(|value| sign * value).collect();
+    Ok(Analysis { beats, treatment, remarks, read })
+}
+
+fn check(times: &[f64], values: &[f64]) -> Result<(), CurveError> {
+    if times.len() != values.len() {
+        return Err(CurveError::Lengths { times: times.len(), values: values.len() });
+    }
+    if times.len() < LEAST_FRAMES {
+        return Err(CurveError::Few { frames: times.len() });
+    }
+    let mut before = f64::NEG_INFINITY;
+    for (frame, (&time, &value)) in (1..).zip(times.iter().zip(values)) {
+        if !(time.is_finite() && value.is_finite() && time > before) {
+            return Err(CurveError::Sample { frame, time, value });
+        }
+        before = time;
+    }
+    if values.iter().all(|value| *value == values[0]) {
+        return Err(CurveError::Still { frames: values.len(), value: values[0] });
+    }
+    Ok(())
+}
+
+/// Whether a curve spends less time above its middle than below: beats are shorter than rest.
+fn departs_upward(values: &[f64]) -> bool {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    values.iter().map(|value| (value - mean).powi(3)).sum::<f64>() >= 0.0
+}
+
+/// Samples either side of the smoothing window.
+fn half_window(
+    times: &[f64],
+    signal: &[f64],
+    found: &detect::Found,
+    level: f64,
+    options: &Options,
+) -> usize {
+    let step = median_step(times);
+    if let Some(half_ms) = options.smoothing_ms {
+        return (half_ms / step).round().max(0.0) as usize;
+    }
+    if level <= SMOOTH_TO * found.usual {
+        return 0;
+    }
+    let rough = smooth::smooth(times, signal, found.half);
+    let mut widths: Vec<f64> =
+        found.peaks.iter().filter_map(|peak| width_at_half(times, &rough, peak)).collect();
+    widths.sort_by(f64::total_cmp);
+    let width = widths.get(widths.len() / 2).copied().unwrap_or(0.0);
+    // 3/2 / sqrt(2 half + 1) level = SMOOTH_TO usual
+    let wanted = ((1.5 * level / (SMOOTH_TO * found.usual)).powi(2) - 1.0) / 2.0;
+    wanted.min(width / 8.0 / step).round().max(0.0) as usize
+}
+
+/// Time that the curve is within half a prominence of a peak, ms.
+fn width_at_half(times: &[f64], values: &[f64], peak: &detect::Peak) -> Option<f64> {
+    let level = values[peak.at] - 0.5 * peak.prominence;
+    let left = (0..peak.at).rev().find(|&at| values[at] < level)?;
+    let right = (peak.at..values.len()).find(|&at| values[at] < level)?;
+    Some(times[right] - times[left])
+}
+
+fn median_step(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// The stimuli that fall into the recording, in order; `None` where none were given.
+fn stimuli_within(times: &[f64], stimuli: &[f64]) -> Result<Option<Vec<f64>>, CurveError> {
+    if stimuli.is_empty() {
+        return Ok(None);
+    }
+    let (from, to) = (times[0], times[times.len() - 1]);
+    let mut within: Vec<f64> =
+        stimuli.iter().copied().filter(|time| (from..to).contains(time)).collect();
+    within.sort_by(f64::total_cmp);
+    within.dedup();
+    if within.is_empty() {
+        return Err(CurveError::Stimuli { count: stimuli.len(), from, to });
+    }
+    Ok(Some(within))
+}
+
+/// Intervals between beats that no heart cell has, ms.
+const INTERVALS_MS: [f64; 2] = [60.0, 30_000.0];
+
+/// What speaks against the numbers.
+fn doubts(
+    times: &[f64],
+    values: &[f64],
+    beats: &[CurveBeat],
+    found: &detect::Found,
+    kind: Kind,
+    rises: bool,
+) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if kind.rises().is_some() {
+        let turned: Vec<f64> =
+            values.iter().map(|value| if rises { -value } else { *value }).collect();
+        let other = detect::beats(times, &turned, false);
+        // A curve of beats with rest between them is lopsided; turned over, rest makes broad pulses.
+        if departs_upward(values) != rises && other.usual > 0.8 * found.usual {
+            doubts.push(format!(
+                "the curve departs from its rest {}, and {} {} in a beat: is its kind right?",
+                if rises { "downward" } else { "upward" },
+                kind.name(),
+                if rises { "rises" } else { "falls" },
+            ));
+        }
+    }
+    let mut rises_ms: Vec<f64> = beats.iter().filter_map(|beat| rise_time(&beat.metrics)).collect();
+    rises_ms.sort_by(f64::total_cmp);
+    let step = median_step(times);
+    if let Some(&rise) = rises_ms.get(rises_ms.len() / 2)
+        && rise < 3.0 * step
+        && kind != Kind::Potential
+    {
+        doubts.push(format!(
+            "the rise from 10 to 90 % takes {rise:.1} ms, {:.1} frames: its times and rates are those of the camera",
+            rise / step
+        ));
+    }
+    let mut intervals: Vec<f64> =
+        beats.iter().filter_map(|beat| super::value(&beat.metrics, "interval")).collect();
+    intervals.sort_by(f64::total_cmp);
+    if let Some(&interval) = intervals.get(intervals.len() / 2)
+        && !(INTERVALS_MS[0]..=INTERVALS_MS[1]).contains(&interval)
+    {
+        doubts.push(format!(
+            "beats come every {interval:.4} ms, as in no heart cell: is the frame rate, or the unit of time, right?"
+        ));
+    }
+    doubts
+}
+
+fn rise_time(metrics: &[Metric]) -> Option<f64> {
+    super::value(metrics, "rise_time_10_90")
+        .or_else(|| super::value(metrics, "tension_rise_time_10_90"))
+}

@@ -1,0 +1,187 @@
+//! What is told of a curve, and why nothing can be.
+
+use crate::analysis::trace::Point;
+use crate::analysis::{Metric, Spread, beat_to_beat, value};
+use serde::Serialize;
+
+/// Fewest frames that a beat could be read from.
+pub(super) const LEAST_FRAMES: usize = 8;
+
+/// Why a curve has no metrics.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CurveError {
+    /// Lists of different length.
+    #[error("{times} times and {values} values; give one for each")]
+    Lengths {
+        /// Number of times.
+        times: usize,
+        /// Number of values.
+        values: usize,
+    },
+    /// Too short for a beat.
+    #[error("{frames} frames; a beat needs at least {LEAST_FRAMES}")]
+    Few {
+        /// How many there are.
+        frames: usize,
+    },
+    /// Not a number, or a time that does not rise.
+    #[error(
+        "frame {frame}: time {time} ms, value {value}; both must be finite, and times must rise"
+    )]
+    Sample {
+        /// From 1.
+        frame: usize,
+        /// Its time, ms.
+        time: f64,
+        /// Its value.
+        value: f64,
+    },
+    /// Nothing moves.
+    #[error("all {frames} values are {value}: there is no beat")]
+    Still {
+        /// How many there are.
+        frames: usize,
+        /// What all of them are.
+        value: f64,
+    },
+    /// Nothing stands above the noise.
+    #[error(
+        "there is no beat: nothing rises above the noise (standard deviation {noise:.3} {unit}) by the {least:.3} \
+         {unit} that a beat would need{hint}"
+    )]
+    NoBeat {
+        /// Standard deviation of the noise.
+        noise: f64,
+        /// How high a pulse would have to be.
+        least: f64,
+        /// Of both.
+        unit: &'static str,
+        /// What may help.
+        hint: &'static str,
+    },
+    /// No stimulus within the recording.
+    #[error(
+        "none of {count} stimuli falls into the recording, from {from} to {to} ms; stimulus times are on its clock"
+    )]
+    Stimuli {
+        /// How many were given.
+        count: usize,
+        /// First time, ms.
+        from: f64,
+        /// Last time, ms.
+        to: f64,
+    },
+}
+
+/// How much of a beat the recording has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum State {
+    /// From rest to the next beat, or to rest.
+    Whole,
+    /// The recording begins within it: its rest is unknown, and it does not count in means.
+    CutAtStart,
+    /// The recording ends within it: what it still shows counts.
+    CutAtEnd,
+    /// A stimulus without a beat.
+    Missed,
+}
+
+impl State {
+    /// In words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Whole => "whole",
+            Self::CutAtStart => "cut at the start",
+            Self::CutAtEnd => "cut at the end",
+            Self::Missed => "missed",
+        }
+    }
+}
+
+/// Where on the curve something was read.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Mark {
+    /// What.
+    pub name: &'static str,
+    /// Time, ms, and value in the curve's unit.
+    #[serde(skip)]
+    pub point: Point,
+}
+
+/// One beat of a curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveBeat {
+    /// From 1.
+    pub number: usize,
+    /// Its stimulus, ms, where stimuli were given.
+    pub stimulus_ms: Option<f64>,
+    /// When the curve leaves its rest, ms; `None` of a missed beat.
+    pub onset_ms: Option<f64>,
+    /// How much of it there is.
+    pub state: State,
+    /// What is odd about it, as sentences.
+    pub remarks: Vec<String>,
+    /// Its metrics, none of a missed beat.
+    pub metrics: Vec<Metric>,
+    /// Where they were read.
+    #[serde(skip)]
+    pub marks: Vec<Mark>,
+    /// Baseline over the beat: its first and last point.
+    #[serde(skip)]
+    pub baseline: Option<[Point; 2]>,
+}
+
+/// What was done to a curve before it was read.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Treatment {
+    /// Whether the curve rises in a beat; lengths fall.
+    pub rises: bool,
+    /// How beats were found.
+    pub beats: String,
+    /// How the value at rest is defined.
+    pub baseline: &'static str,
+    /// What became of drift.
+    pub drift: &'static str,
+    /// What was smoothed.
+    pub smoothing: String,
+    /// Standard deviation of the noise, in the curve's unit.
+    pub noise: f64,
+    /// Frames that were replaced, from 1.
+    pub bad_frames: Vec<usize>,
+    /// What was taken off as mains hum: Hz and amplitude in the curve's unit.
+    pub hum: Option<[f64; 2]>,
+}
+
+/// The beats of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Analysis {
+    /// In order.
+    pub beats: Vec<CurveBeat>,
+    /// What was done.
+    pub treatment: Treatment,
+    /// What is odd about the rhythm, and what to doubt, as sentences.
+    pub remarks: Vec<String>,
+    /// The curve that metrics were read from: without bad frames and hum, smoothed; in the curve's unit.
+    pub read: Vec<f64>,
+}
+
+impl Analysis {
+    /// Mean and standard deviation of each metric over the beats that count: whole ones, and what those cut at the end
+    /// still show. Of one beat there is no spread.
+    pub fn spread(&self) -> Vec<Spread> {
+        beat_to_beat(&self.counted())
+    }
+
+    /// Metrics of the beats that count in means.
+    pub fn counted(&self) -> Vec<Vec<Metric>> {
+        let counts = |beat: &&CurveBeat| matches!(beat.state, State::Whole | State::CutAtEnd);
+        self.beats.iter().filter(counts).map(|beat| beat.metrics.clone()).collect()
+    }
+
+    /// The mean of a metric over the beats that count and show it.
+    pub fn mean(&self, name: &str) -> Option<f64> {
+        let values: Vec<f64> = self.counted().iter().filter_map(|beat| value(beat, name)).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    }
+}

@@ -1,0 +1,376 @@
+//! One beat of a curve: its rest, its pulse, its metrics.
+
+use super::answer::{CurveBeat, Mark, State};
+use super::detect::Found;
+use crate::analysis::kind::{Family, Kind};
+use crate::analysis::pulse::{Pulse, Top};
+use crate::analysis::rows::{Context, row};
+use crate::analysis::trace::Point;
+use crate::analysis::{Metric, action_potential, contraction, tension, trace, transient};
+
+/// Part of the cycle before a beat that is its rest.
+const REST: f64 = 0.15;
+
+/// Part of a beat's height above which the record is not at rest.
+const AT_REST: f64 = 0.1;
+
+pub(super) const REST_ONSET: &str =
+    "mean of the frames in the last 15 % of the cycle before the beat's onset";
+pub(super) const REST_STIMULUS: &str =
+    "mean of the frames in the last 15 % of the cycle before the stimulus";
+
+/// A curve, ready to be read.
+pub(super) struct Reader<'a> {
+    pub(super) times: &'a [f64],
+    /// Rises in a beat; without bad frames and hum.
+    pub(super) signal: &'a [f64],
+    pub(super) smoothed: &'a [f64],
+    /// Of `smoothed`.
+    pub(super) noise: f64,
+    /// What turns `signal` into the curve's values.
+    pub(super) sign: f64,
+    pub(super) kind: Kind,
+    pub(super) unit: &'static str,
+    pub(super) found: &'a Found,
+    pub(super) keep_drift: bool,
+}
+
+/// Where a beat lies in the samples.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    stimulus: Option<f64>,
+    /// The sample at its top.
+    peak: usize,
+    /// The time at which it begins: its stimulus, or its onset.
+    begin: f64,
+    /// Samples of its rest, and their mean time and value.
+    rest: [usize; 2],
+    rest_at: Point,
+    cut_at_start: bool,
+}
+
+impl Reader<'_> {
+    /// Beats where the curve has them.
+    pub(super) fn found(&self) -> Vec<CurveBeat> {
+        let peaks: Vec<usize> = self.found.peaks.iter().map(|peak| peak.at).collect();
+        let cycle = median_distance(self.times, &peaks);
+        let mut spans: Vec<Span> =
+            (0..peaks.len()).map(|at| self.span(&peaks, at, cycle)).collect();
+        // What precedes the first beat is no rest where it lies higher than later ones, and drift does not explain it.
+        let rest = |at: usize| spans.get(at).map(|span| span.rest_at.value);
+        if let (Some(first), Some(peak)) = (rest(0), peaks.first()) {
+            let last = self.times.len() - 1;
+            let second = rest(1).unwrap_or(self.smoothed[self.lowest(*peak, last)]);
+            let drift = rest(2).map_or(0.0, |third| (second - third).max(0.0));
+            let height = self.smoothed[*peak] - second;
+            spans[0].cut_at_start |= first - second - 2.0 * drift > 2.0 * AT_REST * height;
+        }
+        self.read(&spans)
+    }
+
+    /// The rest of the `at`-th peak and when it leaves it.
+    fn span(&self, peaks: &[usize], at: usize, cycle: Option<f64>) -> Span {
+        let peak = peaks[at];
+        let from = if at == 0 { 0 } else { self.lowest(peaks[at - 1], peak) };
+        let low = if at == 0 { self.lowest(0, peak) } else { from };
+        let mut rest = self.smoothed[low];
+        let mut onset = self.onset(low, peak, rest);
+        let before =
+            if at == 0 { None } else { Some(self.times[peak] - self.times[peaks[at - 1]]) };
+        let width = 2.0 * (self.times[peak] - onset).max(0.0);
+        let cycle = before.or(cycle).unwrap_or(4.0 * width);
+        let mut window = [low, low];
+        // What rest is decides when it is left, and the other way round.
+        for _ in 0..3 {
+            // A foot that rises before the line does is none of it.
+            let foot = 0.25 * (self.times[peak] - onset).max(0.0);
+            let end = self.times.partition_point(|time| *time <= onset - foot).min(peak);
+            let start = self.times.partition_point(|time| *time < onset - foot - REST * cycle);
+            // Three frames at least, where there are as many after the beat before.
+            let first_free = if at == 0 { 0 } else { peaks[at - 1] + 1 };
+            let start = start.min(end.saturating_sub(3)).max(first_free);
+            window = [start, end.max(start + 1)];
+            rest = mean(&self.signal[window[0]..window[1]]);
+            onset = self.onset(low.min(end), peak, rest);
+        }
+        // At the start of a recording rest must have been seen.
+        let cut_at_start = at == 0 && (window[1] - window[0] < 2 || onset <= self.times[0]);
+        let rest_at = Point { time: mean(&self.times[window[0]..window[1]]), value: rest };
+        Span { stimulus: None, peak, begin: onset, rest: window, rest_at, cut_at_start }
+    }
+
+    /// The lowest smoothed sample between two.
+    fn lowest(&self, from: usize, to: usize) -> usize {
+        let low = (from..=to)
+            .reduce(|low, at| if self.smoothed[at] < self.smoothed[low] { at } else { low });
+        low.unwrap_or(from)
+    }
+
+    /// Where the line through 10 % and 50 % of the rise meets rest, ms.
+    fn onset(&self, low: usize, peak: usize, rest: f64) -> f64 {
+        let height = self.smoothed[peak] - rest;
+        let crossing = |part: f64| {
+            let level = rest + part * height;
+            let (from, to) = (self.times[low], self.times[peak]);
+            trace::last_rise_through(self.times, self.smoothed, level, from, to)
+        };
+        match (crossing(0.1), crossing(0.5)) {
+            (Some(tenth), Some(half)) => tenth - 0.25 * (half - tenth),
+            (None, Some(half)) => half,
+            _ => self.times[low],
+        }
+    }
+
+    /// What follows each stimulus before the next.
+    pub(super) fn after(&self, stimuli: &[f64]) -> Vec<CurveBeat> {
+        let last = self.times[self.times.len() - 1];
+        let mut distances: Vec<f64> = stimuli.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        distances.sort_by(f64::total_cmp);
+        let cycle = distances.get(distances.len() / 2).copied().unwrap_or(last - stimuli[0]);
+        let mut spans = Vec::new();
+        let mut beats: Vec<Option<CurveBeat>> = Vec::new();
+        for (index, &stimulus) in stimuli.iter().enumerate() {
+            let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
+            let before = if index == 0 { cycle } else { stimulus - stimuli[index - 1] };
+            let first = self.times.partition_point(|time| *time < stimulus);
+            let stop = self.times.partition_point(|time| *time < end);
+            let within = self.found.peaks.iter().filter(|peak| (first..stop).contains(&peak.at));
+            let tops: Vec<usize> = within.map(|peak| peak.at).collect();
+            // The highest; further ones are remarked upon.
+            let top = tops
+                .iter()
+                .copied()
+                .reduce(|best, at| if self.smoothed[at] > self.smoothed[best] { at } else { best });
+            let Some(peak) = top else {
+                beats.push(Some(CurveBeat {
+                    number: index + 1,
+                    stimulus_ms: Some(stimulus),
+                    onset_ms: None,
+                    state: State::Missed,
+                    remarks: vec![format!("no beat follows the stimulus at {stimulus:.1} ms")],
+                    metrics: Vec::new(),
+                    marks: Vec::new(),
+                    baseline: None,
+                }));
+                continue;
+            };
+            let from = self.times.partition_point(|time| *time < stimulus - REST * before);
+            let from = from.min(first.saturating_sub(3));
+            let to = self.times.partition_point(|time| *time <= stimulus).max(from + 1);
+            let rest = mean(&self.signal[from..to]);
+            spans.push(Span {
+                stimulus: Some(stimulus),
+                peak,
+                begin: stimulus,
+                rest: [from, to],
+                rest_at: Point { time: mean(&self.times[from..to]), value: rest },
+                cut_at_start: false,
+            });
+            beats.push(None);
+        }
+        let mut read = self.read(&spans).into_iter();
+        let beats = beats.into_iter().enumerate().filter_map(|(index, beat)| {
+            let beat = beat.or_else(|| read.next())?;
+            Some(CurveBeat { number: index + 1, ..beat })
+        });
+        let mut beats: Vec<CurveBeat> = beats.collect();
+        for (index, &stimulus) in stimuli.iter().enumerate() {
+            let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
+            let tops = self.found.peaks.iter().map(|peak| self.times[peak.at]);
+            let count = tops.filter(|time| (stimulus..end).contains(time)).count();
+            if count > 1 {
+                beats[index].remarks.push(format!(
+                    "{count} beats follow the stimulus at {stimulus:.1} ms before the next; the highest is measured"
+                ));
+            }
+        }
+        beats
+    }
+
+    fn read(&self, spans: &[Span]) -> Vec<CurveBeat> {
+        // Each the median of three neighbours.
+        let levels: Vec<f64> = (0..spans.len())
+            .map(|at| {
+                if at == 0 || at + 1 >= spans.len() || spans[at - 1].cut_at_start {
+                    return spans[at].rest_at.value;
+                }
+                let mut three = [at - 1, at, at + 1].map(|at| spans[at].rest_at.value);
+                three.sort_by(f64::total_cmp);
+                three[1]
+            })
+            .collect();
+        let slope = |at: usize| {
+            // The last beat goes on as the one before.
+            let (from, to) =
+                if at + 1 < spans.len() { (at, at + 1) } else { (at.saturating_sub(1), at) };
+            let steady = from < to && !spans[from].cut_at_start && !self.keep_drift;
+            let way = spans[to].rest_at.time - spans[from].rest_at.time;
+            if steady && way > 0.0 { (levels[to] - levels[from]) / way } else { 0.0 }
+        };
+        (0..spans.len())
+            .map(|at| {
+                let interval = at
+                    .checked_sub(1)
+                    .map(|before| (spans[before].begin, spans[before].cut_at_start));
+                let interval =
+                    interval.filter(|(_, cut)| !cut).map(|(before, _)| spans[at].begin - before);
+                self.beat(at + 1, &spans[at], spans.get(at + 1), slope(at), interval)
+            })
+            .collect()
+    }
+
+    fn beat(
+        &self,
+        number: usize,
+        span: &Span,
+        next: Option<&Span>,
+        slope: f64,
+        interval: Option<f64>,
+    ) -> CurveBeat {
+        let first = span.rest[0];
+        // It ends with the rest of the next.
+        let last = next
+            .map_or(self.times.len(), |next| next.rest[1].max(span.peak + 2))
+            .min(self.times.len());
+        let times = &self.times[first..last];
+        let base = |time: f64| span.rest_at.value + slope * (time - span.rest_at.time);
+        let heights: Vec<f64> = times
+            .iter()
+            .zip(&self.smoothed[first..last])
+            .map(|(time, value)| value - base(*time))
+            .collect();
+        // A beat begins in its rest: noise there is no rise.
+        let start = self.times[span.rest[0]];
+        let rest = self.sign * span.rest_at.value;
+        let top = if self.kind == Kind::Potential { Top::Sample } else { Top::Vertex };
+        let pulse = Pulse::new(times, &heights, start, top).with_noise(self.noise);
+        let onset = if span.stimulus.is_some() {
+            match (pulse.rises(0.1), pulse.rises(0.5)) {
+                (Some(tenth), Some(half)) => Some(tenth - 0.25 * (half - tenth)),
+                _ => None,
+            }
+        } else {
+            Some(span.begin)
+        };
+        let context = Context {
+            stimulus: span.stimulus,
+            onset,
+            rest: if span.stimulus.is_some() { REST_STIMULUS } else { REST_ONSET },
+        };
+        let mut remarks = Vec::new();
+        let mut metrics = self.metrics(times, &heights, &pulse, &base, rest, &context);
+        let state = if span.cut_at_start {
+            remarks.push("the recording begins within it: its rest is unknown".to_owned());
+            State::CutAtStart
+        } else if next.is_none() && pulse.falls(AT_REST).is_none() {
+            remarks.push("the recording ends before it is over".to_owned());
+            State::CutAtEnd
+        } else {
+            State::Whole
+        };
+        if state == State::CutAtEnd {
+            let parts = [
+                "area_under_curve",
+                "tension_time_integral",
+                "residual_shortening",
+                "residual_amplitude",
+            ];
+            let cut = metrics.iter_mut().filter(|metric| parts.contains(&metric.name));
+            cut.for_each(|metric| metric.value = None);
+        }
+        metrics.insert(
+            0,
+            row(
+                "interval",
+                interval,
+                "ms",
+                if span.stimulus.is_some() {
+                    "from the stimulus before, missed ones left out"
+                } else {
+                    "from the onset of the beat before"
+                },
+            ),
+        );
+        let baseline = [times[0], times[times.len() - 1]]
+            .map(|time| Point { time, value: self.sign * base(time) });
+        CurveBeat {
+            number,
+            stimulus_ms: span.stimulus,
+            onset_ms: onset,
+            state,
+            remarks,
+            metrics,
+            marks: self.marks(&pulse, onset, &base),
+            baseline: Some(baseline),
+        }
+    }
+
+    fn metrics(
+        &self,
+        times: &[f64],
+        heights: &[f64],
+        pulse: &Pulse,
+        base: &dyn Fn(f64) -> f64,
+        rest: f64,
+        context: &Context,
+    ) -> Vec<Metric> {
+        match self.kind.family() {
+            Family::Contraction if self.kind.is_length() => {
+                let shortening: Vec<f64> = heights.iter().map(|height| height / rest).collect();
+                let part = Pulse::new(times, &shortening, pulse.start(), Top::Vertex)
+                    .with_noise(self.noise / rest);
+                contraction::of_length(&part, Some(rest), self.unit, context)
+            }
+            Family::Contraction => contraction::of_motion(pulse, rest, self.unit, context),
+            Family::Tension => tension::of_pulse(pulse, rest, self.unit, context),
+            Family::Calcium => {
+                let under = pulse.peak().map_or(rest, |peak| self.sign * base(peak.time));
+                let ground = [rest, under];
+                transient::of_pulse(pulse, ground, self.kind, self.unit, context)
+            }
+            Family::ActionPotential => {
+                action_potential::of_pulse(pulse, Some(rest), self.unit, context)
+            }
+        }
+    }
+
+    /// Where the metrics were read, on the curve.
+    fn marks(&self, pulse: &Pulse, onset: Option<f64>, base: &dyn Fn(f64) -> f64) -> Vec<Mark> {
+        let Some(peak) = pulse.peak() else { return Vec::new() };
+        let on = |name, time: Option<f64>, part: f64| {
+            let time = time?;
+            let value = self.sign * (base(time) + part * peak.value);
+            Some(Mark { name, point: Point { time, value } })
+        };
+        let marks = [
+            on("onset", onset, 0.0),
+            on("10 % up", pulse.rises(0.1), 0.1),
+            on("50 % up", pulse.rises(0.5), 0.5),
+            on("90 % up", pulse.rises(0.9), 0.9),
+            on("peak", Some(peak.time), 1.0),
+            on("50 % down", pulse.falls(0.5), 0.5),
+            on("90 % down", pulse.falls(0.1), 0.1),
+        ];
+        let mut marks: Vec<Mark> = marks.into_iter().flatten().collect();
+        for (name, sign) in [("fastest up", 1.0), ("fastest down", -1.0)] {
+            let Some(at) = pulse.fastest(sign) else { continue };
+            let right =
+                self.times.partition_point(|time| *time < at.time).min(self.times.len() - 1);
+            let value = 0.5 * (self.smoothed[right.saturating_sub(1)] + self.smoothed[right]);
+            marks.push(Mark { name, point: Point { time: at.time, value: self.sign * value } });
+        }
+        marks
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Median time between neighbours.
+fn median_distance(times: &[f64], peaks: &[usize]) -> Option<f64> {
+    let mut distances: Vec<f64> =
+        peaks.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).copied()
+}

@@ -1,0 +1,188 @@
+//! Beats in a curve: pulses that stand above its noise.
+
+use super::noise;
+use super::smooth::{gain, smooth};
+
+/// How high a pulse is, of the usual ones, to be a beat and not a bump of one.
+const BUMP: f64 = 0.2;
+
+/// A candidate for a beat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Peak {
+    /// The sample at the top.
+    pub(super) at: usize,
+    /// How far the curve falls on the higher of its two sides before it rises higher than the top.
+    pub(super) prominence: f64,
+}
+
+/// What was found.
+pub(super) struct Found {
+    /// Tops of beats, in order of time; those at the first or last sample are none.
+    pub(super) peaks: Vec<Peak>,
+    /// What was smoothed over for it, samples either side.
+    pub(super) half: usize,
+    /// The usual height of a beat; the highest pulse where there is no beat.
+    pub(super) usual: f64,
+    /// How high a pulse had to be.
+    pub(super) least: f64,
+}
+
+/// The beats of a curve that rises in a beat; `plateau` joins tops between which the curve does not fall by half.
+pub(super) fn beats(times: &[f64], values: &[f64], plateau: bool) -> Found {
+    let sigma = noise::level(values);
+    let count = values.len();
+    // Few samples tell the noise the less well.
+    let sigma = sigma * (1.0 + 3.0 / (count as f64).sqrt());
+    // The narrowest window in which noise can no longer look like a beat.
+    let mut half = 0;
+    let (smoothed, least) = loop {
+        let smoothed = smooth(times, values, half);
+        // The highest and lowest of so many samples of noise are this far apart, and a margin.
+        let samples = (count as f64 / (2 * half + 1) as f64).max(2.0);
+        let least = (2.0 * (2.0 * samples.ln()).sqrt() + 3.0) * gain(half) * sigma;
+        let height = noise::range(&smoothed, 0.01);
+        if least <= BUMP * height || (2 * half + 1) * 12 > count {
+            break (smoothed, least);
+        }
+        half += 1 + half / 2;
+    };
+    let least = least.max(1e-9 * noise::range(&smoothed, 0.0));
+    let mut peaks = persistent(&smoothed);
+    peaks.retain(|peak| peak.at > 0 && peak.at + 1 < count);
+    let highest = peaks.first().map_or(0.0, |peak| peak.prominence);
+    peaks.retain(|peak| peak.prominence > least);
+    if peaks.is_empty() {
+        return Found { peaks, half, usual: highest, least };
+    }
+    // The highest alone may be an artefact, or stand on a drift.
+    let second = peaks[1.min(peaks.len() - 1)].prominence;
+    let high: Vec<f64> =
+        peaks.iter().map(|peak| peak.prominence).filter(|height| *height >= 0.5 * second).collect();
+    let usual = high[high.len() / 2];
+    peaks.retain(|peak| peak.prominence >= BUMP * usual);
+    peaks.sort_by_key(|peak| peak.at);
+    if plateau {
+        join(&mut peaks, &smoothed);
+    }
+    Found { peaks, half, usual, least }
+}
+
+/// Joins tops of one plateau: between them the curve stays above half of the lower one.
+fn join(peaks: &mut Vec<Peak>, values: &[f64]) {
+    let floor =
+        |from: usize, to: usize| values[from..=to].iter().copied().fold(f64::INFINITY, f64::min);
+    let ground = floor(0, values.len() - 1);
+    let mut kept: Vec<Peak> = Vec::new();
+    for peak in peaks.iter().copied() {
+        let Some(last) = kept.last_mut() else {
+            kept.push(peak);
+            continue;
+        };
+        let lower = values[last.at].min(values[peak.at]);
+        if floor(last.at, peak.at) - ground > 0.5 * (lower - ground) {
+            if values[peak.at] > values[last.at] {
+                *last = peak;
+            }
+        } else {
+            kept.push(peak);
+        }
+    }
+    *peaks = kept;
+}
+
+/// All maxima with their prominence, the highest first: samples are taken in order of height, and where two hills meet the
+/// lower one ends.
+fn persistent(values: &[f64]) -> Vec<Peak> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*b].total_cmp(&values[*a]).then(a.cmp(b)));
+    const NONE: usize = usize::MAX;
+    // The hill that a sample belongs to, by its top.
+    let mut hill = vec![NONE; values.len()];
+    fn top(hill: &mut [usize], mut at: usize) -> usize {
+        while hill[at] != at {
+            hill[at] = hill[hill[at]];
+            at = hill[at];
+        }
+        at
+    }
+    let mut peaks = Vec::new();
+    for &at in &order {
+        let left = if at > 0 && hill[at - 1] != NONE { Some(top(&mut hill, at - 1)) } else { None };
+        let right = match hill.get(at + 1) {
+            Some(&there) if there != NONE => Some(top(&mut hill, at + 1)),
+            _ => None,
+        };
+        match (left, right) {
+            (None, None) => hill[at] = at,
+            (Some(one), None) | (None, Some(one)) => hill[at] = one,
+            (Some(left), Some(right)) => {
+                let (high, low) =
+                    if values[left] >= values[right] { (left, right) } else { (right, left) };
+                let prominence = values[low] - values[at];
+                if prominence > 0.0 {
+                    peaks.push(Peak { at: low, prominence });
+                }
+                hill[low] = high;
+                hill[at] = high;
+            }
+        }
+    }
+    if let (Some(&highest), Some(&lowest)) = (order.first(), order.last()) {
+        peaks.push(Peak { at: highest, prominence: values[highest] - values[lowest] });
+    }
+    peaks.sort_by(|a, b| b.prominence.total_cmp(&a.prominence).then(a.at.cmp(&b.at)));
+    peaks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::tests::Noise;
+
+    /// Triangles of height 1, 60 samples wide, every 200.
+    fn triangles(count: usize) -> (Vec<f64>, Vec<f64>) {
+        let times = (0..count).map(|i| i as f64).collect();
+        let height = |i: usize| (1.0 - ((i % 200) as f64 - 100.0).abs() / 30.0).max(0.0);
+        (times, (0..count).map(height).collect())
+    }
+
+    #[test]
+    fn beats_are_found_in_any_noise_below_a_third_of_them_and_none_in_noise() {
+        for seed in 0..20 {
+            let mut random = Noise::new(seed);
+            for sigma in [0.0, 0.01, 0.1, 0.3] {
+                let (times, clean) = triangles(1000);
+                let values: Vec<f64> = clean.iter().map(|v| v + sigma * random.normal()).collect();
+                let found = beats(&times, &values, false);
+                assert_eq!(found.peaks.len(), 5, "seed {seed}, noise {sigma}");
+            }
+            for count in [50, 500, 5000] {
+                let times: Vec<f64> = (0..count).map(f64::from).collect();
+                let values: Vec<f64> = times.iter().map(|_| random.normal()).collect();
+                assert!(beats(&times, &values, false).peaks.is_empty(), "seed {seed}, {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn prominence_is_over_the_higher_side() {
+        let peaks = persistent(&[0.0, 3.0, 1.0, 2.0, 0.5]);
+        assert_eq!(peaks[0], Peak { at: 1, prominence: 3.0 });
+        assert_eq!(peaks[1], Peak { at: 3, prominence: 1.0 });
+    }
+
+    #[test]
+    fn a_notch_does_not_make_two_beats_of_an_action_potential() {
+        let values: Vec<f64> = (0..300)
+            .map(|i| match i % 150 {
+                20..23 => 40.0,
+                23..30 => -15.0,
+                30..60 => 20.0,
+                _ => -85.0,
+            })
+            .collect();
+        let times: Vec<f64> = (0..300).map(f64::from).collect();
+        assert_eq!(beats(&times, &values, false).peaks.len(), 4);
+        assert_eq!(beats(&times, &values, true).peaks.len(), 2);
+    }
+}

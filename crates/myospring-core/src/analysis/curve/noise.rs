@@ -1,0 +1,176 @@
+//! What a curve has beside its beats: noise, bad frames, mains hum.
+
+/// Weights of the fourth difference, and the root of the sum of their squares: curves that are smooth over five samples
+/// vanish in it, noise does not.
+const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
+const FOURTH_GAIN: f64 = 8.366_600_265_340_756;
+
+/// How many standard deviations of noise a bad frame lies from where its neighbours point.
+const BAD_FRAME_NOISE: f64 = 8.0;
+
+/// And how much of the curve's range.
+const BAD_FRAME_RANGE: f64 = 0.1;
+
+/// By how much a line of the mains stands out of its neighbourhood, to be hum.
+const HUM_CONTRAST: f64 = 4.0;
+
+/// The standard deviation of white noise, from the curve itself: the median of its fourth differences.
+pub(super) fn level(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values
+        .windows(5)
+        .map(|five| {
+            five.iter().zip(FOURTH).map(|(value, weight)| value * weight).sum::<f64>().abs()
+        })
+        .collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    sizes.sort_by(f64::total_cmp);
+    let part = |part: f64| sizes[((sizes.len() - 1) as f64 * part) as usize] / FOURTH_GAIN;
+    let middle = part(0.5) / 0.6745;
+    // Of a curve in whole pixels most differences may be 0.
+    let rounding = 1e-12 * range(values, 0.0);
+    if middle > rounding { middle } else { part(0.9) / 1.645 }
+}
+
+/// What lies between the lower and the upper quantile.
+pub(super) fn range(values: &[f64], part: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1) as f64;
+    let at = |part: f64| sorted.get((last * part).round() as usize).copied().unwrap_or(0.0);
+    at(1.0 - part) - at(part)
+}
+
+/// Single frames far from where both sides point, and from both neighbours, which agree.
+pub(super) fn bad_frames(values: &[f64], noise: f64) -> Vec<usize> {
+    let least = (BAD_FRAME_NOISE * noise).max(BAD_FRAME_RANGE * range(values, 0.02));
+    let last = values.len().saturating_sub(1);
+    (1..last)
+        .filter(|&i| {
+            let (before, here, after) = (values[i - 1], values[i], values[i + 1]);
+            let left = if i > 1 { 2.0 * before - values[i - 2] } else { before };
+            let right = if i + 1 < last { 2.0 * after - values[i + 2] } else { after };
+            let ends = [before, after, left, right];
+            let low = ends.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let outside = (here - high).max(low - here);
+            outside > least && (after - before).abs() < 0.5 * outside
+        })
+        .collect()
+}
+
+/// Mains hum: its frequency, Hz, its amplitude, and itself over time.
+pub(super) struct Hum {
+    pub(super) frequency_hz: f64,
+    pub(super) amplitude: f64,
+    pub(super) wave: Vec<f64>,
+}
+
+/// Hum of 50 or 60 Hz, where a line there stands out of what is beside it.
+pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
+    let span_s = (times.last()? - times.first()?) * 1e-3;
+    let rate = (times.len() - 1) as f64 / span_s;
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    // Lines 4 Hz apart must be told apart, by a window whose lines are four periods of the recording wide.
+    if span_s < 1.0 {
+        return None;
+    }
+    let component = |frequency: f64| {
+        let (mut cosine, mut sine, mut weights) = (0.0, 0.0, 0.0);
+        for (time, value) in times.iter().zip(values) {
+            let place = (time - times[0]) * 1e-3;
+            let weight = 0.5 - 0.5 * (std::f64::consts::TAU * place / span_s).cos();
+            let phase = std::f64::consts::TAU * frequency * place;
+            cosine += weight * (value - mean) * phase.cos();
+            sine += weight * (value - mean) * phase.sin();
+            weights += weight;
+        }
+        let scale = 2.0 / weights;
+        [scale * cosine, scale * sine]
+    };
+    let size = |frequency: f64| component(frequency).iter().map(|c| c * c).sum::<f64>().sqrt();
+    [50.0, 60.0].into_iter().find_map(|mains| {
+        if rate < 2.2 * mains {
+            return None;
+        }
+        // The mains keep within a fifth of a Hz.
+        let step = 0.125 / span_s;
+        let steps = (0.2 / step).ceil() as i32;
+        let near = (-steps..=steps).map(|i| mains + f64::from(i) * step);
+        let (frequency, amplitude) = near
+            .map(|frequency| (frequency, size(frequency)))
+            .reduce(|best, other| if other.1 > best.1 { other } else { best })?;
+        let beside = (-5..=5)
+            .filter(|i: &i32| i.abs() > 1)
+            .map(|i| size(mains + 2.0 * f64::from(i)))
+            .fold(0.0, f64::max);
+        if amplitude <= HUM_CONTRAST * beside || amplitude <= 0.0 {
+            return None;
+        }
+        let [cosine, sine] = component(frequency);
+        let wave = times.iter().map(|time| {
+            let phase = std::f64::consts::TAU * frequency * (time - times[0]) * 1e-3;
+            cosine * phase.cos() + sine * phase.sin()
+        });
+        Some(Hum { frequency_hz: frequency, amplitude, wave: wave.collect() })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::tests::Noise;
+
+    #[test]
+    fn noise_is_told_from_beats_and_from_nothing() {
+        let beat = |i: usize| (std::f64::consts::PI * (i % 250) as f64 / 60.0).sin().max(0.0);
+        let mut noise = Noise::new(7);
+        let clean: Vec<f64> = (0..2000).map(|i| if i % 250 < 60 { beat(i) } else { 0.0 }).collect();
+        assert!(level(&clean) < 1e-4, "{}", level(&clean));
+        for sigma in [0.01, 0.1, 1.0] {
+            let noisy: Vec<f64> =
+                clean.iter().map(|value| value + sigma * noise.normal()).collect();
+            let ratio = level(&noisy) / sigma;
+            assert!((ratio - 1.0).abs() < 0.1, "{sigma}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn bad_frames_are_single_frames_and_no_peaks_or_upstrokes() {
+        let triangle: Vec<f64> =
+            (0..100).map(|i| f64::from(20 - (i % 50 - 25_i32).abs()).max(0.0)).collect();
+        assert!(bad_frames(&triangle, 0.0).is_empty());
+        let upstroke: Vec<f64> = (0..60)
+            .map(|i| match i {
+                0..20 => -80.0,
+                20 => 40.0,
+                _ => 20.0 - f64::from(i - 20) * 2.0,
+            })
+            .collect();
+        assert!(bad_frames(&upstroke, 0.0).is_empty());
+        let mut bad = triangle.clone();
+        bad[10] += 9.0;
+        bad[60] -= 12.0;
+        assert_eq!(bad_frames(&bad, 0.0), [10, 60]);
+    }
+
+    #[test]
+    fn hum_is_found_and_harmonics_of_beats_are_not() {
+        let times: Vec<f64> = (0..5000).map(|i| f64::from(i) * 2.0).collect();
+        // A beat a second has a harmonic at 50 Hz, too.
+        let beats: Vec<f64> = times
+            .iter()
+            .map(|t| {
+                let t = t % 1000.0;
+                (t / 100.0).min((300.0 - t) / 200.0).max(0.0)
+            })
+            .collect();
+        assert!(hum(&times, &beats).is_none());
+        let wave = |t: &f64| 0.05 * (std::f64::consts::TAU * 50.03e-3 * t + 0.4).sin();
+        let humming: Vec<f64> = times.iter().zip(&beats).map(|(t, b)| b + wave(t)).collect();
+        let found = hum(&times, &humming).unwrap();
+        assert!((found.frequency_hz - 50.03).abs() < 0.02, "{}", found.frequency_hz);
+        assert!((found.amplitude - 0.05).abs() < 0.002, "{}", found.amplitude);
+    }
+}

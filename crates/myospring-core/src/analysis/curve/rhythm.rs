@@ -1,0 +1,137 @@
+//! What is odd about a series of beats: missed, early and late ones, alternans, irregular intervals.
+
+use super::answer::{CurveBeat, State};
+use crate::analysis::value;
+
+/// Intervals this far from the usual one are early or late.
+const EARLY: f64 = 0.8;
+const LATE: f64 = 1.2;
+
+/// Intervals whose standard deviation is this part of their mean are irregular.
+const IRREGULAR: f64 = 0.1;
+
+/// Two kinds of beats that differ by this part are worth a word, where chance does not explain it.
+const ALTERNANS: f64 = 0.05;
+
+/// How many standard errors chance explains.
+const CHANCE: f64 = 4.0;
+
+/// Remarks on the series; those on one beat go to it.
+pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let missed = beats.iter().filter(|beat| beat.state == State::Missed).count();
+    if missed > 0 {
+        remarks.push(format!("{missed} of {} stimuli were followed by no beat", beats.len()));
+    }
+    if !paced {
+        remarks.extend(intervals(beats));
+    }
+    remarks.extend(alternans(beats));
+    remarks
+}
+
+fn intervals(beats: &mut [CurveBeat]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let intervals: Vec<Option<f64>> =
+        beats.iter().map(|beat| value(&beat.metrics, "interval")).collect();
+    let mut sorted: Vec<f64> = intervals.iter().flatten().copied().collect();
+    if sorted.len() < 2 {
+        return remarks;
+    }
+    sorted.sort_by(f64::total_cmp);
+    // The usual interval is one that was seen: the lower of two in the middle, since beats go missing in long ones.
+    let usual = sorted[(sorted.len() - 1) / 2];
+    let (mut missing, mut early, mut late) = (0, 0, 0);
+    for (beat, interval) in beats.iter_mut().zip(&intervals) {
+        let Some(interval) = *interval else { continue };
+        let cycles = (interval / usual).round();
+        let off = (interval / usual / cycles.max(1.0) - 1.0).abs();
+        if cycles >= 2.0 && off < 0.1 {
+            missing += cycles as usize - 1;
+            beat.remarks.push(format!(
+                "{} beat{} missing before it: {interval:.0} ms are {cycles} intervals",
+                cycles as usize - 1,
+                if cycles > 2.0 { "s are" } else { " is" }
+            ));
+        } else if interval < EARLY * usual {
+            early += 1;
+            beat.remarks
+                .push(format!("early: {interval:.0} ms after the last, usually {usual:.0}"));
+        } else if interval > LATE * usual {
+            late += 1;
+            beat.remarks.push(format!("late: {interval:.0} ms after the last, usually {usual:.0}"));
+        }
+    }
+    let beats_word = |count: usize| if count == 1 { "beat" } else { "beats" };
+    if missing > 0 {
+        remarks.push(format!("{missing} {} missing, by the intervals", beats_word(missing)));
+    }
+    let count = sorted.len() as f64;
+    let mean = sorted.iter().sum::<f64>() / count;
+    let spread = (sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
+    if early + late > 0 || (missing == 0 && spread > IRREGULAR * mean) {
+        let mut text = format!(
+            "irregular: intervals of {mean:.0} +- {spread:.0} ms, {:.0} to {:.0}",
+            sorted[0],
+            sorted[sorted.len() - 1]
+        );
+        if early > 0 {
+            text += &format!("; {early} early {}", beats_word(early));
+        }
+        if late > 0 {
+            text += &format!("; {late} late {}", beats_word(late));
+        }
+        remarks.push(text);
+    }
+    remarks
+}
+
+/// The metric that tells how high a beat is.
+fn height(beat: &CurveBeat) -> Option<f64> {
+    if !matches!(beat.state, State::Whole | State::CutAtEnd) {
+        return None;
+    }
+    let names = [
+        "peak_shortening",
+        "peak_amplitude",
+        "developed_tension",
+        "transient_amplitude",
+        "action_potential_amplitude",
+    ];
+    names.into_iter().find_map(|name| value(&beat.metrics, name))
+}
+
+/// Whether every other beat is higher, by more than chance.
+fn alternans(beats: &mut [CurveBeat]) -> Option<String> {
+    let heights: Vec<(usize, f64)> =
+        beats.iter().enumerate().filter_map(|(at, beat)| Some((at, height(beat)?))).collect();
+    if heights.len() < 4 {
+        return None;
+    }
+    let of = |odd: usize| -> Vec<f64> {
+        heights.iter().filter(|(at, _)| at % 2 == odd).map(|(_, height)| *height).collect()
+    };
+    let (even, odd) = (of(0), of(1));
+    if even.len() < 2 || odd.len() < 2 {
+        return None;
+    }
+    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
+    let squares = |list: &[f64]| list.iter().map(|x| (x - mean(list)).powi(2)).sum::<f64>();
+    let (a, b) = (mean(&even), mean(&odd));
+    let difference = (a - b).abs();
+    let free = (heights.len() - 2) as f64;
+    let pooled = ((squares(&even) + squares(&odd)) / free).sqrt();
+    let error = pooled * (1.0 / even.len() as f64 + 1.0 / odd.len() as f64).sqrt();
+    if difference <= ALTERNANS * a.max(b) || difference <= CHANCE * error {
+        return None;
+    }
+    let higher = usize::from(b > a);
+    for (at, _) in &heights {
+        let word = if at % 2 == higher { "high" } else { "low" };
+        beats[*at].remarks.push(format!("alternans: a {word} beat"));
+    }
+    Some(format!(
+        "alternans: every other beat is lower, by {:.1} % of the higher ones",
+        100.0 * difference / a.max(b)
+    ))
+}

@@ -1,0 +1,61 @@
+//! Local quadratics: smoothing that keeps peaks and slopes.
+
+/// The values of the least-squares parabola (Savitzky and Golay 1964) through each sample and `half` samples either side,
+/// over uneven times, too; as they are where `half` is 0.
+pub(super) fn smooth(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
+    if half == 0 || values.len() < 3 {
+        return values.to_vec();
+    }
+    let last = values.len() - 1;
+    (0..values.len())
+        .map(|at| {
+            let (from, to) = (at.saturating_sub(half), (at + half).min(last));
+            parabola(times, values, from, to, times[at]).unwrap_or(values[at])
+        })
+        .collect()
+}
+
+/// The value at a time of the parabola through the samples `from..=to`; `None` where they do not tell it.
+fn parabola(times: &[f64], values: &[f64], from: usize, to: usize, at: f64) -> Option<f64> {
+    let scale = (times[to] - times[from]).max(f64::MIN_POSITIVE);
+    let mut sums = [0.0; 5];
+    let mut right = [0.0; 3];
+    for (time, value) in times[from..=to].iter().zip(&values[from..=to]) {
+        let x = (time - at) / scale;
+        let mut power = 1.0;
+        for (order, sum) in sums.iter_mut().enumerate() {
+            *sum += power;
+            if order < 3 {
+                right[order] += power * (value - values[from]);
+            }
+            power *= x;
+        }
+    }
+    // Cramer's rule for the constant term.
+    let [s0, s1, s2, s3, s4] = sums;
+    let determinant =
+        s0 * (s2 * s4 - s3 * s3) - s1 * (s1 * s4 - s2 * s3) + s2 * (s1 * s3 - s2 * s2);
+    let constant = right[0] * (s2 * s4 - s3 * s3) - s1 * (right[1] * s4 - s3 * right[2])
+        + s2 * (right[1] * s3 - s2 * right[2]);
+    Some(values[from] + constant / determinant).filter(|value| value.is_finite())
+}
+
+/// By what factor the standard deviation of white noise falls: 3/2 over the root of the window, of a parabola at its
+/// middle.
+pub(super) fn gain(half: usize) -> f64 {
+    if half == 0 { 1.0 } else { (1.5 / ((2 * half + 1) as f64).sqrt()).min(1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_over_uneven_times_stays_as_it_is() {
+        let times: Vec<f64> = (0..40).map(|i| f64::from(i) + 0.3 * f64::from(i % 3)).collect();
+        let values: Vec<f64> = times.iter().map(|t| 3.0 - 0.2 * t + 0.05 * t * t).collect();
+        for (smooth, value) in smooth(&times, &values, 4).iter().zip(&values) {
+            assert!((smooth - value).abs() < 1e-9, "{smooth} {value}");
+        }
+    }
+}

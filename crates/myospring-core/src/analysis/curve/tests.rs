@@ -1,0 +1,298 @@
+//! Curves of closed form: what is known of them is measured.
+
+use super::*;
+use crate::analysis::kind::Kind;
+use crate::analysis::tests::Noise;
+use std::f64::consts::PI;
+
+/// Times at a frame rate.
+fn frames(rate: f64, seconds: f64) -> Vec<f64> {
+    (0..(rate * seconds) as usize).map(|i| i as f64 * 1e3 / rate).collect()
+}
+
+/// Triangle of height 1: up in 100 ms, down in 200.
+fn triangle(t: f64) -> f64 {
+    (t / 100.0).min((300.0 - t) / 200.0).max(0.0)
+}
+
+/// Half a sine of 300 ms.
+fn half_sine(t: f64) -> f64 {
+    if (0.0..300.0).contains(&t) { (PI * t / 300.0).sin() } else { 0.0 }
+}
+
+/// Up in a line of 50 ms, down with 80.
+fn exponential(t: f64) -> f64 {
+    match t {
+        t if t < 0.0 => 0.0,
+        t if t < 50.0 => t / 50.0,
+        t => (-(t - 50.0) / 80.0).exp(),
+    }
+}
+
+/// A beat each second from 250 ms on.
+fn each_second(times: &[f64], pulse: fn(f64) -> f64) -> Vec<f64> {
+    times.iter().map(|t| pulse((t - 250.0).rem_euclid(1000.0))).collect()
+}
+
+fn check(name: &str, analysis: &Analysis, metric: &str, expected: f64) {
+    for beat in &analysis.beats {
+        let value = crate::analysis::value(&beat.metrics, metric)
+            .unwrap_or_else(|| panic!("{name}: beat {} has no {metric}", beat.number));
+        let error = (value - expected).abs() / expected.abs();
+        assert!(error <= 1e-3, "{name}, {metric}: {value}, not {expected}");
+    }
+}
+
+#[test]
+fn closed_forms_have_their_known_answers_within_a_thousandth_in_every_kind() {
+    let times = frames(1000.0, 5.0);
+    let ln = f64::ln;
+    // Onset: the line through 10 % and 50 %.
+    let sine = |part: f64| 300.0 / PI * part.asin();
+    let tenth = sine(0.1) - 0.25 * (sine(0.5) - sine(0.1));
+    for (name, pulse, peak, rise, half, ninety, duration, onset, area, steepest) in [
+        (
+            "triangle",
+            triangle as fn(f64) -> f64,
+            100.0,
+            80.0,
+            100.0,
+            180.0,
+            150.0,
+            0.0,
+            150.0,
+            10.0,
+        ),
+        (
+            "half sine",
+            half_sine,
+            150.0,
+            sine(0.9) - sine(0.1),
+            150.0 - sine(0.5),
+            150.0 - sine(0.1),
+            300.0 - 2.0 * sine(0.5),
+            tenth,
+            600.0 / PI,
+            PI / 0.3,
+        ),
+        (
+            "exponential",
+            exponential,
+            50.0,
+            40.0,
+            80.0 * ln(2.0),
+            80.0 * ln(10.0),
+            25.0 + 80.0 * ln(2.0),
+            0.0,
+            105.0,
+            20.0,
+        ),
+    ] {
+        let shape = each_second(&times, pulse);
+        let of = |kind, unit, level: f64, height: f64| {
+            let values: Vec<f64> = shape.iter().map(|part| level + height * part).collect();
+            analyse(&times, &values, kind, unit, &Options::default())
+                .unwrap_or_else(|error| panic!("{name}: {error}"))
+        };
+        let length = of(Kind::Length, "um", 120.0, -12.0);
+        assert_eq!(length.beats.len(), 5, "{name}");
+        assert_eq!(length.treatment.smoothing, "none");
+        for (metric, expected) in [
+            ("resting_length", 120.0),
+            ("minimum_length", 108.0),
+            ("peak_shortening", 10.0),
+            ("time_to_peak_from_onset", peak - onset),
+            ("rise_time_10_90", rise),
+            ("relaxation_time_50", half),
+            ("relaxation_time_90", ninety),
+            ("contraction_duration_50", duration),
+            ("maximum_shortening_rate", 0.1 * steepest),
+            ("maximum_shortening_velocity", 12.0 * steepest),
+            ("area_under_curve", 10.0 * area),
+        ] {
+            check(name, &length, metric, expected);
+        }
+        let motion = of(Kind::Contraction, "a.u.", 50.0, 400.0);
+        check(name, &motion, "peak_amplitude", 400.0);
+        check(name, &motion, "maximum_contraction_rate", 400.0 * steepest);
+        let tension = of(Kind::Tension, "kPa", 2.0, 20.0);
+        check(name, &tension, "developed_tension", 20.0);
+        check(name, &tension, "tension_relaxation_time_50", half);
+        check(name, &tension, "twitch_duration_50", duration);
+        check(name, &tension, "tension_time_integral", 20.0 * area);
+        let calcium = of(Kind::CalciumRatio, "", 0.8, 0.6);
+        check(name, &calcium, "diastolic_level", 0.8);
+        check(name, &calcium, "amplitude_over_rest", 0.75);
+        check(name, &calcium, "decay_time_90", ninety);
+        let potential = of(Kind::Potential, "mV", -85.0, 120.0);
+        check(name, &potential, "resting_potential", -85.0);
+        check(name, &potential, "action_potential_amplitude", 120.0);
+        let steep = potential.mean("time_of_upstroke").unwrap();
+        assert!(steep.is_finite());
+        let spread = length.spread();
+        let interval = spread.iter().find(|spread| spread.name == "interval").unwrap();
+        assert!((interval.mean - 1000.0).abs() < 0.1 && interval.standard_deviation < 0.1);
+    }
+    let values: Vec<f64> =
+        each_second(&times, exponential).iter().map(|h| 120.0 - 12.0 * h).collect();
+    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    check("exponential", &analysis, "relaxation_time_constant", 80.0);
+}
+
+#[test]
+fn a_line_of_drift_is_taken_off_and_a_bleaching_one_nearly() {
+    let times = frames(1000.0, 8.0);
+    let shape = each_second(&times, triangle);
+    let line: Vec<f64> =
+        times.iter().zip(&shape).map(|(t, h)| 100.0 + 0.002 * t + 10.0 * h).collect();
+    let analysis = analyse(&times, &line, Kind::Contraction, "a.u.", &Options::default()).unwrap();
+    for (metric, expected) in
+        [("peak_amplitude", 10.0), ("relaxation_time_90", 180.0), ("area_under_curve", 1500.0)]
+    {
+        check("line", &analysis, metric, expected);
+    }
+    let kept = Options { keep_drift: true, ..Options::default() };
+    let analysis = analyse(&times, &line, Kind::Contraction, "a.u.", &kept).unwrap();
+    assert!(analysis.mean("area_under_curve").unwrap() > 2000.0);
+    // Half of the light is gone in 5 s.
+    let bleached: Vec<f64> =
+        times.iter().zip(&shape).map(|(t, h)| (-t / 7200.0).exp() * (1.0 + 0.5 * h)).collect();
+    let analysis =
+        analyse(&times, &bleached, Kind::Fluorescence, "a.u.", &Options::default()).unwrap();
+    for beat in &analysis.beats {
+        let over = crate::analysis::value(&beat.metrics, "amplitude_over_rest").unwrap();
+        assert!((over - 0.5).abs() < 0.01, "{over}");
+    }
+}
+
+#[test]
+fn stimuli_give_the_beats_and_name_those_that_are_missed() {
+    let times = frames(500.0, 6.0);
+    let shape = each_second(&times, triangle);
+    let values: Vec<f64> = times
+        .iter()
+        .zip(&shape)
+        .map(|(t, h)| if (3000.0..4000.0).contains(t) { 100.0 } else { 100.0 - 8.0 * h })
+        .collect();
+    let stimuli_ms = (0..6).map(|i| 200.0 + 1000.0 * f64::from(i)).collect();
+    let options = Options { stimuli_ms, ..Options::default() };
+    let analysis = analyse(&times, &values, Kind::Length, "um", &options).unwrap();
+    let states: Vec<State> = analysis.beats.iter().map(|beat| beat.state).collect();
+    use State::{Missed, Whole};
+    assert_eq!(states, [Whole, Whole, Whole, Missed, Whole, Whole]);
+    assert!(analysis.remarks[0].contains("1 of 6 stimuli"), "{:?}", analysis.remarks);
+    let counted: Vec<f64> = analysis
+        .counted()
+        .iter()
+        .map(|beat| crate::analysis::value(beat, "time_to_peak_from_stimulus").unwrap())
+        .collect();
+    assert!(counted.iter().all(|time| (time - 150.0).abs() < 0.3), "{counted:?}");
+    // Without stimuli the gap is seen by its length.
+    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    assert_eq!(analysis.beats.len(), 5);
+    assert!(analysis.remarks[0].contains("1 beat missing"), "{:?}", analysis.remarks);
+    let late = Options { stimuli_ms: vec![9000.0], ..Options::default() };
+    let error = analyse(&times, &values, Kind::Length, "um", &late).unwrap_err().to_string();
+    assert!(
+        error.contains("none of 1 stimuli falls into the recording, from 0 to 5998 ms"),
+        "{error}"
+    );
+}
+
+#[test]
+fn alternans_early_beats_and_irregular_ones_are_named() {
+    let times = frames(250.0, 10.0);
+    let noisy = |height: &dyn Fn(f64) -> f64| {
+        let mut random = Noise::new(3);
+        let values = times.iter().map(|t| height(*t) + 0.02 * random.normal());
+        let values: Vec<f64> = values.collect();
+        analyse(&times, &values, Kind::Contraction, "a.u.", &Options::default()).unwrap()
+    };
+    let place = |t: f64| ((t - 250.0) / 1000.0).floor();
+    let alternans = noisy(&|t| {
+        let high = place(t).rem_euclid(2.0) == 0.0;
+        half_sine((t - 250.0).rem_euclid(1000.0)) * if high { 1.0 } else { 0.7 }
+    });
+    let said = alternans.remarks.join("; ");
+    assert!(
+        said.contains("alternans") && (said.contains(" 30.") || said.contains(" 29.")),
+        "{said}"
+    );
+    let regular = noisy(&|t| half_sine((t - 250.0).rem_euclid(1000.0)));
+    assert_eq!(regular.remarks, Vec::<String>::new());
+    let early = noisy(&|t| {
+        let t = if t > 5000.0 { t + 400.0 } else { t };
+        half_sine((t - 250.0).rem_euclid(1000.0))
+    });
+    assert!(early.remarks.iter().any(|r| r.contains("1 early beat")), "{:?}", early.remarks);
+}
+
+#[test]
+fn recordings_that_begin_or_end_within_a_beat_say_so_and_keep_the_rest() {
+    let times = frames(500.0, 3.5);
+    let shape = |t: f64| half_sine((t + 150.0).rem_euclid(1000.0));
+    let values: Vec<f64> = times.iter().map(|t| 100.0 - 10.0 * shape(*t)).collect();
+    // Begins at a peak, ends 50 ms before one is over.
+    let last = times.partition_point(|time| *time < 3100.0);
+    let analysis =
+        analyse(&times[..last], &values[..last], Kind::Length, "um", &Options::default()).unwrap();
+    let states: Vec<State> = analysis.beats.iter().map(|beat| beat.state).collect();
+    assert_eq!(states, [State::Whole, State::Whole, State::CutAtEnd]);
+    assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.01);
+    // Begins 50 ms before its peak.
+    let first = times.partition_point(|time| *time < 900.0);
+    let (times, values) = (&times[first..last], &values[first..last]);
+    let analysis = analyse(times, values, Kind::Length, "um", &Options::default()).unwrap();
+    assert_eq!(analysis.beats[0].state, State::CutAtStart);
+    assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.01);
+}
+
+#[test]
+fn bad_frames_hum_and_curves_upside_down_are_seen() {
+    let times = frames(500.0, 5.0);
+    let mut random = Noise::new(5);
+    let mut values: Vec<f64> = each_second(&times, half_sine)
+        .iter()
+        .zip(&times)
+        .map(|(h, t)| 100.0 - 10.0 * h + 0.1 * random.normal() + 0.5 * (2.0 * PI * 0.05 * t).sin())
+        .collect();
+    values[700] = 140.0;
+    values[1500] = 60.0;
+    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    assert_eq!(analysis.treatment.bad_frames, [701, 1501]);
+    assert!((analysis.treatment.hum.unwrap()[1] - 0.5).abs() < 0.05);
+    assert_eq!(analysis.beats.len(), 5);
+    assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.1);
+    let unknown = analyse(&times, &values, Kind::Unknown, "a.u.", &Options::default()).unwrap();
+    assert!(!unknown.treatment.rises);
+    let wrong = analyse(&times, &values, Kind::Contraction, "a.u.", &Options::default());
+    let said = match wrong {
+        Ok(analysis) => analysis.remarks.join("; "),
+        Err(error) => error.to_string(),
+    };
+    assert!(said.contains("is its kind right?"), "{said}");
+}
+
+#[test]
+fn curves_without_a_beat_say_why() {
+    let times = frames(50.0, 10.0);
+    let of = |values: &[f64]| {
+        analyse(&times[..values.len()], values, Kind::Length, "um", &Options::default())
+            .map(|analysis| panic!("{} beats", analysis.beats.len()))
+            .unwrap_or_else(|error| error.to_string())
+    };
+    assert!(of(&[100.0, 99.0]).contains("2 frames; a beat needs at least 8"));
+    assert!(of(&[100.0; 50]).contains("all 50 values are 100"));
+    let mut random = Noise::new(11);
+    let noise: Vec<f64> = times.iter().map(|_| 100.0 + random.normal()).collect();
+    assert!(of(&noise).contains("there is no beat: nothing rises above the noise"));
+    let mut nan = noise.clone();
+    nan[7] = f64::NAN;
+    assert!(of(&nan).contains("frame 8: time 140 ms, value NaN"));
+    // 250 frames a second said to be 30000.
+    let fast: Vec<f64> = frames(250.0, 10.0).iter().map(|t| t / 120.0).collect();
+    let beats: Vec<f64> =
+        frames(250.0, 10.0).iter().map(|t| half_sine((t - 250.0).rem_euclid(1000.0))).collect();
+    let analysis = analyse(&fast, &beats, Kind::Contraction, "a.u.", &Options::default()).unwrap();
+    assert!(analysis.remarks.iter().any(|remark| remark.contains("is the frame rate")));
+}

@@ -1,0 +1,91 @@
+//! Metrics of a twitch: active tension or force, per beat.
+
+use super::Metric;
+use super::pulse::Pulse;
+use super::rows::{Context, ONSET, between, per_second, row, times_ms};
+
+/// Metrics of a force or tension whose height above rest is a pulse.
+pub fn of_pulse(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context) -> Vec<Metric> {
+    let peak = pulse.peak();
+    let time = peak.map(|peak| peak.time);
+    let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
+    let mut rows = vec![
+        row("resting_tension", Some(rest), unit, context.rest),
+        row("peak_tension", peak.map(|peak| rest + peak.value), unit, "largest tension"),
+        row(
+            "developed_tension",
+            peak.map(|peak| peak.value),
+            unit,
+            "largest tension above that at rest",
+        ),
+        row("time_of_peak_tension", time, "ms", "time of it on the clock of the run or recording"),
+    ];
+    if let Some(stimulus) = context.stimulus {
+        rows.push(row(
+            "time_to_peak_tension",
+            between(time, Some(stimulus)),
+            "ms",
+            "from the stimulus to the largest tension",
+        ));
+    }
+    if let Some(onset) = context.onset {
+        rows.push(row("time_of_onset", Some(onset), "ms", ONSET));
+        rows.push(row(
+            "time_to_peak_tension_from_onset",
+            between(time, Some(onset)),
+            "ms",
+            "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
+        ));
+    }
+    rows.extend([
+        row(
+            "tension_rise_time_10_90",
+            between(pulse.rises(0.9), pulse.rises(0.1)),
+            "ms",
+            "from 10 % to 90 % of the developed tension",
+        ),
+        row(
+            "tension_relaxation_time_50",
+            between(pulse.falls(0.5), time),
+            "ms",
+            "from the peak until the developed tension has fallen by 50 %",
+        ),
+        row(
+            "tension_relaxation_time_90",
+            between(pulse.falls(0.1), time),
+            "ms",
+            "from the peak until the developed tension has fallen by 90 %",
+        ),
+        row(
+            "twitch_duration_50",
+            pulse.duration(0.5),
+            "ms",
+            "time above 50 % of the developed tension",
+        ),
+        row(
+            "maximum_tension_rate",
+            fastest(1.0),
+            per_second(unit),
+            "largest slope of the rise, (dF/dt)max",
+        ),
+        row(
+            "maximum_tension_fall_rate",
+            fastest(-1.0),
+            per_second(unit),
+            "largest slope of the fall, as a positive number, -(dF/dt)min",
+        ),
+        row(
+            "tension_time_constant",
+            pulse.time_constant(),
+            "ms",
+            "slope of the logarithm of the developed tension between 50 % and 10 % of its peak",
+        ),
+        row(
+            "tension_time_integral",
+            pulse.area(),
+            times_ms(unit),
+            "integral of the developed tension over the beat",
+        ),
+    ]);
+    rows
+}

@@ -1,0 +1,259 @@
+//! A measured curve with its beats, and one beat with the places where its metrics were read.
+
+use super::FigureError;
+use super::chart::{Axis, Chart, Curve};
+use super::font::text_width;
+use super::sheet::{Anchor, Figure, Path, Sheet, Stroke, Style};
+use super::theme::{
+    CALCIUM, Colour, DOUBLE, HAIR, INK, LABEL, LETTER, MUTED, POTENTIAL, REST, SHORTENING, TENSION,
+    TICK,
+};
+use myospring_core::analysis::curve::{Analysis, CurveBeat, State};
+use myospring_core::analysis::kind::{Family, Kind};
+use myospring_core::analysis::trace::Point;
+
+/// Recordings longer than this have their times in s, ms.
+const LONG: f64 = 3000.0;
+/// Height of the recording and of the one beat, px.
+const HEIGHTS: [f64; 2] = [120.0, 190.0];
+/// Left of the plots, px.
+const LEFT: f64 = 58.0;
+/// Raw samples behind what was smoothed.
+const RAW: Colour = Colour(0xc4c4c4);
+/// Beats that are numbered, at most.
+const NUMBERED: usize = 20;
+
+/// A curve and what was read of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured<'a> {
+    /// What it is called.
+    pub title: &'a str,
+    /// What its values are.
+    pub kind: Kind,
+    /// Their unit.
+    pub unit: &'a str,
+    /// Times, ms.
+    pub times_ms: &'a [f64],
+    /// The samples as they were measured.
+    pub values: &'a [f64],
+    /// What was read.
+    pub analysis: &'a Analysis,
+    /// Lines of numbers beside the one beat: what, and how much.
+    pub numbers: &'a [[String; 2]],
+}
+
+/// The recording above; below one beat, larger, with the places where its metrics were read, and numbers.
+///
+/// # Errors
+/// A curve without samples.
+pub fn measured(curve: &Measured) -> Result<Figure, FigureError> {
+    if curve.times_ms.is_empty() || curve.times_ms.len() != curve.values.len() {
+        return Err(FigureError::NoSamples { what: format!("the curve `{}`", curve.title) });
+    }
+    let mut sheet = Sheet::default();
+    sheet.text([8.0, 16.0], curve.title, Style::new(LETTER).bold());
+    let top = 34.0;
+    recording(&mut sheet, curve, [LEFT, top], [DOUBLE - LEFT - 12.0, HEIGHTS[0]]);
+    let below = top + HEIGHTS[0] + 62.0;
+    let width = 0.56 * (DOUBLE - LEFT);
+    if let Some(beat) = shown(curve.analysis) {
+        one_beat(&mut sheet, curve, beat, [LEFT, below], [width, HEIGHTS[1]]);
+    }
+    numbers(&mut sheet, curve, [LEFT + width + 26.0, below - 12.0]);
+    Ok(sheet.finish(DOUBLE, below + HEIGHTS[1] + 44.0))
+}
+
+/// The beat that stands for the others: the first whole one.
+fn shown(analysis: &Analysis) -> Option<&CurveBeat> {
+    let with_marks = || analysis.beats.iter().filter(|beat| !beat.marks.is_empty());
+    with_marks().find(|beat| beat.state == State::Whole).or_else(|| with_marks().next())
+}
+
+fn colour(kind: Kind) -> Colour {
+    match kind.family() {
+        Family::Contraction => SHORTENING,
+        Family::Tension => TENSION,
+        Family::Calcium => CALCIUM,
+        Family::ActionPotential => POTENTIAL,
+    }
+}
+
+/// What the vertical axis says.
+fn label(curve: &Measured) -> String {
+    let name = match curve.kind {
+        Kind::Unknown => "value",
+        Kind::Length => "length",
+        kind => kind.name(),
+    };
+    let mut letters = name.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    match curve.unit {
+        "" => format!("{first}{}", letters.as_str()),
+        unit => format!(
+            "{first}{} ({})",
+            letters.as_str(),
+            unit.replace("um", "\u{b5}m").replace("uM", "\u{b5}M")
+        ),
+    }
+}
+
+/// Least and greatest of what is finite.
+fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values
+        .filter(|value| value.is_finite())
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        })
+}
+
+fn chart(
+    curve: &Measured,
+    [from, to]: [f64; 2],
+    scale: f64,
+    place: [f64; 2],
+    size: [f64; 2],
+) -> Chart {
+    let samples = || curve.times_ms.iter().zip(curve.values).zip(&curve.analysis.read);
+    let within = || samples().filter(|((time, _), _)| (from..=to).contains(*time));
+    let mut x = Axis::time([from * scale, to * scale]);
+    if scale < 1.0 {
+        x.label = "Time (s)".to_owned();
+    }
+    // Single bad frames may leave the picture: what was read decides.
+    let [low, high] = ends(within().map(|(_, read)| *read));
+    let y = Axis::upright(&label(curve), [low, high], size[1]);
+    let raw = within().map(|((time, value), _)| {
+        let inside = (y.range[0]..=y.range[1]).contains(value);
+        [time * scale, if inside { *value } else { f64::NAN }]
+    });
+    let read = within().map(|((time, _), read)| [time * scale, *read]);
+    let plain = |points, colour| Curve { points, colour, dash: None };
+    let mut curves = Vec::new();
+    if curve.values != curve.analysis.read {
+        curves.push(plain(raw.collect(), RAW));
+    }
+    curves.push(plain(read.collect(), colour(curve.kind)));
+    let stimuli = curve.analysis.beats.iter().filter_map(|beat| beat.stimulus_ms);
+    let marks = stimuli.map(|time| time * scale).collect();
+    Chart { place, size, x, y, curves, bands: Vec::new(), marks }
+}
+
+fn recording(sheet: &mut Sheet, curve: &Measured, place: [f64; 2], size: [f64; 2]) {
+    let (first, last) = (curve.times_ms[0], curve.times_ms[curve.times_ms.len() - 1]);
+    let scale = if last - first > LONG { 1e-3 } else { 1.0 };
+    let chart = chart(curve, [first, last], scale, place, size);
+    chart.draw(sheet, chart.label_offset());
+    let at = |point: Point| chart.at([point.time * scale, point.value]);
+    let rises = curve.analysis.treatment.rises;
+    let few = curve.analysis.beats.len() <= NUMBERED;
+    for beat in &curve.analysis.beats {
+        if let Some(ends) = beat.baseline {
+            sheet.path(Path::line(ends.map(at)), Stroke::new(MUTED, HAIR).dash(3.0, 2.0));
+        }
+        let counts = beat.state != State::CutAtStart;
+        let dot = if counts { INK } else { REST };
+        for mark in beat.marks.iter().filter(|mark| mark.name == "peak" || mark.name == "onset") {
+            let [x, y] = at(mark.point);
+            sheet.dot([x, y], dot);
+            if mark.name == "peak" && few {
+                let y = if rises { y - 6.0 } else { y + 14.0 };
+                let style = Style::new(TICK).anchor(Anchor::Middle).colour(MUTED);
+                sheet.text([x, y], &beat.number.to_string(), style);
+            }
+        }
+        if let (State::Missed, Some(time)) = (beat.state, beat.stimulus_ms) {
+            let [x, _] = chart.at([time * scale, 0.0]);
+            let style = Style::new(TICK).colour(TENSION);
+            sheet.text([x + 3.0, place[1] + 9.0], "missed", style);
+        }
+    }
+    let mut notes = Vec::new();
+    if curve.values != curve.analysis.read {
+        notes.push("grey: as measured");
+    }
+    notes.push("dots: onset and peak");
+    notes.push("dashed: baseline");
+    let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
+    sheet.text([place[0] + size[0], place[1] - 8.0], &notes.join("; "), style);
+}
+
+fn one_beat(
+    sheet: &mut Sheet,
+    curve: &Measured,
+    beat: &CurveBeat,
+    place: [f64; 2],
+    size: [f64; 2],
+) {
+    let Some([start, end]) = beat.baseline else { return };
+    let find = |name| beat.marks.iter().find(|mark| mark.name == name).map(|mark| mark.point);
+    let onset = beat.onset_ms.unwrap_or(start.time);
+    // As long again as it takes to fall, as far as it goes.
+    let fallen = find("90 % down").map_or(end.time, |point| point.time);
+    let to = (fallen + 0.35 * (fallen - onset)).min(end.time);
+    let from = start.time.max(onset - 0.25 * (to - onset));
+    let chart = chart(curve, [from, to], 1.0, place, size);
+    chart.draw(sheet, chart.label_offset());
+    let at = |point: Point| chart.at([point.time, point.value]);
+    let base = |time: f64| {
+        start.value + (end.value - start.value) * (time - start.time) / (end.time - start.time)
+    };
+    let line = [from, to].map(|time| at(Point { time, value: base(time) }));
+    sheet.path(Path::line(line), Stroke::new(MUTED, HAIR).dash(3.0, 2.0));
+    let down = !curve.analysis.treatment.rises;
+    for mark in &beat.marks {
+        let [x, y] = at(mark.point);
+        if !(place[0]..=place[0] + size[0]).contains(&x) {
+            continue;
+        }
+        let side = |anchor, x| (anchor, x, y + 3.5);
+        let above = if down { y + 15.0 } else { y - 8.0 };
+        let (text, (anchor, x_text, y_text)) = match mark.name {
+            "10 % up" => ("10 %", side(Anchor::End, x - 7.0)),
+            "50 % up" => ("50 %", side(Anchor::End, x - 7.0)),
+            "90 % up" => ("90 %", side(Anchor::End, x - 7.0)),
+            "50 % down" => ("50 % back", side(Anchor::Start, x + 7.0)),
+            "90 % down" => {
+                ("90 % back", (Anchor::Start, x + 5.0, if down { y + 15.0 } else { y - 7.0 }))
+            }
+            "peak" => ("peak", (Anchor::Middle, x, above)),
+            "onset" => ("onset", (Anchor::Middle, x, if down { y - 8.0 } else { y + 15.0 })),
+            _ => {
+                tangent(sheet, curve, &chart, mark.point);
+                continue;
+            }
+        };
+        sheet.dot([x, y], INK);
+        sheet.text([x_text, y_text], text, Style::new(TICK).anchor(anchor).colour(MUTED));
+    }
+    let title = format!("Beat {}: where its metrics were read; short lines: steepest", beat.number);
+    sheet.text([place[0], place[1] - 12.0], &title, Style::new(LABEL));
+}
+
+/// A short line along the curve at its steepest.
+fn tangent(sheet: &mut Sheet, curve: &Measured, chart: &Chart, point: Point) {
+    let right = curve.times_ms.partition_point(|time| *time < point.time);
+    let right = right.clamp(1, curve.times_ms.len() - 1);
+    let ends = [right - 1, right].map(|i| chart.at([curve.times_ms[i], curve.analysis.read[i]]));
+    let way = [0, 1].map(|axis| ends[1][axis] - ends[0][axis]);
+    let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
+    let [x, y] = chart.at([point.time, point.value]);
+    let half = way.map(|part| 16.0 * part / length);
+    let line = [[x - half[0], y - half[1]], [x + half[0], y + half[1]]];
+    sheet.path(Path::line(line), Stroke::new(INK, 1.2).round_ends());
+}
+
+fn numbers(sheet: &mut Sheet, curve: &Measured, [left, top]: [f64; 2]) {
+    let right = DOUBLE - 12.0;
+    let mut y = top;
+    sheet.text([left, y], "Mean \u{b1} SD over beats", Style::new(LABEL).bold());
+    for [name, value] in curve.numbers {
+        y += 16.0;
+        sheet.text([left, y], name, Style::new(TICK));
+        let style = Style::new(TICK).anchor(Anchor::End);
+        let room = right - left - text_width(name, TICK) - 6.0;
+        if text_width(value, TICK) > room {
+            y += 12.0;
+        }
+        sheet.text([right, y], value, style);
+    }
+}
