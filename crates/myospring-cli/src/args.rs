@@ -21,6 +21,8 @@ const STYLES: Styles = Styles::styled()
 const CELL: &str = "Cell model and stimulus";
 const NUMERICS: &str = "Numerics";
 const FILM: &str = "Film";
+const BEATS: &str = "Beats";
+const TABLE: &str = "Table";
 pub(crate) const OUTPUT: &str = "Output";
 
 /// From a microscope picture of a heart cell to its beat.
@@ -34,6 +36,7 @@ pub(crate) const OUTPUT: &str = "Output";
         myospring segment cell.tif                        only find its outline\n  \
         myospring track film.avi --pixel-size \"0.2 um\"   follow the cell of a film\n  \
         myospring batch pictures                          beat the cells of a whole folder\n  \
+        myospring analyse cell.csv                        measure the beats of a curve\n  \
         myospring compare results/a results/b             lay two results side by side\n  \
         myospring init beat.toml && myospring run beat.toml\n  \
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
@@ -62,6 +65,8 @@ pub(crate) enum Command {
     Track(TrackArgs),
     /// Beat the cells of a whole folder of pictures: one row a cell
     Batch(Box<BatchArgs>),
+    /// Beats of measured curves: every metric, beat by beat, and where it was read
+    Analyse(Box<AnalyseArgs>),
     /// Lay runs side by side: curves, cells and a table of differences; factors and doses
     Compare(Box<CompareArgs>),
     /// Many runs that differ in numbers: sensitivity analyses and populations
@@ -197,6 +202,92 @@ pub(crate) struct CompareArgs {
     pub(crate) settings: Settings<Beat>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+}
+
+/// `myospring analyse`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring analyse cell.csv                                      columns by their names and units\n  \
+    myospring analyse contraction.txt                               MUSCLEMOTION: time (ms), amplitude\n  \
+    myospring analyse lengths.txt --frame-rate 250 --kind length --unit um\n  \
+    myospring analyse export.txt --time 1 --columns 3 --kind sarcomere-length --unit um\n  \
+    myospring analyse edge.csv --unit px --pixel-size \"0.27 um\" --frame-rate 100\n  \
+    myospring analyse fura.csv --kind calcium-ratio --stimulus-period \"1 s\" --stimulus-start \"200 ms\"\n  \
+    myospring analyse sarcomere_length.csv --frame-rate 30 --mean   a row for each sarcomere, as SarcGraph's\n\n\
+    A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`,\n\
+    `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma,\n\
+    header, encoding and lines above the table are found.\n\
+    Results: metrics.csv (a row for each beat), summary.csv (mean, standard deviation, unit and definition of each\n\
+    metric), summary.json (all of it, with what was done to each curve), figures/trace_NAME (SVG and PNG).\n\
+    Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
+pub(crate) struct AnalyseArgs {
+    /// Tables of measured curves (.csv, .txt, .tsv)
+    #[arg(value_name = "TRACE", required = true)]
+    pub(crate) inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) table: TableArgs,
+    /// When stimuli fell, on the clock of the table ("100 ms, 1.1 s"); a number alone is ms
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', allow_hyphen_values = true,
+          conflicts_with = "stimulus_period", help_heading = BEATS)]
+    pub(crate) stimulus_times: Vec<String>,
+    /// Stimuli at regular intervals ("1 s") from --stimulus-start on
+    #[arg(long, value_name = "TIME", help_heading = BEATS)]
+    pub(crate) stimulus_period: Option<String>,
+    /// The first of them, on the clock of the table ("200 ms") [default: the first frame]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "stimulus_period", help_heading = BEATS)]
+    pub(crate) stimulus_start: Option<String>,
+    /// Half of the window of local parabolas ("5 ms"), 0 for none [default: by the noise]
+    #[arg(long, value_name = "TIME", help_heading = BEATS)]
+    pub(crate) smooth: Option<String>,
+    /// Leave the drift of the baseline in
+    #[arg(long, help_heading = BEATS)]
+    pub(crate) keep_drift: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// How tables of measured curves are read.
+#[derive(Debug, Args)]
+#[command(next_help_heading = TABLE)]
+pub(crate) struct TableArgs {
+    /// Columns that are curves, by name or number from 1; of a table whose rows are curves its rows [default: all
+    /// that are known by their names]
+    #[arg(long, value_name = "NAME|N,...", value_delimiter = ',')]
+    pub(crate) columns: Vec<String>,
+    /// Column of times, by name or number
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) time: Option<String>,
+    /// What the curves are: length, sarcomere-length, normalised-length, shortening, contraction, force, tension,
+    /// calcium, calcium-ratio, fluorescence, potential or unknown [default: by the columns' names]
+    #[arg(long, value_name = "KIND")]
+    pub(crate) kind: Option<String>,
+    /// Unit of their values: um, px, %, nN, kPa, uM, mV, ... [default: by the columns' names]
+    #[arg(long, value_name = "UNIT")]
+    pub(crate) unit: Option<String>,
+    /// Unit of the times: ms or s [default: by the column's name]
+    #[arg(long, value_name = "UNIT")]
+    pub(crate) time_unit: Option<String>,
+    /// Frames a second, where there are no times
+    #[arg(long, value_name = "PER_SECOND")]
+    pub(crate) frame_rate: Option<String>,
+    /// Size of a pixel ("0.27 um"): lengths in pixels become um
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) pixel_size: Option<String>,
+    /// What parts fields: comma, semicolon, tab or space [default: found]
+    #[arg(long, value_name = "WORD", value_parser = ["comma", "semicolon", "tab", "space"])]
+    pub(crate) delimiter: Option<String>,
+    /// What stands before the decimals: point or comma [default: found]
+    #[arg(long, value_name = "WORD", value_parser = ["point", "comma"])]
+    pub(crate) decimal: Option<String>,
+    /// Whether columns or rows are curves [default: found]
+    #[arg(long, value_name = "WORD", value_parser = ["columns", "rows"])]
+    pub(crate) layout: Option<String>,
+    /// Leave out frames in which a curve has no number
+    #[arg(long)]
+    pub(crate) skip_gaps: bool,
+    /// One curve for each file, the mean of all
+    #[arg(long)]
+    pub(crate) mean: bool,
 }
 
 /// `myospring mesh`.

@@ -3,6 +3,7 @@
 //! It is a library of its own so that the Python package brings the same program: [`main`] with the arguments that
 //! Python was given.
 
+mod analyse;
 mod args;
 mod batch;
 mod cite;
@@ -75,6 +76,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         Some(Command::Segment(args)) => segment::segment(args),
         Some(Command::Track(args)) => track::track(args),
         Some(Command::Batch(args)) => batch::batch(args),
+        Some(Command::Analyse(args)) => analyse::analyse(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Study(args)) => study::study(args),
         Some(Command::Mesh(args)) => mesh::mesh(args),

@@ -219,7 +219,7 @@ fn is_ours(name: &str) -> bool {
 
 /// Names of the files that commands write to a folder of results; `*` stands for anything.
 fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 28] = [
+    const FILES: [&str; 30] = [
         "traces.csv",
         fibres::FILE,
         "summary.json",
@@ -239,6 +239,8 @@ fn ours() -> impl Iterator<Item = &'static str> {
         "report.json",
         "comparison.json",
         "metrics.csv",
+        "summary.csv",
+        "figures/trace_*.*",
         "runs/run_*.toml",
         "runs/traces_*.csv",
         "figures/compared.*",

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
+mod analyse;
 mod compare;
 mod outputs;
 mod track;

@@ -9,10 +9,11 @@
 //!    hum of the mains is taken off where it stands out of the spectrum.
 //! 3. *Noise* is the median of fourth differences, which a smooth curve has none of.
 //! 4. *Beats*: maxima whose prominence noise of this size would not reach in as many samples, and at least a fifth of the
-//!    usual beat's. With stimuli a beat is what follows one before the next.
+//!    usual beat's, as is their height times width. With stimuli a beat is what follows one before the next.
 //! 5. *Rest* of a beat is the mean of the last 15 % of the cycle before it (with a stimulus: before that).
 //! 6. *Drift*: the line from this rest to the next, each the median of three neighbours, so that one early beat does not
-//!    tilt it, is taken off the beat.
+//!    tilt it, is taken off the beat; the last beat drifts as the one before and up to the
+//!    end of the recording, as far as these agree.
 //! 7. *Smoothing*: local parabolas over a window that leaves noise of half a per cent of a beat, and never wider than an
 //!    eighth of a beat's width either side; none where there is less noise than that.
 
@@ -203,20 +204,12 @@ fn half_window(
     }
     let rough = smooth::smooth(times, signal, found.half);
     let mut widths: Vec<f64> =
-        found.peaks.iter().filter_map(|peak| width_at_half(times, &rough, peak)).collect();
+        found.peaks.iter().map(|peak| detect::width_at_half(times, &rough, peak)).collect();
     widths.sort_by(f64::total_cmp);
     let width = widths.get(widths.len() / 2).copied().unwrap_or(0.0);
     // 3/2 / sqrt(2 half + 1) level = SMOOTH_TO usual
     let wanted = ((1.5 * level / (SMOOTH_TO * found.usual)).powi(2) - 1.0) / 2.0;
     wanted.min(width / 8.0 / step).round().max(0.0) as usize
-}
-
-/// Time that the curve is within half a prominence of a peak, ms.
-fn width_at_half(times: &[f64], values: &[f64], peak: &detect::Peak) -> Option<f64> {
-    let level = values[peak.at] - 0.5 * peak.prominence;
-    let left = (0..peak.at).rev().find(|&at| values[at] < level)?;
-    let right = (peak.at..values.len()).find(|&at| values[at] < level)?;
-    Some(times[right] - times[left])
 }
 
 fn median_step(times: &[f64]) -> f64 {

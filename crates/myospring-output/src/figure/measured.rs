@@ -20,6 +20,8 @@ const HEIGHTS: [f64; 2] = [120.0, 190.0];
 const LEFT: f64 = 58.0;
 /// Raw samples behind what was smoothed.
 const RAW: Colour = Colour(0xc4c4c4);
+/// For what is written beside peaks, px.
+const ROOM: f64 = 16.0;
 /// Beats that are numbered, at most.
 const NUMBERED: usize = 20;
 
@@ -119,13 +121,17 @@ fn chart(
     if scale < 1.0 {
         x.label = "Time (s)".to_owned();
     }
-    // Single bad frames may leave the picture: what was read decides.
-    let [low, high] = ends(within().map(|(_, read)| *read));
+    // Single bad frames may leave the picture.
+    let treatment = &curve.analysis.treatment;
+    let bad: Vec<f64> =
+        treatment.bad_frames.iter().map(|frame| curve.times_ms[frame - 1]).collect();
+    let good = |time: &f64, value: &f64| if bad.contains(time) { f64::NAN } else { *value };
+    let [low, high] = ends(within().flat_map(|((time, value), read)| [good(time, value), *read]));
+    // Room for what is written beside peaks.
+    let room = ROOM / size[1] * (high - low);
+    let [low, high] = if treatment.rises { [low, high + room] } else { [low - room, high] };
     let y = Axis::upright(&label(curve), [low, high], size[1]);
-    let raw = within().map(|((time, value), _)| {
-        let inside = (y.range[0]..=y.range[1]).contains(value);
-        [time * scale, if inside { *value } else { f64::NAN }]
-    });
+    let raw = within().map(|((time, value), _)| [time * scale, good(time, value)]);
     let read = within().map(|((time, _), read)| [time * scale, *read]);
     let plain = |points, colour| Curve { points, colour, dash: None };
     let mut curves = Vec::new();
@@ -216,7 +222,7 @@ fn one_beat(
                 ("90 % back", (Anchor::Start, x + 5.0, if down { y + 15.0 } else { y - 7.0 }))
             }
             "peak" => ("peak", (Anchor::Middle, x, above)),
-            "onset" => ("onset", (Anchor::Middle, x, if down { y - 8.0 } else { y + 15.0 })),
+            "onset" => ("onset", (Anchor::End, x - 4.0, if down { y - 8.0 } else { y + 15.0 })),
             _ => {
                 tangent(sheet, curve, &chart, mark.point);
                 continue;

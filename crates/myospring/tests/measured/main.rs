@@ -4,7 +4,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use myospring::measured::{Column, Kind, Options, read};
+use myospring::analysis::curve::{self, CurveBeat, State};
+use myospring::analysis::value;
+use myospring::measured::{Column, Kind, Options, read, read_bytes};
+use myospring::output::csv::traces;
 
 fn at_30_per_s() -> Options {
     Options { frame_rate_per_s: Some(30.0), ..Options::default() }
@@ -42,4 +45,75 @@ fn a_tidy_table_of_stretches_has_a_curve_in_each_column() {
     assert_eq!(names, ["lambda1", "lambda2", "mean_norm_sarc_len"]);
     assert!(table.curves.iter().all(|curve| curve.kind == Kind::NormalisedLength));
     assert!((table.curves[0].frame_rate_per_s().unwrap() - 30.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_three_beats_of_a_real_cell_are_found_in_every_curve_of_its_authors() {
+    let file = "curves/E1_sarcomere_norm_length_timeseries.csv";
+    let Some(path) = common::shared_data(file) else { return };
+    let mean = read(&path, &Options { mean: true, ..at_30_per_s() }).unwrap();
+    let tidy = common::shared_data("curves/sarcgraph_e1_curves.csv").unwrap();
+    let values = vec![Column::of("lambda1")];
+    let tidy = read(&tidy, &Options { values, ..at_30_per_s() }).unwrap();
+    for table in [mean, tidy] {
+        let curve = &table.curves[0];
+        let analysis = curve::analyse(
+            &curve.times_ms,
+            &curve.values,
+            curve.kind,
+            curve.unit,
+            &curve::Options::default(),
+        );
+        let analysis = analysis.unwrap();
+        let whole = |beat: &&CurveBeat| beat.state == State::Whole;
+        assert_eq!(analysis.beats.iter().filter(whole).count(), 3, "{}", curve.name);
+        let peaks: Vec<f64> = analysis
+            .beats
+            .iter()
+            .map(|beat| value(&beat.metrics, "time_of_peak").unwrap())
+            .collect();
+        // The shortest frames of both curves, read by eye: they plateau for some 200 ms.
+        for (peak, seen) in peaks.iter().zip([600.0, 2270.0, 3850.0]) {
+            assert!((peak - seen).abs() < 200.0, "{}: {peaks:?}", curve.name);
+        }
+        let shortening = analysis.mean("peak_shortening").unwrap();
+        assert!((2.0..5.0).contains(&shortening), "{}: {shortening} %", curve.name);
+    }
+}
+
+/// One mechanism: the curve of a run, measured, has the run's own metrics.
+#[test]
+fn the_curves_of_a_run_measure_as_the_run_says() {
+    use myospring::prelude::*;
+    let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
+    simulation.numerics.method = Method::QuasiStatic;
+    let outcome = simulation.build().unwrap().run(|_progress| true);
+    let beats = outcome.beats();
+    let csv = traces(&outcome.recording).unwrap();
+    let table = read_bytes("traces.csv", csv.as_bytes(), &Options::default()).unwrap();
+    let kinds: Vec<Kind> = table.curves.iter().map(|curve| curve.kind).collect();
+    assert_eq!(kinds, [Kind::Tension, Kind::Length, Kind::Shortening]);
+    let stimuli_ms = vec![beats[0].stimulus_ms];
+    let options = curve::Options { stimuli_ms, keep_drift: true, ..curve::Options::default() };
+    for (curve, names) in [
+        (&table.curves[0], &["peak_tension", "time_to_peak_tension", "twitch_duration_50"][..]),
+        (
+            &table.curves[1],
+            &[
+                "peak_shortening",
+                "time_to_peak_from_stimulus",
+                "rise_time_10_90",
+                "relaxation_time_50",
+            ],
+        ),
+    ] {
+        let analysis =
+            curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options)
+                .unwrap();
+        for name in names {
+            let (measured, run) = (analysis.mean(name).unwrap(), beats[0].value(name).unwrap());
+            // Nine digits of the table.
+            assert!((measured / run - 1.0).abs() < 1e-5, "{name}: {measured}, {run}");
+        }
+    }
 }

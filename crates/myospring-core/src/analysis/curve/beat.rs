@@ -11,6 +11,9 @@ use crate::analysis::{Metric, action_potential, contraction, tension, trace, tra
 /// Part of the cycle before a beat that is its rest.
 const REST: f64 = 0.15;
 
+/// Part of a cycle after a peak from which on the end of the recording is at rest.
+const END: f64 = 0.6;
+
 /// Part of a beat's height above which the record is not at rest.
 const AT_REST: f64 = 0.1;
 
@@ -90,6 +93,10 @@ impl Reader<'_> {
             let first_free = if at == 0 { 0 } else { peaks[at - 1] + 1 };
             let start = start.min(end.saturating_sub(3)).max(first_free);
             window = [start, end.max(start + 1)];
+            if at == 0 && window[1] - window[0] < 2 {
+                // As much rest as there is.
+                window[1] = self.times.partition_point(|time| *time <= onset).clamp(1, peak.max(1));
+            }
             rest = mean(&self.signal[window[0]..window[1]]);
             onset = self.onset(low.min(end), peak, rest);
         }
@@ -199,13 +206,26 @@ impl Reader<'_> {
                 three[1]
             })
             .collect();
-        let slope = |at: usize| {
-            // The last beat goes on as the one before.
-            let (from, to) =
-                if at + 1 < spans.len() { (at, at + 1) } else { (at.saturating_sub(1), at) };
+        let end = self.end(spans);
+        let between = |from: usize, to: usize| {
             let steady = from < to && !spans[from].cut_at_start && !self.keep_drift;
             let way = spans[to].rest_at.time - spans[from].rest_at.time;
             if steady && way > 0.0 { (levels[to] - levels[from]) / way } else { 0.0 }
+        };
+        let slope = |at: usize| {
+            if at + 1 < spans.len() {
+                return between(at, at + 1);
+            }
+            let before = between(at.saturating_sub(1), at);
+            let Some(end) = end.filter(|_| !self.keep_drift) else { return before };
+            let after = (end.value - levels[at]) / (end.time - spans[at].rest_at.time);
+            if at == 0 {
+                return after;
+            }
+            // The last beat drifts as the one before and up to the end, as far as these agree.
+            let mut three = [before, after, 0.0];
+            three.sort_by(f64::total_cmp);
+            three[1]
         };
         (0..spans.len())
             .map(|at| {
@@ -217,6 +237,23 @@ impl Reader<'_> {
                 self.beat(at + 1, &spans[at], spans.get(at + 1), slope(at), interval)
             })
             .collect()
+    }
+
+    /// Rest at the end of the recording, where that is long after the last beat.
+    fn end(&self, spans: &[Span]) -> Option<Point> {
+        let last = spans.last()?;
+        let (end, peak) = (self.times[self.times.len() - 1], self.times[last.peak]);
+        let before = spans.len().checked_sub(2).map(|at| peak - self.times[spans[at].peak]);
+        let cycle = before.unwrap_or(4.0 * (peak - last.begin).max(0.0));
+        if end - peak < END * cycle || cycle <= 0.0 {
+            return None;
+        }
+        let from = self.times.partition_point(|time| *time < end - REST / 3.0 * cycle);
+        let from = from.min(self.times.len().saturating_sub(3));
+        let value = mean(&self.signal[from..]);
+        let height = self.smoothed[last.peak] - last.rest_at.value;
+        let near = (value - last.rest_at.value).abs() < 0.25 * height;
+        near.then(|| Point { time: mean(&self.times[from..]), value })
     }
 
     fn beat(

@@ -3,7 +3,7 @@
 use super::noise;
 use super::smooth::{gain, smooth};
 
-/// How high a pulse is, of the usual ones, to be a beat and not a bump of one.
+/// How high a pulse is, and how large (height times width), of the usual ones, to be a beat and not a bump of one.
 const BUMP: f64 = 0.2;
 
 /// A candidate for a beat.
@@ -60,11 +60,25 @@ pub(super) fn beats(times: &[f64], values: &[f64], plateau: bool) -> Found {
         peaks.iter().map(|peak| peak.prominence).filter(|height| *height >= 0.5 * second).collect();
     let usual = high[high.len() / 2];
     peaks.retain(|peak| peak.prominence >= BUMP * usual);
+    let size = |peak: &Peak| peak.prominence * width_at_half(times, &smoothed, peak);
+    let mut sizes: Vec<f64> =
+        peaks.iter().filter(|peak| peak.prominence >= 0.5 * second).map(size).collect();
+    sizes.sort_by(f64::total_cmp);
+    let usual_size = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    peaks.retain(|peak| size(peak) >= BUMP * usual_size);
     peaks.sort_by_key(|peak| peak.at);
     if plateau {
         join(&mut peaks, &smoothed);
     }
     Found { peaks, half, usual, least }
+}
+
+/// Time that the curve is within half a prominence of a peak, ms, as far as it was recorded.
+pub(super) fn width_at_half(times: &[f64], values: &[f64], peak: &Peak) -> f64 {
+    let level = values[peak.at] - 0.5 * peak.prominence;
+    let left = (0..peak.at).rev().find(|&at| values[at] < level).unwrap_or(0);
+    let right = (peak.at..values.len()).find(|&at| values[at] < level);
+    times[right.unwrap_or(values.len() - 1)] - times[left]
 }
 
 /// Joins tops of one plateau: between them the curve stays above half of the lower one.

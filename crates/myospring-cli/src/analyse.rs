@@ -1,0 +1,131 @@
+//! `myospring analyse`.
+
+mod files;
+mod table;
+mod words;
+
+use crate::args::AnalyseArgs;
+use crate::exit::ExitCode;
+use crate::failure::Failure;
+use crate::results::Folder;
+use crate::{interrupt, print, progress};
+use myospring::analysis::curve::{self, Analysis};
+use myospring::measured::{self, Curve};
+use myospring::output::figure::Theme;
+use myospring::output::json;
+use std::path::{Path, PathBuf};
+
+/// A curve, where it stands and what was read of it.
+pub(crate) struct Read {
+    /// The file as it was named.
+    pub(crate) file: String,
+    pub(crate) curve: Curve,
+    /// What was read, or why nothing was.
+    pub(crate) found: Result<Analysis, String>,
+}
+
+impl Read {
+    /// File and column.
+    pub(crate) fn title(&self) -> String {
+        let name = Path::new(&self.file).file_name().unwrap_or_default().to_string_lossy();
+        format!("{name}: {}", self.curve.name)
+    }
+}
+
+pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
+    let options = table::options(&args.table)?;
+    let beats = table::Beats::of(args)?;
+    let (mut all, mut notes) = (Vec::new(), Vec::new());
+    for path in &args.inputs {
+        let table = measured::read(path, &options).map_err(Failure::new)?;
+        let file = path.display().to_string();
+        notes.extend(table.notes.iter().map(|note| format!("{file}: {note}")));
+        for curve in table.curves {
+            let options = beats.within(&curve);
+            let found =
+                curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options);
+            let found = found.map_err(|error| error.to_string());
+            all.push(Read { file: file.clone(), curve, found });
+        }
+    }
+    if let Some(failure) = none_beats(&all, &notes) {
+        return Err(failure);
+    }
+    let target = args.output.output.clone().unwrap_or_else(|| folder(&args.inputs));
+    let folder = Folder::claim(&target, args.output.force)?;
+    interrupt::heed(interrupt::WRITING);
+    folder.write("metrics.csv", files::metrics(&all)?)?;
+    folder.write("summary.csv", files::summary(&all)?)?;
+    let record = files::Record::of(&all, &notes);
+    folder.write("summary.json", json::pretty(&record)?)?;
+    let bar = progress::of_members(args.output.quiet, all.len(), "figures");
+    let names = files::figure_names(&all);
+    for (read, name) in all.iter().zip(&names) {
+        if let Ok(analysis) = &read.found {
+            let draw = || files::figure(read, analysis);
+            folder.figures(Theme::Light, &[(name, &draw)])?;
+        }
+        bar.inc(1);
+        if interrupt::asked() {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+    let target = folder.finish()?;
+    if args.output.json {
+        print::out(&json::pretty(&record)?)?;
+    } else {
+        print::out(&words::tables(&all))?;
+        print::out(&format!("\nwritten: {}", target.display()))?;
+    }
+    if !args.output.quiet {
+        for note in notes.iter().chain(&words::remarks(&all)) {
+            print::warn(note);
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The failure where no curve has a beat.
+fn none_beats(all: &[Read], notes: &[String]) -> Option<Failure> {
+    if all.iter().any(|read| read.found.is_ok()) {
+        return None;
+    }
+    let first = all.first()?;
+    let why = first.found.as_ref().err()?;
+    let message = match all.len() {
+        1 => format!("`{}`, column `{}`: {why}", first.file, first.curve.name),
+        count => format!(
+            "none of {count} curves has a beat; `{}`, column `{}`: {why}",
+            first.file, first.curve.name
+        ),
+    };
+    let mut failure = Failure::new(message).advise(
+        "look at the curve; --kind says what it is, --columns chooses it, --frame-rate and --time-unit say how fast \
+         it was recorded",
+    );
+    for note in notes {
+        failure = failure.also(note);
+    }
+    Some(failure)
+}
+
+/// Where results go unless that is said.
+fn folder(inputs: &[PathBuf]) -> PathBuf {
+    let name = match inputs {
+        [one] => {
+            let stem = one.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            // MUSCLEMOTION calls all of its curves the same; its folders tell them apart.
+            let parent = one
+                .parent()
+                .and_then(Path::file_name)
+                .map(|name| name.to_string_lossy().into_owned());
+            match parent {
+                Some(parent) if stem == "contraction" => format!("{parent}_beats"),
+                _ => format!("{stem}_beats"),
+            }
+        }
+        _ => "beats".to_owned(),
+    };
+    Path::new("results").join(name)
+}

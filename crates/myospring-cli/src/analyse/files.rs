@@ -1,0 +1,272 @@
+//! What `analyse` writes.
+
+use super::Read;
+use crate::failure::Failure;
+use crate::table::number;
+use myospring::analysis::curve::{Analysis, CurveBeat, Treatment};
+use myospring::analysis::{Metric, Spread};
+use myospring::output::figure::{Figure, FigureError, Measured, measured};
+use myospring::output::table::{Column, Table, column_name};
+use serde::Serialize;
+
+/// summary.json.
+#[derive(Serialize)]
+pub(crate) struct Record<'a> {
+    version: &'static str,
+    notes: &'a [String],
+    curves: Vec<OfCurve<'a>>,
+}
+
+#[derive(Serialize)]
+struct OfCurve<'a> {
+    file: &'a str,
+    curve: &'a str,
+    kind: &'static str,
+    unit: &'a str,
+    frames: usize,
+    frame_rate_per_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    treatment: Option<&'a Treatment>,
+    remarks: &'a [String],
+    metrics: Vec<Mean>,
+    beats: &'a [CurveBeat],
+}
+
+/// A metric over the beats that count.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Mean {
+    pub(crate) name: &'static str,
+    pub(crate) mean: Option<f64>,
+    /// None of one beat.
+    pub(crate) standard_deviation: Option<f64>,
+    pub(crate) beats: usize,
+    pub(crate) unit: &'static str,
+    pub(crate) definition: &'static str,
+}
+
+/// The metrics of a curve over the beats that count, in the order of reading.
+pub(crate) fn means(analysis: &Analysis) -> Vec<Mean> {
+    let spread = analysis.spread();
+    let beats = analysis.counted();
+    let mut means: Vec<Mean> = Vec::new();
+    for metric in beats.iter().flatten() {
+        if means.iter().any(|mean| mean.name == metric.name) {
+            continue;
+        }
+        let of: Option<&Spread> = spread.iter().find(|spread| spread.name == metric.name);
+        let shown = beats
+            .iter()
+            .filter(|beat| myospring::analysis::value(beat, metric.name).is_some())
+            .count();
+        means.push(Mean {
+            name: metric.name,
+            mean: analysis.mean(metric.name),
+            standard_deviation: of.map(|spread| spread.standard_deviation),
+            beats: shown,
+            unit: metric.unit,
+            definition: metric.definition,
+        });
+    }
+    // Times on the clock differ by the interval: their mean says nothing.
+    means.retain(|mean| !mean.name.starts_with("time_of_"));
+    means
+}
+
+impl<'a> Record<'a> {
+    pub(crate) fn of(all: &'a [Read], notes: &'a [String]) -> Self {
+        let curves = all.iter().map(|read| {
+            let found = read.found.as_ref();
+            OfCurve {
+                file: &read.file,
+                curve: &read.curve.name,
+                kind: read.curve.kind.word(),
+                unit: read.curve.unit,
+                frames: read.curve.values.len(),
+                frame_rate_per_s: read.curve.frame_rate_per_s(),
+                error: found.err().map(String::as_str),
+                treatment: found.ok().map(|analysis| &analysis.treatment),
+                remarks: found.map_or(&[], |analysis| &analysis.remarks),
+                metrics: found.map_or_else(|_| Vec::new(), means),
+                beats: found.map_or(&[], |analysis| &analysis.beats),
+            }
+        });
+        Self { version: env!("CARGO_PKG_VERSION"), notes, curves: curves.collect() }
+    }
+}
+
+/// How baseline, drift and smoothing were treated, in one field.
+pub(crate) fn conventions(treatment: &Treatment) -> String {
+    let mut text = format!(
+        "baseline: {}; drift: {}; smoothing: {}",
+        treatment.baseline, treatment.drift, treatment.smoothing
+    );
+    if !treatment.bad_frames.is_empty() {
+        let frames: Vec<String> = treatment.bad_frames.iter().map(usize::to_string).collect();
+        text += &format!("; bad frames replaced: {}", frames.join(" "));
+    }
+    if let Some([frequency, amplitude]) = treatment.hum {
+        text += &format!("; hum of {frequency:.2} Hz taken off, amplitude {amplitude:.4}");
+    }
+    text
+}
+
+fn text(name: &str, values: impl Iterator<Item = String>) -> Column {
+    let values = values.map(|value| Some(value).filter(|value| !value.is_empty()));
+    Column::Text { name: name.to_owned(), values: values.collect() }
+}
+
+/// metrics.csv: a row for each beat.
+pub(crate) fn metrics(all: &[Read]) -> Result<Vec<u8>, Failure> {
+    let rows: Vec<(&Read, &Analysis, &CurveBeat)> = all
+        .iter()
+        .filter_map(|read| Some((read, read.found.as_ref().ok()?)))
+        .flat_map(|(read, analysis)| analysis.beats.iter().map(move |beat| (read, analysis, beat)))
+        .collect();
+    let number = |name: &str, of: &dyn Fn(&CurveBeat) -> Option<f64>| Column::Number {
+        name: name.to_owned(),
+        values: rows.iter().map(|(_, _, beat)| of(beat)).collect(),
+    };
+    let mut columns = vec![
+        text("file", rows.iter().map(|(read, ..)| read.file.clone())),
+        text("curve", rows.iter().map(|(read, ..)| read.curve.name.clone())),
+        text("kind", rows.iter().map(|(read, ..)| read.curve.kind.word().to_owned())),
+        number("beat", &|beat| Some(beat.number as f64)),
+        text("state", rows.iter().map(|(_, _, beat)| beat.state.words().to_owned())),
+        number("time_of_stimulus_ms", &|beat| beat.stimulus_ms),
+    ];
+    let mut named: Vec<(&'static str, &'static str)> = Vec::new();
+    for metric in rows.iter().flat_map(|(_, _, beat)| &beat.metrics) {
+        if !named.contains(&(metric.name, metric.unit)) {
+            named.push((metric.name, metric.unit));
+        }
+    }
+    columns.extend(named.into_iter().map(|(name, unit)| {
+        let is = |metric: &&Metric| (metric.name, metric.unit) == (name, unit);
+        number(&column_name(name, unit), &|beat: &CurveBeat| beat.metrics.iter().find(is)?.value)
+    }));
+    columns.push(text("remarks", rows.iter().map(|(_, _, beat)| beat.remarks.join("; "))));
+    columns.push(text(
+        "conventions",
+        rows.iter().map(|(_, analysis, _)| conventions(&analysis.treatment)),
+    ));
+    Ok(Table { columns }.to_csv()?)
+}
+
+/// summary.csv: a row for each metric of each curve.
+pub(crate) fn summary(all: &[Read]) -> Result<Vec<u8>, Failure> {
+    let mut rows: Vec<(&Read, Mean)> = Vec::new();
+    for read in all {
+        if let Ok(analysis) = &read.found {
+            rows.extend(means(analysis).into_iter().map(|mean| (read, mean)));
+        } else {
+            let (unit, definition) = ("", "");
+            let none =
+                Mean { name: "", mean: None, standard_deviation: None, beats: 0, unit, definition };
+            rows.push((read, none));
+        }
+    }
+    let number = |name: &str, of: &dyn Fn(&Mean) -> Option<f64>| Column::Number {
+        name: name.to_owned(),
+        values: rows.iter().map(|(_, mean)| of(mean)).collect(),
+    };
+    let of = |of: fn(&Mean) -> &'static str| {
+        rows.iter().map(move |(_, mean)| of(mean).to_owned()).collect::<Vec<_>>()
+    };
+    let conventions = |read: &Read| match &read.found {
+        Ok(analysis) => conventions(&analysis.treatment),
+        Err(_) => String::new(),
+    };
+    let columns = vec![
+        text("file", rows.iter().map(|(read, _)| read.file.clone())),
+        text("curve", rows.iter().map(|(read, _)| read.curve.name.clone())),
+        text("kind", rows.iter().map(|(read, _)| read.curve.kind.word().to_owned())),
+        text("metric", of(|mean| mean.name).into_iter()),
+        number("mean", &|mean| mean.mean),
+        number("standard_deviation", &|mean| mean.standard_deviation),
+        number("beats", &|mean| Some(mean.beats as f64)),
+        text("unit", of(|mean| mean.unit).into_iter()),
+        text("definition", of(|mean| mean.definition).into_iter()),
+        text("conventions", rows.iter().map(|(read, _)| conventions(read))),
+        text(
+            "error",
+            rows.iter().map(|(read, _)| read.found.as_ref().err().cloned().unwrap_or_default()),
+        ),
+    ];
+    Ok(Table { columns }.to_csv()?)
+}
+
+/// Names of the figures, one for each curve: its column's, with its file's where there are several files.
+pub(crate) fn figure_names(all: &[Read]) -> Vec<String> {
+    let several = all.iter().any(|read| read.file != all[0].file);
+    let mut names: Vec<String> = Vec::new();
+    for read in all {
+        let whole = if several { read.title() } else { read.curve.name.clone() };
+        let safe = |letter: char| {
+            if letter.is_alphanumeric() || "-.".contains(letter) { letter } else { '_' }
+        };
+        let name: String = whole.chars().map(safe).collect();
+        let name = format!("trace_{}", name.trim_matches(['_', '.']));
+        let taken = names.iter().filter(|other| **other == name).count();
+        names.push(if taken > 0 { format!("{name}_{}", names.len() + 1) } else { name });
+    }
+    names
+}
+
+/// Metrics that stand beside a figure, as far as a curve has them.
+const BESIDE: [&str; 24] = [
+    "interval",
+    "resting_length",
+    "baseline",
+    "resting_tension",
+    "diastolic_level",
+    "resting_potential",
+    "peak_shortening",
+    "peak_amplitude",
+    "developed_tension",
+    "transient_amplitude",
+    "amplitude_over_rest",
+    "action_potential_amplitude",
+    "time_to_peak_from_stimulus",
+    "time_to_peak_from_onset",
+    "time_to_peak_tension_from_onset",
+    "rise_time_10_90",
+    "relaxation_time_50",
+    "tension_relaxation_time_50",
+    "decay_time_50",
+    "relaxation_time_90",
+    "decay_time_90",
+    "action_potential_duration_90",
+    "maximum_shortening_rate",
+    "relaxation_time_constant",
+];
+
+/// The figure of a curve.
+pub(crate) fn figure(read: &Read, analysis: &Analysis) -> Result<Figure, FigureError> {
+    let means = means(analysis);
+    let line = |name: &str| {
+        let mean = means.iter().find(|mean| mean.name == name)?;
+        Some([mean.name.replace('_', " "), value(mean)?])
+    };
+    let numbers: Vec<[String; 2]> = BESIDE.iter().filter_map(|name| line(name)).collect();
+    measured(&Measured {
+        title: &read.title(),
+        kind: read.curve.kind,
+        unit: read.curve.unit,
+        times_ms: &read.curve.times_ms,
+        values: &read.curve.values,
+        analysis,
+        numbers: &numbers,
+    })
+}
+
+/// `9.81 ± 0.12 %`; `None` where no beat shows it.
+pub(crate) fn value(mean: &Mean) -> Option<String> {
+    let spread = mean.standard_deviation.map(|spread| format!(" \u{b1} {}", number(spread)));
+    Some(
+        format!("{}{} {}", number(mean.mean?), spread.unwrap_or_default(), mean.unit)
+            .trim_end()
+            .to_owned(),
+    )
+}

@@ -1,0 +1,118 @@
+//! Options of the command line to those of the library.
+
+use crate::args::{AnalyseArgs, TableArgs};
+use crate::failure::Failure;
+use myospring::analysis::curve::Options;
+use myospring::measured::{Column, Curve, Kind, Layout, Options as Table};
+use myospring::units::{self, Dimension};
+
+/// How tables are read.
+pub(crate) fn options(args: &TableArgs) -> Result<Table, Failure> {
+    let kind = args.kind.as_deref().map(|word| {
+        Kind::of_word(word).ok_or_else(|| {
+            let words: Vec<&str> = Kind::ALL.iter().map(|kind| kind.word()).collect();
+            Failure::new(format!("--kind: `{word}` is no kind of curve"))
+                .advise(format!("one of {}", words.join(", ")))
+        })
+    });
+    let pixel = args.pixel_size.as_deref().map(|text| {
+        let size = quantity("--pixel-size", text, Dimension::Length)?;
+        if size > 0.0 {
+            return Ok(size);
+        }
+        Err(Failure::new(format!("--pixel-size is {size} um; it must be above 0")))
+    });
+    let delimiter = args.delimiter.as_deref().map(|word| match word {
+        "comma" => ',',
+        "semicolon" => ';',
+        "tab" => '\t',
+        _ => ' ',
+    });
+    let layout = args.layout.as_deref().map(|word| match word {
+        "rows" => Layout::Rows,
+        _ => Layout::Columns,
+    });
+    Ok(Table {
+        time: args.time.as_deref().map(Column::of),
+        values: args.columns.iter().map(|text| Column::of(text)).collect(),
+        kind: kind.transpose()?,
+        unit: args.unit.clone(),
+        time_unit: args.time_unit.clone(),
+        frame_rate_per_s: args.frame_rate.as_deref().map(frame_rate).transpose()?,
+        pixel_size_um: pixel.transpose()?,
+        delimiter,
+        decimal: args.decimal.as_deref().map(|word| if word == "comma" { ',' } else { '.' }),
+        layout,
+        skip_gaps: args.skip_gaps,
+        mean: args.mean,
+        units_required: false,
+    })
+}
+
+/// `250`, `250 /s`, `250 Hz`, `250 fps`.
+fn frame_rate(text: &str) -> Result<f64, Failure> {
+    let number = text.trim().trim_end_matches("fps").trim();
+    if let Ok(rate) = number.parse::<f64>() {
+        return Ok(rate);
+    }
+    // 1/ms to 1/s
+    quantity("--frame-rate", text, Dimension::Rate).map(|rate| 1e3 * rate)
+}
+
+/// A time with its unit, or a number of ms.
+fn time(option: &str, text: &str) -> Result<f64, Failure> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => quantity(option, text, Dimension::Time),
+    }
+}
+
+fn quantity(option: &str, text: &str, dimension: Dimension) -> Result<f64, Failure> {
+    units::parse(text, dimension).map_err(|error| Failure::new(format!("{option}: {error}")))
+}
+
+/// How beats are found and read.
+pub(crate) struct Beats {
+    stimuli_ms: Vec<f64>,
+    period_ms: Option<f64>,
+    start_ms: Option<f64>,
+    smoothing_ms: Option<f64>,
+    keep_drift: bool,
+}
+
+impl Beats {
+    pub(crate) fn of(args: &AnalyseArgs) -> Result<Self, Failure> {
+        let of = |option: &'static str, text: &Option<String>| {
+            text.as_deref().map(|text| time(option, text)).transpose()
+        };
+        let times = args.stimulus_times.iter().map(|text| time("--stimulus-times", text));
+        let period_ms = of("--stimulus-period", &args.stimulus_period)?;
+        if let Some(period) = period_ms.filter(|period| *period <= 0.0) {
+            return Err(Failure::new(format!(
+                "--stimulus-period is {period} ms; it must be above 0"
+            )));
+        }
+        let smoothing_ms = of("--smooth", &args.smooth)?;
+        if let Some(smooth) = smoothing_ms.filter(|smooth| *smooth < 0.0) {
+            return Err(Failure::new(format!("--smooth is {smooth} ms; it must not be negative")));
+        }
+        Ok(Self {
+            stimuli_ms: times.collect::<Result<_, _>>()?,
+            period_ms,
+            start_ms: of("--stimulus-start", &args.stimulus_start)?,
+            smoothing_ms,
+            keep_drift: args.keep_drift,
+        })
+    }
+
+    /// For one curve: regular stimuli end with it.
+    pub(crate) fn within(&self, curve: &Curve) -> Options {
+        let mut stimuli_ms = self.stimuli_ms.clone();
+        if let (Some(period), [first, .., last]) = (self.period_ms, &curve.times_ms[..]) {
+            let start = self.start_ms.unwrap_or(*first);
+            let count = ((last - start) / period).floor().clamp(-1.0, 1e6) as i64;
+            stimuli_ms = (0..=count).map(|index| start + index as f64 * period).collect();
+        }
+        Options { stimuli_ms, smoothing_ms: self.smoothing_ms, keep_drift: self.keep_drift }
+    }
+}

@@ -1,0 +1,139 @@
+//! `myospring analyse`: measured curves.
+
+use super::{json, myospring, names, stderr, stdout};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+/// Half sines of 300 ms each second from 250 ms on.
+fn height(t: f64) -> f64 {
+    let t = (t - 250.0).rem_euclid(1000.0);
+    if t < 300.0 { (std::f64::consts::PI * t / 300.0).sin() } else { 0.0 }
+}
+
+/// 5 s at 250 frames a second.
+fn times() -> impl Iterator<Item = f64> {
+    (0..1250).map(|frame| 4.0 * f64::from(frame))
+}
+
+/// A cell of 120 um that shortens by 10 %, as a spreadsheet of a country with decimal commas has it.
+fn semicolons(folder: &Path) {
+    let mut text = "Zelle 3\r\nZeit (s);Länge (µm)\r\n".to_owned();
+    for t in times() {
+        let line = format!("{:.3};{:.5}\r\n", t / 1e3, 120.0 - 12.0 * height(t));
+        text += &line.replace('.', ",");
+    }
+    fs::write(folder.join("zelle.csv"), text).unwrap();
+}
+
+#[test]
+fn the_beats_of_a_table_are_measured_drawn_and_printed_with_units() {
+    let folder = tempfile::tempdir().unwrap();
+    semicolons(folder.path());
+    let output = myospring(folder.path(), &["analyse", "zelle.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("beats: 5 whole") && text.contains("1250 frames at 250.0 /s"), "{text}");
+    assert!(text.contains("peak shortening") && text.contains("baseline: mean of"), "{text}");
+    let results = folder.path().join("results/zelle_beats");
+    assert_eq!(names(&results), ["figures", "metrics.csv", "summary.csv", "summary.json"]);
+    assert_eq!(names(&results.join("figures")).len(), 2, "one figure as SVG and PNG");
+    let rows = fs::read_to_string(results.join("metrics.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 6);
+    assert!(
+        rows.starts_with("file,curve,kind,beat,state,time_of_stimulus_ms,interval_ms"),
+        "{rows}"
+    );
+    assert!(rows.contains("peak_shortening_pct") && rows.contains("L0_per_s"), "{rows}");
+    let summary = fs::read_to_string(results.join("summary.csv")).unwrap();
+    let line = summary.lines().find(|line| line.contains("peak_shortening,")).unwrap();
+    assert!(
+        line.contains("resting length - length") && line.contains("drift: taken off"),
+        "{line}"
+    );
+
+    let again = myospring(folder.path(), &["analyse", "zelle.csv"]);
+    assert_eq!(again.status.code(), Some(2));
+    let output = myospring(folder.path(), &["analyse", "zelle.csv", "--force", "--json", "-q"]);
+    let summary = json(&output);
+    let metrics = summary["curves"][0]["metrics"].as_array().unwrap();
+    let mean = |name: &str| metrics.iter().find(|m| m["name"] == name).unwrap()["mean"].as_f64();
+    assert!((mean("peak_shortening").unwrap() - 10.0).abs() < 0.01);
+    assert!((mean("interval").unwrap() - 1000.0).abs() < 0.5);
+    assert_eq!(stderr(&output), "");
+}
+
+#[test]
+fn several_files_and_cells_stimuli_and_musclemotion_are_taken_in_one_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = folder.path().join("film-Contr-Results");
+    fs::create_dir(&results).unwrap();
+    let mut motion = String::new();
+    for t in times() {
+        writeln!(motion, "{t}\t{}", 30.0 + 500.0 * height(t)).unwrap();
+    }
+    fs::write(results.join("contraction.txt"), motion).unwrap();
+    let mut cells = "t_s,cell 1,cell 2,cell 3\n".to_owned();
+    for t in times() {
+        writeln!(cells, "{},{},{},{}", t / 1e3, height(t), 2.0 * height(t), 0.5).unwrap();
+    }
+    fs::write(folder.path().join("cells.csv"), cells).unwrap();
+    let output = myospring(
+        folder.path(),
+        &[
+            "analyse",
+            "film-Contr-Results/contraction.txt",
+            "cells.csv",
+            "--stimulus-period",
+            "1 s",
+            "--stimulus-start",
+            "200 ms",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let (text, warnings) = (stdout(&output), stderr(&output));
+    assert!(text.contains("contraction.txt: 2"), "{text}");
+    assert!(warnings.contains("cells.csv: cell 3: all 1250 values are 0.5"), "{warnings}");
+    let rows = fs::read_to_string(folder.path().join("results/beats/metrics.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 1 + 3 * 5);
+    assert!(rows.contains("time_to_peak_from_stimulus_ms"), "{rows}");
+}
+
+#[test]
+fn what_is_no_measurement_is_refused_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    semicolons(folder.path());
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("two.csv", "t_ms,length_um\n0,1\n4,2\n");
+    write("words.csv", "t_ms,length_um\n0,1\n4,long\n8,2\n");
+    write("back.csv", "t_ms,length_um\n0,1\n8,1\n4,2\n12,3\n");
+    write("bare.csv", "length_um\n1\n2\n3\n");
+    write("still.csv", &("length_um\n".to_owned() + &"5\n".repeat(50)));
+    for (arguments, part) in [
+        (&["analyse", "nowhere.csv"][..], "cannot read `nowhere.csv`"),
+        (
+            &["analyse", "two.csv"],
+            "`two.csv`, column `length_um`: 2 frames; a beat needs at least 8",
+        ),
+        (&["analyse", "words.csv"], "line 3, column `length_um`: \"long\" is no finite number"),
+        (&["analyse", "back.csv"], "line 4, column `t_ms`: time 4 ms does not come after 8 ms"),
+        (&["analyse", "bare.csv"], "no column of times"),
+        (&["analyse", "bare.csv", "--frame-rate=-5"], "the frame rate is -5 /s"),
+        (
+            &["analyse", "still.csv", "--frame-rate", "50 /s"],
+            "all 50 values are 5: there is no beat",
+        ),
+        (&["analyse", "zelle.csv", "--frame-rate", "30"], "the frame rate given is 30.0000"),
+        (&["analyse", "zelle.csv", "--kind", "width"], "`width` is no kind of curve"),
+        (&["analyse", "zelle.csv", "--columns", "Breite"], "no column `Breite`; its columns are"),
+        (&["analyse", "zelle.csv", "--stimulus-times", "9 s"], "none of 1 stimuli falls"),
+        (&["analyse", "zelle.csv", "--stimulus-period", "0 s"], "it must be above 0"),
+        (&["analyse", "zelle.csv", "--pixel-size", "0.2"], "--pixel-size: `0.2` has no unit"),
+    ] {
+        let output = myospring(folder.path(), arguments);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(part), "{arguments:?}: {said}");
+    }
+    assert!(!folder.path().join("results").exists());
+}
