@@ -36,6 +36,7 @@ struct OfCurve<'a> {
 
 /// A metric over the beats that count.
 #[derive(Debug, Clone, Serialize)]
+#[allow(clippy::struct_field_names, reason = "`mean` is what the file calls it")]
 pub(crate) struct Mean {
     pub(crate) name: &'static str,
     pub(crate) mean: Option<f64>,
@@ -98,18 +99,19 @@ impl<'a> Record<'a> {
 
 /// How baseline, drift and smoothing were treated, in one field.
 pub(crate) fn conventions(treatment: &Treatment) -> String {
-    let mut text = format!(
-        "baseline: {}; drift: {}; smoothing: {}",
-        treatment.baseline, treatment.drift, treatment.smoothing
-    );
+    let mut parts = vec![
+        format!("baseline: {}", treatment.baseline),
+        format!("drift: {}", treatment.drift),
+        format!("smoothing: {}", treatment.smoothing),
+    ];
     if !treatment.bad_frames.is_empty() {
         let frames: Vec<String> = treatment.bad_frames.iter().map(usize::to_string).collect();
-        text += &format!("; bad frames replaced: {}", frames.join(" "));
+        parts.push(format!("bad frames replaced: {}", frames.join(" ")));
     }
     if let Some([frequency, amplitude]) = treatment.hum {
-        text += &format!("; hum of {frequency:.2} Hz taken off, amplitude {amplitude:.4}");
+        parts.push(format!("hum of {frequency:.2} Hz taken off, amplitude {amplitude:.4}"));
     }
-    text
+    parts.join("; ")
 }
 
 fn text(name: &str, values: impl Iterator<Item = String>) -> Column {
@@ -247,7 +249,10 @@ pub(crate) fn figure(read: &Read, analysis: &Analysis) -> Result<Figure, FigureE
     let means = means(analysis);
     let line = |name: &str| {
         let mean = means.iter().find(|mean| mean.name == name)?;
-        Some([mean.name.replace('_', " "), value(mean)?])
+        Some([
+            mean.name.replace('_', " "),
+            value(mean)?.replace("um", "\u{b5}m").replace("uM", "\u{b5}M"),
+        ])
     };
     let numbers: Vec<[String; 2]> = BESIDE.iter().filter_map(|name| line(name)).collect();
     measured(&Measured {

@@ -140,8 +140,13 @@ pub(crate) fn remarks(all: &[Read]) -> Vec<String> {
     for read in all {
         let Ok(analysis) = &read.found else { continue };
         let of_curve = analysis.remarks.iter().cloned();
+        // What is said of every beat in turn the remark on the curve has said.
+        let is_new = |remark: &&String| !remark.starts_with("alternans");
         let of_beats = analysis.beats.iter().flat_map(|beat| {
-            beat.remarks.iter().map(move |remark| format!("beat {}: {remark}", beat.number))
+            beat.remarks
+                .iter()
+                .filter(is_new)
+                .map(move |remark| format!("beat {}: {remark}", beat.number))
         });
         odd.extend(of_curve.chain(of_beats).map(|remark| format!("{}: {remark}", read.title())));
     }

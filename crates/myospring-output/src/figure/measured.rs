@@ -117,10 +117,8 @@ fn chart(
 ) -> Chart {
     let samples = || curve.times_ms.iter().zip(curve.values).zip(&curve.analysis.read);
     let within = || samples().filter(|((time, _), _)| (from..=to).contains(*time));
-    let mut x = Axis::time([from * scale, to * scale]);
-    if scale < 1.0 {
-        x.label = "Time (s)".to_owned();
-    }
+    let x = Axis::time([from * scale, to * scale]);
+    let x = if scale < 1.0 { Axis { label: "Time (s)".to_owned(), ..x } } else { x };
     // Single bad frames may leave the picture.
     let treatment = &curve.analysis.treatment;
     let bad: Vec<f64> =

@@ -104,21 +104,25 @@ fn join(peaks: &mut Vec<Peak>, values: &[f64]) {
     *peaks = kept;
 }
 
+/// No hill yet.
+const NONE: usize = usize::MAX;
+
+/// The top of the hill that a sample belongs to.
+fn top(hill: &mut [usize], mut at: usize) -> usize {
+    while hill[at] != at {
+        hill[at] = hill[hill[at]];
+        at = hill[at];
+    }
+    at
+}
+
 /// All maxima with their prominence, the highest first: samples are taken in order of height, and where two hills meet the
 /// lower one ends.
 fn persistent(values: &[f64]) -> Vec<Peak> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]).then(a.cmp(b)));
-    const NONE: usize = usize::MAX;
     // The hill that a sample belongs to, by its top.
     let mut hill = vec![NONE; values.len()];
-    fn top(hill: &mut [usize], mut at: usize) -> usize {
-        while hill[at] != at {
-            hill[at] = hill[hill[at]];
-            at = hill[at];
-        }
-        at
-    }
     let mut peaks = Vec::new();
     for &at in &order {
         let left = if at > 0 && hill[at - 1] != NONE { Some(top(&mut hill, at - 1)) } else { None };

@@ -70,18 +70,17 @@ fn intervals(beats: &mut [CurveBeat]) -> Vec<String> {
     let mean = sorted.iter().sum::<f64>() / count;
     let spread = (sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
     if early + late > 0 || (missing == 0 && spread > IRREGULAR * mean) {
-        let mut text = format!(
-            "irregular: intervals of {mean:.0} +- {spread:.0} ms, {:.0} to {:.0}",
+        let odd = |count: usize, word: &str| match count {
+            0 => String::new(),
+            _ => format!("; {count} {word} {}", beats_word(count)),
+        };
+        remarks.push(format!(
+            "irregular: intervals of {mean:.0} +- {spread:.0} ms, {:.0} to {:.0}{}{}",
             sorted[0],
-            sorted[sorted.len() - 1]
-        );
-        if early > 0 {
-            text += &format!("; {early} early {}", beats_word(early));
-        }
-        if late > 0 {
-            text += &format!("; {late} late {}", beats_word(late));
-        }
-        remarks.push(text);
+            sorted[sorted.len() - 1],
+            odd(early, "early"),
+            odd(late, "late")
+        ));
     }
     remarks
 }

@@ -178,8 +178,8 @@ fn stimuli_give_the_beats_and_name_those_that_are_missed() {
     let options = Options { stimuli_ms, ..Options::default() };
     let analysis = analyse(&times, &values, Kind::Length, "um", &options).unwrap();
     let states: Vec<State> = analysis.beats.iter().map(|beat| beat.state).collect();
-    use State::{Missed, Whole};
-    assert_eq!(states, [Whole, Whole, Whole, Missed, Whole, Whole]);
+    let words: Vec<&str> = states.into_iter().map(State::words).collect();
+    assert_eq!(words, ["whole", "whole", "whole", "missed", "whole", "whole"]);
     assert!(analysis.remarks[0].contains("1 of 6 stimuli"), "{:?}", analysis.remarks);
     let counted: Vec<f64> = analysis
         .counted()
@@ -278,8 +278,10 @@ fn curves_without_a_beat_say_why() {
     let times = frames(50.0, 10.0);
     let of = |values: &[f64]| {
         analyse(&times[..values.len()], values, Kind::Length, "um", &Options::default())
-            .map(|analysis| panic!("{} beats", analysis.beats.len()))
-            .unwrap_or_else(|error| error.to_string())
+            .map_or_else(
+                |error| error.to_string(),
+                |analysis| panic!("{} beats", analysis.beats.len()),
+            )
     };
     assert!(of(&[100.0, 99.0]).contains("2 frames; a beat needs at least 8"));
     assert!(of(&[100.0; 50]).contains("all 50 values are 100"));
