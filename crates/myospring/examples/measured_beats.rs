@@ -20,8 +20,8 @@ const RECORDINGS: u64 = 40;
 const SECONDS: f64 = 10.0;
 /// Time from start to peak, ms.
 const RISE: f64 = 100.0;
-/// Shortening, part of the length at rest.
-const HEIGHT: f64 = 0.1;
+/// Height of a beat, a.u.
+const HEIGHT: f64 = 100.0;
 
 /// A course of beats.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +58,7 @@ impl Scene {
         }
     }
 
-    /// Length, um, over times, ms.
+    /// Contraction, a.u., over times, ms.
     fn recording(self, seed: u64) -> (Vec<f64>, Vec<f64>) {
         let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let period = 1e3 / self.beats_per_s;
@@ -67,18 +67,18 @@ impl Scene {
         let frames = (SECONDS * self.frame_rate) as usize;
         let times: Vec<f64> = (0..frames).map(|i| i as f64 * 1e3 / self.frame_rate).collect();
         let phase = TAU * random.uniform();
-        let length = times.iter().map(|t| {
+        let values = times.iter().map(|t| {
             let beat = self.height((t - start).rem_euclid(period));
             let drift = 0.01 * self.drift_pct * t / 1e3;
             let hum = 0.01 * self.hum_pct * (TAU * 0.05 * t + phase).sin();
             let noise = 0.01 * self.noise_pct * random.normal();
-            120.0 * (1.0 - HEIGHT * (beat + drift + hum + noise))
+            50.0 + HEIGHT * (beat + drift + hum + noise)
         });
-        let length = length.collect();
-        (times, length)
+        let values = values.collect();
+        (times, values)
     }
 
-    /// What is known of a beat: peak shortening, time to peak from 10 %, time to half back, time constant of the second
+    /// What is known of a beat: peak, time to peak from 10 %, time to half back, time constant of the second
     /// half of the way back, steepest slope.
     fn truth(self) -> [f64; 5] {
         let step = 0.01;
@@ -104,22 +104,16 @@ impl Scene {
         let mean_l = fall.iter().map(|(_, l)| l).sum::<f64>() / count;
         let covariance: f64 = fall.iter().map(|(t, l)| (t - mean_t) * (l - mean_l)).sum();
         let variance: f64 = fall.iter().map(|(t, _)| (t - mean_t).powi(2)).sum();
-        [
-            100.0 * HEIGHT,
-            RISE - tenth,
-            half - RISE,
-            -variance / covariance,
-            HEIGHT * PI / 2.0 / RISE * 1e3,
-        ]
+        [HEIGHT, RISE - tenth, half - RISE, -variance / covariance, HEIGHT * PI / 2.0 / RISE * 1e3]
     }
 }
 
 const METRICS: [&str; 5] = [
-    "peak_shortening",
+    "peak_amplitude",
     "time_to_peak_from_10_percent",
     "relaxation_time_50",
     "relaxation_time_constant",
-    "maximum_shortening_rate",
+    "maximum_contraction_rate",
 ];
 
 struct Random(u64);
@@ -142,14 +136,17 @@ fn row(name: &str, scene: Scene) {
     let (mut found, mut there) = (0, 0);
     let mut values: [Vec<f64>; 5] = Default::default();
     for seed in 1..=RECORDINGS {
-        let (times, length) = scene.recording(seed);
+        let (times, values_over_time) = scene.recording(seed);
         // Those that begin 100 ms after the recording and reach their peak before its end.
         let period = 1e3 / scene.beats_per_s;
         let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let start = (0.3 + 0.5 * random.uniform()) * period;
         there += ((SECONDS * 1e3 - start - RISE) / period).floor() as usize + 1;
         let options = Options::default();
-        let Ok(analysis) = analyse(&times, &length, Kind::Length, "um", &options) else { continue };
+        let Ok(analysis) = analyse(&times, &values_over_time, Kind::Contraction, "a.u.", &options)
+        else {
+            continue;
+        };
         found += analysis.beats.len();
         for beat in analysis.counted() {
             for (list, name) in values.iter_mut().zip(METRICS) {
@@ -173,7 +170,7 @@ fn row(name: &str, scene: Scene) {
 
 fn main() {
     println!(
-        "| recording | beats found | peak shortening | time to peak from 10 % | half back | time constant | largest rate |"
+        "| recording | beats found | peak | time to peak from 10 % | half back | time constant | largest rate |"
     );
     println!("|---|---|---|---|---|---|---|");
     for noise_pct in [0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 20.0] {

@@ -103,6 +103,7 @@ pub(crate) fn conventions(treatment: &Treatment) -> String {
         format!("baseline: {}", treatment.baseline),
         format!("drift: {}", treatment.drift),
         format!("smoothing: {}", treatment.smoothing),
+        format!("rates: {}", treatment.rates),
     ];
     if !treatment.bad_frames.is_empty() {
         let frames: Vec<String> = treatment.bad_frames.iter().map(usize::to_string).collect();

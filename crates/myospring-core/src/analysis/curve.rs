@@ -26,8 +26,8 @@ mod smooth;
 #[cfg(test)]
 mod tests;
 
-use super::Metric;
 use super::kind::Kind;
+use super::{Metric, trace};
 use answer::LEAST_FRAMES;
 pub use answer::{Analysis, CurveBeat, CurveError, Mark, State, Treatment};
 use beat::Reader;
@@ -105,7 +105,10 @@ pub fn analyse(
     }
     let half = half_window(times, &signal, &found, level, options);
     let smoothed = smooth::smooth(times, &signal, half);
+    let steep = half_of_slopes(times, &signal, &found, level, options);
+    let slopes = (steep > 0).then(|| smooth::slopes(times, &signal, steep));
     let reader = Reader {
+        slopes: slopes.as_deref(),
         times,
         signal: &signal,
         smoothed: &smoothed,
@@ -131,7 +134,9 @@ pub fn analyse(
     }
     let mut remarks = rhythm::remarks(&mut beats, stimuli.is_some());
     remarks.extend(doubts(times, values, &beats, &found, kind, rises));
-    let window_ms = half as f64 * 2.0 * median_step(times);
+    let step = median_step(times);
+    let window =
+        |half: usize| format!("{} frames, {:.1} ms", 2 * half + 1, 2.0 * half as f64 * step);
     let treatment = Treatment {
         rises,
         beats: match &stimuli {
@@ -147,10 +152,13 @@ pub fn analyse(
         } else {
             "taken off: the line from the rest before each beat to that before the next, medians of three"
         },
-        smoothing: if half == 0 {
-            "none".to_owned()
-        } else {
-            format!("local parabolas over {} frames, {window_ms:.1} ms", 2 * half + 1)
+        smoothing: match half {
+            0 => "none".to_owned(),
+            half => format!("local parabolas over {}", window(half)),
+        },
+        rates: match steep {
+            0 => "slopes between frames".to_owned(),
+            steep => format!("slopes of lines over {}", window(steep)),
         },
         noise: level,
         bad_frames: bad.iter().map(|at| at + 1).collect(),
@@ -210,6 +218,40 @@ fn half_window(
     // 3/2 / sqrt(2 half + 1) level = SMOOTH_TO usual
     let wanted = ((1.5 * level / (SMOOTH_TO * found.usual)).powi(2) - 1.0) / 2.0;
     wanted.min(width / 8.0 / step).round().max(0.0) as usize
+}
+
+/// Samples either side of the lines whose slopes are the rates: as many as bring their noise to a fiftieth of the usual
+/// rise's slope, over no more than half of that rise.
+fn half_of_slopes(
+    times: &[f64],
+    signal: &[f64],
+    found: &detect::Found,
+    level: f64,
+    options: &Options,
+) -> usize {
+    if level <= SMOOTH_TO * SMOOTH_TO * found.usual || options.smoothing_ms == Some(0.0) {
+        return 0;
+    }
+    let rough = smooth::smooth(times, signal, found.half);
+    let mut rises: Vec<f64> = found
+        .peaks
+        .iter()
+        .filter_map(|peak| {
+            let top = rough[peak.at];
+            let crossing = |part: f64| {
+                let level = top - (1.0 - part) * peak.prominence;
+                trace::last_rise_through(times, &rough, level, times[0], times[peak.at])
+            };
+            Some(crossing(0.9)? - crossing(0.1)?)
+        })
+        .collect();
+    rises.sort_by(f64::total_cmp);
+    let Some(&rise) = rises.get(rises.len() / 2) else { return 0 };
+    let step = median_step(times);
+    let slope = 0.8 * found.usual / rise.max(step);
+    // level sqrt(12 / frames^3) / step = slope / 50
+    let frames = (12.0 * (50.0 * level / (slope * step)).powi(2)).cbrt().min(0.5 * rise / step);
+    ((frames - 1.0) / 2.0).round().max(0.0) as usize
 }
 
 fn median_step(times: &[f64]) -> f64 {

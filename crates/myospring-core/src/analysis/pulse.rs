@@ -39,6 +39,8 @@ pub struct Pulse<'a> {
     start: f64,
     peak: Option<Point>,
     noise: f64,
+    /// Slopes at the times, where they are not those between neighbours.
+    slopes: Option<&'a [f64]>,
 }
 
 impl<'a> Pulse<'a> {
@@ -49,7 +51,7 @@ impl<'a> Pulse<'a> {
             Top::Sample => trace::largest(times, heights),
         };
         let peak = peak.filter(|peak| peak.value > 0.0);
-        Self { times, heights, start, peak, noise: 0.0 }
+        Self { times, heights, start, peak, noise: 0.0, slopes: None }
     }
 
     /// With a peak only where it is above this height.
@@ -62,6 +64,12 @@ impl<'a> Pulse<'a> {
     #[must_use]
     pub fn with_noise(self, noise: f64) -> Self {
         Self { noise, ..self }
+    }
+
+    /// With slopes at its times, per ms, that were read over more than two samples.
+    #[must_use]
+    pub fn with_slopes(self, slopes: Option<&'a [f64]>) -> Self {
+        Self { slopes, ..self }
     }
 
     /// When it begins, ms.
@@ -91,9 +99,13 @@ impl<'a> Pulse<'a> {
         Some(self.falls(part)? - self.rises(part)?)
     }
 
-    /// The steepest rise between two samples (`sign` 1), or fall (-1), as a positive slope per ms.
+    /// The steepest rise (`sign` 1), or fall (-1), as a positive slope per ms: between two samples, unless slopes were
+    /// given.
     pub fn fastest(&self, sign: f64) -> Option<Point> {
-        let (middles, slopes) = trace::slopes(self.times, self.heights);
+        let (middles, slopes) = match self.slopes {
+            Some(slopes) => (self.times.to_vec(), slopes.to_vec()),
+            None => trace::slopes(self.times, self.heights),
+        };
         let slopes: Vec<f64> = slopes.iter().map(|slope| sign * slope).collect();
         trace::largest(&middles, &slopes).filter(|_| self.peak.is_some())
     }

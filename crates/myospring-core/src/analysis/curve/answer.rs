@@ -145,6 +145,8 @@ pub struct Treatment {
     pub drift: &'static str,
     /// What was smoothed.
     pub smoothing: String,
+    /// How rates were read.
+    pub rates: String,
     /// Standard deviation of the noise, in the curve's unit.
     pub noise: f64,
     /// Frames that were replaced, from 1.

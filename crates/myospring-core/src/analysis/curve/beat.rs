@@ -28,6 +28,8 @@ pub(super) struct Reader<'a> {
     /// Rises in a beat; without bad frames and hum.
     pub(super) signal: &'a [f64],
     pub(super) smoothed: &'a [f64],
+    /// Slopes of `signal`, where they are not those between neighbours of `smoothed`.
+    pub(super) slopes: Option<&'a [f64]>,
     /// Of `smoothed`.
     pub(super) noise: f64,
     /// What turns `signal` into the curve's values.
@@ -280,7 +282,12 @@ impl Reader<'_> {
         let start = self.times[span.rest[0]];
         let rest = self.sign * span.rest_at.value;
         let top = if self.kind == Kind::Potential { Top::Sample } else { Top::Vertex };
-        let pulse = Pulse::new(times, &heights, start, top).with_noise(self.noise);
+        let slopes: Option<Vec<f64>> = self
+            .slopes
+            .map(|slopes| slopes[first..last].iter().map(|steep| steep - slope).collect());
+        let slopes = slopes.as_deref();
+        let pulse =
+            Pulse::new(times, &heights, start, top).with_noise(self.noise).with_slopes(slopes);
         let onset = if span.stimulus.is_some() {
             match (pulse.rises(0.1), pulse.rises(0.5)) {
                 (Some(tenth), Some(half)) => Some(tenth - 0.25 * (half - tenth)),
@@ -295,7 +302,7 @@ impl Reader<'_> {
             rest: if span.stimulus.is_some() { REST_STIMULUS } else { REST_ONSET },
         };
         let mut remarks = Vec::new();
-        let mut metrics = self.metrics(times, &heights, &pulse, &base, rest, &context);
+        let mut metrics = self.metrics([times, &heights], slopes, &pulse, &base, rest, &context);
         let state = if span.cut_at_start {
             remarks.push("the recording begins within it: its rest is unknown".to_owned());
             State::CutAtStart
@@ -344,8 +351,8 @@ impl Reader<'_> {
 
     fn metrics(
         &self,
-        times: &[f64],
-        heights: &[f64],
+        [times, heights]: [&[f64]; 2],
+        slopes: Option<&[f64]>,
         pulse: &Pulse,
         base: &dyn Fn(f64) -> f64,
         rest: f64,
@@ -354,8 +361,11 @@ impl Reader<'_> {
         match self.kind.family() {
             Family::Contraction if self.kind.is_length() => {
                 let shortening: Vec<f64> = heights.iter().map(|height| height / rest).collect();
+                let slopes: Option<Vec<f64>> =
+                    slopes.map(|slopes| slopes.iter().map(|slope| slope / rest).collect());
                 let part = Pulse::new(times, &shortening, pulse.start(), Top::Vertex)
-                    .with_noise(self.noise / rest);
+                    .with_noise(self.noise / rest)
+                    .with_slopes(slopes.as_deref());
                 contraction::of_length(&part, Some(rest), self.unit, context)
             }
             Family::Contraction => contraction::of_motion(pulse, rest, self.unit, context),

@@ -15,6 +15,23 @@ pub(super) fn smooth(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
         .collect()
 }
 
+/// Slopes of the least-squares line through each sample and `half` samples either side.
+pub(super) fn slopes(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|at| {
+            let (from, to) = (at.saturating_sub(half), (at + half).min(last));
+            let count = (to + 1 - from) as f64;
+            let mean = |list: &[f64]| list[from..=to].iter().sum::<f64>() / count;
+            let (time, value) = (mean(times), mean(values));
+            let samples = || times[from..=to].iter().zip(&values[from..=to]);
+            let both: f64 = samples().map(|(t, v)| (t - time) * (v - value)).sum();
+            let square: f64 = samples().map(|(t, _)| (t - time).powi(2)).sum();
+            if square > 0.0 { both / square } else { 0.0 }
+        })
+        .collect()
+}
+
 /// The value at a time of the parabola through the samples `from..=to`; `None` where they do not tell it.
 fn parabola(times: &[f64], values: &[f64], from: usize, to: usize, at: f64) -> Option<f64> {
     let scale = (times[to] - times[from]).max(f64::MIN_POSITIVE);
