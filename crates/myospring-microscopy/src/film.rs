@@ -7,7 +7,7 @@ mod error;
 mod order;
 mod still;
 
-pub use error::FilmError;
+pub use error::{FEWEST_FRAMES, FilmError};
 pub use order::in_natural_order;
 
 use super::picture::{Depth, Picture, Samples, Selection, StatedPixelSize};
@@ -15,9 +15,6 @@ use super::plane::Plane;
 use super::read::avi::Avi;
 use super::read::read_picture;
 use super::read::y4m::Y4m;
-
-/// Fewest frames of a film: at rest, and moved.
-pub const FEWEST_FRAMES: usize = 3;
 
 /// A film.
 #[derive(Debug, Clone)]

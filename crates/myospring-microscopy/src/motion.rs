@@ -35,7 +35,8 @@ use crate::film::Film;
 use crate::filter;
 use crate::outlines::PixelFrame;
 use crate::plane::Plane;
-use level::{Detail, Field, Level};
+use error::RATES;
+use level::{Detail, Field, Level, SMOOTHING, mask};
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::pixel_size::PixelSize;
 use rayon::ThreadPoolBuilder;
@@ -46,8 +47,6 @@ use subset::Warp;
 
 /// Half of the least and of the largest side of a subset, pixels.
 const HALVES: [usize; 2] = [8, 30];
-/// Blur before anything is compared, pixels: what single pixels do is noise, and its slopes would shorten every step.
-const SMOOTHING: f64 = 0.8;
 /// Width beside the cell that is looked at with it, um: the rim belongs to it.
 const RIM_UM: f64 = 0.6;
 /// Blur that leaves nothing of stripes, um, and at least so many pixels; the pixels of the coarse level.
@@ -171,9 +170,6 @@ pub fn follow(
     let pool = pool.map_err(|cause| MotionError::Threads { cause: cause.to_string() })?;
     pool.install(|| Follower::new(film, rest, cell, settings)?.film(goes_on))
 }
-
-/// Least and largest frame rate, frames a second: an hour between frames, and beyond the fastest cameras.
-pub(crate) const RATES: [f64; 2] = [1.0 / 3600.0, 1e6];
 
 /// What is known of the frame at rest.
 struct Follower<'a> {
@@ -449,12 +445,6 @@ impl<'a> Follower<'a> {
 fn spacing(mesh: &Mesh) -> f64 {
     let mean = || (mesh.area() / mesh.len() as f64).sqrt();
     mesh.lattice.as_ref().map_or_else(mean, |lattice| lattice.spacing)
-}
-
-/// 1 where `is` holds, else 0, for the pixels of a plane.
-fn mask(plane: &Plane, is: impl Fn(usize) -> bool) -> Plane {
-    let values = (0..plane.values().len()).map(|at| if is(at) { 1.0 } else { 0.0 }).collect();
-    Plane::new(plane.width(), plane.height(), values).unwrap_or_else(|| plane.clone())
 }
 
 /// Of many points some, at most one in each square of a grid.

@@ -17,7 +17,7 @@ fn frame(file: &Path, shortening: f64) {
         let stripes = 0.55 + 0.35 * (x * std::f64::consts::TAU / 1.9 + phase).cos();
         let uneven = 0.75 + 0.25 * (0.31 * x + 1.1 * y).sin() * (0.17 * x - 0.6 * y).cos();
         // Grains that differ from frame to frame.
-        let grain = ((column * 7919 + row * 104_729 + (1e4 * shortening) as u32 * 31) % 7) as f64;
+        let grain = f64::from((column * 7919 + row * 104_729 + (1e4 * shortening) as u32 * 31) % 7);
         (12.0 + 200.0 * edge * stripes * uneven + grain) as u8
     };
     let pixels: Vec<u8> = (0..240 * 110).map(|at| value(at % 240, at / 240)).collect();

@@ -56,7 +56,7 @@ impl CellIntegrator {
         settings: Settings,
     ) -> Result<Self, SolveError> {
         let state = model.initial_state();
-        Self::starting_from(model, state, protocol, settings)
+        Self::starting_from(model, &state, protocol, settings)
     }
 
     /// As [`CellIntegrator::new`], in another state at 0 ms; in the order of the model's states.
@@ -65,7 +65,7 @@ impl CellIntegrator {
     /// Besides, a state with another number of values, or one that is not finite.
     pub fn starting_from(
         model: Arc<dyn CellModel>,
-        state: Vec<f64>,
+        state: &[f64],
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
@@ -73,7 +73,7 @@ impl CellIntegrator {
         if found != expected || state.iter().any(|value| !value.is_finite()) {
             return Err(SolveError::StartState { model: model.name().to_owned(), found, expected });
         }
-        Ok(Self { steps: Steps::starting_from(&*model, &state, protocol, settings)?, model })
+        Ok(Self { steps: Steps::starting_from(&*model, state, protocol, settings)?, model })
     }
 
     /// Time reached, ms.

@@ -95,7 +95,7 @@ impl ByTriangle {
     ) -> Result<Self, SolveError> {
         let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
         let one = |protocol: Protocol| {
-            CellIntegrator::starting_from(Arc::clone(&model), state.clone(), protocol, settings)
+            CellIntegrator::starting_from(Arc::clone(&model), &state, protocol, settings)
         };
         let longer = one(Protocol::rest())?;
         let kept: Vec<CellIntegrator> =

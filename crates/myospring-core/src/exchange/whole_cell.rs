@@ -55,7 +55,7 @@ impl WholeCell {
         let feels_stretch = model.feels_stretch();
         let stimulus_times_ms = protocol.stimulus_times().collect();
         let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
-        let kept = CellIntegrator::starting_from(model, state, protocol, settings)?;
+        let kept = CellIntegrator::starting_from(model, &state, protocol, settings)?;
         Ok(Self {
             moved: kept.clone(),
             kept,

@@ -1,7 +1,9 @@
 //! Why bytes are not a film, or a frame is not one.
 
-use super::FEWEST_FRAMES;
 use crate::read::PictureError;
+
+/// Fewest frames of a film: at rest, and moved.
+pub const FEWEST_FRAMES: usize = 3;
 
 /// Why bytes are not a film, or a frame is not one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! One frame as a TIFF.
 
-use super::FilmError;
+use super::error::FilmError;
 use crate::plane::Plane;
 use crate::read::PictureError;
 use myospring_core::mesh::pixel_size::PixelSize;

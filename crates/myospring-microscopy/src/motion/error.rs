@@ -1,7 +1,9 @@
 //! Why a cell is not followed.
 
-use super::RATES;
 use crate::film::FilmError;
+
+/// Least and largest frame rate, frames a second: an hour between frames, and beyond the fastest cameras.
+pub(crate) const RATES: [f64; 2] = [1.0 / 3600.0, 1e6];
 
 /// Why a cell is not followed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

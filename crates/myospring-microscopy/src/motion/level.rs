@@ -7,6 +7,9 @@ use crate::filter;
 use crate::plane::Plane;
 use rayon::prelude::*;
 
+/// Blur before anything is compared, pixels: what single pixels do is noise, and its slopes would shorten every step.
+pub(super) const SMOOTHING: f64 = 0.8;
+
 /// Rounds in which points that do not agree with their neighbours are looked for anew from where these would have them.
 const ROUNDS: usize = 6;
 /// Least correlation, as a part of that which noise would leave, and in any case: chance alone gives less.
@@ -294,4 +297,10 @@ impl Detail {
 fn look(plane: &Plane, Detail { factor, blur, .. }: Detail) -> Spline {
     let blurred = if blur > 0.0 { &filter::gaussian(plane, blur) } else { plane };
     if factor > 1 { Spline::of(&filter::coarse(blurred, factor)) } else { Spline::of(blurred) }
+}
+
+/// 1 where `is` holds, else 0, for the pixels of a plane.
+pub(super) fn mask(plane: &Plane, is: impl Fn(usize) -> bool) -> Plane {
+    let values = (0..plane.values().len()).map(|at| if is(at) { 1.0 } else { 0.0 }).collect();
+    Plane::new(plane.width(), plane.height(), values).unwrap_or_else(|| plane.clone())
 }

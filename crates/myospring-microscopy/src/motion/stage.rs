@@ -1,10 +1,9 @@
 //! The motion of the stage: what the background does, where it has a texture.
 
-use super::level::{Detail, Level};
+use super::level::{Detail, Level, SMOOTHING, mask};
 use super::neighbours::median;
 use super::spline::Spline;
 use super::subset::Warp;
-use super::{SMOOTHING, mask};
 use crate::filter;
 use crate::plane::Plane;
 
