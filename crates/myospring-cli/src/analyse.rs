@@ -1,7 +1,7 @@
 //! `myospring analyse`.
 
 mod files;
-mod table;
+pub(crate) mod table;
 mod words;
 
 use crate::args::AnalyseArgs;
@@ -33,8 +33,8 @@ impl Read {
 }
 
 pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
-    let options = table::options(&args.table)?;
-    let beats = table::Beats::of(args)?;
+    let options = table::options(&args.table, args.pixel_size.as_deref())?;
+    let beats = table::Beats::of(&args.stimuli, args.smooth.as_deref(), args.keep_drift)?;
     let (mut all, mut notes) = (Vec::new(), Vec::new());
     for path in &args.inputs {
         let table = measured::read(path, &options).map_err(Failure::new)?;

@@ -22,6 +22,7 @@ const CELL: &str = "Cell model and stimulus";
 const NUMERICS: &str = "Numerics";
 const FILM: &str = "Film";
 const BEATS: &str = "Beats";
+const FIT: &str = "Fit";
 const TABLE: &str = "Table";
 pub(crate) const OUTPUT: &str = "Output";
 
@@ -37,6 +38,7 @@ pub(crate) const OUTPUT: &str = "Output";
         myospring track film.avi --pixel-size \"0.2 um\"   follow the cell of a film\n  \
         myospring batch pictures                          beat the cells of a whole folder\n  \
         myospring analyse cell.csv                        measure the beats of a curve\n  \
+        myospring fit cell.tif --to cell.csv              find that cell's own parameters\n  \
         myospring compare results/a results/b             lay two results side by side\n  \
         myospring init beat.toml && myospring run beat.toml\n  \
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
@@ -67,6 +69,8 @@ pub(crate) enum Command {
     Batch(Box<BatchArgs>),
     /// Beats of measured curves: every metric, beat by beat, and where it was read
     Analyse(Box<AnalyseArgs>),
+    /// A cell's own parameters from its measured curve, and how sure they are
+    Fit(Box<FitArgs>),
     /// Lay runs side by side: curves, cells and a table of differences; factors and doses
     Compare(Box<CompareArgs>),
     /// Many runs that differ in numbers: sensitivity analyses and populations
@@ -226,16 +230,11 @@ pub(crate) struct AnalyseArgs {
     pub(crate) inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) table: TableArgs,
-    /// When stimuli fell, on the clock of the table ("100 ms, 1.1 s"); a number alone is ms
-    #[arg(long, value_name = "TIMES", value_delimiter = ',', allow_hyphen_values = true,
-          conflicts_with = "stimulus_period", help_heading = BEATS)]
-    pub(crate) stimulus_times: Vec<String>,
-    /// Stimuli at regular intervals ("1 s") from --stimulus-start on
-    #[arg(long, value_name = "TIME", help_heading = BEATS)]
-    pub(crate) stimulus_period: Option<String>,
-    /// The first of them, on the clock of the table ("200 ms") [default: the first frame]
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "stimulus_period", help_heading = BEATS)]
-    pub(crate) stimulus_start: Option<String>,
+    /// Size of a pixel ("0.27 um"): lengths in pixels become um
+    #[arg(long, value_name = "LENGTH", help_heading = TABLE)]
+    pub(crate) pixel_size: Option<String>,
+    #[command(flatten)]
+    pub(crate) stimuli: StimulusArgs,
     /// Half of the window of local parabolas ("5 ms"), 0 for none [default: by the noise]
     #[arg(long, value_name = "TIME", help_heading = BEATS)]
     pub(crate) smooth: Option<String>,
@@ -244,6 +243,28 @@ pub(crate) struct AnalyseArgs {
     pub(crate) keep_drift: bool,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+}
+
+/// When stimuli of a measured curve fell.
+#[derive(Debug, Args)]
+#[command(next_help_heading = BEATS)]
+#[allow(clippy::struct_field_names, reason = "the names are those of the options")]
+pub(crate) struct StimulusArgs {
+    /// When stimuli fell, on the clock of the table ("100 ms, 1.1 s"); a number alone is ms
+    #[arg(
+        long,
+        value_name = "TIMES",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        conflicts_with = "stimulus_period"
+    )]
+    pub(crate) stimulus_times: Vec<String>,
+    /// Stimuli at regular intervals ("1 s") from --stimulus-start on
+    #[arg(long, value_name = "TIME")]
+    pub(crate) stimulus_period: Option<String>,
+    /// The first of them, on the clock of the table ("200 ms") [default: the first frame]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "stimulus_period")]
+    pub(crate) stimulus_start: Option<String>,
 }
 
 /// How tables of measured curves are read.
@@ -270,9 +291,6 @@ pub(crate) struct TableArgs {
     /// Frames a second, where there are no times
     #[arg(long, value_name = "PER_SECOND")]
     pub(crate) frame_rate: Option<String>,
-    /// Size of a pixel ("0.27 um"): lengths in pixels become um
-    #[arg(long, value_name = "LENGTH")]
-    pub(crate) pixel_size: Option<String>,
     /// What parts fields: comma, semicolon, tab or space [default: found]
     #[arg(long, value_name = "WORD", value_parser = ["comma", "semicolon", "tab", "space"])]
     pub(crate) delimiter: Option<String>,
@@ -288,6 +306,62 @@ pub(crate) struct TableArgs {
     /// One curve for each file, the mean of all
     #[arg(long)]
     pub(crate) mean: bool,
+}
+
+/// `myospring fit`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring fit --to cell.csv                                     the built-in cell's shape\n  \
+    myospring fit cell.tif --pixel-size \"0.27 um\" --to cell.csv     the cell of a picture\n  \
+    myospring fit --to lengths.txt --frame-rate 250 --kind length --unit um --stimulus-times \"50 ms\"\n  \
+    myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns: look at their intervals\n  \
+    myospring fit --to cell.csv --model land_2017 --fix k_ws\n  \
+    myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30     follows the cell of a film, and fits to that\n  \
+    myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     stiffness and tension both\n\n\
+    A curve of a free cell tells tension over stiffness, not either; what else it does not tell is said. Delays and the\n\
+    length at rest are always sought. Several curves (columns, files) are several cells.\n\n\
+    Results: fit.json (every number with its unit, 95 % interval, profile and verdict), curve.csv (measured, fitted,\n\
+    left), run.toml (what `myospring run` repeats the beat with), figures/fit (SVG and PNG), report.html; of several\n\
+    cells fits.csv, a row each, and these in cells/N.\n\
+    Exit codes: 0 done, 1 a cell of several could not be fitted, 2 bad input or usage.")]
+pub(crate) struct FitArgs {
+    /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml) of the cell;
+    /// without it, the cell of the film, or the built-in adult ventricular cell
+    #[arg(value_name = "PICTURE|OUTLINE|RUN.toml|FILM")]
+    pub(crate) input: Option<PathBuf>,
+    /// Measured curves (.csv, .txt, .tsv): length, sarcomere length, shortening or another motion; several columns or
+    /// files are several cells. Or a film, whose cell is followed [default: the film that was given as a picture]
+    #[arg(long, value_name = "TRACE|FILM", num_args = 1.., help_heading = FIT)]
+    pub(crate) to: Vec<PathBuf>,
+    /// A curve of the same cell between two springs, such as carbon fibres, each this stiff ("100 nN/um=fibres.csv");
+    /// may be given several times
+    #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
+    pub(crate) loaded: Vec<String>,
+    /// What is sought beside delays and the length at rest: `tension_over_stiffness`, `young_modulus` (with --loaded), or
+    /// parameters of the cell model [default: what a curve tells: `tension_over_stiffness` with `c_0` or `k_ws`]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
+    pub(crate) free: Vec<String>,
+    /// What is not sought of these
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
+    pub(crate) fix: Vec<String>,
+    /// Where something is sought, in its unit (`c_0=0.01:0.05`); may be given several times [default: factors of 4
+    /// either way]
+    #[arg(long, value_name = "NAME=LOW:HIGH", help_heading = FIT)]
+    pub(crate) bounds: Vec<String>,
+    /// Starts; the equations have thresholds, which make local minima
+    #[arg(long, value_name = "N", default_value = "8", help_heading = FIT)]
+    pub(crate) starts: NonZeroUsize,
+    /// Number that decides the starts
+    #[arg(long, value_name = "N", default_value = "1", help_heading = FIT)]
+    pub(crate) fit_seed: u64,
+    #[command(flatten)]
+    pub(crate) stimuli: StimulusArgs,
+    #[command(flatten)]
+    pub(crate) table: TableArgs,
+    #[command(flatten)]
+    pub(crate) settings: Settings<Beat>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
 }
 
 /// `myospring mesh`.

@@ -12,6 +12,7 @@ mod exit;
 mod failure;
 mod fibres;
 mod film;
+mod fit;
 mod input;
 mod interrupt;
 mod lists;
@@ -77,6 +78,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         Some(Command::Track(args)) => track::track(args),
         Some(Command::Batch(args)) => batch::batch(args),
         Some(Command::Analyse(args)) => analyse::analyse(args),
+        Some(Command::Fit(args)) => fit::fit(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Study(args)) => study::study(args),
         Some(Command::Mesh(args)) => mesh::mesh(args),

@@ -219,7 +219,7 @@ fn is_ours(name: &str) -> bool {
 
 /// Names of the files that commands write to a folder of results; `*` stands for anything.
 fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 30] = [
+    const FILES: [&str; 43] = [
         "traces.csv",
         fibres::FILE,
         "summary.json",
@@ -240,6 +240,19 @@ fn ours() -> impl Iterator<Item = &'static str> {
         "comparison.json",
         "metrics.csv",
         "summary.csv",
+        "fit.json",
+        "track/track.csv",
+        "track/rest.tif",
+        "track/outline.geojson",
+        "fits.csv",
+        "curve.csv",
+        "report.html",
+        "figures/fit.*",
+        "cells/*/fit.json",
+        "cells/*/curve.csv",
+        "cells/*/run.toml",
+        "cells/*/report.html",
+        "figures/fit_*.*",
         "figures/trace_*.*",
         "runs/run_*.toml",
         "runs/traces_*.csv",

@@ -1,9 +1,9 @@
 //! `myospring track`.
 
-mod follow;
+pub(crate) mod follow;
 mod open;
 mod outputs;
-mod report;
+pub(crate) mod report;
 
 pub(crate) use outputs::{DEFAULT, words};
 

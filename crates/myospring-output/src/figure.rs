@@ -36,6 +36,7 @@ mod compared;
 mod drawing;
 pub(crate) mod facets;
 mod film;
+mod fit;
 mod font;
 mod lattice;
 mod measured;
@@ -59,6 +60,7 @@ pub use cell::Cell;
 pub use compared::{Compared, Rings, compared};
 pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{FRAMES_PER_SECOND, Film, Still};
+pub use fit::{FittedCurve, LikelihoodProfile, fit};
 pub use lattice::mesh;
 pub use measured::{Measured, measured};
 pub use members::{

@@ -21,4 +21,4 @@ mod photograph;
 mod template;
 
 pub use given::{Difference, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph};
-pub use html::html;
+pub use html::{for_markup, html};

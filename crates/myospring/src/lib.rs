@@ -68,6 +68,8 @@ pub use myospring_output as output;
 
 #[cfg(feature = "run-file")]
 pub mod compare;
+#[cfg(feature = "study")]
+pub mod fit;
 #[cfg(feature = "run-file")]
 pub mod measured;
 #[cfg(feature = "run-file")]

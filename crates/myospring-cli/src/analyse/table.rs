@@ -1,13 +1,13 @@
 //! Options of the command line to those of the library.
 
-use crate::args::{AnalyseArgs, TableArgs};
+use crate::args::{StimulusArgs, TableArgs};
 use crate::failure::Failure;
 use myospring::analysis::curve::Options;
 use myospring::measured::{Column, Curve, Kind, Layout, Options as Table};
 use myospring::units::{self, Dimension};
 
 /// How tables are read.
-pub(crate) fn options(args: &TableArgs) -> Result<Table, Failure> {
+pub(crate) fn options(args: &TableArgs, pixel_size: Option<&str>) -> Result<Table, Failure> {
     let kind = args.kind.as_deref().map(|word| {
         Kind::of_word(word).ok_or_else(|| {
             let words: Vec<&str> = Kind::ALL.iter().map(|kind| kind.word()).collect();
@@ -15,7 +15,7 @@ pub(crate) fn options(args: &TableArgs) -> Result<Table, Failure> {
                 .advise(format!("one of {}", words.join(", ")))
         })
     });
-    let pixel = args.pixel_size.as_deref().map(|text| {
+    let pixel = pixel_size.map(|text| {
         let size = quantity("--pixel-size", text, Dimension::Length)?;
         if size > 0.0 {
             return Ok(size);
@@ -50,7 +50,7 @@ pub(crate) fn options(args: &TableArgs) -> Result<Table, Failure> {
 }
 
 /// `250`, `250 /s`, `250 Hz`, `250 fps`.
-fn frame_rate(text: &str) -> Result<f64, Failure> {
+pub(crate) fn frame_rate(text: &str) -> Result<f64, Failure> {
     let number = text.trim().trim_end_matches("fps").trim();
     if let Ok(rate) = number.parse::<f64>() {
         return Ok(rate);
@@ -67,7 +67,7 @@ fn time(option: &str, text: &str) -> Result<f64, Failure> {
     }
 }
 
-fn quantity(option: &str, text: &str, dimension: Dimension) -> Result<f64, Failure> {
+pub(crate) fn quantity(option: &str, text: &str, dimension: Dimension) -> Result<f64, Failure> {
     units::parse(text, dimension).map_err(|error| Failure::new(format!("{option}: {error}")))
 }
 
@@ -81,27 +81,31 @@ pub(crate) struct Beats {
 }
 
 impl Beats {
-    pub(crate) fn of(args: &AnalyseArgs) -> Result<Self, Failure> {
-        let of = |option: &'static str, text: &Option<String>| {
-            text.as_deref().map(|text| time(option, text)).transpose()
+    pub(crate) fn of(
+        stimuli: &StimulusArgs,
+        smooth: Option<&str>,
+        keep_drift: bool,
+    ) -> Result<Self, Failure> {
+        let of = |option: &'static str, text: Option<&str>| {
+            text.map(|text| time(option, text)).transpose()
         };
-        let times = args.stimulus_times.iter().map(|text| time("--stimulus-times", text));
-        let period_ms = of("--stimulus-period", &args.stimulus_period)?;
+        let times = stimuli.stimulus_times.iter().map(|text| time("--stimulus-times", text));
+        let period_ms = of("--stimulus-period", stimuli.stimulus_period.as_deref())?;
         if let Some(period) = period_ms.filter(|period| *period <= 0.0) {
             return Err(Failure::new(format!(
                 "--stimulus-period is {period} ms; it must be above 0"
             )));
         }
-        let smoothing_ms = of("--smooth", &args.smooth)?;
+        let smoothing_ms = of("--smooth", smooth)?;
         if let Some(smooth) = smoothing_ms.filter(|smooth| *smooth < 0.0) {
             return Err(Failure::new(format!("--smooth is {smooth} ms; it must not be negative")));
         }
         Ok(Self {
             stimuli_ms: times.collect::<Result<_, _>>()?,
             period_ms,
-            start_ms: of("--stimulus-start", &args.stimulus_start)?,
+            start_ms: of("--stimulus-start", stimuli.stimulus_start.as_deref())?,
             smoothing_ms,
-            keep_drift: args.keep_drift,
+            keep_drift,
         })
     }
 

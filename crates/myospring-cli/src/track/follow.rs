@@ -37,6 +37,11 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
+    /// Usual subsets, the frame at rest as it is found.
+    pub(crate) fn new(overrides: Vec<Given>, frame_rate: Option<f64>) -> Self {
+        Self { overrides, frame_rate, subset_um: Settings::SUBSET_UM, rest: None, threads: None }
+    }
+
     pub(crate) fn of(args: &TrackArgs) -> Result<Self, Failure> {
         let frame_rate = args.frame_rate.as_deref().map(rate).transpose()?;
         let subset_um = match &args.subset {

@@ -19,7 +19,7 @@ const LONGER: f64 = 0.5;
 
 /// `track.json`.
 #[derive(Serialize)]
-pub(super) struct Report<'a> {
+pub(crate) struct Report<'a> {
     program: &'static str,
     version: &'static str,
     film: String,
@@ -52,14 +52,14 @@ pub(super) struct Report<'a> {
     rest_picture_sha256: String,
     cell: Option<&'a ShapeReport>,
     fibres: FibreReport,
-    pub(super) warnings: Vec<String>,
+    pub(crate) warnings: Vec<String>,
     /// A row a frame: `track.csv`.
     #[serde(skip)]
-    pub(super) rows: Vec<TrackRow>,
+    pub(crate) rows: Vec<TrackRow>,
 }
 
 impl<'a> Report<'a> {
-    pub(super) fn of(path: &Path, followed: &'a Followed) -> Self {
+    pub(crate) fn of(path: &Path, followed: &'a Followed) -> Self {
         let Followed { film, motion, shaped, fibres, .. } = followed;
         let rows = rows(motion);
         let rest = motion.rest - motion.first;

@@ -4,6 +4,7 @@
 
 mod analyse;
 mod compare;
+mod fit;
 mod outputs;
 mod track;
 

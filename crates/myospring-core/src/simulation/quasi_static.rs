@@ -26,6 +26,10 @@ use std::sync::Arc;
 /// Intervals at whose ends a load step is measured.
 const PARTS: usize = 8;
 
+/// Where a path to a shortening looks first, kPa, and where it gives up: no cell pulls as hard.
+const FIRST_TENSION: f64 = 1.0;
+const LARGEST_TENSION: f64 = 1e5;
+
 /// Part of the tension by which a path is solved in advance: a beat's peak differs from the reference
 /// beat's by some 1e-4, a train of beats may go on rising.
 const MARGIN: f64 = 1e-3;
@@ -126,6 +130,46 @@ impl Simulation {
         let mut path = Path::start(&assembly.system, &assembly.body, tolerance)?;
         for &tension in tensions {
             path.extend(tension)?;
+        }
+        let curve = Curve::along(&path, &self.mesh, &assembly);
+        Ok(Equilibria { shapes: path.into_shapes(), curve, held_length: assembly.held_length })
+    }
+
+    /// As [`Simulation::equilibria`], up to the tension at which the cell is shorter by a part of its resting length,
+    /// or as far as its path goes.
+    ///
+    /// # Errors
+    /// Forces for which there is no path of equilibria.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::integrate::quasi_static::Tolerance;
+    /// use myospring::mesh::lattice;
+    /// use myospring::simulation::Simulation;
+    ///
+    /// let simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
+    /// let equilibria = simulation.equilibria_to(0.2, Tolerance::default())?;
+    /// let [_, highest] = equilibria.shapes.range();
+    /// assert!(equilibria.follow(&[[0.0, highest]])?[0].shortening_pct > 20.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn equilibria_to(
+        &self,
+        shortening: f64,
+        tolerance: Tolerance,
+    ) -> Result<Equilibria, SetupError> {
+        self.check()?;
+        let assembly = self.assembled_at_rest()?;
+        let Assembly { system, body, meter, held_length, .. } = &assembly;
+        let mut path = Path::start(system, body, tolerance)?;
+        let mut tension = FIRST_TENSION;
+        let enough = |path: &Path<'_>| {
+            let [_, highest] = path.range();
+            let shape = path.positions(highest);
+            shape.is_none_or(|shape| 1.0 - meter.measure(&shape).length / held_length >= shortening)
+        };
+        while tension < LARGEST_TENSION && path.extend(tension).is_ok() && !enough(&path) {
+            tension *= 2.0;
         }
         let curve = Curve::along(&path, &self.mesh, &assembly);
         Ok(Equilibria { shapes: path.into_shapes(), curve, held_length: assembly.held_length })

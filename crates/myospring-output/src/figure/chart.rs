@@ -163,9 +163,7 @@ impl Chart {
         let bottom = top + height;
         self.draw_behind(sheet);
         self.draw_axes(sheet);
-        for curve in &self.curves {
-            self.draw_curve(sheet, curve);
-        }
+        self.draw_curves(sheet);
         let middle = Style::new(LABEL).anchor(Anchor::Middle);
         if self.y.labelled {
             let place = [left - label_offset, top + height / 2.0];
@@ -213,6 +211,13 @@ impl Chart {
             }
         }
         sheet.path(axes, Stroke::new(INK, AXIS_WIDTH));
+    }
+
+    /// The curves alone, for a chart that has been drawn.
+    pub(super) fn draw_curves(&self, sheet: &mut Sheet) {
+        for curve in &self.curves {
+            self.draw_curve(sheet, curve);
+        }
     }
 
     /// Lines between neighbouring points, dots for those that stand alone.

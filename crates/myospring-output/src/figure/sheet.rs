@@ -274,6 +274,11 @@ impl Sheet {
         self.elements.push(Element::Circle { centre, radius: 3.0, look });
     }
 
+    /// A small round mark, one of many.
+    pub(super) fn point(&mut self, centre: [f64; 2], radius: f64, colour: Colour) {
+        self.elements.push(Element::Circle { centre, radius, look: Look::fill(colour) });
+    }
+
     pub(super) fn text(&mut self, at: [f64; 2], text: &str, style: Style) {
         if !text.is_empty() {
             self.elements.push(Element::Text { at, text: text.to_owned(), style });

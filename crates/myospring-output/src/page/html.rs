@@ -73,7 +73,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
 }
 
 /// Text in an element or an attribute.
-fn for_markup(text: &str) -> String {
+pub fn for_markup(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -30,6 +30,7 @@ const PEAK_TENSION: f64 = 50.0;
 const AFTER_LAST_STIMULUS: f64 = 550.0;
 
 /// A run ready to be meshed and simulated.
+#[derive(Clone)]
 pub struct Run {
     /// Title, for people; may be empty.
     pub title: String,

@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod fit;
 
 use myospring::analysis::curve::{self, CurveBeat, State};
 use myospring::analysis::value;

@@ -1,0 +1,95 @@
+//! Fits in words.
+
+use super::Cell;
+use crate::table::{aligned, number};
+use myospring::fit::{Estimate, Fit};
+use std::fmt::Write as _;
+
+/// What is printed.
+pub(super) fn for_people(cells: &[Cell]) -> String {
+    match cells {
+        [Cell { found: Ok(fit), .. }] => one(fit),
+        cells => several(cells),
+    }
+}
+
+/// Every estimate, its interval, what its profile says.
+pub(super) fn table(fit: &Fit) -> Vec<[String; 4]> {
+    let row = |estimate: &Estimate| {
+        [
+            estimate.name.clone(),
+            with_unit(precise(estimate.value, estimate), &estimate.unit),
+            interval(estimate),
+            estimate.verdict.words().to_owned(),
+        ]
+    };
+    fit.estimates.iter().map(row).collect()
+}
+
+fn one(fit: &Fit) -> String {
+    let mut rows = vec![["", "value", "95 % interval", ""].map(str::to_owned).to_vec()];
+    rows.extend(table(fit).into_iter().map(|row| row.to_vec()));
+    let mut text = aligned(&rows, &[]);
+    for curve in &fit.curves {
+        let _ = write!(
+            text,
+            "\n{}: {} left of {} frames, noise {} {}",
+            curve.name,
+            with_unit(number(curve.residual), &curve.unit),
+            curve.used.iter().filter(|used| **used).count(),
+            number(curve.noise),
+            curve.unit
+        );
+    }
+    text
+}
+
+fn several(cells: &[Cell]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for (_, fit) in super::fits(cells) {
+        for estimate in &fit.estimates {
+            if !names.contains(&estimate.name.as_str()) {
+                names.push(&estimate.name);
+            }
+        }
+    }
+    let mut head = vec!["cell".to_owned()];
+    head.extend(names.iter().map(|name| (*name).to_owned()));
+    let mut rows = vec![head];
+    for cell in cells {
+        let mut row = vec![cell.name.clone()];
+        match &cell.found {
+            Ok(fit) => row.extend(names.iter().map(|name| {
+                fit.estimate(name)
+                    .map_or_else(String::new, |estimate| precise(estimate.value, estimate))
+            })),
+            Err(why) => row.push(format!("not fitted: {why}")),
+        }
+        rows.push(row);
+    }
+    aligned(&rows, &[])
+}
+
+fn interval(estimate: &Estimate) -> String {
+    let end = |end: f64| precise(end, estimate);
+    match estimate.interval {
+        [Some(low), Some(high)] => format!("{} to {}", end(low), end(high)),
+        [Some(low), None] => format!("from {}", end(low)),
+        [None, Some(high)] => format!("up to {}", end(high)),
+        [None, None] => "any".to_owned(),
+    }
+}
+
+/// As many digits as the interval is worth, and one more.
+fn precise(value: f64, estimate: &Estimate) -> String {
+    let width = match estimate.interval {
+        [Some(low), Some(high)] if high > low => high - low,
+        _ => value.abs(),
+    };
+    let digits = (1.0 - width.max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
+}
+
+pub(super) fn with_unit(text: String, unit: &str) -> String {
+    if unit.is_empty() { text } else { format!("{text} {unit}") }
+}

@@ -1,0 +1,114 @@
+//! `myospring fit`: a cell's own parameters from its curve.
+
+use super::{json, myospring, names, stderr, stdout};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+/// A coarse mesh: quick, and still a cell.
+const SPACING: [&str; 2] = ["--spacing", "4 um"];
+
+/// Evenly in [0, 1), the same on every machine (`SplitMix64`).
+fn scattered(number: usize) -> f64 {
+    let mut bits = (number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// The length of the built-in cell at 40 kPa, 250 frames a second, with noise that repeats; `columns` times.
+fn measured(folder: &Path, columns: usize) {
+    let beat = ["run", "--quiet", "--integrator", "quasi-static", "--peak-tension", "40 kPa"];
+    let rest = ["--outputs", "none", "--output", "truth"];
+    let output = myospring(folder, &[&beat[..], &SPACING, &rest].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let traces = fs::read_to_string(folder.join("truth/traces.csv")).unwrap();
+    let mut lines = traces.lines();
+    let place = lines.next().unwrap().split(',').position(|name| name == "length_um").unwrap();
+    let mut text = "t_ms".to_owned();
+    (0..columns).for_each(|column| write!(text, ",length {column} (um)").unwrap());
+    for (frame, line) in lines.step_by(8).enumerate() {
+        let fields: Vec<f64> =
+            line.split(',').map(|field| field.parse().unwrap_or(f64::NAN)).collect();
+        write!(text, "\n{}", fields[0]).unwrap();
+        for column in 0..columns {
+            let noise = 0.2 * scattered(frame * columns + column) - 0.1;
+            // The last of several does not beat.
+            let length = if columns > 1 && column + 1 == columns { 140.0 } else { fields[place] };
+            write!(text, ",{:.4}", length + noise).unwrap();
+        }
+    }
+    fs::write(folder.join("cell.csv"), text).unwrap();
+}
+
+#[test]
+fn a_curve_gives_numbers_with_intervals_a_figure_and_a_run_that_repeats_it() {
+    let folder = tempfile::tempdir().unwrap();
+    measured(folder.path(), 1);
+    let arguments = [&["fit", "--to", "cell.csv"][..], &SPACING].concat();
+    let output = myospring(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("tension_over_stiffness") && text.contains("95 % interval"), "{text}");
+    // What a length alone does not tell is said.
+    assert!(stderr(&output).contains("not either"), "{}", stderr(&output));
+    let results = folder.path().join("results/cell_fit");
+    assert_eq!(names(&results), ["curve.csv", "figures", "fit.json", "report.html", "run.toml"]);
+    assert_eq!(names(&results.join("figures")), ["fit.png", "fit.svg"]);
+    let record: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(results.join("fit.json")).unwrap()).unwrap();
+    let ratio = record["estimates"][0]["value"].as_f64().unwrap();
+    assert!((ratio / (40.0 / 308.0) - 1.0).abs() < 0.01, "{ratio}");
+    assert_eq!(record["estimates"][0]["verdict"], "determined");
+
+    let shortening = |arguments: &[&str]| {
+        let common = ["--json", "--quiet", "--outputs", "none", "--output", "again", "--force"];
+        let record = json(&myospring(folder.path(), &[&["run"], arguments, &common].concat()));
+        let metrics = record["beats"][0]["contraction"].as_array().unwrap();
+        let peak = metrics.iter().find(|metric| metric["name"] == "peak_shortening").unwrap();
+        peak["value"].as_f64().unwrap()
+    };
+    let truth = ["--integrator", "quasi-static", "--peak-tension", "40 kPa"];
+    let off =
+        shortening(&["results/cell_fit/run.toml"]) - shortening(&[&truth[..], &SPACING].concat());
+    assert!(off.abs() < 0.1, "{off} percentage points");
+}
+
+#[test]
+fn several_columns_are_several_cells_and_one_that_cannot_be_fitted_is_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    measured(folder.path(), 3);
+    let arguments =
+        [&["fit", "--to", "cell.csv", "--quiet", "--starts", "2"][..], &SPACING].concat();
+    let output = myospring(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let results = folder.path().join("results/cell_fits");
+    assert_eq!(names(&results.join("cells")), ["1", "2"]);
+    let rows = fs::read_to_string(results.join("fits.csv")).unwrap();
+    let statuses: Vec<bool> = rows.lines().skip(1).map(|row| row.contains(",ok,")).collect();
+    assert_eq!(statuses, [true, true, false], "{rows}");
+    assert!(rows.lines().next().unwrap().contains("c_0_from_1_per_ms"), "{rows}");
+}
+
+#[test]
+fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
+    let folder = tempfile::tempdir().unwrap();
+    measured(folder.path(), 1);
+    let said = |more: &[&str]| {
+        let output = myospring(folder.path(), &[&["fit", "--to", "cell.csv"], more].concat());
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {}", stdout(&output));
+        stderr(&output)
+    };
+    assert!(said(&["--free", "tau_zz"]).contains("coelho_2021 has no such parameter"));
+    assert!(said(&["--fix", "x_3"]).contains("sought are tension_over_stiffness, c_0"));
+    assert!(said(&["--bounds", "c_0=3:1"]).contains("must be above 0 and ascend"));
+    assert!(said(&["--bounds", "c_0"]).contains("--bounds c_0=0.01:0.05"));
+    assert!(said(&["--support", "clamped-ends"]).contains("its ends are held"));
+    assert!(said(&["--loaded", "cell.csv"]).contains("100 nN/um=fibres.csv"));
+    let still: String =
+        (0..99).fold("t_ms,length_um".to_owned(), |text, t| text + &format!("\n{t},100"));
+    fs::write(folder.path().join("cell.csv"), still).unwrap();
+    assert!(said(&[]).contains("there is no beat"));
+    let results = folder.path().join("results");
+    assert!(!results.exists() || names(&results).is_empty(), "nothing is left behind");
+}

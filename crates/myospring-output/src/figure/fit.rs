@@ -1,0 +1,255 @@
+//! A fit: measured and fitted curve, what is left of it, and how sure its numbers are.
+
+use super::chart::{Axis, Chart, Curve};
+use super::sheet::{Anchor, Sheet, Stroke, Style};
+use super::theme::{Colour, DOUBLE, HAIR, INK, LETTER, MUTED, SHORTENING, TENSION, TICK};
+use super::{Figure, FigureError};
+
+/// Heights of the plots, px.
+const OVERLAY: f64 = 150.0;
+const RESIDUAL: f64 = 56.0;
+const PROFILE: f64 = 74.0;
+/// Below a plot with its own time axis, and between curve and residual, px.
+const UNDER: f64 = 46.0;
+const BETWEEN: f64 = 14.0;
+/// Profiles beside each other, and between them, px.
+const BESIDE: usize = 4;
+const GAP: f64 = 20.0;
+/// Rise of chi squared at the ends of a 95 % interval.
+const OF_95_PERCENT: f64 = 3.841_458_820_694_124;
+/// Rise up to which a profile is drawn.
+const HIGHEST: f64 = 8.0;
+/// What was measured.
+const MEASURED: Colour = Colour(0x4d4d4d);
+
+/// A measured curve with the fitted one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedCurve {
+    /// What is measured, with its unit.
+    pub label: String,
+    /// Its unit alone, for what is left.
+    pub unit: String,
+    /// Times, ms.
+    pub times_ms: Vec<f64>,
+    /// What was measured.
+    pub measured: Vec<f64>,
+    /// What was fitted to it.
+    pub fitted: Vec<f64>,
+    /// Frames that counted; the others are drawn hollow.
+    pub used: Vec<bool>,
+    /// Standard deviation of the noise.
+    pub noise: f64,
+    /// Stimuli, ms.
+    pub stimuli_ms: Vec<f64>,
+}
+
+/// The likelihood of one number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LikelihoodProfile {
+    /// The number, with its unit.
+    pub label: String,
+    /// The most likely value.
+    pub value: f64,
+    /// Ends of its 95 % interval, where it has them.
+    pub interval: [Option<f64>; 2],
+    /// Value and rise of chi squared.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Curves with what is left of them, and below the profiles.
+///
+/// Width: two columns, 178 mm.
+///
+/// # Errors
+/// No curve, or one without a finite frame.
+pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Figure, FigureError> {
+    if curves.is_empty() {
+        return Err(FigureError::Nothing { what: "fitted curves" });
+    }
+    let mut charts: Vec<(Chart, Chart)> = Vec::new();
+    let mut top = 18.0;
+    for curve in curves {
+        charts.push(pair(curve, top)?);
+        top += OVERLAY + BETWEEN + RESIDUAL + UNDER;
+    }
+    let offsets =
+        charts.iter().flat_map(|(above, below)| [above.label_offset(), below.label_offset()]);
+    let offset = offsets.fold(0.0, f64::max);
+    let left = 28.0 + offset;
+    let width = DOUBLE - 14.0 - left;
+    let mut sheet = Sheet::default();
+    for (number, ((above, below), curve)) in charts.iter_mut().zip(curves).enumerate() {
+        for chart in [&mut *above, &mut *below] {
+            chart.place[0] = left;
+            chart.size[0] = width;
+        }
+        above.draw(&mut sheet, offset);
+        below.draw(&mut sheet, offset);
+        for (frame, time) in curve.times_ms.iter().enumerate() {
+            let colour = if curve.used[frame] { MEASURED } else { TENSION };
+            let value = curve.measured[frame];
+            if value.is_finite() {
+                sheet.point(above.at([*time, value]), 1.5, colour);
+            }
+            let off = value - curve.fitted[frame];
+            if off.is_finite() && (below.y.range[0]..=below.y.range[1]).contains(&off) {
+                sheet.point(below.at([*time, off]), 1.2, colour);
+            }
+        }
+        // The fitted curve lies on the frames, where it can be seen.
+        above.curves.push(fitted(curve));
+        above.draw_curves(&mut sheet);
+        if number == 0 {
+            legend(&mut sheet, above, curve);
+            sheet.text([6.0, above.place[1] + 4.0], "A", Style::new(LETTER).bold());
+            sheet.text([6.0, below.place[1] + 4.0], "B", Style::new(LETTER).bold());
+        }
+    }
+    for (row, profiles) in profiles.chunks(BESIDE).enumerate() {
+        let room = (DOUBLE - 14.0 - 22.0) / BESIDE as f64;
+        for (column, profile) in profiles.iter().enumerate() {
+            let start = 22.0 + room * column as f64;
+            let mut chart = likelihood(profile, [start, top], room - GAP);
+            let offset = chart.label_offset();
+            chart.place[0] += offset;
+            chart.size[0] -= offset;
+            let first = row == 0 && column == 0;
+            chart.y.labelled = column == 0;
+            draw_profile(&mut sheet, &chart, profile, offset, first);
+            if first {
+                sheet.text([6.0, top + 4.0], "C", Style::new(LETTER).bold());
+            }
+        }
+        top += PROFILE + UNDER;
+    }
+    Ok(sheet.finish(DOUBLE, top))
+}
+
+fn draw_profile(
+    sheet: &mut Sheet,
+    chart: &Chart,
+    profile: &LikelihoodProfile,
+    offset: f64,
+    first: bool,
+) {
+    chart.draw(sheet, offset);
+    let threshold = chart.x.range.map(|x| chart.at([x, OF_95_PERCENT]));
+    sheet.line(threshold[0], threshold[1], Stroke::new(MUTED, HAIR).dash(3.0, 2.0));
+    if first {
+        // In the middle the profile lies low.
+        let [x, y] = [0, 1].map(|axis| f64::midpoint(threshold[0][axis], threshold[1][axis]));
+        sheet.text([x, y - 4.0], "95 %", Style::new(TICK).anchor(Anchor::Middle).colour(MUTED));
+    }
+    for end in profile.interval.into_iter().flatten() {
+        let ends = [OF_95_PERCENT, 0.0].map(|rise| chart.at([end, rise]));
+        sheet.line(ends[0], ends[1], Stroke::new(SHORTENING, HAIR));
+    }
+    sheet.point(chart.at([profile.value, 0.0]), 2.4, SHORTENING);
+}
+
+fn fitted(curve: &FittedCurve) -> Curve {
+    let points = curve.times_ms.iter().zip(&curve.fitted).map(|(time, value)| [*time, *value]);
+    Curve { points: points.collect(), colour: SHORTENING, dash: None }
+}
+
+/// A curve and what is left of it, one above the other.
+fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
+    let ends = |values: &mut dyn Iterator<Item = f64>| {
+        values
+            .filter(|value| value.is_finite())
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                [low.min(value), high.max(value)]
+            })
+    };
+    let values = ends(&mut curve.measured.iter().chain(&curve.fitted).copied());
+    let times = ends(&mut curve.times_ms.iter().copied());
+    if !(values[0].is_finite() && times[1] > times[0]) {
+        return Err(FigureError::NoSamples { what: curve.label.clone() });
+    }
+    // A bad frame shall not make the others small.
+    let counted =
+        curve.measured.iter().zip(&curve.fitted).zip(&curve.used).filter(|(_, used)| **used);
+    let off = ends(&mut counted.map(|((measured, fitted), _)| (measured - fitted).abs()));
+    let reach = off[1].max(2.5 * curve.noise);
+    let left = match curve.unit.as_str() {
+        "" => "Left".to_owned(),
+        unit => format!("Left ({unit})"),
+    };
+    let time = Axis::time(times);
+    let above = Chart {
+        place: [0.0, top],
+        size: [0.0, OVERLAY],
+        x: Axis { labelled: false, ..time.clone() },
+        y: Axis::upright(&curve.label, values, OVERLAY),
+        curves: Vec::new(),
+        bands: Vec::new(),
+        marks: curve.stimuli_ms.clone(),
+    };
+    let below = Chart {
+        place: [0.0, top + OVERLAY + BETWEEN],
+        size: [0.0, RESIDUAL],
+        x: time,
+        y: Axis::upright(&left, [-reach, reach], RESIDUAL),
+        curves: Vec::new(),
+        bands: vec![[-curve.noise, curve.noise]],
+        marks: Vec::new(),
+    };
+    Ok((above, below))
+}
+
+fn legend(sheet: &mut Sheet, chart: &Chart, curve: &FittedCurve) {
+    // Below the resting level of a length, above that of anything else: where the curve is seldom.
+    let [left, top] = chart.place;
+    let falls = {
+        let mean = curve.measured.iter().sum::<f64>() / curve.measured.len() as f64;
+        mean > f64::midpoint(chart.y.range[0], chart.y.range[1])
+    };
+    let right = left + chart.size[0];
+    let y = if falls { top + chart.size[1] - 34.0 } else { top + 6.0 };
+    let rows = [("measured", MEASURED), ("fitted", SHORTENING)];
+    for (row, (words, colour)) in rows.into_iter().enumerate() {
+        let y = y + 14.0 * row as f64;
+        if row == 0 {
+            sheet.point([right - 68.0, y], 1.8, colour);
+        } else {
+            sheet.line([right - 74.0, y], [right - 62.0, y], Stroke::new(colour, 1.6));
+        }
+        sheet.text([right - 56.0, y + 3.5], words, Style::new(TICK).colour(INK));
+    }
+}
+
+fn likelihood(profile: &LikelihoodProfile, place: [f64; 2], width: f64) -> Chart {
+    let points = below(&profile.points, HIGHEST);
+    let low = points.iter().map(|point| point[0]).fold(profile.value, f64::min);
+    let high = points.iter().map(|point| point[0]).fold(profile.value, f64::max);
+    Chart {
+        place,
+        size: [width, PROFILE],
+        x: Axis::across(&profile.label, [low, high], width),
+        y: Axis {
+            range: [0.0, HIGHEST],
+            step: 4.0,
+            label: "Rise of χ²".to_owned(),
+            labelled: true,
+        },
+        curves: vec![Curve { points, colour: MEASURED, dash: None }],
+        bands: Vec::new(),
+        marks: Vec::new(),
+    }
+}
+
+/// A curve up to a height, with the points where it meets that.
+fn below(points: &[[f64; 2]], height: f64) -> Vec<[f64; 2]> {
+    let mut kept = Vec::new();
+    for (at, &[x, y]) in points.iter().enumerate() {
+        if y <= height {
+            kept.push([x, y]);
+        }
+        if let Some(&[to, above]) = points.get(at + 1)
+            && (y <= height) != (above <= height)
+        {
+            kept.push([x + (height - y) / (above - y) * (to - x), height]);
+        }
+    }
+    kept
+}

@@ -1,0 +1,137 @@
+//! What a fit says.
+
+use super::observed::Scale;
+use super::unknown::Unknown;
+use serde::Serialize;
+
+/// A fit of one cell to its curves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    /// What was sought of the cell, then delays and levels.
+    pub estimates: Vec<Estimate>,
+    /// Pairs whose estimates cannot be told apart, with their correlation: those beyond 0.95 either way.
+    pub correlated: Vec<(String, String, f64)>,
+    /// Each curve with the fitted one.
+    pub curves: Vec<FittedCurve>,
+    /// What a reader must know, in order of weight.
+    pub verdicts: Vec<String>,
+    /// Starts that came to the same answer, of how many.
+    pub agreeing_starts: [usize; 2],
+    /// Of each start that came to an answer: the root mean square of its residuals over the noise.
+    pub starts: Vec<f64>,
+    /// Sum of squared residuals over squared noise, by degree of freedom: about 1 where the cell can follow the curve.
+    pub reduced_chi_squared: f64,
+    /// Beats of a train before the first that was recorded, as the curve has it: 0 of one that begins from rest.
+    pub beats_before: usize,
+    /// Curves that were computed for it.
+    pub evaluations: usize,
+}
+
+/// One number that was sought.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Its name.
+    pub name: String,
+    /// Which it is of the cell's; `None` of a delay or a level.
+    #[serde(skip)]
+    pub unknown: Option<Unknown>,
+    /// Its unit.
+    pub unit: String,
+    /// The most likely value.
+    pub value: f64,
+    /// Ends of the 95 % interval by profile likelihood; `None` where the curve sets no end.
+    pub interval: [Option<f64>; 2],
+    /// Standard deviation from the curvature at the most likely value (Fisher's information), in its unit; `None`
+    /// where that has none.
+    pub standard_deviation: Option<f64>,
+    /// Bounds between which it was sought.
+    pub bounds: [f64; 2],
+    /// Value and rise of chi squared above its least, for values around the answer.
+    pub profile: Vec<[f64; 2]>,
+    /// What its profile says.
+    pub verdict: Verdict,
+}
+
+/// What a curve says of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The interval has both ends.
+    Determined,
+    /// Only a lower end: larger values follow the curve as well.
+    AtLeast,
+    /// Only an upper end.
+    AtMost,
+    /// Every value within the bounds follows the curve.
+    NotDetermined,
+    /// The most likely value is the lower bound.
+    AtLowerBound,
+    /// The most likely value is the upper bound.
+    AtUpperBound,
+}
+
+impl Verdict {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Determined => "determined",
+            Self::AtLeast => "at least; larger values follow this curve as well",
+            Self::AtMost => "at most; smaller values follow this curve as well",
+            Self::NotDetermined => "not determined by this curve",
+            Self::AtLowerBound => "at its lower bound",
+            Self::AtUpperBound => "at its upper bound",
+        }
+    }
+}
+
+/// A curve and what the fitted cell makes of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FittedCurve {
+    /// What it is called.
+    pub name: String,
+    /// What its values say.
+    pub scale: Scale,
+    /// Their unit.
+    pub unit: String,
+    /// Times of the frames with a value, ms.
+    pub times_ms: Vec<f64>,
+    /// What was measured.
+    pub measured: Vec<f64>,
+    /// What the fitted cell does.
+    pub fitted: Vec<f64>,
+    /// Whether each frame counted; the others are single bad frames.
+    pub used: Vec<bool>,
+    /// Stimuli with the fitted delays, ms.
+    pub stimuli_ms: Vec<f64>,
+    /// Standard deviation of the noise, from the cell at rest, in the curve's unit.
+    pub noise: f64,
+    /// Root mean square of the residuals of the frames that counted, in the curve's unit.
+    pub residual: f64,
+    /// Standard score of the number of runs of residuals of one sign (Wald and Wolfowitz): far below 0 where the
+    /// fitted curve runs beside the measured one.
+    pub runs_score: f64,
+}
+
+impl Fit {
+    /// The estimate of a name.
+    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
+        self.estimates.iter().find(|estimate| estimate.name == name)
+    }
+
+    /// Whether the cell can follow its curves within their noise.
+    pub fn follows(&self) -> bool {
+        self.curves.iter().all(FittedCurve::follows)
+    }
+}
+
+/// Scores of runs below this are no chance: one in a thousand.
+const NO_CHANCE: f64 = -3.1;
+/// A misfit counts once it is as large as the noise.
+const AS_LARGE_AS_NOISE: f64 = std::f64::consts::SQRT_2;
+
+impl FittedCurve {
+    /// Whether what is left of it looks like its noise.
+    pub fn follows(&self) -> bool {
+        !(self.runs_score < NO_CHANCE && self.residual > AS_LARGE_AS_NOISE * self.noise)
+    }
+}

@@ -1,0 +1,117 @@
+//! Why there is no fit.
+
+use crate::analysis::curve::CurveError;
+use crate::cell::ModelError;
+use crate::cell::solve::SolveError;
+use crate::parameter::ParameterError;
+use crate::settings::{MakeError, ShapeError};
+use crate::simulation::SetupError;
+use crate::simulation::quasi_static::OutOfRange;
+
+/// Why there is no fit.
+#[derive(Debug, thiserror::Error)]
+pub enum FitError {
+    /// Hardly any frames.
+    #[error("`{name}` has {frames} frames with a value; a fit needs 12 or more")]
+    Frames {
+        /// The curve.
+        name: String,
+        /// How many.
+        frames: usize,
+    },
+    /// Nothing to fit.
+    #[error(
+        "`{name}` shows no beat; see it with `myospring analyse`, or say when the cell was stimulated"
+    )]
+    NoBeat {
+        /// The curve.
+        name: String,
+    },
+    /// A curve that shows no contraction.
+    #[error(
+        "`{name}` is a curve of {kind}; a fit needs a length, shortening or another motion (--kind says what a column is)"
+    )]
+    Kind {
+        /// The curve.
+        name: String,
+        /// What it is.
+        kind: String,
+    },
+    /// A curve that cannot be read.
+    #[error("`{name}`: {cause}")]
+    Curve {
+        /// Which.
+        name: String,
+        /// Why not.
+        #[source]
+        cause: CurveError,
+    },
+    /// The support lets nothing be seen.
+    #[error(
+        "this cell does not shorten, since its ends are held; a length says nothing of it. Fit with a support that gives way, such as free ends"
+    )]
+    DoesNotShorten,
+    /// An unknown that is none.
+    #[error("`{name}` cannot be free: {why}. Free can be: {known}")]
+    Unknown {
+        /// As it was written.
+        name: String,
+        /// Why not.
+        why: String,
+        /// Those that can.
+        known: String,
+    },
+    /// Bounds that are none.
+    #[error(
+        "`{name}` is sought between {low} and {high}; the bounds must be above 0 and ascend, and within what the model allows, {least} to {most}"
+    )]
+    Bounds {
+        /// Of which unknown.
+        name: String,
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+        /// The least that there is.
+        least: f64,
+        /// The most that there is.
+        most: f64,
+    },
+    /// A setting of the run that a fit has no use for.
+    #[error("{what}: {why}")]
+    Setting {
+        /// Which.
+        what: &'static str,
+        /// Why not.
+        why: &'static str,
+    },
+    /// No start led anywhere.
+    #[error("no start of {starts} led to a curve: {why}")]
+    Nowhere {
+        /// How many there were.
+        starts: usize,
+        /// Of the last one.
+        why: String,
+    },
+    /// The shape is none.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// The shape is no simulation.
+    #[error(transparent)]
+    Make(#[from] MakeError),
+    /// The mesh has no equilibria.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The cell cannot be solved.
+    #[error(transparent)]
+    Cell(#[from] SolveError),
+    /// A model that contradicts itself.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A parameter out of bounds.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A table of equilibria with a hole.
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
+}

@@ -1,0 +1,529 @@
+//! A fit, from a run and its curves to its answer.
+
+use super::answer::{Estimate, Fit, FittedCurve};
+use super::contraction::{Contraction, Physics, Train, scale_of};
+use super::error::FitError;
+use super::least_squares::{Least, Problem, squares};
+use super::likelihood::{OF_95_PERCENT, covariance, profile};
+use super::observed::{Frames, Observed, Scale};
+use super::problem::{Layout, Role, Source, shortening};
+use super::settings::Settings;
+use super::unknown::Unknown;
+use super::words::verdicts;
+use crate::cell::TensionKind;
+use crate::mechanics::material::Stiffness;
+use crate::mechanics::support::SupportKind;
+use crate::settings::Run;
+use crate::simulation::{Simulation, TensionScale};
+use crate::study::sampling::Sampler;
+use rayon::prelude::*;
+use std::io;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Starts lie within this factor of the run's parameters, either way.
+const START: f64 = 1.8;
+/// A frame that is off by so many times the noise, while its neighbours are not, is bad.
+const BAD: f64 = 6.0;
+/// Largest correlation that goes without a word.
+const TOLD_APART: f64 = 0.95;
+/// A cell is solved for somewhat more than the shortening that is seen.
+const MARGIN: f64 = 2.0;
+/// Beats of a train before those that were recorded, where it goes on: by then it is steady.
+const BEFORE: usize = 10;
+/// Starts within this rise of chi squared came to the same answer.
+const SAME: f64 = OF_95_PERCENT;
+
+/// A curve of the same cell that was held otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// What held it.
+    pub support: SupportKind,
+    /// What was measured.
+    pub observed: Observed,
+}
+
+/// What a search came to.
+struct Found {
+    layout: Layout,
+    least: Least,
+    starts: Vec<f64>,
+    before: usize,
+}
+
+/// One cell, ready to be fitted to curves.
+pub struct Fitter {
+    simulation: Simulation,
+}
+
+impl Fitter {
+    /// Of a run: its cell model, its shape, its material and its support are those of the cell unless they are sought.
+    ///
+    /// # Errors
+    /// A shape that cannot be made; a run that is none for a fit.
+    pub fn of(run: &Run, read: impl Fn(&str) -> io::Result<Vec<u8>>) -> Result<Self, FitError> {
+        let bytes = run.shape.bytes(&read)?;
+        let shaped = run.shape.mesh(&bytes)?;
+        Self::new(run.make(shaped, read)?.simulation)
+    }
+
+    /// Of a simulation; its duration and stimuli do not matter.
+    ///
+    /// # Errors
+    /// A simulation that is none for a fit.
+    pub fn new(simulation: Simulation) -> Result<Self, FitError> {
+        if simulation.tension_scale == TensionScale::OwnPeak {
+            return Err(FitError::Setting {
+                what: "tension_scale = \"own-peak\"",
+                why: "whatever the parameters, the peak would be the same; leave it out",
+            });
+        }
+        match simulation.cell.tension_kind() {
+            TensionKind::None => {
+                return Err(FitError::Setting {
+                    what: "this cell model",
+                    why: "it has no tension",
+                });
+            }
+            TensionKind::Kilopascal if scale_of(&*simulation.cell).is_none() => {
+                return Err(FitError::Setting {
+                    what: "this cell model",
+                    why: "its tension is in kPa, and no parameter of it scales that",
+                });
+            }
+            _ => {}
+        }
+        Ok(Self { simulation })
+    }
+
+    /// The run's peak tension over its Young's modulus; of a tension in kPa the model's greatest tension over it.
+    pub fn tension_over_stiffness(&self) -> f64 {
+        self.tension() / self.modulus()
+    }
+
+    /// Peak tension of a tension that is given, or the model's greatest tension, kPa.
+    pub(super) fn tension(&self) -> f64 {
+        let cell = &self.simulation.cell;
+        match cell.tension_kind() {
+            TensionKind::Relative { .. } => self.simulation.peak_tension,
+            _ => scale_of(&**cell).and_then(|name| cell.parameters().get(name)).unwrap_or(f64::NAN),
+        }
+    }
+
+    /// Young's modulus, kPa; of a lattice of given springs that of the sheet that they make.
+    pub(super) fn modulus(&self) -> f64 {
+        match self.simulation.material.stiffness {
+            Stiffness::YoungModulus(modulus) => modulus,
+            Stiffness::Spring(stiffness) => stiffness / (0.75 * self.simulation.material.thickness),
+        }
+    }
+
+    /// The cell.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// The length of a cell of this resting length at times in ms, stimulated at 50 ms, with some numbers other than the
+    /// run's, by factors.
+    ///
+    /// # Errors
+    /// A name that is none, or numbers that make no beat.
+    pub fn curve(
+        &self,
+        factors: &[(&str, f64)],
+        resting_length: f64,
+        times_ms: &[f64],
+    ) -> Result<Vec<f64>, FitError> {
+        let free: Vec<Unknown> = factors.iter().map(|(name, _)| Unknown::named(name)).collect();
+        let settings = Settings { free: Some(free.clone()), ..Settings::default() };
+        let sought =
+            settings.sought(&*self.simulation.cell, |unknown| self.usual(unknown), false)?;
+        let last = times_ms.last().copied().unwrap_or_default();
+        let cycle = (last - FIRST_STIMULUS).max(100.0);
+        let train = Train { before: 0, beats: 1, cycle };
+        let contraction = Contraction::new(&self.simulation, &free, &train, 0.5)?;
+        let of = |wanted: &Unknown| {
+            let found = free.iter().zip(factors).find(|(unknown, _)| *unknown == wanted);
+            found.map_or(1.0, |(_, (_, factor))| *factor)
+        };
+        let parameters: Vec<f64> = sought
+            .iter()
+            .filter(|(unknown, ..)| matches!(unknown, Unknown::Parameter(_)))
+            .map(|(unknown, _, usual)| usual * of(unknown))
+            .collect();
+        let physics = Physics {
+            tension: of(&Unknown::TensionOverStiffness),
+            stiffness: of(&Unknown::YoungModulus),
+            parameters: &parameters,
+        };
+        let curve = contraction.shortening(&physics, &[FIRST_STIMULUS], times_ms);
+        let curve =
+            curve.ok_or(FitError::Setting { what: "these factors", why: "they make no beat" })?;
+        Ok(curve.into_iter().map(|shortening| resting_length * (1.0 - shortening)).collect())
+    }
+
+    fn usual(&self, unknown: &Unknown) -> f64 {
+        match unknown {
+            Unknown::TensionOverStiffness => self.tension_over_stiffness(),
+            Unknown::YoungModulus => self.modulus(),
+            Unknown::Parameter(name) => {
+                self.simulation.cell.parameters().get(name).unwrap_or(f64::NAN)
+            }
+        }
+    }
+
+    /// Fits the cell to curves of it, all held as the run says. `goes_on` hears how much of the work is done, from 0 to
+    /// 1, and ends it by `false`: then there is no answer.
+    ///
+    /// # Errors
+    /// Curves without a beat, unknowns that are none, or a cell that no start makes beat.
+    pub fn fit(
+        &self,
+        curves: &[Observed],
+        settings: &Settings,
+        goes_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Result<Option<Fit>, FitError> {
+        let support = self.simulation.support;
+        let curves: Vec<Loaded> =
+            curves.iter().map(|observed| Loaded { support, observed: observed.clone() }).collect();
+        self.fit_loaded(&curves, settings, goes_on)
+    }
+
+    /// As [`Fitter::fit`], for curves of one cell that something else held each time.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::fit`].
+    pub fn fit_loaded(
+        &self,
+        curves: &[Loaded],
+        settings: &Settings,
+        goes_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Result<Option<Fit>, FitError> {
+        let arbitrary = curves.iter().all(|curve| curve.observed.scale == Scale::Arbitrary);
+        let sought =
+            settings.sought(&*self.simulation.cell, |unknown| self.usual(unknown), arbitrary)?;
+        let unknowns: Vec<Unknown> = sought.iter().map(|(unknown, ..)| unknown.clone()).collect();
+        // A train may begin from rest or go on: nobody says so, and the curve knows.
+        let trains = curves.iter().any(|curve| curve.observed.stimuli.times().len() > 1);
+        let paced = if trains { &[BEFORE, 0][..] } else { &[0] };
+        let evaluations = AtomicUsize::new(0);
+        let mut best: Option<Found> = None;
+        for (number, &before) in paced.iter().enumerate() {
+            let sources = curves
+                .iter()
+                .map(|curve| self.source(curve, &unknowns, before))
+                .collect::<Result<Vec<_>, _>>()?;
+            let layout = Layout::new(sources, &sought);
+            let part = |part: f64| goes_on(SEARCH * (number as f64 + part) / paced.len() as f64);
+            let Some((least, starts)) = Self::search(&layout, settings, &evaluations, &part)?
+            else {
+                return Ok(None);
+            };
+            if best.as_ref().is_none_or(|best| least.sum < best.least.sum) {
+                best = Some(Found { layout, least, starts, before });
+            }
+        }
+        let Some(Found { mut layout, mut least, starts, before }) = best else { return Ok(None) };
+        let starts = (starts, least.sum, settings.starts);
+        if layout.leave_out_bad_frames(&least) {
+            least = minimise(&layout, &least.at, &evaluations).unwrap_or(least);
+        }
+        let fit = self.answer(&layout, &least, starts, &evaluations, goes_on);
+        Ok(fit.map(|fit| Fit { beats_before: before, ..fit }))
+    }
+
+    fn source(
+        &self,
+        curve: &Loaded,
+        unknowns: &[Unknown],
+        before: usize,
+    ) -> Result<Source, FitError> {
+        let observed = curve.observed.clone();
+        let frames = observed.frames()?;
+        let stimuli = observed.stimuli.times();
+        let (first, last) = (stimuli[0], stimuli[stimuli.len() - 1]);
+        let end = frames.times.last().copied().unwrap_or(last);
+        let cycle = if stimuli.len() > 1 {
+            (last - first) / (stimuli.len() - 1) as f64
+        } else {
+            (end - first).max(ONE_BEAT)
+        };
+        let up_to = shortening(observed.scale, frames.rest, frames.reach).unwrap_or(0.25);
+        let simulation = Simulation { support: curve.support, ..self.simulation.clone() };
+        let train = Train { before, beats: stimuli.len(), cycle };
+        let up_to = (MARGIN * up_to).clamp(0.02, 0.8);
+        let contraction = Contraction::new(&simulation, unknowns, &train, up_to)?;
+        let used = vec![true; frames.values.len()];
+        Ok(Source { observed, frames, contraction, used, cycle })
+    }
+
+    /// The best of all starts, and how each ended.
+    fn search(
+        layout: &Layout,
+        settings: &Settings,
+        evaluations: &AtomicUsize,
+        goes_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Result<Option<(Least, Vec<f64>)>, FitError> {
+        let count = settings.starts.max(1);
+        let varied = layout.roles.iter().filter(|role| {
+            matches!(role, Role::Physics(unknown) if *unknown != Unknown::TensionOverStiffness)
+        });
+        let dimensions = varied.count().max(1);
+        let design = Sampler::LatinHypercube { size: count }.unit_cube(dimensions, settings.seed);
+        let design =
+            design.map_err(|_| FitError::Nowhere { starts: count, why: "no design".to_owned() })?;
+        let done = AtomicUsize::new(0);
+        let stopped = std::sync::atomic::AtomicBool::new(false);
+        let found: Vec<Least> = (0..count)
+            .into_par_iter()
+            .filter_map(|number| {
+                if stopped.load(Ordering::Relaxed) {
+                    return None;
+                }
+                // The first is the run's own cell.
+                let point = design.point(number)?;
+                let factor =
+                    |place: f64| if number == 0 { 1.0 } else { START.powf(2.0 * place - 1.0) };
+                let factors: Vec<f64> = point.into_iter().map(factor).collect();
+                let start = layout.start(&factors)?;
+                let least = minimise(layout, &start, evaluations);
+                let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count as f64;
+                if !goes_on(part) {
+                    stopped.store(true, Ordering::Relaxed);
+                }
+                least
+            })
+            .collect();
+        if stopped.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let best = found.iter().min_by(|a, b| a.sum.total_cmp(&b.sum)).cloned();
+        let best = best.ok_or_else(|| FitError::Nowhere {
+            starts: count,
+            why: "the cell does not beat with such parameters, or the curve shows no rise"
+                .to_owned(),
+        })?;
+        Ok(Some((best, found.into_iter().map(|least| least.sum).collect())))
+    }
+
+    fn answer(
+        &self,
+        layout: &Layout,
+        least: &Least,
+        (starts, found, asked): (Vec<f64>, f64, usize),
+        evaluations: &AtomicUsize,
+        goes_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Option<Fit> {
+        let count = least.residuals.len();
+        let freedom = count.saturating_sub(layout.roles.len()).max(1);
+        let reduced = least.sum / freedom as f64;
+        // Where the noise at rest says less than what is left, that is what an interval counts with.
+        let unit = reduced.max(1.0);
+        let residuals = |at: &[f64]| {
+            evaluations.fetch_add(1, Ordering::Relaxed);
+            layout.residuals(at)
+        };
+        let problem =
+            Problem { residuals: &residuals, bounds: &layout.bounds, steps: &layout.steps };
+        let covariance = covariance(&problem, least);
+        let deviation = |place: usize| Some((covariance.as_ref()?[place][place] * unit).sqrt());
+        let shown: Vec<usize> = (0..layout.roles.len()).filter(|&k| layout.is_shown(k)).collect();
+        let done = AtomicUsize::new(0);
+        let estimates: Vec<Option<Estimate>> = shown
+            .par_iter()
+            .map(|&place| {
+                let [low, high] = layout.bounds[place];
+                let guess = deviation(place).unwrap_or(0.01 * (high - low));
+                let profile = profile(&problem, least, place, unit, 2.0 * guess);
+                let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / shown.len() as f64;
+                goes_on(SEARCH + (1.0 - SEARCH) * part).then(|| {
+                    let value = |x: f64| self.value(layout, place, x);
+                    Estimate {
+                        name: layout.name(place),
+                        unknown: layout.unknown(place).cloned(),
+                        unit: self.unit(layout, place),
+                        value: value(least.at[place]),
+                        interval: profile.ends.map(|end| end.map(value)),
+                        standard_deviation: deviation(place).map(|deviation| {
+                            let is_log = matches!(layout.roles[place], Role::Physics(_));
+                            if is_log { deviation * value(least.at[place]) } else { deviation }
+                        }),
+                        bounds: [value(low), value(high)],
+                        profile: profile
+                            .points
+                            .iter()
+                            .map(|[x, rise]| [value(*x), *rise])
+                            .collect(),
+                        verdict: profile.verdict,
+                    }
+                })
+            })
+            .collect();
+        let estimates = estimates.into_iter().collect::<Option<Vec<_>>>()?;
+        let mut correlated = Vec::new();
+        if let Some(covariance) = &covariance {
+            for (&j, &k) in shown.iter().flat_map(|j| shown.iter().map(move |k| (j, k))) {
+                let correlation = covariance[j][k] / (covariance[j][j] * covariance[k][k]).sqrt();
+                if j < k && correlation.abs() > TOLD_APART {
+                    correlated.push((layout.name(j), layout.name(k), correlation));
+                }
+            }
+        }
+        let agreeing = starts.iter().filter(|sum| (*sum - found) / unit < SAME).count();
+        let mut fit = Fit {
+            estimates,
+            correlated,
+            curves: (0..layout.sources.len())
+                .map(|number| layout.fitted(least, number))
+                .collect::<Option<_>>()?,
+            verdicts: Vec::new(),
+            beats_before: 0,
+            agreeing_starts: [agreeing, asked],
+            starts: starts.iter().map(|sum| (sum / count as f64).sqrt()).collect(),
+            reduced_chi_squared: reduced,
+            evaluations: evaluations.load(Ordering::Relaxed),
+        };
+        fit.verdicts = verdicts(&fit, self.simulation.cell.name(), self.modulus());
+        Some(fit)
+    }
+
+    /// A number as people read it.
+    fn value(&self, layout: &Layout, place: usize, x: f64) -> f64 {
+        match &layout.roles[place] {
+            Role::Physics(unknown) => self.usual(unknown) * x.exp(),
+            _ => x,
+        }
+    }
+
+    fn unit(&self, layout: &Layout, place: usize) -> String {
+        match &layout.roles[place] {
+            Role::Physics(Unknown::TensionOverStiffness) => String::new(),
+            Role::Physics(Unknown::YoungModulus) => "kPa".to_owned(),
+            Role::Physics(Unknown::Parameter(name)) => {
+                let rows = self.simulation.cell.parameters().rows();
+                let row = rows.iter().find(|row| row.name == *name);
+                row.map(|row| row.unit.to_string()).unwrap_or_default()
+            }
+            Role::Delay { .. } => "ms".to_owned(),
+            Role::Level { source } | Role::Gain { source } | Role::Drift { source } => {
+                layout.sources[*source].observed.unit.clone()
+            }
+        }
+    }
+}
+
+/// Time of the stimulus of [`Fitter::curve`], ms.
+const FIRST_STIMULUS: f64 = 50.0;
+/// A beat lasts at least so long, ms.
+pub(super) const ONE_BEAT: f64 = 600.0;
+/// Part of the work that the search is.
+const SEARCH: f64 = 0.6;
+
+fn minimise(layout: &Layout, start: &[f64], evaluations: &AtomicUsize) -> Option<Least> {
+    let residuals = |at: &[f64]| {
+        evaluations.fetch_add(1, Ordering::Relaxed);
+        layout.residuals(at)
+    };
+    let problem = Problem { residuals: &residuals, bounds: &layout.bounds, steps: &layout.steps };
+    problem.minimise(start, &vec![false; start.len()])
+}
+
+impl Layout {
+    /// Whether its profile is followed: delays of single beats are nobody's question.
+    fn is_shown(&self, place: usize) -> bool {
+        !matches!(self.roles[place], Role::Delay { beat: Some(_), .. } | Role::Drift { .. })
+    }
+
+    fn unknown(&self, place: usize) -> Option<&Unknown> {
+        match &self.roles[place] {
+            Role::Physics(unknown) => Some(unknown),
+            _ => None,
+        }
+    }
+
+    fn name(&self, place: usize) -> String {
+        let of = |what: &str, source: usize| {
+            if self.sources.len() == 1 {
+                what.to_owned()
+            } else {
+                format!("{what} ({})", self.sources[source].observed.name)
+            }
+        };
+        match &self.roles[place] {
+            Role::Physics(unknown) => unknown.to_string(),
+            Role::Delay { source, .. } => of("delay", *source),
+            Role::Level { source } => match self.sources[*source].observed.scale {
+                Scale::Length => of("resting_length", *source),
+                Scale::Percent | Scale::Arbitrary => of("baseline", *source),
+            },
+            Role::Gain { source } => of("gain", *source),
+            Role::Drift { source } => of("drift", *source),
+        }
+    }
+
+    /// Frames that stand alone: far from the fitted curve while their neighbours are not. Whether there are any.
+    fn leave_out_bad_frames(&mut self, least: &Least) -> bool {
+        let mut any = false;
+        for number in 0..self.sources.len() {
+            let Some(curve) = self.curve(&least.at, number, &self.sources[number].frames.times)
+            else {
+                continue;
+            };
+            let Source { frames: Frames { values, noise, .. }, used, .. } =
+                &mut self.sources[number];
+            let off: Vec<f64> = values.iter().zip(&curve).map(|(a, b)| (a - b) / *noise).collect();
+            for at in 0..off.len() {
+                let mut near: Vec<f64> = (at.saturating_sub(2)..(at + 3).min(off.len()))
+                    .filter(|other| *other != at)
+                    .map(|other| off[other])
+                    .collect();
+                near.sort_by(f64::total_cmp);
+                let usual = f64::midpoint(near[(near.len() - 1) / 2], near[near.len() / 2]);
+                let spread = (near[near.len() - 1] - near[0]).max(1.0);
+                if (off[at] - usual).abs() > BAD * spread {
+                    used[at] = false;
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+
+    fn fitted(&self, least: &Least, number: usize) -> Option<FittedCurve> {
+        let Source { observed, frames, used, .. } = &self.sources[number];
+        let fitted = self.curve(&least.at, number, &frames.times)?;
+        let off: Vec<f64> = frames
+            .values
+            .iter()
+            .zip(&fitted)
+            .zip(used)
+            .filter(|(_, used)| **used)
+            .map(|((value, fitted), _)| value - fitted)
+            .collect();
+        Some(FittedCurve {
+            name: observed.name.clone(),
+            scale: observed.scale,
+            unit: observed.unit.clone(),
+            times_ms: frames.times.clone(),
+            measured: frames.values.clone(),
+            stimuli_ms: self.stimuli(&least.at, number),
+            noise: frames.noise,
+            residual: (squares(&off) / off.len().max(1) as f64).sqrt(),
+            runs_score: runs_score(&off),
+            used: used.clone(),
+            fitted,
+        })
+    }
+}
+
+/// Standard score of the number of runs of one sign, of values in order (`wald_wolfowitz_1940`).
+fn runs_score(values: &[f64]) -> f64 {
+    let signs: Vec<bool> = values.iter().map(|value| *value > 0.0).collect();
+    let runs = 1 + signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let up = signs.iter().filter(|up| **up).count() as f64;
+    let all = signs.len() as f64;
+    let down = all - up;
+    let mean = 2.0 * up * down / all + 1.0;
+    let variance = (mean - 1.0) * (mean - 2.0) / (all - 1.0);
+    // All of one sign: as few runs as there can be.
+    if variance > 0.0 { (runs as f64 - mean) / variance.sqrt() } else { -all.sqrt() }
+}

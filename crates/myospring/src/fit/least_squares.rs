@@ -1,0 +1,203 @@
+//! Least squares within bounds: the method of Levenberg and Marquardt (`more_1978`), for a few unknowns.
+
+/// Steps at most.
+const STEPS: usize = 60;
+/// It has converged when a step lowers the sum by less than this part of it.
+const CONVERGED: f64 = 1e-10;
+/// First damping, relative to the diagonal.
+const DAMPING: f64 = 1e-3;
+/// Damping at which no direction lowers the sum any more.
+const STUCK: f64 = 1e10;
+
+/// Residuals as a function of a few unknowns, each within bounds; `None` where there are none to be had.
+pub(super) struct Problem<'a> {
+    pub(super) residuals: &'a (dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync),
+    /// Smallest and largest value of each.
+    pub(super) bounds: &'a [[f64; 2]],
+    /// By how much each is moved either way for a difference.
+    pub(super) steps: &'a [f64],
+}
+
+/// Where the sum of squares is least.
+#[derive(Debug, Clone)]
+pub(super) struct Least {
+    pub(super) at: Vec<f64>,
+    /// Half a sum of squares is not meant: the sum itself.
+    pub(super) sum: f64,
+    pub(super) residuals: Vec<f64>,
+}
+
+impl Problem<'_> {
+    /// The least sum near a start; what `held` says stays where it is.
+    pub(super) fn minimise(&self, start: &[f64], held: &[bool]) -> Option<Least> {
+        let mut at: Vec<f64> =
+            start.iter().zip(self.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
+        let mut residuals = (self.residuals)(&at)?;
+        let mut sum = squares(&residuals);
+        let mut damping = DAMPING;
+        for _ in 0..STEPS {
+            let columns = self.jacobian(&at, held)?;
+            let (normal, gradient) = normal(&columns, &residuals);
+            // What would leave its bounds stays on them.
+            let free: Vec<usize> = (0..at.len())
+                .filter(|&k| {
+                    let [low, high] = self.bounds[k];
+                    let outwards =
+                        at[k] <= low && gradient[k] > 0.0 || at[k] >= high && gradient[k] < 0.0;
+                    !held[k] && !outwards && normal[k][k] > 0.0
+                })
+                .collect();
+            if free.is_empty() {
+                break;
+            }
+            let mut lowered = None;
+            while damping < STUCK {
+                let matrix = free.iter().map(|&j| {
+                    let row = free
+                        .iter()
+                        .map(|&k| normal[j][k] + if j == k { damping * normal[j][j] } else { 0.0 });
+                    row.collect()
+                });
+                let right: Vec<f64> = free.iter().map(|&k| -gradient[k]).collect();
+                let tried = solve(&matrix.collect::<Vec<_>>(), &right).and_then(|step| {
+                    let mut to = at.clone();
+                    for (&k, step) in free.iter().zip(&step) {
+                        let [low, high] = self.bounds[k];
+                        to[k] = (at[k] + step).clamp(low, high);
+                    }
+                    let residuals = (self.residuals)(&to)?;
+                    let sum = squares(&residuals);
+                    sum.is_finite().then_some(Least { at: to, sum, residuals })
+                });
+                match tried {
+                    Some(tried) if tried.sum < sum => {
+                        damping = (damping / 10.0).max(1e-12);
+                        lowered = Some(tried);
+                        break;
+                    }
+                    _ => damping *= 4.0,
+                }
+            }
+            let Some(tried) = lowered else { break };
+            let gain = (sum - tried.sum) / sum.max(f64::MIN_POSITIVE);
+            (at, sum, residuals) = (tried.at, tried.sum, tried.residuals);
+            if gain < CONVERGED {
+                break;
+            }
+        }
+        Some(Least { at, sum, residuals })
+    }
+
+    /// Derivatives of the residuals, a column an unknown, by central differences; 0 for what is held.
+    pub(super) fn jacobian(&self, at: &[f64], held: &[bool]) -> Option<Vec<Vec<f64>>> {
+        let column = |k: usize| {
+            let [low, high] = self.bounds[k];
+            let moved = |to: f64| {
+                let mut there = at.to_vec();
+                there[k] = to.clamp(low, high);
+                Some((there[k], (self.residuals)(&there)?))
+            };
+            let (below, from) = moved(at[k] - self.steps[k])?;
+            let (above, to) = moved(at[k] + self.steps[k])?;
+            let width = above - below;
+            Some(from.iter().zip(&to).map(|(from, to)| (to - from) / width).collect())
+        };
+        let count = (self.residuals)(at)?.len();
+        (0..at.len()).map(|k| if held[k] { Some(vec![0.0; count]) } else { column(k) }).collect()
+    }
+}
+
+pub(super) fn squares(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `J^T J` and `J^T r`.
+pub(super) fn normal(columns: &[Vec<f64>], residuals: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let matrix = columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
+    (matrix, columns.iter().map(|column| dot(column, residuals)).collect())
+}
+
+/// The solution of a symmetric, positive definite system (Cholesky's), scaled to a diagonal of ones; `None` if it is
+/// none.
+pub(super) fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Option<Vec<f64>> {
+    let n = right.len();
+    let scale: Vec<f64> = (0..n).map(|k| matrix[k][k].sqrt()).collect();
+    if scale.iter().any(|scale| !(*scale > 0.0 && scale.is_finite())) {
+        return None;
+    }
+    let mut lower = vec![vec![0.0; n]; n];
+    for j in 0..n {
+        for k in 0..=j {
+            let known = dot(&lower[j][..k], &lower[k][..k]);
+            let rest = matrix[j][k] / (scale[j] * scale[k]) - known;
+            lower[j][k] = if j == k {
+                // Rounding is left of what cannot be told apart.
+                if rest < 1e-13 {
+                    return None;
+                }
+                rest.sqrt()
+            } else {
+                rest / lower[k][k]
+            };
+        }
+    }
+    let mut x: Vec<f64> = right.iter().zip(&scale).map(|(value, scale)| value / scale).collect();
+    for j in 0..n {
+        x[j] = (x[j] - dot(&lower[j][..j], &x[..j])) / lower[j][j];
+    }
+    for j in (0..n).rev() {
+        let known: f64 = (j + 1..n).map(|k| lower[k][j] * x[k]).sum();
+        x[j] = (x[j] - known) / lower[j][j];
+    }
+    Some(x.iter().zip(&scale).map(|(value, scale)| value / scale).collect())
+}
+
+/// The inverse of a symmetric, positive definite matrix, if it is one.
+pub(super) fn inverse(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let unit =
+        |k: usize| (0..matrix.len()).map(|j| f64::from(u8::from(j == k))).collect::<Vec<_>>();
+    (0..matrix.len()).map(|k| solve(matrix, &unit(k))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bent_valley_is_followed_to_its_floor() {
+        // Rosenbrock's, least at (1, 1).
+        let residuals = |x: &[f64]| Some(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
+        let bounds = [[-5.0, 5.0]; 2];
+        let problem = Problem { residuals: &residuals, bounds: &bounds, steps: &[1e-5; 2] };
+        let found = problem.minimise(&[-1.2, 1.0], &[false; 2]).unwrap();
+        assert!(found.at.iter().all(|x| (x - 1.0).abs() < 1e-6), "{:?}", found.at);
+        assert!(found.sum < 1e-12);
+    }
+
+    #[test]
+    fn what_lies_past_a_bound_ends_on_it_and_what_is_held_stays() {
+        let residuals = |x: &[f64]| Some(vec![x[0] - 7.0, x[1] - 2.0, x[2] + x[1]]);
+        let bounds = [[0.0, 5.0], [-9.0, 9.0], [-9.0, 9.0]];
+        let problem = Problem { residuals: &residuals, bounds: &bounds, steps: &[1e-4; 3] };
+        let found = problem.minimise(&[1.0, 0.0, 4.0], &[false, false, true]).unwrap();
+        // Least of (b - 2)^2 + (4 + b)^2 is at b = -1.
+        assert!((found.at[0] - 5.0).abs() < 1e-12 && found.at[2] == 4.0);
+        assert!((found.at[1] + 1.0).abs() < 1e-8, "{:?}", found.at);
+    }
+
+    #[test]
+    fn a_system_is_solved_whatever_the_units_of_its_unknowns() {
+        let matrix = vec![vec![4e12, 2e3, 0.0], vec![2e3, 5e-6, 1e-3], vec![0.0, 1e-3, 3.0]];
+        let x = [2e-6, 3e3, -1.0];
+        let right: Vec<f64> = matrix.iter().map(|row| dot(row, &x)).collect();
+        let found = solve(&matrix, &right).unwrap();
+        assert!(found.iter().zip(x).all(|(found, x)| (found / x - 1.0).abs() < 1e-9), "{found:?}");
+        assert_eq!(solve(&[vec![1.0, 1.0], vec![1.0, 1.0]], &[1.0, 1.0]), None);
+        let back = inverse(&matrix).unwrap();
+        assert!((dot(&matrix[0], &back[0]) - 1.0).abs() < 1e-9);
+    }
+}

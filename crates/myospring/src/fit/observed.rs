@@ -1,0 +1,186 @@
+//! A curve as a fit sees it: which frames count, how much noise they have, where beats begin.
+
+use super::error::FitError;
+use crate::analysis::curve::{Options, State, analyse};
+use crate::analysis::kind::Kind;
+use crate::measured::Curve;
+
+/// Frames of rest that a spread wants.
+const ENOUGH: usize = 12;
+/// A frame rests when it is within this part of the range from the resting level.
+const AT_REST: f64 = 0.12;
+/// Standard deviation of a normal distribution over its median absolute value.
+const FROM_MEDIAN: f64 = 1.4826;
+/// Variance of `y_- - 2 y + y_+` over that of the noise.
+const SECOND_DIFFERENCE: f64 = 6.0;
+
+/// What the values of a curve say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// A length, in any unit: of the cell, of a sarcomere, over a length of reference. It goes down in a beat.
+    Length,
+    /// Shortening in % of the length at rest.
+    Percent,
+    /// Contraction in arbitrary units: its height says nothing.
+    Arbitrary,
+}
+
+/// When the cell was stimulated.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stimuli {
+    /// At these times, ms; one delay is common to all.
+    Given(Vec<f64>),
+    /// About when each beat begins to rise, ms, as seen in the curve; each has a delay of its own.
+    Seen(Vec<f64>),
+}
+
+impl Stimuli {
+    pub(super) fn times(&self) -> &[f64] {
+        match self {
+            Self::Given(times) | Self::Seen(times) => times,
+        }
+    }
+}
+
+/// A curve that was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observed {
+    /// What it is called.
+    pub name: String,
+    /// Times of its frames, ms, ascending.
+    pub times_ms: Vec<f64>,
+    /// Its values; NaN where a frame has none.
+    pub values: Vec<f64>,
+    /// What they say.
+    pub scale: Scale,
+    /// Their unit, for people.
+    pub unit: String,
+    /// When the cell was stimulated.
+    pub stimuli: Stimuli,
+}
+
+/// What the frames of a curve say of themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Frames {
+    /// Those with a value.
+    pub(super) times: Vec<f64>,
+    pub(super) values: Vec<f64>,
+    /// Places of these among all frames.
+    pub(super) places: Vec<usize>,
+    /// Standard deviation of the noise of a frame.
+    pub(super) noise: f64,
+    /// Level at rest, and how far the curve goes from it: negative for a length.
+    pub(super) rest: f64,
+    pub(super) reach: f64,
+}
+
+/// Stimuli are looked for so long before a curve leaves its rest, ms.
+const BEFORE_RISE: f64 = 20.0;
+
+impl Observed {
+    /// A curve of a file: of lengths, shortening or other motion; without stimuli its beats are found. What there is
+    /// of a beat before the first whole one is left out.
+    ///
+    /// # Errors
+    /// A curve of anything else, or without a beat.
+    pub fn of(curve: &Curve, stimuli_ms: Option<&[f64]>) -> Result<Self, FitError> {
+        let name = || curve.name.clone();
+        let scale = match curve.kind {
+            Kind::Length | Kind::SarcomereLength | Kind::NormalisedLength => Scale::Length,
+            Kind::Shortening => Scale::Percent,
+            Kind::Contraction if curve.unit == "%" => Scale::Percent,
+            Kind::Contraction | Kind::Unknown => Scale::Arbitrary,
+            kind => return Err(FitError::Kind { name: name(), kind: kind.to_string() }),
+        };
+        let options =
+            Options { stimuli_ms: stimuli_ms.unwrap_or_default().to_vec(), ..Options::default() };
+        let analysis = analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options)
+            .map_err(|cause| FitError::Curve { name: name(), cause })?;
+        let mut values = curve.values.clone();
+        // An unknown curve that falls in a beat is a contraction upside down.
+        if scale == Scale::Arbitrary && !analysis.treatment.rises {
+            for value in &mut values {
+                *value = -*value;
+            }
+        }
+        let whole = |state: State| state == State::Whole || state == State::CutAtEnd;
+        let beats: Vec<f64> = analysis
+            .beats
+            .iter()
+            .filter(|beat| whole(beat.state))
+            .filter_map(|beat| Some(beat.onset_ms? - BEFORE_RISE))
+            .collect();
+        let first = beats.first().copied().ok_or_else(|| FitError::NoBeat { name: name() })?;
+        if analysis.beats.iter().any(|beat| beat.state == State::CutAtStart) {
+            for (value, time) in values.iter_mut().zip(&curve.times_ms) {
+                if *time < first {
+                    *value = f64::NAN;
+                }
+            }
+        }
+        let stimuli = match stimuli_ms {
+            Some(times) => Stimuli::Given(times.to_vec()),
+            None => Stimuli::Seen(beats),
+        };
+        let (times_ms, unit) = (curve.times_ms.clone(), curve.unit.to_owned());
+        Ok(Self { name: name(), times_ms, values, scale, unit, stimuli })
+    }
+
+    pub(super) fn frames(&self) -> Result<Frames, FitError> {
+        let name = || self.name.clone();
+        if self.times_ms.len() != self.values.len() {
+            return Err(FitError::Frames { name: name(), frames: self.values.len() });
+        }
+        let known = self.times_ms.iter().zip(&self.values).enumerate();
+        let known: Vec<(usize, f64, f64)> = known
+            .filter(|(_, (_, value))| value.is_finite())
+            .map(|(place, (time, value))| (place, *time, *value))
+            .collect();
+        let places: Vec<usize> = known.iter().map(|known| known.0).collect();
+        let times: Vec<f64> = known.iter().map(|known| known.1).collect();
+        let values: Vec<f64> = known.iter().map(|known| known.2).collect();
+        if values.len() < ENOUGH {
+            return Err(FitError::Frames { name: name(), frames: values.len() });
+        }
+        if self.stimuli.times().is_empty() {
+            return Err(FitError::NoBeat { name: name() });
+        }
+        // A length rests at its top, all else at its bottom.
+        let sign = if self.scale == Scale::Length { -1.0 } else { 1.0 };
+        let mut upwards: Vec<f64> = values.iter().map(|value| sign * value).collect();
+        upwards.sort_by(f64::total_cmp);
+        let part = |part: f64| upwards[(part * (upwards.len() - 1) as f64).round() as usize];
+        let (low, high) = (part(0.1), part(0.99));
+        let range = high - low;
+        if range.is_nan() || range <= 0.0 {
+            return Err(FitError::NoBeat { name: name() });
+        }
+        let rests: Vec<bool> =
+            values.iter().map(|value| sign * value < low + AT_REST * range).collect();
+        let noise = noise(&values, &rests).max(1e-9 * range);
+        let mut resting: Vec<f64> = values
+            .iter()
+            .zip(&rests)
+            .filter(|(_, rests)| **rests)
+            .map(|(value, _)| *value)
+            .collect();
+        resting.sort_by(f64::total_cmp);
+        let rest = resting[resting.len() / 2];
+        Ok(Frames { times, values, places, noise, rest, reach: sign * high - rest })
+    }
+}
+
+/// Standard deviation of the noise: from what frames at rest differ by from the line through their neighbours; where
+/// hardly any rest, from all.
+fn noise(values: &[f64], rests: &[bool]) -> f64 {
+    let bent = |at: usize| (values[at - 1] - 2.0 * values[at] + values[at + 1]).abs();
+    let inner = 1..values.len() - 1;
+    let still = |at: &usize| rests[at - 1..=at + 1].iter().all(|rests| *rests);
+    let mut found: Vec<f64> = inner.clone().filter(still).map(bent).collect();
+    if found.len() < ENOUGH {
+        found = inner.map(bent).collect();
+    }
+    found.sort_by(f64::total_cmp);
+    FROM_MEDIAN * found[found.len() / 2] / SECOND_DIFFERENCE.sqrt()
+}

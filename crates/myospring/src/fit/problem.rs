@@ -1,0 +1,265 @@
+//! Several curves and one cell: from a list of unknowns to residuals.
+
+use super::contraction::{Contraction, Physics};
+use super::observed::{Frames, Observed, Scale, Stimuli};
+use super::unknown::Unknown;
+
+/// Delays are sought so far from where the rise puts them, ms.
+const DELAY_MS: f64 = 150.0;
+/// Levels are sought so many heights of the beat from where the cell rests.
+const LEVELS: f64 = 3.0;
+/// Moves for differences: of logarithms, of delays (ms), and of levels over the height of the beat.
+const STEP: f64 = 1e-4;
+const STEP_MS: f64 = 0.02;
+
+/// A curve and the cell that makes it.
+pub(super) struct Source {
+    pub(super) observed: Observed,
+    pub(super) frames: Frames,
+    pub(super) contraction: Contraction,
+    /// Of each frame: whether it counts.
+    pub(super) used: Vec<bool>,
+    /// Mean time from stimulus to stimulus, ms; of one beat what is left of the recording.
+    pub(super) cycle: f64,
+}
+
+/// What an unknown of the vector is.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Role {
+    /// Logarithm of the factor on the run's value.
+    Physics(Unknown),
+    /// Delay of all beats of a curve, or of one, ms.
+    Delay { source: usize, beat: Option<usize> },
+    /// Value at rest.
+    Level { source: usize },
+    /// How much higher the last frame's rest is than the first's, of a curve with several beats.
+    Drift { source: usize },
+    /// Height of a contraction in arbitrary units for a shortening of all the cell.
+    Gain { source: usize },
+}
+
+/// All that is sought, and how residuals come of it.
+pub(super) struct Layout {
+    pub(super) sources: Vec<Source>,
+    pub(super) roles: Vec<Role>,
+    pub(super) bounds: Vec<[f64; 2]>,
+    pub(super) steps: Vec<f64>,
+    /// The run's value of every parameter that is free, in the order of the roles.
+    pub(super) usual: Vec<f64>,
+}
+
+impl Layout {
+    /// `bounds` are those of the unknowns, as factors.
+    pub(super) fn new(sources: Vec<Source>, unknowns: &[(Unknown, [f64; 2], f64)]) -> Self {
+        let mut layout = Self {
+            sources,
+            roles: Vec::new(),
+            bounds: Vec::new(),
+            steps: Vec::new(),
+            usual: Vec::new(),
+        };
+        for (unknown, [low, high], usual) in unknowns {
+            layout.add(Role::Physics(unknown.clone()), [low.ln(), high.ln()], STEP);
+            if matches!(unknown, Unknown::Parameter(_)) {
+                layout.usual.push(*usual);
+            }
+        }
+        for source in 0..layout.sources.len() {
+            let Source { observed, frames, .. } = &layout.sources[source];
+            let (height, rest, scale) = (frames.reach.abs(), frames.rest, observed.scale);
+            let beats = match &observed.stimuli {
+                Stimuli::Given(_) => vec![None],
+                Stimuli::Seen(times) => (0..times.len()).map(Some).collect(),
+            };
+            for beat in beats {
+                layout.add(Role::Delay { source, beat }, [-DELAY_MS, DELAY_MS], STEP_MS);
+            }
+            let levels = [rest - LEVELS * height, rest + LEVELS * height];
+            layout.add(Role::Level { source }, levels, 1e-3 * height);
+            if layout.sources[source].observed.stimuli.times().len() > 1 {
+                layout.add(Role::Drift { source }, [-height, height], 1e-3 * height);
+            }
+            if scale == Scale::Arbitrary {
+                layout.add(Role::Gain { source }, [1e-3 * height, 1e6 * height], 1e-2 * height);
+            }
+        }
+        layout
+    }
+
+    fn add(&mut self, role: Role, bounds: [f64; 2], step: f64) {
+        self.roles.push(role);
+        self.bounds.push(bounds);
+        self.steps.push(step);
+    }
+
+    /// Factors of the physics, and the values of the free parameters.
+    fn physics<'a>(&self, at: &[f64], parameters: &'a mut Vec<f64>) -> Physics<'a> {
+        let mut physics = [1.0; 2];
+        parameters.clear();
+        for (role, value) in self.roles.iter().zip(at) {
+            match role {
+                Role::Physics(Unknown::TensionOverStiffness) => physics[0] = value.exp(),
+                Role::Physics(Unknown::YoungModulus) => physics[1] = value.exp(),
+                Role::Physics(Unknown::Parameter(_)) => {
+                    parameters.push(self.usual[parameters.len()] * value.exp());
+                }
+                _ => {}
+            }
+        }
+        Physics { tension: physics[0], stiffness: physics[1], parameters }
+    }
+
+    /// The stimuli of a curve, each with its delay.
+    pub(super) fn stimuli(&self, at: &[f64], number: usize) -> Vec<f64> {
+        let mut times = self.sources[number].observed.stimuli.times().to_vec();
+        for (role, delay) in self.roles.iter().zip(at) {
+            match role {
+                Role::Delay { source, beat: None } if *source == number => {
+                    for time in &mut times {
+                        *time += delay;
+                    }
+                }
+                Role::Delay { source, beat: Some(beat) } if *source == number => {
+                    times[*beat] += delay;
+                }
+                _ => {}
+            }
+        }
+        times
+    }
+
+    /// The shortening in each frame of a curve.
+    pub(super) fn shortening(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
+        let mut parameters = Vec::new();
+        let physics = self.physics(at, &mut parameters);
+        let stimuli = self.stimuli(at, number);
+        // Beats that change places are no beats.
+        if stimuli.windows(2).any(|pair| pair[1] <= pair[0]) {
+            return None;
+        }
+        self.sources[number].contraction.shortening(&physics, &stimuli, times)
+    }
+
+    /// A curve as it would be measured, without noise.
+    pub(super) fn curve(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
+        let mut curve = self.shortening(at, number, times)?;
+        let find = |wanted: &Role| self.roles.iter().position(|role| role == wanted);
+        let level = find(&Role::Level { source: number }).map_or(0.0, |place| at[place]);
+        let gain = find(&Role::Gain { source: number }).map_or(1.0, |place| at[place]);
+        let drift = find(&Role::Drift { source: number }).map_or(0.0, |place| at[place]);
+        let all = &self.sources[number].frames.times;
+        let (first, last) = (all[0], all[all.len() - 1]);
+        for (value, time) in curve.iter_mut().zip(times) {
+            let level = level + drift * ((time - first) / (last - first) - 0.5);
+            *value = match self.sources[number].observed.scale {
+                Scale::Length => level * (1.0 - *value),
+                Scale::Percent => level + 100.0 * *value,
+                Scale::Arbitrary => level + gain * *value,
+            };
+        }
+        Some(curve)
+    }
+
+    /// What is left of every frame that counts, over its noise.
+    pub(super) fn residuals(&self, at: &[f64]) -> Option<Vec<f64>> {
+        let mut all = Vec::new();
+        for number in 0..self.sources.len() {
+            let Source { frames, used, .. } = &self.sources[number];
+            let curve = self.curve(at, number, &frames.times)?;
+            let off = frames.values.iter().zip(&curve).zip(used).filter(|(_, used)| **used);
+            all.extend(off.map(|((value, curve), _)| (value - curve) / frames.noise));
+        }
+        all.iter().all(|value| value.is_finite()).then_some(all)
+    }
+
+    /// Where to begin: parameters by these factors, the tension such that beats have the measured height, delays such
+    /// that they rise when the measured ones do.
+    pub(super) fn start(&self, factors: &[f64]) -> Option<Vec<f64>> {
+        let mut at: Vec<f64> = self.roles.iter().map(|_| 0.0).collect();
+        let mut factors = factors.iter();
+        for (place, role) in self.roles.iter().enumerate() {
+            if let Role::Physics(unknown) = role
+                && *unknown != Unknown::TensionOverStiffness
+            {
+                let [low, high] = self.bounds[place];
+                at[place] = factors.next().copied().unwrap_or(1.0).ln().clamp(low, high);
+            }
+        }
+        let first = &self.sources[0];
+        let tension = self
+            .roles
+            .iter()
+            .position(|role| *role == Role::Physics(Unknown::TensionOverStiffness));
+        if let (Some(place), Some(height)) = (tension, first.shortening()) {
+            let mut parameters = Vec::new();
+            let physics = self.physics(&at, &mut parameters);
+            let [low, high] = self.bounds[place];
+            let found = first.contraction.tension_for(height, &physics, first.cycle)?;
+            at[place] = found.ln().clamp(low, high);
+        }
+        for number in 0..self.sources.len() {
+            let source = &self.sources[number];
+            let fine: Vec<f64> = (0..400).map(|at| f64::from(at) * source.cycle / 400.0).collect();
+            let mut parameters = Vec::new();
+            let physics = self.physics(&at, &mut parameters);
+            let beat = source.contraction.shortening(&physics, &[0.0], &fine)?;
+            let peak = beat.iter().copied().fold(0.0, f64::max);
+            let risen = beat.iter().position(|value| *value > 0.5 * peak)?;
+            let seen = source.risen();
+            for (place, role) in self.roles.iter().enumerate() {
+                let [low, high] = self.bounds[place];
+                match role {
+                    Role::Delay { source: of, beat } if *of == number => {
+                        let beat = beat.unwrap_or(0);
+                        let stimulus = source.observed.stimuli.times()[beat];
+                        let rise = seen.get(beat).copied().flatten();
+                        let delay = rise.map_or(0.0, |rise| rise - fine[risen] - stimulus);
+                        at[place] = delay.clamp(low, high);
+                    }
+                    Role::Level { source: of } if *of == number => at[place] = source.frames.rest,
+                    Role::Gain { source: of } if *of == number => {
+                        at[place] = (source.frames.reach / peak).clamp(low, high);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Some(at)
+    }
+}
+
+impl Source {
+    /// The largest shortening that is seen, a part of the resting length; `None` in arbitrary units.
+    pub(super) fn shortening(&self) -> Option<f64> {
+        let Frames { rest, reach, .. } = self.frames;
+        shortening(self.observed.scale, rest, reach)
+    }
+
+    /// When each beat is half risen, ms, where that is seen.
+    fn risen(&self) -> Vec<Option<f64>> {
+        let Frames { times, values, rest, reach, .. } = &self.frames;
+        let half = |value: f64| (value - rest) / reach - 0.5;
+        let stimuli = self.observed.stimuli.times();
+        let beat = |(number, stimulus): (usize, &f64)| {
+            let end = stimuli.get(number + 1).copied().unwrap_or(f64::INFINITY);
+            let frames = times.windows(2).zip(values.windows(2));
+            let mut within = frames.filter(|(times, _)| {
+                times[0] >= stimulus - DELAY_MS && times[0] < end - DELAY_MS.min(0.3 * self.cycle)
+            });
+            let (times, values) =
+                within.find(|(_, values)| half(values[0]) <= 0.0 && half(values[1]) > 0.0)?;
+            let [from, to] = [half(values[0]), half(values[1])];
+            Some(times[0] + (times[1] - times[0]) * from / (from - to))
+        };
+        stimuli.iter().enumerate().map(beat).collect()
+    }
+}
+
+/// The shortening that a curve shows, a part of the resting length; `None` in arbitrary units.
+pub(super) fn shortening(scale: Scale, rest: f64, reach: f64) -> Option<f64> {
+    match scale {
+        Scale::Length => Some((-reach / rest).clamp(1e-6, 0.9)),
+        Scale::Percent => Some((reach / 100.0).clamp(1e-6, 0.9)),
+        Scale::Arbitrary => None,
+    }
+}

@@ -1,0 +1,90 @@
+//! The run that a fit is of.
+
+use super::answer::Fit;
+use super::contraction::scale_of;
+use super::error::FitError;
+use super::fitter::Fitter;
+use super::fitter::ONE_BEAT;
+use super::given::{Potential, Rates};
+use super::unknown::Unknown;
+use crate::cell::TensionKind;
+use crate::cell::minimal::MinimalModel;
+use crate::cell::pacing::Protocol;
+use crate::integrate::Method;
+use crate::mechanics::material::Stiffness;
+use crate::settings::Run;
+use std::any::Any;
+
+impl Fitter {
+    /// The run with what was found, beaten as often as in the first curve, from its own first stimulus on: `myospring
+    /// run` repeats the fitted curve.
+    ///
+    /// # Errors
+    /// Numbers that the model does not take.
+    pub fn fitted(&self, mut run: Run, fit: &Fit) -> Result<Run, FitError> {
+        let mut parameters = self.simulation().cell.parameters().clone();
+        let mut tension = self.tension();
+        for estimate in &fit.estimates {
+            match &estimate.unknown {
+                Some(Unknown::Parameter(name)) => parameters.set(name, estimate.value)?,
+                Some(Unknown::YoungModulus) => {
+                    let by = estimate.value / self.modulus();
+                    run.material.area_modulus *= by;
+                    run.material.stiffness = match run.material.stiffness {
+                        Stiffness::YoungModulus(modulus) => Stiffness::YoungModulus(by * modulus),
+                        Stiffness::Spring(stiffness) => Stiffness::Spring(by * stiffness),
+                    };
+                    tension *= by;
+                }
+                _ => {}
+            }
+        }
+        if let Some(ratio) = fit.estimate(Unknown::TensionOverStiffness.name()) {
+            tension *= ratio.value / self.tension_over_stiffness();
+        }
+        let cell = &self.simulation().cell;
+        if let TensionKind::Relative { published_peak } = cell.tension_kind() {
+            run.cell = cell.with_parameters(parameters)?;
+            // What was fitted is the peak of this cell; a run's is that of the published parameters.
+            let minimal = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
+            let own = minimal.filter(|_| self.simulation().material.retardation_time == 0.0);
+            run.peak_tension = match own {
+                Some(model) => tension * published_peak / own_peak(model, run.protocol, fit)?,
+                None => tension,
+            };
+        } else {
+            if let Some(name) = scale_of(&**cell) {
+                parameters.set(name, tension)?;
+            }
+            run.cell = cell.with_parameters(parameters)?;
+        }
+        if let Some(curve) = fit.curves.first() {
+            let stimuli = &curve.stimuli_ms;
+            let (first, last) = (stimuli[0], stimuli[stimuli.len() - 1]);
+            run.protocol.beats = stimuli.len() as u32;
+            if stimuli.len() > 1 {
+                let cycle = (last - first) / (stimuli.len() - 1) as f64;
+                run.protocol.cycle_length_ms = (cycle * WRITTEN).round() / WRITTEN;
+            }
+            let end = curve.times_ms.last().copied().unwrap_or_default();
+            run.duration = (run.protocol.start_ms + end - first).max(1.0).ceil();
+        }
+        run.numerics.method = Method::QuasiStatic;
+        Ok(run)
+    }
+}
+
+/// Cycle lengths are written to this part of a ms.
+const WRITTEN: f64 = 1e6;
+
+/// The largest `Ta` of the beats that were fitted.
+fn own_peak(model: &MinimalModel, protocol: Protocol, fit: &Fit) -> Result<f64, FitError> {
+    let stimuli = fit.curves.first().map_or(&[0.0][..], |curve| &curve.stimuli_ms);
+    let beats = stimuli.len();
+    let spread = stimuli[beats - 1] - stimuli[0];
+    let cycle = if beats > 1 { spread / (beats - 1) as f64 } else { ONE_BEAT };
+    let potential = Potential::solve(model, protocol, fit.beats_before, beats, cycle)?;
+    let regular: Vec<f64> = (0..beats).map(|beat| beat as f64 * cycle).collect();
+    let end = [regular[beats - 1] + cycle];
+    Ok(potential.tension(&Rates::of(model), &regular, &end, &mut Vec::new()))
+}

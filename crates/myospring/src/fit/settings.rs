@@ -1,0 +1,96 @@
+//! What is sought, and where.
+
+use super::error::FitError;
+use super::unknown::Unknown;
+use crate::cell::CellModel;
+use crate::cell::minimal::MinimalModel;
+use std::any::Any;
+use std::collections::BTreeMap;
+
+/// Settings of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// What is sought beside delays and lengths at rest; `None`: what a curve of this model tells
+    /// ([`Settings::usual`]).
+    pub free: Option<Vec<Unknown>>,
+    /// Bounds other than the usual ones, in the unit of each unknown.
+    pub bounds: BTreeMap<Unknown, [f64; 2]>,
+    /// How many starts.
+    pub starts: usize,
+    /// Decides the starts.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { free: None, bounds: BTreeMap::new(), starts: 8, seed: 1 }
+    }
+}
+
+impl Settings {
+    /// What a curve of one cell tells: of a tension that is given its height and its rate, of myofilaments that feel
+    /// their length the height alone, since calcium's sensitivity and the height can hardly be told apart.
+    pub fn usual(cell: &dyn CellModel) -> Vec<Unknown> {
+        let mut free = vec![Unknown::TensionOverStiffness];
+        if (cell as &dyn Any).is::<MinimalModel>() {
+            free.push(Unknown::Parameter("c_0".to_owned()));
+        } else if cell.parameters().get("k_ws").is_some() {
+            free.push(Unknown::Parameter("k_ws".to_owned()));
+        }
+        free
+    }
+
+    /// Every unknown with its bounds as factors on the run's value, and that value; `of` gives the value of what is no
+    /// parameter.
+    pub(super) fn sought(
+        &self,
+        cell: &dyn CellModel,
+        of: impl Fn(&Unknown) -> f64,
+        arbitrary: bool,
+    ) -> Result<Vec<(Unknown, [f64; 2], f64)>, FitError> {
+        let mut free = self.free.clone().unwrap_or_else(|| Self::usual(cell));
+        if arbitrary {
+            // A height in arbitrary units is no height.
+            free.retain(|unknown| *unknown != Unknown::TensionOverStiffness);
+        }
+        let mut all: Vec<(Unknown, [f64; 2], f64)> = Vec::new();
+        for unknown in free {
+            let (usual, limits) = match &unknown {
+                Unknown::Parameter(name) => {
+                    let rows = cell.parameters().rows();
+                    let row = rows.iter().find(|row| row.name == *name).ok_or_else(|| {
+                        let known: Vec<&str> = ["tension_over_stiffness", "young_modulus"]
+                            .into_iter()
+                            .chain(rows.iter().map(|row| &*row.name))
+                            .collect();
+                        let why = format!("{} has no such parameter", cell.name());
+                        FitError::Unknown { name: name.clone(), why, known: known.join(", ") }
+                    })?;
+                    if row.value.is_nan() || row.value <= 0.0 {
+                        return Err(FitError::Unknown {
+                            name: name.clone(),
+                            why: format!("it is {} and is sought by factors", row.value),
+                            known: "numbers above 0".to_owned(),
+                        });
+                    }
+                    (row.value, [row.minimum, row.maximum])
+                }
+                other => (of(other), other.usual().map(|factor| factor * of(other))),
+            };
+            let asked = self.bounds.get(&unknown).copied();
+            let [low, high] = asked.unwrap_or_else(|| {
+                let [low, high] = unknown.usual().map(|factor| factor * usual);
+                [low.max(limits[0]), high.min(limits[1])]
+            });
+            if !(low > 0.0 && low < high && limits[0] <= low && high <= limits[1]) {
+                let [least, most] = limits;
+                return Err(FitError::Bounds { name: unknown.to_string(), low, high, least, most });
+            }
+            if all.iter().any(|(known, ..)| *known == unknown) {
+                continue;
+            }
+            all.push((unknown, [low / usual, high / usual], usual));
+        }
+        Ok(all)
+    }
+}

@@ -1,0 +1,111 @@
+//! How far a cell shortens under a tension: its equilibria as a table.
+
+use super::error::FitError;
+use crate::integrate::quasi_static::Tolerance;
+use crate::mechanics::material::Stiffness;
+use crate::simulation::Simulation;
+use crate::simulation::quasi_static::Equilibria;
+use rayon::prelude::*;
+
+/// Intervals of a table.
+const INTERVALS: usize = 4000;
+/// Factors on the stiffness for which a loaded cell is solved, evenly in their logarithm.
+const STIFFNESSES: usize = 13;
+/// The largest of these factors; the smallest is its inverse.
+const STIFFEST: f64 = 16.0;
+
+/// Shortening, as a part of the resting length, by tension.
+#[derive(Debug, Clone)]
+pub(super) struct Table {
+    step: f64,
+    shortening: Vec<f64>,
+}
+
+impl Table {
+    /// Up to a shortening, or as far as the cell goes.
+    pub(super) fn solve(simulation: &Simulation, up_to: f64) -> Result<Self, FitError> {
+        let equilibria = simulation.equilibria_to(up_to, Tolerance::default())?;
+        Self::of(&equilibria)
+    }
+
+    fn of(equilibria: &Equilibria) -> Result<Self, FitError> {
+        let [_, highest] = equilibria.shapes.range();
+        let step = highest / INTERVALS as f64;
+        let series: Vec<[f64; 2]> =
+            (0..=INTERVALS).map(|at| [0.0, (at as f64 * step).min(highest)]).collect();
+        let responses = equilibria.follow(&series)?;
+        let shortening: Vec<f64> =
+            responses.iter().map(|response| response.shortening_pct / 100.0).collect();
+        // A cell whose ends are held does not show what it does.
+        if shortening[INTERVALS].is_nan() || shortening[INTERVALS] <= 1e-6 {
+            return Err(FitError::DoesNotShorten);
+        }
+        Ok(Self { step, shortening })
+    }
+
+    /// The shortening under a tension, kPa; past the last, on the straight line.
+    pub(super) fn at(&self, tension: f64) -> f64 {
+        let place = (tension / self.step).max(0.0);
+        let before = (place as usize).min(INTERVALS - 1);
+        let [from, to] = [self.shortening[before], self.shortening[before + 1]];
+        from + (place - before as f64) * (to - from)
+    }
+}
+
+/// Tables for cells of other stiffness than the run's, all else as it is.
+#[derive(Debug, Clone)]
+pub(super) struct Tables {
+    /// By factor on every elastic constant of the cell, ascending; one alone where nothing holds the cell, since there
+    /// only tension over stiffness counts.
+    by_stiffness: Vec<Table>,
+}
+
+impl Tables {
+    pub(super) fn solve(simulation: &Simulation, up_to: f64, any: bool) -> Result<Self, FitError> {
+        if !any {
+            return Ok(Self { by_stiffness: vec![Table::solve(simulation, up_to)?] });
+        }
+        let tables = (0..STIFFNESSES).into_par_iter().map(|at| {
+            let mut other = simulation.clone();
+            stiffen(&mut other, factor(at));
+            Table::solve(&other, up_to)
+        });
+        Ok(Self { by_stiffness: tables.collect::<Result<_, _>>()? })
+    }
+
+    /// The shortening under a tension of a cell that is so many times as stiff: by Lagrange's cubic in the logarithm of
+    /// the stiffness, at equal tension over stiffness.
+    pub(super) fn at(&self, tension: f64, stiffness: f64) -> f64 {
+        let [table] = self.by_stiffness.as_slice() else {
+            let part = f64::midpoint(stiffness.ln() / STIFFEST.ln(), 1.0);
+            let place = part * (STIFFNESSES - 1) as f64;
+            let first = (place as usize).saturating_sub(1).min(STIFFNESSES - 4);
+            return (first..first + 4)
+                .map(|k| {
+                    let others = (first..first + 4).filter(|j| *j != k);
+                    let weight: f64 =
+                        others.map(|j| (place - j as f64) / (k as f64 - j as f64)).product();
+                    weight * self.by_stiffness[k].at(tension / stiffness * factor(k))
+                })
+                .sum();
+        };
+        table.at(tension / stiffness)
+    }
+}
+
+/// Smallest and largest factor on the stiffness.
+pub(super) const STIFFNESS_BOUNDS: [f64; 2] = [1.0 / STIFFEST, STIFFEST];
+
+fn factor(at: usize) -> f64 {
+    STIFFEST.powf(2.0 * at as f64 / (STIFFNESSES - 1) as f64 - 1.0)
+}
+
+/// Multiplies every elastic constant of the cell itself.
+pub(super) fn stiffen(simulation: &mut Simulation, by: f64) {
+    let material = &mut simulation.material;
+    material.stiffness = match material.stiffness {
+        Stiffness::YoungModulus(modulus) => Stiffness::YoungModulus(by * modulus),
+        Stiffness::Spring(stiffness) => Stiffness::Spring(by * stiffness),
+    };
+    material.area_modulus *= by;
+}

@@ -1,0 +1,54 @@
+//! What a curve can tell: the unknowns of a fit.
+
+use std::fmt;
+
+/// Where its value is sought unless other bounds are given, as factors on the run's own value.
+const USUAL: f64 = 4.0;
+
+/// One that says how the cell is.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unknown {
+    /// Peak of the active tension over stiffness: a free cell shortens by their ratio.
+    TensionOverStiffness,
+    /// Every elastic constant of the cell, by its Young's modulus: with a known load alone.
+    YoungModulus,
+    /// A parameter of the cell model.
+    Parameter(String),
+}
+
+impl Unknown {
+    /// By the name that options and run files use.
+    pub fn named(name: &str) -> Self {
+        match name {
+            "tension_over_stiffness" => Self::TensionOverStiffness,
+            "young_modulus" => Self::YoungModulus,
+            name => Self::Parameter(name.to_owned()),
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::TensionOverStiffness => "tension_over_stiffness",
+            Self::YoungModulus => "young_modulus",
+            Self::Parameter(name) => name,
+        }
+    }
+
+    /// Factors on the run's value between which it is sought.
+    pub(super) fn usual(&self) -> [f64; 2] {
+        match self {
+            // Whatever the measured height asks for: gels want a hundredth of what free cells have.
+            Self::TensionOverStiffness => [1e-4, 1e4],
+            Self::YoungModulus => super::table::STIFFNESS_BOUNDS,
+            Self::Parameter(_) => [1.0 / USUAL, USUAL],
+        }
+    }
+}
+
+impl fmt::Display for Unknown {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}

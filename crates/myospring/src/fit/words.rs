@@ -1,0 +1,127 @@
+//! A fit in words.
+
+use super::answer::{Fit, FittedCurve, Verdict};
+use super::observed::Scale;
+use super::unknown::Unknown;
+
+/// What a reader must know, in order of weight.
+pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
+    let mut words = Vec::new();
+    for curve in fit.curves.iter().filter(|curve| !curve.follows()) {
+        words.push(misfit(curve, model));
+    }
+    for estimate in fit.estimates.iter().filter(|estimate| estimate.unknown.is_some()) {
+        let name = &estimate.name;
+        match estimate.verdict {
+            Verdict::Determined => {}
+            Verdict::NotDetermined => {
+                words.push(format!("{name} is not determined by this curve: its profile is flat"));
+            }
+            Verdict::AtLeast => {
+                words.push(format!(
+                    "{name} is {} or more: the curve sets no upper end",
+                    amount(estimate.interval[0].unwrap_or(estimate.value), &estimate.unit)
+                ));
+            }
+            Verdict::AtMost => {
+                words.push(format!(
+                    "{name} is {} or less: the curve sets no lower end",
+                    amount(estimate.interval[1].unwrap_or(estimate.value), &estimate.unit)
+                ));
+            }
+            Verdict::AtLowerBound | Verdict::AtUpperBound => {
+                let end = if estimate.verdict == Verdict::AtLowerBound { "lower" } else { "upper" };
+                words.push(format!(
+                    "{name} is at its {end} bound, {}: the curve asks for a value beyond",
+                    amount(estimate.value, &estimate.unit)
+                ));
+            }
+        }
+    }
+    for (one, other, correlation) in &fit.correlated {
+        words.push(format!(
+            "{one} and {other} can hardly be told apart (correlation {correlation:.3}): hold one of them fixed"
+        ));
+    }
+    let [agreeing, starts] = fit.agreeing_starts;
+    if 4 * agreeing < starts {
+        words.push(format!(
+            "only {agreeing} of {starts} starts came to this answer; there may be a better one: try more starts"
+        ));
+    }
+    let bad: usize =
+        fit.curves.iter().map(|curve| curve.used.iter().filter(|used| !**used).count()).sum();
+    if bad > 0 {
+        words.push(format!("{bad} single bad frames were left out"));
+    }
+    let free = |unknown: &Unknown| {
+        fit.estimates.iter().any(|estimate| estimate.unknown.as_ref() == Some(unknown))
+    };
+    if fit.curves.iter().any(|curve| curve.scale == Scale::Arbitrary) {
+        words.push("a height in arbitrary units says nothing of how far the cell shortens: timing alone was fitted".to_owned());
+    } else if !free(&Unknown::YoungModulus) && free(&Unknown::TensionOverStiffness) {
+        words.push(format!(
+            "the curve tells tension over stiffness, not either; in kPa they rest on the Young's modulus that was taken, {} kPa",
+            (1e4 * modulus).round() / 1e4
+        ));
+    }
+    words
+}
+
+/// How the fitted curve goes by the measured one, where it cannot follow.
+fn misfit(curve: &FittedCurve, model: &str) -> String {
+    let FittedCurve { times_ms, measured, fitted, used, noise, residual, .. } = curve;
+    let sign = if curve.scale == Scale::Length { -1.0 } else { 1.0 };
+    let up = |values: &[f64], at: usize| sign * values[at];
+    let peak =
+        (0..fitted.len()).max_by(|a, b| up(fitted, *a).total_cmp(&up(fitted, *b))).unwrap_or(0);
+    let (low, high) = (0..fitted.len())
+        .map(|at| up(fitted, at))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+    let part = |at: usize| (up(fitted, at) - low) / (high - low);
+    let rises = |at: usize| {
+        let next = (at + 1).min(fitted.len() - 1);
+        up(fitted, next) > up(fitted, at)
+    };
+    let mean = |which: &dyn Fn(usize) -> bool| {
+        let off: Vec<f64> = (0..fitted.len())
+            .filter(|&at| used[at] && which(at))
+            .map(|at| up(measured, at) - up(fitted, at))
+            .collect();
+        if off.is_empty() { 0.0 } else { off.iter().sum::<f64>() / off.len() as f64 }
+    };
+    let early = mean(&|at| (0.05..0.5).contains(&part(at)) && rises(at));
+    let late = mean(&|at| (0.5..0.95).contains(&part(at)) && rises(at));
+    let top = mean(&|at| part(at) >= 0.95);
+    let fall = mean(&|at| (0.05..0.95).contains(&part(at)) && !rises(at));
+    let tail = mean(&|at| part(at) < 0.05 && times_ms[at] > times_ms[peak]);
+    let all = [
+        (early, "in the first half of its rise"),
+        (late, "in the second half of its rise"),
+        (top, "at its top"),
+        (fall, "in its relaxation"),
+        (tail, "on its return to rest"),
+    ];
+    let worst = all.into_iter().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    let place = worst.map_or_else(String::new, |(off, what)| {
+        let more = if off > 0.0 { "more" } else { "less" };
+        format!(": {what} the measured cell is {} {more} contracted than any setting of the unknowns gives", amount(off.abs(), &curve.unit))
+    });
+    format!(
+        "{model} cannot follow `{}`: {} are left where the noise is {}{place}. Its intervals count with what is left, \
+         and mean little",
+        curve.name,
+        amount(*residual, &curve.unit),
+        amount(*noise, &curve.unit),
+    )
+}
+
+/// A number with its unit, three digits of it.
+fn amount(value: f64, unit: &str) -> String {
+    let digits = if value == 0.0 { 0.0 } else { 2.0 - value.abs().log10().floor() };
+    let digits = digits.clamp(0.0, 9.0) as usize;
+    let space = if unit.is_empty() { "" } else { " " };
+    format!("{value:.digits$}{space}{unit}")
+}

@@ -1,0 +1,187 @@
+//! Fits of curves whose truth is known.
+
+use myospring::fit::{Fit, Fitter, Loaded, Observed, Scale, Settings, Stimuli, Unknown, Verdict};
+use myospring::mechanics::support::SupportKind;
+use myospring::run_file::RunFile;
+use myospring::settings::Run;
+use myospring::study::sampling::{Distribution, Sampler, sample};
+
+const LENGTH: f64 = 100.0;
+
+fn run(text: &str) -> Run {
+    RunFile::from_text(text).unwrap().resolve().unwrap()
+}
+
+fn fitter(text: &str) -> Fitter {
+    Fitter::of(&run(text), |path| std::fs::read(path)).unwrap()
+}
+
+/// 163 frames, 250 a second.
+fn times() -> Vec<f64> {
+    (0..163).map(|frame| 4.0 * f64::from(frame)).collect()
+}
+
+fn with_noise(values: &[f64], deviation: f64, seed: u64) -> Vec<f64> {
+    let normal = Distribution::Normal { mean: 0.0, standard_deviation: deviation };
+    let noise = sample(&Sampler::LatinHypercube { size: values.len() }, &[normal], seed).unwrap();
+    values.iter().zip(noise.iter()).map(|(value, noise)| value + noise[0]).collect()
+}
+
+fn observed(values: Vec<f64>, scale: Scale) -> Observed {
+    let stimuli = Stimuli::Given(vec![50.0]);
+    Observed { name: "cell".into(), times_ms: times(), values, scale, unit: "um".into(), stimuli }
+}
+
+fn free(names: &[&str]) -> Settings {
+    Settings {
+        free: Some(names.iter().map(|name| Unknown::named(name)).collect()),
+        ..Settings::default()
+    }
+}
+
+fn fitted(fitter: &Fitter, observed: Observed, settings: &Settings) -> Fit {
+    fitter.fit(&[observed], settings, &|_| true).unwrap().unwrap()
+}
+
+#[test]
+fn what_a_curve_was_made_with_is_found_as_surely_as_its_noise_allows() {
+    let fitter = fitter("");
+    let curve = fitter.curve(&[], LENGTH, &times()).unwrap();
+    let noisy = observed(with_noise(&curve, 0.1, 3), Scale::Length);
+    let names = ["tension_over_stiffness", "c_0", "x_3", "sigma"];
+    let fit = fitted(&fitter, noisy, &free(&names));
+    // Standard deviations that an independent program found for these settings, % (delay: ms).
+    let expected = [
+        ("tension_over_stiffness", fitter.tension_over_stiffness(), 0.24),
+        ("c_0", 0.0166016, 0.48),
+        ("x_3", 0.2925, 1.0),
+        ("sigma", 0.046875, 1.9),
+        ("resting_length", LENGTH, 0.014),
+        ("delay", 0.0, 0.29),
+    ];
+    for (name, truth, deviation) in expected {
+        let estimate = fit.estimate(name).unwrap();
+        let found = estimate.standard_deviation.unwrap();
+        let found = if name == "delay" { found } else { 100.0 * found / truth };
+        assert!((found / deviation - 1.0).abs() < 0.25, "{name}: {found}, not {deviation}");
+        let off = (estimate.value - truth) / estimate.standard_deviation.unwrap();
+        assert!(off.abs() < 4.0, "{name} is {} and not {truth}", estimate.value);
+        assert_eq!(estimate.verdict, Verdict::Determined, "{name}");
+    }
+    assert!(fit.follows() && (fit.reduced_chi_squared - 1.0).abs() < 0.3);
+}
+
+#[test]
+fn stiffness_shows_under_a_known_load_alone() {
+    let fitter = fitter("[cell]\npeak_tension = \"50 kPa\"");
+    let curve = fitter.curve(&[], LENGTH, &times()).unwrap();
+    let both = free(&["tension_over_stiffness", "young_modulus", "c_0"]);
+    let alone = fitted(&fitter, observed(with_noise(&curve, 0.1, 5), Scale::Length), &both);
+    assert_eq!(alone.estimate("young_modulus").unwrap().verdict, Verdict::NotDetermined);
+
+    let between = |stiffness: f64| {
+        let support = SupportKind::SpringHeldEnds { stiffness };
+        let text = format!(
+            "[mechanics]\nsupport = \"spring-held-ends\"\nend_stiffness = \"{stiffness} nN/um\""
+        );
+        let values = self::fitter(&text).curve(&[], LENGTH, &times()).unwrap();
+        Loaded { support, observed: observed(with_noise(&values, 0.1, 7), Scale::Length) }
+    };
+    let unloaded = Loaded { support: SupportKind::MassCentre, ..between(100.0) };
+    let unloaded =
+        Loaded { observed: observed(with_noise(&curve, 0.1, 5), Scale::Length), ..unloaded };
+    let mut before = f64::INFINITY;
+    for stiffness in [100.0, 500.0] {
+        let curves = [unloaded.clone(), between(stiffness)];
+        let fit = fitter.fit_loaded(&curves, &both, &|_| true).unwrap().unwrap();
+        let modulus = fit.estimate("young_modulus").unwrap();
+        assert_eq!(modulus.verdict, Verdict::Determined);
+        let deviation = modulus.standard_deviation.unwrap();
+        assert!(
+            (modulus.value - 308.0).abs() < 4.0 * deviation,
+            "{} ± {deviation} kPa",
+            modulus.value
+        );
+        // A stiffer load tells more of what it is set against.
+        assert!(deviation < 0.7 * before);
+        before = deviation;
+    }
+}
+
+#[test]
+fn a_curve_that_the_model_cannot_follow_is_named_with_the_place() {
+    let slow = fitter("[cell]\nmodel = \"land_2017\"\n[numerics]\nintegrator = \"quasi-static\"");
+    let curve = slow.curve(&[], LENGTH, &times()).unwrap();
+    let noisy = observed(with_noise(&curve, 0.1, 1), Scale::Length);
+    let fit = fitted(&fitter(""), noisy, &Settings::default());
+    assert!(!fit.follows());
+    assert!(fit.verdicts[0].starts_with("coelho_2021 cannot follow `cell`"), "{}", fit.verdicts[0]);
+}
+
+#[test]
+fn myofilaments_that_feel_their_length_find_their_own_curve() {
+    let fitter = fitter("[cell]\nmodel = \"land_2017\"\n[numerics]\nintegrator = \"quasi-static\"");
+    let factors = [("tension_over_stiffness", 0.9), ("k_ws", 1.1)];
+    let curve = fitter.curve(&factors, LENGTH, &times()).unwrap();
+    let settings = Settings { starts: 2, ..Settings::default() };
+    let fit = fitted(&fitter, observed(with_noise(&curve, 0.1, 9), Scale::Length), &settings);
+    for (name, factor) in factors {
+        let estimate = fit.estimate(name).unwrap();
+        let usual = if name == "k_ws" { 0.012 } else { fitter.tension_over_stiffness() };
+        let off = (estimate.value - factor * usual) / estimate.standard_deviation.unwrap();
+        assert!(off.abs() < 4.0, "{name} is off by {off} standard deviations");
+    }
+    assert!(fit.follows());
+}
+
+#[test]
+fn single_bad_frames_move_nothing_and_are_counted() {
+    let fitter = fitter("");
+    let mut values = with_noise(&fitter.curve(&[], LENGTH, &times()).unwrap(), 0.1, 2);
+    let sound = fitted(&fitter, observed(values.clone(), Scale::Length), &Settings::default());
+    values[70] += 6.0;
+    values[31] -= 4.0;
+    let fit = fitted(&fitter, observed(values, Scale::Length), &Settings::default());
+    let bad = |fit: &Fit| fit.curves[0].used.iter().filter(|used| !**used).count();
+    assert_eq!((bad(&sound), bad(&fit)), (0, 2));
+    for (with, without) in fit.estimates.iter().zip(&sound.estimates) {
+        let off = (with.value - without.value) / without.standard_deviation.unwrap();
+        assert!(off.abs() < 0.5, "{} moves by {off} standard deviations", with.name);
+    }
+}
+
+#[test]
+fn a_height_in_arbitrary_units_says_nothing_of_the_tension() {
+    let fitter = fitter("");
+    let curve = fitter.curve(&[("c_0", 1.2)], LENGTH, &times()).unwrap();
+    let values = with_noise(&curve, 0.1, 4).iter().map(|length| 7.0 * (LENGTH - length)).collect();
+    let fit = fitted(&fitter, observed(values, Scale::Arbitrary), &Settings::default());
+    assert!(fit.estimate("tension_over_stiffness").is_none());
+    let rate = fit.estimate("c_0").unwrap();
+    assert!((rate.value / (1.2 * 0.0166016) - 1.0).abs() < 0.03, "{}", rate.value);
+}
+
+#[test]
+fn the_run_of_a_fit_repeats_the_fitted_curve() {
+    let text = "[numerics]\nintegrator = \"quasi-static\"";
+    let fitter = fitter(text);
+    let factors = [("tension_over_stiffness", 0.7), ("c_0", 1.3), ("sigma", 1.1)];
+    let values = fitter.curve(&factors, LENGTH, &times()).unwrap();
+    let settings = free(&["tension_over_stiffness", "c_0", "sigma"]);
+    let fit = fitted(&fitter, observed(with_noise(&values, 0.05, 6), Scale::Length), &settings);
+    let again = fitter.fitted(run(text), &fit).unwrap();
+    let bytes = again.shape.bytes(|path| std::fs::read(path)).unwrap();
+    let made = again.make(again.shape.mesh(&bytes).unwrap(), |path| std::fs::read(path)).unwrap();
+    let outcome = made.simulation.build().unwrap().run(|_| true);
+    let samples = &outcome.recording.samples;
+    let (rest, length) = (samples[0].length_um, fit.estimate("resting_length").unwrap().value);
+    let shift = again.protocol.start_ms - fit.curves[0].stimuli_ms[0];
+    let curve = &fit.curves[0];
+    for (time, fitted) in curve.times_ms.iter().zip(&curve.fitted) {
+        let near = |t: &&myospring::recording::Sample| t.t_ms >= time + shift;
+        let Some(sample) = samples.iter().find(near) else { continue };
+        let simulated = length * sample.length_um / rest;
+        // Half a sample of 0.5 ms at the largest rate, 0.2 um/ms.
+        assert!((simulated - fitted).abs() < 0.12, "{time} ms: {simulated} and {fitted} um");
+    }
+}
