@@ -1,6 +1,6 @@
 //! Beats of a measured curve and their metrics.
 //!
-//! A beat is a pulse that stands above the curve's own noise. The same code ([`Pulse`]) reads the metrics of simulated
+//! A beat is a pulse that stands above the curve's own noise. The same code (`pulse`) reads the metrics of simulated
 //! beats; what a measurement needs besides is here, and every step is stated in [`Treatment`]:
 //!
 //! 1. *Which way.* Curves whose kind falls in a beat (lengths) are turned over; of an unknown kind the way in which it
