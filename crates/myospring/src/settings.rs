@@ -38,15 +38,15 @@ mod words;
 
 pub use bounds::{Bounds, Whole};
 pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
-pub use content::{CONTENT_ENDINGS, ContentError, MyofibrilContent};
+pub use content::{CONTENT_ENDINGS, ContentError};
 pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
 pub use number::{Number, NumberError};
-pub use places::PlacesError;
+pub use places::{FromPlaces, PlacesError};
 pub(crate) use problem::nearest;
 pub use problem::{Failure, Problem};
 pub use rows::Table;
 pub use run::{Made, MakeError, Places, Run};
-pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError, SarcomereLength};
+pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError};
 pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
 pub use shape::{
     OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,

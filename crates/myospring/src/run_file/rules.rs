@@ -7,9 +7,7 @@ use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
-use crate::settings::{
-    self, Failure, Fibre, MyofibrilContent, Problem, Run, SarcomereLength, Source, Value,
-};
+use crate::settings::{self, Failure, Fibre, FromPlaces, Problem, Run, Source, Value};
 use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
 
 type Checked = Result<(), Failure>;
@@ -254,7 +252,7 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         Source::BuiltIn(_) => Some("shape.built_in"),
     };
     let given = OF_FIBRES.into_iter().find(|key| file.has(key));
-    if run.myofibril_content == MyofibrilContent::Picture {
+    if run.myofibril_content == FromPlaces::Picture {
         const CONTENT: &str = "mechanics.myofibril_content";
         match (run.fibre, source) {
             (Fibre::LongAxis | Fibre::Angle(_), None) => {
@@ -294,7 +292,7 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
 fn sarcomeres(file: &RunFile, run: &Run) -> Checked {
     const LENGTH: &str = "mechanics.sarcomere_length";
     const REFERENCE: &str = "mechanics.sarcomere_reference";
-    if run.sarcomere_length == SarcomereLength::Uniform {
+    if run.sarcomere_length == FromPlaces::Uniform {
         if file.has(REFERENCE) {
             let reason = "a reference is of lengths; give sarcomere_length = \"picture\" or a table, or leave it out";
             return Err((REFERENCE.to_owned(), Problem::Missing { key: LENGTH, reason }));
@@ -311,7 +309,7 @@ fn sarcomeres(file: &RunFile, run: &Run) -> Checked {
                       which isolated rat cells rest, or --sarcomere-reference \"1.71 um\"";
         return Err((LENGTH.to_owned(), Problem::Missing { key: REFERENCE, reason }));
     }
-    if run.sarcomere_length == SarcomereLength::Picture {
+    if run.sarcomere_length == FromPlaces::Picture {
         if !matches!(run.shape.source, Source::Picture(_)) {
             let reason =
                 "sarcomere_length = \"picture\" needs a picture of the cell; give one, or a table";

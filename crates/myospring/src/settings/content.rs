@@ -21,43 +21,8 @@ use std::io;
 /// Endings of files that hold a content of myofibrils, without the dot.
 pub const CONTENT_ENDINGS: &[&str] = &["csv", "png", "tif", "tiff"];
 
-/// Words that stand for no file.
-pub(super) const CONTENT_WORDS: &[&str] = &["uniform", "picture"];
-
 /// Times the mean beyond which a content is remarked upon: five, where a fifth of the cell has all the myofibrils.
 const MUCH: f64 = 5.0;
-
-/// How many myofibrils there are in each place, to which tension is in proportion.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum MyofibrilContent {
-    /// The same everywhere.
-    Uniform,
-    /// Order times coverage of the fibres that the picture of the cell shows, relative to its mean over the cell;
-    /// none where it shows none.
-    Picture,
-    /// A file, as written.
-    File(String),
-}
-
-impl MyofibrilContent {
-    /// What a person wrote.
-    pub(super) fn of(text: String) -> Self {
-        match text.as_str() {
-            "uniform" => Self::Uniform,
-            "picture" => Self::Picture,
-            _ => Self::File(text),
-        }
-    }
-
-    /// As a person writes it.
-    pub(super) fn written(&self) -> &str {
-        match self {
-            Self::Uniform => "uniform",
-            Self::Picture => "picture",
-            Self::File(path) => path,
-        }
-    }
-}
 
 /// Why a file gives no content of myofibrils.
 #[derive(Debug, thiserror::Error)]

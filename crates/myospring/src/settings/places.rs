@@ -8,6 +8,40 @@ use crate::mesh::Mesh;
 use std::io;
 use std::ops::RangeInclusive;
 
+/// Words that stand for no file.
+pub(super) const WORDS: &[&str] = &["uniform", "picture"];
+
+/// Where what differs from place to place is taken from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FromPlaces {
+    /// The same everywhere.
+    Uniform,
+    /// What the picture of the cell shows.
+    Picture,
+    /// A file, as written.
+    File(String),
+}
+
+impl FromPlaces {
+    /// What a person wrote.
+    pub(super) fn of(text: String) -> Self {
+        match text.as_str() {
+            "uniform" => Self::Uniform,
+            "picture" => Self::Picture,
+            _ => Self::File(text),
+        }
+    }
+
+    /// As a person writes it.
+    pub(super) fn written(&self) -> &str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Picture => "picture",
+            Self::File(path) => path,
+        }
+    }
+}
+
 /// Most points of a table: each triangle looks at all of them.
 const MOST_POINTS: usize = 100_000;
 

@@ -1,9 +1,10 @@
 //! A run: everything checked, in internal units, every default filled in.
 
 use super::calcium::{self, CalciumError, Calibration};
-use super::content::{self, ContentError, MyofibrilContent};
+use super::content::{self, ContentError};
 use super::fibres::{Asked, Fibre, Fibres};
-use super::sarcomeres::{self, SarcomereError, SarcomereLength};
+use super::places::FromPlaces;
+use super::sarcomeres::{self, SarcomereError};
 use super::shape::{Shape, Shaped, Source};
 use super::steady::{self, CacheError};
 use crate::cell::pacing::Protocol;
@@ -60,10 +61,12 @@ pub struct Run {
     pub fibre: Fibre,
     /// Whose stretch the cell model feels, if it feels any.
     pub stretch_felt: StretchFelt,
-    /// How many myofibrils there are in each place.
-    pub myofibril_content: MyofibrilContent,
-    /// How long the sarcomeres of the cell at rest are in each place.
-    pub sarcomere_length: SarcomereLength,
+    /// How many myofibrils there are in each place; of a picture order times coverage of its fibres, relative to the mean
+    /// over the cell, none where it shows none.
+    pub myofibril_content: FromPlaces,
+    /// How long the sarcomeres of the cell at rest are in each place, all as the reference where they are uniform; where
+    /// a picture shows none as in the nearest place that does.
+    pub sarcomere_length: FromPlaces,
     /// Length of the sarcomere at which the cell model's stretch is 1, um; without meaning where all have it.
     pub sarcomere_reference: Option<f64>,
     /// Speed at which stimuli travel along the cell, um/ms; `None` is at once everywhere.
@@ -149,8 +152,8 @@ impl Run {
             active: ActiveLaw::Fibre,
             fibre: Fibre::Auto(Asked::default()),
             stretch_felt: StretchFelt::Cell,
-            myofibril_content: MyofibrilContent::Uniform,
-            sarcomere_length: SarcomereLength::Uniform,
+            myofibril_content: FromPlaces::Uniform,
+            sarcomere_length: FromPlaces::Uniform,
             sarcomere_reference: None,
             wave_speed: None,
             support: SupportKind::MassCentre,
@@ -217,13 +220,13 @@ impl Run {
         let cells = picture.as_ref().map(|(cells, _)| cells);
         let chosen = self.shape.source.picture().map(|picture| &picture.options.selection);
         let content = match &self.myofibril_content {
-            MyofibrilContent::Uniform => None,
-            MyofibrilContent::Picture => {
+            FromPlaces::Uniform => None,
+            FromPlaces::Picture => {
                 let (content, warning) = content::of_fibres(&fibres, &mesh)?;
                 report.warnings.extend(warning);
                 Some(content)
             }
-            MyofibrilContent::File(path) => {
+            FromPlaces::File(path) => {
                 let (content, warning) =
                     content::read_content(path, &mesh, cells.zip(chosen), &read)?;
                 report.warnings.extend(warning);

@@ -5,15 +5,12 @@
 //! is longer is not drawn out, its myofilaments only stand elsewhere on their curve of force and length.
 
 use super::fibres::Fibres;
-use super::places::{self, Column, PlacesError};
+use super::places::{self, Column, FromPlaces, PlacesError};
 use crate::mesh::Mesh;
 use std::io;
 
 /// Endings of files that hold lengths of sarcomeres, without the dot.
 pub const SARCOMERE_ENDINGS: &[&str] = &["csv"];
-
-/// Words that stand for no file.
-pub(super) const SARCOMERE_WORDS: &[&str] = &["uniform", "picture"];
 
 const COLUMN: Column = Column {
     name: "sarcomere_um",
@@ -21,37 +18,6 @@ const COLUMN: Column = Column {
     within: 0.5..=5.0,
     must: "a length from 0.5 to 5 um",
 };
-
-/// How long the sarcomeres of the cell at rest are in each place.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SarcomereLength {
-    /// All as long as the reference.
-    Uniform,
-    /// As the picture of the cell shows them; where it shows none as in the nearest place that does.
-    Picture,
-    /// A file, as written.
-    File(String),
-}
-
-impl SarcomereLength {
-    /// What a person wrote.
-    pub(super) fn of(text: String) -> Self {
-        match text.as_str() {
-            "uniform" => Self::Uniform,
-            "picture" => Self::Picture,
-            _ => Self::File(text),
-        }
-    }
-
-    /// As a person writes it.
-    pub(super) fn written(&self) -> &str {
-        match self {
-            Self::Uniform => "uniform",
-            Self::Picture => "picture",
-            Self::File(path) => path,
-        }
-    }
-}
 
 /// Why no stretch at rest is known.
 #[derive(Debug, thiserror::Error)]
@@ -85,16 +51,16 @@ pub enum SarcomereError {
 
 /// The stretch of each triangle at rest, and what a person should know of it; `None` where it is 1 everywhere.
 pub(super) fn resting_stretch(
-    lengths: &SarcomereLength,
+    lengths: &FromPlaces,
     reference_um: f64,
     mesh: &Mesh,
     fibres: &Fibres,
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
 ) -> Result<Option<(Vec<f64>, String)>, SarcomereError> {
     let lengths = match lengths {
-        SarcomereLength::Uniform => return Ok(None),
-        SarcomereLength::Picture => of_fibres(fibres, mesh)?,
-        SarcomereLength::File(path) => places::read_table(path, &COLUMN, mesh, read)?,
+        FromPlaces::Uniform => return Ok(None),
+        FromPlaces::Picture => of_fibres(fibres, mesh)?,
+        FromPlaces::File(path) => places::read_table(path, &COLUMN, mesh, read)?,
     };
     let wrong = lengths.iter().find(|length| !(0.5..=1.5).contains(&(*length / reference_um)));
     if let Some(&length_um) = wrong {
@@ -135,7 +101,7 @@ mod tests {
     fn lengths_over_the_reference_are_the_stretch_at_rest_and_gaps_take_the_nearest() {
         let mesh = lattice::rectangle(2, 1, 1.0).unwrap();
         let fibres = Fibre::LongAxis.on(&mesh, None).unwrap();
-        let lengths = SarcomereLength::of("fibres.csv".to_owned());
+        let lengths = FromPlaces::of("fibres.csv".to_owned());
         let stretch = |text: &'static str, reference: f64| {
             resting_stretch(&lengths, reference, &mesh, &fibres, |_| Ok(text.into()))
         };
@@ -161,10 +127,10 @@ mod tests {
             let error = stretch(text, 1.9).unwrap_err().to_string();
             assert!(error.contains(message), "{message}: {error}");
         }
-        let picture = SarcomereLength::Picture;
+        let picture = FromPlaces::Picture;
         let error = resting_stretch(&picture, 1.9, &mesh, &fibres, |_| Ok(Vec::new())).unwrap_err();
         assert!(error.to_string().contains("none was read from it"), "{error}");
-        let uniform = SarcomereLength::Uniform;
+        let uniform = FromPlaces::Uniform;
         assert!(
             resting_stretch(&uniform, 1.9, &mesh, &fibres, |_| Ok(Vec::new())).unwrap().is_none()
         );

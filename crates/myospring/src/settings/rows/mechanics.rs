@@ -1,11 +1,12 @@
 //! `[mechanics]`.
 
 use super::super::bounds::Bounds;
-use super::super::content::{CONTENT_ENDINGS, CONTENT_WORDS, MyofibrilContent};
+use super::super::content::CONTENT_ENDINGS;
 use super::super::fibres::{Asked, Fibre};
+use super::super::places::{FromPlaces, WORDS};
 use super::super::problem::Problem;
 use super::super::run::Run;
-use super::super::sarcomeres::{SARCOMERE_ENDINGS, SARCOMERE_WORDS, SarcomereLength};
+use super::super::sarcomeres::SARCOMERE_ENDINGS;
 use super::super::setting::{Kind, Setting};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
@@ -154,10 +155,10 @@ pub(super) const ROWS: &[Setting] = &[
          grey values are taken relative to their mean.",
         Kind::File {
             endings: CONTENT_ENDINGS,
-            words: CONTENT_WORDS,
+            words: WORDS,
             example: "content.csv",
             get: |run| Some(run.myofibril_content.written().to_owned()),
-            set: |run, text| run.myofibril_content = MyofibrilContent::of(text),
+            set: |run, text| run.myofibril_content = FromPlaces::of(text),
         },
     )
     .option_saying(
@@ -176,10 +177,10 @@ pub(super) const ROWS: &[Setting] = &[
          each triangle (stretch_felt = \"triangle\") feels its own, one for the cell their mean.",
         Kind::File {
             endings: SARCOMERE_ENDINGS,
-            words: SARCOMERE_WORDS,
+            words: WORDS,
             example: "fibres.csv",
             get: |run| Some(run.sarcomere_length.written().to_owned()),
-            set: |run, text| run.sarcomere_length = SarcomereLength::of(text),
+            set: |run, text| run.sarcomere_length = FromPlaces::of(text),
         },
     )
     .option_saying(
