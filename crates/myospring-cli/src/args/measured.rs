@@ -1,0 +1,168 @@
+//! Commands for measured curves.
+
+use super::OutputArgs;
+use crate::options::{Beat, Settings};
+use clap::Args;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// Headings of options that are no settings.
+const BEATS: &str = "Beats";
+const TABLE: &str = "Table";
+const FIT: &str = "Fit";
+
+/// `myospring analyse`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring analyse cell.csv                                      columns by their names and units\n  \
+    myospring analyse contraction.txt                               MUSCLEMOTION: time (ms), amplitude\n  \
+    myospring analyse lengths.txt --frame-rate 250 --kind length --unit um\n  \
+    myospring analyse export.txt --time 1 --columns 3 --kind sarcomere-length --unit um\n  \
+    myospring analyse edge.csv --unit px --pixel-size \"0.27 um\" --frame-rate 100\n  \
+    myospring analyse fura.csv --kind calcium-ratio --stimulus-period \"1 s\" --stimulus-start \"200 ms\"\n  \
+    myospring analyse sarcomere_length.csv --frame-rate 30 --mean   a row for each sarcomere, as SarcGraph's\n\n\
+    A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`,\n\
+    `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma,\n\
+    header, encoding and lines above the table are found.\n\
+    Results: metrics.csv (a row for each beat), summary.csv (mean, standard deviation, unit and definition of each\n\
+    metric), summary.json (all of it, with what was done to each curve), figures/trace_NAME (SVG and PNG).\n\
+    Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
+pub(crate) struct AnalyseArgs {
+    /// Tables of measured curves (.csv, .txt, .tsv)
+    #[arg(value_name = "TRACE", required = true)]
+    pub(crate) inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) table: TableArgs,
+    /// Size of a pixel ("0.27 um"): lengths in pixels become um
+    #[arg(long, value_name = "LENGTH", help_heading = TABLE)]
+    pub(crate) pixel_size: Option<String>,
+    #[command(flatten)]
+    pub(crate) stimuli: StimulusArgs,
+    /// Half of the window of local parabolas ("5 ms"), 0 for none [default: by the noise]
+    #[arg(long, value_name = "TIME", help_heading = BEATS)]
+    pub(crate) smooth: Option<String>,
+    /// Leave the drift of the baseline in
+    #[arg(long, help_heading = BEATS)]
+    pub(crate) keep_drift: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// When stimuli of a measured curve fell.
+#[derive(Debug, Args)]
+#[command(next_help_heading = BEATS)]
+#[allow(clippy::struct_field_names, reason = "the names are those of the options")]
+pub(crate) struct StimulusArgs {
+    /// When stimuli fell, on the clock of the table ("100 ms, 1.1 s"); a number alone is ms
+    #[arg(
+        long,
+        value_name = "TIMES",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        conflicts_with = "stimulus_period"
+    )]
+    pub(crate) stimulus_times: Vec<String>,
+    /// Stimuli at regular intervals ("1 s") from --stimulus-start on
+    #[arg(long, value_name = "TIME")]
+    pub(crate) stimulus_period: Option<String>,
+    /// The first of them, on the clock of the table ("200 ms") [default: the first frame]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "stimulus_period")]
+    pub(crate) stimulus_start: Option<String>,
+}
+
+/// How tables of measured curves are read.
+#[derive(Debug, Args)]
+#[command(next_help_heading = TABLE)]
+pub(crate) struct TableArgs {
+    /// Columns that are curves, by name or number from 1; of a table whose rows are curves its rows [default: all
+    /// that are known by their names]
+    #[arg(long, value_name = "NAME|N,...", value_delimiter = ',')]
+    pub(crate) columns: Vec<String>,
+    /// Column of times, by name or number
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) time: Option<String>,
+    /// What the curves are: length, sarcomere-length, normalised-length, shortening, contraction, force, tension,
+    /// calcium, calcium-ratio, fluorescence, potential or unknown [default: by the columns' names]
+    #[arg(long, value_name = "KIND")]
+    pub(crate) kind: Option<String>,
+    /// Unit of their values: um, px, %, nN, kPa, uM, mV, ... [default: by the columns' names]
+    #[arg(long, value_name = "UNIT")]
+    pub(crate) unit: Option<String>,
+    /// Unit of the times: ms or s [default: by the column's name]
+    #[arg(long, value_name = "UNIT")]
+    pub(crate) time_unit: Option<String>,
+    /// Frames a second, where there are no times
+    #[arg(long, value_name = "PER_SECOND")]
+    pub(crate) frame_rate: Option<String>,
+    /// What parts fields: comma, semicolon, tab or space [default: found]
+    #[arg(long, value_name = "WORD", value_parser = ["comma", "semicolon", "tab", "space"])]
+    pub(crate) delimiter: Option<String>,
+    /// What stands before the decimals: point or comma [default: found]
+    #[arg(long, value_name = "WORD", value_parser = ["point", "comma"])]
+    pub(crate) decimal: Option<String>,
+    /// Whether columns or rows are curves [default: found]
+    #[arg(long, value_name = "WORD", value_parser = ["columns", "rows"])]
+    pub(crate) layout: Option<String>,
+    /// Leave out frames in which a curve has no number
+    #[arg(long)]
+    pub(crate) skip_gaps: bool,
+    /// One curve for each file, the mean of all
+    #[arg(long)]
+    pub(crate) mean: bool,
+}
+
+/// `myospring fit`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring fit --to cell.csv                                     the built-in cell's shape\n  \
+    myospring fit cell.tif --pixel-size \"0.27 um\" --to cell.csv     the cell of a picture\n  \
+    myospring fit --to lengths.txt --frame-rate 250 --kind length --unit um --stimulus-times \"50 ms\"\n  \
+    myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns: look at their intervals\n  \
+    myospring fit --to cell.csv --model land_2017 --fix k_ws\n  \
+    myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30     follows the cell of a film, and fits to that\n  \
+    myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     stiffness and tension both\n\n\
+    A curve of a free cell tells tension over stiffness, not either; what else it does not tell is said. Delays and the\n\
+    length at rest are always sought. Several curves (columns, files) are several cells.\n\n\
+    Results: fit.json (every number with its unit, 95 % interval, profile and verdict), curve.csv (measured, fitted,\n\
+    left), run.toml (what `myospring run` repeats the beat with), figures/fit (SVG and PNG), report.html; of several\n\
+    cells fits.csv, a row each, and these in cells/N.\n\
+    Exit codes: 0 done, 1 a cell of several could not be fitted, 2 bad input or usage.")]
+pub(crate) struct FitArgs {
+    /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml) of the cell;
+    /// without it, the cell of the film, or the built-in adult ventricular cell
+    #[arg(value_name = "PICTURE|OUTLINE|RUN.toml|FILM")]
+    pub(crate) input: Option<PathBuf>,
+    /// Measured curves (.csv, .txt, .tsv): length, sarcomere length, shortening or another motion; several columns or
+    /// files are several cells. Or a film, whose cell is followed [default: the film that was given as a picture]
+    #[arg(long, value_name = "TRACE|FILM", num_args = 1.., help_heading = FIT)]
+    pub(crate) to: Vec<PathBuf>,
+    /// A curve of the same cell between two springs, such as carbon fibres, each this stiff ("100 nN/um=fibres.csv");
+    /// may be given several times
+    #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
+    pub(crate) loaded: Vec<String>,
+    /// What is sought beside delays and the length at rest: `tension_over_stiffness`, `young_modulus` (with --loaded), or
+    /// parameters of the cell model [default: what a curve tells: `tension_over_stiffness` with `c_0` or `k_ws`]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
+    pub(crate) free: Vec<String>,
+    /// What is not sought of these
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
+    pub(crate) fix: Vec<String>,
+    /// Where something is sought, in its unit (`c_0=0.01:0.05`); may be given several times [default: factors of 4
+    /// either way]
+    #[arg(long, value_name = "NAME=LOW:HIGH", help_heading = FIT)]
+    pub(crate) bounds: Vec<String>,
+    /// Starts; the equations have thresholds, which make local minima
+    #[arg(long, value_name = "N", default_value = "8", help_heading = FIT)]
+    pub(crate) starts: NonZeroUsize,
+    /// Number that decides the starts
+    #[arg(long, value_name = "N", default_value = "1", help_heading = FIT)]
+    pub(crate) fit_seed: u64,
+    #[command(flatten)]
+    pub(crate) stimuli: StimulusArgs,
+    #[command(flatten)]
+    pub(crate) table: TableArgs,
+    #[command(flatten)]
+    pub(crate) settings: Settings<Beat>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
