@@ -4,8 +4,11 @@
 
 mod analyse;
 mod compare;
+mod drive;
+mod equilibria;
 mod fit;
 mod outputs;
+mod paper;
 mod track;
 
 use std::fs;
@@ -288,114 +291,6 @@ fn a_run_that_stops_early_writes_what_it_has_and_exits_with_1() {
 }
 
 #[test]
-fn a_quasi_static_run_writes_the_same_results_as_one_in_time_and_says_what_it_took() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = |name: &str| {
-        let method = ["--integrator", name, "--output", name, "--json"];
-        let output = myospring(folder.path(), &[&QUICK[..], &method].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        json(&output)
-    };
-    let (verlet, path) = (run("verlet"), run("quasi-static"));
-    let peak = |summary: &serde_json::Value| {
-        let metrics = summary["beats"][0]["contraction"].as_array().unwrap();
-        let peak = metrics.iter().find(|metric| metric["name"] == "peak_shortening").unwrap();
-        peak["value"].as_f64().unwrap()
-    };
-    // A thousandth: the motion overshoots a little.
-    assert!((peak(&path) / peak(&verlet) - 1.0).abs() < 1e-3);
-    assert_eq!(verlet["integration"]["integrator"], "verlet");
-    let took = &path["integration"];
-    assert_eq!(took["integrator"], "quasi-static");
-    assert!(took["load_steps"].as_u64().unwrap() < 10, "{took}");
-    assert!(took["factorisations"].as_u64() >= took["newton_iterations"].as_u64(), "{took}");
-    assert!(took["interpolation_error_um"].as_f64().unwrap() < 1e-3, "{took}");
-    assert!(took["delay_ms"].as_f64().unwrap() < 1.0, "{took}");
-
-    let [verlet, path] = ["verlet", "quasi-static"].map(|name| folder.path().join(name));
-    assert_eq!(names(&verlet), names(&path));
-    assert_eq!(names(&verlet.join("figures")), names(&path.join("figures")));
-    let [one, other] = [&verlet, &path].map(|results| {
-        let text = fs::read_to_string(results.join("traces.csv")).unwrap();
-        (text.lines().count(), text.lines().next().unwrap().to_owned())
-    });
-    assert_eq!(one, other);
-    let record: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(path.join("run.json")).unwrap()).unwrap();
-    assert_eq!(record["load_steps"], took["load_steps"]);
-    // What it wrote repeats it, to the bit.
-    let again = ["run", "quasi-static/run.toml", "--output", "again"];
-    let output = myospring(folder.path(), &again);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stdout(&output).contains("quasi-static: "), "{}", stdout(&output));
-    let [first, second] =
-        ["quasi-static", "again"].map(|name| fs::read(folder.path().join(name).join("traces.csv")));
-    assert_eq!(first.unwrap(), second.unwrap());
-    // And the run file of the one in time, whose step is of no use, can be run the other way.
-    let other = ["run", "verlet/run.toml", "--integrator", "quasi-static", "--dry-run"];
-    let output = myospring(folder.path(), &other);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stdout(&output).contains("load steps"), "{}", stdout(&output));
-}
-
-#[test]
-fn a_quasi_static_run_that_buckles_says_where_and_keeps_what_it_has() {
-    let folder = tempfile::tempdir().unwrap();
-    // Fibres across a strip between clamps press on it lengthwise, and its middle gives way.
-    let corners = "x_um,y_um\n0,0\n100,0\n100,8\n0,8\n";
-    fs::write(folder.path().join("strip.csv"), corners).unwrap();
-    let run = [
-        "run",
-        "strip.csv",
-        "--spacing",
-        "1 um",
-        "--integrator",
-        "quasi-static",
-        "--support",
-        "clamped-ends",
-        "--fibre",
-        "90 deg",
-    ];
-    let output = myospring(folder.path(), &run);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    for part in ["stopped early", "unstable beyond", "kPa", "near x = 50.0 um", "t = ", "Verlet"] {
-        assert!(message.contains(part), "{part}: {message}");
-    }
-    let results = folder.path().join("results/strip");
-    assert!(fs::read_to_string(results.join("traces.csv")).unwrap().lines().count() > 50);
-    assert!(results.join("figures/contraction.png").exists());
-    let output = myospring(folder.path(), &[&run[..], &["--dry-run"]].concat());
-    assert!(stderr(&output).contains("will stop early"), "{}", stderr(&output));
-}
-
-#[test]
-fn supports_that_give_way_shorten_less_than_none() {
-    let folder = tempfile::tempdir().unwrap();
-    let shortening = |support: &[&str]| {
-        let run = ["run", "--spacing", "4 um", "--integrator", "quasi-static", "--json", "--force"];
-        let output = myospring(folder.path(), &[&run[..], support].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let summary = json(&output);
-        let metrics = summary["beats"][0]["contraction"].as_array().unwrap();
-        let peak = metrics.iter().find(|metric| metric["name"] == "peak_shortening").unwrap();
-        peak["value"].as_f64().unwrap()
-    };
-    let free = shortening(&[]);
-    let gel = shortening(&["--support", "elastic-bed", "--bed-stiffness", "0.5 kPa/um"]);
-    let fibres = shortening(&["--support", "spring-held-ends", "--end-stiffness", "0.3 N/m"]);
-    assert!(gel < 0.95 * free && fibres < 0.95 * free, "{free}, {gel}, {fibres} %");
-}
-
-#[test]
-fn end_loads_that_buckle_the_cell_are_warned_about() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = myospring(folder.path(), &["run", "--dry-run", "--active", "ends"]);
-    let message = stderr(&output);
-    assert!(message.contains("buckles above about") && message.contains("fibre"), "{message}");
-}
-
-#[test]
 fn a_run_that_the_fast_kernel_does_not_serve_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let dry = |more: &[&str]| {
@@ -524,45 +419,6 @@ fn models_init_schema_and_cite_print_what_they_say() {
 }
 
 #[test]
-fn the_paper_is_met_in_every_statement() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = myospring(folder.path(), &["paper", "--json"]);
-    let record = json(&output);
-    for finding in record["findings"].as_array().unwrap() {
-        assert_ne!(finding["verdict"], "not_met", "{finding}");
-    }
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(names(&folder.path().join("results/paper/figures")).len(), 6);
-}
-
-#[test]
-fn the_paper_is_met_along_the_path_of_equilibria_too() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = myospring(folder.path(), &["paper", "--json", "--integrator", "quasi-static"]);
-    let record = json(&output);
-    for finding in record["findings"].as_array().unwrap() {
-        assert_ne!(finding["verdict"], "not_met", "{finding}");
-    }
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(record["integration"][2]["integrator"], "quasi-static");
-}
-
-#[test]
-fn the_paper_does_not_depend_on_the_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    for threads in ["1", "3"] {
-        let run = ["paper", "--spacing", "4 um", "--threads", threads, "--output", threads];
-        // So coarse a cell may miss a statement (exit code 1), but not differently.
-        assert_ne!(myospring(folder.path(), &run).status.code(), Some(2));
-    }
-    for file in ["traces_30_kPa.csv", "traces_40_kPa.csv", "traces_50_kPa.csv"] {
-        let [one, three] =
-            ["1", "3"].map(|threads| fs::read(folder.path().join(threads).join(file)).unwrap());
-        assert_eq!(one, three, "{file}");
-    }
-}
-
-#[test]
 fn a_reader_that_goes_away_is_no_error() {
     let folder = tempfile::tempdir().unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_myospring"))
@@ -576,60 +432,4 @@ fn a_reader_that_goes_away_is_no_error() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(stderr(&output), "");
-}
-
-#[test]
-fn calcium_from_a_table_drives_a_cell_that_shows_it_and_no_potential() {
-    let folder = tempfile::tempdir().unwrap();
-    let row = |step: u32| {
-        let s = 10.0 * f64::from(step);
-        let rise = f64::exp(-s / 145.0) - f64::exp(-s / 24.0);
-        format!("{s},{}", 70.0 + 700.0 * rise)
-    };
-    let rows: Vec<String> = (0..=70).map(row).collect();
-    let table = format!("time (ms),calcium (nM)\n-5,70\n{}\n", rows.join("\n"));
-    std::fs::write(folder.path().join("trace.csv"), table).unwrap();
-    let land = ["--model", "land_2017", "--integrator", "quasi-static", "-o", "land"];
-    let run = |more: &[&str]| myospring(folder.path(), &[&QUICK[..], &land, more].concat());
-    let output = run(&["--calcium", "trace.csv"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(stderr(&output), "");
-    let curves = std::fs::read_to_string(folder.path().join("land/traces.csv")).unwrap();
-    let header = curves.lines().next().unwrap();
-    assert!(header.starts_with("t_ms,ta_kPa,") && header.contains(",Ca_i_uM,XS,"), "{header}");
-    let again = std::fs::read_to_string(folder.path().join("land/run.toml")).unwrap();
-    assert!(again.contains("trace.csv") && !again.contains("peak_tension"), "{again}");
-
-    std::fs::write(folder.path().join("trace.csv"), "time (ms),calcium (nM)\n0,70\n9,x\n").unwrap();
-    let refused = run(&["--calcium", "trace.csv", "--force"]);
-    assert_ne!(refused.status.code(), Some(0));
-    let message = stderr(&refused);
-    assert!(message.contains("line 3, column `calcium (nM)`: \"x\" is no finite"), "{message}");
-}
-
-#[test]
-fn a_run_starts_from_a_steady_state_that_is_kept_and_a_damaged_one_is_told_and_made_anew() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = |results: &str, more: &[&str]| {
-        let steady = ["--steady-state", "1 %", "--steady-state-cache", "states", "-o", results];
-        let output = myospring(folder.path(), &[&QUICK[..], &steady, more].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        (stderr(&output), fs::read(folder.path().join(results).join("traces.csv")).unwrap())
-    };
-    let kept = || names(&folder.path().join("states"));
-    let (told, first) = run("first", &[]);
-    assert!(!told.contains("steady state"), "{told}");
-    assert_eq!(kept().len(), 1);
-    let (_, again) = run("again", &[]);
-    assert!(again == first && kept().len() == 1);
-    let (_, other) = run("other", &["--cycle-length", "700 ms"]);
-    assert!(other != first && kept().len() == 2);
-    for name in kept() {
-        fs::write(folder.path().join("states").join(name), "{").unwrap();
-    }
-    let (told, mended) = run("mended", &[]);
-    assert!(told.contains("is damaged; it was paced and written anew"), "{told}");
-    assert!(mended == first);
-    let alone = myospring(folder.path(), &["run", "--steady-state-cache", "states"]);
-    assert!(stderr(&alone).contains("steady_state"), "{}", stderr(&alone));
 }
