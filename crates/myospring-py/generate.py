@@ -1,6 +1,8 @@
-"""Fills `templates/` in with the signatures and the documentation of all settings, from the library's table of them.
+"""Writes the signatures and the documentation of all settings into the package, from the library's table of them.
 
-`python generate.py` writes, `python generate.py --check` only compares; it needs the package itself.
+What stands between `# <signature of beat>` and `# </signature>` is made here, and so is, in the documentation of a
+function, the run of parameters that such a signature has; all else is written by hand. `python generate.py` writes,
+`python generate.py --check` only compares; it needs the package itself.
 """
 
 from __future__ import annotations
@@ -138,30 +140,47 @@ SETS = {
     "potential": chosen(OF_POTENTIAL[2:]),
     "model_and_potential": chosen(OF_POTENTIAL),
 }
-MAKERS = {"signature": signature, "documentation": documentation, "given": given, "typed": typed, "keys": keys}
-PART = re.compile(r"^( *)<(\w+) of (\w+)>\n", re.MULTILINE)
+MAKERS = {"signature": signature, "given": given, "typed": typed, "keys": keys}
+PART = re.compile(r"^( *)# <(\w+) of (\w+)>\n(.*?)^ *# </\2>\n", re.MULTILINE | re.DOTALL)
+NAME = re.compile(r"^ *(\w+): ", re.MULTILINE)
 
 
-def made(template: str) -> str:
-    """A file, from its template with every marked line in it filled in."""
-    def part(match: re.Match[str]) -> str:
-        indent, what, of = match.groups()
-        return MAKERS[what](SETS[of], indent)
+def made(text: str) -> str:
+    """A file with every part that is made here made anew."""
+    functions = re.split(r"^(?= *def )", text, flags=re.MULTILINE)
+    return "".join(PART.sub(part, documented(function)) for function in functions)
 
-    return PART.sub(part, template)
+
+def part(match: re.Match[str]) -> str:
+    indent, what, of, _ = match.groups()
+    return f"{indent}# <{what} of {of}>\n{MAKERS[what](SETS[of], indent)}{indent}# </{what}>\n"
+
+
+def documented(function: str) -> str:
+    """A function with its parameters documented as the table says, where those of its present signature are."""
+    signatures = [match for match in PART.finditer(function) if match[2] == "signature"]
+    names = "|".join(name for match in signatures for name in NAME.findall(match[4]))
+    rows = [row for match in signatures for row in SETS[match[3]]]
+    if not rows:
+        return function
+    entry = re.compile(rf"^( *)(?:{names}) : .*\n(?:\1 +.*\n)+", re.MULTILINE)
+    present = list(entry.finditer(function))
+    assert present, f"no parameter of {function.splitlines()[0].strip()} is documented"
+    first, last = present[0], present[-1]
+    return function[: first.start()] + documentation(rows, first[1]) + function[last.end() :]
 
 
 def main() -> int:
     stale = 0
-    for template in sorted((HERE / "templates").glob("*.py")):
-        target, text = TARGETS / template.name, made(template.read_text())
-        if target.exists() and target.read_text() == text:
-            print(f"{target.name} is as the table of settings says")
-        elif "--check" in sys.argv:
+    for target in sorted(TARGETS.glob("*.py")):
+        text = target.read_text()
+        if made(text) == text:
+            continue
+        if "--check" in sys.argv:
             print(f"{target.name} differs from the table of settings: run python {Path(__file__).name}")
             stale = 1
         else:
-            target.write_text(text)
+            target.write_text(made(text))
             print(f"{target.name} written")
     return stale
 

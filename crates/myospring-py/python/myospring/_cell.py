@@ -1,4 +1,4 @@
-"""A cell. `generate.py` makes `python/myospring/_cell.py` of `templates/_cell.py`."""
+"""A cell. `generate.py` writes what it takes of settings."""
 
 from __future__ import annotations
 
@@ -76,6 +76,7 @@ class Cell:
         cls,
         image: ArrayLike | str | PathLike[str],
         *,
+        # <signature of image>
         pixel_size_um: float | None = None,
         spacing_um: float | None = None,
         modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
@@ -90,6 +91,7 @@ class Cell:
         max_area_um2: float | None = None,
         allow_cut: bool = False,
         outline: str | PathLike[str] | None = None,
+        # </signature>
     ) -> Cell:
         """The cell of a picture from a microscope.
 
@@ -160,6 +162,7 @@ class Cell:
         True
         """
         path, arrays = path_or_bytes(image, "array.tif")
+        # <given of image>
         given = changed(
             ("shape.pixel_size", pixel_size_um, None),
             ("shape.spacing", spacing_um, None),
@@ -176,6 +179,7 @@ class Cell:
             ("segmentation.allow_cut", allow_cut, False),
             ("segmentation.outline", outline, None),
         )
+        # </given>
         return cls(_native.Cell({"shape.picture": path, **given}, arrays))
 
     @classmethod
@@ -183,6 +187,7 @@ class Cell:
         cls,
         mask: ArrayLike | str | PathLike[str],
         *,
+        # <signature of mask>
         pixel_size_um: float | None = None,
         label: int | None = None,
         cell: int | str | None = None,
@@ -194,6 +199,7 @@ class Cell:
         max_area_um2: float | None = None,
         allow_cut: bool = False,
         spacing_um: float | None = None,
+        # </signature>
     ) -> Cell:
         """The cell of a mask, or of a mask with labels.
 
@@ -252,6 +258,7 @@ class Cell:
         2000.0
         """
         path, arrays = path_or_bytes(mask, "mask.tif")
+        # <given of mask>
         given = changed(
             ("shape.pixel_size", pixel_size_um, None),
             ("shape.label", label, None),
@@ -265,6 +272,7 @@ class Cell:
             ("segmentation.allow_cut", allow_cut, False),
             ("shape.spacing", spacing_um, None),
         )
+        # </given>
         given["segmentation.modality"] = "mask"
         return cls(_native.Cell({"shape.picture": path, **given}, arrays))
 
@@ -273,11 +281,13 @@ class Cell:
         cls,
         outline: ArrayLike | str | PathLike[str],
         *,
+        # <signature of outline>
         pixel_size_um: float | None = None,
         cell: int | str | None = None,
         label: int | None = None,
         rotate_deg: float = 0.0,
         spacing_um: float | None = None,
+        # </signature>
     ) -> Cell:
         """The cell within an outline.
 
@@ -327,6 +337,7 @@ class Cell:
                 raise ValueError(f"an outline has the shape (points, 2), not {points.shape}")
             rows = "".join(f"{float(x)!r},{float(y)!r}\n" for x, y in points)
             path, arrays = "outline.csv", {"outline.csv": f"x_um,y_um\n{rows}".encode()}
+        # <given of outline>
         given = changed(
             ("shape.pixel_size", pixel_size_um, None),
             ("segmentation.cell", cell, None),
@@ -334,6 +345,7 @@ class Cell:
             ("shape.rotate", rotate_deg, 0.0),
             ("shape.spacing", spacing_um, None),
         )
+        # </given>
         return cls(_native.Cell({"shape.outline": path, **given}, arrays))
 
     @classmethod
@@ -341,8 +353,10 @@ class Cell:
         cls,
         name: str | None = None,
         *,
+        # <signature of built_in>
         rotate_deg: float = 0.0,
         spacing_um: float | None = None,
+        # </signature>
     ) -> Cell:
         """A cell that comes with the package.
 
@@ -372,10 +386,12 @@ class Cell:
         >>> round(myospring.Cell.builtin().dimensions.length_um)
         140
         """
+        # <given of built_in>
         given = changed(
             ("shape.rotate", rotate_deg, 0.0),
             ("shape.spacing", spacing_um, None),
         )
+        # </given>
         if name is not None:
             given["shape.built_in"] = name
         return cls(_native.Cell(given, {}))

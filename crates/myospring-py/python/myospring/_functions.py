@@ -1,4 +1,4 @@
-"""The functions that take settings. `generate.py` makes `python/myospring/_functions.py` of `templates/_functions.py`."""
+"""The functions that take settings, which `generate.py` writes into them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from myospring._given import changed, followed, run
 class BeatSettings(TypedDict, total=False):
     """The settings of `simulate`, by name."""
 
+    # <typed of beat>
     model: str
     peak_tension_kpa: float
     parameters: Mapping[str, float | str] | None
@@ -65,9 +66,11 @@ class BeatSettings(TypedDict, total=False):
     output_interval_ms: float
     frame_interval_ms: float
     duration_ms: float | None
+    # </typed>
 
 
 BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
+    # <keys of beat>
     "model": ("cell.model", "coelho_2021"),
     "peak_tension_kpa": ("cell.peak_tension", 50.0),
     "parameters": ("cell.parameters", None),
@@ -119,6 +122,7 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "output_interval_ms": ("numerics.output_interval", 0.5),
     "frame_interval_ms": ("numerics.frame_interval", 5.0),
     "duration_ms": ("run.duration", None),
+    # </keys>
 }
 """Key and default of each of them."""
 
@@ -126,6 +130,7 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
 def simulate(
     cell: Cell | None = None,
     *,
+    # <signature of beat>
     model: str = "coelho_2021",
     peak_tension_kpa: float = 50.0,
     parameters: Mapping[str, float | str] | None = None,
@@ -177,6 +182,7 @@ def simulate(
     output_interval_ms: float = 0.5,
     frame_interval_ms: float = 5.0,
     duration_ms: float | None = None,
+    # </signature>
     threads: int | None = None,
 ) -> Beat:
     """Beats a cell: stimulus, action potential, tension, and the shape that follows it.
@@ -364,6 +370,7 @@ def simulate(
     >>> beat.shortening_pct.shape == beat.t_ms.shape
     True
     """
+    # <given of beat>
     given = changed(
         ("cell.model", model, "coelho_2021"),
         ("cell.peak_tension", peak_tension_kpa, 50.0),
@@ -417,13 +424,17 @@ def simulate(
         ("numerics.frame_interval", frame_interval_ms, 5.0),
         ("run.duration", duration_ms, None),
     )
+    # </given>
     return run(cell, given, threads)
 
 
 def action_potential(
+    # <signature of model>
     model: str = "coelho_2021",
     parameters: Mapping[str, float | str] | None = None,
+    # </signature>
     *,
+    # <signature of potential>
     cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None = None,
     cell_step_ms: float | None = None,
     cell_tolerance: float | None = None,
@@ -436,6 +447,7 @@ def action_potential(
     cycle_length_ms: float = 1000.0,
     duration_ms: float | None = None,
     output_interval_ms: float = 0.5,
+    # </signature>
 ) -> ActionPotential:
     """Follows a cell model alone, at its resting length: potential and tension without a mesh.
 
@@ -496,6 +508,7 @@ def action_potential(
     >>> bool(260 < course.metrics["action_potential_duration_90"] < 280)
     True
     """
+    # <given of model_and_potential>
     given = changed(
         ("cell.model", model, "coelho_2021"),
         ("cell.parameters", parameters, None),
@@ -512,4 +525,5 @@ def action_potential(
         ("run.duration", duration_ms, None),
         ("numerics.output_interval", output_interval_ms, 0.5),
     )
+    # </given>
     return followed(given)
