@@ -18,6 +18,8 @@ mod synthetic_cell;
 mod synthetic_film;
 #[path = "../common/touching_cells.rs"]
 mod touching_cells;
+#[path = "../common/warped_film.rs"]
+mod warped_film;
 
 mod fibres;
 mod films;
@@ -34,3 +36,4 @@ mod segmentation;
 mod shape_report;
 mod skipped;
 mod touching;
+mod warped;
