@@ -11,6 +11,8 @@ use std::path::Path;
 
 /// Share of healed points from which on a person is told, per cent.
 const MANY_HEALED_PCT: f64 = 30.0;
+/// So many times the shortening from end to end is a contraction that the length does not tell.
+const OTHERWISE: f64 = 2.0;
 /// Least shortening that is a beat, in standard errors of the length, and in per cent.
 const LEAST_ERRORS: f64 = 4.0;
 const LEAST_SHORTENING_PCT: f64 = 0.2;
@@ -46,6 +48,8 @@ pub(crate) struct Report<'a> {
     resting_length_um: f64,
     peak_shortening_pct: f64,
     peak_frame: usize,
+    least_stretch: f64,
+    least_stretch_frame: usize,
     sarcomere_places: usize,
     sarcomere_rest_um: Option<f64>,
     sarcomere_least_um: Option<f64>,
@@ -66,6 +70,7 @@ impl<'a> Report<'a> {
         let most =
             |of: &dyn Fn(&TrackRow) -> f64| rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         let peak = rows.iter().max_by(|a, b| a.shortening_pct.total_cmp(&b.shortening_pct));
+        let strained = rows.iter().min_by(|a, b| a.stretch_1.total_cmp(&b.stretch_1));
         let lengths = || rows.iter().filter_map(|row| row.sarcomere_um);
         let stage = match motion.stage {
             Stage::Background { points } => format!("background, median over {points} places"),
@@ -107,6 +112,8 @@ impl<'a> Report<'a> {
             resting_length_um: rows[rest].length_um,
             peak_shortening_pct: peak.map_or(0.0, |row| row.shortening_pct),
             peak_frame: peak.map_or(0, |row| row.frame),
+            least_stretch: strained.map_or(1.0, |row| row.stretch_1),
+            least_stretch_frame: strained.map_or(0, |row| row.frame),
             sarcomere_places: motion.sarcomere_places,
             sarcomere_rest_um: rows[rest].sarcomere_um,
             sarcomere_least_um: lengths().reduce(f64::min),
@@ -124,14 +131,18 @@ impl<'a> Report<'a> {
             self.film,
             self.frames_followed,
             self.frames,
-            self.frames_per_second,
+            rounded(self.frames_per_second),
             self.frame_rate_source,
-            self.pixel_size_um,
+            rounded(self.pixel_size_um),
             self.rest_frame
         )];
         lines.push(format!(
             "length {:.1} um at rest, shortens by {:.2} % (frame {})",
             self.resting_length_um, self.peak_shortening_pct, self.peak_frame
+        ));
+        lines.push(format!(
+            "all of it by its strains: stretch_1 {:.4} at least (frame {})",
+            self.least_stretch, self.least_stretch_frame
         ));
         if let (Some(rest), Some(least)) = (self.sarcomere_rest_um, self.sarcomere_least_um) {
             lines.push(format!(
@@ -208,17 +219,29 @@ fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> 
     }
     let shortest = rows.iter().map(|row| row.shortening_pct).fold(0.0, f64::max);
     let longest = rows.iter().map(|row| -row.shortening_pct).fold(0.0, f64::max);
+    let strained = rows.iter().map(|row| 100.0 * (1.0 - row.stretch_1)).fold(0.0, f64::max);
     let error_pct = 100.0 * motion.error_um.unwrap_or(0.0) / rows[rest].length_um;
-    if shortest < (LEAST_ERRORS * error_pct).max(LEAST_SHORTENING_PCT) {
+    let least = (LEAST_ERRORS * error_pct).max(LEAST_SHORTENING_PCT);
+    if shortest.max(longest).max(strained) < least {
         warnings.push(format!(
             "the cell hardly moves: it shortens by {shortest:.3} % at most, while the noise makes an error of \
              {error_pct:.3} %"
         ));
-    } else if longest > LONGER * (shortest + longest) {
+    } else if longest > least.max(LONGER * (shortest + longest)) {
         warnings.push(format!(
             "the cell is up to {longest:.1} % longer than in frame {}, which was taken for rest; choose it with --frame",
             motion.rest
         ));
+    } else if strained > OTHERWISE * shortest.max(least) {
+        warnings.push(format!(
+            "the cell contracts by {strained:.2} %, but from end to end by {shortest:.2} % only: it is held at its ends, \
+             cut by the frame, or contracts along another line than its long axis; read stretch_1 rather than length_um"
+        ));
     }
     warnings
+}
+
+/// Without the digits that a file's ratio of whole numbers leaves.
+fn rounded(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
 }

@@ -9,15 +9,21 @@ const SHORTENING: [f64; 7] = [0.0, 0.0, 0.02, 0.05, 0.03, 0.01, 0.0];
 
 /// A bright cell of 50 x 20 um with uneven stripes on a dark ground, 240 x 110 pixels of 0.25 um.
 fn frame(file: &Path, shortening: f64) {
+    strained(file, [-shortening, 0.4 * shortening]);
+}
+
+/// The same with any strains along and across.
+fn strained(file: &Path, [along, across]: [f64; 2]) {
     let value = |column: u32, row: u32| {
         let (x, y) = (0.25 * (f64::from(column) - 120.0), 0.25 * (f64::from(row) - 55.0));
-        let (x, y) = (x / (1.0 - shortening), y / (1.0 + 0.4 * shortening));
+        let (x, y) = (x / (1.0 + along), y / (1.0 + across));
         let edge = 1.0 / (1.0 + (((x / 25.0).powi(4) + (y / 10.0).powi(4)) * 8.0 - 8.0).exp());
         let phase = 1.3 * (0.9 * y + 0.23 * x).sin() + 0.8 * (1.7 * y - 0.11 * x).cos();
         let stripes = 0.55 + 0.35 * (x * std::f64::consts::TAU / 1.9 + phase).cos();
         let uneven = 0.75 + 0.25 * (0.31 * x + 1.1 * y).sin() * (0.17 * x - 0.6 * y).cos();
         // Grains that differ from frame to frame.
-        let grain = f64::from((column * 7919 + row * 104_729 + (1e4 * shortening) as u32 * 31) % 7);
+        let grain =
+            f64::from((column * 7919 + row * 104_729 + (1e4 * along.abs()) as u32 * 31) % 7);
         (12.0 + 200.0 * edge * stripes * uneven + grain) as u8
     };
     let pixels: Vec<u8> = (0..240 * 110).map(|at| value(at % 240, at / 240)).collect();
@@ -155,4 +161,22 @@ fn a_film_without_motion_says_so() {
     let output = track(folder.path(), &["--outputs", "none"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(stderr(&output).contains("the cell hardly moves"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_cell_that_contracts_without_becoming_shorter_is_told_to_be_read_by_its_stretch() {
+    // Across only; and one that is longer whenever it is not in the frame that was taken for rest.
+    for (strains, said) in
+        [([0.0, -0.05], "but from end to end by 0.0"), ([0.05, -0.02], "longer than in frame 0")]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("film")).unwrap();
+        for (at, part) in [0.0, 0.0, 0.5, 1.0, 0.6, 0.0].into_iter().enumerate() {
+            let file = folder.path().join(format!("film/t{}.png", at + 8));
+            strained(&file, strains.map(|strain| strain * part));
+        }
+        let output = track(folder.path(), &["--outputs", "none", "--frame", "0"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(stderr(&output).contains(said), "{}", stderr(&output));
+    }
 }

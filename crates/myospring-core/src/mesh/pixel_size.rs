@@ -56,7 +56,8 @@ impl PixelSize {
 
 impl fmt::Display for PixelSize {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{} um", self.0)
+        // Files state ratios of whole numbers, whose last digits nobody measured.
+        write!(formatter, "{} um", (1e6 * self.0).round() / 1e6)
     }
 }
 
