@@ -2,6 +2,7 @@
 
 mod files;
 mod film;
+mod map;
 mod words;
 
 use crate::analyse::table::{self, Beats, quantity};
@@ -14,6 +15,7 @@ use crate::results::Folder;
 use crate::track::report::Report;
 use crate::{interrupt, print, progress};
 use files::Cell;
+use map::Mapped;
 use myospring::fit::{Fit, FitError, Fitter, Loaded, Observed, Settings, Unknown};
 use myospring::measured::{self, Curve, Options};
 use myospring::mechanics::support::SupportKind;
@@ -110,17 +112,37 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
         print::note("interrupted: nothing was fitted");
         return Ok(ExitCode::from(1));
     }
+    // Of the film's own shape: that of another picture has other points.
+    let mapped = match followed.as_ref().filter(|_| own) {
+        None => None,
+        Some(followed) => match Mapped::of(followed, fitter.simulation()) {
+            Ok(mapped) => Some(mapped),
+            Err(error) => {
+                notes.push(format!("there is no map of tension: {error}"));
+                None
+            }
+        },
+    };
     if let (Some(followed), Some(report)) = (&followed, &tracked) {
         film::write(&folder, &target, followed, report, &name, &mut run, own)?;
     }
-    let context =
-        files::Context { run: &run, fitter: &fitter, spacing, name: &name, notes: &notes };
+    let context = files::Context {
+        run: &run,
+        fitter: &fitter,
+        spacing,
+        name: &name,
+        notes: &notes,
+        mapped: mapped.as_ref(),
+    };
     files::write(&folder, &cells, &context)?;
     let target = folder.finish()?;
     if args.output.json {
         print::out(&json::pretty(&files::records(&cells, &context))?)?;
     } else {
         print::out(&words::for_people(&cells))?;
+        if let Some(mapped) = &mapped {
+            print::out(&mapped.words())?;
+        }
         print::out(&format!(
             "\nresults in {} ({:.1} s)",
             target.display(),
@@ -136,6 +158,9 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
                 let of = if count > 1 { format!("{}: ", cell.name) } else { String::new() };
                 print::warn(&format!("{of}{verdict}"));
             }
+        }
+        for verdict in mapped.iter().flat_map(Mapped::verdicts) {
+            print::warn(&format!("map of tension: {verdict}"));
         }
     }
     let whole = cells.len() == count && cells.iter().all(|cell| cell.found.is_ok());

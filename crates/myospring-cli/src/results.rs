@@ -219,7 +219,7 @@ fn is_ours(name: &str) -> bool {
 
 /// Names of the files that commands write to a folder of results; `*` stands for anything.
 fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 43] = [
+    const FILES: [&str; 46] = [
         "traces.csv",
         fibres::FILE,
         "summary.json",
@@ -248,6 +248,9 @@ fn ours() -> impl Iterator<Item = &'static str> {
         "curve.csv",
         "report.html",
         "figures/fit.*",
+        "tension_map.csv",
+        "tension_map.vtu",
+        "figures/tension_map.*",
         "cells/*/fit.json",
         "cells/*/curve.csv",
         "cells/*/run.toml",

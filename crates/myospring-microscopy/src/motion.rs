@@ -441,6 +441,16 @@ impl<'a> Follower<'a> {
     }
 }
 
+impl Motion {
+    /// Side of a square whose points have one error between them, um: subsets lap over each other, and neighbours are
+    /// averaged. Noise has about as many independent values as the cell has such squares.
+    pub fn alike_um(&self) -> f64 {
+        let smoothing = f64::from(REACH / neighbours::SMOOTHING) * spacing(&self.mesh);
+        // Areas add as those of normal distributions do; a side a has a^2, a standard deviation s has 4 pi s^2.
+        (self.subset_um.powi(2) + 4.0 * std::f64::consts::PI * smoothing.powi(2)).sqrt()
+    }
+}
+
 /// Distance of neighbouring points, um.
 fn spacing(mesh: &Mesh) -> f64 {
     let mean = || (mesh.area() / mesh.len() as f64).sqrt();

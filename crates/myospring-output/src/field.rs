@@ -228,24 +228,35 @@ impl<'a> Fields<'a> {
     /// # Panics
     /// If the frame is one of another mesh.
     pub fn on_nodes(&self, field: Field, frame: &Frame) -> Vec<f64> {
-        let points = &self.mesh.points;
         if field == Field::Displacement {
+            let points = &self.mesh.points;
             let way = |axis: usize, node: usize| frame.positions[axis][node] - points[axis][node];
             return (0..self.mesh.len()).map(|node| way(0, node).hypot(way(1, node))).collect();
         }
+        self.averaged(field.at_rest(), |index| self.in_triangle(field, frame, index))
+    }
+
+    /// Values of the triangles at the nodes: the mean over those around each by their area.
+    ///
+    /// # Panics
+    /// If there is not one for each triangle.
+    pub fn from_triangles(&self, values: &[f64]) -> Vec<f64> {
+        self.averaged(0.0, |index| values[index])
+    }
+
+    fn averaged(&self, alone: f64, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut sums = vec![[0.0; 2]; self.mesh.len()];
         for (index, triangle) in self.mesh.simplices.iter().enumerate() {
-            let [a, b] = edges(points, triangle);
+            let [a, b] = edges(&self.mesh.points, triangle);
             let weight = triangle.weight * cross(a, b).abs();
-            let value = self.in_triangle(field, frame, index);
+            let value = value(index);
             for node in triangle.nodes {
                 let [sum, weights] = &mut sums[node as usize];
                 *sum += weight * value;
                 *weights += weight;
             }
         }
-        let mean =
-            |[sum, weights]: [f64; 2]| if weights > 0.0 { sum / weights } else { field.at_rest() };
+        let mean = |[sum, weights]: [f64; 2]| if weights > 0.0 { sum / weights } else { alone };
         sums.into_iter().map(mean).collect()
     }
 

@@ -15,6 +15,7 @@
 //! | [`responses`], [`response_map`] | a metric over one parameter, or over two | |
 //! | [`trace_bands`] | curves of many members: where half of them lie, and nine of ten | |
 //! | [`Tracked`] | a film with the lattice that was followed through it, and its curves | |
+//! | [`maps()`] | a cell coloured by several quantities beside each other: a map and how sure it is | |
 //! | [`measured()`] | a measured curve with its beats, and where the metrics of one were read | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
@@ -39,6 +40,7 @@ mod film;
 mod fit;
 mod font;
 mod lattice;
+mod maps;
 mod measured;
 mod members;
 mod moments;
@@ -62,6 +64,7 @@ pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{FRAMES_PER_SECOND, Film, Still};
 pub use fit::{FittedCurve, LikelihoodProfile, fit};
 pub use lattice::mesh;
+pub use maps::{Map, maps};
 pub use measured::{Measured, measured};
 pub use members::{
     Distribution, Numbers, QUANTILES, Response, ResponseMap, Scatter, TraceBand, distributions,

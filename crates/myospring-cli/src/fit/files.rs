@@ -1,5 +1,6 @@
 //! The files of fits.
 
+use super::map::{self, Mapped};
 use super::words;
 use crate::failure::Failure;
 use crate::results::Folder;
@@ -26,6 +27,7 @@ pub(super) struct Context<'a> {
     pub(super) spacing: f64,
     pub(super) name: &'a str,
     pub(super) notes: &'a [String],
+    pub(super) mapped: Option<&'a Mapped<'a>>,
 }
 
 /// fit.json.
@@ -42,6 +44,9 @@ pub(super) struct Record<'a> {
     fit: Option<&'a Fit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'a str>,
+    /// Of a film: where the cell pulls.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tension_map: Option<map::Record<'a>>,
     notes: &'a [String],
 }
 
@@ -54,6 +59,7 @@ pub(super) fn records<'a>(cells: &'a [Cell], context: &'a Context<'a>) -> Vec<Re
         model: context.fitter.simulation().cell.name(),
         fit: cell.found.as_ref().ok(),
         reason: cell.found.as_ref().err().map(String::as_str),
+        tension_map: context.mapped.map(Mapped::record),
         notes: context.notes,
     };
     cells.iter().map(record).collect()
@@ -81,13 +87,16 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
         let svg = draw().map_or_else(|_| String::new(), |figure| figure.to_svg());
         folder.write(&format!("{within}report.html"), page(cell, fit, context, &svg))?;
     }
+    if let Some(mapped) = context.mapped {
+        mapped.write(folder)?;
+    }
     if cells.len() > 1 {
         folder.write("fits.csv", rows(cells)?)?;
     }
     Ok(())
 }
 
-fn csv(table: &Table) -> Result<Vec<u8>, Failure> {
+pub(super) fn csv(table: &Table) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     write_csv(&mut bytes, [table.clone()]).map_err(Failure::new)?;
     Ok(bytes)
@@ -236,7 +245,16 @@ fn page(cell: &Cell, fit: &Fit, context: &Context<'_>, svg: &str) -> String {
             lines.iter().map(|line| ["<li>", &escape(line), "</li>\n"].concat()).collect();
         items.concat()
     };
-    let svg = svg.split_once("<svg").map_or_else(String::new, |(_, rest)| format!("<svg{rest}"));
+    let inline = |svg: &str| {
+        svg.split_once("<svg").map_or_else(String::new, |(_, rest)| format!("<svg{rest}"))
+    };
+    let map = context.mapped.map_or_else(String::new, |mapped| {
+        let svg = mapped.figure().map_or_else(|_| String::new(), |figure| figure.to_svg());
+        let words = escape(&mapped.words());
+        let verdicts = list(mapped.verdicts());
+        let svg = inline(&svg);
+        format!("<h2>Where the cell pulls</h2>\n{svg}\n<p>{words}.</p>\n<ul>{verdicts}</ul>\n")
+    });
     let left: Vec<String> = fit
         .curves
         .iter()
@@ -261,5 +279,6 @@ fn page(cell: &Cell, fit: &Fit, context: &Context<'_>, svg: &str) -> String {
         .replace("{{rows}}", &rows)
         .replace("{{left}}", &list(&left))
         .replace("{{notes}}", &list(context.notes))
-        .replace("{{figure}}", &svg)
+        .replace("{{map}}", &map)
+        .replace("{{figure}}", &inline(svg))
 }

@@ -75,6 +75,36 @@ fn a_curve_gives_numbers_with_intervals_a_figure_and_a_run_that_repeats_it() {
 }
 
 #[test]
+fn a_film_gives_a_map_of_where_its_cell_pulls() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("film")).unwrap();
+    // One beat of 5 %, before and after it rest, whose grains differ from frame to frame.
+    let beat = [0.01, 0.03, 0.045, 0.05, 0.05, 0.048, 0.04, 0.03, 0.02, 0.012, 0.006, 0.003];
+    let rest = (0..12).map(|frame| 1e-4 * f64::from(frame % 5));
+    let shortenings = rest.clone().chain(beat).chain(rest);
+    for (at, shortening) in shortenings.enumerate() {
+        super::track::frame(&folder.path().join(format!("film/t{at}.png")), shortening);
+    }
+    let given = ["--pixel-size", "0.25 um", "--frame-rate", "40", "--spacing", "2 um"];
+    let output =
+        myospring(folder.path(), &[&["fit", "film", "--starts", "1"], &given[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("tension at the peak ("), "{}", stdout(&output));
+    assert!(stderr(&output).contains("in proportion to the stiffness"), "{}", stderr(&output));
+    let results = folder.path().join("results/film_fit");
+    let record: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(results.join("fit.json")).unwrap()).unwrap();
+    let map = &record["tension_map"];
+    assert!(map["mean_tension_kpa"].as_f64().unwrap() > 5.0, "{map}");
+    let page = fs::read_to_string(results.join("report.html")).unwrap();
+    assert!(page.contains("Where the cell pulls") && page.matches("<svg").count() == 2);
+    assert!(names(&results.join("figures")).contains(&"tension_map.png".to_owned()));
+    let table = fs::read_to_string(results.join("tension_map.csv")).unwrap();
+    let head = "triangle,x_um,y_um,tension_kPa,standard_deviation_kPa,relative_tension";
+    assert!(table.starts_with(head) && table.lines().count() > 100);
+}
+
+#[test]
 fn several_columns_are_several_cells_and_one_that_cannot_be_fitted_is_a_row() {
     let folder = tempfile::tempdir().unwrap();
     measured(folder.path(), 3);

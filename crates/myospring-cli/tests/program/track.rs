@@ -8,7 +8,7 @@ use std::path::Path;
 const SHORTENING: [f64; 7] = [0.0, 0.0, 0.02, 0.05, 0.03, 0.01, 0.0];
 
 /// A bright cell of 50 x 20 um with uneven stripes on a dark ground, 240 x 110 pixels of 0.25 um.
-fn frame(file: &Path, shortening: f64) {
+pub(super) fn frame(file: &Path, shortening: f64) {
     strained(file, [-shortening, 0.4 * shortening]);
 }
 

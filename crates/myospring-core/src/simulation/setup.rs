@@ -254,6 +254,12 @@ impl Simulation {
         })
     }
 
+    /// The body at rest and all that acts on it, for whoever works with the forces themselves.
+    pub fn mechanics(&self) -> (Body, System) {
+        let Assembly { body, system, .. } = self.assembled();
+        (body, system)
+    }
+
     pub(super) fn assembled(&self) -> Assembly {
         let resting_length = shape::extent(&self.mesh.points, self.long_axis);
         let (body, system) = assemble(

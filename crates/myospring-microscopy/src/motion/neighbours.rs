@@ -7,7 +7,7 @@ const FEWEST: usize = 3;
 /// Fewest points of an affine fit, the standard deviation of its weights as a part of the reach, and the least spread
 /// of its points, relative to the fourth power of that: less lies in a line or on one side.
 const FEWEST_FITTED: usize = 5;
-const SMOOTHING: f32 = 2.0;
+pub(super) const SMOOTHING: f32 = 2.0;
 const LEAST_SPREAD: f64 = 0.02;
 
 /// Lists of points near each other.

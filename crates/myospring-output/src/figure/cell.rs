@@ -62,6 +62,13 @@ impl<'a> Cell<'a> {
         ColourScale::new(self.field, limits)
     }
 
+    /// Whether positions are those of its mesh.
+    pub(super) fn check(&self, positions: &[Vec<f64>; 2]) -> Result<(), FigureError> {
+        let positions = positions.clone();
+        let frame = Frame { t_ms: f64::NAN, ta_kpa: f64::NAN, ta_by_triangle_kpa: None, positions };
+        check_frame(self.mesh(), &frame)
+    }
+
     pub(super) fn rings(&self, positions: &[Vec<f64>; 2]) -> Rings {
         self.skin.rings(positions)
     }
@@ -75,10 +82,23 @@ impl<'a> Cell<'a> {
         colours: &ColourScale,
         at: impl Fn([f64; 2]) -> [f64; 2],
     ) {
-        let rim = closed(&self.rings(&frame.positions), &at);
-        let Some(area) = rim.bounds() else { return };
         let values = self.fields.on_nodes(colours.field(), frame);
-        let shaped = self.skin.shaped(&frame.positions, &values);
+        self.fill_with(sheet, name, &frame.positions, &values, colours, at);
+    }
+
+    /// Fills the outline of checked positions with the colours of values of the points.
+    pub(super) fn fill_with(
+        &self,
+        sheet: &mut Sheet,
+        name: String,
+        positions: &[Vec<f64>; 2],
+        values: &[f64],
+        colours: &ColourScale,
+        at: impl Fn([f64; 2]) -> [f64; 2],
+    ) {
+        let rim = closed(&self.rings(positions), &at);
+        let Some(area) = rim.bounds() else { return };
+        let shaped = self.skin.shaped(positions, values);
         let [low, high] = colours.limits();
         let [least, greatest] = shaped.range();
         let colour = |step: usize| Colour::from_channels(colours.step(step, COLOURS));
@@ -107,17 +127,22 @@ pub(super) fn closed(rings: &Rings, at: impl Fn([f64; 2]) -> [f64; 2]) -> Path {
     path
 }
 
-/// The colour bar with its ticks below and its title above.
+/// The colour bar of a field with its ticks below and its title above.
 pub(super) fn draw_colour_bar(sheet: &mut Sheet, place: Area, colours: &ColourScale) {
-    let Area { corner: [left, top], size: [width, height] } = place;
     let field = colours.field();
     let unit = match field.unit() {
         "" => String::new(),
         "um" => " (\u{b5}m)".to_owned(),
         unit => format!(" ({unit})"),
     };
+    draw_titled_bar(sheet, place, colours, &format!("{}{unit}", field.title()));
+}
+
+/// A colour bar with its ticks below and a title above.
+pub(super) fn draw_titled_bar(sheet: &mut Sheet, place: Area, colours: &ColourScale, title: &str) {
+    let Area { corner: [left, top], size: [width, height] } = place;
     let style = Style::new(TICK).anchor(Anchor::Middle);
-    sheet.text([left + width / 2.0, top - 5.0], &format!("{}{unit}", field.title()), style);
+    sheet.text([left + width / 2.0, top - 5.0], title, style);
     for step in 0..COLOURS {
         // Each step reaches to the end, under the next ones, so that no seams show.
         let before = width * step as f64 / COLOURS as f64;

@@ -65,7 +65,7 @@ impl FilmScene {
         self.cell_um.map(|length| ((length + 16.0) / self.pixel_um).round() as usize)
     }
 
-    fn middle(&self) -> [f64; 2] {
+    pub(crate) fn middle(&self) -> [f64; 2] {
         self.size().map(|side| 0.5 * side as f64 * self.pixel_um)
     }
 
@@ -93,7 +93,7 @@ impl FilmScene {
     }
 
     /// Distance from the outline at rest, um, positive inside: a rectangle with round corners and uneven sides.
-    fn depth(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(crate) fn depth(&self, [x, y]: [f64; 2]) -> f64 {
         let [cx, cy] = self.middle();
         let [half_x, half_y] = self.cell_um.map(|length| 0.5 * length);
         let side = half_y + 0.6 * (0.35 * x).sin() - 1.0;
@@ -103,7 +103,7 @@ impl FilmScene {
 
     /// Grey value, 0 to 1, of what rests at a point: rows of myofibrils with stripes, each with a phase and brightness of
     /// its own that wander along it; beads beside the cell.
-    fn texture(&self, point: [f64; 2]) -> f64 {
+    pub(crate) fn texture(&self, point: [f64; 2]) -> f64 {
         let [x, y] = point;
         let depth = self.depth(point);
         let edge = 1.0 / (1.0 + (-depth / 0.25).exp());
@@ -174,7 +174,7 @@ impl FilmScene {
     }
 
     /// A pixel's centre in um, y upward.
-    fn point(&self, column: f64, row: f64) -> [f64; 2] {
+    pub(crate) fn point(&self, column: f64, row: f64) -> [f64; 2] {
         let height = self.size()[1] as f64;
         [(column + 0.5) * self.pixel_um, (height - row - 0.5) * self.pixel_um]
     }

@@ -4,6 +4,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod fit;
+mod pull;
+#[path = "../common/pulled_film.rs"]
+mod pulled_film;
+#[path = "../common/synthetic_cell.rs"]
+mod synthetic_cell;
+#[path = "../common/synthetic_film.rs"]
+mod synthetic_film;
 
 use myospring::analysis::curve::{self, CurveBeat, State};
 use myospring::analysis::value;

@@ -132,7 +132,11 @@ impl<'a, const D: usize> Solver<'a, D> {
         load
     }
 
-    fn factorise(&mut self, positions: &Vectors<D>, tension: Tension<'_>) -> Result<(), Failure> {
+    pub(super) fn factorise(
+        &mut self,
+        positions: &Vectors<D>,
+        tension: Tension<'_>,
+    ) -> Result<(), Failure> {
         self.stiffness.clear();
         let at = Configuration { positions, velocities: &self.still, tension };
         for force in self.system.passive.iter().chain(&self.system.active) {
@@ -140,6 +144,11 @@ impl<'a, const D: usize> Solver<'a, D> {
         }
         self.factorisations += 1;
         Ok(self.factor.factorise(&self.stiffness)?)
+    }
+
+    /// Displacements (um) under forces (nN), by the last stiffness that was factorised.
+    pub(super) fn response(&mut self, forces: &Vectors<D>) -> Vectors<D> {
+        self.factor.solve(forces)
     }
 
     /// The equilibrium under a uniform tension (kPa) near a guess, with its slope; corrections below

@@ -73,6 +73,53 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
         }
     }
 
+    /// Makes [`Equilibrium::response`] that of the body at these positions under this tension.
+    ///
+    /// # Errors
+    /// [`PathError::Unstable`] or [`PathError::TooLarge`] where it has no positive stiffness, or none that fits into
+    /// memory.
+    pub fn linearise(
+        &mut self,
+        positions: &Vectors<D>,
+        tension: Tension<'_>,
+    ) -> Result<(), PathError> {
+        self.solver
+            .factorise(positions, tension)
+            .map_err(|failure| ending(failure, self.solver.body(), [tension.highest(); 2], None))
+    }
+
+    /// How far small forces (nN) move each node where the body was linearised, um. Of a free body, on which forces must
+    /// have no resultant, two nodes keep their place.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::integrate::quasi_static::{Equilibrium, Tolerance};
+    /// use myospring::mechanics::active::ActiveLaw;
+    /// use myospring::mechanics::material::{assemble, default_material};
+    /// use myospring::mechanics::support::SupportKind;
+    /// use myospring::mechanics::zeros;
+    /// use myospring::mesh::lattice;
+    ///
+    /// let strip = lattice::rectangle(20, 4, 5.0)?;
+    /// let fibres = vec![[1.0, 0.0]; strip.simplices.len()];
+    /// let (support, axis) = (SupportKind::MassCentre, [1.0, 0.0]);
+    /// let (body, system) = assemble(&strip, &default_material(), ActiveLaw::Fibre, &fibres, support, axis, 100.0);
+    /// let mut equilibrium = Equilibrium::new(&system, &body, Tolerance::default())?;
+    /// equilibrium.linearise(&body.positions, 0.0.into())?;
+    /// // One kPa along the fibres.
+    /// let mut forces = zeros(strip.len());
+    /// system.active[0].add_forces(&body.configuration(1.0), &mut forces);
+    /// let [x, _] = equilibrium.response(&forces);
+    /// // A hundredth of it moves the body a hundredth as far.
+    /// let moved = equilibrium.find(&body.positions, 0.01.into())?;
+    /// let way = moved[0][20] - moved[0][0] - 100.0;
+    /// assert!(way < 0.0 && (100.0 * way / (x[20] - x[0]) - 1.0).abs() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn response(&mut self, forces: &Vectors<D>) -> Vectors<D> {
+        self.solver.response(forces)
+    }
+
     /// Matrices factorised so far.
     pub fn factorisations(&self) -> usize {
         self.solver.factorisations

@@ -1,0 +1,167 @@
+//! The map of tension of a film's cell.
+
+use super::files::csv;
+use crate::failure::Failure;
+use crate::results::Folder;
+use crate::track::follow::Followed;
+use myospring::output::field::Fields;
+use myospring::output::figure::{self, Figure, FigureError, Map, Theme};
+use myospring::output::table::{Column, Table};
+use myospring::output::vtu;
+use myospring::pull::{PullError, Seen, TensionMap};
+use myospring::recording::Frame;
+use myospring::simulation::Simulation;
+use serde::Serialize;
+
+/// A map with what it is of.
+pub(super) struct Mapped<'a> {
+    map: TensionMap,
+    verdicts: Vec<String>,
+    followed: &'a Followed,
+}
+
+/// The map in `fit.json`.
+#[derive(Serialize)]
+pub(super) struct Record<'a> {
+    /// Of the film.
+    frames: &'a [usize],
+    mean_tension_kpa: f64,
+    mean_tension_standard_deviation_kpa: f64,
+    /// That of 5 and of 95 % of the triangles.
+    tension_range_kpa: [f64; 2],
+    even_tension_kpa: f64,
+    /// Whether the film tells that the cell pulls unevenly, and how often an even one would look so.
+    uneven: bool,
+    chance_even: f64,
+    /// What is smaller runs together.
+    resolution_um: f64,
+    numbers: f64,
+    lambda_um2_per_kpa2: f64,
+    /// Root mean square distance of the points from where they were seen.
+    misfit_um: f64,
+    even_misfit_um: f64,
+    verdicts: &'a [String],
+}
+
+impl<'a> Mapped<'a> {
+    pub(super) fn of(followed: &'a Followed, simulation: &Simulation) -> Result<Self, PullError> {
+        let map = TensionMap::of(simulation, &Seen::at_peak(&followed.motion))?;
+        let verdicts = map.verdicts(simulation);
+        Ok(Self { map, verdicts, followed })
+    }
+
+    pub(super) fn verdicts(&self) -> &[String] {
+        &self.verdicts
+    }
+
+    pub(super) fn record(&self) -> Record<'_> {
+        let map = &self.map;
+        Record {
+            frames: &map.frames,
+            mean_tension_kpa: map.mean_kpa,
+            mean_tension_standard_deviation_kpa: map.mean_deviation_kpa,
+            tension_range_kpa: [map.quantile_kpa(0.05), map.quantile_kpa(0.95)],
+            even_tension_kpa: map.even_kpa,
+            uneven: map.is_uneven(),
+            chance_even: map.chance_even,
+            resolution_um: map.resolution_um(),
+            numbers: map.numbers,
+            lambda_um2_per_kpa2: map.lambda,
+            misfit_um: map.misfit_um,
+            even_misfit_um: map.even_misfit_um,
+            verdicts: &self.verdicts,
+        }
+    }
+
+    /// In a line.
+    pub(super) fn words(&self) -> String {
+        let map = &self.map;
+        format!(
+            "tension at the peak ({}): {:.2} kPa on average, {:.2} to {:.2} kPa in nine tenths of the cell; it leaves \
+             {:.3} um of the motion, an even tension {:.3} um",
+            frames(&map.frames),
+            map.mean_kpa,
+            map.quantile_kpa(0.05),
+            map.quantile_kpa(0.95),
+            map.misfit_um,
+            map.even_misfit_um
+        )
+    }
+
+    pub(super) fn figure(&self) -> Result<Figure, FigureError> {
+        let Followed { motion, shaped, fibres, .. } = self.followed;
+        let map = &self.map;
+        let fields = Fields::new(&motion.mesh, &fibres.directions, None)?;
+        let one = |name: String, values: &[f64], quantity: &str| Map {
+            name,
+            positions: &map.positions_um,
+            values: fields.from_triangles(values),
+            quantity: quantity.to_owned(),
+            limits: None,
+        };
+        let maps = [
+            one(
+                format!("Where the cell pulls at its peak ({})", frames(&map.frames)),
+                &map.tensions_kpa,
+                "Active tension (kPa)",
+            ),
+            one("How sure that is".to_owned(), &map.deviations_kpa, "Standard deviation (kPa)"),
+        ];
+        let cell = figure::Cell::new(fields.clone(), Some(&shaped.outline))?;
+        figure::maps(&cell, &maps, Some(map.resolution_um()))
+    }
+
+    pub(super) fn write(&self, folder: &Folder) -> Result<(), Failure> {
+        folder.write("tension_map.csv", self.table()?)?;
+        folder.write("tension_map.vtu", self.grid()?)?;
+        let draw = || self.figure();
+        folder.figures(Theme::Light, &[("tension_map", &draw)])
+    }
+
+    /// A row for each triangle.
+    fn table(&self) -> Result<Vec<u8>, Failure> {
+        let (map, mesh) = (&self.map, &self.followed.motion.mesh);
+        let column = |name: &str, values: &mut dyn Iterator<Item = f64>| Column::Number {
+            name: name.to_owned(),
+            values: values.map(Some).collect(),
+        };
+        let centres: Vec<[f64; 2]> = mesh.simplices.iter().map(|it| mesh.centre(it)).collect();
+        let columns = vec![
+            column("triangle", &mut (0..centres.len()).map(|at| at as f64)),
+            column("x_um", &mut centres.iter().map(|centre| centre[0])),
+            column("y_um", &mut centres.iter().map(|centre| centre[1])),
+            column("tension_kPa", &mut map.tensions_kpa.iter().copied()),
+            column("standard_deviation_kPa", &mut map.deviations_kpa.iter().copied()),
+            column("relative_tension", &mut map.relative().into_iter()),
+            column("relative_standard_deviation", &mut map.relative_deviations.iter().copied()),
+            column("resolution_um", &mut map.resolutions_um.iter().copied()),
+        ];
+        csv(&Table { columns })
+    }
+
+    /// The cell under the map, for ParaView.
+    fn grid(&self) -> Result<String, Failure> {
+        let Followed { motion, fibres, .. } = self.followed;
+        let map = &self.map;
+        let peak = map.frames.first().map_or(0.0, |frame| motion.times_ms[frame - motion.first]);
+        let frame = Frame {
+            t_ms: peak,
+            ta_kpa: map.mean_kpa,
+            ta_by_triangle_kpa: Some(map.tensions_kpa.clone()),
+            positions: map.positions_um.clone(),
+        };
+        Ok(vtu::Frames::new(&motion.mesh, &[frame], &fibres.directions, None)?.frame(0))
+    }
+}
+
+/// `frame 12`, `frames 12 to 14`, `6 frames from 12 to 80`.
+fn frames(frames: &[usize]) -> String {
+    match frames {
+        [] => "no frame".to_owned(),
+        [one] => format!("frame {one}"),
+        [first, .., last] if last - first + 1 == frames.len() => {
+            format!("frames {first} to {last}")
+        }
+        [first, .., last] => format!("{} frames from {first} to {last}", frames.len()),
+    }
+}

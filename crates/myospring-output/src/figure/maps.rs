@@ -1,0 +1,115 @@
+//! One shape of a cell, coloured by several quantities beside each other: maps and how sure they are, measured and
+//! simulated.
+
+use super::cell::{Cell, closed, draw_titled_bar};
+use super::shapes::{ELONGATED, draw_scale_bar, extremes};
+use super::sheet::{Anchor, Area, Sheet, Stroke, Style};
+use super::theme::{DOUBLE, INK, LABEL, LETTER, MUTED, REST, TICK, decimals, fixed};
+use super::{Figure, FigureError};
+use crate::field::{ColourScale, Field};
+
+/// A cell coloured by a quantity.
+#[derive(Debug, Clone)]
+pub struct Map<'a> {
+    /// What is written above it.
+    pub name: String,
+    /// Where the points are, um.
+    pub positions: &'a [Vec<f64>; 2],
+    /// The quantity at each point.
+    pub values: Vec<f64>,
+    /// Its name and unit.
+    pub quantity: String,
+    /// Least and greatest value of the colours; `None` takes those of the values, with 0.
+    pub limits: Option<[f64; 2]>,
+}
+
+const MARGIN: f64 = 8.0;
+const GAP: f64 = 14.0;
+/// Height of the line above a map, and of its colour bar with what is written at it, px.
+const HEAD: f64 = 19.0;
+const BAR: f64 = 46.0;
+/// Width of a colour bar, px.
+const BAR_WIDTH: f64 = 170.0;
+
+impl Map<'_> {
+    fn colours(&self) -> ColourScale {
+        let values = self.values.iter().copied().filter(|value| value.is_finite());
+        let widest = || values.fold([0.0_f64; 2], |[low, high], v| [low.min(v), high.max(v)]);
+        let [low, high] = self.limits.unwrap_or_else(widest);
+        // A quantity with signs has the colours of a strain: light at 0.
+        ColourScale::new(Field::FibreStrain, [low, high.max(low + 1e-9)])
+    }
+}
+
+/// Maps of one cell, all to one scale: long cells one above the other, others side by side; two columns wide (178 mm). A
+/// `least` length (um) is drawn beside the scale bar: nothing smaller can be told. The dashed line is the cell at rest.
+///
+/// # Errors
+/// No map, or one of another mesh or with positions that are not finite.
+pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Figure, FigureError> {
+    if maps.is_empty() {
+        return Err(FigureError::Nothing { what: "maps" });
+    }
+    let points = cell.mesh().len();
+    for map in maps {
+        let found = map.values.len();
+        if found != points {
+            return Err(FigureError::PictureShape { width: points, height: 1, found });
+        }
+        cell.check(map.positions)?;
+    }
+    let shapes = maps.iter().map(|map| map.positions).chain([&cell.mesh().points]);
+    let [low, high] = extremes(cell, shapes);
+    let extent = [0, 1].map(|axis: usize| (high[axis] - low[axis]).max(1e-9));
+    let stands = extent[0] > ELONGATED * extent[1];
+    let columns = if stands { 1 } else { maps.len() };
+    // Two are no larger than of three.
+    let fitting = if stands { 1.0 } else { columns.max(2) as f64 };
+    let width = (DOUBLE - 2.0 * MARGIN - (fitting - 1.0) * GAP) / fitting;
+    let scale = width / extent[0];
+    let height = extent[1] * scale;
+    let mut sheet = Sheet::default();
+    let middle = [0, 1].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
+    for (index, map) in maps.iter().enumerate() {
+        let left = MARGIN + (index % columns) as f64 * (width + GAP);
+        let top = 4.0 + (index / columns) as f64 * (HEAD + height + BAR);
+        let letter = char::from(b'A' + (index % 26) as u8).to_string();
+        sheet.text([left, top + 11.0], &letter, Style::new(LETTER).bold());
+        sheet.text([left + 16.0, top + 11.0], &map.name, Style::new(LABEL));
+        let centre = [left + width / 2.0, top + HEAD + height / 2.0];
+        let at = |[x, y]: [f64; 2]| {
+            [centre[0] + (x - middle[0]) * scale, centre[1] - (y - middle[1]) * scale]
+        };
+        let colours = map.colours();
+        cell.fill_with(
+            &mut sheet,
+            format!("map-{index}"),
+            map.positions,
+            &map.values,
+            &colours,
+            at,
+        );
+        sheet.path(closed(&cell.rings(map.positions), at), Stroke::new(INK, 0.7));
+        let rest = closed(&cell.rings(&cell.mesh().points), at);
+        sheet.path(rest, Stroke::new(REST, 0.8).dash(2.5, 1.8));
+        let bar = BAR_WIDTH.min(width - 20.0);
+        let corner = [left + width - bar - 10.0, top + HEAD + height + 18.0];
+        let place = Area { corner, size: [bar, 8.0] };
+        draw_titled_bar(&mut sheet, place, &colours, &map.quantity);
+    }
+    let rows = maps.len().div_ceil(columns) as f64;
+    let bottom = 4.0 + rows * (HEAD + height + BAR);
+    // Of long cells there is room beside the last bar.
+    let beside = stands;
+    let y = if beside { bottom - BAR + 22.0 } else { bottom + 4.0 };
+    draw_scale_bar(&mut sheet, [MARGIN, y], scale, extent);
+    if let Some(least) = least.filter(|least| least.is_finite() && *least < extent[0]) {
+        let start = if beside { [MARGIN, y + 15.0] } else { [MARGIN + width + GAP, y] };
+        let end = start[0] + least * scale;
+        sheet.line(start, [end, start[1]], Stroke::new(MUTED, 2.5));
+        let words = format!("{} \u{b5}m: smaller parts run together", fixed(least, decimals(1.0)));
+        let style = Style::new(TICK).colour(MUTED).anchor(Anchor::Start);
+        sheet.text([end + 5.0, start[1] + 3.5], &words, style);
+    }
+    Ok(sheet.finish(DOUBLE, if beside { bottom } else { bottom + 14.0 }))
+}

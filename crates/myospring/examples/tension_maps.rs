@@ -1,0 +1,119 @@
+//! How well a known map of tension is found in a film, over noise, shape and support.
+//!
+//! `cargo run --release -p myospring --example tension_maps` prints the table of `docs/measured-beats.md`.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
+
+#[path = "../tests/common/pulled_film.rs"]
+mod pulled_film;
+#[path = "../tests/common/synthetic_cell.rs"]
+mod synthetic_cell;
+#[path = "../tests/common/synthetic_film.rs"]
+mod synthetic_film;
+
+use myospring::mechanics::support::SupportKind;
+use myospring::pull::{Seen, TensionMap};
+use pulled_film::{Pulled, even, passive_nucleus, weak_half};
+use synthetic_film::FilmScene;
+
+/// Correlation of two lists.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (p, q) = (mean(a), mean(b));
+    let sum =
+        |of: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(a, b)| of(a - p, b - q)).sum::<f64>();
+    sum(&|a, b| a * b) / (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt()
+}
+
+/// What one film tells.
+struct Told {
+    correlation: f64,
+    mean_kpa: f64,
+    /// Mean of the weak half over that of the strong one, or of the middle of the nucleus over the cell far from it.
+    ratio: f64,
+    uneven: bool,
+    numbers: f64,
+    resolution_um: f64,
+    deviation_kpa: f64,
+    within: f64,
+}
+
+fn told(tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f64, seed: u64) -> Told {
+    let scene = FilmScene { cell_um: [100.0, 22.0], noise, bits: 8, seed, ..FilmScene::default() };
+    let pulled = Pulled { scene, tension, support };
+    let mesh = pulled.mesh(1.1);
+    let simulation = pulled.simulation(mesh.clone());
+    let map = TensionMap::of(&simulation, &Seen::at_peak(&pulled.followed(&mesh))).unwrap();
+    let truth = pulled.truth(&mesh);
+    let [cx, cy] = pulled.scene.middle();
+    let mean = |is: &dyn Fn(f64, f64) -> bool| {
+        let there = (0..truth.len()).filter(|&at| {
+            let [x, y] = mesh.centre(&mesh.simplices[at]);
+            is(x - cx, y - cy)
+        });
+        let (sum, count) = there.fold((0.0, 0), |(sum, n), at| (sum + map.tensions_kpa[at], n + 1));
+        sum / f64::from(count)
+    };
+    let from_nucleus = |x: f64, y: f64| (x / 9.0).powi(2) + (y / 3.6).powi(2);
+    let ratio = if tension([0.0, 0.0]) == 0.0 {
+        mean(&|x, y| from_nucleus(x, y) < 0.5) / mean(&|x, y| from_nucleus(x, y) > 3.0)
+    } else {
+        mean(&|x, _| x > 5.0) / mean(&|x, _| x < -5.0)
+    };
+    let found = map.tensions_kpa.iter().zip(&truth).zip(&map.deviations_kpa);
+    let within = found.filter(|((found, truth), sd)| (*found - *truth).abs() < 1.96 * **sd).count();
+    let mut deviations = map.deviations_kpa.clone();
+    deviations.sort_by(f64::total_cmp);
+    Told {
+        correlation: correlation(&map.tensions_kpa, &truth),
+        mean_kpa: map.mean_kpa,
+        ratio,
+        uneven: map.is_uneven(),
+        numbers: map.numbers,
+        resolution_um: map.resolution_um(),
+        deviation_kpa: deviations[deviations.len() / 2],
+        within: within as f64 / truth.len() as f64,
+    }
+}
+
+/// A row: means over films.
+fn row(name: &str, tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f64) {
+    const FILMS: u64 = 5;
+    let all: Vec<Told> = (1..=FILMS).map(|seed| told(tension, support, noise, seed)).collect();
+    let mean = |of: &dyn Fn(&Told) -> f64| all.iter().map(of).sum::<f64>() / FILMS as f64;
+    let uneven = all.iter().filter(|told| told.uneven).count();
+    let correlation = mean(&|told| told.correlation);
+    let correlation =
+        if correlation.is_finite() { format!("{correlation:.2}") } else { "-".to_owned() };
+    println!(
+        "| {name} | {noise} | {uneven} of {FILMS} | {:.1} | {:.2} | {correlation} | {:.0} | {:.1} | {:.1} | {:.0} |",
+        mean(&|told| told.mean_kpa),
+        mean(&|told| told.ratio),
+        mean(&|told| told.numbers),
+        mean(&|told| told.resolution_um),
+        mean(&|told| told.deviation_kpa),
+        100.0 * mean(&|told| told.within),
+    );
+}
+
+fn main() {
+    println!(
+        "| cell | noise | said to be uneven | mean tension, kPa | weak over strong part | correlation | numbers of the map | \
+         resolution, um | standard deviation, kPa | true tension within 1.96 of them, % |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    let free = SupportKind::MassCentre;
+    let bed = SupportKind::ElasticBed { stiffness: 0.5 };
+    for noise in [0.0, 0.155, 0.4] {
+        row("weak half", weak_half, free, noise);
+    }
+    row("weak half, on a bed", weak_half, bed, 0.155);
+    for noise in [0.0, 0.155, 0.4] {
+        row("passive nucleus", passive_nucleus, free, noise);
+    }
+    row("passive nucleus, on a bed", passive_nucleus, bed, 0.155);
+    for noise in [0.0, 0.155, 0.4] {
+        row("even", even, free, noise);
+    }
+    row("even, on a bed", even, bed, 0.155);
+}

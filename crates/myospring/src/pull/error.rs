@@ -1,0 +1,44 @@
+//! Why there is no map.
+
+use crate::integrate::quasi_static::PathError;
+
+/// Why there is no map of tension.
+#[derive(Debug, thiserror::Error)]
+pub enum PullError {
+    /// Displacements of another mesh.
+    #[error("there are displacements of {found} points, and the cell's mesh has {points}")]
+    Mesh {
+        /// Of how many points.
+        found: usize,
+        /// Points of the mesh.
+        points: usize,
+    },
+    /// Too little was seen.
+    #[error(
+        "the cell has {squares} squares of {alike_um:.1} um with points that were found; a map needs {least} or more"
+    )]
+    TooLittle {
+        /// Squares with points.
+        squares: usize,
+        /// Their side.
+        alike_um: f64,
+        /// Least number of them.
+        least: usize,
+    },
+    /// The cell is not shorter.
+    #[error(
+        "the cell does not contract along its fibres (even tension {tension_kpa:.3} kPa), so there is nothing to map"
+    )]
+    NoContraction {
+        /// The even tension that is nearest, kPa.
+        tension_kpa: f64,
+    },
+    /// Tension at the ends.
+    #[error(
+        "the tension of this cell acts at its ends, not in each place; a map needs `active_law = \"fibre\"`"
+    )]
+    Ends,
+    /// No equilibrium.
+    #[error("there is no equilibrium to compare the film with: {0}")]
+    Path(#[from] PathError),
+}

@@ -1,0 +1,363 @@
+//! The map of tension, round by round.
+
+use super::PullError;
+use super::grid::{Grid, Squares};
+use super::least::not_negative;
+use super::seen::Seen;
+use super::smoothing::{Problem, Smoothing};
+use crate::integrate::quasi_static::{Equilibrium, PathError, Tolerance};
+use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::{System, Tension, Vectors, zeros};
+use crate::mesh::Mesh;
+use crate::simulation::Simulation;
+use nalgebra::{DMatrix, DVector};
+
+/// Chance that an even cell looks as uneven, above which no unevenness is told.
+pub const EVEN: f64 = 0.05;
+
+/// Points of the grid that a map has at most, about; it is no finer than so many spacings of the mesh.
+const POINTS: f64 = 240.0;
+const FINEST: f64 = 1.5;
+/// Fewest squares that a map is made from.
+const FEWEST: usize = 6;
+/// Rounds, and the change relative to the mean tension at which they end.
+const ROUNDS: usize = 10;
+const SETTLED: f64 = 1e-3;
+/// Halvings of a step that leads to no equilibrium.
+const HALVINGS: usize = 6;
+
+/// Where a cell pulls at the peak of its contraction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TensionMap {
+    /// Active tension of each triangle, kPa, for the stiffness that the simulation has.
+    pub tensions_kpa: Vec<f64>,
+    /// Their standard deviations, kPa, at that stiffness.
+    pub deviations_kpa: Vec<f64>,
+    /// Standard deviation of each tension over the mean one, which does not hang on the stiffness.
+    pub relative_deviations: Vec<f64>,
+    /// Size of what can be told around each triangle, um: the side of the square that one number of the map stands for.
+    pub resolutions_um: Vec<f64>,
+    /// Mean over the volume, kPa, and its standard deviation.
+    pub mean_kpa: f64,
+    /// Standard deviation of that.
+    pub mean_deviation_kpa: f64,
+    /// The even tension that is nearest to what was seen, kPa.
+    pub even_kpa: f64,
+    /// Numbers that the map has in effect; 1 of an even one.
+    pub numbers: f64,
+    /// Weight of the smoothness, um^2/kPa^2.
+    pub lambda: f64,
+    /// Chance that an even tension with such noise would gain as much by an uneven map.
+    pub chance_even: f64,
+    /// Root mean square of the distance from where points were seen to where the map has them, um, after the best shift
+    /// and rotation of the whole cell.
+    pub misfit_um: f64,
+    /// The same under the even tension.
+    pub even_misfit_um: f64,
+    /// Standard deviation of the mean of a square's points along an axis, um, by what the map leaves.
+    pub noise_um: f64,
+    /// The equilibrium under the map, um, where the cell was seen.
+    pub positions_um: [Vec<f64>; 2],
+    /// Frames of the film that it is of.
+    pub frames: Vec<usize>,
+}
+
+impl TensionMap {
+    /// Of a cell, with its stiffness and its support, and what was seen of it.
+    ///
+    /// # Errors
+    /// Every [`PullError`].
+    pub fn of(simulation: &Simulation, seen: &Seen) -> Result<Self, PullError> {
+        let mesh = &simulation.mesh;
+        let points = mesh.len();
+        let found = seen.displacements_um[0].len().min(seen.found.len());
+        if found != points || seen.displacements_um[1].len() != points {
+            return Err(PullError::Mesh { found, points });
+        }
+        if simulation.active != ActiveLaw::Fibre {
+            return Err(PullError::Ends);
+        }
+        let squares = Squares::new(mesh, seen.alike_um, &seen.found);
+        if squares.points.len() < FEWEST {
+            return Err(PullError::TooLittle {
+                squares: squares.points.len(),
+                alike_um: seen.alike_um,
+                least: FEWEST,
+            });
+        }
+        let apart = (mesh.area() / POINTS).sqrt();
+        let spacing = mesh.lattice.as_ref().map_or(0.0, |lattice| lattice.spacing);
+        let grid = Grid::new(mesh, apart.max(FINEST * spacing));
+        let (body, system) = simulation.mechanics();
+        let equilibrium = Equilibrium::new(&system, &body, Tolerance::default())?;
+        let positions = body.positions.clone();
+        let values = DVector::zeros(grid.len());
+        let mut search =
+            Search { mesh, system: &system, seen, squares, grid, equilibrium, positions, values };
+        let even_kpa = search.even()?;
+        let even_misfit_um = search.misfit();
+        let (problem, smoothing) = search.uneven()?;
+        search.answer(&problem, smoothing, even_kpa, even_misfit_um)
+    }
+
+    /// Whether the film tells that the cell pulls unevenly.
+    pub fn is_uneven(&self) -> bool {
+        self.chance_even <= EVEN
+    }
+
+    /// Tension of each triangle over the mean.
+    pub fn relative(&self) -> Vec<f64> {
+        self.tensions_kpa.iter().map(|tension| tension / self.mean_kpa).collect()
+    }
+}
+
+/// Where the rounds have led.
+struct Search<'a> {
+    mesh: &'a Mesh,
+    system: &'a System,
+    seen: &'a Seen,
+    squares: Squares,
+    grid: Grid,
+    equilibrium: Equilibrium<'a>,
+    /// The equilibrium under the tensions so far.
+    positions: Vectors,
+    /// These, at the points of the grid, kPa.
+    values: DVector<f64>,
+}
+
+impl Search<'_> {
+    /// Forces of tensions of 1 kPa times these in the triangles.
+    fn forces(&self, tensions: &[f64]) -> Vectors {
+        let count = self.mesh.len();
+        let (mut forces, still) = (zeros(count), zeros(count));
+        let at = crate::mechanics::Configuration {
+            positions: &self.positions,
+            velocities: &still,
+            tension: Tension::PerElement(tensions),
+        };
+        for force in &self.system.active {
+            force.add_forces(&at, &mut forces);
+        }
+        forces
+    }
+
+    fn linearise(&mut self) -> Result<(), PathError> {
+        let tensions = self.grid.in_triangles(self.values.as_slice());
+        self.equilibrium.linearise(&self.positions, Tension::PerElement(&tensions))
+    }
+
+    /// How the means of the squares answer to 1 kPa times these values of the grid.
+    fn column(&mut self, values: &[f64]) -> Vec<f64> {
+        let forces = self.forces(&self.grid.in_triangles(values));
+        self.squares.means(&self.equilibrium.response(&forces))
+    }
+
+    /// What is left to explain by the tensions themselves, given the columns.
+    fn left(&self, explained: &DVector<f64>) -> DVector<f64> {
+        // Turned as they are, so that what is left of the rotation is small.
+        let target = placed(&self.target(), &self.positions, &self.seen.found);
+        let away = [0, 1].map(|axis: usize| {
+            target[axis].iter().zip(&self.positions[axis]).map(|(seen, now)| seen - now).collect()
+        });
+        DVector::from_vec(self.squares.means(&away)) + explained
+    }
+
+    /// Shifts and turns of the whole cell as they are seen, orthonormal.
+    fn whole(&self) -> DMatrix<f64> {
+        let count = self.mesh.len();
+        let [x, y] = &self.positions;
+        let ways = [
+            [vec![1.0; count], vec![0.0; count]],
+            [vec![0.0; count], vec![1.0; count]],
+            [y.iter().map(|y| -y).collect(), x.clone()],
+        ];
+        let columns = ways.map(|way| DVector::from_vec(self.squares.means(&way)));
+        DMatrix::from_columns(&columns).qr().q()
+    }
+
+    /// The even tension: one number, round by round.
+    fn even(&mut self) -> Result<f64, PullError> {
+        let count = self.grid.len();
+        for _ in 0..ROUNDS {
+            self.linearise()?;
+            let column = DVector::from_vec(self.column(&vec![1.0; count]));
+            let whole = self.whole();
+            let column = &column - &whole * whole.tr_mul(&column);
+            let left = self.left(&(&column * self.values[0]));
+            let tension = column.dot(&left) / column.norm_squared();
+            if tension.is_nan() || tension <= 0.0 {
+                return Err(PullError::NoContraction { tension_kpa: tension });
+            }
+            let before = self.values[0];
+            self.go_to(&DVector::from_element(count, tension))?;
+            if (self.values[0] - before).abs() <= SETTLED * tension {
+                break;
+            }
+        }
+        Ok(self.values[0])
+    }
+
+    /// The map, round by round: the last linear problem, and how smooth it was made.
+    fn uneven(&mut self) -> Result<(Problem, Smoothing), PullError> {
+        let mut last = None;
+        for _ in 0..ROUNDS {
+            let problem = self.problem()?;
+            let no_answer = || PullError::NoContraction { tension_kpa: f64::NAN };
+            let smoothing = problem.smoothing().ok_or_else(no_answer)?;
+            let hessian = problem.hessian(smoothing.lambda);
+            let b = problem.columns.tr_mul(&problem.seen);
+            let values = not_negative(&hessian, &b).ok_or_else(no_answer)?;
+            let change = (&values - &self.values).norm() / self.values.norm();
+            self.go_to(&values)?;
+            last = Some((problem, smoothing));
+            if change <= SETTLED {
+                break;
+            }
+        }
+        last.ok_or(PullError::NoContraction { tension_kpa: f64::NAN })
+    }
+
+    fn problem(&mut self) -> Result<Problem, PathError> {
+        let count = self.grid.len();
+        self.linearise()?;
+        let mut columns = DMatrix::zeros(2 * self.squares.points.len(), count);
+        let mut unit = vec![0.0; count];
+        for number in 0..count {
+            unit[number] = 1.0;
+            columns.set_column(number, &DVector::from_vec(self.column(&unit)));
+            unit[number] = 0.0;
+        }
+        let seen = self.left(&(&columns * &self.values));
+        let whole = self.whole();
+        let columns = &columns - &whole * whole.tr_mul(&columns);
+        let seen = &seen - &whole * whole.tr_mul(&seen);
+        let mut penalty = DMatrix::zeros(count, count);
+        for &[a, b] in &self.grid.sides {
+            for (i, j, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
+                penalty[(i, j)] += sign;
+            }
+        }
+        let freedom = (columns.nrows() - whole.ncols()) as f64;
+        Ok(Problem { columns, seen, freedom, penalty })
+    }
+
+    /// Goes to the equilibrium under these values, or as far towards it as there is one.
+    fn go_to(&mut self, values: &DVector<f64>) -> Result<(), PathError> {
+        let mut part = 1.0;
+        for halving in 0..=HALVINGS {
+            let tried = &self.values + (values - &self.values) * part;
+            let tensions = self.grid.in_triangles(tried.as_slice());
+            match self.equilibrium.find(&self.positions, Tension::PerElement(&tensions)) {
+                Ok(positions) => {
+                    (self.positions, self.values) = (positions, tried);
+                    return Ok(());
+                }
+                Err(error) if halving == HALVINGS => return Err(error),
+                Err(_) => part *= 0.5,
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the points were seen, um.
+    fn target(&self) -> [Vec<f64>; 2] {
+        [0, 1].map(|axis: usize| {
+            let rest = &self.mesh.points[axis];
+            rest.iter().zip(&self.seen.displacements_um[axis]).map(|(rest, u)| rest + u).collect()
+        })
+    }
+
+    /// Root mean square of the distance of the points that were found from where they were seen, um.
+    fn misfit(&self) -> f64 {
+        let target = self.target();
+        let at = placed(&self.positions, &target, &self.seen.found);
+        let off =
+            |point: usize| (at[0][point] - target[0][point]).hypot(at[1][point] - target[1][point]);
+        let found = (0..self.mesh.len()).filter(|&point| self.seen.found[point]);
+        let (sum, count) =
+            found.fold((0.0, 0), |(sum, count), point| (sum + off(point).powi(2), count + 1));
+        (sum / f64::from(count)).sqrt()
+    }
+
+    fn answer(
+        self,
+        problem: &Problem,
+        smoothing: Smoothing,
+        even_kpa: f64,
+        even_misfit_um: f64,
+    ) -> Result<TensionMap, PullError> {
+        let Smoothing { lambda, numbers, noise, chance_even } = smoothing;
+        let inverse = problem.hessian(lambda).cholesky();
+        let inverse = inverse.ok_or(PullError::NoContraction { tension_kpa: even_kpa })?.inverse();
+        let covariance = &inverse * noise.powi(2);
+        // Numbers of the map at each point of its grid, over its area.
+        let shares = &inverse * problem.columns.tr_mul(&problem.columns);
+        let density = |at: usize| (shares[(at, at)] / self.grid.areas[at]).max(0.0);
+        let total: f64 = self.grid.areas.iter().sum();
+        let mean_of = DVector::from_iterator(
+            self.grid.len(),
+            self.grid.areas.iter().map(|area| area / total),
+        );
+        let mean_kpa = mean_of.dot(&self.values);
+        let with_mean = &covariance * &mean_of;
+        let mean_variance = mean_of.dot(&with_mean);
+        let tensions_kpa = self.grid.in_triangles(self.values.as_slice());
+        let deviations: Vec<f64> =
+            covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect();
+        let relative_deviations: Vec<f64> = (0..self.grid.len())
+            .map(|at| {
+                let relative = self.values[at] / mean_kpa;
+                let variance = covariance[(at, at)] - 2.0 * relative * with_mean[at]
+                    + relative.powi(2) * mean_variance;
+                variance.max(0.0).sqrt() / mean_kpa
+            })
+            .collect();
+        let densities: Vec<f64> = (0..self.grid.len()).map(density).collect();
+        let resolution = |density: f64| density.sqrt().recip();
+        Ok(TensionMap {
+            tensions_kpa,
+            // Between the points of the grid that of the mean of both, were they sure of each other: a little too much.
+            deviations_kpa: self.grid.in_triangles(&deviations),
+            relative_deviations: self.grid.in_triangles(&relative_deviations),
+            resolutions_um: self
+                .grid
+                .in_triangles(&densities)
+                .into_iter()
+                .map(resolution)
+                .collect(),
+            mean_kpa,
+            mean_deviation_kpa: mean_variance.max(0.0).sqrt(),
+            even_kpa,
+            numbers,
+            lambda,
+            chance_even,
+            misfit_um: self.misfit(),
+            even_misfit_um,
+            noise_um: noise,
+            positions_um: placed(&self.positions, &self.target(), &self.seen.found),
+            frames: self.seen.frames.clone(),
+        })
+    }
+}
+
+/// Points shifted and turned as near as they come to others, in the sense of least squares over those that `count`.
+fn placed(from: &[Vec<f64>; 2], to: &[Vec<f64>; 2], count: &[bool]) -> [Vec<f64>; 2] {
+    let counted: Vec<usize> = (0..count.len()).filter(|&point| count[point]).collect();
+    let mean = |of: &dyn Fn(usize) -> f64| {
+        counted.iter().map(|&point| of(point)).sum::<f64>() / counted.len() as f64
+    };
+    let middle =
+        |points: &[Vec<f64>; 2]| [0, 1].map(|axis: usize| mean(&|point| points[axis][point]));
+    let (start, end) = (middle(from), middle(to));
+    let arm = |axis: usize, point: usize| from[axis][point] - start[axis];
+    let goal = |axis: usize, point: usize| to[axis][point] - end[axis];
+    let cosine = mean(&|point| arm(0, point) * goal(0, point) + arm(1, point) * goal(1, point));
+    let sine = mean(&|point| arm(0, point) * goal(1, point) - arm(1, point) * goal(0, point));
+    let (sin, cos) = sine.atan2(cosine).sin_cos();
+    let at = |point: usize| {
+        let [x, y] = [arm(0, point), arm(1, point)];
+        (end[0] + cos * x - sin * y, end[1] + sin * x + cos * y)
+    };
+    let (x, y) = (0..count.len()).map(at).unzip();
+    [x, y]
+}

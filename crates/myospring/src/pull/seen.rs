@@ -1,0 +1,61 @@
+//! What a film says of the cell at its peak.
+
+use crate::microscopy::motion::Motion;
+
+/// Frames this near to the greatest contraction are of the peak, and this near to none are of rest; parts of it.
+const NEAR: f64 = 0.1;
+
+/// The cell at the peak of its contraction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    /// Way of each point of the mesh from where it rests, um: `[axis][point]`.
+    pub displacements_um: [Vec<f64>; 2],
+    /// Which points were found, not put where their neighbours would have them.
+    pub found: Vec<bool>,
+    /// Side of a square whose points have one error between them, um.
+    pub alike_um: f64,
+    /// Frames of the film whose mean this is.
+    pub frames: Vec<usize>,
+}
+
+impl Seen {
+    /// The peak of a film: the mean of the frames within a tenth of the greatest contraction along the smaller principal
+    /// stretch, less that of the frames as near to rest. So noise is averaged, that of the frame at rest, too. A point
+    /// counts where it was found in half of the frames of the peak.
+    pub fn at_peak(motion: &Motion) -> Self {
+        let contraction: Vec<f64> =
+            motion.stretches().iter().map(|stretches| 1.0 - stretches.smaller).collect();
+        let most = contraction.iter().copied().fold(f64::MIN, f64::max);
+        let frames = |is: &dyn Fn(f64) -> bool| -> Vec<usize> {
+            (0..motion.len()).filter(|&frame| is(contraction[frame])).collect()
+        };
+        let peak = frames(&|part| part >= (1.0 - NEAR) * most);
+        let rest = frames(&|part| part.abs() <= NEAR * most);
+        let count = motion.mesh.len();
+        let mean = |frames: &[usize], axis: usize, point: usize| {
+            let found: Vec<f64> = frames
+                .iter()
+                .filter(|frame| !motion.healed[**frame][point])
+                .map(|frame| motion.displacements_um[*frame][axis][point])
+                .collect();
+            let all = || frames.iter().map(|frame| motion.displacements_um[*frame][axis][point]);
+            match (found.len(), frames.len()) {
+                (_, 0) => 0.0,
+                (0, of) => all().sum::<f64>() / of as f64,
+                (of, _) => found.iter().sum::<f64>() / of as f64,
+            }
+        };
+        let healed =
+            |point: usize| peak.iter().filter(|frame| motion.healed[**frame][point]).count();
+        Self {
+            displacements_um: [0, 1].map(|axis: usize| {
+                (0..count)
+                    .map(|point| mean(&peak, axis, point) - mean(&rest, axis, point))
+                    .collect()
+            }),
+            found: (0..count).map(|point| 2 * healed(point) <= peak.len()).collect(),
+            alike_um: motion.alike_um(),
+            frames: peak.iter().map(|frame| motion.first + frame).collect(),
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Maps of tension of cells whose map is known: exact displacements, and films of them.
+
+use super::pulled_film::{FRAMES, Pulled, even, passive_nucleus, weak_half};
+use super::synthetic_film::FilmScene;
+use myospring::mechanics::active::ActiveLaw;
+use myospring::mechanics::support::SupportKind;
+use myospring::pull::{PullError, Seen, TensionMap};
+use myospring::simulation::Simulation;
+
+const FREE: SupportKind = SupportKind::MassCentre;
+
+fn pulled(tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f64) -> Pulled {
+    let scene = FilmScene { cell_um: [70.0, 20.0], noise, bits: 8, ..FilmScene::default() };
+    Pulled { scene, tension, support }
+}
+
+/// What would be seen without noise.
+fn exact(pulled: &Pulled, spacing: f64) -> (Simulation, Seen) {
+    let mesh = pulled.mesh(spacing);
+    let displacements_um = pulled.displacements(&mesh, 1.0);
+    let found = vec![true; mesh.len()];
+    let seen = Seen { displacements_um, found, alike_um: 3.0, frames: Vec::new() };
+    (pulled.simulation(mesh), seen)
+}
+
+/// Mean of values of triangles whose centre, relative to the middle of the cell, is so.
+fn mean(pulled: &Pulled, simulation: &Simulation, values: &[f64], is: fn([f64; 2]) -> bool) -> f64 {
+    let [cx, cy] = pulled.scene.middle();
+    let mesh = &simulation.mesh;
+    let there = mesh.simplices.iter().zip(values).filter(|(triangle, _)| {
+        let [x, y] = mesh.centre(triangle);
+        is([x - cx, y - cy])
+    });
+    let (sum, count) = there.fold((0.0, 0), |(sum, count), (_, value)| (sum + value, count + 1));
+    sum / f64::from(count)
+}
+
+fn is_right([x, _]: [f64; 2]) -> bool {
+    x > 5.0
+}
+
+fn is_left([x, _]: [f64; 2]) -> bool {
+    x < -5.0
+}
+
+fn is_nucleus([x, y]: [f64; 2]) -> bool {
+    (x / 9.0).powi(2) + (y / 3.6).powi(2) < 0.7
+}
+
+fn is_far([x, y]: [f64; 2]) -> bool {
+    (x / 9.0).powi(2) + (y / 3.6).powi(2) > 3.0
+}
+
+/// A map that a bilinear one is nearly: 30 kPa and a wave of 10 along the cell.
+fn wave([x, _]: [f64; 2]) -> f64 {
+    30.0 + 10.0 * (x / 12.0).sin()
+}
+
+#[test]
+fn a_smooth_map_is_found_to_a_hundredth_where_there_is_no_noise() {
+    for support in [FREE, SupportKind::ElasticBed { stiffness: 0.5 }, SupportKind::ClampedEnd] {
+        let pulled = pulled(wave, support, 0.0);
+        let (simulation, seen) = exact(&pulled, 2.0);
+        let map = TensionMap::of(&simulation, &seen).unwrap();
+        let truth = pulled.truth(&simulation.mesh);
+        let mut off: Vec<f64> = map
+            .tensions_kpa
+            .iter()
+            .zip(&truth)
+            .map(|(found, truth)| (found / truth - 1.0).abs())
+            .collect();
+        off.sort_by(f64::total_cmp);
+        // A grid of 3 um gives a wave of 75 um to a quarter of a per cent; at the rim of the cell the map has no
+        // neighbours on one side.
+        assert!(off[off.len() / 2] < 0.003, "{support:?}: median {}", off[off.len() / 2]);
+        assert!(
+            off[off.len() * 95 / 100] < 0.02,
+            "{support:?}: 95 % {}",
+            off[off.len() * 95 / 100]
+        );
+        assert!(map.is_uneven() && map.misfit_um < 0.02 * map.even_misfit_um, "{}", map.misfit_um);
+    }
+}
+
+#[test]
+fn twice_the_stiffness_is_twice_the_tension_and_the_same_map() {
+    let pulled = pulled(weak_half, FREE, 0.0);
+    let (simulation, seen) = exact(&pulled, 2.5);
+    let once = TensionMap::of(&simulation, &seen).unwrap();
+    let mut stiff = simulation.clone();
+    stiff.material.stiffness = myospring::mechanics::material::Stiffness::YoungModulus(
+        2.0 * simulation.material.young_modulus(),
+    );
+    stiff.material.area_modulus *= 2.0;
+    let twice = TensionMap::of(&stiff, &seen).unwrap();
+    for (once, twice) in once.tensions_kpa.iter().zip(&twice.tensions_kpa) {
+        // What the rounds leave.
+        assert!((twice / once - 2.0).abs() < 1e-3, "{once} kPa, {twice} kPa");
+    }
+}
+
+#[test]
+fn shift_and_rotation_of_the_whole_cell_are_no_tension() {
+    let pulled = pulled(weak_half, FREE, 0.0);
+    let (simulation, seen) = exact(&pulled, 2.5);
+    let still = TensionMap::of(&simulation, &seen).unwrap();
+    let (sin, cos) = 0.05_f64.sin_cos();
+    let points = &simulation.mesh.points;
+    let mut turned = seen.clone();
+    for point in 0..simulation.mesh.len() {
+        let [x, y] =
+            [0, 1].map(|axis: usize| points[axis][point] + seen.displacements_um[axis][point]);
+        turned.displacements_um[0][point] = cos * x - sin * y + 3.0 - points[0][point];
+        turned.displacements_um[1][point] = sin * x + cos * y - 1.0 - points[1][point];
+    }
+    let moved = TensionMap::of(&simulation, &turned).unwrap();
+    // What the rounds leave.
+    for (still, moved) in still.tensions_kpa.iter().zip(&moved.tensions_kpa) {
+        assert!((moved - still).abs() < 0.05, "{still} kPa, {moved} kPa");
+    }
+    assert!((moved.misfit_um - still.misfit_um).abs() < 1e-4, "{}", moved.misfit_um);
+}
+
+#[test]
+fn a_film_shows_a_weak_half_and_how_weak_it_is() {
+    for support in [FREE, SupportKind::ElasticBed { stiffness: 0.5 }] {
+        let pulled = pulled(weak_half, support, 0.155);
+        let mesh = pulled.mesh(1.2);
+        let seen = Seen::at_peak(&pulled.followed(&mesh));
+        assert_eq!(seen.frames, (0..9).filter(|&frame| FRAMES[frame] == 1.0).collect::<Vec<_>>());
+        let simulation = pulled.simulation(mesh);
+        let map = TensionMap::of(&simulation, &seen).unwrap();
+        let (right, left) = (
+            mean(&pulled, &simulation, &map.tensions_kpa, is_right),
+            mean(&pulled, &simulation, &map.tensions_kpa, is_left),
+        );
+        // Half as strong; the noise of the film leaves two hundredths.
+        assert!((right / left - 0.5).abs() < 0.02, "{support:?}: {right} and {left} kPa");
+        assert!((map.mean_kpa - 30.0).abs() < 0.5, "{} kPa", map.mean_kpa);
+        assert!(map.is_uneven() && map.misfit_um < 0.1 * map.even_misfit_um);
+        let truth = pulled.truth(&simulation.mesh);
+        let within = (map.tensions_kpa.iter().zip(&truth).zip(&map.deviations_kpa))
+            .filter(|((found, truth), deviation)| (*found - *truth).abs() < 1.96 * **deviation)
+            .count() as f64
+            / truth.len() as f64;
+        // 95 % of a smooth map; a step is none.
+        assert!(within > 0.8, "{support:?}: {within}");
+    }
+}
+
+#[test]
+fn a_film_shows_a_passive_nucleus_as_far_as_its_noise_allows() {
+    let pulled = pulled(passive_nucleus, FREE, 0.155);
+    let mesh = pulled.mesh(1.0);
+    let seen = Seen::at_peak(&pulled.followed(&mesh));
+    let simulation = pulled.simulation(mesh);
+    let map = TensionMap::of(&simulation, &seen).unwrap();
+    let nucleus = mean(&pulled, &simulation, &map.tensions_kpa, is_nucleus);
+    let far = mean(&pulled, &simulation, &map.tensions_kpa, is_far);
+    // It is as wide as what can be told, so it looks weaker than its surroundings, not without tension.
+    assert!(map.resolution_um() > 5.0 && map.resolution_um() < 9.0, "{}", map.resolution_um());
+    assert!(nucleus < 0.5 * far && (far / 40.0 - 1.0).abs() < 0.03, "{nucleus} and {far} kPa");
+    assert!(map.tensions_kpa.iter().all(|tension| *tension >= 0.0));
+    assert!(map.is_uneven());
+}
+
+#[test]
+fn an_even_cell_is_said_to_be_even() {
+    let pulled = pulled(even, FREE, 0.4);
+    let mesh = pulled.mesh(1.2);
+    let seen = Seen::at_peak(&pulled.followed(&mesh));
+    let simulation = pulled.simulation(mesh);
+    let map = TensionMap::of(&simulation, &seen).unwrap();
+    assert!(!map.is_uneven(), "{}", map.chance_even);
+    assert!(map.verdicts(&simulation)[0].contains("no unevenness can be told"));
+    assert!((map.mean_kpa - 35.0).abs() < 0.5, "{}", map.mean_kpa);
+}
+
+#[test]
+fn what_gives_no_map_says_why() {
+    let pulled = pulled(even, FREE, 0.0);
+    let (simulation, seen) = exact(&pulled, 3.0);
+    let longer = Seen {
+        displacements_um: seen
+            .displacements_um
+            .clone()
+            .map(|axis| axis.iter().map(|u| -u).collect()),
+        ..seen.clone()
+    };
+    let error = TensionMap::of(&simulation, &longer).unwrap_err();
+    assert!(
+        matches!(error, PullError::NoContraction { tension_kpa } if tension_kpa < 0.0),
+        "{error}"
+    );
+    let lost = Seen { found: vec![false; seen.found.len()], ..seen.clone() };
+    let error = TensionMap::of(&simulation, &lost).unwrap_err();
+    assert!(matches!(error, PullError::TooLittle { squares: 0, .. }), "{error}");
+    let other = Seen { found: vec![true; 3], ..seen.clone() };
+    assert!(matches!(TensionMap::of(&simulation, &other), Err(PullError::Mesh { found: 3, .. })));
+    let ends = Simulation { active: ActiveLaw::Ends, ..simulation };
+    assert!(matches!(TensionMap::of(&ends, &seen), Err(PullError::Ends)));
+}
