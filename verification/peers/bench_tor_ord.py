@@ -4,8 +4,8 @@ usage: bench_tor_ord.py CELLML PROGRAM
 
 CELLML is ToRORd_fkatp_endo.cellml of https://github.com/jtmff/torord (GPL-3, not part of this project), PROGRAM the
 built example tor_ord_throughput. Both pace one endocardial cell at 1 Hz, without logging, and say how far the 20th beat
-is from their own converged one: APD90 (ms) and the peak of calcium (%). Prints a table; the ratio is over Myokit's
-fastest tolerance whose errors are as small.
+is from their own converged one: APD90 (ms) and the peak of calcium (%); Myospring also a population of 1000 cells, one
+beat each, sampled. Prints a table; the ratio is over Myokit's fastest tolerance whose errors are as small.
 
 SUNDIALS_PREFIX names where SUNDIALS is, if not in a usual place.
 """

@@ -282,6 +282,7 @@ fn small(study: &str) -> String {
         "trajectories = 50",
         "size = 1024",
         "size = 2000",
+        "size = 1000",
         "levels = 24",
         "levels = 15",
         "levels = 9",
@@ -291,6 +292,7 @@ fn small(study: &str) -> String {
         .zip([
             "trajectories = 2",
             "size = 2",
+            "size = 20",
             "size = 20",
             "levels = 3",
             "levels = 3",
@@ -313,7 +315,7 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         fs::write(path.join(&name), small(&text)).unwrap();
         let said = done(path, &["study", "run", &name, "-o", &format!("{name}.out")]);
         let members = match name.as_str() {
-            "population.toml" => "20 members: 20 beat",
+            "population.toml" | "tor_ord_population.toml" => "20 members: 20 beat",
             "force_frequency.toml" => "2 members: 2 beat",
             _ => " beat\n",
         };
@@ -328,6 +330,7 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         "force_frequency.toml",
         "population.toml",
         "restitution.toml",
+        "tor_ord_population.toml",
     ];
     assert_eq!(known, all);
     let models = done(path, &["models", "coelho_2021"]);

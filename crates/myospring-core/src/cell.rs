@@ -23,6 +23,7 @@
 //! ```
 
 pub mod adaptive;
+pub mod beside;
 pub mod bueno_orovio_2008;
 pub mod calcium;
 mod cell_model;

@@ -1,18 +1,19 @@
 //! How many beats of ToR-ORd are computed per second of processor time, and how accurate they are.
 //!
-//! Prints one JSON line for each tolerance: one endocardial cell at 1 Hz, and 1000 of them with other conductances, one
-//! beat each. `verification/peers/bench_tor_ord.py` lays Myokit beside it.
+//! Prints two JSON lines for each tolerance: one endocardial cell at 1 Hz, and 1000 of them with other conductances, one
+//! beat each, side by side and sampled each ms. Errors are those of the one cell: a lane takes its steps. `verification/peers/bench_tor_ord.py` lays Myokit beside it.
 //!
 //! ```sh
 //! cargo run --release -p myospring --no-default-features --example tor_ord_throughput
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 
+use myospring::cell::CellModel;
+use myospring::cell::beside::{self, Cell};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{Method, Settings, SolveError};
-use myospring::cell::tomek_2019::{Layer, TomekModel, Variant};
-use myospring::cell::{CellModel, ModelError};
+use myospring::cell::tomek_2019::{Layer, TomekModel, Variant, parameters};
 use std::error::Error;
 use std::sync::Arc;
 use std::time::Instant;
@@ -20,6 +21,8 @@ use std::time::Instant;
 const CYCLE_MS: f64 = 1000.0;
 const BEATS: u32 = 20;
 const CELLS: u32 = 1000;
+/// Between samples of a population, ms.
+const SAMPLED_MS: f64 = 1.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let endo: Arc<dyn CellModel> = Arc::new(TomekModel::published(Layer::Endo, Variant::Published));
@@ -30,15 +33,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let start = now();
         paced(&endo, tolerance, BEATS)?.advance_to(CYCLE_MS * f64::from(BEATS), 1.0, 0.0)?;
         report("one cell", tolerance, f64::from(BEATS) / (now() - start), errors);
-        if tolerance == 1e-3 {
-            let cells = population(&*endo)?;
-            let start = now();
-            for cell in &cells {
-                paced(cell, tolerance, 1)?.advance_to(CYCLE_MS, 1.0, 0.0)?;
-            }
-            let rate = f64::from(CELLS) / (now() - start);
-            report("1000 cells of a population", tolerance, rate, errors);
+        let cells = population()?;
+        let settings = beside::Settings { tolerance, sample_interval_ms: SAMPLED_MS };
+        let start = now();
+        for outcome in beside::run(&cells, &settings)? {
+            outcome?;
         }
+        let rate = f64::from(CELLS) / (now() - start);
+        report("1000 cells of a population", tolerance, rate, errors);
     }
     Ok(())
 }
@@ -81,7 +83,7 @@ fn last_beat(model: &Arc<dyn CellModel>, tolerance: f64) -> Result<[f64; 2], Sol
 }
 
 /// Conductances between 80 and 120 % of the published ones.
-fn population(model: &dyn CellModel) -> Result<Vec<Arc<dyn CellModel>>, ModelError> {
+fn population() -> Result<Vec<Cell>, Box<dyn Error>> {
     const CHANGED: [(&str, f64); 4] = [
         ("P_Ca", 0.618_033_988_7),
         ("G_Kr", 0.754_877_666_2),
@@ -89,16 +91,15 @@ fn population(model: &dyn CellModel) -> Result<Vec<Arc<dyn CellModel>>, ModelErr
         ("G_K1", 0.856_7),
     ];
     let cell = |index: u32| {
-        let mut parameters = model.parameters().clone();
+        let mut set = parameters(Layer::Endo, Variant::Published);
         for (name, golden) in CHANGED {
             let factor = 0.8 + 0.4 * (f64::from(index) * golden).fract();
-            let value = factor * parameters.get(name).unwrap_or(f64::NAN);
-            parameters.set(name, value).map_err(|error| ModelError::Contradiction {
-                model: model.name().to_owned(),
-                reason: error.to_string(),
-            })?;
+            let value = factor * set.get(name).unwrap_or(f64::NAN);
+            set.set(name, value)?;
         }
-        model.with_parameters(parameters)
+        let model = TomekModel::new(Layer::Endo, Variant::Published, set)?;
+        let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
+        Ok(Cell::new(&model, protocol, CYCLE_MS)?)
     };
     (0..CELLS).map(cell).collect()
 }

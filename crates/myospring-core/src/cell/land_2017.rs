@@ -10,5 +10,6 @@ mod myofilaments;
 mod parameters;
 
 pub use model::Land2017;
+pub(in crate::cell) use myofilaments::NUMBERS;
 pub use myofilaments::{Myofilaments, STATES, states};
 pub use parameters::{parameters, rows};

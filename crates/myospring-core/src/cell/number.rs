@@ -72,6 +72,12 @@ pub trait Number:
     }
 }
 
+/// A closure as it is: only an argument can say that it is inlined, as vectorised loops need it.
+#[inline(always)]
+pub(super) fn inlined<F>(closure: F) -> F {
+    closure
+}
+
 impl Number for f64 {
     type Constant = Self;
     #[inline(always)]
@@ -88,7 +94,7 @@ impl Number for f64 {
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        Self::ln(self)
+        exponential::ln(self)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -179,7 +185,7 @@ impl<B: Number, const K: usize> Neg for Dual<B, K> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: -self.value, slopes: self.slopes.map(|slope| -slope) }
+        Self { value: -self.value, slopes: std::array::from_fn(|k| -self.slopes[k]) }
     }
 }
 
@@ -243,7 +249,7 @@ impl<B: Number, const K: usize> Mul<f64> for Dual<B, K> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        Self { value: self.value * other, slopes: self.slopes.map(|slope| slope * other) }
+        Self { value: self.value * other, slopes: std::array::from_fn(|k| self.slopes[k] * other) }
     }
 }
 

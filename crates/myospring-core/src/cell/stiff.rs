@@ -16,7 +16,7 @@
 //! `docs/cell-integration.md` has its speed and error on a model of 40 states beside those of a library.
 
 mod lu;
-mod rosenbrock;
+pub(super) mod rosenbrock;
 
 use super::cell_model::{CellModel, Input, StateVariable};
 use super::pacer::Pacer;
@@ -29,16 +29,27 @@ const FLOOR: f64 = 0.01;
 /// Floor of a variable with a unit, part of its start.
 const OF_START: f64 = 0.1;
 /// Smallest and largest change of the step from one to the next.
-const SHRINK: f64 = 0.2;
-const GROW: f64 = 5.0;
+pub(super) const SHRINK: f64 = 0.2;
+pub(super) const GROW: f64 = 5.0;
 /// Aim below the tolerance by this factor.
-const SAFETY: f64 = 0.9;
+pub(super) const SAFETY: f64 = 0.9;
 /// Part of the step that the tolerance would allow for a straight line, taken after an event.
 const RESTART: f64 = 0.3;
 /// The longest step, ms.
-const LONGEST_MS: f64 = 25.0;
+pub(super) const LONGEST_MS: f64 = 25.0;
 /// A step refused below this, ms, will never be taken.
-const SHORTEST_MS: f64 = 1e-11;
+pub(super) const SHORTEST_MS: f64 = 1e-11;
+
+/// What the error of a variable is measured against where it is near 0.
+pub(super) fn floor(variable: &StateVariable) -> f64 {
+    let own = OF_START * variable.start.abs();
+    if variable.unit.is_empty() || own == 0.0 { FLOOR } else { own }
+}
+
+/// The first step after an event, times the largest relative rate.
+pub(super) fn restart(tolerance: f64) -> f64 {
+    RESTART * tolerance.powf(0.25)
+}
 
 /// A cell on its way in implicit steps.
 #[derive(Debug, Clone)]
@@ -78,10 +89,6 @@ impl StiffSteps {
         tolerance: f64,
     ) -> Self {
         pacer.act(0.0, &mut state);
-        let floor = |variable: &StateVariable| {
-            let own = OF_START * variable.start.abs();
-            if variable.unit.is_empty() || own == 0.0 { FLOOR } else { own }
-        };
         Self {
             tolerance,
             floors: model.states().iter().map(floor).collect(),
@@ -183,7 +190,7 @@ impl StiffSteps {
         let speed = (0..self.end.len())
             .map(|i| rates[i].abs() / (self.floors[i] + self.end[i].abs()))
             .fold(0.0, f64::max);
-        (RESTART * self.tolerance.powf(0.25) / speed).min(LONGEST_MS)
+        (restart(self.tolerance) / speed).min(LONGEST_MS)
     }
 
     /// Error of the step that was tried over what is allowed; NaN if anything is.

@@ -12,6 +12,7 @@ mod calcium_channel;
 mod equations;
 mod exchange;
 mod gate;
+pub(super) mod lanes;
 mod membrane;
 mod parameters;
 mod potassium;
@@ -150,6 +151,11 @@ impl TomekModel {
         let read = parameters::read(&parameters).map_err(missing)?;
         let constants = Constants { form, parameters: read, myofilaments };
         Ok(Self { layer, variant, constants, parameters })
+    }
+
+    /// Which form of the model it is.
+    pub fn variant(&self) -> Variant {
+        self.variant
     }
 
     fn all_states(layer: Layer, variant: Variant) -> Vec<StateVariable> {

@@ -40,7 +40,9 @@ mod elsewhere;
 mod error;
 mod figures;
 mod member;
+mod paced;
 mod shard;
+mod tor_ord;
 mod traces;
 mod values;
 mod work;
@@ -61,6 +63,8 @@ use std::num::NonZeroUsize;
 
 /// So many cells go side by side, and are noted together.
 const CELLS_TOGETHER: usize = 64 * LANES;
+/// So many cells in stiff steps are noted together: a second of work for a dozen beats each.
+const STIFF_CELLS_TOGETHER: usize = 64;
 /// So many beats are noted together: half a second of work.
 const BEATS_TOGETHER: usize = 8;
 /// Every thread has at least so many groups, so that all end at about the same time.
@@ -94,6 +98,7 @@ pub fn run_members(
 ) -> Result<Report<VariationRow>, StudyError> {
     let shares = |groups: usize| members.len().div_ceil(groups * threads.count());
     let together = match common.kind() {
+        Kind::Cell if common.stiff => shares(1).clamp(1, STIFF_CELLS_TOGETHER),
         Kind::Cell => shares(1).clamp(1, CELLS_TOGETHER),
         Kind::Beat => shares(GROUPS).clamp(1, BEATS_TOGETHER),
     };

@@ -10,6 +10,9 @@ use std::borrow::Cow;
 /// Number of state variables; their order is that of [`states`].
 pub const STATES: usize = 6;
 
+/// How many numbers [`Myofilaments`] are.
+pub(in crate::cell) const NUMBERS: usize = 19;
+
 /// Stretch beyond which overlap and affinity for calcium change no more.
 const LONGEST: f64 = 1.2;
 /// Stretch below which the filaments get into each other's way.
@@ -199,6 +202,33 @@ impl Myofilaments {
         } else {
             2.0 * self.beta_0
         }
+    }
+}
+
+impl<C: Copy> Myofilaments<C> {
+    /// These numbers, in an order of their own.
+    #[inline(always)]
+    pub(in crate::cell) fn numbers(&self) -> [C; NUMBERS] {
+        let Self { k_trpn, n_trpn, ca50_ref, k_u, n_tm, k_uw, k_ws, r_s, gamma_s, gamma_w, .. } =
+            *self;
+        let Self { beta_0, beta_1, t_ref, k_b, k_wu, k_su, a, c_s, c_w, .. } = *self;
+        [
+            k_trpn, n_trpn, ca50_ref, k_u, n_tm, k_uw, k_ws, r_s, gamma_s, gamma_w, beta_0, beta_1,
+            t_ref, k_b, k_wu, k_su, a, c_s, c_w,
+        ]
+    }
+
+    /// Of numbers in that order.
+    #[inline(always)]
+    pub(in crate::cell) fn of_numbers(numbers: [C; NUMBERS]) -> Self {
+        let [k_trpn, n_trpn, ca50_ref, k_u, n_tm, k_uw, k_ws, r_s, gamma_s, gamma_w, ..] = numbers;
+        let [.., beta_0, beta_1, t_ref, k_b, k_wu, k_su, a, c_s, c_w] = numbers;
+        #[rustfmt::skip]
+        let all = Self {
+            k_trpn, n_trpn, ca50_ref, k_u, n_tm, k_uw, k_ws, r_s, gamma_s, gamma_w, beta_0, beta_1,
+            t_ref, k_b, k_wu, k_su, a, c_s, c_w,
+        };
+        all
     }
 }
 

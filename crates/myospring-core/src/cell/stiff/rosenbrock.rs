@@ -11,9 +11,9 @@
 use super::lu::Lu;
 use crate::cell::cell_model::{CellModel, Input};
 
-const STAGES: usize = 6;
-const GAMMA: f64 = 0.25;
-const A: [&[f64]; STAGES] = [
+pub(in crate::cell) const STAGES: usize = 6;
+pub(in crate::cell) const GAMMA: f64 = 0.25;
+pub(in crate::cell) const A: [&[f64]; STAGES] = [
     &[],
     &[1.544],
     &[0.946_678_528_081_582_6, 0.255_701_169_898_328_4],
@@ -27,7 +27,7 @@ const A: [&[f64]; STAGES] = [
         1.0,
     ],
 ];
-const C: [&[f64]; STAGES] = [
+pub(in crate::cell) const C: [&[f64]; STAGES] = [
     &[],
     &[-5.6688],
     &[-2.430_093_356_833_875, -0.206_359_915_709_191_5],
@@ -42,7 +42,7 @@ const C: [&[f64]; STAGES] = [
     ],
 ];
 /// Of the cubic between the ends.
-const D: [[f64; 5]; 2] = [
+pub(in crate::cell) const D: [[f64; 5]; 2] = [
     [
         10.126_235_083_445_86,
         -7.487_995_877_610_167,

@@ -4,7 +4,7 @@
 use super::membrane::Membrane;
 use super::parameters::Parameters;
 use super::state::State;
-use crate::cell::number::Number;
+use crate::cell::number::{Number, inlined};
 
 /// Fluxes, mM/ms, each in its own volume.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,10 @@ impl<T: Number> Fluxes<T> {
     #[inline(always)]
     pub(super) fn new(p: &Parameters<T>, s: &State<T>, m: &Membrane<T>) -> Self {
         // J_up = 0.005425 Ca / (Ca + 0.00092), phosphorylated 2.75 times that at 0.00017 less; leak 0.0048825 Ca_nsr / 15
-        let pumped = |half: f64, strength: f64| s.ca_i / (s.ca_i + half) * (0.005425 * strength);
+        let pumped = inlined(
+            #[inline(always)]
+            |half: f64, strength: f64| s.ca_i / (s.ca_i + half) * (0.005425 * strength),
+        );
         let leak = p.k_leak * s.ca_nsr * (0.0048825 / 15.0);
         Self {
             release: p.k_rel * m.mixed(s.j_rel_np, s.j_rel_p),
@@ -37,12 +40,16 @@ impl<T: Number> Fluxes<T> {
 pub(super) fn release_rates<T: Number>(p: &Parameters<T>, s: &State<T>, i_ca_ss: T) -> [T; 2] {
     // J_inf = 0.5 b (-I_CaL_ss) / (1 + (1.7 / Ca_jsr)^8), tau = b / (1 + 0.0123 / Ca_jsr), at least 1 us
     let loaded = ((T::of(1.7) / s.ca_jsr).square().square().square() + 1.0).inverse();
-    [(4.75, s.j_rel_np), (1.25 * 4.75, s.j_rel_p)].map(|(b, j): (f64, T)| {
-        let j_inf = p.a_rel * -i_ca_ss * loaded * (0.5 * b);
-        let tau = (T::of(0.0123) / s.ca_jsr + 1.0).inverse() * b;
-        let tau = tau.at_least(0.001, tau, T::of(0.001));
-        (j_inf - j) / tau
-    })
+    let rate = inlined(
+        #[inline(always)]
+        |b: f64, j: T| {
+            let j_inf = p.a_rel * -i_ca_ss * loaded * (0.5 * b);
+            let tau = (T::of(0.0123) / s.ca_jsr + 1.0).inverse() * b;
+            let tau = tau.at_least(0.001, tau, T::of(0.001));
+            (j_inf - j) / tau
+        },
+    );
+    [rate(4.75, s.j_rel_np), rate(1.25 * 4.75, s.j_rel_p)]
 }
 
 /// What a buffer of so many sites binds more where calcium rises: `max K / (K + Ca)^2`.

@@ -120,29 +120,42 @@ fn others<T: Number>(
     outside: &Outside<T::Constant>,
     out: &mut [T],
 ) {
-    let p = &constants.parameters.map(T::constant);
-    let parts = Parts::of(constants.form, state);
-    let flows = parts.flows(p);
-    let pull = parts.myofilaments.as_ref().map(|state| {
-        let calcium_um = parts.state.ca_i * 1e3;
-        let Outside { stretch, stretch_rate, .. } = *outside;
-        constants.myofilaments.rates_of(state, calcium_um, stretch, stretch_rate)
-    });
     let (before, behind) = out.split_at_mut(BEHIND);
-    let mut places = before.iter_mut();
-    let stimulus = T::constant(outside.stimulus);
-    let bound = pull.map(|rates| rates[TROPONIN]);
-    rates(p, &parts.state, &parts.gates, &flows, stimulus, bound).give(&mut |rate| {
+    let mut places = before[..GATES].iter_mut().chain(behind);
+    let Constants { form, parameters, myofilaments } = constants;
+    let parts = Parts::of(*form, state);
+    other_rates(parameters, myofilaments, &parts, outside, &mut |rate| {
         if let Some(place) = places.next() {
             *place = rate;
         }
     });
+}
+
+/// Tells the rate of each state that is no gate, in their order.
+#[inline(always)]
+pub(super) fn other_rates<T: Number>(
+    parameters: &Parameters<T::Constant>,
+    myofilaments: &Myofilaments<T::Constant>,
+    parts: &Parts<T>,
+    outside: &Outside<T::Constant>,
+    tell: &mut impl FnMut(T),
+) {
+    let p = &parameters.map(T::constant);
+    let flows = parts.flows(p);
+    let pull = parts.myofilaments.as_ref().map(|state| {
+        let calcium_um = parts.state.ca_i * 1e3;
+        myofilaments.rates_of(state, calcium_um, outside.stretch, outside.stretch_rate)
+    });
+    let stimulus = T::constant(outside.stimulus);
+    let bound = pull.map(|rates| rates[TROPONIN]);
+    rates(p, &parts.state, &parts.gates, &flows, stimulus, bound).give(tell);
     if let Some(chloride) = &parts.chloride {
-        let Chloride { cl_i, cl_ss } = chloride_rates(chloride, &flows.exchange);
-        behind.copy_from_slice(&[cl_i, cl_ss]);
+        chloride_rates(chloride, &flows.exchange).give(tell);
     }
     if let Some(pull) = pull {
-        behind.copy_from_slice(&pull);
+        for rate in pull {
+            tell(rate);
+        }
     }
 }
 

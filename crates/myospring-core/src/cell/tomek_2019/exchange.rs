@@ -4,7 +4,7 @@
 use super::membrane::{Chlorides, F_OVER_RT, Membrane};
 use super::parameters::Parameters;
 use super::state::State;
-use crate::cell::number::Number;
+use crate::cell::number::{Number, inlined};
 
 /// Currents, A/F.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,10 @@ impl<T: Number> Exchange<T> {
         chloride: &Chlorides<T>,
     ) -> Self {
         let (gamma_i, gamma_o) = ((m.activity_i * 4.0).exp(), (m.activity_o * 4.0).exp());
-        let reversal = |inside: T| (inside / p.cl_o).ln() / F_OVER_RT;
+        let reversal = inlined(
+            #[inline(always)]
+            |inside: T| (inside / p.cl_o).ln() / F_OVER_RT,
+        );
         Self {
             na_ca_i: p.f_naca_ss.rest() * p.g_naca * sodium_calcium(p, m, s.na_i, s.ca_i),
             na_ca_ss: p.f_naca_ss * p.g_naca * sodium_calcium(p, m, s.na_ss, s.ca_ss),
@@ -96,7 +99,10 @@ fn sodium_potassium<T: Number>(p: &Parameters<T>, s: &State<T>, m: &Membrane<T>)
     let na_i = s.na_i / ((m.x * (DELTA / 3.0)).exp() * 9.073);
     let na_o = p.na_o / ((m.x * ((1.0 - DELTA) / 3.0)).exp() * 27.78);
     let phosphate = (s.na_i / 224.0 + s.k_i / 292.0 + (1.0 + HYDROGEN / 1.698e-7)).inverse() * 4.2;
-    let squared = |k: T, half: f64| (k / half).square();
+    let squared = inlined(
+        #[inline(always)]
+        |k: T, half: f64| (k / half).square(),
+    );
     let inside = ((na_i + 1.0).cube() + (s.k_i / K_K_I + 1.0).square() - 1.0).inverse();
     let outside = ((na_o + 1.0).cube() + (p.k_o / K_K_O + 1.0).square() - 1.0).inverse();
     let a_1 = na_i.cube() * inside * 949.5;

@@ -3,7 +3,7 @@
 
 use super::parameters::Parameters;
 use super::state::State;
-use crate::cell::number::Number;
+use crate::cell::number::{Number, inlined};
 
 /// Gas constant, mJ/(mol K); temperature, K; Faraday's constant, C/mol.
 const R: f64 = 8314.0;
@@ -76,15 +76,24 @@ impl<T: Number> Membrane<T> {
     pub(super) fn new(p: &Parameters<T>, s: &State<T>, chloride: &Chlorides<T>) -> Self {
         let x = s.v * F_OVER_RT;
         // E = R T / F ln(outside / inside)
-        let nernst = |outside: T, inside: T| (outside / inside).ln() / F_OVER_RT;
-        let sodium = |c: T| c * SODIUM_THROUGH_KS;
+        let nernst = inlined(
+            #[inline(always)]
+            |outside: T, inside: T| (outside / inside).ln() / F_OVER_RT,
+        );
+        let sodium = inlined(
+            #[inline(always)]
+            |c: T| c * SODIUM_THROUGH_KS,
+        );
         // Ionic strength, and ln(gamma) = -A (sqrt(I) / (1 + sqrt(I)) - 0.3 I): Davies' equation
-        let activity = |na: T, k: T, cl: T, ca: T| {
-            let strength = (na + k + cl + ca * 4.0) * (0.5 / 1000.0);
-            let root = strength.sqrt();
-            let a = 1.82e6 * (DIELECTRIC * self::T).powf(-1.5);
-            (root / (root + 1.0) - strength * 0.3) * -a
-        };
+        let activity = inlined(
+            #[inline(always)]
+            |na: T, k: T, cl: T, ca: T| {
+                let strength = (na + k + cl + ca * 4.0) * (0.5 / 1000.0);
+                let root = strength.sqrt();
+                let a = 1.82e6 * (DIELECTRIC * self::T).powf(-1.5);
+                (root / (root + 1.0) - strength * 0.3) * -a
+            },
+        );
         let active = bound_kinase(p, s) + s.camk_t;
         Self {
             v: s.v,

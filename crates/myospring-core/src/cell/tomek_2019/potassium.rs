@@ -5,12 +5,12 @@ use super::gate::Moving;
 use super::membrane::{F_OVER_RT, Membrane};
 use super::parameters::Parameters;
 use super::state::{Gates, State};
-use crate::cell::number::Number;
+use crate::cell::number::{Number, inlined};
 
 /// Where the gates of I_to go: a, i_F, i_S, a_p, i_F_p, i_S_p.
 #[inline(always)]
 pub(super) fn transient_gates<T: Number>(p: &Parameters<T>, v: T) -> [Moving<T>; 6] {
-    let [a_inf, a_p_inf] = [14.34, 24.34].map(|half| v.boltzmann(half, -14.82));
+    let [a_inf, a_p_inf] = [v.boltzmann(14.34, -14.82), v.boltzmann(24.34, -14.82)];
     // tau_a = 1.0515 / (1 / (1.2089 (1 + exp(-(v - 18.4099) / 29.3814))) + 3.5 / (1 + exp((v + 100) / 29.3814)))
     let rate_a =
         (v.boltzmann(18.4099, -29.3814) / 1.2089 + v.boltzmann(-100.0, 29.3814) * 3.5) / 1.0515;
@@ -58,7 +58,10 @@ pub(super) fn slow_gates<T: Number>(v: T) -> [Moving<T>; 2] {
 /// Rates of the channel of I_Kr, 1/ms: C0, C1, C2, O, I.
 #[inline(always)]
 pub(super) fn rapid_rates<T: Number>(s: &State<T>) -> [T; 5] {
-    let e = |slope: f64| (s.v * (slope * F_OVER_RT)).exp();
+    let e = inlined(
+        #[inline(always)]
+        |slope: f64| (s.v * (slope * F_OVER_RT)).exp(),
+    );
     let (alpha, beta) = (e(0.299) * 0.1161, e(-1.604) * 0.2442);
     let (alpha_1, beta_1) = (1.25 * 0.1235, 0.1911);
     let (alpha_2, beta_2) = (e(0.971) * 0.0578, e(-1.062) * 0.349e-3);

@@ -13,7 +13,7 @@ use super::parameters::Parameters;
 use super::potassium::{self, Potassium, rapid_rates};
 use super::sodium::{self, Sodium};
 use super::state::{Chloride, Gates, State};
-use crate::cell::number::Number;
+use crate::cell::number::{Number, inlined};
 
 /// How long ions but calcium take from the subspace to the cytosol, ms.
 const DIFFUSION_MS: f64 = 2.0;
@@ -62,7 +62,10 @@ pub(super) fn rates<T: Number>(
     let outward = k.transient + k.rapid + k.slow + k.inward + k.background + k.by_atp;
     let inward = sodium.fast + sodium.late + sodium.background + cal.sum();
     let pumps = x.na_ca_i + x.na_ca_ss + x.na_k + x.ca_pump + x.ca_background;
-    let diffused = |ss: T, i: T| (ss - i) / DIFFUSION_MS;
+    let diffused = inlined(
+        #[inline(always)]
+        |ss: T, i: T| (ss - i) / DIFFUSION_MS,
+    );
     let (na, potassium) = (diffused(s.na_ss, s.na_i), diffused(s.k_ss, s.k_i));
 
     let sodium_i =

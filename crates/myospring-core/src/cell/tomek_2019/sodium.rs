@@ -5,7 +5,7 @@ use super::gate::Moving;
 use super::membrane::Membrane;
 use super::parameters::Parameters;
 use super::state::{Gates, State};
-use crate::cell::number::Number;
+use crate::cell::number::{Number, inlined};
 
 /// Where the gates of both currents go: m, h, j, h_p, j_p, m_L, h_L, h_L_p.
 #[inline(always)]
@@ -13,7 +13,10 @@ pub(super) fn gates<T: Number>(v: T) -> [Moving<T>; 8] {
     // m_inf = 1 / (1 + exp(-(v + 56.86) / 9.03))^2
     let m_inf = v.boltzmann(-56.86, -9.03).square();
     // tau_m = 0.1292 exp(-((v + 45.79) / 15.54)^2) + 0.06487 exp(-((v - 4.823) / 51.12)^2)
-    let bell = |centre: f64, width: f64| (-((v - centre) / width).square()).exp();
+    let bell = inlined(
+        #[inline(always)]
+        |centre: f64, width: f64| (-((v - centre) / width).square()).exp(),
+    );
     let tau_m = bell(-45.79, 15.54) * 0.1292 + bell(4.823, 51.12) * 0.06487;
 
     // Below -40 mV: a_h = 0.057 exp(-(v + 80) / 6.8), b_h = 2.7 exp(0.079 v) + 3.1e5 exp(0.3485 v);
@@ -38,7 +41,7 @@ pub(super) fn gates<T: Number>(v: T) -> [Moving<T>; 8] {
 
     // m_L_inf = 1 / (1 + exp(-(v + 42.85) / 5.264)), h_L_inf = 1 / (1 + exp((v + 87.61) / 7.488))
     let m_l_inf = v.boltzmann(-42.85, -5.264);
-    let [h_l_inf, h_l_p_inf] = [-87.61, -93.81].map(|half| v.boltzmann(half, 7.488));
+    let [h_l_inf, h_l_p_inf] = [v.boltzmann(-87.61, 7.488), v.boltzmann(-93.81, 7.488)];
     let rate_m = tau_m.inverse();
     [
         Moving::new(m_inf, rate_m),

@@ -100,7 +100,8 @@ pub enum ParameterStudyError {
     },
     /// What cells without a mesh do not have.
     #[error(
-        "kind = \"cell\" follows action potential and tension only, of the minimal model: {what}; take kind = \"beat\""
+        "kind = \"cell\" follows action potential and tension only, of the minimal models and of ToR-ORd: {what}; take \
+         kind = \"beat\""
     )]
     NoCell {
         /// What stands against it.

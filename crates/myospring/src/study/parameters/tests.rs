@@ -5,6 +5,7 @@ use super::{
     Answer, Common, ParameterStudy, Ranked, Shard, TRACES, Values, Variation, VariationRow, run,
     run_members,
 };
+use crate::cell::solve::{Settings, solve};
 use crate::output::npy::Records;
 use crate::run_file::RunFile;
 use crate::settings::Number;
@@ -51,6 +52,55 @@ fn a_member_gives_what_a_run_with_its_values_gives() {
         let beats = outcome.beats();
         assert_eq!(row.metrics, ["peak_shortening", "peak_tension"].map(|it| beats[0].value(it)));
     }
+}
+
+const TOR_ORD: &str = "
+    kind = \"cell\"
+    [run.cell]
+    model = \"tor_ord_land\"
+    [run.run]
+    duration = \"500 ms\"
+    [parameters]
+    G_Kr = { distribution = \"uniform\", low = 0.8, high = 1.2, relative = true }
+    P_Ca = { distribution = \"uniform\", low = 0.8, high = 1.2, relative = true }
+    [sampling]
+    sampler = \"latin-hypercube\"
+    size = 11
+";
+
+#[test]
+fn cells_of_tor_ord_beat_side_by_side_as_each_does_alone() {
+    let study = study(TOR_ORD);
+    let whole = rows(&study, Shard::WHOLE, 1);
+    assert_eq!(rows(&study, Shard::WHOLE, 2), whole);
+    let part = rows(&study, Shard { part: 3, of: 4 }, 1);
+    assert!(part.iter().all(|row| row == &whole[row.member - 1]));
+    let common = Common::new(&study, no_file).unwrap();
+    let named = |row: &VariationRow, name: &str| {
+        let at = study.metrics.iter().position(|metric| metric == name).unwrap();
+        row.metrics[at].unwrap()
+    };
+    assert_eq!(common.axes.as_ref().unwrap().quantities.len(), 3);
+    for row in [&whole[0], &whole[7]] {
+        let run = study.run_of(&study.values.of(row.member).unwrap()).unwrap().resolve().unwrap();
+        let settings = Settings { tolerance: 1e-6, ..run.numerics.cell };
+        let trace = solve(&*run.cell, run.protocol, settings, 500.0, 0.5).unwrap();
+        let near = |name, expected: f64, by: f64| {
+            let found = named(row, name);
+            assert!((found / expected - 1.0).abs() < by, "{name}: {found} {expected}");
+        };
+        // What the tolerance 1e-4 and samples each 0.5 ms leave.
+        near("peak_tension", trace.peak_tension().unwrap().value, 1e-3);
+        let calcium = trace.variable("Ca_i").unwrap();
+        near("systolic_level", calcium.iter().copied().fold(0.0, f64::max), 1e-3);
+        near("diastolic_level", calcium[0], 1e-2);
+        near("peak_potential", trace.potential.iter().copied().fold(0.0, f64::max), 1e-2);
+        let apd90 = named(row, "action_potential_duration_90");
+        assert!((200.0..350.0).contains(&apd90), "{apd90} ms");
+    }
+    let gates = TOR_ORD.replace("[run.cell]", "[run.cell]\nintegrator = \"rush-larsen\"");
+    let error = Common::new(&self::study(&gates), no_file).err().unwrap().to_string();
+    assert!(error.contains("rush-larsen") && error.contains("kind = \"beat\""), "{error}");
 }
 
 #[test]

@@ -5,7 +5,6 @@ use super::member::Variation;
 use super::shard::Shard;
 use crate::output::files::FileError;
 use crate::output::npy::Records;
-use crate::recording::Sample;
 use serde::Serialize;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -46,23 +45,24 @@ impl TraceAxes {
     }
 
     /// Quantities of samples at these times, between neighbours; NaN after the last.
-    pub(super) fn resampled(
+    pub(super) fn resampled<T>(
         &self,
-        samples: &[Sample],
-        quantities: &[fn(&Sample) -> f64],
+        samples: &[T],
+        t_ms: fn(&T) -> f64,
+        quantities: &[fn(&T) -> f64],
     ) -> Vec<f32> {
         let mut numbers = Vec::with_capacity(self.quantities.len() * self.times);
         for value in quantities {
             let mut after = 0;
             numbers.extend(self.times_ms().into_iter().map(|t| {
-                while samples.get(after).is_some_and(|sample| sample.t_ms < t) {
+                while samples.get(after).is_some_and(|sample| t_ms(sample) < t) {
                     after += 1;
                 }
                 let Some(next) = samples.get(after) else { return f32::NAN };
                 let Some(before) = after.checked_sub(1).and_then(|at| samples.get(at)) else {
                     return value(next) as f32;
                 };
-                let part = (t - before.t_ms) / (next.t_ms - before.t_ms);
+                let part = (t - t_ms(before)) / (t_ms(next) - t_ms(before));
                 (value(before) + part * (value(next) - value(before))) as f32
             }));
         }

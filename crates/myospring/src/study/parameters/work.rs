@@ -1,10 +1,12 @@
 //! The work on members: whole beats, or cells side by side.
 
 use super::super::{Cause, Interrupted, StudyError};
-use super::description::{Kind, OF_CELLS, ParameterStudy, Varied, Which, is_minimal, run_of};
+use super::description::{Kind, ParameterStudy, Varied, Which, is_minimal, of_cells, run_of};
 use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
+use super::paced::{self, Wanted};
 use super::shard::Shard;
+use super::tor_ord::{self, tor_ord};
 use super::traces::{TraceAxes, Traces};
 use crate::analysis::beat::{Beats, known};
 use crate::cell::adaptive;
@@ -46,6 +48,8 @@ pub struct Common {
     traces: Option<Traces>,
     /// Curves by member that somebody else keeps.
     handed: Option<Mutex<BTreeMap<usize, Vec<f32>>>>,
+    /// Whether the cells are of ToR-ORd.
+    pub(super) stiff: bool,
     body: Option<Body>,
 }
 
@@ -122,14 +126,18 @@ impl Common {
         let at_rest = run.cell.initial_state();
         let in_mv = run.cell.membrane_potential_mv(&at_rest).is_some();
         let mut quantities = Vec::new();
-        if in_mv {
-            quantities.push("Potential (mV)");
-        } else if run.cell.potential(&at_rest).is_some() {
-            quantities.push("Potential u (\u{2013})");
-        }
-        quantities.push("Active tension (kPa)");
-        if study.kind == Kind::Beat {
-            quantities.push("Shortening (%)");
+        if let (Kind::Cell, Some(model)) = (study.kind, tor_ord(&run)) {
+            quantities = tor_ord::quantities(model);
+        } else {
+            if in_mv {
+                quantities.push("Potential (mV)");
+            } else if run.cell.potential(&at_rest).is_some() {
+                quantities.push("Potential u (\u{2013})");
+            }
+            quantities.push("Active tension (kPa)");
+            if study.kind == Kind::Beat {
+                quantities.push("Shortening (%)");
+            }
         }
         let mut common = Self {
             kind: study.kind,
@@ -145,12 +153,13 @@ impl Common {
             members: study.values.members(),
             traces: None,
             handed: None,
+            stiff: tor_ord(&run).is_some(),
             body: None,
         };
         let units: Vec<(&str, &str)> = match study.kind {
             Kind::Cell => {
                 common.check_cells(&run)?;
-                OF_CELLS.to_vec()
+                of_cells(&run).to_vec()
             }
             Kind::Beat => {
                 // A metric that this cell does not have is one that none of its beats shows.
@@ -250,8 +259,16 @@ impl Common {
 
     fn check_cells(&self, run: &Run) -> Result<(), ParameterStudyError> {
         let no = |what: &str| Err(ParameterStudyError::NoCell { what: what.to_owned() });
-        if !is_minimal(run) {
-            return no(&format!("the model is {}", run.cell.name()));
+        match tor_ord(run) {
+            Some(_) => {
+                if let Some(reason) = tor_ord::refusal(run) {
+                    return no(&reason);
+                }
+            }
+            None if !is_minimal(run) => {
+                return no(&format!("the model is {}", run.cell.name()));
+            }
+            None => {}
         }
         if run.tension_scale == TensionScale::OwnPeak {
             return no("tension_scale = \"own-peak\" needs a reference beat of each");
@@ -355,7 +372,7 @@ impl Common {
         ];
         // Some cells have no potential.
         let first = quantities.len() - axes.quantities.len();
-        axes.resampled(&outcome.recording.samples, &quantities[first..])
+        axes.resampled(&outcome.recording.samples, |sample| sample.t_ms, &quantities[first..])
     }
 
     /// The simulation of a run, on the mesh that members share or on its own.
@@ -413,6 +430,11 @@ impl Common {
         members: &[&Variation],
         goes_on: &(dyn Fn() -> bool + Sync),
     ) -> Vec<Result<Done, Cause>> {
+        if self.stiff {
+            let Self { run, varied, metrics, beat, axes, .. } = self;
+            let wanted = Wanted { run, varied, metrics, beat: *beat, axes: axes.as_ref() };
+            return paced::cells(&wanted, members, goes_on);
+        }
         let tasks: Vec<Result<Alone, Cause>> =
             members.iter().map(|member| self.cell(member)).collect();
         let cells: Vec<Cell> =

@@ -1,0 +1,103 @@
+use super::*;
+use crate::cell::cell_model::{CellModel as _, Input};
+use crate::cell::integrator::Steps;
+use crate::cell::pacing::{Protocol, Stimulus};
+use crate::cell::settings::Method;
+use crate::cell::tomek_2019::{Layer, TomekModel};
+
+const SETTINGS: Settings = Settings { tolerance: 1e-3, sample_interval_ms: 1.7 };
+
+/// Every form and layer of the model, each paced in its own way.
+fn cells() -> Vec<Cell> {
+    let forms = [Variant::Land, Variant::Published, Variant::MovingChloride];
+    let models = Layer::ALL.iter().flat_map(|layer| forms.map(|form| (*layer, form)));
+    let cell = |(k, (layer, form)): (usize, (Layer, Variant))| {
+        let k = k as f64;
+        let mut parameters = crate::cell::tomek_2019::parameters(layer, form);
+        parameters.set("G_Kr", 0.02 + 0.004 * k).unwrap();
+        let model = TomekModel::new(layer, form, parameters).unwrap();
+        let stimulus =
+            if k == 4.0 { Stimulus::Jump { amplitude: 60.0 } } else { model.default_stimulus() };
+        let protocol =
+            Protocol { stimulus, start_ms: 3.7 * k, cycle_length_ms: 250.0 + 9.0 * k, beats: 2 };
+        Cell::new(&model, protocol, 300.0 + 11.0 * k).unwrap()
+    };
+    models.enumerate().map(cell).collect()
+}
+
+#[test]
+fn a_cell_has_the_same_bits_in_any_company_order_and_vector_units() {
+    let cells = cells();
+    let together = run(&cells, &SETTINGS).unwrap();
+    assert!(together.iter().all(Result::is_ok));
+    for (cell, expected) in cells.iter().zip(&together) {
+        assert_eq!(&run(std::slice::from_ref(cell), &SETTINGS).unwrap()[0], expected);
+    }
+    // More cells than lanes, so that some take the place of others.
+    let many: Vec<Cell> = cells.iter().rev().cycle().take(25).cloned().collect();
+    let expected = together.iter().rev().cycle().take(25);
+    assert!(run(&many, &SETTINGS).unwrap().iter().eq(expected));
+
+    assert_eq!(by(pulp::Scalar::new(), &cells), together);
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = pulp::x86::V3::try_new() {
+        assert_eq!(by(avx2, &cells), together);
+    }
+}
+
+/// All cells to their end, with these vector units.
+fn by<S: pulp::Simd>(simd: S, cells: &[Cell]) -> Vec<Result<Outcome, SolveError>> {
+    let mut outcomes = vec![None; cells.len()];
+    let goes_on: &dyn Fn() -> bool = &|| true;
+    moved::<true>(cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
+    moved::<false>(cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
+    outcomes.into_iter().flatten().collect()
+}
+
+#[test]
+fn a_cell_beside_others_goes_the_way_of_one_that_stiff_steps_move_alone() {
+    let settings = settings::Settings { tolerance: 1e-5, ..settings::Settings::of(Method::Stiff) };
+    for form in [Variant::Land, Variant::Published, Variant::MovingChloride] {
+        let model = TomekModel::published(Layer::Mid, form);
+        let protocol =
+            Protocol { start_ms: 5.0, beats: 2, ..Protocol::once(model.default_stimulus()) };
+        let cell = Cell::new(&model, protocol, 1200.0).unwrap();
+        let beside = Settings { tolerance: 1e-5, sample_interval_ms: 2.0 };
+        let outcome = run(&[cell], &beside).unwrap().remove(0).unwrap();
+        let mut alone = Steps::new(&model, protocol, settings).unwrap();
+        alone.hold();
+        assert_eq!(outcome.samples.len(), 601);
+        for (k, sample) in outcome.samples.iter().enumerate() {
+            alone.advance_to(&model, 2.0 * k as f64, 1.0, 0.0).unwrap();
+            let state = alone.state();
+            let tension = model.tension(state, &Input::REST);
+            // Other roundings, grown through two upstrokes of 250 mV/ms.
+            assert!((sample.potential_mv - state[0]).abs() < 1e-7, "{form:?} {k}");
+            assert!((sample.calcium_um - 1e3 * state[5]).abs() < 1e-9, "{form:?} {k}");
+            assert!((sample.tension_kpa - tension).abs() < 1e-7, "{form:?} {k}");
+        }
+    }
+}
+
+#[test]
+fn a_cell_that_goes_nowhere_has_its_error_and_leaves_the_others_alone() {
+    let model = TomekModel::published(Layer::Endo, Variant::Published);
+    let usual = Protocol::once(model.default_stimulus());
+    let wild = Protocol { start_ms: 5.0, ..Protocol::once(Stimulus::Jump { amplitude: 1e300 }) };
+    let cell = |protocol| Cell::new(&model, protocol, 20.0).unwrap();
+    let outcomes = run(&[cell(usual), cell(wild), cell(usual)], &SETTINGS).unwrap();
+    assert!(matches!(outcomes[1], Err(SolveError::Stalled { .. })), "{:?}", outcomes[1]);
+    assert!(outcomes[0].is_ok() && outcomes[0] == outcomes[2]);
+    assert_eq!(outcomes[0], run(&[cell(usual)], &SETTINGS).unwrap()[0]);
+}
+
+#[test]
+fn what_is_not_possible_is_refused_and_who_stops_it_is_heard() {
+    let model = TomekModel::published(Layer::Endo, Variant::Land);
+    let cell = Cell::new(&model, Protocol::once(model.default_stimulus()), 1e5).unwrap();
+    assert!(Cell::new(&model, Protocol::once(model.default_stimulus()), 0.0).is_err());
+    let cells = [cell];
+    assert!(run(&cells, &Settings { tolerance: 1.0, ..SETTINGS }).is_err());
+    assert!(run(&cells, &Settings { sample_interval_ms: 0.0, ..SETTINGS }).is_err());
+    assert_eq!(run_while(&cells, &SETTINGS, &|| false).unwrap(), None);
+}
