@@ -240,25 +240,14 @@ fn held(text: &str, options: &Options, beats: &Beats) -> Result<Loaded, Failure>
 
 /// What is sought.
 fn sought(args: &FitArgs, run: &Run, loaded: bool) -> Result<Settings, Failure> {
-    let mut free: Vec<Unknown> = if args.free.is_empty() {
-        Settings::usual(&*run.cell)
-    } else {
-        let mut free = vec![Unknown::TensionOverStiffness];
-        free.extend(args.free.iter().map(|name| Unknown::named(name.trim())));
-        free
-    };
-    if loaded && args.free.is_empty() {
-        free.push(Unknown::YoungModulus);
-    }
-    for name in &args.fix {
-        let fixed = Unknown::named(name.trim());
-        if !free.contains(&fixed) {
-            let known: Vec<&str> = free.iter().map(Unknown::name).collect();
-            return Err(Failure::new(format!("--fix: `{name}` is not sought anyway"))
-                .advise(format!("sought are {}", known.join(", "))));
+    let free = Settings::asked(&*run.cell, &args.free, &args.fix, loaded);
+    let free = free.map_err(|error| match error {
+        FitError::NotSought { name, sought } => {
+            Failure::new(format!("--fix: `{name}` is not sought anyway"))
+                .advise(format!("sought are {sought}"))
         }
-        free.retain(|unknown| *unknown != fixed);
-    }
+        error => Failure::new(error),
+    })?;
     let bound = |text: &String| {
         let read = || {
             let (name, ends) = text.split_once('=')?;
@@ -285,6 +274,9 @@ fn failed(error: &FitError, notes: &[String]) -> Failure {
     let advice = match error {
         FitError::Curve { .. } | FitError::NoBeat { .. } => {
             "`myospring analyse` shows the curve and what is seen in it"
+        }
+        FitError::TooMany { .. } => {
+            "`--fix Ca50_ref` holds one; without --free the other two are sought"
         }
         FitError::Kind { .. } => "--columns chooses another column, --kind says what it is",
         _ => return notes.iter().fold(Failure::new(error), |failure, note| failure.also(note)),

@@ -7,7 +7,9 @@
 //! The method is Levenberg's and Marquardt's (`more_1978`) within bounds, from several starts, since thresholds in the
 //! tension equations make local minima. Residuals are taken over the noise that the cell at rest shows; single bad frames
 //! are left out. How sure an answer is says the profile of its likelihood (`raue_2009`): one number is held, all others
-//! are sought anew, until chi squared has risen by 3.84.
+//! are sought anew, until chi squared has risen by 3.84 times the variance of what is left (few frames: by the square of
+//! Student's quantile). Profiles go out and come back, also from where other starts ended, and take the lower way; one
+//! that goes below the answer makes it the answer.
 //!
 //! # Example
 //! ```
@@ -30,11 +32,14 @@
 mod answer;
 mod contraction;
 mod error;
+mod felt;
 mod fitter;
 mod given;
 mod least_squares;
 mod likelihood;
+mod myofilaments;
 mod observed;
+mod physics;
 mod problem;
 mod repeat;
 mod settings;

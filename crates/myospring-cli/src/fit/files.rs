@@ -224,6 +224,7 @@ fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
             value: estimate.value,
             interval: estimate.interval,
             points: estimate.profile.clone(),
+            at_ends: fit.rise_at_ends,
         }
     };
     fit.estimates.iter().map(one).collect()

@@ -15,10 +15,8 @@ const BETWEEN: f64 = 14.0;
 /// Profiles beside each other, and between them, px.
 const BESIDE: usize = 4;
 const GAP: f64 = 20.0;
-/// Rise of chi squared at the ends of a 95 % interval.
-const OF_95_PERCENT: f64 = 3.841_458_820_694_124;
-/// Rise up to which a profile is drawn.
-const HIGHEST: f64 = 8.0;
+/// Rise up to which a profile is drawn, over that at the ends of its interval.
+const HIGHEST: f64 = 2.08;
 /// What was measured.
 const MEASURED: Colour = Colour(0x4d4d4d);
 
@@ -54,6 +52,8 @@ pub struct LikelihoodProfile {
     pub interval: [Option<f64>; 2],
     /// Value and rise of chi squared.
     pub points: Vec<[f64; 2]>,
+    /// Rise at the ends of the interval.
+    pub at_ends: f64,
 }
 
 /// Curves with what is left of them, and below the profiles.
@@ -133,7 +133,7 @@ fn draw_profile(
     first: bool,
 ) {
     chart.draw(sheet, offset);
-    let threshold = chart.x.range.map(|x| chart.at([x, OF_95_PERCENT]));
+    let threshold = chart.x.range.map(|x| chart.at([x, profile.at_ends]));
     sheet.line(threshold[0], threshold[1], Stroke::new(MUTED, HAIR).dash(3.0, 2.0));
     if first {
         // In the middle the profile lies low.
@@ -141,7 +141,7 @@ fn draw_profile(
         sheet.text([x, y - 4.0], "95 %", Style::new(TICK).anchor(Anchor::Middle).colour(MUTED));
     }
     for end in profile.interval.into_iter().flatten() {
-        let ends = [OF_95_PERCENT, 0.0].map(|rise| chart.at([end, rise]));
+        let ends = [profile.at_ends, 0.0].map(|rise| chart.at([end, rise]));
         sheet.line(ends[0], ends[1], Stroke::new(SHORTENING, HAIR));
     }
     sheet.point(chart.at([profile.value, 0.0]), 2.4, SHORTENING);

@@ -9,6 +9,8 @@ use serde::Serialize;
 pub struct Fit {
     /// What was sought of the cell, then delays and levels.
     pub estimates: Vec<Estimate>,
+    /// Correlations of the estimates, in their order; `None` where one of them has no curvature.
+    pub correlations: Option<Vec<Vec<f64>>>,
     /// Pairs whose estimates cannot be told apart, with their correlation: those beyond 0.95 either way.
     pub correlated: Vec<(String, String, f64)>,
     /// Each curve with the fitted one.
@@ -21,6 +23,9 @@ pub struct Fit {
     pub starts: Vec<f64>,
     /// Sum of squared residuals over squared noise, by degree of freedom: about 1 where the cell can follow the curve.
     pub reduced_chi_squared: f64,
+    /// Rise of chi squared, over [`Fit::reduced_chi_squared`], at the ends of the intervals: 3.84 of many frames,
+    /// somewhat more of few, since they tell the noise as well.
+    pub rise_at_ends: f64,
     /// Beats of a train before the first that was recorded, as the curve has it: 0 of one that begins from rest.
     pub beats_before: usize,
     /// Curves that were computed for it.
@@ -46,7 +51,7 @@ pub struct Estimate {
     pub standard_deviation: Option<f64>,
     /// Bounds between which it was sought.
     pub bounds: [f64; 2],
-    /// Value and rise of chi squared above its least, for values around the answer.
+    /// Value and rise of chi squared above its least, over [`Fit::reduced_chi_squared`], for values around the answer.
     pub profile: Vec<[f64; 2]>,
     /// What its profile says.
     pub verdict: Verdict,
@@ -112,10 +117,30 @@ pub struct FittedCurve {
     pub runs_score: f64,
 }
 
+impl Estimate {
+    /// Whether the likelihood is near enough to a parabola that the standard deviation says what the interval says: its
+    /// ends lie within a factor of 2 of where that would put them.
+    pub fn is_parabolic(&self) -> bool {
+        let Some(deviation) = self.standard_deviation else { return false };
+        let near =
+            |end: f64| (0.5..2.0).contains(&((end - self.value).abs() / (NORMAL * deviation)));
+        self.interval.iter().all(|end| end.is_some_and(near))
+    }
+}
+
+/// Standard deviations from the middle of a 95 % interval to its ends.
+const NORMAL: f64 = 1.96;
+
 impl Fit {
     /// The estimate of a name.
     pub fn estimate(&self, name: &str) -> Option<&Estimate> {
         self.estimates.iter().find(|estimate| estimate.name == name)
+    }
+
+    /// The correlation of two estimates.
+    pub fn correlation(&self, one: &str, other: &str) -> Option<f64> {
+        let place = |name: &str| self.estimates.iter().position(|estimate| estimate.name == name);
+        Some(self.correlations.as_ref()?[place(one)?][place(other)?])
     }
 
     /// Whether the cell can follow its curves within their noise.

@@ -61,6 +61,23 @@ pub enum FitError {
         /// Those that can.
         known: String,
     },
+    /// A name to fix or to bound that is not sought.
+    #[error("`{name}` is not sought; sought are {sought}")]
+    NotSought {
+        /// The name.
+        name: String,
+        /// Those that are.
+        sought: String,
+    },
+    /// Myofilaments whose numbers make up for each other.
+    #[error(
+        "{names} are sought at once; a curve tells at most two of them, since the third makes up for the others \
+         (correlation 1.00). Hold one of them fixed: where calcium was not calibrated, Ca50_ref"
+    )]
+    TooMany {
+        /// Which.
+        names: String,
+    },
     /// Bounds that are none.
     #[error(
         "`{name}` is sought between {low} and {high}; the bounds must be above 0 and ascend, and within what the model allows, {least} to {most}"

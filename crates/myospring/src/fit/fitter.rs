@@ -1,13 +1,15 @@
 //! A fit, from a run and its curves to its answer.
 
 use super::answer::{Estimate, Fit, FittedCurve};
-use super::contraction::{Contraction, Physics, Train, scale_of};
+use super::contraction::Contraction;
 use super::error::FitError;
 use super::least_squares::{Least, Problem, squares};
-use super::likelihood::{OF_95_PERCENT, covariance, profile};
+use super::likelihood::{Profile, Top, covariance, profile, rise_at_ends};
 use super::observed::{Frames, Observed, Scale};
+use super::physics::{Physics, Train, scale_of};
 use super::problem::{Layout, Role, Source, shortening};
 use super::settings::Settings;
+use super::table::Shelf;
 use super::unknown::Unknown;
 use super::words::verdicts;
 use crate::cell::TensionKind;
@@ -30,8 +32,13 @@ const TOLD_APART: f64 = 0.95;
 const MARGIN: f64 = 2.0;
 /// Beats of a train before those that were recorded, where it goes on: by then it is steady.
 const BEFORE: usize = 10;
-/// Starts within this rise of chi squared came to the same answer.
-const SAME: f64 = OF_95_PERCENT;
+/// A profile that goes so far below the answer shows a better one, of which this many are followed.
+const BETTER: f64 = -0.05;
+const ANSWERS: usize = 3;
+/// An answer that is this much worse than the ends of an interval tells nothing of it.
+const FAR: f64 = 4.0;
+/// Answers that differ by less than so many steps of each unknown are one.
+const ONE_ANSWER: f64 = 10.0;
 
 /// A curve of the same cell that was held otherwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,14 +52,15 @@ pub struct Loaded {
 /// What a search came to.
 struct Found {
     layout: Layout,
-    least: Least,
-    starts: Vec<f64>,
+    /// Where each start ended, the best first.
+    ends: Vec<Least>,
     before: usize,
 }
 
 /// One cell, ready to be fitted to curves.
 pub struct Fitter {
     simulation: Simulation,
+    shelf: Shelf,
 }
 
 impl Fitter {
@@ -92,7 +100,7 @@ impl Fitter {
             }
             _ => {}
         }
-        Ok(Self { simulation })
+        Ok(Self { simulation, shelf: Shelf::default() })
     }
 
     /// The run's peak tension over its Young's modulus; of a tension in kPa the model's greatest tension over it.
@@ -140,7 +148,7 @@ impl Fitter {
         let last = times_ms.last().copied().unwrap_or_default();
         let cycle = (last - FIRST_STIMULUS).max(100.0);
         let train = Train { before: 0, beats: 1, cycle };
-        let contraction = Contraction::new(&self.simulation, &free, &train, 0.5)?;
+        let contraction = Contraction::new(&self.simulation, &free, &train, 0.5, &self.shelf)?;
         let of = |wanted: &Unknown| {
             let found = free.iter().zip(factors).find(|(unknown, _)| *unknown == wanted);
             found.map_or(1.0, |(_, (_, factor))| *factor)
@@ -214,20 +222,21 @@ impl Fitter {
                 .collect::<Result<Vec<_>, _>>()?;
             let layout = Layout::new(sources, &sought);
             let part = |part: f64| goes_on(SEARCH * (number as f64 + part) / paced.len() as f64);
-            let Some((least, starts)) = Self::search(&layout, settings, &evaluations, &part)?
-            else {
+            let Some(ends) = Self::search(&layout, settings, &evaluations, &part)? else {
                 return Ok(None);
             };
-            if best.as_ref().is_none_or(|best| least.sum < best.least.sum) {
-                best = Some(Found { layout, least, starts, before });
+            if best.as_ref().is_none_or(|best| ends[0].sum < best.ends[0].sum) {
+                best = Some(Found { layout, ends, before });
             }
         }
-        let Some(Found { mut layout, mut least, starts, before }) = best else { return Ok(None) };
-        let starts = (starts, least.sum, settings.starts);
-        if layout.leave_out_bad_frames(&least) {
-            least = minimise(&layout, &least.at, &evaluations).unwrap_or(least);
+        let Some(Found { mut layout, mut ends, before }) = best else { return Ok(None) };
+        let asked = settings.starts.max(1);
+        if layout.leave_out_bad_frames(&ends[0]) {
+            let again = |end: &Least| minimise(&layout, &end.at, &evaluations);
+            ends = ends.iter().filter_map(again).collect();
+            ends.sort_by(|a, b| a.sum.total_cmp(&b.sum));
         }
-        let fit = self.answer(&layout, &least, starts, &evaluations, goes_on);
+        let fit = self.answer(&layout, ends, asked, &evaluations, goes_on);
         Ok(fit.map(|fit| Fit { beats_before: before, ..fit }))
     }
 
@@ -251,18 +260,18 @@ impl Fitter {
         let simulation = Simulation { support: curve.support, ..self.simulation.clone() };
         let train = Train { before, beats: stimuli.len(), cycle };
         let up_to = (MARGIN * up_to).clamp(0.02, 0.8);
-        let contraction = Contraction::new(&simulation, unknowns, &train, up_to)?;
+        let contraction = Contraction::new(&simulation, unknowns, &train, up_to, &self.shelf)?;
         let used = vec![true; frames.values.len()];
         Ok(Source { observed, frames, contraction, used, cycle })
     }
 
-    /// The best of all starts, and how each ended.
+    /// How each start ended, the best first: one at least.
     fn search(
         layout: &Layout,
         settings: &Settings,
         evaluations: &AtomicUsize,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
-    ) -> Result<Option<(Least, Vec<f64>)>, FitError> {
+    ) -> Result<Option<Vec<Least>>, FitError> {
         let count = settings.starts.max(1);
         let varied = layout.roles.iter().filter(|role| {
             matches!(role, Role::Physics(unknown) if *unknown != Unknown::TensionOverStiffness)
@@ -273,7 +282,7 @@ impl Fitter {
             design.map_err(|_| FitError::Nowhere { starts: count, why: "no design".to_owned() })?;
         let done = AtomicUsize::new(0);
         let stopped = std::sync::atomic::AtomicBool::new(false);
-        let found: Vec<Least> = (0..count)
+        let mut found: Vec<Least> = (0..count)
             .into_par_iter()
             .filter_map(|number| {
                 if stopped.load(Ordering::Relaxed) {
@@ -296,89 +305,82 @@ impl Fitter {
         if stopped.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        let best = found.iter().min_by(|a, b| a.sum.total_cmp(&b.sum)).cloned();
-        let best = best.ok_or_else(|| FitError::Nowhere {
-            starts: count,
-            why: "the cell does not beat with such parameters, or the curve shows no rise"
-                .to_owned(),
-        })?;
-        Ok(Some((best, found.into_iter().map(|least| least.sum).collect())))
+        if found.is_empty() {
+            let why = "the cell does not beat with such parameters, or the curve shows no rise";
+            return Err(FitError::Nowhere { starts: count, why: why.to_owned() });
+        }
+        found.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        Ok(Some(found))
     }
 
     fn answer(
         &self,
         layout: &Layout,
-        least: &Least,
-        (starts, found, asked): (Vec<f64>, f64, usize),
+        mut ends: Vec<Least>,
+        asked: usize,
         evaluations: &AtomicUsize,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Option<Fit> {
-        let count = least.residuals.len();
-        let freedom = count.saturating_sub(layout.roles.len()).max(1);
-        let reduced = least.sum / freedom as f64;
-        // Where the noise at rest says less than what is left, that is what an interval counts with.
-        let unit = reduced.max(1.0);
-        let residuals = |at: &[f64]| {
-            evaluations.fetch_add(1, Ordering::Relaxed);
-            layout.residuals(at)
-        };
-        let problem =
-            Problem { residuals: &residuals, bounds: &layout.bounds, steps: &layout.steps };
-        let covariance = covariance(&problem, least);
-        let deviation = |place: usize| Some((covariance.as_ref()?[place][place] * unit).sqrt());
         let shown: Vec<usize> = (0..layout.roles.len()).filter(|&k| layout.is_shown(k)).collect();
-        let done = AtomicUsize::new(0);
-        let estimates: Vec<Option<Estimate>> = shown
-            .par_iter()
-            .map(|&place| {
-                let [low, high] = layout.bounds[place];
-                let guess = deviation(place).unwrap_or(0.01 * (high - low));
-                let profile = profile(&problem, least, place, unit, 2.0 * guess);
-                let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / shown.len() as f64;
-                goes_on(SEARCH + (1.0 - SEARCH) * part).then(|| {
-                    let value = |x: f64| self.value(layout, place, x);
-                    Estimate {
-                        name: layout.name(place),
-                        unknown: layout.unknown(place).cloned(),
-                        unit: self.unit(layout, place),
-                        value: value(least.at[place]),
-                        interval: profile.ends.map(|end| end.map(value)),
-                        standard_deviation: deviation(place).map(|deviation| {
-                            let is_log = matches!(layout.roles[place], Role::Physics(_));
-                            if is_log { deviation * value(least.at[place]) } else { deviation }
-                        }),
-                        bounds: [value(low), value(high)],
-                        profile: profile
-                            .points
-                            .iter()
-                            .map(|[x, rise]| [value(*x), *rise])
-                            .collect(),
-                        verdict: profile.verdict,
-                    }
-                })
-            })
-            .collect();
-        let estimates = estimates.into_iter().collect::<Option<Vec<_>>>()?;
+        let mut sure = Sure::of(layout, &ends, &shown, evaluations, goes_on)?;
+        let starts = ends.clone();
+        for _ in 1..ANSWERS {
+            let lowest = sure.profiles.iter().map(|profile| &profile.lowest);
+            let lowest = lowest.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|low| low.0 < BETTER);
+            let better = lowest.and_then(|(_, at)| minimise(layout, at, evaluations));
+            let Some(better) = better.filter(|better| better.sum < ends[0].sum) else { break };
+            ends.insert(0, better);
+            sure = Sure::of(layout, &ends, &shown, evaluations, goes_on)?;
+        }
+        let least = &ends[0];
+        let Sure { profiles, covariance, unit, at_ends, reduced } = sure;
+        let deviation = |place: usize| Some((covariance.as_ref()?[place][place] * unit).sqrt());
+        let estimates = shown.iter().zip(profiles).map(|(&place, profile)| {
+            let [low, high] = layout.bounds[place];
+            let value = |x: f64| self.value(layout, place, x);
+            Estimate {
+                name: layout.name(place),
+                unknown: layout.unknown(place).cloned(),
+                unit: self.unit(layout, place),
+                value: value(least.at[place]),
+                interval: profile.ends.map(|end| end.map(value)),
+                standard_deviation: deviation(place).map(|deviation| {
+                    let is_log = matches!(layout.roles[place], Role::Physics(_));
+                    if is_log { deviation * value(least.at[place]) } else { deviation }
+                }),
+                bounds: [value(low), value(high)],
+                profile: profile.points.iter().map(|[x, rise]| [value(*x), *rise]).collect(),
+                verdict: profile.verdict,
+            }
+        });
+        let estimates = estimates.collect();
+        let correlations = covariance.as_ref().map(|all| {
+            let of = |j: usize, k: usize| all[j][k] / (all[j][j] * all[k][k]).sqrt();
+            let row = |&j: &usize| shown.iter().map(|&k| of(j, k)).collect();
+            shown.iter().map(row).collect::<Vec<Vec<f64>>>()
+        });
         let mut correlated = Vec::new();
-        if let Some(covariance) = &covariance {
-            for (&j, &k) in shown.iter().flat_map(|j| shown.iter().map(move |k| (j, k))) {
-                let correlation = covariance[j][k] / (covariance[j][j] * covariance[k][k]).sqrt();
-                if j < k && correlation.abs() > TOLD_APART {
-                    correlated.push((layout.name(j), layout.name(k), correlation));
+        for (j, row) in correlations.iter().flatten().enumerate() {
+            for (k, correlation) in row.iter().enumerate().skip(j + 1) {
+                if correlation.abs() > TOLD_APART {
+                    correlated.push((layout.name(shown[j]), layout.name(shown[k]), *correlation));
                 }
             }
         }
-        let agreeing = starts.iter().filter(|sum| (*sum - found) / unit < SAME).count();
+        let agreeing = starts.iter().filter(|end| (end.sum - least.sum) / unit < at_ends).count();
+        let count = least.residuals.len() as f64;
         let mut fit = Fit {
             estimates,
+            correlations,
             correlated,
+            rise_at_ends: at_ends,
             curves: (0..layout.sources.len())
                 .map(|number| layout.fitted(least, number))
                 .collect::<Option<_>>()?,
             verdicts: Vec::new(),
             beats_before: 0,
             agreeing_starts: [agreeing, asked],
-            starts: starts.iter().map(|sum| (sum / count as f64).sqrt()).collect(),
+            starts: starts.iter().map(|end| (end.sum / count).sqrt()).collect(),
             reduced_chi_squared: reduced,
             evaluations: evaluations.load(Ordering::Relaxed),
         };
@@ -417,6 +419,72 @@ const FIRST_STIMULUS: f64 = 50.0;
 pub(super) const ONE_BEAT: f64 = 600.0;
 /// Part of the work that the search is.
 const SEARCH: f64 = 0.6;
+
+/// How sure the best of several answers is.
+struct Sure {
+    profiles: Vec<Profile>,
+    covariance: Option<Vec<Vec<f64>>>,
+    /// Variance of a residual: what is left of the curves tells it best, since few frames are at rest.
+    unit: f64,
+    at_ends: f64,
+    reduced: f64,
+}
+
+impl Sure {
+    /// `ends` are answers, the best first; profiles are those of the places that are shown. `None` if it was stopped.
+    fn of(
+        layout: &Layout,
+        ends: &[Least],
+        shown: &[usize],
+        evaluations: &AtomicUsize,
+        goes_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Option<Self> {
+        let least = &ends[0];
+        let freedom = least.residuals.len().saturating_sub(layout.roles.len()).max(1) as f64;
+        let reduced = least.sum / freedom;
+        let unit = reduced.max(f64::MIN_POSITIVE);
+        let at_ends = rise_at_ends(freedom);
+        let residuals = |at: &[f64]| {
+            evaluations.fetch_add(1, Ordering::Relaxed);
+            layout.residuals(at)
+        };
+        let problem =
+            Problem { residuals: &residuals, bounds: &layout.bounds, steps: &layout.steps };
+        let covariance = covariance(&problem, least);
+        let mut others = others(layout, ends);
+        others.retain(|other| (other.sum - least.sum) / unit < FAR * at_ends);
+        let top = Top { least, others: &others, unit, at_ends };
+        let done = AtomicUsize::new(0);
+        let profiles: Vec<Option<Profile>> = shown
+            .par_iter()
+            .map(|&place| {
+                let [low, high] = layout.bounds[place];
+                let deviation = covariance.as_ref().map(|all| (all[place][place] * unit).sqrt());
+                let guess = deviation.unwrap_or(0.01 * (high - low));
+                let profile = profile(&problem, &top, place, 2.0 * guess);
+                let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / shown.len() as f64;
+                goes_on(SEARCH + (1.0 - SEARCH) * part).then_some(profile)
+            })
+            .collect();
+        let profiles = profiles.into_iter().collect::<Option<Vec<_>>>()?;
+        Some(Self { profiles, covariance, unit, at_ends, reduced })
+    }
+}
+
+/// All answers but the best, each once.
+fn others(layout: &Layout, ends: &[Least]) -> Vec<Least> {
+    let is_one = |a: &Least, b: &Least| {
+        let mut both = a.at.iter().zip(&b.at).zip(&layout.steps);
+        both.all(|((a, b), step)| (a - b).abs() < ONE_ANSWER * step)
+    };
+    let mut others: Vec<Least> = Vec::new();
+    for end in &ends[1..] {
+        if !is_one(end, &ends[0]) && !others.iter().any(|other| is_one(end, other)) {
+            others.push(end.clone());
+        }
+    }
+    others
+}
 
 fn minimise(layout: &Layout, start: &[f64], evaluations: &AtomicUsize) -> Option<Least> {
     let residuals = |at: &[f64]| {

@@ -1,7 +1,8 @@
 //! Several curves and one cell: from a list of unknowns to residuals.
 
-use super::contraction::{Contraction, Physics};
+use super::contraction::Contraction;
 use super::observed::{Frames, Observed, Scale, Stimuli};
+use super::physics::Physics;
 use super::unknown::Unknown;
 
 /// Delays are sought so far from where the rise puts them, ms.

@@ -1,11 +1,11 @@
 //! The run that a fit is of.
 
 use super::answer::Fit;
-use super::contraction::scale_of;
 use super::error::FitError;
 use super::fitter::Fitter;
 use super::fitter::ONE_BEAT;
 use super::given::{Potential, Rates};
+use super::physics::scale_of;
 use super::unknown::Unknown;
 use crate::cell::TensionKind;
 use crate::cell::minimal::MinimalModel;

@@ -7,6 +7,9 @@ use crate::cell::minimal::MinimalModel;
 use std::any::Any;
 use std::collections::BTreeMap;
 
+/// Of these a curve tells two.
+const MYOFILAMENTS: [&str; 3] = ["tension_over_stiffness", "Ca50_ref", "k_ws"];
+
 /// Settings of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -40,6 +43,34 @@ impl Settings {
         free
     }
 
+    /// What is sought where names say so: `free` beside tension over stiffness, or what a curve tells ([`Settings::usual`])
+    /// where they are none, and with a curve under a known load the stiffness; of these not what `fix` names.
+    ///
+    /// # Errors
+    /// A name to fix that is not sought anyway.
+    pub fn asked<S: AsRef<str>>(
+        cell: &dyn CellModel,
+        free: &[S],
+        fix: &[S],
+        loaded: bool,
+    ) -> Result<Vec<Unknown>, FitError> {
+        let named = |name: &S| Unknown::named(name.as_ref().trim());
+        let mut sought = Self::usual(cell);
+        if !free.is_empty() {
+            sought.truncate(1);
+            sought.extend(free.iter().map(named));
+        } else if loaded {
+            sought.push(Unknown::YoungModulus);
+        }
+        for fixed in fix.iter().map(named) {
+            if !sought.contains(&fixed) {
+                return Err(not_sought(&fixed, &sought));
+            }
+            sought.retain(|unknown| *unknown != fixed);
+        }
+        Ok(sought)
+    }
+
     /// Every unknown with its bounds as factors on the run's value, and that value; `of` gives the value of what is no
     /// parameter.
     pub(super) fn sought(
@@ -52,6 +83,13 @@ impl Settings {
         if arbitrary {
             // A height in arbitrary units is no height.
             free.retain(|unknown| *unknown != Unknown::TensionOverStiffness);
+        }
+        if let Some(unknown) = self.bounds.keys().find(|unknown| !free.contains(unknown)) {
+            return Err(not_sought(unknown, &free));
+        }
+        let together = |name: &&&str| free.iter().any(|unknown| unknown.name() == **name);
+        if MYOFILAMENTS.iter().filter(together).count() == MYOFILAMENTS.len() {
+            return Err(FitError::TooMany { names: MYOFILAMENTS.join(", ") });
         }
         let mut all: Vec<(Unknown, [f64; 2], f64)> = Vec::new();
         for unknown in free {
@@ -93,4 +131,9 @@ impl Settings {
         }
         Ok(all)
     }
+}
+
+fn not_sought(unknown: &Unknown, sought: &[Unknown]) -> FitError {
+    let names: Vec<&str> = sought.iter().map(Unknown::name).collect();
+    FitError::NotSought { name: unknown.to_string(), sought: names.join(", ") }
 }

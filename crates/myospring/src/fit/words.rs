@@ -13,7 +13,10 @@ pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
     for estimate in fit.estimates.iter().filter(|estimate| estimate.unknown.is_some()) {
         let name = &estimate.name;
         match estimate.verdict {
-            Verdict::Determined => {}
+            Verdict::Determined if estimate.is_parabolic() => {}
+            Verdict::Determined => words.push(format!(
+                "the likelihood of {name} is no parabola: its interval holds, its standard deviation does not"
+            )),
             Verdict::NotDetermined => {
                 words.push(format!("{name} is not determined by this curve: its profile is flat"));
             }

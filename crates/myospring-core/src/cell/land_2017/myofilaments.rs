@@ -174,6 +174,20 @@ impl Myofilaments {
         [by_stretch, by_rate]
     }
 
+    /// Derivative of the tension with respect to a stretch so fast that nothing else moves, kPa: through the overlap,
+    /// and through distortions that take all of it ([`Myofilaments::distortion_per_stretch`]).
+    pub fn instantaneous_stiffness(&self, state: &[f64; STATES], stretch: f64) -> f64 {
+        let [xs, xw, _, _, zeta_s, zeta_w] = *state;
+        let bound = (zeta_s + 1.0) * xs + zeta_w * xw;
+        let distorted = self.overlap(stretch) * self.a * (xs + xw);
+        self.t_ref / self.r_s * (self.overlap_slope(stretch) * bound + distorted)
+    }
+
+    /// By how much a fast stretch distorts the crossbridges, over the change of the stretch: `A`.
+    pub fn distortion_per_stretch(&self) -> f64 {
+        self.a
+    }
+
     /// The state in which a cell comes to rest at a calcium in uM and a stretch that stay.
     pub fn steady(&self, calcium_um: f64, stretch: f64) -> [f64; STATES] {
         let binding = self.binding(calcium_um, stretch);
@@ -402,6 +416,23 @@ mod tests {
         let difference = (after(rate) - after(0.0)) / rate;
         // First order in the small steps.
         assert!((by_rate / difference - 1.0).abs() < 1e-3, "{by_rate} {difference}");
+    }
+
+    #[test]
+    fn instantaneous_stiffness_is_the_difference_that_a_jump_makes() {
+        let myofilaments = Myofilaments::published();
+        for stretch in [0.5, 0.8, 0.95, 1.1, 1.3] {
+            let after = |by: f64| {
+                let mut state = SOMEWHERE;
+                for zeta in [4, 5] {
+                    state[zeta] += myofilaments.distortion_per_stretch() * by;
+                }
+                myofilaments.tension(&state, stretch + by)
+            };
+            let difference = (after(1e-6) - after(-1e-6)) / 2e-6;
+            let found = myofilaments.instantaneous_stiffness(&SOMEWHERE, stretch);
+            assert!((found - difference).abs() < 1e-6 * (1.0 + difference), "{stretch}");
+        }
     }
 
     #[test]

@@ -1,0 +1,55 @@
+//! A cell's own parameters from its curve, on one thread: `cargo bench -p myospring --bench fit`.
+#![allow(missing_docs, reason = "the macros of criterion make public items")]
+#![allow(clippy::expect_used, reason = "a benchmark may stop here")]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli};
+use myospring::run_file::RunFile;
+use myospring::study::Threads;
+use std::hint::black_box;
+
+/// What both models are asked for, as a part of the run's own.
+const TRUTH: [(&str, f64); 1] = [("tension_over_stiffness", 0.8)];
+
+/// A cell of a model, and a curve of it: 163 frames, 250 a second, with a ripple that stands for noise.
+fn measured(model: &str) -> (Fitter, Observed) {
+    let run = RunFile::from_text(&format!("cell.model = \"{model}\"")).expect("it is one");
+    let run = run.resolve().expect("it can be run");
+    let fitter = Fitter::of(&run, |path| std::fs::read(path)).expect("a cell to fit");
+    let times_ms: Vec<f64> = (0..163).map(|frame| 4.0 * f64::from(frame)).collect();
+    let mut values = fitter.curve(&TRUTH, 100.0, &times_ms).expect("it beats");
+    for (frame, value) in values.iter_mut().enumerate() {
+        *value += 0.14 * (1.7 * (frame * frame) as f64).sin();
+    }
+    let stimuli = Stimuli::Given(vec![50.0]);
+    let (name, unit) = ("cell".to_owned(), "um".to_owned());
+    (fitter, Observed { name, times_ms, values, scale: Scale::Length, unit, stimuli })
+}
+
+fn fits(criterion: &mut Criterion) {
+    let threads = Threads::new(Some(1)).expect("one thread");
+    let mut group = criterion.benchmark_group("fit");
+    group.sample_size(10);
+    for model in ["coelho_2021", "land_2017"] {
+        let (fitter, observed) = measured(model);
+        let simulation = fitter.simulation().clone();
+        let curves = [observed];
+        group.bench_function(format!("a curve of {model}, its mesh included"), |bench| {
+            bench.iter(|| {
+                let fitter = Fitter::new(simulation.clone()).expect("a cell to fit");
+                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                black_box(fit.is_ok())
+            });
+        });
+        group.bench_function(format!("another curve of {model}"), |bench| {
+            bench.iter(|| {
+                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                black_box(fit.is_ok())
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, fits);
+criterion_main!(benches);
