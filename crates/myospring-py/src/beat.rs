@@ -66,6 +66,22 @@ pub(crate) fn simulate(
 ) -> PyResult<Beat> {
     let mut file = cell.0.file.clone();
     settings::put(&mut file, given)?;
+    beat(py, cell, file, threads)
+}
+
+/// As [`simulate`], with the settings of a run file.
+#[pyfunction]
+pub(crate) fn repeat(
+    py: Python<'_>,
+    cell: &Cell,
+    run_file: &str,
+    threads: Option<usize>,
+) -> PyResult<Beat> {
+    let file = RunFile::from_text(run_file).map_err(|error| errors::of_settings(py, &error))?;
+    beat(py, cell, file, threads)
+}
+
+fn beat(py: Python<'_>, cell: &Cell, file: RunFile, threads: Option<usize>) -> PyResult<Beat> {
     let (run, mut made) = make(py, &cell.0, &file)?;
     let most = || stencil::worthwhile_threads(made.simulation.mesh.len());
     made.simulation.numerics.engine.threads = threads.unwrap_or_else(most);

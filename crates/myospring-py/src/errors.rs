@@ -1,6 +1,7 @@
 //! What goes wrong, as Python's own exceptions.
 
 use crate::settings;
+use myospring::measured::ReadError;
 use myospring::run_file::RunFileError;
 use myospring::settings::{MakeError, Problem, ShapeError};
 use myospring::study::StudyError;
@@ -83,6 +84,14 @@ pub(crate) fn of_study(py: Python<'_>, error: &ParameterStudyError) -> PyErr {
 /// A folder of results that cannot be gone on with.
 pub(crate) fn of_journal(error: &StudyError) -> PyErr {
     PyOSError::new_err(error.to_string())
+}
+
+/// A table of measured curves that cannot be read.
+pub(crate) fn of_measured(error: &ReadError) -> PyErr {
+    match error {
+        ReadError::Read { cause, .. } => of_reading(cause, error.to_string()),
+        _ => value(error),
+    }
 }
 
 fn of_reading(cause: &io::Error, message: String) -> PyErr {

@@ -14,6 +14,8 @@ from myospring._batch import simulate_batch
 from myospring._beat import Beat
 from myospring._cell import Cell
 from myospring._errors import SimulationError, UnknownNameError
+from myospring._fit import Estimate, Fit, FittedCurve, fit
+from myospring._fit_many import Fits, fit_many
 from myospring._functions import action_potential, simulate
 from myospring._lists import METRICS, Metric, Parameter, models, parameters
 from myospring._native import __version__
@@ -24,6 +26,10 @@ __all__ = [
     "ActionPotential",
     "Beat",
     "Cell",
+    "Estimate",
+    "Fit",
+    "Fits",
+    "FittedCurve",
     "Index",
     "Metric",
     "Morris",
@@ -34,6 +40,8 @@ __all__ = [
     "UnknownNameError",
     "__version__",
     "action_potential",
+    "fit",
+    "fit_many",
     "models",
     "parameters",
     "run_study",

@@ -1,7 +1,8 @@
-"""The members of a study on somebody else's executor: batches go out, rows come back."""
+"""Members, of a study or cells to be fitted, on somebody else's executor: batches go out, rows come back."""
 
 from __future__ import annotations
 
+import hashlib
 import os
 import threading
 import time
@@ -17,20 +18,23 @@ from concurrent.futures import (
     wait,
 )
 from dataclasses import dataclass
-from typing import Any, Callable, Iterator
+from functools import cached_property
+from typing import Any, Callable, Iterator, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from myospring import _native
 
-# What a batch of rows is: numbers of members, metrics (n, M), why one has none, curves (n, L), seconds of work.
+# What a batch of a study comes back as: numbers of members, metrics (n, M), why one has none, curves (n, L), seconds.
 Rows = tuple[NDArray[np.uint64], NDArray[np.float64], list[str | None], NDArray[np.float32], float]
+# What any batch comes back as: numbers of members first, seconds of work last.
+Answer = tuple[Any, ...]
 
 # The first batches, before it is known what a member takes.
-FIRST = {"cell": 128, "beat": 4}
+FIRST = {"cell": 128, "beat": 4, "fit": 1}
 # Cells go side by side in lanes, which are best filled.
-LANES = {"cell": 16, "beat": 1}
+LANES = {"cell": 16, "beat": 1, "fit": 1}
 # A batch is bounded, however quick its members are.
 LARGEST = 1_000_000
 # How often signals, workers and the clock are looked at, s.
@@ -56,6 +60,57 @@ def work(key: str, head: bytes, numbers: NDArray[np.uint64], values: NDArray[np.
 def _aligned(array: NDArray[Any]) -> NDArray[Any]:
     """An array that may lie anywhere in a message, in a place of its own if need be."""
     return np.require(array, requirements=["C_CONTIGUOUS", "ALIGNED"])
+
+
+class Tasks(Protocol):
+    """Members, and what is done with them."""
+
+    @property
+    def kind(self) -> str:
+        """What a member is: a key of `FIRST`."""
+
+    @property
+    def size(self) -> int:
+        """How many there are, those included that are done."""
+
+    def left(self) -> NDArray[np.uint64]:
+        """Numbers of those that are not done."""
+
+    def work(self, numbers: NDArray[np.uint64]) -> Answer:
+        """Works on some on this thread."""
+
+    def stop(self) -> None:
+        """Ends that soon."""
+
+    def call(self, numbers: NDArray[np.uint64], threads: int, tries: int) -> tuple[Any, ...]:
+        """What a worker is to call for some, and with what."""
+
+    def take(self, answer: Answer) -> None:
+        """Notes what came back."""
+
+    def lose(self, numbers: NDArray[np.uint64], reason: str) -> None:
+        """Notes what did not."""
+
+
+class StudyTasks:
+    """The members of a study."""
+
+    def __init__(self, study: _native.Study) -> None:
+        self.kind, self.size = study.kind, study.size
+        self.left, self.work, self.stop, self.lose = study.left, study.work, study.stop, study.lose
+        self._study = study
+
+    @cached_property
+    def _head(self) -> tuple[str, bytes]:
+        head = self._study.head()
+        return hashlib.sha256(head).hexdigest(), head
+
+    def call(self, numbers: NDArray[np.uint64], threads: int, tries: int) -> tuple[Any, ...]:
+        return (work, *self._head, numbers, self._study.values_of(numbers), threads, tries)
+
+    def take(self, answer: Answer) -> None:
+        numbers, metrics, reasons, curves, _ = answer
+        self._study.note(_aligned(numbers), _aligned(metrics), reasons, _aligned(curves))
 
 
 @dataclass(eq=False)
@@ -155,25 +210,25 @@ class Pool:
 
 
 class Run:
-    """A study under way."""
+    """Members under way."""
 
     def __init__(
         self,
-        study: _native.Study,
+        tasks: Tasks,
         threads: int,
         seconds: float,
         tries: int,
         watch: Callable[[int, int, float | None], None] | None,
     ) -> None:
-        self._study = study
+        self._tasks = tasks
         self._threads = threads
         self._tries = tries
         self._watch = watch
-        self._pace = Pace(study.kind, seconds)
-        self._left = study.left()
+        self._pace = Pace(tasks.kind, seconds)
+        self._left = tasks.left()
         self._next = 0
         self._again: deque[Batch] = deque()
-        self._pending: dict[Future[Rows], Batch] = {}
+        self._pending: dict[Future[Answer], Batch] = {}
         self._given_up = 0
         self._begun, self._done = time.monotonic(), 0
         self._shown = -np.inf
@@ -183,26 +238,25 @@ class Run:
         executor = ThreadPoolExecutor(threads, thread_name_prefix="myospring")
         pool = Pool(executor)
 
-        def submit(batch: Batch) -> Future[Rows]:
-            return executor.submit(self._study.work, batch.numbers)
+        def submit(batch: Batch) -> Future[Answer]:
+            return executor.submit(self._tasks.work, batch.numbers)
 
         try:
             self._loop(pool, submit)
         except BaseException:
             # Those under way end at once, and what they have done is kept.
-            self._study.stop()
+            self._tasks.stop()
             executor.shutdown(wait=True, cancel_futures=True)
             self._keep()
             raise
         executor.shutdown()
 
-    def on(self, executor: Executor | Callable[[], Executor], key: str, head: bytes) -> None:
+    def on(self, executor: Executor | Callable[[], Executor]) -> None:
         """Works on all members on an executor."""
         pool = Pool(executor)
 
-        def submit(batch: Batch) -> Future[Rows]:
-            values = self._study.values_of(batch.numbers)
-            return pool.executor.submit(work, key, head, batch.numbers, values, self._threads, batch.tries)
+        def submit(batch: Batch) -> Future[Answer]:
+            return pool.executor.submit(*self._tasks.call(batch.numbers, self._threads, batch.tries))
 
         try:
             self._loop(pool, submit)
@@ -214,7 +268,7 @@ class Run:
             raise
         pool.close(cancel=False)
 
-    def _loop(self, pool: Pool, submit: Callable[[Batch], Future[Rows]]) -> None:
+    def _loop(self, pool: Pool, submit: Callable[[Batch], Future[Answer]]) -> None:
         self._show(pool)
         while True:
             try:
@@ -261,9 +315,9 @@ class Run:
             else:
                 return
 
-    def _take(self, batch: Batch, rows: Rows) -> None:
-        numbers, metrics, reasons, curves, seconds = rows
-        self._study.note(_aligned(numbers), _aligned(metrics), reasons, _aligned(curves))
+    def _take(self, batch: Batch, answer: Answer) -> None:
+        numbers, seconds = answer[0], answer[-1]
+        self._tasks.take(answer)
         self._pace.seen(len(numbers), seconds)
         self._done += len(numbers)
         self._given_up = 0
@@ -298,7 +352,7 @@ class Run:
                 f"{self._given_up} batches in a row were lost with their workers, of the last one {reason}; "
                 "what is done is kept where there is an output folder"
             ) from error
-        self._study.lose(batch.numbers, reason)
+        self._tasks.lose(batch.numbers, reason)
         self._done += len(batch.numbers)
 
     def _keep(self) -> None:
@@ -313,6 +367,6 @@ class Run:
             return
         self._shown = now
         left = len(self._left) - self._done
-        members = self._study.size
+        members = self._tasks.size
         seconds = (now - self._begun) / self._done * left if self._done else None
         self._watch(members - left, members, seconds)

@@ -10,10 +10,13 @@ __all__ = [
     "__version__",
     "Cell",
     "Beat",
+    "Fitter",
     "Study",
     "Members",
     "main",
     "simulate",
+    "repeat",
+    "read_curves",
     "simulate_batch",
     "action_potential",
     "metrics",
@@ -89,6 +92,17 @@ class Beat:
     def of_state(cell: Cell, state: bytes) -> Beat: ...
 
 @final
+class Fitter:
+    def __new__(cls, cell: Cell, given: dict[str, Any]) -> Fitter: ...
+    def fit(
+        self,
+        curve: tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]],
+        loaded: list[tuple[float, tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]]]],
+        asked: dict[str, Any],
+        threads: int | None,
+    ) -> tuple[str, str]: ...
+
+@final
 class Study:
     def __new__(
         cls,
@@ -148,6 +162,10 @@ class Members:
 
 def main(arguments: list[str]) -> int: ...
 def simulate(cell: Cell, given: dict[str, Any], threads: int | None) -> Beat: ...
+def repeat(cell: Cell, run_file: str, threads: int | None) -> Beat: ...
+def read_curves(
+    path: str | PathLike[str], reading: dict[str, Any]
+) -> tuple[list[tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]]], list[str]]: ...
 def simulate_batch(
     cell: Cell,
     given: dict[str, Any],

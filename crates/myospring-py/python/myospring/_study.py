@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import html
 import json
 import os
@@ -18,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
-from myospring._engine import Run
+from myospring._engine import Run, StudyTasks
 
 ROWS = "rows.csv"
 
@@ -274,15 +273,18 @@ def _csv(rows: ArrayLike, names: Sequence[str] | None) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-class _Bar:
+class Bar:
     """A line on the terminal."""
+
+    def __init__(self, what: str = "members") -> None:
+        self._what = what
 
     def __call__(self, done: int, members: int, seconds: float | None) -> None:
         share = done / max(members, 1)
         bar = "#" * round(30 * share)
         left = "" if seconds is None or done == members else f", {_duration(seconds)} left"
         end = "\n" if done == members else ""
-        print(f"\r[{bar:30}] {done}/{members} members{left}\x1b[K", end=end, file=sys.stderr, flush=True)
+        print(f"\r[{bar:30}] {done}/{members} {self._what}{left}\x1b[K", end=end, file=sys.stderr, flush=True)
 
 
 def _duration(seconds: float) -> str:
@@ -389,14 +391,13 @@ def run_study(
             watch = progress
         else:
             shown = sys.stderr.isatty() if progress is None else progress
-            watch = _Bar() if shown else None
-        run = Run(native, threads or 1, batch_seconds, tries, watch)
+            watch = Bar() if shown else None
+        run = Run(StudyTasks(native), threads or 1, batch_seconds, tries, watch)
         if executor is None:
             cores = os.cpu_count() or 1
             run.here(min(threads or cores, cores))
         else:
-            head = native.head()
-            run.on(executor, hashlib.sha256(head).hexdigest(), head)
+            run.on(executor)
         result = StudyResult(native)
         if output is not None:
             result.save(output)

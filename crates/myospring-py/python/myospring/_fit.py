@@ -1,0 +1,460 @@
+"""A cell's own parameters from its measured curve."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from myospring import _native
+from myospring._beat import Beat
+from myospring._cell import Cell
+from myospring._errors import SimulationError
+from myospring._functions import BEAT_KEYS, BeatSettings
+from myospring._given import changed
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+# A table that was exported, or times in ms and values.
+Curve = Union[str, PathLike[str], tuple[ArrayLike, ArrayLike]]
+# Name, kind, unit, times (ms), values.
+Read = tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]]
+
+# The unit of an array of each kind; a table says its own.
+_UNITS = {"length": "um", "sarcomere-length": "um", "normalised-length": "", "shortening": "%"}
+_VERDICTS = {
+    "determined": "determined",
+    "at-least": "at least; larger values follow this curve as well",
+    "at-most": "at most; smaller values follow this curve as well",
+    "not-determined": "not determined by this curve",
+    "at-lower-bound": "at its lower bound",
+    "at-upper-bound": "at its upper bound",
+}
+
+
+class Estimate(NamedTuple):
+    """A number that was sought.
+
+    Attributes
+    ----------
+    value : float
+        The most likely value.
+    unit : str
+        Its unit; empty for a pure number.
+    interval : tuple of two floats or None
+        Ends of the 95 % interval by profile likelihood; None where the curve sets no end.
+    standard_deviation : float or None
+        From the curvature at the most likely value, in its unit.
+    verdict : str
+        What the curve says of it: ``"determined"``, ``"not determined by this curve"``, or what is in between.
+    bounds : tuple of two floats
+        Between which it was sought.
+    profile : list of tuples
+        Value and rise of chi squared for values around the answer.
+    """
+
+    value: float
+    unit: str
+    interval: tuple[float | None, float | None]
+    standard_deviation: float | None
+    verdict: str
+    bounds: tuple[float, float]
+    profile: list[tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class FittedCurve:
+    """A measured curve and what the fitted cell makes of it.
+
+    Attributes
+    ----------
+    name, unit : str
+        What it is called, and the unit of its values.
+    t_ms, measured, fitted : ndarray of shape (frames,)
+        Times, what was measured, and what the fitted cell does.
+    used : ndarray of bool, of shape (frames,)
+        Whether each frame counted; the others are single bad frames.
+    stimuli_ms : list of float
+        Stimuli with the fitted delays.
+    noise, residual : float
+        Standard deviation of the noise of the cell at rest, and of what is left.
+    """
+
+    name: str
+    unit: str
+    t_ms: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    fitted: NDArray[np.float64]
+    used: NDArray[np.bool_]
+    stimuli_ms: list[float]
+    noise: float
+    residual: float
+
+
+class Fit:
+    """A cell fitted to its curve. `fit` makes one; it can be pickled.
+
+    Attributes
+    ----------
+    cell : Cell
+        The cell whose shape it has.
+    name : str
+        Name of the curve.
+    run_file : str
+        The run file (TOML) that beats like the measured cell; ``myospring run`` takes it.
+    notes : list of str
+        What was taken for granted when the curve was read.
+    """
+
+    def __init__(self, cell: Cell, name: str, text: str, run_file: str, notes: Sequence[str] = ()) -> None:
+        self.cell = cell
+        self.name = name
+        self.run_file = run_file
+        self.notes = list(notes)
+        self._text = text
+
+    @cached_property
+    def _record(self) -> dict[str, Any]:
+        record: dict[str, Any] = json.loads(self._text)
+        return record
+
+    @cached_property
+    def parameters(self) -> dict[str, Estimate]:
+        """What was sought of the cell, then delays and levels, by name."""
+        return {
+            row["name"]: Estimate(
+                value=row["value"],
+                unit=row["unit"],
+                interval=(row["interval"][0], row["interval"][1]),
+                standard_deviation=row["standard_deviation"],
+                verdict=_VERDICTS[row["verdict"]],
+                bounds=(row["bounds"][0], row["bounds"][1]),
+                profile=[(value, rise) for value, rise in row["profile"]],
+            )
+            for row in self._record["estimates"]
+        }
+
+    @property
+    def verdicts(self) -> list[str]:
+        """What a reader must know, in order of weight."""
+        return list(self._record["verdicts"])
+
+    @property
+    def reduced_chi_squared(self) -> float:
+        """Squared residuals over squared noise, by degree of freedom: about 1 where the cell can follow the curve."""
+        return float(self._record["reduced_chi_squared"])
+
+    @cached_property
+    def correlations(self) -> NDArray[np.float64] | None:
+        """Correlations of the parameters, in their order; None where one of them has no curvature."""
+        rows = self._record["correlations"]
+        return None if rows is None else np.array(rows, dtype=np.float64)
+
+    @cached_property
+    def curves(self) -> list[FittedCurve]:
+        """Each curve with the fitted one: the cell's own, then those under known loads."""
+        return [
+            FittedCurve(
+                name=row["name"],
+                unit=row["unit"],
+                t_ms=np.array(row["times_ms"]),
+                measured=np.array(row["measured"]),
+                fitted=np.array(row["fitted"]),
+                used=np.array(row["used"]),
+                stimuli_ms=row["stimuli_ms"],
+                noise=row["noise"],
+                residual=row["residual"],
+            )
+            for row in self._record["curves"]
+        ]
+
+    def to_dataframe(self) -> Any:
+        """Value, unit, interval and verdict of each parameter as a table; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each parameter, whose name is the index.
+        """
+        import pandas
+
+        rows = [
+            (one.value, one.unit, one.interval[0], one.interval[1], one.standard_deviation, one.verdict)
+            for one in self.parameters.values()
+        ]
+        columns = ["value", "unit", "from", "to", "standard_deviation", "verdict"]
+        return pandas.DataFrame(rows, columns=columns, index=pandas.Index(list(self.parameters), name="parameter"))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws measured and fitted curve, and below what is left; it needs matplotlib.
+
+        Parameters
+        ----------
+        axes : sequence of two matplotlib axes, or None
+            Where to draw the first curve; None makes a figure.
+
+        Returns
+        -------
+        array of matplotlib.axes.Axes
+            The two axes.
+        """
+        if axes is None:
+            from matplotlib import pyplot
+
+            _, axes = pyplot.subplots(
+                2, 1, sharex=True, figsize=(5.5, 4.5), height_ratios=[3, 1], layout="constrained"
+            )
+        curve = self.curves[0]
+        above, below = axes
+        left = curve.measured - curve.fitted
+        for used, colour in ((curve.used, "#4d4d4d"), (~curve.used, "#b5532a")):
+            above.plot(curve.t_ms[used], curve.measured[used], ".", ms=4, color=colour)
+            below.plot(curve.t_ms[used], left[used], ".", ms=3, color=colour)
+        above.plot(curve.t_ms, curve.fitted, color="#2a6099")
+        reach = 1.1 * float(np.max(np.abs(left[curve.used]), initial=curve.noise))
+        below.axhspan(-curve.noise, curve.noise, color="#2a6099", alpha=0.15, lw=0)
+        below.set_ylim(-reach, reach)
+        unit = f" ({curve.unit})" if curve.unit else ""
+        above.set_ylabel(f"{curve.name}{unit}")
+        below.set_ylabel(f"Left{unit}")
+        below.set_xlabel("Time (ms)")
+        for one in axes:
+            one.spines[["top", "right"]].set_visible(False)
+        return axes
+
+    def simulate(self, *, threads: int | None = None) -> Beat:
+        """Beats the fitted cell: the run of `run_file`.
+
+        Parameters
+        ----------
+        threads : int or None
+            Threads of the beat; None takes what its mesh is worth.
+
+        Returns
+        -------
+        Beat
+            The beat.
+
+        Raises
+        ------
+        SimulationError
+            A run that stopped before its end.
+        """
+        beat = Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads))
+        if beat.stopped is not None:
+            message, time_ms = beat.stopped
+            raise SimulationError(message, time_ms, beat)
+        return beat
+
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{name} {_amount(one)}" for name, one in self.parameters.items())
+        return f"<myospring.Fit of {self.name}: {numbers}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{html.escape(_amount(one))}</td><td>{html.escape(one.verdict)}</td></tr>"
+            for name, one in self.parameters.items()
+        )
+        words = "".join(f"<p>{html.escape(text)}</p>" for text in self.verdicts)
+        return f"<div><b>Fit of {html.escape(self.name)}</b><table>{rows}</table>{words}</div>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Fit, (self.cell, self.name, self._text, self.run_file, self.notes)
+
+
+def _amount(one: Estimate) -> str:
+    low, high = ("..." if end is None else f"{end:.4g}" for end in one.interval)
+    unit = f" {one.unit}" if one.unit else ""
+    return f"{one.value:.4g} ({low} to {high}){unit}"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How tables are read, and what arrays are."""
+
+    columns: Sequence[str] = ()
+    time: str | None = None
+    kind: str | None = None
+    unit: str | None = None
+    time_unit: str | None = None
+    frame_rate_per_s: float | None = None
+    pixel_size_um: float | None = None
+    mean: bool = False
+    skip_gaps: bool = False
+
+    def curves(self, curve: Curve, name: str) -> tuple[list[Read], list[str]]:
+        """The curves of a table, or the one of two arrays, and what was taken for granted."""
+        if isinstance(curve, (str, PathLike)):
+            return _native.read_curves(os.fspath(curve), {**self.__dict__, "columns": list(self.columns)})
+        times, values = (np.ascontiguousarray(array, dtype=np.float64) for array in curve)
+        if times.ndim != 1 or times.shape != values.shape:
+            raise ValueError(
+                f"times and values have the shapes {times.shape} and {values.shape}; give two of shape (frames,)"
+            )
+        kind = self.kind or "length"
+        unit = _UNITS.get(kind, "a.u.") if self.unit is None else self.unit
+        return [(name, kind, unit, times, values)], []
+
+
+# What parameters that are no cell model's are held by, and those of models that are sought unless others are named.
+_OF_RUN = {"tension_over_stiffness": "peak_tension_kpa (or T_ref)", "young_modulus": "young_modulus_kpa"}
+_USUAL = ("c_0", "k_ws")
+
+
+def asked_and_given(
+    function: str,
+    free: Sequence[str] | None,
+    fix: Sequence[str] | Mapping[str, float | str] | None,
+    bounds: Mapping[str, tuple[float, float]] | None,
+    starts: int,
+    seed: int,
+    stimulus_times_ms: Sequence[float] | None,
+    settings: dict[str, Any],
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What is sought, and the settings of the run by key."""
+    if starts < 1:
+        raise ValueError(f"starts = {starts} is below 1")
+    unknown = [name for name in settings if name not in BEAT_KEYS]
+    if unknown:
+        raise TypeError(f"{function}() got an unexpected keyword argument '{unknown[0]}'")
+    names = list(free or [])
+    held = dict(fix) if isinstance(fix, Mapping) else {}
+    for name in held:
+        if name in _OF_RUN:
+            raise ValueError(f"fix: {name} is held at what {_OF_RUN[name]} says; name it in a list")
+        if name in names:
+            raise ValueError(f"{name} is free and fixed at once")
+    fixed = [name for name in held if name in _USUAL and not names] if isinstance(fix, Mapping) else list(fix or [])
+    asked = {
+        "free": names,
+        "fix": fixed,
+        "bounds": [(name, (float(low), float(high))) for name, (low, high) in (bounds or {}).items()],
+        "starts": starts,
+        "seed": seed,
+        "stimulus_times_ms": None if stimulus_times_ms is None else [float(time) for time in stimulus_times_ms],
+    }
+    settings.setdefault("integrator", "quasi-static")
+    if held:
+        settings["parameters"] = {**(settings.get("parameters") or {}), **held}
+    given = changed(*((BEAT_KEYS[name][0], value, BEAT_KEYS[name][1]) for name, value in settings.items()))
+    return asked, given
+
+
+def fit(
+    curve: Curve,
+    cell: Cell | None = None,
+    *,
+    free: Sequence[str] | None = None,
+    fix: Sequence[str] | Mapping[str, float | str] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    loaded: Mapping[float, Curve] | None = None,
+    stimulus_times_ms: Sequence[float] | None = None,
+    starts: int = 8,
+    seed: int = 1,
+    columns: Sequence[str] = (),
+    time: str | None = None,
+    kind: str | None = None,
+    unit: str | None = None,
+    time_unit: str | None = None,
+    frame_rate_per_s: float | None = None,
+    pixel_size_um: float | None = None,
+    mean: bool = False,
+    skip_gaps: bool = False,
+    threads: int | None = None,
+    **settings: Unpack[BeatSettings],
+) -> Fit:
+    """Finds a cell's own parameters by its measured curve, and how sure they are: what ``myospring fit`` does.
+
+    Parameters
+    ----------
+    curve : path, or times and values
+        A table of one curve, as the laboratory's program exports it; or two arrays, times in ms and values.
+    cell : Cell or None
+        The cell's shape; None takes the built-in one.
+    free : sequence of str or None
+        What is sought beside tension over stiffness, delays and the length at rest; None: what a curve tells, ``c_0``
+        or ``k_ws``.
+    fix : sequence of str, mapping or None
+        What is not sought of these; a mapping gives parameters of the cell model values of their own.
+    bounds : mapping or None
+        Where something is sought, lowest and highest value in its unit; factors of 4 either way unless given.
+    loaded : mapping or None
+        Curves of the same cell between two springs, such as carbon fibres, by the stiffness of each, nN/um.
+    stimulus_times_ms : sequence of float or None
+        When the cell was stimulated; None finds the beats in the curve.
+    starts, seed : int
+        Starts of the search, and what decides them: thresholds in the equations make local minima.
+    columns : sequence of str
+        The column of a table with several, by name or number.
+    time, time_unit : str or None
+        The column of times, and its unit, where the table does not say so.
+    kind, unit : str or None
+        What the values are (``"length"``, ``"sarcomere-length"``, ``"normalised-length"``, ``"shortening"``,
+        ``"contraction"``), and their unit. None: what the table says; of arrays a length in um.
+    frame_rate_per_s : float or None
+        Frames a second of a table without times.
+    pixel_size_um : float or None
+        Size of a pixel, of lengths in pixels.
+    mean, skip_gaps : bool
+        Takes the mean of all columns; leaves out frames without a number.
+    threads : int or None
+        Starts and profiles at a time; None takes as many as there are cores. The numbers do not hang on it.
+    **settings
+        What is known of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first.
+
+    Returns
+    -------
+    Fit
+        Parameters with their intervals, curves, and the run that beats like the cell.
+
+    Raises
+    ------
+    UnknownNameError
+        A parameter or a setting that does not exist.
+    ValueError
+        A table or a curve that cannot be fitted, with the reason.
+    KeyboardInterrupt
+        Ctrl-C, within a second.
+
+    Examples
+    --------
+    >>> import myospring
+    >>> cell = myospring.Cell.builtin(spacing_um=5)
+    >>> beat = myospring.simulate(cell, peak_tension_kpa=40, integrator="quasi-static")
+    >>> found = myospring.fit((beat.t_ms, beat.length_um), cell, stimulus_times_ms=[50.0])
+    >>> estimate = found.parameters["tension_over_stiffness"]
+    >>> bool(abs(estimate.value / (40 / 308) - 1) < 0.01), estimate.verdict
+    (True, 'determined')
+    """
+    reading = Reading(
+        columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, mean, skip_gaps
+    )
+    asked, given = asked_and_given("fit", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings))
+    one, notes = _single(reading, curve, "curve")
+    between = []
+    for stiffness, other in (loaded or {}).items():
+        held_curve, more = _single(reading, other, "loaded")
+        between.append((float(stiffness), held_curve))
+        notes += more
+    cell = Cell.builtin() if cell is None else cell
+    text, run_file = _native.Fitter(cell._native, given).fit(one, between, asked, threads)
+    return Fit(cell, one[0], text, run_file, notes)
+
+
+def _single(reading: Reading, curve: Curve, name: str) -> tuple[Read, list[str]]:
+    curves, notes = reading.curves(curve, name)
+    if len(curves) != 1:
+        names = ", ".join(one[0] for one in curves)
+        raise ValueError(
+            f"`{curve}` has {len(curves)} curves ({names}); columns chooses one, mean=True takes their mean, "
+            "fit_many fits each"
+        )
+    return curves[0], notes

@@ -1,0 +1,300 @@
+"""Cells fitted to their curves, each to its own, here or on any executor."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import sys
+import threading
+import time
+from collections import OrderedDict
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Sequence, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from myospring import _native
+from myospring._cell import Cell
+from myospring._engine import Answer, Run
+from myospring._fit import Curve, Fit, Read, Reading, asked_and_given
+from myospring._functions import BeatSettings
+from myospring._study import Bar
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class Fits(Sequence[Union[Fit, None]]):
+    """Several cells fitted to their curves, in the order of the curves; None where there is no fit. `fit_many` makes one.
+
+    Attributes
+    ----------
+    names : list of str
+        Names of the curves.
+    reasons : list of str or None
+        Why a cell was not fitted; None of one that was.
+    """
+
+    def __init__(self, names: list[str], fits: list[Fit | None], reasons: list[str | None]) -> None:
+        self.names, self._fits, self.reasons = names, fits, reasons
+
+    def __len__(self) -> int:
+        return len(self._fits)
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._fits[place]
+
+    def __iter__(self) -> Iterator[Fit | None]:
+        return iter(self._fits)
+
+    def to_dataframe(self) -> Any:
+        """A row for each cell; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns are each parameter with its unit, the ends of its interval and its verdict, then
+            ``reduced_chi_squared``, ``status`` and ``reason``. The name of the curve is the index.
+        """
+        import pandas
+
+        rows: list[dict[str, Any]] = []
+        for fit, reason in zip(self._fits, self.reasons):
+            row: dict[str, Any] = {}
+            if fit is not None:
+                for name, one in fit.parameters.items():
+                    row[name] = one.value
+                    row[f"{name}_from"], row[f"{name}_to"] = one.interval
+                    row[f"{name}_verdict"] = one.verdict
+                row["reduced_chi_squared"] = fit.reduced_chi_squared
+            row["status"] = "ok" if reason is None else "failed"
+            row["reason"] = reason
+            rows.append(row)
+        table = pandas.DataFrame(rows, index=pandas.Index(self.names, name="cell"))
+        last = ["reduced_chi_squared", "status", "reason"]
+        return table[[name for name in table if name not in last] + [name for name in last if name in table]]
+
+    def __repr__(self) -> str:
+        failed = sum(reason is not None for reason in self.reasons)
+        return f"<myospring.Fits: {len(self)} cells, {failed} failed>"
+
+
+# What a worker sends back of each of its cells: a fit and its run file, or why there is none.
+_Outcome = tuple[Union[str, None], Union[str, None], Union[str, None]]
+
+_made: OrderedDict[str, _native.Fitter] = OrderedDict()
+_making = threading.Lock()
+
+
+def work(
+    key: str, head: bytes, numbers: NDArray[np.uint64], curves: list[Read], asked: dict[str, Any], threads: int, _try: int
+) -> tuple[NDArray[np.uint64], list[_Outcome], float]:
+    """The fits of some cells of one shape, in a worker; the shape's equilibria are solved once in a process."""
+    begun = time.monotonic()
+    with _making:
+        fitter = _made.pop(key, None)
+        if fitter is None:
+            cell, given = pickle.loads(head)
+            fitter = _native.Fitter(cell._native, given)
+        _made[key] = fitter
+        while len(_made) > 4:
+            _made.popitem(last=False)
+    return numbers, [_outcome(fitter, curve, asked, threads) for curve in curves], time.monotonic() - begun
+
+
+def _outcome(fitter: _native.Fitter, curve: Read, asked: dict[str, Any], threads: int) -> _Outcome:
+    name, kind, unit, times, values = curve
+    own = (name, kind, unit, np.require(times, requirements=["C", "A"]), np.require(values, requirements=["C", "A"]))
+    try:
+        text, run_file = fitter.fit(own, [], asked, threads)
+    except ValueError as error:
+        return None, None, str(error)
+    return text, run_file, None
+
+
+@dataclass
+class _Tasks:
+    """Cells that are to be fitted, one a member."""
+
+    heads: list[tuple[str, bytes]]
+    curves: list[Read]
+    asked: dict[str, Any]
+    outcomes: dict[int, _Outcome] = field(default_factory=dict)
+    kind: str = "fit"
+
+    @property
+    def size(self) -> int:
+        return len(self.curves)
+
+    def left(self) -> NDArray[np.uint64]:
+        return np.arange(self.size, dtype=np.uint64)
+
+    def work(self, numbers: NDArray[np.uint64]) -> Answer:
+        call, *arguments = self.call(numbers, 1, 0)
+        answer: Answer = call(*arguments)
+        return answer
+
+    def stop(self) -> None:
+        """A fit is over soon."""
+
+    def call(self, numbers: NDArray[np.uint64], threads: int, tries: int) -> tuple[Any, ...]:
+        # A batch is of one shape; the rest comes back as not done.
+        key, head = self.heads[int(numbers[0])]
+        same = np.array([number for number in numbers if self.heads[int(number)][0] == key], dtype=np.uint64)
+        curves = [self.curves[int(number)] for number in same]
+        return work, key, head, same, curves, self.asked, threads, tries
+
+    def take(self, answer: Answer) -> None:
+        numbers, outcomes, _ = answer
+        self.outcomes.update((int(number), outcome) for number, outcome in zip(numbers, outcomes))
+
+    def lose(self, numbers: NDArray[np.uint64], reason: str) -> None:
+        self.outcomes.update((int(number), (None, None, reason)) for number in numbers)
+
+
+def fit_many(
+    curves: Curve | Sequence[str | PathLike[str]] | Mapping[str, Curve],
+    cell: Cell | Sequence[Cell] | None = None,
+    executor: Executor | Callable[[], Executor] | None = None,
+    *,
+    free: Sequence[str] | None = None,
+    fix: Sequence[str] | Mapping[str, float | str] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    stimulus_times_ms: Sequence[float] | None = None,
+    starts: int = 8,
+    seed: int = 1,
+    columns: Sequence[str] = (),
+    time: str | None = None,
+    kind: str | None = None,
+    unit: str | None = None,
+    time_unit: str | None = None,
+    frame_rate_per_s: float | None = None,
+    pixel_size_um: float | None = None,
+    skip_gaps: bool = False,
+    threads: int | None = None,
+    batch_seconds: float = 2.0,
+    tries: int = 3,
+    progress: Callable[[int, int, float | None], None] | bool | None = None,
+    **settings: Unpack[BeatSettings],
+) -> Fits:
+    """Fits several cells, each to its own curve, here or on any executor; a cell that cannot be fitted is a row.
+
+    A fit hangs on its curve and its cell alone: neither batches nor workers change a bit of it, and `fit` gives the
+    same.
+
+    Parameters
+    ----------
+    curves : path, sequence of paths, or mapping of name to curve
+        A table with a column for each cell, several tables, or curves by name: tables, or times in ms and values.
+    cell : Cell, sequence of Cells or None
+        The shape of all cells, or of each of them in the order of the curves; None takes the built-in one.
+    executor : concurrent.futures.Executor, function that makes one, or None
+        Who works, as of `run_study`: None takes threads of this process.
+    free, fix, bounds, stimulus_times_ms, starts, seed
+        As of `fit`, for all cells.
+    columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, skip_gaps
+        How tables are read, as of `fit`.
+    threads : int or None
+        Without an executor, cells at a time: None takes as many as there are cores. With one, threads of each cell: None
+        takes one.
+    batch_seconds, tries, progress
+        As of `run_study`, for cells instead of members.
+    **settings
+        What is known of the cells: the settings of `simulate`.
+
+    Returns
+    -------
+    Fits
+        A fit for each curve, or the reason why there is none.
+
+    Raises
+    ------
+    UnknownNameError
+        A parameter or a setting that does not exist.
+    ValueError
+        A table that cannot be read, or not as many cells as curves.
+    RuntimeError
+        Workers that die whatever they work on.
+    KeyboardInterrupt
+        Ctrl-C.
+
+    Examples
+    --------
+    >>> import myospring, numpy
+    >>> cell = myospring.Cell.builtin(spacing_um=5)
+    >>> beat = myospring.simulate(cell, integrator="quasi-static")
+    >>> curves = {"own": (beat.t_ms, beat.length_um), "still": (beat.t_ms, numpy.full(len(beat.t_ms), 140.0))}
+    >>> fits = myospring.fit_many(curves, cell, stimulus_times_ms=[50.0], starts=2, progress=False)
+    >>> fits, [reason is None for reason in fits.reasons]
+    (<myospring.Fits: 2 cells, 1 failed>, [True, False])
+    """
+    if not 0.5 <= batch_seconds <= 30:
+        raise ValueError(f"batch_seconds = {batch_seconds} is outside its bounds, 0.5 to 30 s")
+    if tries < 1:
+        raise ValueError(f"tries = {tries} is below 1")
+    reading = Reading(
+        columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, False, skip_gaps
+    )
+    asked, given = asked_and_given(
+        "fit_many", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings)
+    )
+    read, notes = _all(reading, curves)
+    cells = [Cell.builtin()] * len(read) if cell is None else [cell] * len(read) if isinstance(cell, Cell) else list(cell)
+    if len(cells) != len(read):
+        raise ValueError(f"there are {len(read)} curves and {len(cells)} cells; give one cell, or one for each curve")
+    heads: dict[int, tuple[str, bytes]] = {}
+    for one in cells:
+        if id(one) not in heads:
+            # Settings that cannot be are an error here, not in each worker.
+            _native.Fitter(one._native, given)
+            head = pickle.dumps((one, given))
+            heads[id(one)] = (hashlib.sha256(head).hexdigest(), head)
+    tasks = _Tasks([heads[id(one)] for one in cells], read, asked)
+    watch: Callable[[int, int, float | None], None] | None
+    if callable(progress):
+        watch = progress
+    else:
+        shown = sys.stderr.isatty() if progress is None else progress
+        watch = Bar("cells") if shown else None
+    run = Run(tasks, threads or 1, batch_seconds, tries, watch)
+    if executor is None:
+        cores = os.cpu_count() or 1
+        run.here(min(threads or cores, cores))
+    else:
+        run.on(executor)
+    fits: list[Fit | None] = []
+    reasons: list[str | None] = []
+    for number, (one, curve) in enumerate(zip(cells, read)):
+        text, run_file, reason = tasks.outcomes[number]
+        none = text is None or run_file is None
+        fits.append(None if none else Fit(one, curve[0], str(text), str(run_file), notes[number]))
+        reasons.append(reason)
+    return Fits([curve[0] for curve in read], fits, reasons)
+
+
+def _all(
+    reading: Reading, curves: Curve | Sequence[str | PathLike[str]] | Mapping[str, Curve]
+) -> tuple[list[Read], list[list[str]]]:
+    """Every curve, and what was taken for granted of each."""
+    if isinstance(curves, (str, PathLike)):
+        named: list[tuple[str, Curve]] = [("", curves)]
+    elif isinstance(curves, Mapping):
+        named = list(curves.items())
+    elif isinstance(curves, tuple):
+        raise TypeError("curves are a path, several paths, or a mapping of name to curve; fit takes times and values")
+    else:
+        named = [(Path(path).stem, path) for path in curves]
+    read: list[Read] = []
+    notes: list[list[str]] = []
+    for name, curve in named:
+        found, more = reading.curves(curve, name)
+        for own, kind, unit, times, values in found:
+            label = own if not name or name == own else name if len(found) == 1 else f"{name} {own}"
+            read.append((label, kind, unit, times, values))
+            notes.append(more)
+    return read, notes

@@ -1,0 +1,186 @@
+//! Fits: a cell's own parameters from its measured curves.
+
+use crate::cell::Cell;
+use crate::waiting::interruptible;
+use crate::{beat, errors, settings};
+use myospring::fit::{self, FitError, Loaded, Observed, Settings, Unknown};
+use myospring::measured::{self, Column, Curve, Kind, Options};
+use myospring::mechanics::support::SupportKind;
+use myospring::output::json;
+use myospring::settings::Run;
+use myospring::study::Threads;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+/// A curve: name, kind, unit, times (ms), values.
+type Measured = (String, String, String, Vec<f64>, Vec<f64>);
+
+/// A curve on its way to Python: as [`Measured`], with arrays.
+type Given<'py> =
+    (String, &'static str, &'static str, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// How a table is read, by name.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Reading {
+    columns: Vec<String>,
+    time: Option<String>,
+    kind: Option<String>,
+    unit: Option<String>,
+    time_unit: Option<String>,
+    frame_rate_per_s: Option<f64>,
+    pixel_size_um: Option<f64>,
+    mean: bool,
+    skip_gaps: bool,
+}
+
+/// What is sought, by name.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Asked {
+    free: Vec<String>,
+    fix: Vec<String>,
+    bounds: Vec<(String, (f64, f64))>,
+    starts: usize,
+    seed: u64,
+    stimulus_times_ms: Option<Vec<f64>>,
+}
+
+/// One cell, ready to be fitted.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct Fitter {
+    run: Run,
+    spacing: f64,
+    fits: fit::Fitter,
+}
+
+/// The curves of a table, and what was taken for granted of them.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+pub(crate) fn read_curves(
+    py: Python<'_>,
+    path: PathBuf,
+    reading: Reading,
+) -> PyResult<(Vec<Given<'_>>, Vec<String>)> {
+    let options = Options {
+        time: reading.time.as_deref().map(Column::of),
+        values: reading.columns.iter().map(|name| Column::of(name)).collect(),
+        kind: reading.kind.as_deref().map(kind).transpose()?,
+        unit: reading.unit,
+        time_unit: reading.time_unit,
+        frame_rate_per_s: reading.frame_rate_per_s,
+        pixel_size_um: reading.pixel_size_um,
+        mean: reading.mean,
+        skip_gaps: reading.skip_gaps,
+        ..Options::default()
+    };
+    let table = py.detach(|| measured::read(&path, &options));
+    let table = table.map_err(|error| errors::of_measured(&error))?;
+    let curve = |curve: Curve| {
+        let [times, values] = [curve.times_ms, curve.values].map(|all| PyArray1::from_vec(py, all));
+        (curve.name, curve.kind.word(), curve.unit, times, values)
+    };
+    Ok((table.curves.into_iter().map(curve).collect(), table.notes))
+}
+
+#[pymethods]
+impl Fitter {
+    /// Of a cell; `given` are settings by key.
+    #[new]
+    fn new(py: Python<'_>, cell: &Cell, given: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let mut file = cell.0.file.clone();
+        settings::put(&mut file, given)?;
+        let (run, made) = beat::make(py, &cell.0, &file)?;
+        let spacing = made.report.spacing_um;
+        let fits = fit::Fitter::new(made.simulation).map_err(errors::value)?;
+        Ok(Self { run, spacing, fits })
+    }
+
+    /// Fits the cell to a curve, and to curves between springs of known stiffness (nN/um) at once: the fit (JSON), and
+    /// the run file that repeats it.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn fit(
+        &self,
+        py: Python<'_>,
+        curve: Measured,
+        loaded: Vec<(f64, Measured)>,
+        asked: Asked,
+        threads: Option<usize>,
+    ) -> PyResult<(String, String)> {
+        let stimuli = asked.stimulus_times_ms.as_deref();
+        let own = self.fits.simulation().support;
+        let mut curves = vec![Loaded { support: own, observed: observed(curve, stimuli)? }];
+        for (stiffness, curve) in loaded {
+            if !(stiffness > 0.0 && stiffness.is_finite()) {
+                let message = format!("a spring of {stiffness} nN/um; it must be above 0");
+                return Err(errors::value(message));
+            }
+            let mut observed = observed(curve, stimuli)?;
+            observed.name = format!("{stiffness} nN/um");
+            curves.push(Loaded { support: SupportKind::SpringHeldEnds { stiffness }, observed });
+        }
+        let cell = &*self.run.cell;
+        let free = Settings::asked(cell, &asked.free, &asked.fix, curves.len() > 1);
+        let bound =
+            |(name, (low, high)): &(String, (f64, f64))| (Unknown::named(name), [*low, *high]);
+        let settings = Settings {
+            free: Some(free.map_err(|error| of_fit(py, &error))?),
+            bounds: asked.bounds.iter().map(bound).collect(),
+            starts: asked.starts,
+            seed: asked.seed,
+        };
+        let threads = Threads::new(threads).map_err(errors::value)?;
+        let found = interruptible(py, |stop| {
+            let goes_on = |_done: f64| !stop.load(Ordering::Relaxed);
+            threads.install(|| self.fits.fit_loaded(&curves, &settings, &goes_on))
+        })?;
+        let found = found.map_err(|error| of_fit(py, &error))?;
+        let found = found.ok_or_else(|| errors::value("the fit came to no end"))?;
+        let run = self.fits.fitted(self.run.clone(), &found);
+        let run = run.map_err(|error| of_fit(py, &error))?;
+        let text = json::pretty(&found).map_err(errors::value)?;
+        Ok((text, run.settled(self.spacing, None).to_toml()))
+    }
+}
+
+fn kind(word: &str) -> PyResult<Kind> {
+    Kind::of_word(word).ok_or_else(|| {
+        let words: Vec<&str> = Kind::ALL.iter().map(|kind| kind.word()).collect();
+        errors::value(format!("`{word}` is no kind of curve; there are: {}", words.join(", ")))
+    })
+}
+
+/// Units that curves may have; a name of theirs is what the library keeps.
+const UNITS: [&str; 12] = ["um", "px", "%", "", "a.u.", "nN", "kPa", "uM", "mV", "1", "nm", "mm"];
+
+fn observed(curve: Measured, stimuli: Option<&[f64]>) -> PyResult<Observed> {
+    let (name, word, unit, times_ms, values) = curve;
+    let Some(unit) = UNITS.into_iter().find(|known| *known == unit) else {
+        return Err(errors::value(format!("`{unit}` is no unit of a curve that is fitted")));
+    };
+    if times_ms.len() != values.len() {
+        let message = format!("`{name}` has {} times and {} values", times_ms.len(), values.len());
+        return Err(errors::value(message));
+    }
+    if times_ms.iter().any(|time| !time.is_finite())
+        || times_ms.windows(2).any(|pair| pair[1] <= pair[0])
+    {
+        return Err(errors::value(format!(
+            "the times of `{name}` do not rise from frame to frame"
+        )));
+    }
+    let lines = (1..=times_ms.len() as u64).collect();
+    let curve = Curve { name, kind: kind(&word)?, unit, times_ms, values, lines };
+    Observed::of(&curve, stimuli).map_err(errors::value)
+}
+
+/// What cannot be fitted: names that do not exist are a `KeyError`.
+fn of_fit(py: Python<'_>, error: &FitError) -> PyErr {
+    match error {
+        FitError::Unknown { .. } => errors::unknown(py, error.to_string()),
+        _ => errors::value(error),
+    }
+}
