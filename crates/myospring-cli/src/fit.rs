@@ -3,6 +3,7 @@
 mod files;
 mod film;
 mod map;
+mod shapes;
 mod words;
 
 use crate::analyse::table::{self, Beats, quantity};
@@ -23,6 +24,7 @@ use myospring::output::json;
 use myospring::settings::{self, Run, Value};
 use myospring::study::Threads;
 use myospring::units::Dimension;
+use shapes::Shapes;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -123,6 +125,11 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             }
         },
     };
+    let first = cells.first().and_then(|cell| cell.found.as_ref().ok());
+    let shapes = match followed.as_ref().filter(|_| own).zip(first) {
+        Some((followed, fit)) => Shapes::of(followed, &fitter, &run, fit)?,
+        None => None,
+    };
     if let (Some(followed), Some(report)) = (&followed, &tracked) {
         film::write(&folder, &target, followed, report, &name, &mut run, own)?;
     }
@@ -133,6 +140,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
         name: &name,
         notes: &notes,
         mapped: mapped.as_ref(),
+        shapes: shapes.as_ref(),
     };
     files::write(&folder, &cells, &context)?;
     let target = folder.finish()?;
@@ -140,6 +148,9 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
         print::out(&json::pretty(&files::records(&cells, &context))?)?;
     } else {
         print::out(&words::for_people(&cells))?;
+        if let Some(shapes) = &shapes {
+            print::out(&shapes.words())?;
+        }
         if let Some(mapped) = &mapped {
             print::out(&mapped.words())?;
         }

@@ -219,7 +219,7 @@ fn is_ours(name: &str) -> bool {
 
 /// Names of the files that commands write to a folder of results; `*` stands for anything.
 fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 46] = [
+    const FILES: [&str; 47] = [
         "traces.csv",
         fibres::FILE,
         "summary.json",
@@ -251,6 +251,7 @@ fn ours() -> impl Iterator<Item = &'static str> {
         "tension_map.csv",
         "tension_map.vtu",
         "figures/tension_map.*",
+        "figures/shapes.*",
         "cells/*/fit.json",
         "cells/*/curve.csv",
         "cells/*/run.toml",

@@ -60,4 +60,4 @@ mod words;
 
 pub use error::PullError;
 pub use map::{EVEN, TensionMap};
-pub use seen::Seen;
+pub use seen::{NEAR, Seen};

@@ -1,6 +1,7 @@
 //! The files of fits.
 
 use super::map::{self, Mapped};
+use super::shapes::{self, Shapes};
 use super::words;
 use crate::failure::Failure;
 use crate::results::Folder;
@@ -28,6 +29,7 @@ pub(super) struct Context<'a> {
     pub(super) name: &'a str,
     pub(super) notes: &'a [String],
     pub(super) mapped: Option<&'a Mapped<'a>>,
+    pub(super) shapes: Option<&'a Shapes<'a>>,
 }
 
 /// fit.json.
@@ -44,6 +46,9 @@ pub(super) struct Record<'a> {
     fit: Option<&'a Fit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'a str>,
+    /// Of a film: the measured and the fitted cell at their peak.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shapes: Option<shapes::Record<'a>>,
     /// Of a film: where the cell pulls.
     #[serde(skip_serializing_if = "Option::is_none")]
     tension_map: Option<map::Record<'a>>,
@@ -59,6 +64,7 @@ pub(super) fn records<'a>(cells: &'a [Cell], context: &'a Context<'a>) -> Vec<Re
         model: context.fitter.simulation().cell.name(),
         fit: cell.found.as_ref().ok(),
         reason: cell.found.as_ref().err().map(String::as_str),
+        shapes: context.shapes.map(Shapes::record),
         tension_map: context.mapped.map(Mapped::record),
         notes: context.notes,
     };
@@ -86,6 +92,9 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
         folder.figures(Theme::Light, &[(&figure, &draw)])?;
         let svg = draw().map_or_else(|_| String::new(), |figure| figure.to_svg());
         folder.write(&format!("{within}report.html"), page(cell, fit, context, &svg))?;
+    }
+    if let Some(shapes) = context.shapes {
+        shapes.write(folder)?;
     }
     if let Some(mapped) = context.mapped {
         mapped.write(folder)?;
@@ -256,6 +265,11 @@ fn page(cell: &Cell, fit: &Fit, context: &Context<'_>, svg: &str) -> String {
         let svg = inline(&svg);
         format!("<h2>Where the cell pulls</h2>\n{svg}\n<p>{words}.</p>\n<ul>{verdicts}</ul>\n")
     });
+    let shapes = context.shapes.map_or_else(String::new, |shapes| {
+        let svg = shapes.figure().map_or_else(|_| String::new(), |figure| figure.to_svg());
+        let (svg, words) = (inline(&svg), escape(&shapes.words()));
+        format!("<h2>The film and the fitted cell</h2>\n{svg}\n<p>{words}.</p>\n")
+    });
     let left: Vec<String> = fit
         .curves
         .iter()
@@ -280,6 +294,7 @@ fn page(cell: &Cell, fit: &Fit, context: &Context<'_>, svg: &str) -> String {
         .replace("{{rows}}", &rows)
         .replace("{{left}}", &list(&left))
         .replace("{{notes}}", &list(context.notes))
+        .replace("{{shapes}}", &shapes)
         .replace("{{map}}", &map)
         .replace("{{figure}}", &inline(svg))
 }

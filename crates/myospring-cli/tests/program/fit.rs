@@ -97,7 +97,16 @@ fn a_film_gives_a_map_of_where_its_cell_pulls() {
     let map = &record["tension_map"];
     assert!(map["mean_tension_kpa"].as_f64().unwrap() > 5.0, "{map}");
     let page = fs::read_to_string(results.join("report.html")).unwrap();
-    assert!(page.contains("Where the cell pulls") && page.matches("<svg").count() == 2);
+    assert!(page.contains("Where the cell pulls") && page.matches("<svg").count() == 3);
+    // The film is of an even contraction, which the fitted cell follows: within some hundredths of its 50 um.
+    let shapes = &record["shapes"];
+    let number = |key: &str| shapes[key].as_f64().unwrap();
+    assert!(number("distance_root_mean_square_um") < 0.15, "{shapes}");
+    assert!(number("distance_largest_um") < 0.6, "{shapes}");
+    let strains = ["measured", "fitted"].map(|of| number(&format!("{of}_fibre_strain_mean_pct")));
+    assert!(strains.iter().all(|strain| (-5.5..-4.0).contains(strain)), "{shapes}");
+    // The model's beat has another form than this one, and a sharper peak.
+    assert!((strains[0] - strains[1]).abs() < 0.6, "{shapes}");
     assert!(names(&results.join("figures")).contains(&"tension_map.png".to_owned()));
     let table = fs::read_to_string(results.join("tension_map.csv")).unwrap();
     let head = "triangle,x_um,y_um,tension_kPa,standard_deviation_kPa,relative_tension";

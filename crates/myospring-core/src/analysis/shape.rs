@@ -83,6 +83,38 @@ impl ShapeMeter {
     }
 }
 
+/// Points (um, by axis) shifted and turned as a whole to where they are nearest to others in the sense of least squares with
+/// these weights.
+///
+/// # Example
+/// ```
+/// use myospring::analysis::shape::laid_upon;
+/// let square = [vec![0.0, 2.0, 2.0, 0.0], vec![0.0, 0.0, 1.0, 1.0]];
+/// let turned = [vec![5.0, 5.0, 4.0, 4.0], vec![5.0, 7.0, 7.0, 5.0]];
+/// let laid = laid_upon(&turned, &square, &[1.0; 4]);
+/// assert!((0..4).all(|i| (0..2).all(|axis| (laid[axis][i] - square[axis][i]).abs() < 1e-12)));
+/// ```
+///
+/// # Panics
+/// If there are more points than others or weights.
+pub fn laid_upon(points: &[Vec<f64>; 2], others: &[Vec<f64>; 2], weights: &[f64]) -> [Vec<f64>; 2] {
+    let meter = ShapeMeter::new(points.clone(), [1.0, 0.0], weights.to_vec());
+    let (sine, cosine) = meter.rotation(others).sin_cos();
+    let total: f64 = weights.iter().sum();
+    let middle = |of: &[Vec<f64>; 2]| {
+        [0, 1].map(|axis: usize| {
+            of[axis].iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / total
+        })
+    };
+    let (from, to) = (middle(points), middle(others));
+    let turned = |axis: usize| {
+        let [a, b] = [[cosine, -sine], [sine, cosine]][axis];
+        let of = |(x, y): (&f64, &f64)| a * (x - from[0]) + b * (y - from[1]) + to[axis];
+        points[0].iter().zip(&points[1]).map(of).collect()
+    };
+    [turned(0), turned(1)]
+}
+
 /// Distance of the outermost points along a unit direction, um.
 pub fn extent(positions: &[Vec<f64>; 2], direction: [f64; 2]) -> f64 {
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);

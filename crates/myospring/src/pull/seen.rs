@@ -1,9 +1,10 @@
 //! What a film says of the cell at its peak.
 
+use crate::mesh::Mesh;
 use crate::microscopy::motion::Motion;
 
 /// Frames this near to the greatest contraction are of the peak, and this near to none are of rest; parts of it.
-const NEAR: f64 = 0.1;
+pub const NEAR: f64 = 0.1;
 
 /// The cell at the peak of its contraction.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,5 +58,13 @@ impl Seen {
             alike_um: motion.alike_um(),
             frames: peak.iter().map(|frame| motion.first + frame).collect(),
         }
+    }
+    /// Area of each point that was found, um^2, 0 of the others: its weight where the whole cell is asked about.
+    ///
+    /// # Panics
+    /// If they are points of another mesh.
+    pub fn weights(&self, mesh: &Mesh) -> Vec<f64> {
+        let of = |(area, found): (&f64, &bool)| if *found { *area } else { 0.0 };
+        mesh.areas.iter().zip(&self.found).map(of).collect()
     }
 }
