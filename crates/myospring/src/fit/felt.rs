@@ -72,15 +72,15 @@ impl Felt {
             beats: train.beats as u32,
             ..simulation.protocol
         };
-        let duration = train.beats as f64 * cycle;
-        let mut simulation = Simulation { protocol, duration, ..simulation.clone() };
-        // Nobody looks at the shapes in between.
-        let output = simulation.numerics.output_interval;
-        simulation.numerics.frame_interval =
-            output * (simulation.duration / output).ceil().max(1.0);
         let interval = simulation.numerics.exchange_interval.max(EXCHANGE_MS);
+        // Measured cycles are no multiples of anything.
+        let exchanges = (train.beats as f64 * cycle / interval).ceil().max(1.0);
+        let duration = exchanges * interval;
+        let mut simulation = Simulation { protocol, duration, ..simulation.clone() };
         simulation.numerics.exchange_interval = interval;
         simulation.numerics.output_interval = interval;
+        // Nobody looks at the shapes in between.
+        simulation.numerics.frame_interval = duration;
         let cell = &mut simulation.numerics.cell;
         // Made for the action potential's upstroke; nothing in myofilaments is as fast.
         if cell.method == Method::RungeKutta4
