@@ -270,21 +270,7 @@ fn page(cell: &Cell, fit: &Fit, context: &Context<'_>, svg: &str) -> String {
         let (svg, words) = (inline(&svg), escape(&shapes.words()));
         format!("<h2>The film and the fitted cell</h2>\n{svg}\n<p>{words}.</p>\n")
     });
-    let left: Vec<String> = fit
-        .curves
-        .iter()
-        .map(|curve| {
-            format!(
-                "{}: {:.3} {} left of {} frames (root mean square); noise at rest {:.3} {}",
-                curve.name,
-                curve.residual,
-                curve.unit,
-                curve.used.iter().filter(|used| **used).count(),
-                curve.noise,
-                curve.unit
-            )
-        })
-        .collect();
+    let left: Vec<String> = fit.curves.iter().map(words::left).collect();
     include_str!("report.html")
         .replace("{{title}}", &escape(&format!("Fit of {}", cell.name)))
         .replace("{{shape}}", &escape(context.name))

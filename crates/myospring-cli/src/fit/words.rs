@@ -1,8 +1,8 @@
 //! Fits in words.
 
 use super::Cell;
-use crate::table::{aligned, number};
-use myospring::fit::{Estimate, Fit};
+use crate::table::aligned;
+use myospring::fit::{Estimate, Fit, FittedCurve};
 use std::fmt::Write as _;
 
 /// What is printed.
@@ -31,17 +31,26 @@ fn one(fit: &Fit) -> String {
     rows.extend(table(fit).into_iter().map(|row| row.to_vec()));
     let mut text = aligned(&rows, &[]);
     for curve in &fit.curves {
-        let _ = write!(
-            text,
-            "\n{}: {} left of {} frames, noise {} {}",
-            curve.name,
-            with_unit(number(curve.residual), &curve.unit),
-            curve.used.iter().filter(|used| **used).count(),
-            number(curve.noise),
-            curve.unit
-        );
+        let _ = write!(text, "\n{}", left(curve));
     }
     text
+}
+
+/// How much of a curve is left.
+pub(super) fn left(curve: &FittedCurve) -> String {
+    format!(
+        "{}: {} left of {} frames (root mean square), noise at rest {}",
+        curve.name,
+        with_unit(three_digits(curve.residual), &curve.unit),
+        curve.used.iter().filter(|used| **used).count(),
+        with_unit(three_digits(curve.noise), &curve.unit),
+    )
+}
+
+/// Three significant digits: what is left of a stretch is small.
+fn three_digits(value: f64) -> String {
+    let digits = if value > 0.0 { 2.0 - value.log10().floor() } else { 0.0 };
+    format!("{value:.*}", digits.clamp(0.0, 9.0) as usize)
 }
 
 fn several(cells: &[Cell]) -> String {

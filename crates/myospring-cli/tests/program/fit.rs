@@ -90,6 +90,8 @@ fn a_film_gives_a_map_of_where_its_cell_pulls() {
         myospring(folder.path(), &[&["fit", "film", "--starts", "1"], &given[..]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("tension at the peak ("), "{}", stdout(&output));
+    // A stretch has small noise, which is not called none.
+    assert!(!stdout(&output).contains("noise at rest 0.000\n"), "{}", stdout(&output));
     assert!(stderr(&output).contains("in proportion to the stiffness"), "{}", stderr(&output));
     let results = folder.path().join("results/film_fit");
     let record: serde_json::Value =
