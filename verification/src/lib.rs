@@ -15,6 +15,7 @@ pub mod finite_elements;
 pub mod fit;
 pub mod lammps;
 pub mod land;
+pub mod loads;
 pub mod motion;
 pub mod myokit;
 pub mod oscillator;
@@ -24,6 +25,7 @@ pub mod row;
 pub mod sarcomeres;
 pub mod time_order;
 pub mod tor_ord;
+pub mod viscosity;
 pub mod wave;
 
 use row::Row;
@@ -66,6 +68,8 @@ pub fn checks() -> Vec<Check> {
         Check { name: "myokit", run: myokit::write },
         Check { name: "land", run: land::rows },
         Check { name: "tor-ord", run: tor_ord::rows },
+        Check { name: "loads", run: loads::rows },
+        Check { name: "viscosity", run: viscosity::rows },
         Check { name: "parts", run: parts::rows },
         Check { name: "finite-elements", run: finite_elements::rows },
         Check { name: "sarcomeres", run: sarcomeres::rows },

@@ -65,6 +65,16 @@ fn tor_ord_is_that_of_other_programs() {
 }
 
 #[test]
+fn under_loads_a_cell_pulls_and_shortens_as_in_an_independent_program() {
+    passes("loads");
+}
+
+#[test]
+fn a_viscous_cell_is_as_much_slower_as_in_an_independent_program() {
+    passes("viscosity");
+}
+
+#[test]
 fn parts_that_differ_have_the_strain_of_a_finer_mesh() {
     passes("parts");
 }

@@ -35,6 +35,8 @@ Checks:
   myokit           All sets of the minimal model, all states, against Myokit's CVODE
   land             Myofilaments that feel length and speed, against independent programs
   tor-ord          Action potential, calcium and tension of ToR-ORd, against Myokit's and an independent typing
+  loads            Held, against loads, between carbon fibres, against an independent program
+  viscosity        A cell whose shape lags behind its tension, against an independent program
   parts            A weak half and a passive nucleus: strain against a closed form and a finer mesh
   finite-elements  A published finite-element twitch, if its data are there
   sarcomeres       Sarcomeres in published pictures, against SarcGraph's, if they are there
@@ -69,7 +71,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 16] = [
+const CHECKS: [Check; 18] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
@@ -82,6 +84,8 @@ const CHECKS: [Check; 16] = [
     Check { name: "myokit", title: "Myokit", peer: Some(("myokit_check.py", "Myokit")) },
     own("land", "Myofilaments that feel length and speed"),
     own("tor-ord", "ToR-ORd"),
+    own("loads", "A cell under load"),
+    own("viscosity", "Viscosity"),
     own("parts", "Parts of a cell that differ"),
     own("finite-elements", "Finite-element twitch"),
     own("sarcomeres", "Sarcomeres in pictures"),

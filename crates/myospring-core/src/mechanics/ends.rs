@@ -24,3 +24,17 @@ pub fn end_nodes<const D: usize, const N: usize>(
     };
     [nodes(&|s| s <= lowest + zone), nodes(&|s| s >= highest - zone)]
 }
+
+/// Where along the unit vector `axis` the [`end_nodes`] lie, from and to, at the lower and at the upper end, um.
+pub fn end_zones<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    axis: [f64; D],
+) -> [[f64; 2]; 2] {
+    end_nodes(mesh, axis).map(|nodes| {
+        let along = nodes.iter().map(|&node| {
+            let place = mesh.point(node);
+            (0..D).map(|k| place[k] * axis[k]).sum::<f64>()
+        });
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])
+    })
+}

@@ -55,6 +55,11 @@ impl SupportKind {
         )
     }
 
+    /// Whether an end is clamped, or both: what is within clamps neither stretches nor shortens.
+    pub fn clamps(self) -> bool {
+        matches!(self, Self::ClampedEnd | Self::ClampedEnds | Self::AfterloadedEnds { .. })
+    }
+
     /// The springs of a support that gives way, on a mesh whose long axis is the unit vector `axis`.
     pub fn anchors<const D: usize, const N: usize>(
         self,

@@ -99,7 +99,7 @@ impl<'a> Exchange<'a> {
     fn felt(&self, shaping: &impl Shaping) -> Vec<f64> {
         match &self.setup.fibre_stretch {
             Some(meter) => meter.stretches(&shaping.positions()),
-            None => vec![shaping.length() / self.setup.assembly.resting_length],
+            None => vec![self.setup.assembly.stretch(shaping.length())],
         }
     }
 
@@ -221,7 +221,7 @@ impl<'a> Exchange<'a> {
         let mut excess = |tension: f64, this: &mut Self| {
             shaping.back();
             shaping.follow(time, [tension.into(); 2])?;
-            let stretch = [shaping.length() / this.setup.assembly.resting_length];
+            let stretch = [this.setup.assembly.stretch(shaping.length())];
             let rate = this.rates(&stretch);
             this.ask(time, &stretch, &rate)?;
             Ok(this.activation.tension().at(0) - tension)

@@ -9,7 +9,7 @@ use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, ByTriangle, Sites, Strongest, WholeCell};
 use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
-use crate::mechanics::ends::end_nodes;
+use crate::mechanics::ends::{end_nodes, end_zones};
 use crate::mechanics::grip::LoadedGrip;
 use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
@@ -51,8 +51,17 @@ pub(super) struct Assembly {
     pub(super) resting_length: f64,
     /// Length before the first beat, um: the resting one unless the ends are held stretched.
     pub(super) held_length: f64,
+    /// How much of the length is within clamps, which neither stretches nor shortens, um.
+    gripped_length: f64,
     /// What holds both ends, where something does.
     pub(super) ends: Option<EndForce>,
+}
+
+impl Assembly {
+    /// Mean stretch of what is not within clamps, of a cell of this length (um).
+    pub(super) fn stretch(&self, length: f64) -> f64 {
+        (length - self.gripped_length) / (self.resting_length - self.gripped_length)
+    }
 }
 
 /// How hard a cell pulls at its upper end.
@@ -212,13 +221,7 @@ impl Simulation {
         let points = &self.mesh.points;
         let along: Vec<f64> =
             points[0].iter().zip(&points[1]).map(|(x, y)| x * axis[0] + y * axis[1]).collect();
-        let [lower, upper] = end_nodes(&self.mesh, axis);
-        let most = |nodes: &[usize], of: fn(f64, f64) -> f64, from: f64| {
-            nodes.iter().map(|&node| along[node]).fold(from, of)
-        };
-        // The inner rims of both ends.
-        let (low, high) =
-            (most(&lower, f64::max, f64::NEG_INFINITY), most(&upper, f64::min, f64::INFINITY));
+        let [[_, low], [high, _]] = end_zones(&self.mesh, axis);
         let apart = (stretch - 1.0) * shape::extent(points, axis);
         let shift = |s: f64| apart * (((s - low) / (high - low)).clamp(0.0, 1.0) - 0.5);
         let moved =
@@ -229,7 +232,7 @@ impl Simulation {
     /// The cell that has left its stop under the load of an afterloaded contraction; `held` is it before.
     pub(super) fn loaded(&self, held: &Assembly) -> Option<Assembly> {
         let SupportKind::AfterloadedEnds { load } = self.support else { return None };
-        let Assembly { meter, resting_length, held_length, ends, .. } = held;
+        let Assembly { meter, resting_length, held_length, gripped_length, ends, .. } = held;
         let (mut body, mut system) = assemble(
             &self.mesh,
             &self.material,
@@ -250,6 +253,7 @@ impl Simulation {
             meter,
             resting_length: *resting_length,
             held_length: *held_length,
+            gripped_length: *gripped_length,
             ends,
         })
     }
@@ -294,7 +298,14 @@ impl Simulation {
             let [_, nodes] = end_nodes(&self.mesh, self.long_axis);
             EndForce { nodes, axis: self.long_axis }
         });
-        Assembly { body, system, meter, resting_length, held_length: resting_length, ends }
+        let zones = end_zones(&self.mesh, self.long_axis).map(|[from, to]| to - from);
+        let gripped_length = match self.support {
+            SupportKind::ClampedEnd => zones[0],
+            SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. } => zones[0] + zones[1],
+            _ => 0.0,
+        };
+        let held_length = resting_length;
+        Assembly { body, system, meter, resting_length, held_length, gripped_length, ends }
     }
 }
 

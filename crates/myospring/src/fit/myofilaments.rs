@@ -17,7 +17,6 @@ use super::physics::Train;
 use super::table::Tables;
 use crate::cell::CellModel;
 use crate::cell::land_2017::{Land2017, STATES};
-use crate::mechanics::support::SupportKind;
 use crate::simulation::Simulation;
 use std::any::Any;
 use std::sync::Arc;
@@ -58,7 +57,7 @@ impl Myofilaments {
             && simulation.start_state.is_none()
             && simulation.activation.is_none()
             && !simulation.has_sites_in_triangles()
-            && !matches!(simulation.support, SupportKind::AfterloadedEnds { .. })
+            && !simulation.support.clamps()
     }
 
     pub(super) fn new(tables: Arc<Tables>, train: Train) -> Self {
