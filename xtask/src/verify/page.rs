@@ -49,15 +49,23 @@ impl Row {
         let Some(measured) = self.measured else { return [String::new(), String::new()] };
         let expected = self.expected.unwrap_or_default();
         // What should vanish is a size, what should be a number is shown beside it.
-        let shown = |value: f64| {
-            if expected == 0.0 { format!("{value:.1e}") } else { format!("{value:.4}") }
+        let trimmed = |text: String| match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            false => text,
         };
+        let size = |value: f64| {
+            let small = value != 0.0 && value.abs() < 0.01;
+            if small {
+                format!("{value:.1e}").replace(".0e", "e")
+            } else {
+                trimmed(format!("{value:.3}"))
+            }
+        };
+        let shown = |value: f64| if expected == 0.0 { size(value) } else { format!("{value:.4}") };
         let allowed = match self.tolerance {
-            Some(tolerance) if expected == 0.0 => format!("{tolerance:.1e}").replace(".0e", "e"),
+            Some(tolerance) if expected == 0.0 => size(tolerance),
             Some(tolerance) => {
-                // No more digits than the tolerance has use for.
-                let digits = format!("{expected:.4}");
-                format!("{} ± {tolerance}", digits.trim_end_matches('0').trim_end_matches('.'))
+                format!("{} ± {}", trimmed(format!("{expected:.4}")), size(tolerance))
             }
             None if expected == 0.0 => String::new(),
             None => format!("{expected:.4}"),
