@@ -219,7 +219,8 @@ fn legend(sheet: &mut Sheet, chart: &Chart, curve: &FittedCurve) {
 }
 
 fn likelihood(profile: &LikelihoodProfile, place: [f64; 2], width: f64) -> Chart {
-    let points = below(&profile.points, HIGHEST);
+    let highest = HIGHEST * profile.at_ends;
+    let points = below(&profile.points, highest);
     let low = points.iter().map(|point| point[0]).fold(profile.value, f64::min);
     let high = points.iter().map(|point| point[0]).fold(profile.value, f64::max);
     Chart {
@@ -227,7 +228,7 @@ fn likelihood(profile: &LikelihoodProfile, place: [f64; 2], width: f64) -> Chart
         size: [width, PROFILE],
         x: Axis::across(&profile.label, [low, high], width),
         y: Axis {
-            range: [0.0, HIGHEST],
+            range: [0.0, highest],
             step: 4.0,
             label: "Rise of χ²".to_owned(),
             labelled: true,
@@ -252,4 +253,30 @@ fn below(points: &[[f64; 2]], height: f64) -> Vec<[f64; 2]> {
         }
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rise_at_the_ends_of_an_interval_lies_within_its_plot() {
+        for at_ends in [3.84, 1.2, 40.0] {
+            let profile = LikelihoodProfile {
+                label: "c_0".to_owned(),
+                value: 5.0,
+                interval: [Some(4.0), Some(6.0)],
+                points: (0..=40)
+                    .map(|k| 3.0 + 0.1 * f64::from(k))
+                    .map(|x| [x, at_ends * (x - 5.0).powi(2)])
+                    .collect(),
+                at_ends,
+            };
+            let chart = likelihood(&profile, [100.0, 50.0], 200.0);
+            for end in profile.interval.into_iter().flatten() {
+                let [x, y] = chart.at([end, at_ends]);
+                assert!((100.0..=300.0).contains(&x) && (50.0..=50.0 + PROFILE).contains(&y));
+            }
+        }
+    }
 }
