@@ -137,6 +137,8 @@ pub struct Motion {
     pub subset_um: f64,
     /// Side of a pixel, um.
     pub pixel_um: f64,
+    /// Width and height of the frame, um; its lower left corner is the origin.
+    pub frame_um: [f64; 2],
 }
 
 /// How far it has come: frames that are done, and all of them.
@@ -437,11 +439,22 @@ impl<'a> Follower<'a> {
             noise: self.rest.noise,
             subset_um: side,
             pixel_um,
+            frame_um: self.film.size().map(|pixels| pixels as f64 * pixel_um),
         })
     }
 }
 
 impl Motion {
+    /// Which points lie where the frame cuts the cell: within a spacing of its edge.
+    pub fn cut(&self) -> Vec<bool> {
+        let reach = spacing(&self.mesh);
+        let at_edge = |point: usize| {
+            let place = self.mesh.point(point);
+            (0..2).any(|axis| place[axis] < reach || self.frame_um[axis] - place[axis] < reach)
+        };
+        (0..self.mesh.len()).map(at_edge).collect()
+    }
+
     /// Side of a square whose points have one error between them, um: subsets lap over each other, and neighbours are
     /// averaged. Noise has about as many independent values as the cell has such squares.
     pub fn alike_um(&self) -> f64 {

@@ -16,6 +16,8 @@
 //! - `lambda` is that of least generalised cross-validation (`golub_1979`); the even tension is its limit.
 //! - The standard deviations are those of the posterior of which this is the top (`wahba_1983`), which count what is too
 //!   small to be seen as well as noise.
+//! - Where the frame cuts the cell ([`Seen::cut`]) the part that is not seen pulls at it. The points there are held where
+//!   they were seen, whatever force it takes.
 //! - Whether the cell pulls unevenly at all is tested: how often an even tension with such noise would gain as much.
 //!
 //! The map rests on the cell's stiffness, and on that of its support: all tensions are in proportion to them. And whatever
@@ -38,7 +40,13 @@
 //! let moved = equilibrium.find(&body.positions, Tension::PerElement(&truth))?;
 //! let displacements_um =
 //!     [0, 1].map(|a| moved[a].iter().zip(&mesh.points[a]).map(|(now, rest)| now - rest).collect());
-//! let seen = Seen { displacements_um, found: vec![true; mesh.len()], alike_um: 4.0, frames: Vec::new() };
+//! let seen = Seen {
+//!     displacements_um,
+//!     found: vec![true; mesh.len()],
+//!     cut: vec![false; mesh.len()],
+//!     alike_um: 4.0,
+//!     frames: Vec::new(),
+//! };
 //! let map = TensionMap::of(&simulation, &seen)?;
 //! assert!(map.is_uneven());
 //! let mean = |side: bool| {
@@ -50,6 +58,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cut;
 mod error;
 mod grid;
 mod least;

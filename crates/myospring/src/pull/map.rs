@@ -1,6 +1,7 @@
 //! The map of tension, round by round.
 
 use super::PullError;
+use super::cut;
 use super::grid::{Grid, Squares};
 use super::least::not_negative;
 use super::seen::Seen;
@@ -56,6 +57,8 @@ pub struct TensionMap {
     pub even_misfit_um: f64,
     /// Standard deviation of the mean of a square's points along an axis, um, by what the map leaves.
     pub noise_um: f64,
+    /// How many points were held where they were seen, since the frame cuts the cell there.
+    pub held_at_cut: usize,
     /// The equilibrium under the map, um, where the cell was seen.
     pub positions_um: [Vec<f64>; 2],
     /// Frames of the film that it is of.
@@ -71,7 +74,7 @@ impl TensionMap {
         let mesh = &simulation.mesh;
         let points = mesh.len();
         let found = seen.displacements_um[0].len().min(seen.found.len());
-        if found != points || seen.displacements_um[1].len() != points {
+        if found != points || [seen.displacements_um[1].len(), seen.cut.len()] != [points; 2] {
             return Err(PullError::Mesh { found, points });
         }
         if simulation.active != ActiveLaw::Fibre {
@@ -94,6 +97,15 @@ impl TensionMap {
         let values = DVector::zeros(grid.len());
         let mut search =
             Search { mesh, system: &system, seen, squares, grid, equilibrium, positions, values };
+        search.even()?;
+        // A cell that is held where it contracted can only rest under tension, so that of a whole one comes first.
+        let (mut body, mut system) = simulation.mechanics();
+        if cut::hold(mesh, seen, &mut body, &mut system) {
+            let mut equilibrium = Equilibrium::new(&system, &body, Tolerance::default())?;
+            let tensions = search.grid.in_triangles(search.values.as_slice());
+            search.positions = equilibrium.find(&body.positions, Tension::PerElement(&tensions))?;
+            (search.system, search.equilibrium) = (&system, equilibrium);
+        }
         let even_kpa = search.even()?;
         let even_misfit_um = search.misfit();
         let (problem, smoothing) = search.uneven()?;
@@ -334,6 +346,7 @@ impl Search<'_> {
             misfit_um: self.misfit(),
             even_misfit_um,
             noise_um: noise,
+            held_at_cut: self.seen.cut.iter().filter(|cut| **cut).count(),
             positions_um: placed(&self.positions, &self.target(), &self.seen.found),
             frames: self.seen.frames.clone(),
         })

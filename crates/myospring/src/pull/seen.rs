@@ -13,6 +13,8 @@ pub struct Seen {
     pub displacements_um: [Vec<f64>; 2],
     /// Which points were found, not put where their neighbours would have them.
     pub found: Vec<bool>,
+    /// Which points lie where the frame cuts the cell: something pulls at them that is not seen.
+    pub cut: Vec<bool>,
     /// Side of a square whose points have one error between them, um.
     pub alike_um: f64,
     /// Frames of the film whose mean this is.
@@ -55,6 +57,7 @@ impl Seen {
                     .collect()
             }),
             found: (0..count).map(|point| 2 * healed(point) <= peak.len()).collect(),
+            cut: motion.cut(),
             alike_um: motion.alike_um(),
             frames: peak.iter().map(|frame| motion.first + frame).collect(),
         }

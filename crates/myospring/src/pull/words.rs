@@ -61,6 +61,13 @@ impl TensionMap {
                 100.0 * none
             ));
         }
+        if self.held_at_cut > 0 {
+            words.push(format!(
+                "the frame cuts the cell: {} points at the cut are held where they were seen, which makes up for what pulls \
+                 beyond it",
+                self.held_at_cut
+            ));
+        }
         let modulus = simulation.material.young_modulus();
         words.push(match simulation.support {
             SupportKind::ElasticBed { stiffness } => format!(
