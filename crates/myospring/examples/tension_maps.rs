@@ -1,6 +1,7 @@
 //! How well a known map of tension is found in a film, over noise, shape and support.
 //!
-//! `cargo run --release -p myospring --example tension_maps` prints the table of `docs/measured-beats.md`.
+//! `cargo run --release -p myospring --all-features --example tension_maps` prints the table of `docs/measured-beats.md`; with
+//! `-- docs/tension-map.png` it draws its picture instead.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
 
@@ -12,6 +13,10 @@ mod synthetic_cell;
 mod synthetic_film;
 
 use myospring::mechanics::support::SupportKind;
+use myospring::microscopy::outlines::trace::{Edge, trace_mask};
+use myospring::output::field::Fields;
+use myospring::output::figure::{self, Cell, Map};
+use myospring::output::files;
 use myospring::pull::{Seen, TensionMap};
 use pulled_film::{Pulled, even, passive_nucleus, weak_half};
 use synthetic_film::FilmScene;
@@ -96,7 +101,37 @@ fn row(name: &str, tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f6
     );
 }
 
+/// A weak half beside what a film with noise tells of it.
+fn draw(path: &std::path::Path) {
+    let scene = FilmScene { cell_um: [100.0, 22.0], noise: 0.155, bits: 8, ..FilmScene::default() };
+    let pulled = Pulled { scene, tension: weak_half, support: SupportKind::MassCentre };
+    let mesh = pulled.mesh(1.1);
+    let simulation = pulled.simulation(mesh.clone());
+    let map = TensionMap::of(&simulation, &Seen::at_peak(&pulled.followed(&mesh))).unwrap();
+    let fields = Fields::new(&mesh, &simulation.fibres, None).unwrap();
+    let one = |name: &str, values: &[f64], quantity: &str, limits| Map {
+        name: name.to_owned(),
+        positions: &map.positions_um,
+        values: fields.from_triangles(values),
+        quantity: quantity.to_owned(),
+        limits,
+    };
+    let tension = Some([0.0, 45.0]);
+    let maps = [
+        one("Where it pulls", &pulled.truth(&mesh), "Active tension (kPa)", tension),
+        one("What its film tells", &map.tensions_kpa, "Active tension (kPa)", tension),
+        one("How sure that is", &map.deviations_kpa, "Standard deviation (kPa)", None),
+    ];
+    let outline = trace_mask(&pulled.scene.mask(), Edge::Smooth).unwrap();
+    let cell = Cell::new(fields.clone(), Some(&outline)).unwrap();
+    let figure = figure::maps(&cell, &maps, Some(map.resolution_um())).unwrap();
+    files::write(path, figure.to_png(200.0).unwrap()).unwrap();
+}
+
 fn main() {
+    if let Some(path) = std::env::args_os().nth(1) {
+        return draw(path.as_ref());
+    }
     println!(
         "| cell | noise | said to be uneven | mean tension, kPa | weak over strong part | correlation | numbers of the map | \
          resolution, um | standard deviation, kPa | true tension within 1.96 of them, % |"
