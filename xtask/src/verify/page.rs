@@ -49,9 +49,9 @@ impl Row {
         let Some(measured) = self.measured else { return [String::new(), String::new()] };
         let expected = self.expected.unwrap_or_default();
         // What should vanish is a size, what should be a number is shown beside it.
-        let trimmed = |text: String| match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => text,
+        let trimmed = |text: String| {
+            let whole = |part: &str| part.trim_end_matches('0').trim_end_matches('.').to_owned();
+            if text.contains('.') { whole(&text) } else { text }
         };
         let size = |value: f64| {
             let small = value != 0.0 && value.abs() < 0.01;
