@@ -107,7 +107,7 @@ struct Beat {
 fn beat(name: &str, beats: u32) -> Result<Beat, Failure> {
     let model = cell::model(name)?;
     let stimulus = model.default_stimulus();
-    let protocol = Protocol { stimulus, start_ms: 0.0, cycle_length_ms: 1000.0, beats };
+    let protocol = Protocol { start_ms: 0.0, beats, ..Protocol::once(stimulus) };
     let settings = Settings { tolerance: 1e-4, ..Settings::of(Method::Stiff) };
     let trace = solve(&*model, protocol, settings, 1000.0 * f64::from(beats), EACH_MS)?;
     let from = trace.time_ms.len() - 1 - (1000.0 / EACH_MS) as usize;

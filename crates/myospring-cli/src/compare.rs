@@ -93,7 +93,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
         }
     }
     let beats: Vec<Beats> =
-        sides.iter().map(|side| Beats::of(&side.recording, &side.stimuli)).collect();
+        sides.iter().map(|side| Beats::of(&side.recording, &side.stimuli, side.s2_ms)).collect();
     let metrics = metric::rows(&beats.iter().collect::<Vec<_>>());
     for (number, side) in (1..).zip(&sides) {
         folder.write(&format!("runs/traces_{number}.csv"), csv::traces(&side.recording)?)?;

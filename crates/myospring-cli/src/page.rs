@@ -52,12 +52,17 @@ impl Texts {
 fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
     let Finished { name, run, simulation, outline, picture, outcome, numbers, stimuli, .. } =
         finished;
-    let beats = numbers.summary.beats.len();
+    let s2 = numbers.summary.s2().is_some();
+    let beats = numbers.summary.beats.len() - usize::from(s2);
     let mut facts = vec![
         (*name).to_owned(),
         run.cell.name().to_owned(),
         run.strength(),
-        format!("{beats} beat{}", if beats == 1 { "" } else { "s" }),
+        format!(
+            "{beats} beat{}{}",
+            if beats == 1 { "" } else { "s" },
+            if s2 { " and S2" } else { "" }
+        ),
     ];
     facts.dedup();
     // The title says it already.

@@ -283,6 +283,7 @@ fn small(study: &str) -> String {
         "size = 1024",
         "size = 2000",
         "size = 1000",
+        "levels = 23",
         "levels = 24",
         "levels = 15",
         "levels = 9",
@@ -294,6 +295,7 @@ fn small(study: &str) -> String {
             "size = 2",
             "size = 20",
             "size = 20",
+            "levels = 3",
             "levels = 3",
             "levels = 3",
             "levels = 2",
@@ -330,6 +332,7 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         "force_frequency.toml",
         "population.toml",
         "restitution.toml",
+        "s1_s2.toml",
         "tor_ord_population.toml",
     ];
     assert_eq!(known, all);

@@ -11,6 +11,7 @@ pub mod kind;
 pub mod load;
 pub mod pulse;
 pub mod rows;
+pub mod s2;
 pub mod shape;
 pub mod tension;
 #[cfg(test)]

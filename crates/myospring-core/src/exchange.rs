@@ -163,6 +163,11 @@ pub trait Activation: Send + Sync {
         Vec::new()
     }
 
+    /// When an extra stimulus, S2, comes after those of a train, ms; none by default.
+    fn s2_ms(&self) -> Option<f64> {
+        None
+    }
+
     /// What it tells besides, such as calcium: name and unit, the same at all times; nothing by default.
     fn outputs(&self) -> Vec<Output> {
         Vec::new()

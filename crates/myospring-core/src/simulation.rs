@@ -21,6 +21,7 @@
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
 
+mod capture;
 mod check;
 mod coupling;
 mod fault;

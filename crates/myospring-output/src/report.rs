@@ -11,7 +11,7 @@ use serde::Serialize;
 pub struct Summary {
     /// One entry for each stimulus within the run.
     pub beats: Vec<Beat>,
-    /// Mean and standard deviation over the beats, where there are several.
+    /// Mean and standard deviation over the beats of the train, where there are several.
     pub beat_to_beat: Vec<Spread>,
     /// Where the work of the active force went, at the end of the run.
     pub energy: Vec<Metric>,
@@ -24,14 +24,16 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// The numbers of a recording whose stimuli fell at these times, ms.
+    /// The numbers of a recording whose stimuli fell at these times, ms; `s2_ms` is the last of them where that is an
+    /// extra one, S2.
     pub fn new(
         recording: &Recording,
         stimulus_times_ms: &[f64],
+        s2_ms: Option<f64>,
         mesh: MeshReport,
         warnings: Vec<String>,
     ) -> Self {
-        let beats = Beats::of(recording, stimulus_times_ms);
+        let beats = Beats::of(recording, stimulus_times_ms, s2_ms);
         Self {
             beat_to_beat: beats.spread(),
             energy: beats.energy,
@@ -40,5 +42,10 @@ impl Summary {
             mesh,
             warnings,
         }
+    }
+
+    /// The beat of an extra stimulus, where there is one.
+    pub fn s2(&self) -> Option<&Beat> {
+        self.beats.last().filter(|last| last.is_s2())
     }
 }

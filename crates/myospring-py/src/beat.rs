@@ -176,11 +176,12 @@ impl Beat {
         pairs(py, self.made.simulation.fibres.iter().copied())
     }
 
-    /// Name, value and unit of all metrics; of several beats their mean.
+    /// Name, value and unit of all metrics; of several beats of a train their mean, then what an S2 is against them.
     #[getter]
     fn metrics(&self) -> Vec<(&'static str, Option<f64>, &'static str)> {
         let Some(first) = self.beats.first() else { return Vec::new() };
-        let all = first.metrics().chain(&self.beats.energy);
+        let s2 = self.beats.s2().into_iter().flat_map(|beat| &beat.s2);
+        let all = first.metrics().chain(s2).chain(&self.beats.energy);
         let row = |metric: &Metric| (metric.name, self.beats.mean(metric.name), metric.unit);
         all.map(row).collect()
     }
@@ -268,7 +269,7 @@ impl Beat {
 
     /// All that makes the beat again, but for the cell.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let Outcome { recording, stop, effort, engine, stimulus_times_ms } = &self.outcome;
+        let Outcome { recording, stop, effort, engine, stimulus_times_ms, s2_ms } = &self.outcome;
         let frames = recording.frames.iter().cloned();
         let frames = frames
             .map(|frame| (frame.t_ms, frame.ta_kpa, frame.ta_by_triangle_kpa, frame.positions));
@@ -281,6 +282,7 @@ impl Beat {
             effort: *effort,
             engine: engine.clone(),
             stimulus_times_ms: stimulus_times_ms.clone(),
+            s2_ms: *s2_ms,
             warnings: self.warnings.clone(),
         };
         let mut written = Vec::new();
@@ -310,6 +312,7 @@ impl Beat {
             effort: state.effort,
             engine: state.engine,
             stimulus_times_ms: state.stimulus_times_ms,
+            s2_ms: state.s2_ms,
         };
         let (cell, beats, warnings) = (Arc::clone(&cell.0), outcome.beats(), state.warnings);
         Ok(Self { cell, file, run, made, outcome, beats, warnings })
@@ -329,5 +332,6 @@ struct State {
     effort: Effort,
     engine: Option<EngineUsed>,
     stimulus_times_ms: Vec<f64>,
+    s2_ms: Option<f64>,
     warnings: Vec<String>,
 }

@@ -52,7 +52,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn train(model: &MinimalModel, cycle_length_ms: f64) -> (Protocol, f64) {
     let stimulus = model.default_stimulus();
-    let protocol = Protocol { stimulus, start_ms: START_MS, cycle_length_ms, beats: BEATS };
+    let protocol =
+        Protocol { start_ms: START_MS, cycle_length_ms, beats: BEATS, ..Protocol::once(stimulus) };
     (protocol, START_MS + f64::from(BEATS) * cycle_length_ms)
 }
 

@@ -58,7 +58,8 @@ fn paced(
     beats: u32,
 ) -> Result<CellIntegrator, SolveError> {
     let stimulus = model.default_stimulus();
-    let protocol = Protocol { stimulus, start_ms: 0.0, cycle_length_ms: CYCLE_MS, beats };
+    let protocol =
+        Protocol { start_ms: 0.0, cycle_length_ms: CYCLE_MS, beats, ..Protocol::once(stimulus) };
     let settings = Settings { tolerance, ..Settings::of(Method::Stiff) };
     CellIntegrator::new(Arc::clone(model), protocol, settings)
 }

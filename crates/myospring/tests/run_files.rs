@@ -174,7 +174,12 @@ fn another_support_on_the_command_line_drops_the_stiffness_of_the_old_one() {
 #[test]
 fn a_train_lasts_550_ms_after_its_last_stimulus() {
     let run = RunFile::from_text("[stimulus]\nbeats = 3\ncycle_length = \"500 ms\"").unwrap();
-    assert_eq!(run.resolve().unwrap().duration, 1600.0);
+    assert_eq!(run.clone().resolve().unwrap().duration, 1600.0);
+    // Early or late, an extra stimulus is the last.
+    let mut with = run;
+    with.set("stimulus.s2_interval", "320 ms").unwrap();
+    let with = with.resolve().unwrap();
+    assert_eq!((with.duration, with.s2_ms()), (1920.0, Some(1370.0)));
 }
 
 #[test]

@@ -43,7 +43,13 @@ pub(super) fn write(
     let owned: Vec<Owned> = shown
         .iter()
         .map(|(side, shown)| Owned {
-            summary: Summary::new(&side.recording, &side.stimuli, shown.report.clone(), Vec::new()),
+            summary: Summary::new(
+                &side.recording,
+                &side.stimuli,
+                side.s2_ms,
+                shown.report.clone(),
+                Vec::new(),
+            ),
             run_file: side.file.to_toml(),
             citations: cite::bibtex(&*shown.run.cell),
         })

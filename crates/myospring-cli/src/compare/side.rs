@@ -48,6 +48,8 @@ pub(super) struct Side {
     /// To the digits of `traces.csv`, wherever it comes from, so that equal runs are equal.
     pub(super) recording: Recording,
     pub(super) stimuli: Vec<f64>,
+    /// The last of them where that is an extra one, S2, ms.
+    pub(super) s2_ms: Option<f64>,
     /// Its run on its mesh, for the report; `None` where it cannot be meshed as it was.
     pub(super) shown: Option<Shown>,
     /// Rings of the outline at rest and at peak.
@@ -177,6 +179,7 @@ impl Job {
             file: repeating(run.to_run_file()),
             recording,
             stimuli,
+            s2_ms: run.s2_ms(),
             shown,
             cell,
             shape_sha256: record["shape_sha256"].as_str().map(str::to_owned),
@@ -217,6 +220,7 @@ impl Job {
             file: repeating(file),
             recording,
             stimuli,
+            s2_ms: run.s2_ms(),
             shown: Some(Shown::of(run, made)),
             cell,
             shape_sha256: Some(sha256(&bytes.shape)),

@@ -49,7 +49,8 @@ impl Over<'_> {
     /// The numbers of the run, with all warnings.
     pub fn summary(&self, warnings: Vec<String>) -> Summary {
         let stimuli = self.run.stimulus_times();
-        Summary::new(&self.outcome.recording, &stimuli, self.report.clone(), warnings)
+        let s2_ms = self.run.s2_ms();
+        Summary::new(&self.outcome.recording, &stimuli, s2_ms, self.report.clone(), warnings)
     }
 
     /// Writes all that `myospring run` writes into a folder, and gives its path; `outputs` are the words of its

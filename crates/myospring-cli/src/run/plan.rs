@@ -85,7 +85,7 @@ pub(super) fn plan(
     }
     let mut rows = vec![
         ("cell model", plan.model.to_owned()),
-        ("beats", format!("{} in {} ms", run.protocol.beats, run.duration)),
+        ("beats", beats_in_words(run)),
         ("peak tension", run.strength()),
     ];
     // A model whose tension is in kPa has its own.
@@ -133,4 +133,10 @@ pub(super) fn plan(
     print::out(&format!("Mesh\n{}\n\nPlan\n{}", mesh.join("\n"), aligned(&rows, &[])))?;
     print::out("nothing was written (--dry-run)")?;
     Ok(())
+}
+
+fn beats_in_words(run: &Run) -> String {
+    let s2 = run.protocol.s2_interval_ms;
+    let s2 = s2.map_or_else(String::new, |interval| format!(" and S2 {interval} ms later,"));
+    format!("{}{s2} in {} ms", run.protocol.beats, run.duration)
 }

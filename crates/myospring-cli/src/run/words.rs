@@ -36,21 +36,36 @@ pub(crate) const ROWS: [(&str, &str); 19] = [
     ("action_potential_duration_90", "APD90"),
 ];
 
-/// The table after a run; of several beats, mean and standard deviation.
+/// Rows of an S2 alone.
+const OF_S2: [(&str, &str); 4] = [
+    ("coupling_interval", "coupling interval of S2"),
+    ("diastolic_interval", "diastolic interval before S2"),
+    ("relative_peak_tension", "peak tension of S2, of that of S1"),
+    ("relative_peak_shortening", "peak shortening of S2, of that of S1"),
+];
+
+/// The table after a run; of several beats, mean and standard deviation, beside them an extra stimulus.
 pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
     let summary = numbers.summary;
     let title = if run.title.is_empty() { name } else { &run.title };
-    let beats = summary.beats.len();
+    let s2 = summary.s2();
+    let beats = summary.beats.len() - usize::from(s2.is_some());
     let mut of = vec![run.cell.name().to_owned(), run.strength()];
     // A model whose tension is in kPa has its own.
     of.dedup();
     let s = if beats == 1 { "" } else { "s" };
-    let mut text = format!("{title}: {beats} beat{s} of {}\n\n", of.join(" at "));
+    let and_s2 = match s2 {
+        Some(Beat { captured: Some(false), .. }) => " and S2 (no capture)",
+        Some(_) => " and S2",
+        None => "",
+    };
+    let mut text = format!("{title}: {beats} beat{s}{and_s2} of {}\n\n", of.join(" at "));
     let spread = beats > 1;
     let mut header = vec!["quantity".to_owned(), "value".to_owned()];
     if spread {
         header.push("+- sd".to_owned());
     }
+    header.extend(s2.map(|_| "S2".to_owned()));
     let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
     let band_column = if loaded { "" } else { "band*" };
     header.extend(["unit".to_owned(), band_column.to_owned()]);
@@ -69,10 +84,11 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         }
         let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric);
         let value = over_beats.map(|spread| spread.mean).or(*value);
-        let mut row = vec![words.to_owned(), value.map_or_else(|| "-".to_owned(), number)];
+        let mut row = vec![words.to_owned(), or_dash(value)];
         if spread {
             row.push(over_beats.map_or_else(String::new, |s| number(s.standard_deviation)));
         }
+        row.extend(s2.map(|beat| or_dash(beat.value(metric))));
         // What is known is of unloaded cells.
         let reference = band(metric).filter(|_| !loaded);
         let reference = reference.map(|Band { low, high, .. }| format!("{low} to {high}"));
@@ -83,15 +99,29 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         row.extend([(*unit).to_owned(), last]);
         rows.push(row);
     }
-    let right: &[usize] = if spread { &[1, 2] } else { &[1] };
+    for (metric, words) in OF_S2 {
+        let found = s2.and_then(|beat| beat.s2.iter().find(|row| row.name == metric));
+        let Some(Metric { value, unit, .. }) = found else { continue };
+        // A cell whose calcium is given has no action potential.
+        if value.is_none() && s2.is_some_and(|beat| beat.captured.is_none()) {
+            continue;
+        }
+        let mut row = vec![words.to_owned(), String::new()];
+        row.extend(spread.then(String::new));
+        row.extend([or_dash(*value), (*unit).to_owned(), String::new()]);
+        rows.push(row);
+    }
+    let columns = 1 + usize::from(spread) + usize::from(s2.is_some());
+    let right: Vec<usize> = (1..=columns).collect();
     let fibres = numbers.fibres;
     if let Some(length) = fibres.and_then(|report| report.seen?.sarcomere_um) {
         let mut row = vec!["sarcomere length at rest, median".to_owned(), number(length)];
         row.extend(spread.then(String::new));
+        row.extend(s2.map(|_| String::new()));
         row.extend(["um".to_owned(), String::new()]);
         rows.push(row);
     }
-    text.push_str(&aligned(&rows, right));
+    text.push_str(&aligned(&rows, &right));
     if first.load.is_empty() {
         text.push_str(
             "* bands of unloaded adult ventricular myocytes: what is seen, not a target\n",
@@ -101,6 +131,10 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         let _ = writeln!(text, "fibres: {fibres}");
     }
     text
+}
+
+fn or_dash(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), number)
 }
 
 /// Why a beat has no such metric.

@@ -20,10 +20,13 @@ fn words(metric: &str) -> String {
 }
 
 pub(super) fn for_people(study: &ParameterStudy, outcome: &Outcome<'_>) -> String {
-    let Acceptance { beat, kept, failed, ref bands } = outcome.acceptance;
+    let Acceptance { beat, kept, failed, not_captured, ref bands } = outcome.acceptance;
     let mut text = format!("{} members: {beat} beat", outcome.members);
     if failed > 0 {
         let _ = write!(text, ", {failed} failed (the column reason says why)");
+    }
+    if not_captured > 0 {
+        let _ = write!(text, ", {not_captured} without capture (S2 raised no action potential)");
     }
     if !study.keep.is_empty() {
         let share = 100.0 * kept as f64 / outcome.members.max(1) as f64;

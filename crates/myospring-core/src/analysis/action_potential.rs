@@ -11,14 +11,22 @@ use super::trace;
 /// to the potential before the stimulus. `unit` names the potential's unit: `mV`, or nothing.
 pub fn metrics(times: &[f64], potential: &[f64], stimulus: f64, unit: &'static str) -> Vec<Metric> {
     let rest = trace::baseline(times, potential, stimulus);
+    above(times, potential, stimulus, unit, rest, "mean potential before the stimulus")
+}
+
+/// As [`metrics`], above a rest that is known.
+pub fn above(
+    times: &[f64],
+    potential: &[f64],
+    stimulus: f64,
+    unit: &'static str,
+    rest: Option<f64>,
+    rest_is: &'static str,
+) -> Vec<Metric> {
     let heights: Vec<f64> =
         rest.map(|rest| potential.iter().map(|v| v - rest).collect()).unwrap_or_default();
     let pulse = Pulse::new(times, &heights, stimulus, Top::Sample);
-    let context = Context {
-        stimulus: Some(stimulus),
-        onset: None,
-        rest: "mean potential before the stimulus",
-    };
+    let context = Context { stimulus: Some(stimulus), onset: None, rest: rest_is };
     let mut rows = of_pulse(&pulse, rest, unit, &context);
     // As it stands in the samples.
     if let Some(peak) = trace::largest(times, potential).filter(|_| pulse.peak().is_some()) {

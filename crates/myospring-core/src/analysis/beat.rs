@@ -2,15 +2,13 @@
 
 use super::pulse::{Pulse, Top};
 use super::rows::{Context, between, row};
+use super::s2::{self, S1S2};
 use super::{
     Metric, Spread, action_potential, beat_to_beat, contraction, load, tension, trace, value,
 };
 use crate::recording::{END_FORCE, Recording, Sample, Signal};
 use serde::Serialize;
 use std::ops::Deref;
-
-/// Time before each later stimulus over which the resting length of that beat is taken, ms.
-const BASELINE: f64 = 20.0;
 
 /// What is known of a quantity in unloaded adult ventricular myocytes: a band, not a target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -86,14 +84,25 @@ pub struct Beat {
     pub load: Vec<Metric>,
     /// Action potential; none of a cell that has none.
     pub action_potential: Vec<Metric>,
+    /// What the beat of an extra stimulus, S2, is against the last of its train; empty of any other.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub s2: Vec<Metric>,
+    /// Whether an S2 raised an action potential; its other metrics have no value where it did not. `None` of any other
+    /// beat, and of a cell that has no potential.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub captured: Option<bool>,
 }
 
 impl Beat {
     /// All metrics in the order of reading.
     pub fn metrics(&self) -> impl Iterator<Item = &Metric> {
-        let parts =
-            [&self.tension, &self.contraction, &self.shape, &self.load, &self.action_potential];
-        parts.into_iter().flatten()
+        let Self { tension, contraction, shape, load, action_potential, s2, .. } = self;
+        [tension, contraction, shape, load, action_potential, s2].into_iter().flatten()
+    }
+
+    /// Whether it is that of an extra stimulus.
+    pub fn is_s2(&self) -> bool {
+        !self.s2.is_empty()
     }
 
     /// The value of a metric by its name.
@@ -127,28 +136,55 @@ pub struct Beats {
 }
 
 impl Beats {
-    /// Of what a run recorded whose stimuli fell at these times, ms.
-    pub fn of(recording: &Recording, stimulus_times_ms: &[f64]) -> Self {
+    /// Of what a run recorded whose stimuli fell at these times, ms; `s2_ms` is the last of them where that is an extra
+    /// one, S2.
+    pub fn of(recording: &Recording, stimulus_times_ms: &[f64], s2_ms: Option<f64>) -> Self {
         let energy = energy(&recording.samples);
-        Self { list: beats(recording, stimulus_times_ms), energy, bands: BANDS }
+        let mut list = beats(recording, stimulus_times_ms);
+        if let Some(s2_ms) = s2_ms {
+            list.retain(|beat| beat.stimulus_ms != s2_ms);
+            if let Some(s1) = list.last() {
+                list.extend(s2_beat(recording, stimulus_times_ms, s2_ms, s1));
+            }
+        }
+        Self { list, energy, bands: BANDS }
     }
 
-    /// The value of a metric of the whole run, or the mean of one over the beats that show it; `None` where none does.
+    /// The beats of the train, without that of an S2.
+    pub fn train(&self) -> &[Beat] {
+        match self.list.split_last() {
+            Some((last, train)) if last.is_s2() => train,
+            _ => &self.list,
+        }
+    }
+
+    /// The beat of an extra stimulus, where there is one.
+    pub fn s2(&self) -> Option<&Beat> {
+        self.list.last().filter(|last| last.is_s2())
+    }
+
+    /// The value of a metric of the whole run or of S2 alone, or the mean of one over the beats of the train that show
+    /// it; `None` where none does.
     pub fn mean(&self, name: &str) -> Option<f64> {
         if let Some(metric) = self.energy.iter().find(|metric| metric.name == name) {
             return metric.value;
         }
-        let values: Vec<f64> = self.iter().filter_map(|beat| beat.value(name)).collect();
+        if let Some(metric) =
+            self.s2().and_then(|beat| beat.s2.iter().find(|metric| metric.name == name))
+        {
+            return metric.value;
+        }
+        let values: Vec<f64> = self.train().iter().filter_map(|beat| beat.value(name)).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
-    /// Mean and standard deviation over the beats of every metric, where there are several.
+    /// Mean and standard deviation over the beats of the train of every metric, where there are several.
     pub fn spread(&self) -> Vec<Spread> {
-        if self.list.len() < 2 {
+        if self.train().len() < 2 {
             return Vec::new();
         }
         let all: Vec<Vec<Metric>> =
-            self.list.iter().map(|beat| beat.metrics().cloned().collect()).collect();
+            self.train().iter().map(|beat| beat.metrics().cloned().collect()).collect();
         beat_to_beat(&all)
     }
 }
@@ -161,8 +197,8 @@ impl Deref for Beats {
     }
 }
 
-/// Every metric of a beat, then those of the whole run, in the order of reading and without a value; `in_mv` says whether
-/// potentials are in mV.
+/// Every metric of a beat, those of an S2 last, then those of the whole run, in the order of reading and without a
+/// value; `in_mv` says whether potentials are in mV.
 pub fn known(in_mv: bool) -> Vec<Metric> {
     let still = Sample {
         t_ms: 0.0,
@@ -183,9 +219,13 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
     // Their names hang on nothing that was recorded.
     let held = Signal { name: END_FORCE.to_owned(), unit: "nN".to_owned(), values: vec![0.0] };
     let recording = Recording { samples: vec![still], signals: vec![held], frames: Vec::new() };
-    let Beats { list, energy, .. } = Beats::of(&recording, &[0.0]);
+    let Beats { list, energy, .. } = Beats::of(&recording, &[0.0], None);
     let of_beat = list.iter().flat_map(Beat::metrics).cloned();
-    of_beat.chain(energy).map(|metric| Metric { value: None, ..metric }).collect()
+    of_beat
+        .chain(s2::rows(None, None, &[], &[]))
+        .chain(energy)
+        .map(|metric| Metric { value: None, ..metric })
+        .collect()
 }
 
 /// The metrics of each beat; it ends at the next stimulus.
@@ -197,7 +237,7 @@ pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
         .iter()
         .enumerate()
         .filter_map(|(index, &stimulus)| {
-            let start = if index == 0 { f64::NEG_INFINITY } else { stimulus - BASELINE };
+            let start = if index == 0 { f64::NEG_INFINITY } else { stimulus - S1S2::BASELINE_MS };
             let end = stimulus_times_ms.get(index + 1).copied().unwrap_or(f64::INFINITY);
             let first = times.partition_point(|time| *time < start);
             let last = times.partition_point(|time| *time < end);
@@ -212,30 +252,112 @@ fn beat(samples: &[Sample], force: Option<&[f64]>, stimulus: f64) -> Beat {
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let times = column(|s| s.t_ms);
     let contraction = contraction::metrics(&times, &column(|s| s.length_um), stimulus);
-    let everywhere =
-        |read: fn(&Sample) -> Option<f64>| samples.iter().map(read).collect::<Option<Vec<f64>>>();
-    let action_potential = match (everywhere(|s| s.vm_mv), everywhere(|s| s.u)) {
-        (Some(in_mv), _) => action_potential::metrics(&times, &in_mv, stimulus, "mV"),
-        (None, Some(u)) => action_potential::metrics(&times, &u, stimulus, ""),
-        (None, None) => Vec::new(),
+    let action_potential = match potential(samples) {
+        Some((potential, unit)) => action_potential::metrics(&times, &potential, stimulus, unit),
+        None => Vec::new(),
     };
-    let tension = tension(&times, &column(|s| s.ta_kpa), stimulus, &contraction);
-    let shape = shape(samples, stimulus, &contraction);
+    let active = column(|s| s.ta_kpa);
+    let rest = trace::baseline(&times, &active, stimulus).unwrap_or_default();
+    let rest = (rest, "mean active tension before the stimulus");
+    let tension = tension(&times, &active, stimulus, rest, &contraction);
+    let at_rest = |read| trace::baseline(&times, &column(read), stimulus);
+    let shape = shape(samples, &at_rest, &contraction);
     let load = force.map_or_else(Vec::new, |force| {
         load::metrics(&times, &column(|s| s.length_um), force, stimulus)
     });
-    Beat { stimulus_ms: stimulus, tension, contraction, shape, load, action_potential }
+    let (stimulus_ms, s2, captured) = (stimulus, Vec::new(), None);
+    Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured }
 }
 
-fn tension(times: &[f64], active: &[f64], stimulus: f64, contraction: &[Metric]) -> Vec<Metric> {
-    let rest = trace::baseline(times, active, stimulus).unwrap_or_default();
+/// The potential and its unit, where all samples have one.
+fn potential(samples: &[Sample]) -> Option<(Vec<f64>, &'static str)> {
+    let everywhere =
+        |read: fn(&Sample) -> Option<f64>| samples.iter().map(read).collect::<Option<Vec<f64>>>();
+    let in_mv = everywhere(|s| s.vm_mv).map(|potential| (potential, "mV"));
+    in_mv.or_else(|| Some((everywhere(|s| s.u)?, "")))
+}
+
+/// The beat of an S2 after the beat of the last S1; `None` where nothing was recorded of it.
+fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> Option<Beat> {
+    let Recording { samples, signals, .. } = recording;
+    let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
+    let times = column(|s| s.t_ms);
+    let pair = S1S2::of(&times, stimuli_ms, s2_ms)?;
+    let rest = |column: &[f64]| Some(pair.rest(column));
+    // Nothing of it where the curve does not rise.
+    let of = |rising: &[f64]| pair.beat(rising).unwrap_or(times.len()..times.len());
+
+    let lengths = column(|s| s.length_um);
+    let shortening: Vec<f64> = lengths.iter().map(|length| -length).collect();
+    let within = of(&shortening);
+    let contraction = contraction::above(
+        &times[within.clone()],
+        &lengths[within.clone()],
+        s2_ms,
+        rest(&lengths),
+        "mean length before the last S1",
+    );
+    let shape = shape(&samples[within], &|read| rest(&column(read)), &contraction);
+    let active = column(|s| s.ta_kpa);
+    let within = of(&active);
+    let tension = tension(
+        &times[within.clone()],
+        &active[within],
+        s2_ms,
+        (pair.rest(&active), "mean active tension before the last S1"),
+        &contraction,
+    );
+    let force = signals.iter().find(|signal| signal.name == END_FORCE);
+    let load = force.map_or_else(Vec::new, |force| {
+        let within = of(&force.values);
+        load::above(
+            &times[within.clone()],
+            &lengths[within.clone()],
+            &force.values[within],
+            s2_ms,
+            rest(&force.values),
+            "mean force at the ends before the last S1",
+        )
+    });
+    let (mut action_potential, mut captured, mut diastolic) = (Vec::new(), None, None);
+    if let Some((potential, unit)) = potential(samples) {
+        captured = pair.captured(&times, &potential);
+        diastolic = pair.diastolic_interval(&times, &potential);
+        let within = pair.action_potential();
+        action_potential = action_potential::above(
+            &times[within.clone()],
+            &potential[within],
+            s2_ms,
+            unit,
+            rest(&potential),
+            "mean potential before the last S1",
+        );
+    }
+    let mut groups = [tension, contraction, shape, load, action_potential];
+    if captured == Some(false) {
+        groups.iter_mut().flatten().for_each(|metric| metric.value = None);
+    }
+    let [tension, contraction, shape, load, action_potential] = groups;
+    let s2 = s2::rows(
+        Some(&pair),
+        diastolic,
+        &[&s1.tension, &s1.contraction],
+        &[&tension, &contraction],
+    );
+    let stimulus_ms = s2_ms;
+    Some(Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured })
+}
+
+fn tension(
+    times: &[f64],
+    active: &[f64],
+    stimulus: f64,
+    (rest, rest_is): (f64, &'static str),
+    contraction: &[Metric],
+) -> Vec<Metric> {
     let heights: Vec<f64> = active.iter().map(|tension| tension - rest).collect();
     let pulse = Pulse::new(times, &heights, stimulus, Top::Vertex);
-    let context = Context {
-        stimulus: Some(stimulus),
-        onset: None,
-        rest: "mean active tension before the stimulus",
-    };
+    let context = Context { stimulus: Some(stimulus), onset: None, rest: rest_is };
     let peak = pulse.peak();
     let lag = between(value(contraction, "time_of_peak"), peak.map(|peak| peak.time));
     let at_end = peak.and_then(|peak| Some(100.0 * active.last()? / (rest + peak.value)));
@@ -248,19 +370,18 @@ fn tension(times: &[f64], active: &[f64], stimulus: f64, contraction: &[Metric])
 }
 
 /// Width and area at the sample nearest to the peak, against a cell that keeps its volume.
-fn shape(samples: &[Sample], stimulus: f64, contraction: &[Metric]) -> Vec<Metric> {
-    let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
-    let rest = |read: fn(&Sample) -> f64| {
-        let column: Vec<f64> = samples.iter().map(read).collect();
-        trace::baseline(&times, &column, stimulus)
-    };
+fn shape(
+    samples: &[Sample],
+    at_rest: &dyn Fn(fn(&Sample) -> f64) -> Option<f64>,
+    contraction: &[Metric],
+) -> Vec<Metric> {
     let peak = value(contraction, "time_of_peak").and_then(|peak| {
         let distance = |sample: &&Sample| (sample.t_ms - peak).abs();
         samples.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     });
-    let change = |read: fn(&Sample) -> f64| Some(100.0 * (read(peak?) / rest(read)? - 1.0));
+    let change = |read: fn(&Sample) -> f64| Some(100.0 * (read(peak?) / at_rest(read)? - 1.0));
     let width = change(|s| s.width_um);
-    let ratio = Some(()).and_then(|()| Some(peak?.length_um / rest(|s| s.length_um)?));
+    let ratio = Some(()).and_then(|()| Some(peak?.length_um / at_rest(|s| s.length_um)?));
     // Equal transverse strains keep the volume: width L^(-1/2), projected area L^(1/2).
     let isovolumic_width = ratio.map(|ratio| 100.0 * (ratio.powf(-0.5) - 1.0));
     let isovolumic_area = ratio.map(|ratio| 100.0 * (ratio.sqrt() - 1.0));

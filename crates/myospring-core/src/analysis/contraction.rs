@@ -29,11 +29,21 @@ const LEAST: f64 = 1e-6;
 /// ```
 pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
     let rest = trace::baseline(times, length, stimulus);
+    above(times, length, stimulus, rest, "mean length before the stimulus")
+}
+
+/// As [`metrics`], from a length at rest that is known.
+pub fn above(
+    times: &[f64],
+    length: &[f64],
+    stimulus: f64,
+    rest: Option<f64>,
+    rest_is: &'static str,
+) -> Vec<Metric> {
     let shortening: Vec<f64> =
         rest.map(|rest| length.iter().map(|l| 1.0 - l / rest).collect()).unwrap_or_default();
     let pulse = Pulse::new(times, &shortening, stimulus, Top::Vertex).above(LEAST);
-    let context =
-        Context { stimulus: Some(stimulus), onset: None, rest: "mean length before the stimulus" };
+    let context = Context { stimulus: Some(stimulus), onset: None, rest: rest_is };
     of_length(&pulse, rest, "um", &context)
 }
 

@@ -22,6 +22,19 @@ use super::{Metric, trace};
 /// assert!((value(&metrics, "work_on_load").unwrap() - 500.0).abs() < 1e-9);
 /// ```
 pub fn metrics(times: &[f64], lengths: &[f64], forces: &[f64], stimulus: f64) -> Vec<Metric> {
+    let rest = trace::baseline(times, forces, stimulus);
+    above(times, lengths, forces, stimulus, rest, "mean force at the ends before the stimulus")
+}
+
+/// As [`metrics`], with a force at rest that is known.
+pub fn above(
+    times: &[f64],
+    lengths: &[f64],
+    forces: &[f64],
+    stimulus: f64,
+    rest: Option<f64>,
+    rest_is: &'static str,
+) -> Vec<Metric> {
     let after = times.partition_point(|time| *time < stimulus);
     let most = |of: &dyn Fn(usize) -> f64| {
         // The first where several are alike.
@@ -37,12 +50,7 @@ pub fn metrics(times: &[f64], lengths: &[f64], forces: &[f64], stimulus: f64) ->
     });
     let row = |name, value, unit, definition| Metric { name, value, unit, definition };
     vec![
-        row(
-            "end_force_at_rest",
-            trace::baseline(times, forces, stimulus),
-            "nN",
-            "mean force at the ends before the stimulus",
-        ),
+        row("end_force_at_rest", rest, "nN", rest_is),
         row(
             "peak_end_force",
             strongest.map(|k| forces[k]),

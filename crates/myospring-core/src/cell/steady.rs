@@ -55,7 +55,7 @@ pub enum SteadyError {
 }
 
 /// The state of a cell that was paced by a protocol (its stimulus, cycle length and start, at which the first stimulus of
-/// the run comes) until it changes by no more than `tolerance`.
+/// the run comes, without an S2) until it changes by no more than `tolerance`.
 ///
 /// # Errors
 /// A cell that cannot be followed, or that goes on changing.
@@ -78,7 +78,7 @@ pub fn pace(
 ) -> Result<SteadyState, SteadyError> {
     let cycle = protocol.cycle_length_ms;
     let start_ms = protocol.start_ms.max(APART_MS).min(cycle - APART_MS);
-    let train = Protocol { start_ms, beats: MOST_BEATS + 1, ..protocol };
+    let train = Protocol { start_ms, beats: MOST_BEATS + 1, s2_interval_ms: None, ..protocol };
     let mut cell = CellIntegrator::new(Arc::clone(model), train, settings)?;
     let mut before: Vec<Vec<f64>> = vec![cell.state().to_vec()];
     let mut worst = (0, f64::INFINITY);

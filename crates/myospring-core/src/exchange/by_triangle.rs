@@ -63,6 +63,7 @@ pub struct ByTriangle {
     resting_stretch: Vec<f64>,
     settings: Settings,
     stimulus_times_ms: Vec<f64>,
+    s2_ms: Option<f64>,
 }
 
 impl ByTriangle {
@@ -105,6 +106,7 @@ impl ByTriangle {
             kept.iter().map(|cell| scale * model.tension(cell.state(), &Input::REST)).collect();
         let first = protocols.iter().min_by(|a, b| a.start_ms.total_cmp(&b.start_ms));
         let stimulus_times_ms = first.map_or_else(Vec::new, |it| it.stimulus_times().collect());
+        let s2_ms = first.and_then(Protocol::s2_ms);
         let strongest = strongest(&model, settings, scale, 1.0)?;
         Ok(Self {
             moved: kept.clone(),
@@ -118,6 +120,7 @@ impl ByTriangle {
             resting_stretch: vec![1.0; count],
             settings,
             stimulus_times_ms,
+            s2_ms,
             model,
         })
     }
@@ -234,6 +237,10 @@ impl Activation for ByTriangle {
 
     fn stimulus_times_ms(&self) -> Vec<f64> {
         self.stimulus_times_ms.clone()
+    }
+
+    fn s2_ms(&self) -> Option<f64> {
+        self.s2_ms
     }
 
     fn outputs(&self) -> Vec<Output> {

@@ -22,6 +22,7 @@ pub struct WholeCell {
     /// What it feels of the cell at rest.
     resting_stretch: f64,
     stimulus_times_ms: Vec<f64>,
+    s2_ms: Option<f64>,
 }
 
 impl WholeCell {
@@ -54,6 +55,7 @@ impl WholeCell {
     ) -> Result<Self, SolveError> {
         let feels_stretch = model.feels_stretch();
         let stimulus_times_ms = protocol.stimulus_times().collect();
+        let s2_ms = protocol.s2_ms();
         let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
         let kept = CellIntegrator::starting_from(model, &state, protocol, settings)?;
         Ok(Self {
@@ -65,6 +67,7 @@ impl WholeCell {
             feels_stretch,
             resting_stretch: 1.0,
             stimulus_times_ms,
+            s2_ms,
         })
     }
 
@@ -134,6 +137,10 @@ impl Activation for WholeCell {
 
     fn stimulus_times_ms(&self) -> Vec<f64> {
         self.stimulus_times_ms.clone()
+    }
+
+    fn s2_ms(&self) -> Option<f64> {
+        self.s2_ms
     }
 
     fn outputs(&self) -> Vec<Output> {

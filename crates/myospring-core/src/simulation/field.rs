@@ -73,8 +73,8 @@ impl PreparedField {
         };
         let [equilibria, newton_iterations, factorisations] = solved;
         let effort = Effort::Field { equilibria, newton_iterations, factorisations };
-        let stimulus_times_ms = setup.stimulus_times();
-        Outcome { recording, stop, effort, engine: None, stimulus_times_ms }
+        let (stimulus_times_ms, s2_ms) = (setup.stimulus_times(), setup.s2_ms());
+        Outcome { recording, stop, effort, engine: None, stimulus_times_ms, s2_ms }
     }
 }
 

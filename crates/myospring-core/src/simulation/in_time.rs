@@ -110,7 +110,8 @@ impl Prepared {
             _ => Effort::Verlet { time_step_ms, stability_limit_ms, steps },
         };
         let (engine, stimulus_times_ms) = (Some(self.engine.clone()), self.setup.stimulus_times());
-        Outcome { recording, stop, effort, engine, stimulus_times_ms }
+        let s2_ms = self.setup.s2_ms();
+        Outcome { recording, stop, effort, engine, stimulus_times_ms, s2_ms }
     }
 }
 

@@ -19,13 +19,15 @@ pub struct Outcome {
     pub engine: Option<EngineUsed>,
     /// Times of the stimuli that fall within the run, ms.
     pub stimulus_times_ms: Vec<f64>,
+    /// The last of them where that is an extra one, S2.
+    pub s2_ms: Option<f64>,
 }
 
 impl Outcome {
     /// What the beats amount to: tension, contraction, width and area, action potential of each, where the
     /// energy went, and the bands of what is known.
     pub fn beats(&self) -> Beats {
-        Beats::of(&self.recording, &self.stimulus_times_ms)
+        Beats::of(&self.recording, &self.stimulus_times_ms, self.s2_ms)
     }
 }
 

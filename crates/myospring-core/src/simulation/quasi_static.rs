@@ -240,8 +240,8 @@ impl PreparedPath {
             interpolation_error_um: paths().map(|path| path.error()).fold(0.0, f64::max),
             delay_ms: paths().map(|path| path.delay()).fold(0.0, f64::max),
         };
-        let stimulus_times_ms = setup.stimulus_times();
-        Outcome { recording, stop, effort, engine: None, stimulus_times_ms }
+        let (stimulus_times_ms, s2_ms) = (setup.stimulus_times(), setup.s2_ms());
+        Outcome { recording, stop, effort, engine: None, stimulus_times_ms, s2_ms }
     }
 }
 

@@ -113,4 +113,9 @@ impl Setup {
         let times = self.activation.stimulus_times_ms();
         times.into_iter().take_while(|time| time < duration).collect()
     }
+
+    /// When an extra stimulus comes within the run, ms, if one does.
+    pub(super) fn s2_ms(&self) -> Option<f64> {
+        self.activation.s2_ms().filter(|time| *time < self.simulation.duration)
+    }
 }

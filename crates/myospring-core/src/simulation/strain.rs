@@ -1,5 +1,6 @@
 //! What a run came to that its cell would not do: strained beyond what the law was made for, or longer.
 
+use super::capture::not_captured;
 use super::{Outcome, Ready, Simulation};
 use crate::mechanics::active::FibreStretch;
 use crate::mesh::simplex::content_at;
@@ -41,7 +42,12 @@ impl Ready {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn warnings_after(&self, outcome: &Outcome) -> Vec<String> {
-        let all = [self.lengthened(outcome), self.strained(outcome), self.out_of_pace(outcome)];
+        let all = [
+            self.lengthened(outcome),
+            self.strained(outcome),
+            self.out_of_pace(outcome),
+            not_captured(outcome),
+        ];
         all.into_iter().flatten().collect()
     }
 

@@ -22,7 +22,7 @@ use super::template::TEMPLATE;
 /// let mut simulation = Simulation::new(mesh);
 /// simulation.numerics.method = Method::QuasiStatic;
 /// let outcome = simulation.build()?.run(|_progress| true);
-/// let summary = Summary::new(&outcome.recording, &outcome.stimulus_times_ms, report, Vec::new());
+/// let summary = Summary::new(&outcome.recording, &outcome.stimulus_times_ms, None, report, Vec::new());
 /// let run = PageRun {
 ///     label: "50 kPa",
 ///     facts: vec!["adult ventricular myocyte".to_owned()],

@@ -110,6 +110,7 @@ fn metrics(summary: &Summary) -> Vec<MetricGroup<'_>> {
     };
     let mut groups: Vec<MetricGroup<'_>> =
         summary.beats.first().map(of_beat).into_iter().flatten().collect();
+    groups.extend(summary.s2().map(|beat| group("Extra stimulus, S2", &beat.s2)));
     groups.push(group("Energy over the run", &summary.energy));
     groups
 }

@@ -207,7 +207,14 @@ fn stimulus(file: &RunFile, run: &Run) -> Checked {
         return Err(("stimulus.steady_state_cache".to_owned(), problem));
     }
     let valid = run.protocol.validate();
-    valid.map_err(|error| ("stimulus".to_owned(), Problem::Stimulus(error)))
+    valid.map_err(|error| ("stimulus".to_owned(), Problem::Stimulus(error)))?;
+    match run.protocol.s2_ms() {
+        Some(s2_ms) if s2_ms >= run.duration => {
+            let duration_ms = run.duration;
+            Err(("run.duration".to_owned(), Problem::EndsBeforeS2 { duration_ms, s2_ms }))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Keys that only a picture has, or only a picture and a file of outlines.

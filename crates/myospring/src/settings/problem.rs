@@ -149,6 +149,16 @@ pub enum Problem {
     /// A stimulus that cannot be given.
     #[error("`stimulus`: {0}")]
     Stimulus(ProtocolError),
+    /// An extra stimulus that the run does not reach.
+    #[error(
+        "`run.duration` = {duration_ms} ms ends before S2 at {s2_ms} ms; make it longer, or leave it out"
+    )]
+    EndsBeforeS2 {
+        /// Time simulated, ms.
+        duration_ms: f64,
+        /// When S2 comes, ms.
+        s2_ms: f64,
+    },
 }
 
 fn place(table: &str) -> String {
@@ -219,6 +229,7 @@ impl Problem {
             | Self::Kind { .. }
             | Self::Conflict { .. }
             | Self::Missing { .. }
+            | Self::EndsBeforeS2 { .. }
             | Self::Stimulus(_) => None,
         }
     }

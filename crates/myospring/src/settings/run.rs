@@ -336,6 +336,11 @@ impl Run {
         self.protocol.stimulus_times().take_while(|time| *time < self.duration).collect()
     }
 
+    /// When an extra stimulus, S2, comes within the run, ms, if one does.
+    pub fn s2_ms(&self) -> Option<f64> {
+        self.protocol.s2_ms().filter(|time| *time < self.duration)
+    }
+
     /// What a person should look at, the mesh's own warnings first.
     pub fn warnings(&self, mesh: &MeshReport) -> Vec<String> {
         let mut warnings = mesh.warnings.clone();
@@ -358,13 +363,21 @@ impl Run {
                 self.material.young_modulus()
             ));
         }
-        let Protocol { start_ms, beats, cycle_length_ms, .. } = self.protocol;
+        let Protocol { start_ms, beats, cycle_length_ms, s2_interval_ms, .. } = self.protocol;
         let between = if beats > 1 { cycle_length_ms } else { 0.0 };
+        let between = between.max(s2_interval_ms.unwrap_or(0.0));
         let (rest_ms, longest) = (start_ms.max(between), self.cell.longest_rest_ms());
         if beats > 0 && rest_ms > longest {
             warnings.push(format!(
                 "the cell rests for {rest_ms} ms; after more than {longest} ms the next beat of {} is known to be \
                  wrong: weaker, where measured muscle is stronger",
+                self.cell.name()
+            ));
+        }
+        if s2_interval_ms.is_some() && self.cell.stimulation().moves.is_empty() {
+            warnings.push(format!(
+                "the calcium of {} is given and begins anew with S2, as large as in any beat however early it comes: \
+                 what S2 changes is the myofilaments' alone; tor_ord_land has calcium of its own",
                 self.cell.name()
             ));
         }
@@ -386,8 +399,9 @@ impl Run {
 }
 
 fn usual_duration(protocol: &Protocol, numerics: &Numerics) -> f64 {
-    let last = f64::from(protocol.beats.saturating_sub(1)) * protocol.cycle_length_ms;
+    let Protocol { start_ms, beats, cycle_length_ms, s2_interval_ms, .. } = *protocol;
+    let last = f64::from(beats.saturating_sub(1)) * cycle_length_ms + s2_interval_ms.unwrap_or(0.0);
     let exchange = numerics.exchange_interval;
     // The authors' stimulus falls one of their steps before 50 ms; the run still lasts 600 ms.
-    ((protocol.start_ms + last + AFTER_LAST_STIMULUS) / exchange).ceil() * exchange
+    ((start_ms + last + AFTER_LAST_STIMULUS) / exchange).ceil() * exchange
 }

@@ -35,6 +35,7 @@
 //! ```
 
 mod answer;
+mod course;
 mod description;
 mod elsewhere;
 mod error;

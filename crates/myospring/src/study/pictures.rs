@@ -280,7 +280,8 @@ fn beat(
     warnings.extend(prepared.warnings());
     warnings.extend(prepared.warnings_after(&finished));
     row.warnings = warnings.join("; ");
-    let summary = Summary::new(&finished.recording, &run.stimulus_times(), report, warnings);
+    let (stimuli, s2_ms) = (run.stimulus_times(), run.s2_ms());
+    let summary = Summary::new(&finished.recording, &stimuli, s2_ms, report, warnings);
     row.metrics(&summary);
     let (simulation, finished) = (&simulation, &finished);
     keeper.beaten(&Beaten {

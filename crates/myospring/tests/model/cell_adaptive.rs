@@ -24,7 +24,7 @@ fn all_models() -> Vec<MinimalModel> {
 
 fn train(model: &MinimalModel, cycle_length_ms: f64, beats: u32) -> Protocol {
     let stimulus = model.default_stimulus();
-    Protocol { stimulus, start_ms: 50.0, cycle_length_ms, beats }
+    Protocol { cycle_length_ms, beats, ..Protocol::once(stimulus) }
 }
 
 fn five_beats(model: &MinimalModel, cycle_length_ms: f64, tolerance: f64) -> Vec<Beat> {
@@ -301,7 +301,7 @@ fn a_pulse_acts_from_its_start_to_its_end_and_not_longer() {
     // Below every threshold that acts (tnnp: 0.006) the potential is linear in the stimulus.
     let model = bueno_orovio_2008::model(Variant::Tnnp);
     let stimulus = Stimulus::Pulse { amplitude: 0.001, duration_ms: 3.0 };
-    let protocol = Protocol { stimulus, start_ms: 10.0, cycle_length_ms: 10.0, beats: 1 };
+    let protocol = Protocol { start_ms: 10.0, ..Protocol::once(stimulus) };
     let mut cell = AdaptiveIntegrator::new(&model, protocol, Settings::default()).unwrap();
     let mut u_at = |time: f64| {
         cell.advance_to(time).unwrap();
@@ -322,7 +322,8 @@ fn a_pulse_acts_from_its_start_to_its_end_and_not_longer() {
 fn a_jump_of_nothing_changes_nothing_that_can_be_measured() {
     let model = coelho_2021::model();
     let stimulus = Stimulus::Jump { amplitude: 0.0 };
-    let protocol = Protocol { stimulus, start_ms: 100.0, cycle_length_ms: 7.0, beats: 20 };
+    let protocol =
+        Protocol { start_ms: 100.0, cycle_length_ms: 7.0, beats: 20, ..Protocol::once(stimulus) };
     let mut cell = AdaptiveIntegrator::new(&model, protocol, Settings::default()).unwrap();
     let mut rest = AdaptiveIntegrator::new(&model, Protocol::rest(), Settings::default()).unwrap();
     cell.advance_to(300.0).unwrap();

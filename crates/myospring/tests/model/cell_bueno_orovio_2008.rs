@@ -51,7 +51,7 @@ const RESTITUTION: [(Variant, [f64; 3], f64); 5] = [
 fn last_beat(variant: Variant, cycle_length_ms: f64) -> (f64, f64) {
     let step_ms = 0.005;
     let settings = Settings { step_ms, ..Settings::of(Method::ForwardEuler) };
-    let protocol = Protocol { stimulus: PULSE, start_ms: 0.0, cycle_length_ms, beats: 30 };
+    let protocol = Protocol { start_ms: 0.0, cycle_length_ms, beats: 30, ..Protocol::once(PULSE) };
     let model = Arc::new(model(variant));
     let mut cell = CellIntegrator::new(model.clone(), protocol, settings).unwrap();
     let start_ms = 29.0 * cycle_length_ms;

@@ -32,6 +32,8 @@ fn motley() -> Vec<(MinimalModel, Protocol, f64)> {
             start_ms: (index % 4) as f64 * 12.5,
             cycle_length_ms: [250.0, 400.0, 1000.0, 2000.0][index % 4],
             beats: 1 + (index % 3) as u32,
+            // Some with an extra stimulus, from within the last beat to long after it.
+            s2_interval_ms: (index % 5 == 0).then_some(60.0 + 17.3 * (index % 30) as f64),
         };
         cells.push((model, protocol, 300.0 + 61.7 * (index % 60) as f64));
     }

@@ -84,7 +84,8 @@ fn no_event_is_missed_or_doubled_whatever_the_step_and_the_stops() {
                 stimulus: Stimulus::Pulse { amplitude: 0.5, duration_ms },
                 start_ms: 0.3,
                 cycle_length_ms: 1.1,
-                beats: 100,
+                beats: 99,
+                s2_interval_ms: Some(1.7),
             };
             let awkward: Vec<f64> = (1..=1500).map(|i| 0.1 * f64::from(i)).collect();
             for stops in [&[150.0][..], &awkward] {
@@ -102,8 +103,7 @@ fn a_pulse_acts_at_its_start_and_not_at_its_end() {
     let pulse = Protocol {
         stimulus: Stimulus::Pulse { amplitude: 2.0, duration_ms: 1.0 },
         start_ms: 1.0,
-        cycle_length_ms: 10.0,
-        beats: 1,
+        ..Protocol::once(Stimulus::Jump { amplitude: 0.0 })
     };
     let leak = 1e-5;
     for (until, expected) in [(1.0, 0.0), (1.5, 1.0), (2.0, 2.0), (3.0, 2.0)] {

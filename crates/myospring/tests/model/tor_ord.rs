@@ -98,7 +98,7 @@ fn falls(course: &[f64], from: usize, level: f64) -> f64 {
 
 fn beat(model: &(dyn CellModel + 'static), beats: u32, cycle_length_ms: f64) -> Beat {
     let stimulus = model.default_stimulus();
-    let protocol = Protocol { stimulus, start_ms: 0.0, cycle_length_ms, beats };
+    let protocol = Protocol { start_ms: 0.0, cycle_length_ms, beats, ..Protocol::once(stimulus) };
     let settings = Settings { tolerance: 1e-4, ..Settings::of(Method::Stiff) };
     let duration_ms = f64::from(beats) * cycle_length_ms;
     let trace = solve(model, protocol, settings, duration_ms, EACH_MS).unwrap();

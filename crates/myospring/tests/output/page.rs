@@ -30,7 +30,7 @@ impl Cell {
         let outline = Outline::new(ring.collect(), Vec::new()).unwrap();
         let (mesh, report) = lattice::from_outline(&outline, Some(spacing)).unwrap();
         let recording = recording(&mesh, [1.0, 0.0], 50.0, false);
-        let summary = Summary::new(&recording, &[STIMULUS], report, vec![NASTY.to_owned()]);
+        let summary = Summary::new(&recording, &[STIMULUS], None, report, vec![NASTY.to_owned()]);
         Self { outline, fibres: vec![[1.0, 0.0]; mesh.simplices.len()], mesh, recording, summary }
     }
 

@@ -18,8 +18,14 @@ fn cells() -> Vec<Cell> {
         let model = TomekModel::new(layer, form, parameters).unwrap();
         let stimulus =
             if k == 4.0 { Stimulus::Jump { amplitude: 60.0 } } else { model.default_stimulus() };
-        let protocol =
-            Protocol { stimulus, start_ms: 3.7 * k, cycle_length_ms: 250.0 + 9.0 * k, beats: 2 };
+        let protocol = Protocol {
+            start_ms: 3.7 * k,
+            cycle_length_ms: 250.0 + 9.0 * k,
+            // A train of two, or an S1 and an S2.
+            beats: if k % 2.0 == 0.0 { 2 } else { 1 },
+            s2_interval_ms: (k % 2.0 != 0.0).then_some(250.0 + 9.0 * k),
+            ..Protocol::once(stimulus)
+        };
         Cell::new(&model, protocol, 300.0 + 11.0 * k).unwrap()
     };
     models.enumerate().map(cell).collect()

@@ -106,6 +106,20 @@ pub(super) const ROWS: &[Setting] = &[
     )
     .option("--cycle-length", "TIME"),
     Setting::quantity(
+        "stimulus.s2_interval",
+        "Coupling interval of one extra stimulus, S2: its time after the last of the train, S1. Its beat is measured from \
+         the rest before that S1, has no metrics where it raises no action potential, and is in no mean over beats.",
+        Bounds::any(Dimension::Time, "350 ms").above(0.0).to(1e5),
+        |run| run.protocol.s2_interval_ms,
+        |run, interval| run.protocol.s2_interval_ms = Some(interval),
+    )
+    .otherwise("no extra stimulus")
+    .option_saying(
+        "--s2-interval",
+        "TIME",
+        "Coupling interval of one extra stimulus after the last of the train: S1-S2 protocol",
+    ),
+    Setting::quantity(
         "stimulus.steady_state",
         "Pace the cell model alone at this cycle length before the run, until no state changes by more than this over ten \
          beats, relative to its size within a beat; the run's first beat is then the next one of that train.",

@@ -28,9 +28,17 @@ pub struct Acceptance {
     pub kept: usize,
     /// Members that failed.
     pub failed: usize,
+    /// Members that beat, but whose S2 raised no action potential.
+    #[serde(skip_serializing_if = "is_none")]
+    pub not_captured: usize,
     /// What each band does; empty where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<Rejected>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
+fn is_none(count: &usize) -> bool {
+    *count == 0
 }
 
 /// The members that one band rejects.
@@ -215,7 +223,10 @@ impl<'a> Answer<'a> {
             })?;
             let value = |&at: &usize| text(at).parse().ok();
             rows.push(match text(status) {
-                "ok" => VariationRow::done(member, metrics.iter().map(value).collect()),
+                "ok" => VariationRow {
+                    reason: text(reason).to_owned(),
+                    ..VariationRow::done(member, metrics.iter().map(value).collect())
+                },
                 _ => super::super::Row::failed(&member.to_string(), text(reason).to_owned()),
             });
         }
@@ -282,6 +293,7 @@ impl<'a> Answer<'a> {
             beat: beat.len(),
             kept: self.rows.iter().filter(|row| self.is_kept(row)).count(),
             failed: self.rows.iter().filter(|row| row.status() == Status::Failed).count(),
+            not_captured: beat.iter().filter(|row| !row.reason.is_empty()).count(),
             bands: bands.iter().map(of).collect(),
         }
     }

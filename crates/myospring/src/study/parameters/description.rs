@@ -30,10 +30,10 @@ pub enum Kind {
 pub enum Which {
     /// The first.
     First,
-    /// The last.
+    /// The last: that of an S2, where there is one.
     #[default]
     Last,
-    /// The mean of all.
+    /// The mean over the beats of the train.
     Mean,
 }
 
@@ -134,6 +134,10 @@ const OF_BEATS: [&str; 9] = [
     "action_potential_duration_90",
 ];
 
+/// What an S2 is against the last S1, with units; the last of cells that have a tension.
+const OF_S2: [(&str, &str); 3] =
+    [("coupling_interval", "ms"), ("diastolic_interval", "ms"), ("relative_peak_tension", "%")];
+
 /// Metrics of a cell of the minimal model without a mesh, with their units.
 const OF_CELLS: [(&str, &str); 5] = [
     ("peak_tension", "kPa"),
@@ -221,6 +225,13 @@ impl ParameterStudy {
             let values = sample(&sampler, &distributions, seed)?;
             (varied, Design::Sampled { sampler, seed }, Values::Sampled(values))
         };
+        let unknown = |varied: &&Varied| varied.number.get(&base).is_none();
+        if let (Kind::Cell, Some(Varied { number, .. })) =
+            (written.kind, varied.iter().find(unknown))
+        {
+            let (name, key) = (number.name().to_owned(), number.key.clone());
+            return Err(ParameterStudyError::NoUsual { name, key });
+        }
         let mut metrics = written.metrics;
         if metrics.is_empty() {
             metrics = match written.kind {
@@ -319,8 +330,13 @@ impl ParameterStudy {
 }
 
 /// Metrics of the cells of a run, with their units.
-pub(super) fn of_cells(run: &Run) -> &'static [(&'static str, &'static str)] {
-    tor_ord(run).map_or(&OF_CELLS, tor_ord::metrics)
+pub(super) fn of_cells(run: &Run) -> Vec<(&'static str, &'static str)> {
+    let mut all = tor_ord(run).map_or(&OF_CELLS[..], tor_ord::metrics).to_vec();
+    if run.protocol.s2_interval_ms.is_some() {
+        let tension = all.iter().any(|(name, _)| *name == "peak_tension");
+        all.extend(&OF_S2[..OF_S2.len() - usize::from(!tension)]);
+    }
+    all
 }
 
 /// Whether the cell model is the minimal one, which adaptive steps know.

@@ -53,6 +53,16 @@ pub enum ParameterStudyError {
         /// What is wrong with it.
         cause: String,
     },
+    /// Cells are compared with the run itself, which has no such number.
+    #[error(
+        "[parameters.{name}]: cells are compared with the run itself, which has none; give it one in [run]: {key}"
+    )]
+    NoUsual {
+        /// The parameter.
+        name: String,
+        /// Its key.
+        key: String,
+    },
     /// Factors of a number that the run decides itself.
     #[error(
         "[parameters.{name}]: relative = true needs a value to multiply, and the run has none; give it one in [run]"

@@ -44,7 +44,7 @@ pub struct VariationRow {
     pub member: usize,
     /// What became of it.
     pub status: Status,
-    /// Why it is not ok; else empty.
+    /// Why it is not ok, or why one that is has none of some metrics, as without capture; else empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub reason: String,
     /// The metrics that the study wants, in its order; `None` where the curve does not show one.
@@ -56,6 +56,15 @@ impl VariationRow {
     /// Of a member that was done.
     pub(super) fn done(member: usize, metrics: Vec<Option<f64>>) -> Self {
         Self { member, status: Status::Ok, reason: String::new(), metrics }
+    }
+
+    /// The same, which says so where an S2 raised no action potential.
+    pub(super) fn captured(self, captured: Option<bool>) -> Self {
+        let reason = match captured {
+            Some(false) => "no capture: S2 raised no action potential".to_owned(),
+            _ => self.reason,
+        };
+        Self { reason, ..self }
     }
 }
 

@@ -16,6 +16,7 @@ const METRICS: [(&str, &str); 7] = [
     ("systolic_level", "uM"),
 ];
 const OF_TENSION: usize = 2;
+
 /// The model of a run whose cells go side by side in stiff steps.
 pub(super) fn tor_ord(run: &Run) -> Option<&TomekModel> {
     (&*run.cell as &dyn Any).downcast_ref()

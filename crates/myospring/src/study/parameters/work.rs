@@ -1,6 +1,7 @@
 //! The work on members: whole beats, or cells side by side.
 
 use super::super::{Cause, Interrupted, StudyError};
+use super::course::Sampled;
 use super::description::{Kind, ParameterStudy, Varied, Which, is_minimal, of_cells, run_of};
 use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
@@ -11,6 +12,7 @@ use super::traces::{TraceAxes, Traces};
 use crate::analysis::beat::{Beats, known};
 use crate::cell::adaptive;
 use crate::cell::minimal::MinimalModel;
+use crate::cell::pacing::Protocol;
 use crate::cell::population::{self, Cell};
 use crate::cell::{CellModel as _, TensionKind};
 use crate::integrate::Method;
@@ -56,6 +58,7 @@ pub struct Common {
 /// A member's cell without a mesh.
 struct Alone {
     cell: Cell,
+    protocol: Protocol,
     /// Slope and offset of its membrane potential, mV, where its model has one.
     millivolts: Option<(f64, f64)>,
     /// kPa per unit of its tension.
@@ -159,7 +162,7 @@ impl Common {
         let units: Vec<(&str, &str)> = match study.kind {
             Kind::Cell => {
                 common.check_cells(&run)?;
-                of_cells(&run).to_vec()
+                of_cells(&run)
             }
             Kind::Beat => {
                 // A metric that this cell does not have is one that none of its beats shows.
@@ -355,8 +358,9 @@ impl Common {
         match member {
             None if beats.is_empty() => Err("no stimulus falls within its duration".into()),
             _ => {
-                let row =
-                    VariationRow::done(member.map_or(0, |it| it.number), self.of_beats(&beats));
+                let number = member.map_or(0, |it| it.number);
+                let captured = beats.s2().and_then(|beat| beat.captured);
+                let row = VariationRow::done(number, self.of_beats(&beats)).captured(captured);
                 Ok((row, self.curves(&outcome)))
             }
         }
@@ -439,9 +443,14 @@ impl Common {
             members.iter().map(|member| self.cell(member)).collect();
         let cells: Vec<Cell> =
             tasks.iter().filter_map(|task| Some(task.as_ref().ok()?.cell.clone())).collect();
+        // What an S2 meets is seen in the curves alone.
+        let run = self.run.resolve();
+        let sampled_ms = run.ok().filter(|run| run.protocol.s2_interval_ms.is_some());
+        let sampled_ms = sampled_ms.map(|run| run.numerics.output_interval);
         let settings = population::Settings {
             method: adaptive::Settings::default(),
-            sample_interval_ms: self.axes.as_ref().map(|axes| axes.interval_ms),
+            sample_interval_ms: sampled_ms
+                .or_else(|| self.axes.as_ref().map(|axes| axes.interval_ms)),
         };
         let outcomes = match population::run_while(&cells, &settings, goes_on) {
             Ok(Some(outcomes)) => outcomes,
@@ -450,8 +459,17 @@ impl Common {
         };
         let mut outcomes = outcomes.into_iter();
         let row = |(member, task): (&&Variation, Result<Alone, Cause>)| {
-            let Alone { millivolts, scale, .. } = task?;
+            let Alone { millivolts, scale, protocol, .. } = task?;
             let outcome = outcomes.next().ok_or("a cell without an outcome")??;
+            if let Some(interval_ms) = sampled_ms {
+                let sampled = Sampled { samples: &outcome.samples, interval_ms, millivolts, scale };
+                let course = sampled.course();
+                let metrics = course.metrics(&protocol, self.beat, &self.metrics);
+                let curves = self.axes.as_ref().map(|axes| sampled.curves(axes));
+                let row = VariationRow::done(member.number, metrics);
+                let row = row.captured(course.captured(&protocol));
+                return Ok((row, curves.unwrap_or_default()));
+            }
             let value = |beat: &adaptive::Beat, name: &String| match name.as_str() {
                 "peak_tension" => Some(scale * beat.peak_tension),
                 "time_to_peak_tension" => Some(beat.peak_tension_ms - beat.stimulus_ms),
@@ -496,7 +514,8 @@ impl Common {
             TensionKind::Kilopascal | TensionKind::None => 1.0,
         };
         let cell = Cell::new(model, run.protocol, run.duration)?;
-        Ok(Alone { cell, millivolts: model.identity().millivolts, scale })
+        let (protocol, millivolts) = (run.protocol, model.identity().millivolts);
+        Ok(Alone { cell, protocol, millivolts, scale })
     }
 }
 

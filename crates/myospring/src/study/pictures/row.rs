@@ -76,13 +76,16 @@ impl CellRow {
         self.number("fibre_angle_to_axis_deg", seen.map(|seen| seen.angle_to_axis_deg));
     }
 
-    /// Adds the metrics of the first beat; of several beats, their means.
+    /// Adds the metrics of the first beat; of several beats, their means; and what an S2 is against them.
     pub(super) fn metrics(&mut self, summary: &Summary) {
         let Some(first) = summary.beats.first() else { return };
         for metric in first.metrics() {
             let mean = summary.beat_to_beat.iter().find(|spread| spread.name == metric.name);
             let value = mean.map(|spread| spread.mean).or(metric.value);
             self.number(column_name(metric.name, metric.unit), value);
+        }
+        for metric in summary.s2().into_iter().flat_map(|beat| &beat.s2) {
+            self.number(column_name(metric.name, metric.unit), metric.value);
         }
     }
 

@@ -1,0 +1,187 @@
+//! What was sampled of a cell without a mesh, and the metrics of its beats.
+
+use super::description::Which;
+use super::traces::TraceAxes;
+use crate::analysis::rows::Context;
+use crate::analysis::s2::{self, S1S2};
+use crate::analysis::{Metric, action_potential, pulse, tension, trace, value};
+use crate::cell::pacing::Protocol;
+use std::ops::Range;
+
+/// The curves of a cell over its samples.
+pub(super) struct Course {
+    /// Times, ms.
+    pub(super) times: Vec<f64>,
+    /// The potential.
+    pub(super) potential: Vec<f64>,
+    /// Its unit: mV, or nothing.
+    pub(super) unit: &'static str,
+    /// Active tension, kPa.
+    pub(super) tension: Vec<f64>,
+    /// Calcium, uM; empty of a cell that has none.
+    pub(super) calcium: Vec<f64>,
+}
+
+/// Samples of a cell of the minimal model.
+pub(super) struct Sampled<'a> {
+    /// Its states.
+    pub(super) samples: &'a [[f64; 6]],
+    /// Time between them, ms.
+    pub(super) interval_ms: f64,
+    /// Slope and offset of the membrane potential, mV, where the model has one.
+    pub(super) millivolts: Option<(f64, f64)>,
+    /// kPa per unit of its tension.
+    pub(super) scale: f64,
+}
+
+impl Sampled<'_> {
+    fn times(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.samples.len()).map(|index| index as f64 * self.interval_ms)
+    }
+
+    pub(super) fn course(&self) -> Course {
+        Course {
+            times: self.times().collect(),
+            potential: self.samples.iter().map(|state| state[0]).collect(),
+            unit: "",
+            tension: self.samples.iter().map(|state| self.scale * state[5]).collect(),
+            calcium: Vec::new(),
+        }
+    }
+
+    /// Potential and tension at the times that all curves have.
+    pub(super) fn curves(&self, axes: &TraceAxes) -> Vec<f32> {
+        let shown = |state: &[f64; 6]| {
+            let potential =
+                self.millivolts.map_or(state[0], |(slope, rest)| slope * state[0] + rest);
+            [potential, self.scale * state[5]]
+        };
+        let timed: Vec<(f64, [f64; 2])> =
+            self.times().zip(self.samples.iter().map(shown)).collect();
+        axes.resampled(&timed, |(t_ms, _)| *t_ms, &[|(_, it)| it[0], |(_, it)| it[1]])
+    }
+}
+
+/// A beat by the samples of it.
+struct Beat {
+    stimulus_ms: f64,
+    within: Range<usize>,
+    /// Of an S2.
+    s2: Option<S1S2>,
+}
+
+impl Course {
+    /// The metrics of these names of the beat that counts, or their means over the beats of the train.
+    pub(super) fn metrics(
+        &self,
+        protocol: &Protocol,
+        which: Which,
+        names: &[String],
+    ) -> Vec<Option<f64>> {
+        let beats = self.beats(protocol);
+        let of = |name: &String| match which {
+            Which::First => self.value(&beats, 0, name),
+            Which::Last => self.value(&beats, beats.len().checked_sub(1)?, name),
+            Which::Mean => {
+                let train = (0..beats.len()).filter(|&place| beats[place].s2.is_none());
+                let values: Vec<f64> =
+                    train.filter_map(|place| self.value(&beats, place, name)).collect();
+                (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+            }
+        };
+        names.iter().map(of).collect()
+    }
+
+    /// Whether an S2 raised an action potential; `None` without one.
+    pub(super) fn captured(&self, protocol: &Protocol) -> Option<bool> {
+        let beats = self.beats(protocol);
+        beats.last()?.s2.as_ref()?.captured(&self.times, &self.potential)
+    }
+
+    /// The beats; each ends at the next stimulus.
+    fn beats(&self, protocol: &Protocol) -> Vec<Beat> {
+        let stimuli: Vec<f64> = protocol.stimulus_times().collect();
+        let at = |time_ms: f64| self.times.partition_point(|time| *time < time_ms);
+        let beat = |(index, &stimulus_ms): (usize, &f64)| {
+            let start =
+                if index == 0 { f64::NEG_INFINITY } else { stimulus_ms - S1S2::BASELINE_MS };
+            let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
+            let s2 = protocol.s2_ms().filter(|s2_ms| *s2_ms == stimulus_ms);
+            let s2 = s2.and_then(|s2_ms| S1S2::of(&self.times, &stimuli, s2_ms));
+            Beat { stimulus_ms, within: at(start)..at(end), s2 }
+        };
+        let beats = stimuli.iter().enumerate().map(beat);
+        beats.filter(|beat| at(beat.stimulus_ms) < self.times.len()).collect()
+    }
+
+    /// A metric of a beat by its name.
+    fn value(&self, beats: &[Beat], place: usize, name: &str) -> Option<f64> {
+        let beat = beats.get(place)?;
+        match &beat.s2 {
+            Some(pair) => self.of_s2(pair, beats.get(place.checked_sub(1)?)?, name),
+            None => self.of_train(beat, name),
+        }
+    }
+
+    fn of_train(&self, beat: &Beat, name: &str) -> Option<f64> {
+        let Beat { stimulus_ms, within, .. } = beat;
+        let times = &self.times[within.clone()];
+        let rest = |column: &[f64]| trace::baseline(times, column, *stimulus_ms);
+        match name {
+            "peak_tension" | "time_to_peak_tension" => {
+                let column = &self.tension[within.clone()];
+                value(&twitch(times, column, *stimulus_ms, rest(column).unwrap_or_default()), name)
+            }
+            "diastolic_level" => rest(self.calcium.get(within.clone())?),
+            "systolic_level" => Some(trace::peak(times, self.calcium.get(within.clone())?)?.value),
+            _ => {
+                let potential = &self.potential[within.clone()];
+                value(&action_potential::metrics(times, potential, *stimulus_ms, self.unit), name)
+            }
+        }
+    }
+
+    /// A metric of the beat of an S2; what needs an action potential has no value without one.
+    fn of_s2(&self, pair: &S1S2, s1: &Beat, name: &str) -> Option<f64> {
+        let Self { times, potential, tension, calcium, .. } = self;
+        let captured = pair.captured(times, potential) != Some(false);
+        let twitch = || {
+            let within = pair.beat(tension).filter(|_| captured)?;
+            let (times, rest) = (&times[within.clone()], pair.rest(tension));
+            Some(twitch(times, &tension[within], pair.s2_ms, rest))
+        };
+        match name {
+            "coupling_interval" | "diastolic_interval" | "relative_peak_tension" => {
+                let peak = "peak_tension";
+                let of_s1 = self.of_train(s1, peak);
+                let of_s1 = [Metric { name: peak, value: of_s1, unit: "kPa", definition: "" }];
+                let diastolic = pair.diastolic_interval(times, potential);
+                let of_s2 = twitch().unwrap_or_default();
+                value(&s2::rows(Some(pair), diastolic, &[&of_s1], &[&of_s2]), name)
+            }
+            _ if !captured => None,
+            "peak_tension" | "time_to_peak_tension" => value(&twitch()?, name),
+            "diastolic_level" => (!calcium.is_empty()).then(|| pair.rest(calcium)),
+            "systolic_level" => {
+                let within =
+                    Some(calcium).filter(|all| !all.is_empty()).and_then(|all| pair.beat(all))?;
+                Some(trace::peak(&times[within.clone()], &calcium[within])?.value)
+            }
+            _ => {
+                let (within, rest) = (pair.action_potential(), Some(pair.rest(potential)));
+                let (times, potential) = (&times[within.clone()], &potential[within]);
+                let rows =
+                    action_potential::above(times, potential, pair.s2_ms, self.unit, rest, "");
+                value(&rows, name)
+            }
+        }
+    }
+}
+
+/// The metrics of a tension above its rest.
+fn twitch(times: &[f64], column: &[f64], stimulus_ms: f64, rest: f64) -> Vec<Metric> {
+    let heights: Vec<f64> = column.iter().map(|tension| tension - rest).collect();
+    let pulse = pulse::Pulse::new(times, &heights, stimulus_ms, pulse::Top::Vertex);
+    let context = Context { stimulus: Some(stimulus_ms), onset: None, rest: "" };
+    tension::of_pulse(&pulse, rest, "kPa", &context)
+}
