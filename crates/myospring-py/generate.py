@@ -38,7 +38,7 @@ OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um")
 OF_POTENTIAL = (
     "model", "parameters", "cell_integrator", "cell_step_ms", "cell_tolerance", "authors_step",
     "stimulus_kind", "stimulus_amplitude", "stimulus_duration_ms", "stimulus_start_ms", "beats",
-    "cycle_length_ms", "duration_ms", "output_interval_ms",
+    "cycle_length_ms", "s2_interval_ms", "duration_ms", "output_interval_ms",
 )
 # What a caller looks for first.
 FIRST = ("model", "peak_tension_kpa", "parameters")

@@ -3,6 +3,7 @@
 use crate::waiting::interruptible;
 use crate::{errors, settings};
 use myospring::analysis::action_potential as analysis;
+use myospring::analysis::s2::S1S2;
 use myospring::cell::solve::solve;
 use myospring::run_file::RunFile;
 use numpy::PyArray1;
@@ -43,8 +44,11 @@ pub(crate) fn action_potential<'py>(
         let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
         let first = times.partition_point(|time| *time < start);
         let last = times.partition_point(|time| *time < end);
-        let metrics =
-            analysis::metrics(&times[first..last], &potential[first..last], stimulus, unit);
+        let s2 = run.s2_ms().filter(|s2_ms| *s2_ms == stimulus);
+        let metrics = match s2.and_then(|s2_ms| S1S2::of(times, &stimuli, s2_ms)) {
+            Some(pair) => pair.metrics(times, potential, unit),
+            None => analysis::metrics(&times[first..last], &potential[first..last], stimulus, unit),
+        };
         metrics.into_iter().map(|metric| (metric.name, metric.value, metric.unit)).collect()
     });
     let beats = beats.collect();

@@ -323,15 +323,9 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
     if let Some((potential, unit)) = potential(samples) {
         captured = pair.captured(&times, &potential);
         diastolic = pair.diastolic_interval(&times, &potential);
-        let within = pair.action_potential();
-        action_potential = action_potential::above(
-            &times[within.clone()],
-            &potential[within],
-            s2_ms,
-            unit,
-            rest(&potential),
-            "mean potential before the last S1",
-        );
+        action_potential = pair.metrics(&times, &potential, unit);
+        // They stand among those of S2.
+        action_potential.retain(|metric| !metric.name.ends_with("_interval"));
     }
     let mut groups = [tension, contraction, shape, load, action_potential];
     if captured == Some(false) {

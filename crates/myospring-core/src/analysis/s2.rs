@@ -4,7 +4,7 @@
 //! S1, and what is left of S1 when S2 comes is no part of its beat: a curve of S2 begins where its largest rise does.
 
 use super::rows::row;
-use super::{Metric, trace, value};
+use super::{Metric, action_potential, trace, value};
 use std::ops::Range;
 
 /// Part of S1's height above which S2 is an action potential and not the stimulus alone, as is usual for the effective
@@ -107,15 +107,30 @@ impl S1S2 {
         (rise > LEAST * self.height(values)).then_some(found..self.second.end)
     }
 
-    /// The samples of S2's action potential, the one before the stimulus among them.
-    pub fn action_potential(&self) -> Range<usize> {
-        self.second.start - 1..self.second.end
+    /// The metrics of S2's action potential, in the potential's unit, and of the intervals before it; without capture only
+    /// these have values.
+    pub fn metrics(&self, times: &[f64], potential: &[f64], unit: &'static str) -> Vec<Metric> {
+        // The sample before the stimulus is one of it, for the upstroke.
+        let within = self.second.start - 1..self.second.end;
+        let rest = Some(self.rest(potential));
+        let rest_is = "mean potential before the last S1";
+        let (own_times, own) = (&times[within.clone()], &potential[within]);
+        let mut all = action_potential::above(own_times, own, self.s2_ms, unit, rest, rest_is);
+        if self.captured(times, potential) == Some(false) {
+            all.iter_mut().for_each(|metric| metric.value = None);
+        }
+        let diastolic = self.diastolic_interval(times, potential);
+        all.extend(rows(Some(self), diastolic, &[], &[]).into_iter().take(INTERVALS));
+        all
     }
 }
 
 fn most(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
+
+/// So many of the first of [`rows`] are intervals.
+const INTERVALS: usize = 2;
 
 /// What an S2 beat is against the last S1: intervals, and how strong it is, by the metrics of both.
 pub fn rows(

@@ -35,6 +35,7 @@ class BeatSettings(TypedDict, total=False):
     stimulus_start_ms: float | None
     beats: int
     cycle_length_ms: float
+    s2_interval_ms: float | None
     steady_state: float | None
     steady_state_cache: str
     wave_speed_um_per_ms: float | None
@@ -91,6 +92,7 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "stimulus_start_ms": ("stimulus.start", None),
     "beats": ("stimulus.beats", 1),
     "cycle_length_ms": ("stimulus.cycle_length", 1000.0),
+    "s2_interval_ms": ("stimulus.s2_interval", None),
     "steady_state": ("stimulus.steady_state", None),
     "steady_state_cache": ("stimulus.steady_state_cache", ""),
     "wave_speed_um_per_ms": ("stimulus.wave_speed", None),
@@ -151,6 +153,7 @@ def simulate(
     stimulus_start_ms: float | None = None,
     beats: int = 1,
     cycle_length_ms: float = 1000.0,
+    s2_interval_ms: float | None = None,
     steady_state: float | None = None,
     steady_state_cache: str = "",
     wave_speed_um_per_ms: float | None = None,
@@ -244,6 +247,11 @@ def simulate(
         Number of stimuli; 0 leaves the cell at rest. 0 to 10000.
     cycle_length_ms : float, default 1000.0
         Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
+    s2_interval_ms : float or None
+        Coupling interval of one extra stimulus, S2: its time after the last of the train, S1. Its
+        beat is measured from the rest before that S1, has no metrics where it raises no action
+        potential, and is in no mean over beats. In ms, above 0 ms, at most 100000 ms. None: no
+        extra stimulus.
     steady_state : float or None
         Pace the cell model alone at this cycle length before the run, until no state changes by
         more than this over ten beats, relative to its size within a beat; the run's first beat is
@@ -392,6 +400,7 @@ def simulate(
         ("stimulus.start", stimulus_start_ms, None),
         ("stimulus.beats", beats, 1),
         ("stimulus.cycle_length", cycle_length_ms, 1000.0),
+        ("stimulus.s2_interval", s2_interval_ms, None),
         ("stimulus.steady_state", steady_state, None),
         ("stimulus.steady_state_cache", steady_state_cache, ""),
         ("stimulus.wave_speed", wave_speed_um_per_ms, None),
@@ -445,6 +454,7 @@ def action_potential(
     stimulus_start_ms: float | None = None,
     beats: int = 1,
     cycle_length_ms: float = 1000.0,
+    s2_interval_ms: float | None = None,
     duration_ms: float | None = None,
     output_interval_ms: float = 0.5,
     # </signature>
@@ -482,6 +492,11 @@ def action_potential(
         Number of stimuli; 0 leaves the cell at rest. 0 to 10000.
     cycle_length_ms : float, default 1000.0
         Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
+    s2_interval_ms : float or None
+        Coupling interval of one extra stimulus, S2: its time after the last of the train, S1. Its
+        beat is measured from the rest before that S1, has no metrics where it raises no action
+        potential, and is in no mean over beats. In ms, above 0 ms, at most 100000 ms. None: no
+        extra stimulus.
     duration_ms : float or None
         Time simulated, a multiple of the exchange interval. In ms, above 0 ms, at most 1000000 ms.
         None: 550 ms after the last stimulus.
@@ -522,6 +537,7 @@ def action_potential(
         ("stimulus.start", stimulus_start_ms, None),
         ("stimulus.beats", beats, 1),
         ("stimulus.cycle_length", cycle_length_ms, 1000.0),
+        ("stimulus.s2_interval", s2_interval_ms, None),
         ("run.duration", duration_ms, None),
         ("numerics.output_interval", output_interval_ms, 0.5),
     )

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::analysis::s2::S1S2;
-use myospring::analysis::{action_potential, value};
+use myospring::analysis::value;
 use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{Method, Settings, solve};
@@ -32,7 +32,7 @@ fn exact(model: &dyn CellModel) -> Settings {
     if (model as &dyn Any).is::<MinimalModel>() {
         Settings { tolerance: 1e-6, ..Settings::of(Method::Adaptive) }
     } else {
-        Settings { tolerance: 1e-6, ..Settings::of(Method::Stiff) }
+        Settings { tolerance: 1e-4, ..Settings::of(Method::Stiff) }
     }
 }
 
@@ -45,14 +45,11 @@ struct Found {
 fn found(model: &(dyn CellModel + 'static), interval_ms: f64) -> Found {
     let protocol = protocol(model, interval_ms);
     let s2_ms = protocol.s2_ms().unwrap();
-    let trace = solve(model, protocol, exact(model), s2_ms + 600.0, 0.1).unwrap();
+    let trace = solve(model, protocol, exact(model), s2_ms + 600.0, 0.25).unwrap();
     let potential = trace.membrane_potential_mv.as_ref().unwrap_or(&trace.potential);
     let stimuli: Vec<f64> = protocol.stimulus_times().collect();
     let pair = S1S2::of(&trace.time_ms, &stimuli, s2_ms).unwrap();
-    let within = pair.action_potential();
-    let rest = Some(pair.rest(potential));
-    let (times, values) = (&trace.time_ms[within.clone()], &potential[within]);
-    let metrics = action_potential::above(times, values, s2_ms, "", rest, "");
+    let metrics = pair.metrics(&trace.time_ms, potential, "");
     Found {
         diastolic_ms: pair.diastolic_interval(&trace.time_ms, potential),
         apd90_ms: value(&metrics, "action_potential_duration_90"),
@@ -63,7 +60,7 @@ fn found(model: &(dyn CellModel + 'static), interval_ms: f64) -> Found {
 #[test]
 fn action_potentials_after_an_extra_stimulus_are_those_of_cvode_and_missed_ones_are_known() {
     let lines: Vec<&str> = include_str!("../reference/s1_s2.csv").lines().skip(1).collect();
-    assert_eq!(lines.len(), 48);
+    assert_eq!(lines.len(), 40);
     std::thread::scope(|scope| {
         for half in lines.chunks(lines.len() / 2) {
             scope.spawn(move || {
@@ -78,17 +75,18 @@ fn action_potentials_after_an_extra_stimulus_are_those_of_cvode_and_missed_ones_
                     // On the plateau of S1 any stimulus is high.
                     let expected = height > 0.8 && diastolic.is_finite();
                     assert_eq!(found.captured, expected, "{line}");
-                    assert_eq!(found.diastolic_ms.is_some(), diastolic.is_finite(), "{line}");
-                    // Rest is a mean over 20 ms here and one sample there. The first beats of ToR-ORd follow from
-                    // the digits of the start, which ours has from the paper.
-                    let bound = if name.starts_with("tor_ord") { 0.3 } else { 0.03 };
+                    // An interval as short as a sample may be none.
+                    let close = diastolic < 0.25;
+                    let there = found.diastolic_ms.is_some();
+                    assert!(close || there == diastolic.is_finite(), "{line}");
+                    // Rest is a mean over 20 ms here and one sample there. The CellML of constant chloride starts in
+                    // another state than the authors' code, whose start is ours: ten beats do not forget it.
+                    let bound = if name == "tor_ord_endo" { 0.3 } else { 0.03 };
                     if let Some(found) = found.diastolic_ms {
-                        println!("{line}: {found:.3} {:.3}", found - diastolic);
                         assert!((found - diastolic).abs() < bound, "{line}: {found}");
                     }
                     if expected {
                         let found = found.apd90_ms.unwrap();
-                        println!("{line}: {found:.3} {:.3}", found - apd90);
                         assert!((found - apd90).abs() < bound, "{line}: {found}");
                     }
                 }

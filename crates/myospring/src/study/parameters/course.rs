@@ -167,13 +167,7 @@ impl Course {
                     Some(calcium).filter(|all| !all.is_empty()).and_then(|all| pair.beat(all))?;
                 Some(trace::peak(&times[within.clone()], &calcium[within])?.value)
             }
-            _ => {
-                let (within, rest) = (pair.action_potential(), Some(pair.rest(potential)));
-                let (times, potential) = (&times[within.clone()], &potential[within]);
-                let rows =
-                    action_potential::above(times, potential, pair.s2_ms, self.unit, rest, "");
-                value(&rows, name)
-            }
+            _ => value(&pair.metrics(times, potential, self.unit), name),
         }
     }
 }

@@ -371,3 +371,31 @@ fn curves_are_those_of_the_members_and_change_no_row() {
         }
     }
 }
+
+#[test]
+fn an_extra_stimulus_has_the_same_numbers_with_a_mesh_and_without_and_a_missed_one_says_so() {
+    let text = |kind: &str| {
+        format!(
+            "kind = \"{kind}\"\n\
+             metrics = [\"action_potential_duration_90\", \"relative_peak_tension\", \"diastolic_interval\"]\n\
+             [run.shape]\nspacing = \"7 um\"\n[run.cell]\nmodel = \"bueno_orovio_2008_endo\"\n\
+             [run.stimulus]\nbeats = 2\ncycle_length = \"600 ms\"\ns2_interval = \"400 ms\"\n\
+             [parameters]\ns2_interval = {{ distribution = \"uniform\", low = \"250 ms\", high = \"450 ms\" }}\n\
+             [sampling]\nsampler = \"grid\"\nlevels = 2\n"
+        )
+    };
+    let [cells, beats] = ["cell", "beat"].map(|kind| rows(&study(&text(kind)), Shard::WHOLE, 1));
+    for rows in [&cells, &beats] {
+        assert!(rows.iter().all(|row| row.status() == Status::Ok));
+        assert!(rows[0].reason.contains("no capture") && rows[1].reason.is_empty(), "{rows:?}");
+        assert_eq!(rows[0].metrics[..2], [None; 2]);
+    }
+    for (cell, beat) in cells[1].metrics.iter().zip(&beats[1].metrics) {
+        let (cell, beat) = (cell.unwrap(), beat.unwrap());
+        // Adaptive steps both, sampled alike; peaks between samples.
+        assert!((cell / beat - 1.0).abs() < 1e-4, "{cell} {beat}");
+    }
+    let without = text("cell").replace("s2_interval = \"400 ms\"\n", "");
+    let error = ParameterStudy::from_toml(&without, no_file).unwrap_err().to_string();
+    assert!(error.contains("give it one in [run]: stimulus.s2_interval"), "{error}");
+}
