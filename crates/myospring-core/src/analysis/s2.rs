@@ -60,7 +60,7 @@ impl S1S2 {
         let start = if before == 0 { 0 } else { at(s1_ms - Self::BASELINE_MS) };
         let rest = if start < s1 { start..s1 } else { s1..s1 + 1 };
         let inside = s1 < s2 && s2 < times.len();
-        inside.then(|| Self { s1_ms, s2_ms, rest, first: s1..s2, second: s2..times.len() })
+        inside.then_some(Self { s1_ms, s2_ms, rest, first: s1..s2, second: s2..times.len() })
     }
 
     /// The mean before the last S1.
@@ -117,7 +117,9 @@ impl S1S2 {
         let (own_times, own) = (&times[within.clone()], &potential[within]);
         let mut all = action_potential::above(own_times, own, self.s2_ms, unit, rest, rest_is);
         if self.captured(times, potential) == Some(false) {
-            all.iter_mut().for_each(|metric| metric.value = None);
+            for metric in &mut all {
+                metric.value = None;
+            }
         }
         let diastolic = self.diastolic_interval(times, potential);
         all.extend(rows(Some(self), diastolic, &[], &[]).into_iter().take(INTERVALS));
