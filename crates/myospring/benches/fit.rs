@@ -11,19 +11,29 @@ use std::hint::black_box;
 /// What both models are asked for, as a part of the run's own.
 const TRUTH: [(&str, f64); 1] = [("tension_over_stiffness", 0.8)];
 
-/// A cell of a model, and a curve of it: 163 frames, 250 a second, with a ripple that stands for noise.
-fn measured(model: &str) -> (Fitter, Observed) {
+/// A cell of a model.
+fn cell(model: &str) -> Fitter {
     let run = RunFile::from_text(&format!("cell.model = \"{model}\"")).expect("it is one");
     let run = run.resolve().expect("it can be run");
-    let fitter = Fitter::of(&run, |path| std::fs::read(path)).expect("a cell to fit");
-    let times_ms: Vec<f64> = (0..163).map(|frame| 4.0 * f64::from(frame)).collect();
-    let mut values = fitter.curve(&TRUTH, 100.0, &times_ms).expect("it beats");
-    for (frame, value) in values.iter_mut().enumerate() {
-        *value += 0.14 * (1.7 * (frame * frame) as f64).sin();
+    Fitter::of(&run, |path| std::fs::read(path)).expect("a cell to fit")
+}
+
+/// A curve of it: 163 frames, 250 a second; of several beats 250 frames each, with beats as they are seen. A ripple
+/// stands for noise.
+fn measured(fitter: &Fitter, beats: u32) -> Observed {
+    let frames = if beats == 1 { 163 } else { 250 };
+    let times_ms: Vec<f64> = (0..frames).map(|frame| 4.0 * f64::from(frame)).collect();
+    let beat = fitter.curve(&TRUTH, 100.0, &times_ms).expect("it beats");
+    let ripple = |frame: u32| 0.14 * (1.7 * f64::from(frame) * f64::from(frame)).sin();
+    let (mut times_ms, mut values) = (Vec::new(), Vec::new());
+    for frame in 0..beats * frames {
+        times_ms.push(4.0 * f64::from(frame));
+        values.push(beat[(frame % frames) as usize] + ripple(frame));
     }
-    let stimuli = Stimuli::Given(vec![50.0]);
+    let starts = (0..beats).map(|beat| 50.0 + f64::from(4 * frames * beat)).collect();
+    let stimuli = if beats == 1 { Stimuli::Given(starts) } else { Stimuli::Seen(starts) };
     let (name, unit) = ("cell".to_owned(), "um".to_owned());
-    (fitter, Observed { name, times_ms, values, scale: Scale::Length, unit, stimuli })
+    Observed { name, times_ms, values, scale: Scale::Length, unit, stimuli }
 }
 
 fn fits(criterion: &mut Criterion) {
@@ -31,9 +41,9 @@ fn fits(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("fit");
     group.sample_size(10);
     for model in ["coelho_2021", "land_2017"] {
-        let (fitter, observed) = measured(model);
+        let fitter = cell(model);
         let simulation = fitter.simulation().clone();
-        let curves = [observed];
+        let curves = [measured(&fitter, 1)];
         group.bench_function(format!("a curve of {model}, its mesh included"), |bench| {
             bench.iter(|| {
                 let fitter = Fitter::new(simulation.clone()).expect("a cell to fit");
@@ -42,6 +52,13 @@ fn fits(criterion: &mut Criterion) {
             });
         });
         group.bench_function(format!("another curve of {model}"), |bench| {
+            bench.iter(|| {
+                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                black_box(fit.is_ok())
+            });
+        });
+        let curves = [measured(&fitter, 8)];
+        group.bench_function(format!("eight beats of {model} in 2000 frames"), |bench| {
             bench.iter(|| {
                 let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
                 black_box(fit.is_ok())

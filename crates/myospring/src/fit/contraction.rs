@@ -2,8 +2,10 @@
 
 use super::error::FitError;
 use super::felt::Felt;
-use super::given::{OF_TENSION, Potential, Rates};
+use super::given::Potential;
+use super::least_squares::Column;
 use super::physics::{Physics, Train};
+use super::step::{OF_TENSION, Rates};
 use super::table::{Shelf, Tables};
 use super::unknown::Unknown;
 use crate::cell::minimal::MinimalModel;
@@ -41,11 +43,9 @@ impl Contraction {
         let minimal = (&*simulation.cell as &dyn Any).downcast_ref::<MinimalModel>();
         let of_tension = |name: &String| OF_TENSION.iter().position(|known| known == name);
         let places: Option<Vec<usize>> = names.iter().map(of_tension).collect();
-        if let (Some(model), Some(places), 0.0) =
-            (minimal, places, simulation.material.retardation_time)
-        {
+        if let (Some(model), Some(places)) = (minimal, places) {
             let potential = Potential::solve(model, simulation.protocol, before, beats, cycle)?;
-            let rates = Rates::of(model);
+            let rates = Rates::of(model, simulation.material.retardation_time);
             let peak = simulation.peak_tension;
             let tables = shelf.tables(simulation, up_to, loaded)?;
             return Ok(Self::Given { potential, rates, places, tables, peak });
@@ -64,13 +64,9 @@ impl Contraction {
     ) -> Option<Vec<f64>> {
         match self {
             Self::Given { potential, rates, places, tables, peak } => {
-                let mut all = [rates.c_0, rates.x_1, rates.x_3, rates.sigma];
-                for (place, value) in places.iter().zip(physics.parameters) {
-                    all[*place] = *value;
-                }
-                let [c_0, x_1, x_3, sigma] = all;
                 let mut curve = Vec::with_capacity(times.len());
-                potential.tension(&Rates { c_0, x_1, x_3, sigma }, stimuli, times, &mut curve);
+                let rates = with_free(rates, places, physics);
+                potential.tension(&rates, stimuli, times, &mut curve);
                 let by = peak * physics.tension * physics.stiffness;
                 for value in &mut curve {
                     *value = tables.at(by * *value, physics.stiffness);
@@ -79,6 +75,38 @@ impl Contraction {
             }
             Self::Felt(felt) => felt.shortening(physics, stimuli, times),
         }
+    }
+
+    /// Derivatives of [`Contraction::shortening`] by each of the stimuli, 1/ms.
+    pub(super) fn by_stimulus(
+        &self,
+        physics: &Physics<'_>,
+        stimuli: &[f64],
+        times: &[f64],
+    ) -> Option<Vec<Column>> {
+        match self {
+            Self::Given { potential, rates, places, tables, peak } => {
+                let rates = with_free(rates, places, physics);
+                let mut tension = Vec::with_capacity(times.len());
+                potential.tension(&rates, stimuli, times, &mut tension);
+                let by = peak * physics.tension * physics.stiffness;
+                let slopes = |value: &f64| by * tables.with_slope(by * value, physics.stiffness)[1];
+                let slopes: Vec<f64> = tension.iter().map(slopes).collect();
+                let mut columns = potential.by_stimulus(&rates, stimuli, times);
+                for column in &mut columns {
+                    for (value, slope) in column.values.iter_mut().zip(&slopes[column.first..]) {
+                        *value *= slope;
+                    }
+                }
+                Some(columns)
+            }
+            Self::Felt(felt) => felt.by_stimulus(physics, stimuli, times),
+        }
+    }
+
+    /// Whether a curve takes longer than all else of a fit.
+    pub(super) fn is_slow(&self) -> bool {
+        matches!(self, Self::Felt(felt) if felt.is_slow())
     }
 
     /// The tension over the run's own, such that the largest shortening is about this.
@@ -108,4 +136,14 @@ impl Contraction {
         }
         Some(tension)
     }
+}
+
+/// The rates with those that are free.
+fn with_free(rates: &Rates, places: &[usize], physics: &Physics<'_>) -> Rates {
+    let mut all = [rates.c_0, rates.x_1, rates.x_3, rates.sigma];
+    for (place, value) in places.iter().zip(physics.parameters) {
+        all[*place] = *value;
+    }
+    let [c_0, x_1, x_3, sigma] = all;
+    Rates { c_0, x_1, x_3, sigma, lag: rates.lag }
 }

@@ -5,6 +5,8 @@
 //! equilibria, which all of its runs share.
 
 use super::error::FitError;
+use super::least_squares::Column;
+use super::membrane::Membrane;
 use super::myofilaments::Myofilaments;
 use super::physics::{Physics, Train, scale_of};
 use super::table::Tables;
@@ -40,6 +42,7 @@ pub(super) struct Felt {
 /// How a curve is made.
 enum Way {
     Myofilaments(Myofilaments),
+    Membrane(Membrane),
     Runs(Box<SharedPath>),
 }
 
@@ -54,9 +57,16 @@ impl Felt {
         let cycle = train.cycle;
         let made = Mutex::default();
         if Myofilaments::serve(simulation) {
-            let own = Myofilaments::new(tables()?, *train);
+            let lag = simulation.material.retardation_time;
+            let own = Myofilaments::new(tables()?, *train, lag);
             let interval = own.interval();
             let (way, simulation) = (Way::Myofilaments(own), simulation.clone());
+            return Ok(Self { way, simulation, names, cycle, interval, made });
+        }
+        if Membrane::serve(simulation) {
+            let own = Membrane::new(tables()?, train, simulation);
+            let interval = own.interval();
+            let (way, simulation) = (Way::Membrane(own), simulation.clone());
             return Ok(Self { way, simulation, names, cycle, interval, made });
         }
         if loaded {
@@ -92,6 +102,11 @@ impl Felt {
         Ok(Self { way, simulation, names, cycle, interval, made })
     }
 
+    /// Whether a curve takes longer than all else of a fit. Such a cell begins as it is, whatever was before.
+    pub(super) fn is_slow(&self) -> bool {
+        !matches!(self.way, Way::Myofilaments(_))
+    }
+
     /// Shortening, a part of the resting length, at ascending times; `None` where these numbers make no beat.
     pub(super) fn shortening(
         &self,
@@ -100,22 +115,45 @@ impl Felt {
         times: &[f64],
     ) -> Option<Vec<f64>> {
         let samples = self.samples(physics)?;
-        let at = |time: f64| {
-            let place = (time / self.interval).clamp(0.0, (samples.len() - 1) as f64);
-            let before = (place as usize).min(samples.len() - 2);
-            curve_at(&samples, before, place - before as f64)
-        };
         let mut number = 0;
         let value = |time: &f64| {
             while number + 1 < stimuli.len() && stimuli[number + 1] <= *time {
                 number += 1;
             }
-            let start = number as f64 * self.cycle;
-            // A pause longer than the cycle ends as this beat does.
-            let since = (time - stimuli[number]).clamp(0.0, self.cycle * (1.0 - 1e-9));
-            at(start + since)
+            self.at(&samples, number, time - stimuli[number])[0]
         };
         Some(times.iter().map(value).collect())
+    }
+
+    /// Derivatives of [`Felt::shortening`] by each of the stimuli, 1/ms: each moves its own beat.
+    pub(super) fn by_stimulus(
+        &self,
+        physics: &Physics<'_>,
+        stimuli: &[f64],
+        times: &[f64],
+    ) -> Option<Vec<Column>> {
+        let samples = self.samples(physics)?;
+        let column = |(number, stimulus): (usize, &f64)| {
+            let first = times.partition_point(|time| time < stimulus);
+            let next = stimuli.get(number + 1).copied().unwrap_or(f64::INFINITY);
+            let end = times.partition_point(|time| *time < next);
+            let slope = |time: &f64| -self.at(&samples, number, time - stimulus)[1];
+            Column { first, values: times[first..end].iter().map(slope).collect() }
+        };
+        Some(stimuli.iter().enumerate().map(column).collect())
+    }
+
+    /// The shortening so long after a stimulus, and its slope, 1/ms.
+    fn at(&self, samples: &[f64], number: usize, since: f64) -> [f64; 2] {
+        // Before the first stimulus nothing moves; a pause longer than the cycle ends as this beat does.
+        let last = self.cycle * (1.0 - 1e-9);
+        let within = since.clamp(0.0, last);
+        let time = number as f64 * self.cycle + within;
+        let place = (time / self.interval).clamp(0.0, (samples.len() - 1) as f64);
+        let before = (place as usize).min(samples.len() - 2);
+        let [value, slope] = curve_at(samples, before, place - before as f64);
+        let moves = (0.0..=last).contains(&since);
+        [value, if moves { slope / self.interval } else { 0.0 }]
     }
 
     /// Shortening at every interval.
@@ -133,6 +171,7 @@ impl Felt {
         let cell = self.changed(physics);
         let made = cell.and_then(|cell| match &self.way {
             Way::Myofilaments(own) => own.shortening(&*cell, physics.stiffness),
+            Way::Membrane(own) => own.shortening(cell, physics.stiffness),
             Way::Runs(path) => self.run(path, cell, physics),
         });
         let mut all = self.made.lock().unwrap_or_else(PoisonError::into_inner);
@@ -175,12 +214,16 @@ impl Felt {
     }
 }
 
-/// A cubic through four samples: those between which the time lies, and one more on either side.
-fn curve_at(samples: &[f64], before: usize, part: f64) -> f64 {
+/// A cubic through four samples, and its slope by the place: those between which the time lies, and one more on either
+/// side.
+fn curve_at(samples: &[f64], before: usize, part: f64) -> [f64; 2] {
     let first = before.saturating_sub(1).min(samples.len() - 4);
     let x = before as f64 + part - first as f64;
-    let weight = |k: usize| {
-        (0..4).filter(|j| *j != k).map(|j| (x - j as f64) / (k as f64 - j as f64)).product::<f64>()
-    };
-    (0..4).map(|k| weight(k) * samples[first + k]).sum()
+    // Newton's form, by differences.
+    let [a, b, c, d] = [0, 1, 2, 3].map(|k| samples[first + k]);
+    let [one, two] = [b - a, 0.5 * (c - 2.0 * b + a)];
+    let three = (d - 3.0 * c + 3.0 * b - a) / 6.0;
+    let value = a + x * (one + (x - 1.0) * (two + (x - 2.0) * three));
+    let slope = one + (2.0 * x - 1.0) * two + ((3.0 * x - 6.0) * x + 2.0) * three;
+    [value, slope]
 }

@@ -3,7 +3,7 @@
 use super::answer::{Estimate, Fit, FittedCurve};
 use super::contraction::Contraction;
 use super::error::FitError;
-use super::least_squares::{Least, Problem, squares};
+use super::least_squares::{Least, squares};
 use super::likelihood::{Profile, Top, covariance, profile, rise_at_ends};
 use super::observed::{Frames, Observed, Scale};
 use super::physics::{Physics, Train, scale_of};
@@ -220,6 +220,10 @@ impl Fitter {
                 .iter()
                 .map(|curve| self.source(curve, &unknowns, before))
                 .collect::<Result<Vec<_>, _>>()?;
+            // A slow cell begins as it is.
+            if before > 0 && sources.iter().all(|source| source.contraction.is_slow()) {
+                continue;
+            }
             let layout = Layout::new(sources, &sought);
             let part = |part: f64| goes_on(SEARCH * (number as f64 + part) / paced.len() as f64);
             let Some(ends) = Self::search(&layout, settings, &evaluations, &part)? else {
@@ -240,7 +244,7 @@ impl Fitter {
         Ok(fit.map(|fit| Fit { beats_before: before, ..fit }))
     }
 
-    fn source(
+    pub(super) fn source(
         &self,
         curve: &Loaded,
         unknowns: &[Unknown],
@@ -444,12 +448,9 @@ impl Sure {
         let reduced = least.sum / freedom;
         let unit = reduced.max(f64::MIN_POSITIVE);
         let at_ends = rise_at_ends(freedom);
-        let residuals = |at: &[f64]| {
-            evaluations.fetch_add(1, Ordering::Relaxed);
-            layout.residuals(at)
-        };
-        let problem =
-            Problem { residuals: &residuals, bounds: &layout.bounds, steps: &layout.steps };
+        let residuals = layout.counted(evaluations);
+        let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, evaluations);
+        let problem = layout.problem(&residuals, &slopes);
         let covariance = covariance(&problem, least);
         let mut others = others(layout, ends);
         others.retain(|other| (other.sum - least.sum) / unit < FAR * at_ends);
@@ -487,11 +488,9 @@ fn others(layout: &Layout, ends: &[Least]) -> Vec<Least> {
 }
 
 fn minimise(layout: &Layout, start: &[f64], evaluations: &AtomicUsize) -> Option<Least> {
-    let residuals = |at: &[f64]| {
-        evaluations.fetch_add(1, Ordering::Relaxed);
-        layout.residuals(at)
-    };
-    let problem = Problem { residuals: &residuals, bounds: &layout.bounds, steps: &layout.steps };
+    let residuals = layout.counted(evaluations);
+    let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, evaluations);
+    let problem = layout.problem(&residuals, &slopes);
     problem.minimise(start, &vec![false; start.len()])
 }
 

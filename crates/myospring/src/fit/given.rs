@@ -6,11 +6,14 @@
 //! next the bell `k(V)` of Eq. (34) is a straight line; `Ta_i` and `Ta` are exact there, and a step in which
 //! `Ta_i` passes `x_3` is cut there, so that a curve depends smoothly on every parameter.
 
+use super::least_squares::Column;
+use super::step::{Rates, State, Step, model_value};
 use crate::cell::adaptive::{self, Settings};
 use crate::cell::minimal::MinimalModel;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::SolveError;
-use std::f64::consts::PI;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Nodes this far apart while the potential rises, and that long after a stimulus; later ones.
 const FINE_MS: f64 = 0.05;
@@ -19,24 +22,8 @@ const COARSE_MS: f64 = 0.5;
 /// Tolerance of the potential: its error moves a length by less than 1e-5 of the shortening.
 const TOLERANCE: f64 = 1e-6;
 
-/// Parameters that act on the tension alone, in the order of [`Rates`].
-pub(super) const OF_TENSION: [&str; 4] = ["c_0", "x_1", "x_3", "sigma"];
-
-/// What a curve tells of the tension equations.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rates {
-    /// Rate of both variables, 1/ms.
-    pub(super) c_0: f64,
-    /// Rate of `Ta` while it waits, 1/ms.
-    pub(super) x_1: f64,
-    /// `Ta_i` up to which it waits.
-    pub(super) x_3: f64,
-    /// Width of the bell.
-    pub(super) sigma: f64,
-}
-
 /// The potential of one beat, from its stimulus on.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct Beat {
     nodes: Vec<Node>,
 }
@@ -52,10 +39,23 @@ struct Node {
 }
 
 /// The potential of a train, beat by beat.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Potential {
     beats: Vec<Beat>,
+    /// What widths of the bell make of them, by their bits.
+    courses: Mutex<HashMap<u64, Courses>>,
 }
+
+/// The steps of each beat.
+type Courses = Arc<[Vec<Step>]>;
+/// Courses that are remembered: one alone, unless the width of the bell is sought.
+const KEPT: usize = 16;
+/// After the last bell that is so large a part of the highest the cell rests.
+const NOTHING: f64 = 1e-16;
+/// For differences, a stimulus is moved so far either way, ms.
+const MOVED_MS: f64 = 0.02;
+/// States that differ by so small a part of the peak go the same way.
+const ALIKE: f64 = 1e-10;
 
 impl Potential {
     /// Solves the cell for so many stimuli after so many others, a cycle length apart, the first as long after the
@@ -101,11 +101,11 @@ impl Potential {
             }
             all.push(Beat { nodes });
         }
-        Ok(Self { beats: all })
+        Ok(Self { beats: all, courses: Mutex::default() })
     }
 
-    /// `Ta` at ascending times, ms, over its peak in the last beat that any of them sees; `stimuli` are those of the
-    /// beats, ascending. Before the first stimulus it is 0. Returns that peak.
+    /// What shapes the cell at ascending times, ms, over the peak of `Ta` in the last beat that any of them sees;
+    /// `stimuli` are those of the beats, ascending. Before the first stimulus it is 0. Returns that peak.
     pub(super) fn tension(
         &self,
         rates: &Rates,
@@ -113,76 +113,133 @@ impl Potential {
         times: &[f64],
         into: &mut Vec<f64>,
     ) -> f64 {
+        let way = self.way(rates, stimuli, times);
         into.clear();
-        let mut times = times.iter().copied().peekable();
-        let first = stimuli.first().copied().unwrap_or(f64::INFINITY);
-        while times.next_if(|time| *time <= first).is_some() {
-            into.push(0.0);
+        into.extend_from_slice(&way.tension);
+        if way.peak > 0.0 {
+            for value in into.iter_mut() {
+                *value /= way.peak;
+            }
         }
-        let mut state = [0.0; 2];
-        let mut peak = 0.0;
-        let mut bell: Vec<f64> = Vec::new();
-        for (number, &stimulus) in stimuli.iter().enumerate() {
-            if times.peek().is_none() {
+        way.peak
+    }
+
+    /// Derivatives of [`Potential::tension`] by each of the stimuli, 1/ms.
+    ///
+    /// A stimulus that comes earlier cuts the beat before and moves its own; those after them feel it as long as their
+    /// start does.
+    pub(super) fn by_stimulus(&self, rates: &Rates, stimuli: &[f64], times: &[f64]) -> Vec<Column> {
+        let way = self.way(rates, stimuli, times);
+        (0..stimuli.len())
+            .map(|beat| {
+                let [(first, below), (_, above)] =
+                    [-MOVED_MS, MOVED_MS].map(|by| way.moved(rates, stimuli, beat, by));
+                let count = below.tension.len().max(above.tension.len());
+                let value = |moved: &Moved, at: usize| {
+                    moved.tension.get(at).copied().unwrap_or(way.tension[first + at])
+                };
+                let by = 1.0 / (2.0 * MOVED_MS * way.peak);
+                let peak = by * (above.peak.unwrap_or(way.peak) - below.peak.unwrap_or(way.peak));
+                if way.peak <= 0.0 {
+                    return Column::default();
+                }
+                let local = (0..count).map(|at| by * (value(&above, at) - value(&below, at)));
+                if peak == 0.0 {
+                    return Column { first, values: local.collect() };
+                }
+                // What all is counted in changes.
+                let mut values: Vec<f64> =
+                    way.tension.iter().map(|value| -value / way.peak * peak).collect();
+                for (value, local) in values[first..].iter_mut().zip(local) {
+                    *value += local;
+                }
+                Column { first: 0, values }
+            })
+            .collect()
+    }
+
+    /// From beat to beat as far as there are times.
+    fn way<'a>(&self, rates: &Rates, stimuli: &[f64], times: &'a [f64]) -> Way<'a> {
+        let courses = self.courses(rates);
+        let mut way = Way { courses, times, starts: Vec::new(), tension: Vec::new(), peak: 0.0 };
+        let first = stimuli.first().copied().unwrap_or(f64::INFINITY);
+        way.tension.resize(times.partition_point(|time| *time <= first), 0.0);
+        let mut state = State::default();
+        for number in 0..stimuli.len() {
+            if way.tension.len() == times.len() {
                 break;
             }
-            let beat = &self.beats[number.min(self.beats.len() - 1)];
-            let end = stimuli.get(number + 1).copied().unwrap_or(f64::INFINITY) - stimulus;
-            bell.clear();
-            bell.extend(beat.nodes.iter().map(|node| rates.bell(node.off_peak)));
-            let steps = beat.nodes.windows(2).zip(bell.windows(2));
-            let mut now = 0.0;
-            let mut highest = 0.0_f64;
-            for (nodes, bell) in steps {
-                let [from, to] = [nodes[0], nodes[1]];
-                if from.time >= end {
-                    break;
-                }
-                let step = Step {
-                    length: to.time - from.time,
-                    bell: bell[0],
-                    slope: if to.time > from.time {
-                        (bell[1] - bell[0]) / (to.time - from.time)
-                    } else {
-                        0.0
-                    },
-                    above: from.above,
-                };
-                let until = to.time.min(end);
-                while let Some(time) = times.next_if(|time| time - stimulus <= until) {
-                    let part = time - stimulus - from.time;
-                    into.push(step.after(part.max(0.0), state, rates)[1]);
-                }
-                let before = state;
-                state = step.after(until - from.time, state, rates);
-                highest =
-                    highest.max(state[1]).max(step.top(until - from.time, before, state, rates));
-                now = until;
-            }
-            // After the last node the cell rests.
-            let rest = Step { length: f64::INFINITY, bell: 0.0, slope: 0.0, above: false };
-            if now < end {
-                while let Some(time) = times.next_if(|time| time - stimulus <= end) {
-                    into.push(rest.after(time - stimulus - now, state, rates)[1]);
-                }
-                if end.is_finite() {
-                    state = rest.after(end - now, state, rates);
-                }
-            }
-            peak = highest;
+            way.starts.push(state);
+            let left = &times[way.tension.len()..];
+            let (course, window) = (course(&way.courses, number), window(stimuli, number));
+            (state, way.peak) = rates.beat(course, window, state, left, &mut way.tension);
         }
-        if peak > 0.0 {
-            for value in into.iter_mut() {
-                *value /= peak;
-            }
+        way
+    }
+
+    /// The steps that a width of the bell makes of the nodes.
+    fn courses(&self, rates: &Rates) -> Courses {
+        let mut known = self.courses.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() >= KEPT {
+            known.clear();
         }
-        peak
+        let new = || self.beats.iter().map(|beat| rates.course(beat)).collect();
+        Arc::clone(known.entry(rates.sigma.to_bits()).or_insert_with(new))
     }
 }
 
-fn model_value(model: &MinimalModel, name: &str) -> f64 {
-    use crate::cell::CellModel as _;
-    model.parameters().get(name).unwrap_or(f64::NAN)
+/// A train as it went.
+struct Way<'a> {
+    courses: Courses,
+    times: &'a [f64],
+    /// The state at the start of each beat that any of the times sees.
+    starts: Vec<State>,
+    /// At the times.
+    tension: Vec<f64>,
+    /// Of the last of these beats.
+    peak: f64,
+}
+
+fn course(courses: &Courses, number: usize) -> &[Step] {
+    &courses[number.min(courses.len() - 1)]
+}
+
+impl Way<'_> {
+    /// The same with one stimulus moved, from the first time that may tell on.
+    fn moved(&self, rates: &Rates, stimuli: &[f64], beat: usize, by: f64) -> (usize, Moved) {
+        let from = beat.saturating_sub(1);
+        let mut stimuli = stimuli.to_vec();
+        let earliest = stimuli[from] - if beat == 0 { MOVED_MS } else { 0.0 };
+        stimuli[beat] += by;
+        let first = self.times.partition_point(|time| *time <= earliest);
+        let still = self.times[first..].partition_point(|time| *time <= stimuli[from]);
+        let mut moved = Moved { tension: vec![0.0; still], peak: None };
+        let Some(mut state) = self.starts.get(from).copied() else { return (first, moved) };
+        for number in from..self.starts.len() {
+            let off = state.iter().zip(&self.starts[number]).map(|(a, b)| (a - b).abs());
+            if number > beat && off.fold(0.0, f64::max) <= ALIKE * self.peak {
+                break;
+            }
+            let left = &self.times[(first + moved.tension.len()).min(self.times.len())..];
+            let (course, window) = (course(&self.courses, number), window(&stimuli, number));
+            let highest;
+            (state, highest) = rates.beat(course, window, state, left, &mut moved.tension);
+            moved.peak = (number + 1 == self.starts.len()).then_some(highest);
+        }
+        (first, moved)
+    }
+}
+
+/// What another stimulus makes of a part of it.
+struct Moved {
+    tension: Vec<f64>,
+    /// Where the last beat is part of it.
+    peak: Option<f64>,
+}
+
+/// A stimulus and the next.
+fn window(stimuli: &[f64], number: usize) -> [f64; 2] {
+    [stimuli[number], stimuli.get(number + 1).copied().unwrap_or(f64::INFINITY)]
 }
 
 fn grid(cycle_ms: f64) -> impl Iterator<Item = f64> {
@@ -194,88 +251,75 @@ fn grid(cycle_ms: f64) -> impl Iterator<Item = f64> {
 }
 
 impl Rates {
-    /// Those of a model.
-    pub(super) fn of(model: &MinimalModel) -> Self {
-        let [c_0, x_1, x_3, sigma] = OF_TENSION.map(|name| model_value(model, name));
-        Self { c_0, x_1, x_3, sigma }
+    /// From node to node, until the cell rests.
+    fn course(&self, beat: &Beat) -> Vec<Step> {
+        let bell: Vec<f64> = beat.nodes.iter().map(|node| self.bell(node.off_peak)).collect();
+        let least = NOTHING * self.bell(0.0);
+        let steps = beat.nodes.windows(2).zip(bell.windows(2)).map(|(nodes, bell)| {
+            let [from, to] = [nodes[0], nodes[1]];
+            let length = to.time - from.time;
+            let slope = if length > 0.0 { (bell[1] - bell[0]) / length } else { 0.0 };
+            // Lengths of the grid are the same to the last bit, so that they share an exponential.
+            let on_grid = [FINE_MS, COARSE_MS].into_iter().find(|on| (length - on).abs() < 1e-9);
+            let length = on_grid.unwrap_or(length);
+            Step { begin: from.time, length, bell: bell[0], slope, above: from.above }
+        });
+        let mut steps: Vec<Step> = steps.collect();
+        let pulls =
+            |step: &Step| step.above || step.bell.max(step.bell + step.slope * step.length) > least;
+        steps.truncate(steps.iter().rposition(pulls).map_or(0, |last| last + 1));
+        steps
     }
 
-    /// Eq. (34), for `V - 1`.
-    fn bell(&self, off_peak: f64) -> f64 {
-        let z = off_peak / self.sigma;
-        (-0.5 * z * z).exp() / (self.sigma * (2.0 * PI).sqrt())
-    }
-}
-
-/// A step from node to node.
-#[derive(Debug, Clone, Copy)]
-struct Step {
-    length: f64,
-    bell: f64,
-    slope: f64,
-    above: bool,
-}
-
-impl Step {
-    /// `Ta_i` and `Ta` so long after the begin of the step.
-    fn after(&self, time: f64, [ta_i, ta]: [f64; 2], rates: &Rates) -> [f64; 2] {
-        debug_assert!(time <= self.length * (1.0 + 1e-9));
-        let later = self.early(time, ta_i, rates.c_0);
-        let waits = |ta_i: f64| self.above && ta_i < rates.x_3;
-        if waits(ta_i) == waits(later) {
-            let rate = if waits(ta_i) { rates.x_1 } else { rates.c_0 };
-            return [later, self.late(0.0, time, ta_i, ta, rate, rates.c_0)];
-        }
-        let switch = self.crossing(time, ta_i, later, rates);
-        let [first, second] =
-            if waits(ta_i) { [rates.x_1, rates.c_0] } else { [rates.c_0, rates.x_1] };
-        let ta = self.late(0.0, switch, ta_i, ta, first, rates.c_0);
-        [later, self.late(switch, time, ta_i, ta, second, rates.c_0)]
-    }
-
-    /// The largest `Ta` inside of the step, where it has one: it is highest when it meets `Ta_i`.
-    fn top(&self, time: f64, from: [f64; 2], to: [f64; 2], rates: &Rates) -> f64 {
-        let [before, after] = [from[0] - from[1], to[0] - to[1]];
-        if !(before > 0.0 && after <= 0.0) {
-            return 0.0;
-        }
-        self.after(time * before / (before - after), from, rates)[1]
-    }
-
-    /// Exact: (32) with a bell that is a straight line.
-    fn early(&self, time: f64, ta_i: f64, c_0: f64) -> f64 {
-        let lag = self.slope / c_0;
-        self.bell - lag + self.slope * time + (ta_i - self.bell + lag) * (-c_0 * time).exp()
-    }
-
-    /// (33) from one time to another at a constant rate; `ta` is there at the first.
-    fn late(&self, from: f64, to: f64, ta_i: f64, ta: f64, rate: f64, c_0: f64) -> f64 {
-        let h = to - from;
-        if rate == c_0 {
-            // Exact: both equations have the same rate.
-            let (lag, bell) = (self.slope / c_0, self.bell + self.slope * from);
-            let excess = self.early(from, ta_i, c_0) - bell + lag;
-            let steady = bell - 2.0 * lag;
-            return steady + self.slope * h + (ta - steady + excess * c_0 * h) * (-c_0 * h).exp();
-        }
-        // It waits, slowly, for less than a step of the grid: Simpson's rule.
-        let at = |time: f64| self.early(time, ta_i, c_0) * (-rate * (to - time)).exp();
-        let sum = at(from) + 4.0 * at(f64::midpoint(from, to)) + at(to);
-        ta * (-rate * h).exp() + rate * h * sum / 6.0
-    }
-
-    /// When `Ta_i` passes `x_3`: regula falsi and Newton's method in one, on a course that hardly bends.
-    fn crossing(&self, time: f64, ta_i: f64, later: f64, rates: &Rates) -> f64 {
-        let mut at = time * (rates.x_3 - ta_i) / (later - ta_i);
-        for _ in 0..4 {
-            let value = self.early(at, ta_i, rates.c_0);
-            let rate = rates.c_0 * (self.bell + self.slope * at - value);
-            if rate == 0.0 {
+    /// One beat between its stimulus and the next, from a state on: what shapes the cell at the times that are
+    /// in it, ascending, goes `into`. Returns the state at its end and the largest `Ta`.
+    fn beat(
+        &self,
+        course: &[Step],
+        [stimulus, next]: [f64; 2],
+        start: State,
+        times: &[f64],
+        into: &mut Vec<f64>,
+    ) -> (State, f64) {
+        let end = next - stimulus;
+        let mut times = times.iter().map(|time| time - stimulus).peekable();
+        let mut state = start;
+        let mut highest = 0.0_f64;
+        let rests = course.last().map_or(0.0, |last| last.begin + last.length);
+        // What lags is found in steps, else rest is one.
+        let length = if self.lag > 0.0 { COARSE_MS } else { f64::INFINITY };
+        let rest = (0..).map(|at| Step {
+            begin: if at == 0 { rests } else { rests + f64::from(at) * length },
+            length,
+            bell: 0.0,
+            slope: 0.0,
+            above: false,
+        });
+        let decays = [FINE_MS, COARSE_MS].map(|length| [length, (-self.c_0 * length).exp()]);
+        for step in course.iter().copied().chain(rest) {
+            let is_over = step.begin >= rests && end == f64::INFINITY && times.peek().is_none();
+            if step.begin >= end || is_over {
                 break;
             }
-            at = (at - (value - rates.x_3) / rate).clamp(0.0, time);
+            let until = (step.begin + step.length).min(end);
+            while let Some(time) = times.next_if(|time| *time <= until) {
+                let there = step.after((time - step.begin).max(0.0), state, self);
+                into.push(if self.lag > 0.0 { there[2] } else { there[1] });
+            }
+            if until == f64::INFINITY {
+                break;
+            }
+            let before = state;
+            let length = until - step.begin;
+            let is_whole = (length - step.length).abs() < 1e-9;
+            let decay = decays.iter().find(|[length, _]| is_whole && step.length == *length);
+            state = match decay {
+                Some([_, decay]) if self.lag <= 0.0 => step.whole(*decay, state, self),
+                _ => step.after(length, state, self),
+            };
+            highest = highest.max(state[1]).max(step.top(length, before, state, self));
         }
-        at
+        (state, highest)
     }
 }
 
@@ -286,7 +330,8 @@ mod tests {
     use crate::cell::{CellModel as _, pacing::Protocol};
 
     const BEFORE: usize = 10;
-    const PUBLISHED: Rates = Rates { c_0: 0.0166016, x_1: 0.0001, x_3: 0.2925, sigma: 0.046875 };
+    const PUBLISHED: Rates =
+        Rates { c_0: 0.0166016, x_1: 0.0001, x_3: 0.2925, sigma: 0.046875, lag: 0.0 };
 
     #[test]
     fn tension_is_that_of_the_whole_cell_solved_to_a_small_tolerance() {
@@ -313,6 +358,83 @@ mod tests {
         // What the two grids and tolerances leave; the whole cell's own tolerance moves its peak by 1e-5.
         assert!(off < 1e-4 * peak, "off by {} of the peak", off / peak);
         assert!((found.iter().copied().fold(0.0, f64::max) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn shared_exponentials_and_rest_change_nothing() {
+        let model = coelho_2021::model();
+        let protocol = Protocol::once(model.default_stimulus());
+        let potential = Potential::solve(&model, protocol, 2, 3, 450.0).unwrap();
+        let stimuli = [10.0, 455.0, 930.0];
+        let times: Vec<f64> = (0..700).map(|k| 2.1 * f64::from(k)).collect();
+        for sigma in [1.0, 4.0] {
+            let rates = Rates { sigma: sigma * PUBLISHED.sigma, ..PUBLISHED };
+            let mut quick = Vec::new();
+            let peak = potential.tension(&rates, &stimuli, &times, &mut quick);
+            // Node by node, each with exponentials of its own, to the end of every beat.
+            let mut plain = vec![0.0; times.partition_point(|time| *time <= stimuli[0])];
+            let mut state = State::default();
+            for (beat, stimulus) in potential.beats.iter().zip(stimuli) {
+                let next = stimuli.iter().find(|next| **next > stimulus);
+                let end = next.map_or(450.0, |next| next - stimulus);
+                for nodes in beat.nodes.windows(2) {
+                    let [from, to] = [nodes[0], nodes[1]];
+                    let [bell, last] = [from, to].map(|node| rates.bell(node.off_peak));
+                    let length = to.time - from.time;
+                    let slope = if length > 0.0 { (last - bell) / length } else { 0.0 };
+                    let step = Step { begin: from.time, length, bell, slope, above: from.above };
+                    let until = to.time.min(end);
+                    while let Some(time) = times.get(plain.len())
+                        && time - stimulus <= until
+                        && from.time < end
+                    {
+                        plain
+                            .push(step.after(time - stimulus - from.time, state, &rates)[1] / peak);
+                    }
+                    if from.time < end {
+                        state = step.after(until - from.time, state, &rates);
+                    }
+                }
+                // A pause that is longer than the cycle.
+                if let Some(next) = next.filter(|next| **next > stimulus + 450.0) {
+                    let length = next - stimulus - 450.0;
+                    let step = Step { begin: 450.0, length, bell: 0.0, slope: 0.0, above: false };
+                    while let Some(time) = times.get(plain.len()).filter(|time| *time <= next) {
+                        let since = time - stimulus - 450.0;
+                        plain.push(step.after(since, state, &rates)[1] / peak);
+                    }
+                    state = step.after(length, state, &rates);
+                }
+            }
+            for ((plain, quick), time) in plain.iter().zip(&quick).zip(&times) {
+                assert!((plain - quick).abs() < 1e-12, "{time} ms: {plain} and {quick}");
+            }
+            assert!(plain.len() > 600);
+        }
+    }
+
+    #[test]
+    fn what_lags_is_the_tension_through_a_filter() {
+        let model = coelho_2021::model();
+        let protocol = Protocol::once(model.default_stimulus());
+        let potential = Potential::solve(&model, protocol, 0, 1, 900.0).unwrap();
+        let times: Vec<f64> = (0..36_000).map(|k| 0.025 * f64::from(k)).collect();
+        let curve = |lag: f64| {
+            let mut curve = Vec::new();
+            potential.tension(&Rates { lag, ..PUBLISHED }, &[20.0], &times, &mut curve);
+            curve
+        };
+        let tension = curve(0.0);
+        for lag in [1.0, 30.0, 400.0] {
+            let (mut filtered, mut off) = (0.0, 0.0_f64);
+            for (place, lagging) in curve(lag).iter().enumerate().skip(1) {
+                let mean = f64::midpoint(tension[place - 1], tension[place]);
+                filtered = mean + (filtered - mean) * (-0.025 / lag).exp();
+                off = off.max((filtered - lagging).abs());
+            }
+            // The mean stands for a straight line.
+            assert!(off < 2e-5, "{lag} ms: {off}");
+        }
     }
 
     #[test]

@@ -9,9 +9,17 @@ const DAMPING: f64 = 1e-3;
 /// Damping at which no direction lowers the sum any more.
 const STUCK: f64 = 1e10;
 
-/// Residuals as a function of a few unknowns, each within bounds; `None` where there are none to be had.
+/// Numbers as a function of the unknowns; `None` where there are none to be had.
+type Function<'a> = &'a (dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync);
+
+/// Derivatives of residuals, a column an unknown, with nothing in those of what is held.
+type Slopes<'a> = &'a (dyn Fn(&[f64], &[bool]) -> Option<Vec<Column>> + Sync);
+
+/// Residuals as a function of a few unknowns, each within bounds.
 pub(super) struct Problem<'a> {
-    pub(super) residuals: &'a (dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync),
+    pub(super) residuals: Function<'a>,
+    /// Their derivatives; `None` leaves them to differences.
+    pub(super) slopes: Option<Slopes<'a>>,
     /// Smallest and largest value of each.
     pub(super) bounds: &'a [[f64; 2]],
     /// By how much each is moved either way for a difference.
@@ -25,6 +33,27 @@ pub(super) struct Least {
     /// Half a sum of squares is not meant: the sum itself.
     pub(super) sum: f64,
     pub(super) residuals: Vec<f64>,
+}
+
+/// Derivatives of all residuals by one unknown, which may move a few of them alone.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Column {
+    /// The first residual that it moves.
+    pub(super) first: usize,
+    /// From there on; those after them are 0.
+    pub(super) values: Vec<f64>,
+}
+
+impl Column {
+    fn dot(&self, other: &Self) -> f64 {
+        let first = self.first.max(other.first);
+        let end = (self.first + self.values.len()).min(other.first + other.values.len());
+        if first >= end {
+            return 0.0;
+        }
+        let part = |column: &Self| first - column.first..end - column.first;
+        dot(&self.values[part(self)], &other.values[part(other)])
+    }
 }
 
 impl Problem<'_> {
@@ -59,7 +88,17 @@ impl Problem<'_> {
                     row.collect()
                 });
                 let right: Vec<f64> = free.iter().map(|&k| -gradient[k]).collect();
-                let tried = solve(&matrix.collect::<Vec<_>>(), &right).and_then(|step| {
+                let step = solve(&matrix.collect::<Vec<_>>(), &right);
+                // What straight lines promise is not worth a look, and shorter steps promise less.
+                let promised = |step: &Vec<f64>| {
+                    let all = || free.iter().zip(step);
+                    let along = |j: usize| all().map(|(&k, by)| normal[j][k] * by).sum::<f64>();
+                    -all().map(|(&j, by)| by * (2.0 * gradient[j] + along(j))).sum::<f64>()
+                };
+                if step.as_ref().is_some_and(|step| promised(step) < CONVERGED * sum) {
+                    break;
+                }
+                let tried = step.and_then(|step| {
                     let mut to = at.clone();
                     for (&k, step) in free.iter().zip(&step) {
                         let [low, high] = self.bounds[k];
@@ -88,23 +127,43 @@ impl Problem<'_> {
         Some(Least { at, sum, residuals })
     }
 
-    /// Derivatives of the residuals, a column an unknown, by central differences; 0 for what is held.
-    pub(super) fn jacobian(&self, at: &[f64], held: &[bool]) -> Option<Vec<Vec<f64>>> {
-        let column = |k: usize| {
-            let [low, high] = self.bounds[k];
-            let moved = |to: f64| {
-                let mut there = at.to_vec();
-                there[k] = to.clamp(low, high);
-                Some((there[k], (self.residuals)(&there)?))
-            };
-            let (below, from) = moved(at[k] - self.steps[k])?;
-            let (above, to) = moved(at[k] + self.steps[k])?;
-            let width = above - below;
-            Some(from.iter().zip(&to).map(|(from, to)| (to - from) / width).collect())
+    /// Derivatives of the residuals, a column an unknown; nothing for what is held.
+    pub(super) fn jacobian(&self, at: &[f64], held: &[bool]) -> Option<Vec<Column>> {
+        if let Some(slopes) = self.slopes {
+            return slopes(at, held);
+        }
+        let column = |place: usize| {
+            if held[place] {
+                return Some(Column::default());
+            }
+            let values = difference(self.residuals, at, place, self.steps[place], self.bounds)?;
+            Some(Column { first: 0, values })
         };
-        let count = (self.residuals)(at)?.len();
-        (0..at.len()).map(|k| if held[k] { Some(vec![0.0; count]) } else { column(k) }).collect()
+        (0..at.len()).map(column).collect()
     }
+}
+
+/// The derivative of numbers by one unknown: a central difference, as far as its bounds let it be one.
+pub(super) fn difference(
+    of: impl Fn(&[f64]) -> Option<Vec<f64>>,
+    at: &[f64],
+    place: usize,
+    step: f64,
+    bounds: &[[f64; 2]],
+) -> Option<Vec<f64>> {
+    let [low, high] = bounds[place];
+    let moved = |to: f64| {
+        let mut there = at.to_vec();
+        there[place] = to.clamp(low, high);
+        Some((there[place], of(&there)?))
+    };
+    let (below, from) = moved(at[place] - step)?;
+    let (above, mut to) = moved(at[place] + step)?;
+    let width = above - below;
+    for (to, from) in to.iter_mut().zip(&from) {
+        *to = (*to - from) / width;
+    }
+    Some(to)
 }
 
 pub(super) fn squares(values: &[f64]) -> f64 {
@@ -116,9 +175,18 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `J^T J` and `J^T r`.
-pub(super) fn normal(columns: &[Vec<f64>], residuals: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
-    let matrix = columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
-    (matrix, columns.iter().map(|column| dot(column, residuals)).collect())
+pub(super) fn normal(columns: &[Column], residuals: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let mut matrix = vec![vec![0.0; columns.len()]; columns.len()];
+    for (j, a) in columns.iter().enumerate() {
+        for (k, b) in columns[..=j].iter().enumerate() {
+            matrix[j][k] = a.dot(b);
+            matrix[k][j] = matrix[j][k];
+        }
+    }
+    let along = |column: &Column| {
+        dot(&column.values, &residuals[column.first..column.first + column.values.len()])
+    };
+    (matrix, columns.iter().map(along).collect())
 }
 
 /// The solution of a symmetric, positive definite system (Cholesky's), scaled to a diagonal of ones; `None` if it is
@@ -172,7 +240,8 @@ mod tests {
         // Rosenbrock's, least at (1, 1).
         let residuals = |x: &[f64]| Some(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
         let bounds = [[-5.0, 5.0]; 2];
-        let problem = Problem { residuals: &residuals, bounds: &bounds, steps: &[1e-5; 2] };
+        let problem =
+            Problem { residuals: &residuals, slopes: None, bounds: &bounds, steps: &[1e-5; 2] };
         let found = problem.minimise(&[-1.2, 1.0], &[false; 2]).unwrap();
         assert!(found.at.iter().all(|x| (x - 1.0).abs() < 1e-6), "{:?}", found.at);
         assert!(found.sum < 1e-12);
@@ -182,7 +251,8 @@ mod tests {
     fn what_lies_past_a_bound_ends_on_it_and_what_is_held_stays() {
         let residuals = |x: &[f64]| Some(vec![x[0] - 7.0, x[1] - 2.0, x[2] + x[1]]);
         let bounds = [[0.0, 5.0], [-9.0, 9.0], [-9.0, 9.0]];
-        let problem = Problem { residuals: &residuals, bounds: &bounds, steps: &[1e-4; 3] };
+        let problem =
+            Problem { residuals: &residuals, slopes: None, bounds: &bounds, steps: &[1e-4; 3] };
         let found = problem.minimise(&[1.0, 0.0, 4.0], &[false, false, true]).unwrap();
         // Least of (b - 2)^2 + (4 + b)^2 is at b = -1.
         assert!((found.at[0] - 5.0).abs() < 1e-12 && found.at[2] == 4.0);

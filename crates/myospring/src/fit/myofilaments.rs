@@ -12,11 +12,17 @@
 //! with `S` the table of equilibria. A stronger pull shortens the cell and a shorter cell pulls less, so the second line
 //! has one solution. What is left are six equations without a rate on their right side, which the classical method of
 //! Runge and Kutta takes in steps of a millisecond.
+//!
+//! The shape of a viscous cell lags behind its tension by a time `tau`, so it is that of another one, `theta`:
+//!
+//! ```text
+//! lambda = S(theta),   tau dtheta/dt = Ta - theta
+//! ```
 
 use super::physics::Train;
 use super::table::Tables;
 use crate::cell::CellModel;
-use crate::cell::land_2017::{Land2017, STATES};
+use crate::cell::land_2017::{self, Land2017, STATES};
 use crate::simulation::Simulation;
 use std::any::Any;
 use std::sync::Arc;
@@ -28,15 +34,21 @@ const OF_FASTEST: f64 = 1.0;
 /// Steps of Newton's method, and the change of the stretch that ends it.
 const TRIES: usize = 40;
 const AGREED: f64 = 1e-12;
-/// A train is steady once no state changes by more than this from beat to beat.
-const STEADY: f64 = 1e-7;
+/// A train is steady once no state changes by more than this from beat to beat: each beat brings it a hundred times
+/// closer, or more.
+const STEADY: f64 = 1e-9;
 
-type State = [f64; STATES];
+/// The six, with `y` for the distortions, and `theta`.
+type State = [f64; STATES + 1];
+const THETA: usize = STATES;
 
 /// Beats of myofilaments on a mesh.
 pub(super) struct Myofilaments {
     tables: Arc<Tables>,
     train: Train,
+    /// Time by which the shape of a viscous cell lags behind its tension, ms; 0 of none.
+    lag: f64,
+    steady: f64,
 }
 
 /// A cell on its way.
@@ -45,23 +57,17 @@ struct Way<'a> {
     tables: &'a Tables,
     stiffness: f64,
     distortion: f64,
+    lag: f64,
 }
 
 impl Myofilaments {
     /// Whether a simulation's cell is such, and its mesh neither held nor begun in a way of its own.
     pub(super) fn serve(simulation: &Simulation) -> bool {
-        land(&*simulation.cell).is_some()
-            && simulation.material.retardation_time == 0.0
-            && simulation.end_stretch == 1.0
-            && simulation.resting_stretch.is_none()
-            && simulation.start_state.is_none()
-            && simulation.activation.is_none()
-            && !simulation.has_sites_in_triangles()
-            && !simulation.support.clamps()
+        land(&*simulation.cell).is_some() && is_plain(simulation)
     }
 
-    pub(super) fn new(tables: Arc<Tables>, train: Train) -> Self {
-        Self { tables, train }
+    pub(super) fn new(tables: Arc<Tables>, train: Train, lag: f64) -> Self {
+        Self { tables, train, lag, steady: STEADY }
     }
 
     /// Between samples, ms: a cycle is a whole number of them.
@@ -79,37 +85,82 @@ impl Myofilaments {
         let model = land(cell)?;
         let filaments = model.myofilaments();
         let distortion = filaments.distortion_per_stretch();
-        let mut way = Way { model, tables: &self.tables, stiffness, distortion: 0.0 };
+        let (tables, lag) = (&*self.tables, self.lag);
+        let mut way = Way { model, tables, stiffness, distortion: 0.0, lag };
         let Train { before, beats, cycle } = self.train;
         let (intervals, length) = (self.intervals(), self.interval());
         let steps = way.steps(cycle, length)?;
         // Before the first stimulus nothing moves, and nothing is distorted.
-        let mut state = filaments.steady(model.calcium().rest(), 1.0);
-        let mut stretch = way.stretch(&state, 1.0)?;
+        let mut state = [0.0; STATES + 1];
+        state[..STATES].copy_from_slice(&filaments.steady(model.calcium().rest(), 1.0));
+        let mut stretch = way.stretch_at_once(&state, 1.0)?;
+        state[THETA] = filaments.tension(&way.whole(&state, stretch), stretch);
         way.distortion = distortion;
         for y in [4, 5] {
             state[y] = -distortion * stretch;
         }
         let mut samples = Vec::with_capacity(beats * intervals + 1);
         samples.push(1.0 - stretch);
-        for _ in 0..before {
-            let was = state;
-            for interval in 0..intervals {
-                way.interval(&mut state, &mut stretch, interval as f64 * length, length, steps)?;
+        let mut course = Vec::with_capacity(intervals);
+        let mut is_steady = false;
+        for beat in 0..before + beats {
+            // Once steady, each beat is as the one before.
+            if !is_steady {
+                let was = state;
+                course.clear();
+                for interval in 0..intervals {
+                    let since = interval as f64 * length;
+                    way.interval(&mut state, &mut stretch, since, length, steps)?;
+                    course.push(1.0 - stretch);
+                }
+                let moved = state.iter().zip(was).map(|(now, was)| (now - was).abs());
+                is_steady = moved.fold(0.0, f64::max) < self.steady;
             }
-            samples[0] = 1.0 - stretch;
-            let moved = state.iter().zip(was).map(|(now, was)| (now - was).abs());
-            if moved.fold(0.0, f64::max) < STEADY {
-                break;
+            if beat < before {
+                samples[0] = 1.0 - stretch;
+            } else {
+                samples.extend_from_slice(&course);
             }
-        }
-        for interval in 0..beats * intervals {
-            let since = (interval % intervals) as f64 * length;
-            way.interval(&mut state, &mut stretch, since, length, steps)?;
-            samples.push(1.0 - stretch);
         }
         Some(samples.into())
     }
+}
+
+/// The stretch of a mesh under the tension that myofilaments make at that stretch: Newton's method from a guess. The
+/// first of `shaping` times that tension, and the second, shape the mesh; `whole` is the state at a stretch, and which
+/// part of a distortion that comes with it is gone already.
+pub(super) fn meet(
+    filaments: &land_2017::Myofilaments,
+    tables: &Tables,
+    stiffness: f64,
+    guess: f64,
+    [share, kept]: [f64; 2],
+    whole: impl Fn(f64) -> ([f64; STATES], f64),
+) -> Option<f64> {
+    let mut stretch = guess;
+    for _ in 0..TRIES {
+        let (state, gone) = whole(stretch);
+        let tension = share * filaments.tension(&state, stretch) + kept;
+        let [shortening, slope] = tables.with_slope(tension, stiffness);
+        let by = (1.0 - gone) * share * filaments.instantaneous_stiffness(&state, stretch).max(0.0);
+        // d/d lambda of lambda - S(Ta(lambda)), at least 1
+        let step = (1.0 - shortening - stretch) / (1.0 + slope.max(0.0) * by);
+        stretch += step;
+        if step.abs() < AGREED {
+            return stretch.is_finite().then_some(stretch);
+        }
+    }
+    None
+}
+
+/// Whether a mesh is neither held nor begun in a way of its own, and its tension one.
+pub(super) fn is_plain(simulation: &Simulation) -> bool {
+    simulation.end_stretch == 1.0
+        && simulation.resting_stretch.is_none()
+        && simulation.start_state.is_none()
+        && simulation.activation.is_none()
+        && !simulation.has_sites_in_triangles()
+        && !simulation.support.clamps()
 }
 
 fn land(cell: &dyn CellModel) -> Option<&Land2017> {
@@ -144,7 +195,7 @@ impl Way<'_> {
         let end: State = moved(h, &third);
         let at = self.stretch(&end, at)?;
         let fourth = self.rates(&end, at, time + h);
-        for i in 0..STATES {
+        for i in 0..=THETA {
             state[i] += h / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]);
         }
         *stretch = self.stretch(state, at)?;
@@ -154,33 +205,37 @@ impl Way<'_> {
     /// Rates of the states with `y` for the distortions, at the stretch that goes with them.
     fn rates(&self, state: &State, stretch: f64, time: f64) -> State {
         let whole = self.whole(state, stretch);
-        self.model.myofilaments().rates(&whole, self.model.calcium().at(time), stretch, 0.0)
+        let filaments = self.model.myofilaments();
+        let mut rates = [0.0; STATES + 1];
+        let of_filaments = filaments.rates(&whole, self.model.calcium().at(time), stretch, 0.0);
+        rates[..STATES].copy_from_slice(&of_filaments);
+        if self.lag > 0.0 {
+            rates[THETA] = (filaments.tension(&whole, stretch) - state[THETA]) / self.lag;
+        }
+        rates
     }
 
     /// The state with distortions.
-    fn whole(&self, state: &State, stretch: f64) -> State {
-        let [xs, xw, c, b, y_s, y_w] = *state;
+    fn whole(&self, state: &State, stretch: f64) -> [f64; STATES] {
+        let [xs, xw, c, b, y_s, y_w, _] = *state;
         let all = self.distortion * stretch;
         [xs, xw, c, b, y_s + all, y_w + all]
     }
 
-    /// The stretch of the mesh under the tension that it makes at that stretch: Newton's method from a guess.
+    /// The stretch of the mesh.
     fn stretch(&self, state: &State, guess: f64) -> Option<f64> {
-        let filaments = self.model.myofilaments();
-        let mut stretch = guess;
-        for _ in 0..TRIES {
-            let whole = self.whole(state, stretch);
-            let tension = filaments.tension(&whole, stretch);
-            let [shortening, slope] = self.tables.with_slope(tension, self.stiffness);
-            let by = filaments.instantaneous_stiffness(&whole, stretch).max(0.0);
-            // d/d lambda of lambda - S(Ta(lambda)), at least 1
-            let step = (1.0 - shortening - stretch) / (1.0 + slope.max(0.0) * by);
-            stretch += step;
-            if step.abs() < AGREED {
-                return stretch.is_finite().then_some(stretch);
-            }
+        if self.lag <= 0.0 {
+            return self.stretch_at_once(state, guess);
         }
-        None
+        let stretch = 1.0 - self.tables.at(state[THETA], self.stiffness);
+        stretch.is_finite().then_some(stretch)
+    }
+
+    /// The stretch of the mesh under the tension that it makes at that stretch.
+    fn stretch_at_once(&self, state: &State, guess: f64) -> Option<f64> {
+        let filaments = self.model.myofilaments();
+        let whole = |stretch: f64| (self.whole(state, stretch), 0.0);
+        meet(filaments, self.tables, self.stiffness, guess, [1.0, 0.0], whole)
     }
 
     /// Steps an interval, such that none is longer than the fastest of the equations allows.
@@ -189,7 +244,7 @@ impl Way<'_> {
         let calcium = (0..=200).map(|at| self.model.calcium().at(cycle * f64::from(at) / 200.0));
         let calcium = calcium.fold(0.0, f64::max);
         // Each equation is linear in its own variable; without calcium bound, blocking is as fast as it gets.
-        let none: State = [0.0; STATES];
+        let none = [0.0; STATES];
         let still = filaments.rates(&none, calcium, 1.0, 0.0);
         let fastest = (0..STATES)
             .map(|place| {
@@ -199,7 +254,44 @@ impl Way<'_> {
                 rate.abs()
             })
             .fold(0.0, f64::max);
+        // A shape that lags is drawn by crossbridges that it distorts: no more of them than that calcium would bind.
+        let bound = filaments.steady(calcium, 1.0);
+        let drawn = filaments.instantaneous_stiffness(&bound, 1.0);
+        let gives = self.tables.largest_slope() / self.stiffness;
+        let lagging = if self.lag > 0.0 { (1.0 + gives * drawn) / self.lag } else { 0.0 };
+        let fastest = fastest.max(lagging);
         let steps = (interval * fastest / OF_FASTEST).ceil().max(1.0);
         (steps < 1e4).then_some(steps as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::table::Shelf;
+    use crate::mesh::lattice;
+
+    #[test]
+    fn a_steady_beat_stands_for_those_that_follow() {
+        let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
+        simulation.cell = Arc::new(Land2017::published());
+        let tables = Shelf::default().tables(&simulation, 0.2, false).unwrap();
+        for lag in [0.0, 25.0] {
+            for (before, cycle) in [(0, 1000.0), (0, 380.0), (10, 380.0)] {
+                let train = Train { before, beats: 8, cycle };
+                let quick = Myofilaments::new(Arc::clone(&tables), train, lag);
+                let whole = Myofilaments {
+                    steady: 0.0,
+                    ..Myofilaments::new(Arc::clone(&tables), train, lag)
+                };
+                let [quick, whole] =
+                    [quick, whole].map(|way| way.shortening(&*simulation.cell, 1.0).unwrap());
+                assert_eq!(quick.len(), whole.len());
+                let off = quick.iter().zip(whole.iter()).map(|(a, b)| (a - b).abs());
+                let off = off.fold(0.0, f64::max);
+                // No state is further from the steady one than it moves in a beat.
+                assert!(off < 1e-9, "{before} beats of {cycle} ms before, lag {lag}: {off}");
+            }
+        }
     }
 }

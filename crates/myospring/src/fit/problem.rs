@@ -94,7 +94,7 @@ impl Layout {
     }
 
     /// Factors of the physics, and the values of the free parameters.
-    fn physics<'a>(&self, at: &[f64], parameters: &'a mut Vec<f64>) -> Physics<'a> {
+    pub(super) fn physics<'a>(&self, at: &[f64], parameters: &'a mut Vec<f64>) -> Physics<'a> {
         let mut physics = [1.0; 2];
         parameters.clear();
         for (role, value) in self.roles.iter().zip(at) {
@@ -144,14 +144,9 @@ impl Layout {
     /// A curve as it would be measured, without noise.
     pub(super) fn curve(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
         let mut curve = self.shortening(at, number, times)?;
-        let find = |wanted: &Role| self.roles.iter().position(|role| role == wanted);
-        let level = find(&Role::Level { source: number }).map_or(0.0, |place| at[place]);
-        let gain = find(&Role::Gain { source: number }).map_or(1.0, |place| at[place]);
-        let drift = find(&Role::Drift { source: number }).map_or(0.0, |place| at[place]);
-        let all = &self.sources[number].frames.times;
-        let (first, last) = (all[0], all[all.len() - 1]);
-        for (value, time) in curve.iter_mut().zip(times) {
-            let level = level + drift * ((time - first) / (last - first) - 0.5);
+        let [level, gain, drift] = self.scale(at, number);
+        for (value, part) in curve.iter_mut().zip(self.parts(number, times)) {
+            let level = level + drift * part;
             *value = match self.sources[number].observed.scale {
                 Scale::Length => level * (1.0 - *value),
                 Scale::Percent => level + 100.0 * *value,
@@ -159,6 +154,22 @@ impl Layout {
             };
         }
         Some(curve)
+    }
+
+    /// Level, gain and drift of a curve.
+    pub(super) fn scale(&self, at: &[f64], number: usize) -> [f64; 3] {
+        let find = |wanted: &Role| self.roles.iter().position(|role| role == wanted);
+        let level = find(&Role::Level { source: number }).map_or(0.0, |place| at[place]);
+        let gain = find(&Role::Gain { source: number }).map_or(1.0, |place| at[place]);
+        let drift = find(&Role::Drift { source: number }).map_or(0.0, |place| at[place]);
+        [level, gain, drift]
+    }
+
+    /// Times as parts of the recording of a curve, from -1/2 to 1/2.
+    pub(super) fn parts(&self, number: usize, times: &[f64]) -> Vec<f64> {
+        let all = &self.sources[number].frames.times;
+        let (first, last) = (all[0], all[all.len() - 1]);
+        times.iter().map(|time| (time - first) / (last - first) - 0.5).collect()
     }
 
     /// What is left of every frame that counts, over its noise.

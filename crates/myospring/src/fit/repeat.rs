@@ -4,8 +4,9 @@ use super::answer::Fit;
 use super::error::FitError;
 use super::fitter::Fitter;
 use super::fitter::ONE_BEAT;
-use super::given::{Potential, Rates};
+use super::given::Potential;
 use super::physics::scale_of;
+use super::step::{OF_TENSION, Rates};
 use super::unknown::Unknown;
 use crate::cell::TensionKind;
 use crate::cell::minimal::MinimalModel;
@@ -46,9 +47,12 @@ impl Fitter {
         if let TensionKind::Relative { published_peak } = cell.tension_kind() {
             run.cell = cell.with_parameters(parameters)?;
             // What was fitted is the peak of this cell; a run's is that of the published parameters.
-            let minimal = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
-            let own = minimal.filter(|_| self.simulation().material.retardation_time == 0.0);
-            run.peak_tension = match own {
+            let own = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
+            let of_tension = fit.estimates.iter().all(|estimate| match &estimate.unknown {
+                Some(Unknown::Parameter(name)) => OF_TENSION.contains(&name.as_str()),
+                _ => true,
+            });
+            run.peak_tension = match own.filter(|_| of_tension) {
                 Some(model) => tension * published_peak / own_peak(model, run.protocol, fit)?,
                 None => tension,
             };
@@ -86,5 +90,5 @@ fn own_peak(model: &MinimalModel, protocol: Protocol, fit: &Fit) -> Result<f64, 
     let potential = Potential::solve(model, protocol, fit.beats_before, beats, cycle)?;
     let regular: Vec<f64> = (0..beats).map(|beat| beat as f64 * cycle).collect();
     let end = [regular[beats - 1] + cycle];
-    Ok(potential.tension(&Rates::of(model), &regular, &end, &mut Vec::new()))
+    Ok(potential.tension(&Rates::of(model, 0.0), &regular, &end, &mut Vec::new()))
 }

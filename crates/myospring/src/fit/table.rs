@@ -121,6 +121,13 @@ impl Tables {
         self.with_slope(tension, stiffness)[0]
     }
 
+    /// The largest slope by the tension, at the run's stiffness, 1/kPa.
+    pub(super) fn largest_slope(&self) -> f64 {
+        let middle = &self.by_stiffness[self.by_stiffness.len() / 2];
+        let rises = middle.shortening.windows(2).map(|pair| pair[1] - pair[0]);
+        rises.fold(0.0, f64::max) / middle.step
+    }
+
     /// [`Tables::at`] and its slope by the tension, 1/kPa.
     pub(super) fn with_slope(&self, tension: f64, stiffness: f64) -> [f64; 2] {
         let ratio = tension / stiffness;

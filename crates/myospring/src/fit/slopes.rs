@@ -1,0 +1,298 @@
+//! Derivatives of residuals by what is sought.
+//!
+//! Numbers of the cell move the whole curve: differences of it. Levels, gain and drift are factors and sums, so
+//! their derivatives are exact. A delay moves its own beat alone, so however many beats a curve has, all of its delays
+//! together cost a few curves.
+
+use super::least_squares::{Column, Problem, difference};
+use super::observed::Scale;
+use super::problem::{Layout, Role};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Derivatives by the unknowns, from the values of these and which of them are held.
+pub(super) type Slopes<'a> = dyn Fn(&[f64], &[bool]) -> Option<Vec<Column>> + Sync + 'a;
+
+/// Of the frames of one curve.
+struct Frames {
+    /// The derivative of each value by the shortening.
+    by_shortening: Vec<f64>,
+    shortening: Vec<f64>,
+    /// The time of each as a part of the recording, from -1/2 to 1/2.
+    part: Vec<f64>,
+    /// How many frames that count are before each, and in all.
+    before: Vec<usize>,
+    /// The first residual of this curve.
+    first: usize,
+}
+
+impl Layout {
+    /// The residuals, counted.
+    pub(super) fn counted<'a>(
+        &'a self,
+        evaluations: &'a AtomicUsize,
+    ) -> impl Fn(&[f64]) -> Option<Vec<f64>> + Sync + 'a {
+        move |at| {
+            evaluations.fetch_add(1, Ordering::Relaxed);
+            self.residuals(at)
+        }
+    }
+
+    /// What is to be minimised.
+    pub(super) fn problem<'a>(
+        &'a self,
+        residuals: &'a (dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync),
+        slopes: &'a Slopes<'a>,
+    ) -> Problem<'a> {
+        Problem { residuals, slopes: Some(slopes), bounds: &self.bounds, steps: &self.steps }
+    }
+
+    /// Derivatives of the residuals, a column an unknown; nothing for what is held.
+    pub(super) fn slopes(
+        &self,
+        at: &[f64],
+        held: &[bool],
+        evaluations: &AtomicUsize,
+    ) -> Option<Vec<Column>> {
+        let all = (0..self.sources.len()).collect::<Vec<_>>();
+        let mut first = 0;
+        let frames = all.iter().map(|&number| {
+            let frames = self.frames(at, number, first)?;
+            first += frames.before.last().copied().unwrap_or(0);
+            Some(frames)
+        });
+        let frames = frames.collect::<Option<Vec<Frames>>>()?;
+        evaluations.fetch_add(1, Ordering::Relaxed);
+        let delays = all.iter().map(|&number| self.by_stimulus(at, held, number));
+        let delays = delays.collect::<Option<Vec<_>>>()?;
+        let column = |(place, role): (usize, &Role)| {
+            if held[place] {
+                return Some(Column::default());
+            }
+            Some(match role {
+                Role::Physics(_) => {
+                    let mut values = Vec::with_capacity(first);
+                    for &number in &all {
+                        let source = &self.sources[number];
+                        let of = |at: &[f64]| {
+                            evaluations.fetch_add(1, Ordering::Relaxed);
+                            self.shortening(at, number, &source.frames.times)
+                        };
+                        let (step, bounds) = (self.steps[place], &self.bounds);
+                        let moved = if source.contraction.is_slow() {
+                            one_sided(of, at, place, step, bounds, &frames[number].shortening)?
+                        } else {
+                            difference(of, at, place, step, bounds)?
+                        };
+                        let whole = Column { first: 0, values: moved };
+                        let part = self.by_shortening(number, &frames[number], &whole);
+                        values.extend(part.values);
+                    }
+                    Column { first: 0, values }
+                }
+                Role::Delay { source, beat: Some(beat) } => {
+                    self.by_shortening(*source, &frames[*source], &delays[*source][*beat])
+                }
+                // All of them at once.
+                Role::Delay { source, beat: None } => {
+                    let count = frames[*source].shortening.len();
+                    let mut sum = Column { first: 0, values: vec![0.0; count] };
+                    for one in &delays[*source] {
+                        for (sum, value) in sum.values[one.first..].iter_mut().zip(&one.values) {
+                            *sum += value;
+                        }
+                    }
+                    self.by_shortening(*source, &frames[*source], &sum)
+                }
+                Role::Level { source } | Role::Drift { source } | Role::Gain { source } => {
+                    self.by_scale(role, *source, &frames[*source])
+                }
+            })
+        };
+        let columns = self.roles.iter().enumerate().map(column).collect::<Option<Vec<_>>>()?;
+        let finite = |column: &Column| column.values.iter().all(|value| value.is_finite());
+        columns.iter().all(finite).then_some(columns)
+    }
+
+    /// Derivatives of the shortening of a curve by each of its stimuli; none where no delay is free.
+    fn by_stimulus(&self, at: &[f64], held: &[bool], number: usize) -> Option<Vec<Column>> {
+        let sought = self.roles.iter().zip(held).any(|(role, held)| {
+            !held && matches!(role, Role::Delay { source, .. } if *source == number)
+        });
+        if !sought {
+            return Some(Vec::new());
+        }
+        let mut parameters = Vec::new();
+        let physics = self.physics(at, &mut parameters);
+        let (stimuli, source) = (self.stimuli(at, number), &self.sources[number]);
+        source.contraction.by_stimulus(&physics, &stimuli, &source.frames.times)
+    }
+
+    fn frames(&self, at: &[f64], number: usize, first: usize) -> Option<Frames> {
+        let source = &self.sources[number];
+        let times = &source.frames.times;
+        let shortening = self.shortening(at, number, times)?;
+        let part = self.parts(number, times);
+        let [level, gain, drift] = self.scale(at, number);
+        let by_shortening = match source.observed.scale {
+            Scale::Length => part.iter().map(|part| -(level + drift * part)).collect(),
+            Scale::Percent => vec![100.0; times.len()],
+            Scale::Arbitrary => vec![gain; times.len()],
+        };
+        let mut before = vec![0];
+        for used in &source.used {
+            before.push(before[before.len() - 1] + usize::from(*used));
+        }
+        Some(Frames { by_shortening, shortening, part, before, first })
+    }
+
+    /// The column of residuals of one of the shortening.
+    fn by_shortening(&self, number: usize, frames: &Frames, column: &Column) -> Column {
+        let all = column.first..column.first + column.values.len();
+        let values = column.values.iter().zip(&frames.by_shortening[all]);
+        self.column(number, frames, column.first, values.map(|(value, by)| value * by))
+    }
+
+    /// By what turns the shortening into what was measured.
+    fn by_scale(&self, role: &Role, number: usize, frames: &Frames) -> Column {
+        let scale = self.sources[number].observed.scale;
+        let all = frames.shortening.iter().zip(&frames.part);
+        let values = all.map(|(shortening, part)| {
+            let level = if scale == Scale::Length { 1.0 - shortening } else { 1.0 };
+            match role {
+                Role::Drift { .. } => level * part,
+                Role::Gain { .. } => *shortening,
+                _ => level,
+            }
+        });
+        self.column(number, frames, 0, values)
+    }
+
+    /// Of derivatives of the values of frames, from one on.
+    fn column(
+        &self,
+        number: usize,
+        frames: &Frames,
+        from: usize,
+        values: impl Iterator<Item = f64>,
+    ) -> Column {
+        let source = &self.sources[number];
+        let used = values.zip(&source.used[from..]).filter(|(_, used)| **used);
+        let values = used.map(|(value, _)| -value / source.frames.noise).collect();
+        Column { first: frames.first + frames.before[from], values }
+    }
+}
+
+/// The derivative of numbers by one unknown from one more of them: off by a ten-thousandth, which moves an answer by as
+/// much of its standard deviation.
+fn one_sided(
+    of: impl Fn(&[f64]) -> Option<Vec<f64>>,
+    at: &[f64],
+    place: usize,
+    step: f64,
+    bounds: &[[f64; 2]],
+    here: &[f64],
+) -> Option<Vec<f64>> {
+    let mut there = at.to_vec();
+    let step = if at[place] + step > bounds[place][1] { -step } else { step };
+    there[place] += step;
+    let mut moved = of(&there)?;
+    for (moved, here) in moved.iter_mut().zip(here) {
+        *moved = (*moved - here) / (there[place] - at[place]);
+    }
+    Some(moved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::unknown::Unknown;
+    use crate::fit::{Fitter, Loaded, Observed, Stimuli};
+    use crate::run_file::RunFile;
+
+    /// Four beats, 100 frames a second.
+    fn layout(text: &str, free: &[&str], scale: Scale, stimuli: Stimuli) -> Layout {
+        let run = RunFile::from_text(text).unwrap().resolve().unwrap();
+        let fitter = Fitter::of(&run, |path| std::fs::read(path)).unwrap();
+        let times_ms: Vec<f64> = (0..230).map(|frame| 10.0 * f64::from(frame)).collect();
+        let beat = |time: f64| (time * std::f64::consts::PI / 550.0).sin().powi(4);
+        let sign = if scale == Scale::Length { -10.0 } else { 10.0 };
+        let values = times_ms.iter().map(|time| 100.0 + sign * beat(*time)).collect();
+        let unit = String::new();
+        let observed = Observed { name: "cell".into(), times_ms, values, scale, unit, stimuli };
+        let support = fitter.simulation().support;
+        let unknowns: Vec<Unknown> = free.iter().map(|name| Unknown::named(name)).collect();
+        let loaded = Loaded { support, observed };
+        let mut source = fitter.source(&loaded, &unknowns, 0).unwrap();
+        source.used[17] = false;
+        let usual = |unknown: &Unknown| match unknown {
+            Unknown::Parameter(name) => fitter.simulation().cell.parameters().get(name).unwrap(),
+            _ => 1.0,
+        };
+        let sought: Vec<_> =
+            unknowns.into_iter().map(|one| (one.clone(), [0.2, 5.0], usual(&one))).collect();
+        Layout::new(vec![source], &sought)
+    }
+
+    #[test]
+    fn derivatives_are_the_differences_of_all_residuals() {
+        let viscous =
+            "numerics.integrator = \"quasi-static\"\nmaterial.retardation_time = \"30 ms\"";
+        let seen = || Stimuli::Seen(vec![43.3, 561.7, 1094.1, 1660.9]);
+        let given = || Stimuli::Given(vec![43.3, 561.7, 1094.1, 1660.9]);
+        let of_tension = ["tension_over_stiffness", "c_0", "x_3", "sigma"];
+        let of_filaments = ["tension_over_stiffness", "k_ws"];
+        let land = "cell.model = \"land_2017\"";
+        for (text, free, scale, stimuli) in [
+            ("", &of_tension[..], Scale::Length, seen()),
+            ("", &of_tension, Scale::Percent, given()),
+            (viscous, &of_tension, Scale::Length, seen()),
+            (land, &of_filaments, Scale::Length, seen()),
+            (land, &of_filaments[1..], Scale::Arbitrary, given()),
+        ] {
+            let layout = layout(text, free, scale, stimuli);
+            let at: Vec<f64> = layout
+                .roles
+                .iter()
+                .enumerate()
+                .map(|(place, role)| match role {
+                    Role::Physics(_) => 0.1 - 0.07 * place as f64,
+                    Role::Delay { .. } => 3.7 * place as f64 - 11.3,
+                    Role::Level { .. } => 99.0,
+                    Role::Drift { .. } => 0.7,
+                    Role::Gain { .. } => 123.0,
+                })
+                .collect();
+            let held = vec![false; at.len()];
+            let residuals = |at: &[f64]| layout.residuals(at);
+            let (bounds, steps) = (&layout.bounds, &layout.steps);
+            let plain = Problem { residuals: &residuals, slopes: None, bounds, steps };
+            let plain = plain.jacobian(&at, &held).unwrap();
+            let quick = layout.slopes(&at, &held, &AtomicUsize::new(0)).unwrap();
+            for ((role, plain), quick) in layout.roles.iter().zip(&plain).zip(&quick) {
+                let most = plain.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+                assert!(most > 0.0, "{role:?}");
+                for (place, plain) in plain.values.iter().enumerate() {
+                    let local = place.checked_sub(quick.first).and_then(|k| quick.values.get(k));
+                    let off = (plain - local.copied().unwrap_or(0.0)).abs();
+                    // Slopes of tables and cubics jump a little from one piece to the next.
+                    assert!(off < 2e-3 * most, "{text} {role:?}, {place}: off by {off} of {most}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_held_has_no_column() {
+        let layout = layout("", &["c_0"], Scale::Length, Stimuli::Seen(vec![43.3, 561.7]));
+        let at: Vec<f64> = layout
+            .roles
+            .iter()
+            .map(|role| if matches!(role, Role::Level { .. }) { 99.0 } else { 0.0 })
+            .collect();
+        let held: Vec<bool> = (0..at.len()).map(|place| place % 2 == 0).collect();
+        let columns = layout.slopes(&at, &held, &AtomicUsize::new(0)).unwrap();
+        for (column, held) in columns.iter().zip(held) {
+            assert_eq!(column.values.is_empty(), held);
+        }
+    }
+}
