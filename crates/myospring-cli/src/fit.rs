@@ -87,6 +87,17 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let done = AtomicU64::new(0);
     let count = curves.len();
     let threads = Threads::new(None)?;
+    let with_loaded = |observed| {
+        let mut all = vec![Loaded { support: fitter.simulation().support, observed }];
+        all.extend(loaded.iter().cloned());
+        all
+    };
+    // A curve that is none says so below.
+    let first = curves.first().and_then(|curve| observed(curve, &beats).ok());
+    let takes = first.and_then(|first| fitter.will_take(&with_loaded(first), &settings).ok());
+    if let Some(one) = takes.flatten().filter(|_| !quiet) {
+        print::note(&words::will_take(one, count, threads.count()));
+    }
     let mut cells = Vec::new();
     for (number, curve) in curves.iter().enumerate() {
         let goes_on = |part: f64| {
@@ -96,8 +107,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             !interrupt::asked()
         };
         let found = observed(curve, &beats).and_then(|observed| {
-            let mut all = vec![Loaded { support: fitter.simulation().support, observed }];
-            all.extend(loaded.iter().cloned());
+            let all = with_loaded(observed);
             threads.install(|| fitter.fit_loaded(&all, &settings, &goes_on))
         });
         match found {

@@ -49,6 +49,7 @@ mod step;
 mod table;
 mod unknown;
 mod words;
+mod work;
 
 pub use answer::{Estimate, Fit, FittedCurve, Verdict};
 pub use error::FitError;

@@ -4,6 +4,7 @@ use super::Cell;
 use crate::table::aligned;
 use myospring::fit::{Estimate, Fit, FittedCurve};
 use std::fmt::Write as _;
+use std::time::Duration;
 
 /// What is printed.
 pub(super) fn for_people(cells: &[Cell]) -> String {
@@ -101,4 +102,18 @@ fn precise(value: f64, estimate: &Estimate) -> String {
 
 pub(super) fn with_unit(text: String, unit: &str) -> String {
     if unit.is_empty() { text } else { format!("{text} {unit}") }
+}
+
+/// How long a fit of a cell whose curves are slow takes.
+pub(super) fn will_take(one: Duration, curves: usize, threads: usize) -> String {
+    let seconds = one.as_secs_f64() * curves as f64 / threads as f64;
+    let time = match seconds {
+        ..=90.0 => format!("{seconds:.0} s"),
+        ..=5400.0 => format!("{:.0} minutes", seconds / 60.0),
+        _ => format!("{:.1} hours", seconds / 3600.0),
+    };
+    let fits = if curves == 1 { "the fit takes" } else { "the fits take" };
+    format!(
+        "each curve of this cell model is a beat of all its equations: {fits} about {time} on this machine"
+    )
 }

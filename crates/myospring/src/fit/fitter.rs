@@ -12,6 +12,7 @@ use super::settings::Settings;
 use super::table::Shelf;
 use super::unknown::Unknown;
 use super::words::verdicts;
+use super::work::Work;
 use crate::cell::TensionKind;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
@@ -169,7 +170,7 @@ impl Fitter {
         Ok(curve.into_iter().map(|shortening| resting_length * (1.0 - shortening)).collect())
     }
 
-    fn usual(&self, unknown: &Unknown) -> f64 {
+    pub(super) fn usual(&self, unknown: &Unknown) -> f64 {
         match unknown {
             Unknown::TensionOverStiffness => self.tension_over_stiffness(),
             Unknown::YoungModulus => self.modulus(),
@@ -213,7 +214,7 @@ impl Fitter {
         // A train may begin from rest or go on: nobody says so, and the curve knows.
         let trains = curves.iter().any(|curve| curve.observed.stimuli.times().len() > 1);
         let paced = if trains { &[BEFORE, 0][..] } else { &[0] };
-        let evaluations = AtomicUsize::new(0);
+        let work = Work::new(goes_on);
         let mut best: Option<Found> = None;
         for (number, &before) in paced.iter().enumerate() {
             let sources = curves
@@ -225,8 +226,8 @@ impl Fitter {
                 continue;
             }
             let layout = Layout::new(sources, &sought);
-            let part = |part: f64| goes_on(SEARCH * (number as f64 + part) / paced.len() as f64);
-            let Some(ends) = Self::search(&layout, settings, &evaluations, &part)? else {
+            let part = |part: f64| SEARCH * (number as f64 + part) / paced.len() as f64;
+            let Some(ends) = Self::search(&layout, settings, &work, &part)? else {
                 return Ok(None);
             };
             if best.as_ref().is_none_or(|best| ends[0].sum < best.ends[0].sum) {
@@ -236,11 +237,14 @@ impl Fitter {
         let Some(Found { mut layout, mut ends, before }) = best else { return Ok(None) };
         let asked = settings.starts.max(1);
         if layout.leave_out_bad_frames(&ends[0]) {
-            let again = |end: &Least| minimise(&layout, &end.at, &evaluations);
+            let again = |end: &Least| minimise(&layout, &end.at, &work);
             ends = ends.iter().filter_map(again).collect();
             ends.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+            if ends.is_empty() {
+                return Ok(None);
+            }
         }
-        let fit = self.answer(&layout, ends, asked, &evaluations, goes_on);
+        let fit = self.answer(&layout, ends, asked, &work);
         Ok(fit.map(|fit| Fit { beats_before: before, ..fit }))
     }
 
@@ -269,12 +273,12 @@ impl Fitter {
         Ok(Source { observed, frames, contraction, used, cycle })
     }
 
-    /// How each start ended, the best first: one at least.
+    /// How each start ended, the best first: one at least; `part` of all is done after that part of the search.
     fn search(
         layout: &Layout,
         settings: &Settings,
-        evaluations: &AtomicUsize,
-        goes_on: &(dyn Fn(f64) -> bool + Sync),
+        work: &Work<'_>,
+        part: &(dyn Fn(f64) -> f64 + Sync),
     ) -> Result<Option<Vec<Least>>, FitError> {
         let count = settings.starts.max(1);
         let varied = layout.roles.iter().filter(|role| {
@@ -285,11 +289,10 @@ impl Fitter {
         let design =
             design.map_err(|_| FitError::Nowhere { starts: count, why: "no design".to_owned() })?;
         let done = AtomicUsize::new(0);
-        let stopped = std::sync::atomic::AtomicBool::new(false);
         let mut found: Vec<Least> = (0..count)
             .into_par_iter()
             .filter_map(|number| {
-                if stopped.load(Ordering::Relaxed) {
+                if !work.is_wanted() {
                     return None;
                 }
                 // The first is the run's own cell.
@@ -298,15 +301,13 @@ impl Fitter {
                     |place: f64| if number == 0 { 1.0 } else { START.powf(2.0 * place - 1.0) };
                 let factors: Vec<f64> = point.into_iter().map(factor).collect();
                 let start = layout.start(&factors)?;
-                let least = minimise(layout, &start, evaluations);
-                let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count as f64;
-                if !goes_on(part) {
-                    stopped.store(true, Ordering::Relaxed);
-                }
+                let least = minimise(layout, &start, work);
+                let begun = done.fetch_add(1, Ordering::Relaxed) + 1;
+                work.done(part(begun as f64 / count as f64));
                 least
             })
             .collect();
-        if stopped.load(Ordering::Relaxed) {
+        if !work.is_wanted() {
             return Ok(None);
         }
         if found.is_empty() {
@@ -322,19 +323,18 @@ impl Fitter {
         layout: &Layout,
         mut ends: Vec<Least>,
         asked: usize,
-        evaluations: &AtomicUsize,
-        goes_on: &(dyn Fn(f64) -> bool + Sync),
+        work: &Work<'_>,
     ) -> Option<Fit> {
         let shown: Vec<usize> = (0..layout.roles.len()).filter(|&k| layout.is_shown(k)).collect();
-        let mut sure = Sure::of(layout, &ends, &shown, evaluations, goes_on)?;
+        let mut sure = Sure::of(layout, &ends, &shown, work)?;
         let starts = ends.clone();
         for _ in 1..ANSWERS {
             let lowest = sure.profiles.iter().map(|profile| &profile.lowest);
             let lowest = lowest.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|low| low.0 < BETTER);
-            let better = lowest.and_then(|(_, at)| minimise(layout, at, evaluations));
+            let better = lowest.and_then(|(_, at)| minimise(layout, at, work));
             let Some(better) = better.filter(|better| better.sum < ends[0].sum) else { break };
             ends.insert(0, better);
-            sure = Sure::of(layout, &ends, &shown, evaluations, goes_on)?;
+            sure = Sure::of(layout, &ends, &shown, work)?;
         }
         let least = &ends[0];
         let Sure { profiles, covariance, unit, at_ends, reduced } = sure;
@@ -386,7 +386,7 @@ impl Fitter {
             agreeing_starts: [agreeing, asked],
             starts: starts.iter().map(|end| (end.sum / count).sqrt()).collect(),
             reduced_chi_squared: reduced,
-            evaluations: evaluations.load(Ordering::Relaxed),
+            evaluations: work.evaluations(),
         };
         fit.verdicts = verdicts(&fit, self.simulation.cell.name(), self.modulus());
         Some(fit)
@@ -436,20 +436,14 @@ struct Sure {
 
 impl Sure {
     /// `ends` are answers, the best first; profiles are those of the places that are shown. `None` if it was stopped.
-    fn of(
-        layout: &Layout,
-        ends: &[Least],
-        shown: &[usize],
-        evaluations: &AtomicUsize,
-        goes_on: &(dyn Fn(f64) -> bool + Sync),
-    ) -> Option<Self> {
+    fn of(layout: &Layout, ends: &[Least], shown: &[usize], work: &Work<'_>) -> Option<Self> {
         let least = &ends[0];
         let freedom = least.residuals.len().saturating_sub(layout.roles.len()).max(1) as f64;
         let reduced = least.sum / freedom;
         let unit = reduced.max(f64::MIN_POSITIVE);
         let at_ends = rise_at_ends(freedom);
-        let residuals = layout.counted(evaluations);
-        let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, evaluations);
+        let residuals = layout.counted(work);
+        let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, work);
         let problem = layout.problem(&residuals, &slopes);
         let covariance = covariance(&problem, least);
         let mut others = others(layout, ends);
@@ -464,7 +458,7 @@ impl Sure {
                 let guess = deviation.unwrap_or(0.01 * (high - low));
                 let profile = profile(&problem, &top, place, 2.0 * guess);
                 let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / shown.len() as f64;
-                goes_on(SEARCH + (1.0 - SEARCH) * part).then_some(profile)
+                work.done(SEARCH + (1.0 - SEARCH) * part).then_some(profile)
             })
             .collect();
         let profiles = profiles.into_iter().collect::<Option<Vec<_>>>()?;
@@ -487,16 +481,16 @@ fn others(layout: &Layout, ends: &[Least]) -> Vec<Least> {
     others
 }
 
-fn minimise(layout: &Layout, start: &[f64], evaluations: &AtomicUsize) -> Option<Least> {
-    let residuals = layout.counted(evaluations);
-    let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, evaluations);
+fn minimise(layout: &Layout, start: &[f64], work: &Work<'_>) -> Option<Least> {
+    let residuals = layout.counted(work);
+    let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, work);
     let problem = layout.problem(&residuals, &slopes);
     problem.minimise(start, &vec![false; start.len()])
 }
 
 impl Layout {
     /// Whether its profile is followed: delays of single beats are nobody's question.
-    fn is_shown(&self, place: usize) -> bool {
+    pub(super) fn is_shown(&self, place: usize) -> bool {
         !matches!(self.roles[place], Role::Delay { beat: Some(_), .. } | Role::Drift { .. })
     }
 

@@ -79,7 +79,7 @@ impl Problem<'_> {
             if free.is_empty() {
                 break;
             }
-            let mut lowered = None;
+            let (mut lowered, mut failed) = (None, false);
             while damping < STUCK {
                 let matrix = free.iter().map(|&j| {
                     let row = free
@@ -89,13 +89,14 @@ impl Problem<'_> {
                 });
                 let right: Vec<f64> = free.iter().map(|&k| -gradient[k]).collect();
                 let step = solve(&matrix.collect::<Vec<_>>(), &right);
-                // What straight lines promise is not worth a look, and shorter steps promise less.
+                // After a step that led nowhere, one that promises as little as that is not worth a look, and shorter
+                // ones promise less.
                 let promised = |step: &Vec<f64>| {
                     let all = || free.iter().zip(step);
                     let along = |j: usize| all().map(|(&k, by)| normal[j][k] * by).sum::<f64>();
                     -all().map(|(&j, by)| by * (2.0 * gradient[j] + along(j))).sum::<f64>()
                 };
-                if step.as_ref().is_some_and(|step| promised(step) < CONVERGED * sum) {
+                if failed && step.as_ref().is_some_and(|step| promised(step) < CONVERGED * sum) {
                     break;
                 }
                 let tried = step.and_then(|step| {
@@ -114,7 +115,10 @@ impl Problem<'_> {
                         lowered = Some(tried);
                         break;
                     }
-                    _ => damping *= 4.0,
+                    _ => {
+                        damping *= 4.0;
+                        failed = true;
+                    }
                 }
             }
             let Some(tried) = lowered else { break };

@@ -7,7 +7,7 @@
 use super::least_squares::{Column, Problem, difference};
 use super::observed::Scale;
 use super::problem::{Layout, Role};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use super::work::Work;
 
 /// Derivatives by the unknowns, from the values of these and which of them are held.
 pub(super) type Slopes<'a> = dyn Fn(&[f64], &[bool]) -> Option<Vec<Column>> + Sync + 'a;
@@ -29,12 +29,9 @@ impl Layout {
     /// The residuals, counted.
     pub(super) fn counted<'a>(
         &'a self,
-        evaluations: &'a AtomicUsize,
+        work: &'a Work<'a>,
     ) -> impl Fn(&[f64]) -> Option<Vec<f64>> + Sync + 'a {
-        move |at| {
-            evaluations.fetch_add(1, Ordering::Relaxed);
-            self.residuals(at)
-        }
+        move |at| if work.counts() { self.residuals(at) } else { None }
     }
 
     /// What is to be minimised.
@@ -47,12 +44,7 @@ impl Layout {
     }
 
     /// Derivatives of the residuals, a column an unknown; nothing for what is held.
-    pub(super) fn slopes(
-        &self,
-        at: &[f64],
-        held: &[bool],
-        evaluations: &AtomicUsize,
-    ) -> Option<Vec<Column>> {
+    pub(super) fn slopes(&self, at: &[f64], held: &[bool], work: &Work<'_>) -> Option<Vec<Column>> {
         let all = (0..self.sources.len()).collect::<Vec<_>>();
         let mut first = 0;
         let frames = all.iter().map(|&number| {
@@ -61,7 +53,9 @@ impl Layout {
             Some(frames)
         });
         let frames = frames.collect::<Option<Vec<Frames>>>()?;
-        evaluations.fetch_add(1, Ordering::Relaxed);
+        if !work.counts() {
+            return None;
+        }
         let delays = all.iter().map(|&number| self.by_stimulus(at, held, number));
         let delays = delays.collect::<Option<Vec<_>>>()?;
         let column = |(place, role): (usize, &Role)| {
@@ -74,8 +68,8 @@ impl Layout {
                     for &number in &all {
                         let source = &self.sources[number];
                         let of = |at: &[f64]| {
-                            evaluations.fetch_add(1, Ordering::Relaxed);
-                            self.shortening(at, number, &source.frames.times)
+                            let wanted = work.counts();
+                            wanted.then(|| self.shortening(at, number, &source.frames.times))?
                         };
                         let (step, bounds) = (self.steps[place], &self.bounds);
                         let moved = if source.contraction.is_slow() {
@@ -267,7 +261,7 @@ mod tests {
             let (bounds, steps) = (&layout.bounds, &layout.steps);
             let plain = Problem { residuals: &residuals, slopes: None, bounds, steps };
             let plain = plain.jacobian(&at, &held).unwrap();
-            let quick = layout.slopes(&at, &held, &AtomicUsize::new(0)).unwrap();
+            let quick = layout.slopes(&at, &held, &Work::new(&|_| true)).unwrap();
             for ((role, plain), quick) in layout.roles.iter().zip(&plain).zip(&quick) {
                 let most = plain.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
                 assert!(most > 0.0, "{role:?}");
@@ -290,7 +284,7 @@ mod tests {
             .map(|role| if matches!(role, Role::Level { .. }) { 99.0 } else { 0.0 })
             .collect();
         let held: Vec<bool> = (0..at.len()).map(|place| place % 2 == 0).collect();
-        let columns = layout.slopes(&at, &held, &AtomicUsize::new(0)).unwrap();
+        let columns = layout.slopes(&at, &held, &Work::new(&|_| true)).unwrap();
         for (column, held) in columns.iter().zip(held) {
             assert_eq!(column.values.is_empty(), held);
         }
