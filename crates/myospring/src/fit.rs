@@ -34,6 +34,7 @@ mod contraction;
 mod error;
 mod felt;
 mod fitter;
+mod forecast;
 mod given;
 mod least_squares;
 mod likelihood;
