@@ -58,6 +58,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     input::one_cell(args.settings.all_cells())?;
     let jobs = jobs(args)?;
+    // Before any of them has taken its time.
+    jobs.iter().filter(|job| job.folder.is_none()).try_for_each(|job| job.run().map(drop))?;
     let target =
         args.output.output.clone().unwrap_or_else(|| Path::new("results").join("comparison"));
     interrupt::heed("nothing is written");

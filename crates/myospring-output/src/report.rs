@@ -13,6 +13,8 @@ pub struct Summary {
     pub beats: Vec<Beat>,
     /// Mean and standard deviation over the beats of the train, where there are several.
     pub beat_to_beat: Vec<Spread>,
+    /// Whether the run ended before the last beat of the train was over; means leave it out.
+    pub cut_short: bool,
     /// Where the work of the active force went, at the end of the run.
     pub energy: Vec<Metric>,
     /// Bands, not targets, from measurements on unloaded adult ventricular myocytes.
@@ -36,6 +38,7 @@ impl Summary {
         let beats = Beats::of(recording, stimulus_times_ms, s2_ms);
         Self {
             beat_to_beat: beats.spread(),
+            cut_short: beats.cut_short,
             energy: beats.energy,
             reference_bands: beats.bands,
             beats: beats.list,

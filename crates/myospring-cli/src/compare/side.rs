@@ -189,10 +189,17 @@ impl Job {
         })
     }
 
+    /// The run that is to be beaten, with its factors.
+    pub(super) fn run(&self) -> Result<(String, Run, Vec<Scaled>), Failure> {
+        let (name, mut run) = input::settle(self.path.as_deref(), self.overrides.clone())?;
+        let scaled = factor::scale(&mut run, &self.factors)
+            .map_err(|error| Failure::new(format!("{}: {error}", self.label)))?;
+        Ok((name, run, scaled))
+    }
+
     fn beaten(&self, bar: &ProgressBar) -> Result<Side, Failure> {
         let path = self.path.as_deref();
-        let (name, mut run) = input::settle(path, self.overrides.clone())?;
-        let scaled = factor::scale(&mut run, &self.factors)?;
+        let (name, run, scaled) = self.run()?;
         let Input { mut run, bytes, shaped, .. } = input::mesh(name, run, None)?;
         let mut made = run.make(shaped, |file| std::fs::read(file))?;
         run.fibre = made.fibres.taken;

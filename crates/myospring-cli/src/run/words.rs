@@ -59,8 +59,9 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         Some(_) => " and S2",
         None => "",
     };
-    let mut text = format!("{title}: {beats} beat{s}{and_s2} of {}\n\n", of.join(" at "));
-    let spread = beats > 1;
+    let cut = if summary.cut_short { " (the last is cut short, no number counts it)" } else { "" };
+    let mut text = format!("{title}: {beats} beat{s}{and_s2} of {}{cut}\n\n", of.join(" at "));
+    let spread = !summary.beat_to_beat.is_empty();
     let mut header = vec!["quantity".to_owned(), "value".to_owned()];
     if spread {
         header.push("+- sd".to_owned());

@@ -183,6 +183,11 @@ fn what_cannot_be_compared_says_why_and_writes_nothing() {
         (&["cell.toml", "none.toml"], "cannot read `none.toml`"),
         (&["cell.toml", "--scale", "tau_sii=2"], "the nearest are tau_si"),
         (&["cell.toml", "--scale", "tau_si"], "like tau_si=1.2"),
+        // A model whose tension is in kPa has no peak tension that is given.
+        (
+            &["--model", "land_2017", "--scale", "peak_tension=0.6"],
+            "peak_tension × 0.6: `cell.peak_tension` has no value in this run",
+        ),
         (&["cell.toml", "--scale", "tau_si=2,tau_si=3"], "two factors"),
         (&["cell.toml", "--doses", "drug.toml"], "drug.toml: drug 1: missing field"),
         (&["results/cell", "cell.toml", "--spacing", "3 um"], "which options do not change"),

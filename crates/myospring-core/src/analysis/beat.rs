@@ -133,6 +133,8 @@ pub struct Beats {
     pub energy: Vec<Metric>,
     /// What is known of these quantities.
     pub bands: [Band; 5],
+    /// Whether the run ended before the last beat of a train was over; means and spreads leave that beat out.
+    pub cut_short: bool,
 }
 
 impl Beats {
@@ -141,19 +143,20 @@ impl Beats {
     pub fn of(recording: &Recording, stimulus_times_ms: &[f64], s2_ms: Option<f64>) -> Self {
         let energy = energy(&recording.samples);
         let mut list = beats(recording, stimulus_times_ms);
+        let cut_short = is_cut_short(&list, &recording.samples);
         if let Some(s2_ms) = s2_ms {
             list.retain(|beat| beat.stimulus_ms != s2_ms);
             if let Some(s1) = list.last() {
                 list.extend(s2_beat(recording, stimulus_times_ms, s2_ms, s1));
             }
         }
-        Self { list, energy, bands: BANDS }
+        Self { list, energy, bands: BANDS, cut_short }
     }
 
-    /// The beats of the train, without that of an S2.
+    /// The beats of the train, without that of an S2 and without one that the run's end cut short.
     pub fn train(&self) -> &[Beat] {
         match self.list.split_last() {
-            Some((last, train)) if last.is_s2() => train,
+            Some((last, train)) if last.is_s2() || self.cut_short => train,
             _ => &self.list,
         }
     }
@@ -187,6 +190,16 @@ impl Beats {
             self.train().iter().map(|beat| beat.metrics().cloned().collect()).collect();
         beat_to_beat(&all)
     }
+}
+
+/// Whether the last of several beats was recorded for less time than the one before it took from its stimulus until nine
+/// tenths of its tension were gone, or half where it is paced too fast for that.
+fn is_cut_short(list: &[Beat], samples: &[Sample]) -> bool {
+    let ([.., before, last], Some(end)) = (list, samples.last()) else { return false };
+    let relaxed = ["tension_relaxation_time_90", "tension_relaxation_time_50"];
+    let relaxed = relaxed.into_iter().find_map(|name| before.value(name));
+    let peak = before.value("time_of_peak_tension").map(|peak| peak - before.stimulus_ms);
+    peak.zip(relaxed).is_some_and(|(peak, relaxed)| end.t_ms - last.stimulus_ms < peak + relaxed)
 }
 
 impl Deref for Beats {
@@ -494,6 +507,24 @@ mod tests {
                 assert!((value - expected).abs() <= tolerance, "{name}: {value} not {expected}");
             }
         }
+    }
+
+    #[test]
+    fn a_beat_that_the_end_of_the_run_cuts_short_counts_in_no_mean() {
+        let until = |end: f64| {
+            let samples = samples().into_iter().filter(|sample| sample.t_ms <= end).collect();
+            let recording = Recording { samples, ..Recording::default() };
+            Beats::of(&recording, &[0.0, 500.0], None)
+        };
+        // Its bell has its peak at 650 ms and a tenth of it at 711 ms.
+        for (end, counted) in [(999.0, 2), (720.0, 2), (700.0, 1), (600.0, 1)] {
+            let beats = until(end);
+            assert_eq!((beats.len(), beats.train().len()), (2, counted), "{end} ms");
+            assert_eq!(beats.cut_short, counted == 1);
+            assert!((beats.mean("peak_tension").unwrap() - 50.0).abs() < 1e-2, "{end} ms");
+        }
+        // One alone has nothing to be compared with.
+        assert!(!Beats::of(&recording(), &[0.0], None).cut_short);
     }
 
     #[test]
