@@ -194,6 +194,13 @@ const BED: &str = "0.5 kPa/um";
 /// The settings that options give, and the word on one that was taken for granted.
 fn overrides(args: &FitArgs) -> (Vec<Given>, Option<String>) {
     let mut given = args.settings.overrides();
+    // A fit goes along equilibria, so a viscous cell need not be told to.
+    if args.settings.get("material.retardation_time").is_some()
+        && args.settings.get("numerics.integrator").is_none()
+        && let Some(setting) = settings::find("numerics.integrator")
+    {
+        given.push((setting, Value::Text("quasi-static".to_owned())));
+    }
     let bed = "mechanics.bed_stiffness";
     let on_bed =
         args.settings.get("mechanics.support").and_then(Value::as_text) == Some("elastic-bed");

@@ -24,6 +24,11 @@ const FOLDER: &str = "track";
 pub(super) fn named(args: &FitArgs) -> Result<Option<PathBuf>, Failure> {
     let is_film = |path: &Path| path.is_dir() || !TABLES.contains(&ending(path).as_str());
     match args.to.as_slice() {
+        [] if args.input.as_deref().is_some_and(|path| !is_film(path)) => {
+            let path = args.input.as_deref().unwrap_or(Path::new("")).display().to_string();
+            Err(Failure::new(format!("`{path}` is a table, not a film"))
+                .advise(format!("name a measured curve like this: myospring fit --to {path}")))
+        }
         [] => args.input.clone().map(Some).ok_or_else(|| {
             Failure::new("there is nothing to fit to")
                 .advise("name a measured curve, --to cell.csv, or a film: myospring fit film.avi")

@@ -94,6 +94,14 @@ fn a_film_gives_a_map_of_where_its_cell_pulls() {
     assert!(!stdout(&output).contains("noise at rest 0.000\n"), "{}", stdout(&output));
     assert!(stderr(&output).contains("in proportion to the stiffness"), "{}", stderr(&output));
     let results = folder.path().join("results/film_fit");
+    // Figures beside each other on a page: what one names must not be another's.
+    let page = fs::read_to_string(results.join("report.html")).unwrap();
+    let mut named: Vec<&str> =
+        page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let all = named.len();
+    named.sort_unstable();
+    named.dedup();
+    assert_eq!((named.len(), all > 3), (all, true), "{named:?}");
     let record: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(results.join("fit.json")).unwrap()).unwrap();
     let map = &record["tension_map"];
@@ -146,6 +154,9 @@ fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
     assert!(said(&["--bounds", "c_0"]).contains("--bounds c_0=0.01:0.05"));
     assert!(said(&["--support", "clamped-ends"]).contains("its ends are held"));
     assert!(said(&["--loaded", "cell.csv"]).contains("100 nN/um=fibres.csv"));
+    let output = myospring(folder.path(), &["fit", "cell.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("myospring fit --to cell.csv"), "{}", stderr(&output));
     let still: String =
         (0..99).fold("t_ms,length_um".to_owned(), |text, t| text + &format!("\n{t},100"));
     fs::write(folder.path().join("cell.csv"), still).unwrap();

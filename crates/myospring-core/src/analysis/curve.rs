@@ -96,7 +96,9 @@ pub fn analyse(
     let plateau = kind == Kind::Potential;
     let found = detect::beats(times, &signal, plateau);
     if found.peaks.is_empty() {
-        let hint = if kind.rises().is_some() && departs_upward(values) != rises {
+        let turned: Vec<f64> = signal.iter().map(|value| -value).collect();
+        let beats_turned = || !detect::beats(times, &turned, plateau).peaks.is_empty();
+        let hint = if kind.rises().is_some() && departs_upward(values) != rises && beats_turned() {
             "; it departs the other way: is its kind right?"
         } else {
             ""

@@ -45,10 +45,12 @@ fn append(svg: &mut String, element: &Element) {
             )
         }
         Element::Window { name, frame, inside } => {
+            let frame = data(frame);
+            // Figures that stand on one page share its names.
+            let name = format!("{name}-{:08x}", digest(&frame));
             writeln!(
                 svg,
-                r#"<clipPath id="{name}"><path d="{}"/></clipPath><g clip-path="url(#{name})">"#,
-                data(frame)
+                r#"<clipPath id="{name}"><path d="{frame}"/></clipPath><g clip-path="url(#{name})">"#
             )
             .ok();
             for element in inside {
@@ -58,6 +60,11 @@ fn append(svg: &mut String, element: &Element) {
         }
     }
     .ok();
+}
+
+/// A short number of a text, the same everywhere (Fowler, Noll and Vo's).
+fn digest(text: &str) -> u32 {
+    text.bytes().fold(0x811c_9dc5, |sum, byte| (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 fn area(Area { corner, size }: Area) -> String {

@@ -288,6 +288,12 @@ fn curves_without_a_beat_say_why() {
     let mut random = Noise::new(11);
     let noise: Vec<f64> = times.iter().map(|_| 100.0 + random.normal()).collect();
     assert!(of(&noise).contains("there is no beat: nothing rises above the noise"));
+    // Noise has no way that could be wrong.
+    for seed in 0..20 {
+        let mut random = Noise::new(seed);
+        let noise: Vec<f64> = times.iter().map(|_| 100.0 + random.normal()).collect();
+        assert!(!of(&noise).contains("is its kind right"), "{seed}");
+    }
     let mut nan = noise.clone();
     nan[7] = f64::NAN;
     assert!(of(&nan).contains("frame 8: time 140 ms, value NaN"));
