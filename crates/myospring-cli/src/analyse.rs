@@ -1,6 +1,7 @@
 //! `myospring analyse`.
 
 mod files;
+pub(crate) mod folder;
 pub(crate) mod table;
 mod words;
 
@@ -13,6 +14,7 @@ use myospring::analysis::curve::{self, Analysis};
 use myospring::measured::{self, Curve};
 use myospring::output::figure::Theme;
 use myospring::output::json;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A curve, where it stands and what was read of it.
@@ -36,9 +38,18 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     let options = table::options(&args.table, args.pixel_size.as_deref())?;
     let beats = table::Beats::of(&args.stimuli, args.smooth.as_deref(), args.keep_drift)?;
     let (mut all, mut notes) = (Vec::new(), Vec::new());
-    for path in &args.inputs {
-        let table = measured::read(path, &options).map_err(Failure::new)?;
+    let inputs = folder::tables(&args.inputs)?;
+    for path in &inputs {
         let file = path.display().to_string();
+        let table = match measured::read(path, &options) {
+            Ok(table) => table,
+            Err(error) if inputs.len() == 1 => return Err(Failure::new(error)),
+            // The others are as good as they were.
+            Err(error) => {
+                notes.push(format!("left out: {error}"));
+                continue;
+            }
+        };
         notes.extend(table.notes.iter().map(|note| format!("{file}: {note}")));
         for curve in table.curves {
             let options = beats.within(&curve);
@@ -83,7 +94,8 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
             print::warn(note);
         }
     }
-    Ok(ExitCode::SUCCESS)
+    let whole = all.iter().map(|read| &read.file).collect::<BTreeSet<_>>().len() == inputs.len();
+    Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 /// The failure where no curve has a beat.
@@ -91,7 +103,10 @@ fn none_beats(all: &[Read], notes: &[String]) -> Option<Failure> {
     if all.iter().any(|read| read.found.is_ok()) {
         return None;
     }
-    let first = all.first()?;
+    let Some(first) = all.first() else {
+        let failure = Failure::new("none of the files can be read as a table of curves");
+        return Some(notes.iter().fold(failure, |failure, note| failure.also(note)));
+    };
     let why = first.found.as_ref().err()?;
     let message = match all.len() {
         1 => format!("`{}`, column `{}`: {why}", first.file, first.curve.name),

@@ -6,6 +6,7 @@ mod map;
 mod shapes;
 mod words;
 
+use crate::analyse::folder;
 use crate::analyse::table::{self, Beats, quantity};
 use crate::args::FitArgs;
 use crate::exit::ExitCode;
@@ -44,8 +45,11 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let tracked = followed.as_ref().zip(film.as_deref());
     let tracked = tracked.map(|(followed, film)| Report::of(film, followed));
     let (curves, mut notes) = match &tracked {
-        Some(report) => (vec![film::curve(args, &report.rows)?], report.warnings.clone()),
-        None => curves(&args.to, &options)?,
+        Some(report) => {
+            let curve = film::curve(args, &report.rows)?;
+            (vec![(curve.name.clone(), Ok(curve))], report.warnings.clone())
+        }
+        None => curves(&folder::tables(&args.to)?, &options)?,
     };
     notes.extend(taken);
     let loaded = args
@@ -78,7 +82,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let spacing = made.report.spacing_um;
     let fitter = Fitter::new(made.simulation).map_err(Failure::new)?;
     let settings = sought(args, &run, !loaded.is_empty())?;
-    let target = args.output.output.clone().unwrap_or_else(|| folder(&name, args, &curves));
+    let target = args.output.output.clone().unwrap_or_else(|| target(&name, args, &curves));
     let folder = Folder::claim(&target, args.output.force)?;
     interrupt::heed(interrupt::WRITING);
 
@@ -93,13 +97,20 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
         all
     };
     // A curve that is none says so below.
-    let first = curves.first().and_then(|curve| observed(curve, &beats).ok());
+    let first = curves.iter().find_map(|(_, curve)| observed(curve.as_ref().ok()?, &beats).ok());
     let takes = first.and_then(|first| fitter.will_take(&with_loaded(first), &settings).ok());
     if let Some(one) = takes.flatten().filter(|_| !quiet) {
         print::note(&words::will_take(one, count, threads.count()));
     }
     let mut cells = Vec::new();
-    for (number, curve) in curves.iter().enumerate() {
+    for (number, (name, curve)) in curves.iter().enumerate() {
+        let curve = match curve {
+            Ok(curve) => curve,
+            Err(error) => {
+                cells.push(Cell { name: name.clone(), found: Err(error.clone()) });
+                continue;
+            }
+        };
         let goes_on = |part: f64| {
             let all = (number as f64 + part) / count as f64;
             let reached = done.fetch_max((WHOLE * all) as u64, Ordering::Relaxed);
@@ -111,11 +122,11 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             threads.install(|| fitter.fit_loaded(&all, &settings, &goes_on))
         });
         match found {
-            Ok(Some(fit)) => cells.push(Cell { name: curve.name.clone(), found: Ok(fit) }),
+            Ok(Some(fit)) => cells.push(Cell { name: name.clone(), found: Ok(fit) }),
             Ok(None) => break,
             Err(error) if count == 1 => return Err(failed(&error, &notes)),
             Err(error) => {
-                cells.push(Cell { name: curve.name.clone(), found: Err(error.to_string()) });
+                cells.push(Cell { name: name.clone(), found: Err(error.to_string()) });
             }
         }
     }
@@ -218,19 +229,37 @@ fn overrides(args: &FitArgs) -> (Vec<Given>, Option<String>) {
     (given, None)
 }
 
-/// The curves of files, and what was taken for granted of them.
-fn curves(paths: &[PathBuf], options: &Options) -> Result<(Vec<Curve>, Vec<String>), Failure> {
+/// A curve by its name, or why it cannot be read.
+type Named = (String, Result<Curve, String>);
+
+/// The curves of files, and what was taken for granted of them. Of several files one that cannot be read is a cell that
+/// cannot be fitted.
+fn curves(paths: &[PathBuf], options: &Options) -> Result<(Vec<Named>, Vec<String>), Failure> {
     let (mut curves, mut notes) = (Vec::new(), Vec::new());
+    let several = paths.len() > 1;
     for path in paths {
-        let table = measured::read(path, options).map_err(Failure::new)?;
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let table = match measured::read(path, options) {
+            Ok(table) => table,
+            Err(error) if several => {
+                curves.push((stem.into_owned(), Err(error.to_string())));
+                continue;
+            }
+            Err(error) => return Err(Failure::new(error)),
+        };
         notes.extend(table.notes.iter().map(|note| format!("{}: {note}", path.display())));
         for mut curve in table.curves {
-            if paths.len() > 1 {
-                let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            if several {
                 curve.name = format!("{stem} {}", curve.name);
             }
-            curves.push(curve);
+            curves.push((curve.name.clone(), Ok(curve)));
         }
+    }
+    if let Some((_, Err(error))) = curves.first()
+        && curves.iter().all(|(_, curve)| curve.is_err())
+    {
+        let many = format!("none of {} files can be read as a table of curves", curves.len());
+        return Err(Failure::new(many).also(error));
     }
     Ok((curves, notes))
 }
@@ -313,7 +342,7 @@ fn failed(error: &FitError, notes: &[String]) -> Failure {
 }
 
 /// Where results go unless that is said.
-fn folder(name: &str, args: &FitArgs, curves: &[Curve]) -> PathBuf {
+fn target(name: &str, args: &FitArgs, curves: &[Named]) -> PathBuf {
     let stem = args.to.first().and_then(|path| path.file_stem());
     let of = match stem {
         Some(stem) if args.input.is_none() => stem.to_string_lossy().into_owned(),

@@ -28,7 +28,7 @@ const FIT: &str = "Fit";
     metric), summary.json (all of it, with what was done to each curve), figures/trace_NAME (SVG and PNG).\n\
     Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
 pub(crate) struct AnalyseArgs {
-    /// Tables of measured curves (.csv, .txt, .tsv)
+    /// Tables of measured curves (.csv, .txt, .tsv), or folders of them
     #[arg(value_name = "TRACE", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -132,8 +132,8 @@ pub(crate) struct FitArgs {
     /// without it, the cell of the film, or the built-in adult ventricular cell
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml|FILM")]
     pub(crate) input: Option<PathBuf>,
-    /// Measured curves (.csv, .txt, .tsv): length, sarcomere length, shortening or another motion; several columns or
-    /// files are several cells. Or a film, whose cell is followed [default: the film that was given as a picture]
+    /// Measured curves (.csv, .txt, .tsv): length, sarcomere length, shortening or another motion; several columns,
+    /// files, or a folder of them are several cells. Or a film, whose cell is followed [default: the film that was given as a picture]
     #[arg(long, value_name = "TRACE|FILM", num_args = 1.., help_heading = FIT)]
     pub(crate) to: Vec<PathBuf>,
     /// A curve of the same cell between two springs, such as carbon fibres, each this stiff ("100 nN/um=fibres.csv");

@@ -1,8 +1,8 @@
 //! Fits to films: the cell is followed, and its stretch is the curve.
 
+use crate::analyse::folder::is_of_tables;
 use crate::args::FitArgs;
 use crate::failure::Failure;
-use crate::input::ending;
 use crate::options::Given;
 use crate::results::Folder;
 use crate::track::follow::{self, Asked, Followed};
@@ -15,19 +15,17 @@ use myospring::output::track::{self as table, TrackRow};
 use myospring::settings::{Run, Source};
 use std::path::{Path, PathBuf};
 
-/// Endings of tables of curves.
-const TABLES: [&str; 6] = ["csv", "txt", "tsv", "dat", "asc", "tab"];
 /// Where the film's results go.
 const FOLDER: &str = "track";
 
 /// The film among what is fitted to, if it is one: the only file, or the only thing that was given.
 pub(super) fn named(args: &FitArgs) -> Result<Option<PathBuf>, Failure> {
-    let is_film = |path: &Path| path.is_dir() || !TABLES.contains(&ending(path).as_str());
+    let is_film = |path: &Path| !is_of_tables(path);
     match args.to.as_slice() {
         [] if args.input.as_deref().is_some_and(|path| !is_film(path)) => {
             let path = args.input.as_deref().unwrap_or(Path::new("")).display().to_string();
-            Err(Failure::new(format!("`{path}` is a table, not a film"))
-                .advise(format!("name a measured curve like this: myospring fit --to {path}")))
+            Err(Failure::new(format!("`{path}` has curves, it is no film"))
+                .advise(format!("name measured curves like this: myospring fit --to {path}")))
         }
         [] => args.input.clone().map(Some).ok_or_else(|| {
             Failure::new("there is nothing to fit to")

@@ -164,3 +164,29 @@ fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
     let results = folder.path().join("results");
     assert!(!results.exists() || names(&results).is_empty(), "nothing is left behind");
 }
+
+#[test]
+fn a_folder_of_tables_is_several_cells_and_one_that_cannot_be_read_is_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    measured(folder.path(), 1);
+    let cells = folder.path().join("cells");
+    fs::create_dir(&cells).unwrap();
+    for name in ["a.csv", "c.csv"] {
+        fs::copy(folder.path().join("cell.csv"), cells.join(name)).unwrap();
+    }
+    fs::write(cells.join("b.csv"), "no table\n").unwrap();
+    let output = myospring(folder.path(), &["fit", "--to", "cells", "--starts", "1"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let said = stdout(&output);
+    let places = ["a ", "b", "c "].map(|name| said.find(&format!("\n{name}")));
+    assert!(places.is_sorted() && places[0].is_some(), "{said}");
+    let analysed = myospring(folder.path(), &["analyse", "cells"]);
+    assert_eq!(analysed.status.code(), Some(1));
+    assert!(stderr(&analysed).contains("b.csv"), "{}", stderr(&analysed));
+    assert!(stdout(&analysed).contains("c.csv"), "{}", stdout(&analysed));
+    fs::remove_file(cells.join("a.csv")).unwrap();
+    fs::remove_file(cells.join("c.csv")).unwrap();
+    let none = myospring(folder.path(), &["fit", "--to", "cells"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(stderr(&none).contains("b.csv"), "{}", stderr(&none));
+}

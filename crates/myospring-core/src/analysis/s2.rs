@@ -22,11 +22,11 @@ const LEAST: f64 = 0.01;
 /// # Example
 /// ```
 /// use myospring::analysis::s2::S1S2;
-/// // Bells 50 ms after S1 at 100 ms, and half as high 50 ms after S2 at 180 ms, which meets the first one's fall.
+/// // Bells 100 ms after S1 at 50 ms, and half as high 50 ms after S2 at 180 ms, which meets the first one's fall.
 /// let times: Vec<f64> = (0..500).map(f64::from).collect();
 /// let bell = |t: f64, at: f64| (-((t - at) / 30.0).powi(2)).exp();
 /// let values: Vec<f64> = times.iter().map(|&t| bell(t, 150.0) + 0.5 * bell(t, 230.0)).collect();
-/// let pair = S1S2::of(&times, &[100.0, 180.0], 180.0).unwrap();
+/// let pair = S1S2::of(&times, &[50.0, 180.0], 180.0).unwrap();
 /// assert!(pair.rest(&values).abs() < 1e-3);
 /// let beat = &values[pair.beat(&values).unwrap()];
 /// assert!((beat.iter().copied().fold(0.0, f64::max) - 0.5).abs() < 0.01);

@@ -1,0 +1,48 @@
+//! Folders of tables: each of them is one cell or several.
+
+use crate::failure::Failure;
+use crate::input::ending;
+use myospring::settings::PICTURE_ENDINGS;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Endings of tables of curves.
+const TABLES: [&str; 6] = ["csv", "txt", "tsv", "dat", "asc", "tab"];
+
+/// Whether a path is a table of curves, or a folder that has some and no frames of a film.
+pub(crate) fn is_of_tables(path: &Path) -> bool {
+    if !path.is_dir() {
+        return TABLES.contains(&ending(path).as_str());
+    }
+    let files = files(path).unwrap_or_default();
+    let has = |endings: &[&str]| files.iter().any(|file| endings.contains(&ending(file).as_str()));
+    has(&TABLES) && !has(&PICTURE_ENDINGS)
+}
+
+/// The paths, with the tables of each folder instead of it, by their names.
+pub(crate) fn tables(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut all = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            all.push(path.clone());
+            continue;
+        }
+        let mut within = files(path)?;
+        within.retain(|file| TABLES.contains(&ending(file).as_str()));
+        within.sort();
+        if within.is_empty() {
+            return Err(Failure::new(format!("the folder `{}` has no tables", path.display()))
+                .advise(format!("tables of curves end in .{}", TABLES.join(", ."))));
+        }
+        all.extend(within);
+    }
+    Ok(all)
+}
+
+fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let failed = |error| crate::input::cannot_read(folder, &error);
+    let entries = fs::read_dir(folder).map_err(failed)?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+    let all: Result<Vec<PathBuf>, _> = paths.collect();
+    Ok(all.map_err(failed)?.into_iter().filter(|path| path.is_file()).collect())
+}
