@@ -16,7 +16,7 @@ pub(crate) fn is_of_tables(path: &Path) -> bool {
     }
     let files = files(path).unwrap_or_default();
     let has = |endings: &[&str]| files.iter().any(|file| endings.contains(&ending(file).as_str()));
-    has(&TABLES) && !has(&PICTURE_ENDINGS)
+    has(&TABLES) && !has(PICTURE_ENDINGS)
 }
 
 /// The paths, with the tables of each folder instead of it, by their names.
