@@ -64,6 +64,8 @@ pub(super) trait Shaping {
 const TRIES: usize = 60;
 /// Part of the strongest tension to which a tension that was tried and the answer to it agree.
 const AGREED: f64 = 1e-10;
+/// Part of the strongest tension above which a step tells the slope of the answer well.
+const ROUNDED: f64 = 1e-6;
 /// Part of the strongest tension by which the tangent may miss the tension of a triangle at the end of an
 /// interval.
 const FOLLOWED: f64 = 1e-3;
@@ -80,6 +82,34 @@ struct Exchange<'a> {
     rate: Vec<f64>,
     /// Time over which a change of stretch has its mean rate, ms; endless before the run begins.
     interval: f64,
+    /// Of one site what the last interval tells of the next.
+    last: Option<Last>,
+}
+
+/// What an interval tells of the next: where the tension is going, and how the answer to one that is tried changes with it.
+#[derive(Debug, Clone, Copy)]
+struct Last {
+    /// Change of the tension over the interval, kPa, and how much more it was than over the one before.
+    change: [f64; 2],
+    /// Of what the answer is above the tension that was tried, per kPa, -1 or steeper; and how much more it was than in the
+    /// interval before.
+    slope: [f64; 2],
+}
+
+impl Last {
+    /// After an interval with this change and slope.
+    fn after(before: Option<Self>, change: f64, slope: f64) -> Self {
+        let than = |now: f64, before: Option<f64>| [now, now - before.unwrap_or(now)];
+        Self {
+            change: than(change, before.map(|last| last.change[0])),
+            slope: than(slope, before.map(|last| last.slope[0])),
+        }
+    }
+
+    /// Change and slope of the next.
+    fn next(self) -> [f64; 2] {
+        [self.change[0] + self.change[1], (self.slope[0] + self.slope[1]).min(-1.0)]
+    }
 }
 
 impl<'a> Exchange<'a> {
@@ -91,6 +121,7 @@ impl<'a> Exchange<'a> {
             stretch: vec![1.0; sites],
             rate: vec![0.0; sites],
             interval: f64::INFINITY,
+            last: None,
             activation,
             setup,
         }
@@ -178,8 +209,10 @@ impl<'a> Exchange<'a> {
         let feels = self.activation.tangent().is_some();
         let from_rest_to_rest =
             feels && shaping.is_static() && matches!(self.activation.sites(), Sites::PerElement(_));
-        // From rest to rest it is first asked where the mesh is going, which takes it there in fewer tries.
-        if !from_rest_to_rest {
+        // From rest to rest it is first asked where the mesh is going, which takes it there in fewer tries; one site is asked
+        // with each tension that is tried.
+        let tried = feels && matches!(self.activation.sites(), Sites::Whole);
+        if !from_rest_to_rest && !tried {
             let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
             self.ask(time, &stretch, &rate)?;
         }
@@ -226,11 +259,20 @@ impl<'a> Exchange<'a> {
             this.ask(time, &stretch, &rate)?;
             Ok(this.activation.tension().at(0) - tension)
         };
-        let mut tension = start;
-        let mut miss = excess(tension, self)?;
-        // A small step tells the slope, which is -1 or steeper.
+        let before = self.last.take();
+        let foretold = before.map(Last::next);
+        let mut tension = start + foretold.map_or(0.0, |[change, _]| change);
+        let mut miss = match excess(tension, self) {
+            Err(_) if tension != start => {
+                tension = start;
+                excess(tension, self)?
+            }
+            miss => miss?,
+        };
+        // Without a last interval a small step tells the slope, which is -1 or steeper.
         let first = 1e-3 * strongest;
-        let mut step = miss.clamp(-first, first);
+        let mut step = foretold.map_or(miss.clamp(-first, first), |[_, slope]| -miss / slope);
+        let mut slope = foretold.map_or(-1.0, |[_, slope]| slope);
         // The highest tension known to be too low, and the lowest known to be too high.
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         // Why the mesh cannot bear a tension, which is then too high.
@@ -240,6 +282,9 @@ impl<'a> Exchange<'a> {
             let last = high - low <= AGREED * enough || step.abs() <= f64::EPSILON * tension.abs();
             if miss.abs() <= enough || last {
                 self.tension = Held::Uniform(tension);
+                if self.interval.is_finite() {
+                    self.last = Some(Last::after(before, tension - start, slope));
+                }
                 return Ok(());
             }
             if miss > 0.0 {
@@ -265,9 +310,13 @@ impl<'a> Exchange<'a> {
                 }
                 Err(reason) => return Err(reason),
             };
-            let slope = (there - miss) / (next - tension);
+            let secant = (there - miss) / (next - tension);
+            // Of a step within the rounding it is none.
+            if secant < 0.0 && (next - tension).abs() > ROUNDED * strongest {
+                slope = secant;
+            }
             (tension, miss) = (next, there);
-            step = if slope < 0.0 { -miss / slope } else { miss };
+            step = if secant < 0.0 { -miss / secant } else { miss };
         }
         Err(refused.unwrap_or(StopReason::NoExchange { time, tension, miss }))
     }

@@ -55,7 +55,8 @@ fn drawn(figure: &Figure) -> Pixels {
 /// Left, top, width and height of a panel, px, if the figure has it.
 fn panel(figure: &Figure, name: &str) -> Option<[f64; 4]> {
     let svg = figure.to_svg();
-    let (_, rest) = svg.split_once(&format!(r#"<clipPath id="panel-{name}"><path d="m"#))?;
+    let (_, rest) = svg.split_once(&format!(r#"<clipPath id="panel-{name}-"#))?;
+    let (_, rest) = rest.split_once(r#""><path d="m"#)?;
     // A corner, then steps to the right and down.
     let steps = rest.split_once('z').unwrap().0.replace('-', " -");
     let steps: Vec<f64> = steps.split_whitespace().map(|step| step.parse().unwrap()).collect();
