@@ -79,12 +79,14 @@ def test_arrays_have_the_shapes_that_are_stated(cell, beat):
     assert list(beat.metrics) == list(beat.units) == [name for name in myospring.METRICS if name in beat.metrics]
 
 
-def test_a_beat_has_every_metric_there_is_but_those_of_held_ends_where_nothing_holds_them(cell, beat):
-    held = myospring.simulate(cell, integrator="quasi-static", support="clamped-ends")
+def test_a_beat_has_every_metric_there_is_but_those_of_held_ends_and_of_s2_where_there_are_none(cell, beat):
+    held = myospring.simulate(cell, integrator="quasi-static", support="clamped-ends", s2_interval_ms=500)
     assert set(held.metrics) == set(myospring.METRICS)
+    assert held.metrics["coupling_interval"] == 500
     free = {"end_force_at_rest", "peak_end_force", "time_to_peak_end_force", "end_systolic_force",
             "end_systolic_length", "time_to_end_systole", "work_on_load"}
-    assert set(beat.metrics) == set(myospring.METRICS) - free
+    alone = {"coupling_interval", "diastolic_interval", "relative_peak_tension", "relative_peak_shortening"}
+    assert set(beat.metrics) == set(myospring.METRICS) - free - alone
     assert 1000 < held.metrics["peak_end_force"] < 20000
 
 
