@@ -28,6 +28,7 @@ pub mod tor_ord;
 pub mod viscosity;
 pub mod wave;
 
+use myospring::simulation::Outcome;
 use row::Row;
 use std::path::{Path, PathBuf};
 
@@ -84,4 +85,11 @@ pub fn published_data() -> PathBuf {
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
         PathBuf::from,
     )
+}
+
+/// A metric of the only beat.
+fn metric(outcome: &Outcome, name: &str) -> Result<f64, Failure> {
+    let beats = outcome.beats();
+    let value = beats.first().and_then(|beat| beat.value(name));
+    value.ok_or_else(|| format!("the beat has no {name}").into())
 }

@@ -6,7 +6,7 @@
 //! shorten little, and as much at a tenth.
 
 use crate::row::Row;
-use crate::{Failure, Setting};
+use crate::{Failure, Setting, metric};
 use myospring::cell::CellModel;
 use myospring::cell::calcium::CalciumTrace;
 use myospring::cell::land_2017::Land2017;
@@ -85,13 +85,6 @@ fn beat(
         Some(reason) => Err(format!("the beat stopped: {reason}").into()),
         None => Ok(outcome),
     }
-}
-
-/// A metric of the only beat.
-fn metric(outcome: &Outcome, name: &str) -> Result<f64, Failure> {
-    let beats = outcome.beats();
-    let value = beats.first().and_then(|beat| beat.value(name));
-    value.ok_or_else(|| format!("the beat has no {name}").into())
 }
 
 fn largest_force(outcome: &Outcome) -> Result<f64, Failure> {

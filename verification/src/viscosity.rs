@@ -1,7 +1,7 @@
 //! A viscous strip, whose shape lags behind its tension, beside another program's.
 
 use crate::row::Row;
-use crate::{Failure, Setting};
+use crate::{Failure, Setting, metric};
 use myospring::integrate::Method;
 use myospring::mechanics::material::Stiffness;
 use myospring::mesh::lattice;
@@ -72,11 +72,4 @@ fn beat(part: f64, retardation_time: f64) -> Result<Outcome, Failure> {
         Some(reason) => Err(format!("the beat stopped: {reason}").into()),
         None => Ok(outcome),
     }
-}
-
-/// A metric of the only beat.
-fn metric(outcome: &Outcome, name: &str) -> Result<f64, Failure> {
-    let beats = outcome.beats();
-    let value = beats.first().and_then(|beat| beat.value(name));
-    value.ok_or_else(|| format!("the beat has no {name}").into())
 }
