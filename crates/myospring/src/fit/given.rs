@@ -7,7 +7,7 @@
 //! `Ta_i` passes `x_3` is cut there, so that a curve depends smoothly on every parameter.
 
 use super::least_squares::Column;
-use super::step::{Rates, State, Step, model_value};
+use super::step::{Rates, State, Step, Whole, model_value};
 use crate::cell::adaptive::{self, Settings};
 use crate::cell::minimal::MinimalModel;
 use crate::cell::pacing::Protocol;
@@ -281,46 +281,109 @@ impl Rates {
         times: &[f64],
         into: &mut Vec<f64>,
     ) -> (State, f64) {
+        let wholes = [FINE_MS, COARSE_MS].map(|length| Whole::new(length, self));
         let end = next - stimulus;
-        let mut times = times.iter().map(|time| time - stimulus).peekable();
-        let mut state = start;
-        let mut highest = 0.0_f64;
+        let due = due(times, stimulus);
+        let highest = start[1];
+        let mut walk =
+            Walk { rates: self, wholes, end, stimulus, times, due, state: start, highest };
+        let mut left = walk.pass(course);
+        while let Some((step, others)) = left.split_first()
+            && step.begin < end
+        {
+            walk.take(step, into);
+            left = walk.pass(others);
+        }
         let rests = course.last().map_or(0.0, |last| last.begin + last.length);
         // What lags is found in steps, else rest is one.
         let length = if self.lag > 0.0 { COARSE_MS } else { f64::INFINITY };
-        let rest = (0..).map(|at| Step {
-            begin: if at == 0 { rests } else { rests + f64::from(at) * length },
-            length,
-            bell: 0.0,
-            slope: 0.0,
-            above: false,
-        });
-        let decays = [FINE_MS, COARSE_MS].map(|length| [length, (-self.c_0 * length).exp()]);
-        for step in course.iter().copied().chain(rest) {
-            let is_over = step.begin >= rests && end == f64::INFINITY && times.peek().is_none();
-            if step.begin >= end || is_over {
+        let mut rest = Step { begin: rests, length, bell: 0.0, slope: 0.0, above: false };
+        for at in 1.. {
+            let has_peaked = walk.state[0] <= walk.state[1];
+            let is_over = end == f64::INFINITY && walk.times.is_empty() && has_peaked;
+            if rest.begin >= end || is_over {
                 break;
             }
-            let until = (step.begin + step.length).min(end);
-            while let Some(time) = times.next_if(|time| *time <= until) {
-                let there = step.after((time - step.begin).max(0.0), state, self);
-                into.push(if self.lag > 0.0 { there[2] } else { there[1] });
-            }
-            if until == f64::INFINITY {
-                break;
-            }
-            let before = state;
-            let length = until - step.begin;
-            let is_whole = (length - step.length).abs() < 1e-9;
-            let decay = decays.iter().find(|[length, _]| is_whole && step.length == *length);
-            state = match decay {
-                Some([_, decay]) if self.lag <= 0.0 => step.whole(*decay, state, self),
-                _ => step.after(length, state, self),
-            };
-            highest = highest.max(state[1]).max(step.top(length, before, state, self));
+            walk.take(&rest, into);
+            rest.begin = rests + f64::from(at) * length;
         }
-        (state, highest)
+        (walk.state, walk.highest.max(walk.state[1]))
     }
+}
+
+/// On the way through a beat.
+struct Walk<'a> {
+    rates: &'a Rates,
+    wholes: [Whole; 2],
+    /// When the next beat begins, after the stimulus.
+    end: f64,
+    stimulus: f64,
+    /// Those that are still to come.
+    times: &'a [f64],
+    /// The first of them, after the stimulus.
+    due: f64,
+    state: State,
+    /// The largest `Ta`.
+    highest: f64,
+}
+
+impl Walk<'_> {
+    /// Goes to the end of a step, or of the beat.
+    fn take(&mut self, step: &Step, into: &mut Vec<f64>) {
+        let (rates, before) = (self.rates, self.state);
+        let until = (step.begin + step.length).min(self.end);
+        while self.due <= until
+            && let Some((_, left)) = self.times.split_first()
+        {
+            let there = step.after((self.due - step.begin).max(0.0), before, rates);
+            into.push(if rates.lag > 0.0 { there[2] } else { there[1] });
+            self.times = left;
+            self.due = due(left, self.stimulus);
+        }
+        let length = until - step.begin;
+        let after = if length < f64::INFINITY {
+            step.after(length, before, rates)
+        } else {
+            State::default()
+        };
+        self.state = after;
+        if before[0] > before[1] && after[0] <= after[1] {
+            self.highest = self.highest.max(step.top(length, before, after, rates));
+        }
+    }
+
+    /// Goes through whole steps in which nothing is asked for and nothing switches, which is nearly all of them, and
+    /// returns those from the first other one on.
+    fn pass<'s>(&mut self, steps: &'s [Step]) -> &'s [Step] {
+        if self.rates.lag > 0.0 {
+            return steps;
+        }
+        // Numbers of their own: arrays would go through memory from each step to the next.
+        let [mut ta_i, mut ta, _] = self.state;
+        let mut passed = 0;
+        for step in steps {
+            let end = step.begin + step.length;
+            if end >= self.due || end > self.end {
+                break;
+            }
+            let Some(whole) = self.wholes.iter().find(|whole| step.length == whole.length) else {
+                break;
+            };
+            let Some([to_i, to]) = step.whole(whole, [ta_i, ta], self.rates) else { break };
+            if ta_i > ta && to_i <= to {
+                break;
+            }
+            (ta_i, ta) = (to_i, to);
+            passed += 1;
+        }
+        self.state = [ta_i, ta, ta];
+        &steps[passed..]
+    }
+}
+
+/// The first of some times, after a stimulus; infinite if there is none.
+fn due(times: &[f64], stimulus: f64) -> f64 {
+    times.first().map_or(f64::INFINITY, |time| time - stimulus)
 }
 
 #[cfg(test)]
@@ -358,6 +421,28 @@ mod tests {
         // What the two grids and tolerances leave; the whole cell's own tolerance moves its peak by 1e-5.
         assert!(off < 1e-4 * peak, "off by {} of the peak", off / peak);
         assert!((found.iter().copied().fold(0.0, f64::max) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_peak_of_a_slow_cell_is_found_after_its_bell_and_after_the_last_frame() {
+        let model = coelho_2021::model();
+        let protocol = Protocol::once(model.default_stimulus());
+        let potential = Potential::solve(&model, protocol, 0, 2, 1500.0).unwrap();
+        let fine: Vec<f64> = (0..60_000).map(|k| 0.05 * f64::from(k)).collect();
+        let few = [10.0, 1510.0];
+        for (c_0, lag) in [(0.0166016, 0.0), (0.003, 0.0), (0.001, 0.0), (0.003, 20.0)] {
+            let rates = Rates { c_0, lag, ..PUBLISHED };
+            let mut curve = Vec::new();
+            let peak =
+                potential.tension(&Rates { lag: 0.0, ..rates }, &[0.0, 1500.0], &fine, &mut curve);
+            let highest = curve[30_000..].iter().copied().fold(0.0, f64::max);
+            assert!((highest - 1.0).abs() < 1e-6, "{c_0} 1/ms: {highest}");
+            let again = potential.tension(&rates, &[0.0, 1500.0], &few, &mut curve);
+            assert!(
+                (again / peak - 1.0).abs() < 1e-9,
+                "{c_0} 1/ms, lag {lag} ms: {again} and {peak}"
+            );
+        }
     }
 
     #[test]

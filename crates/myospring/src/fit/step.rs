@@ -46,6 +46,64 @@ impl Rates {
     }
 }
 
+/// What a time makes of both variables while the bell is a straight line and nothing switches: sums of what they were,
+/// of the bell at its begin and of its slope. Exact: (32) and (33) are linear.
+#[derive(Debug, Clone, Copy)]
+struct Propagator {
+    /// `Ta_i` by itself, the bell and its slope.
+    early: [f64; 3],
+    /// `Ta` by itself, `Ta_i`, the bell and its slope.
+    late: [f64; 4],
+}
+
+impl Propagator {
+    /// Over a time, ms, in which `Ta` follows at a rate and `Ta_i` at `c_0`, 1/ms.
+    fn over(time: f64, rate: f64, c_0: f64) -> Self {
+        let risen = -(-c_0 * time).exp_m1();
+        let decay = 1.0 - risen;
+        let early = [decay, risen, time * (1.0 - mean_decay(c_0 * time))];
+        let is_one = rate == c_0;
+        let followed = if is_one { risen } else { -(-rate * time).exp_m1() };
+        let mixed = if is_one { 1.0 } else { mean_decay((rate - c_0) * time) };
+        let by_early = rate * time * decay * mixed;
+        let by_bell = followed - by_early;
+        let by_slope = time * (1.0 - mean_decay(rate * time)) - by_bell / c_0;
+        Self { early, late: [1.0 - followed, by_early, by_bell, by_slope] }
+    }
+
+    fn early(&self, bell: f64, slope: f64, ta_i: f64) -> f64 {
+        let [itself, by_bell, by_slope] = self.early;
+        itself * ta_i + (by_bell * bell + by_slope * slope)
+    }
+
+    fn late(&self, bell: f64, slope: f64, ta_i: f64, ta: f64) -> f64 {
+        let [itself, by_early, by_bell, by_slope] = self.late;
+        itself * ta + (by_early * ta_i + (by_bell * bell + by_slope * slope))
+    }
+}
+
+/// Mean of `exp(-z s)` for `s` from 0 to 1.
+fn mean_decay(z: f64) -> f64 {
+    if z == 0.0 { 1.0 } else { -(-z).exp_m1() / z }
+}
+
+/// What steps of one length share.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Whole {
+    pub(super) length: f64,
+    free: Propagator,
+    waiting: Propagator,
+}
+
+impl Whole {
+    /// Of steps so long, ms.
+    pub(super) fn new(length: f64, rates: &Rates) -> Self {
+        let [free, waiting] =
+            [rates.c_0, rates.x_1].map(|rate| Propagator::over(length, rate, rates.c_0));
+        Self { length, free, waiting }
+    }
+}
+
 /// A step from node to node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
@@ -96,14 +154,19 @@ impl Step {
     /// `Ta_i` and `Ta` so long after the begin of the step.
     fn pull(&self, time: f64, [ta_i, ta, _]: State, rates: &Rates) -> [f64; 2] {
         debug_assert!(time <= self.length * (1.0 + 1e-9));
-        let later = self.early(time, ta_i, rates.c_0);
+        let free = Propagator::over(time, rates.c_0, rates.c_0);
+        let later = free.early(self.bell, self.slope, ta_i);
         let waits = self.above && ta_i < rates.x_3;
-        let [first, second] = if waits { [rates.x_1, rates.c_0] } else { [rates.c_0, rates.x_1] };
         let Some(switch) = self.switch(time, ta_i, later, rates) else {
-            return [later, self.late(0.0, time, ta_i, ta, first, rates.c_0)];
+            let all = if waits { Propagator::over(time, rates.x_1, rates.c_0) } else { free };
+            return [later, all.late(self.bell, self.slope, ta_i, ta)];
         };
-        let ta = self.late(0.0, switch, ta_i, ta, first, rates.c_0);
-        [later, self.late(switch, time, ta_i, ta, second, rates.c_0)]
+        let [first, second] = if waits { [rates.x_1, rates.c_0] } else { [rates.c_0, rates.x_1] };
+        let before = Propagator::over(switch, first, rates.c_0);
+        let there = before.early(self.bell, self.slope, ta_i);
+        let ta = before.late(self.bell, self.slope, ta_i, ta);
+        let after = Propagator::over(time - switch, second, rates.c_0);
+        [later, after.late(self.bell + self.slope * switch, self.slope, there, ta)]
     }
 
     /// When `Ta` begins or ceases to wait, where it does.
@@ -112,57 +175,40 @@ impl Step {
         (waits(ta_i) != waits(later)).then(|| self.crossing(time, ta_i, later, rates))
     }
 
-    /// [`Step::after`] at its end, with the exponential of that known.
-    pub(super) fn whole(&self, decay: f64, state: State, rates: &Rates) -> State {
-        let [ta_i, ta, _] = state;
-        let lag = self.slope / rates.c_0;
-        let excess = ta_i - self.bell + lag;
-        let later = self.bell - lag + self.slope * self.length + excess * decay;
-        if self.above && (ta_i < rates.x_3 || later < rates.x_3) {
-            return self.after(self.length, state, rates);
+    /// `Ta_i` and `Ta` at its end, by the propagators of that; `None` where `Ta` begins or ceases to wait.
+    pub(super) fn whole(
+        &self,
+        by: &Whole,
+        [ta_i, ta]: [f64; 2],
+        rates: &Rates,
+    ) -> Option<[f64; 2]> {
+        let later = by.free.early(self.bell, self.slope, ta_i);
+        let waits = self.above && ta_i < rates.x_3;
+        if waits != (self.above && later < rates.x_3) {
+            return None;
         }
-        let steady = self.bell - 2.0 * lag;
-        let rise = ta - steady + excess * rates.c_0 * self.length;
-        let ta = steady + self.slope * self.length + rise * decay;
-        [later, ta, ta]
+        let all = if waits { &by.waiting } else { &by.free };
+        Some([later, all.late(self.bell, self.slope, ta_i, ta)])
     }
 
-    /// The largest `Ta` inside of the step, where it has one: it is highest when it meets `Ta_i`.
+    /// `Ta` where it meets `Ta_i`, which it was below before and is not any more at the end of that time.
     pub(super) fn top(&self, time: f64, from: State, to: State, rates: &Rates) -> f64 {
-        let [before, after] = [from[0] - from[1], to[0] - to[1]];
-        if !(before > 0.0 && after <= 0.0) {
-            return 0.0;
-        }
-        self.after(time * before / (before - after), from, rates)[1]
-    }
-
-    /// Exact: (32) with a bell that is a straight line.
-    fn early(&self, time: f64, ta_i: f64, c_0: f64) -> f64 {
-        let lag = self.slope / c_0;
-        self.bell - lag + self.slope * time + (ta_i - self.bell + lag) * (-c_0 * time).exp()
-    }
-
-    /// (33) from one time to another at a constant rate; `ta` is there at the first.
-    fn late(&self, from: f64, to: f64, ta_i: f64, ta: f64, rate: f64, c_0: f64) -> f64 {
-        let h = to - from;
-        if rate == c_0 {
-            // Exact: both equations have the same rate.
-            let (lag, bell) = (self.slope / c_0, self.bell + self.slope * from);
-            let excess = self.early(from, ta_i, c_0) - bell + lag;
-            let steady = bell - 2.0 * lag;
-            return steady + self.slope * h + (ta - steady + excess * c_0 * h) * (-c_0 * h).exp();
-        }
-        // It waits, slowly, for less than a step of the grid: Simpson's rule.
-        let at = |time: f64| self.early(time, ta_i, c_0) * (-rate * (to - time)).exp();
-        let sum = at(from) + 4.0 * at(f64::midpoint(from, to)) + at(to);
-        ta * (-rate * h).exp() + rate * h * sum / 6.0
+        let meets = if self.bell == 0.0 && self.slope == 0.0 {
+            // A cell at rest, however long: Ta_i falls as exp(-c_0 t), Ta as (Ta + c_0 Ta_i t) exp(-c_0 t).
+            (1.0 - from[1] / from[0]) / rates.c_0
+        } else {
+            let [before, after] = [from[0] - from[1], to[0] - to[1]];
+            time * before / (before - after)
+        };
+        self.after(meets, from, rates)[1]
     }
 
     /// When `Ta_i` passes `x_3`: regula falsi and Newton's method in one, on a course that hardly bends.
     fn crossing(&self, time: f64, ta_i: f64, later: f64, rates: &Rates) -> f64 {
         let mut at = time * (rates.x_3 - ta_i) / (later - ta_i);
         for _ in 0..4 {
-            let value = self.early(at, ta_i, rates.c_0);
+            let there = Propagator::over(at, rates.c_0, rates.c_0);
+            let value = there.early(self.bell, self.slope, ta_i);
             let rate = rates.c_0 * (self.bell + self.slope * at - value);
             if rate == 0.0 {
                 break;
@@ -170,5 +216,52 @@ impl Step {
             at = (at - (value - rates.x_3) / rate).clamp(0.0, time);
         }
         at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const C_0: f64 = 0.0166016;
+    const BELL: f64 = 3.0;
+    const SLOPE: f64 = -0.7;
+
+    /// (32) and (33) in small steps of the classical method of Runge and Kutta.
+    fn plain(time: f64, rate: f64, state: [f64; 2]) -> [f64; 2] {
+        let slopes =
+            |at: f64, [ta_i, ta]: [f64; 2]| [C_0 * (BELL + SLOPE * at - ta_i), rate * (ta_i - ta)];
+        let moved = |from: [f64; 2], by: f64, slope: [f64; 2]| {
+            [from[0] + by * slope[0], from[1] + by * slope[1]]
+        };
+        let step = time / 1000.0;
+        (0..1000).fold(state, |state, number| {
+            let begin = f64::from(number) * step;
+            let first = slopes(begin, state);
+            let second = slopes(begin + 0.5 * step, moved(state, 0.5 * step, first));
+            let third = slopes(begin + 0.5 * step, moved(state, 0.5 * step, second));
+            let fourth = slopes(begin + step, moved(state, step, third));
+            [0, 1].map(|k| {
+                let sum = first[k] + 2.0 * (second[k] + third[k]) + fourth[k];
+                state[k] + step / 6.0 * sum
+            })
+        })
+    }
+
+    #[test]
+    fn a_propagator_is_the_equations_whatever_their_rates_and_however_long_it_is() {
+        let state = [0.4, 1.7];
+        for rate in [0.0, 1e-4, C_0, C_0 * (1.0 + 1e-9), 5.0 * C_0] {
+            for time in [0.0, 0.05, 0.5, 8.0, 60.0] {
+                let by = Propagator::over(time, rate, C_0);
+                let found =
+                    [by.early(BELL, SLOPE, state[0]), by.late(BELL, SLOPE, state[0], state[1])];
+                let expected = plain(time, rate, state);
+                for (found, expected) in found.iter().zip(expected) {
+                    let off = (found - expected).abs();
+                    assert!(off < 1e-11, "{rate} 1/ms over {time} ms: off by {off}");
+                }
+            }
+        }
     }
 }
