@@ -179,12 +179,19 @@ impl Potential {
 
     /// The steps that a width of the bell makes of the nodes.
     fn courses(&self, rates: &Rates) -> Courses {
-        let mut known = self.courses.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = rates.sigma.to_bits();
+        let known = || self.courses.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(courses) = known().get(&key) {
+            return Arc::clone(courses);
+        }
+        // Not held meanwhile: other threads look for other widths.
+        let courses: Courses = self.beats.iter().map(|beat| rates.course(beat)).collect();
+        let mut known = known();
         if known.len() >= KEPT {
             known.clear();
         }
-        let new = || self.beats.iter().map(|beat| rates.course(beat)).collect();
-        Arc::clone(known.entry(rates.sigma.to_bits()).or_insert_with(new))
+        known.insert(key, Arc::clone(&courses));
+        courses
     }
 }
 

@@ -59,15 +59,15 @@ struct Propagator {
 impl Propagator {
     /// Over a time, ms, in which `Ta` follows at a rate and `Ta_i` at `c_0`, 1/ms.
     fn over(time: f64, rate: f64, c_0: f64) -> Self {
-        let risen = -(-c_0 * time).exp_m1();
+        let (risen, mean) = self::risen(c_0 * time);
         let decay = 1.0 - risen;
-        let early = [decay, risen, time * (1.0 - mean_decay(c_0 * time))];
+        let early = [decay, risen, time * (1.0 - mean)];
         let is_one = rate == c_0;
-        let followed = if is_one { risen } else { -(-rate * time).exp_m1() };
-        let mixed = if is_one { 1.0 } else { mean_decay((rate - c_0) * time) };
+        let (followed, late_mean) = if is_one { (risen, mean) } else { self::risen(rate * time) };
+        let mixed = if is_one { 1.0 } else { self::risen((rate - c_0) * time).1 };
         let by_early = rate * time * decay * mixed;
         let by_bell = followed - by_early;
-        let by_slope = time * (1.0 - mean_decay(rate * time)) - by_bell / c_0;
+        let by_slope = time * (1.0 - late_mean) - by_bell / c_0;
         Self { early, late: [1.0 - followed, by_early, by_bell, by_slope] }
     }
 
@@ -82,9 +82,10 @@ impl Propagator {
     }
 }
 
-/// Mean of `exp(-z s)` for `s` from 0 to 1.
-fn mean_decay(z: f64) -> f64 {
-    if z == 0.0 { 1.0 } else { -(-z).exp_m1() / z }
+/// `1 - exp(-z)`, and that over `z`: the mean of `exp(-z s)` for `s` from 0 to 1.
+fn risen(z: f64) -> (f64, f64) {
+    let risen = -(-z).exp_m1();
+    (risen, if z == 0.0 { 1.0 } else { risen / z })
 }
 
 /// What steps of one length share.
