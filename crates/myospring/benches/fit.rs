@@ -6,6 +6,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli};
 use myospring::run_file::RunFile;
 use myospring::study::Threads;
+use std::f64::consts::PI;
 use std::hint::black_box;
 
 /// What both models are asked for, as a part of the run's own.
@@ -36,6 +37,21 @@ fn measured(fitter: &Fitter, beats: u32) -> Observed {
     Observed { name, times_ms, values, scale: Scale::Length, unit, stimuli }
 }
 
+/// A curve that no setting of either model follows: three beats in 146 frames, 30 a second, each a half sine that falls
+/// as fast as it rises.
+fn strange() -> Observed {
+    let times_ms: Vec<f64> = (0..146).map(|frame| 1000.0 / 30.0 * f64::from(frame)).collect();
+    let starts = vec![200.0, 1750.0, 3300.0];
+    let beat = |time: f64| {
+        let since = starts.iter().rev().find(|start| **start <= time).map_or(-1.0, |s| time - s);
+        if (0.0..900.0).contains(&since) { (PI * since / 900.0).sin() } else { 0.0 }
+    };
+    let ripple = |time: f64| 0.05 * (0.017 * time * time).sin();
+    let values = times_ms.iter().map(|time| 100.0 - 4.0 * beat(*time) + ripple(*time)).collect();
+    let (name, unit) = ("cell".to_owned(), "um".to_owned());
+    Observed { name, times_ms, values, scale: Scale::Length, unit, stimuli: Stimuli::Seen(starts) }
+}
+
 fn fits(criterion: &mut Criterion) {
     let threads = Threads::new(Some(1)).expect("one thread");
     let mut group = criterion.benchmark_group("fit");
@@ -59,6 +75,13 @@ fn fits(criterion: &mut Criterion) {
         });
         let curves = [measured(&fitter, 8)];
         group.bench_function(format!("eight beats of {model} in 2000 frames"), |bench| {
+            bench.iter(|| {
+                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                black_box(fit.is_ok())
+            });
+        });
+        let curves = [strange()];
+        group.bench_function(format!("a curve that {model} cannot follow"), |bench| {
             bench.iter(|| {
                 let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
                 black_box(fit.is_ok())

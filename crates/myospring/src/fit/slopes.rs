@@ -12,6 +12,9 @@ use super::work::Work;
 /// Derivatives by the unknowns, from the values of these and which of them are held.
 pub(super) type Slopes<'a> = dyn Fn(&[f64], &[bool]) -> Option<Vec<Column>> + Sync + 'a;
 
+/// A search ends when a step lowers chi squared by less than this, which is 1 a standard deviation away.
+const ENOUGH: f64 = 1e-5;
+
 /// Of the frames of one curve.
 struct Frames {
     /// The derivative of each value by the shortening.
@@ -40,7 +43,10 @@ impl Layout {
         residuals: &'a (dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync),
         slopes: &'a Slopes<'a>,
     ) -> Problem<'a> {
-        Problem { residuals, slopes: Some(slopes), bounds: &self.bounds, steps: &self.steps }
+        let frames = self.sources.iter().map(|source| source.frames.values.len()).sum::<usize>();
+        let enough = ENOUGH / frames.max(1) as f64;
+        let (bounds, steps) = (&self.bounds, &self.steps);
+        Problem { residuals, slopes: Some(slopes), bounds, steps, enough }
     }
 
     /// Derivatives of the residuals, a column an unknown; nothing for what is held.
@@ -259,7 +265,8 @@ mod tests {
             let held = vec![false; at.len()];
             let residuals = |at: &[f64]| layout.residuals(at);
             let (bounds, steps) = (&layout.bounds, &layout.steps);
-            let plain = Problem { residuals: &residuals, slopes: None, bounds, steps };
+            let enough = ENOUGH;
+            let plain = Problem { residuals: &residuals, slopes: None, bounds, steps, enough };
             let plain = plain.jacobian(&at, &held).unwrap();
             let quick = layout.slopes(&at, &held, &Work::new(&|_| true)).unwrap();
             for ((role, plain), quick) in layout.roles.iter().zip(&plain).zip(&quick) {
