@@ -266,7 +266,7 @@ impl Rates {
             let [from, to] = [nodes[0], nodes[1]];
             let length = to.time - from.time;
             let slope = if length > 0.0 { (bell[1] - bell[0]) / length } else { 0.0 };
-            // Lengths of the grid are the same to the last bit, so that they share an exponential.
+            // Lengths of the grid are the same to the last bit, so that they share propagators.
             let on_grid = [FINE_MS, COARSE_MS].into_iter().find(|on| (length - on).abs() < 1e-9);
             let length = on_grid.unwrap_or(length);
             Step { begin: from.time, length, bell: bell[0], slope, above: from.above }
@@ -399,6 +399,13 @@ mod tests {
     use crate::cell::coelho_2021;
     use crate::cell::{CellModel as _, pacing::Protocol};
 
+    /// So many beats after so many others, of the published cell.
+    fn potential(before: usize, beats: usize, cycle_ms: f64) -> Potential {
+        let model = coelho_2021::model();
+        let protocol = Protocol::once(model.default_stimulus());
+        Potential::solve(&model, protocol, before, beats, cycle_ms).unwrap()
+    }
+
     const BEFORE: usize = 10;
     const PUBLISHED: Rates =
         Rates { c_0: 0.0166016, x_1: 0.0001, x_3: 0.2925, sigma: 0.046875, lag: 0.0 };
@@ -432,9 +439,7 @@ mod tests {
 
     #[test]
     fn the_peak_of_a_slow_cell_is_found_after_its_bell_and_after_the_last_frame() {
-        let model = coelho_2021::model();
-        let protocol = Protocol::once(model.default_stimulus());
-        let potential = Potential::solve(&model, protocol, 0, 2, 1500.0).unwrap();
+        let potential = potential(0, 2, 1500.0);
         let fine: Vec<f64> = (0..60_000).map(|k| 0.05 * f64::from(k)).collect();
         let few = [10.0, 1510.0];
         for (c_0, lag) in [(0.0166016, 0.0), (0.003, 0.0), (0.001, 0.0), (0.003, 20.0)] {
@@ -453,10 +458,8 @@ mod tests {
     }
 
     #[test]
-    fn shared_exponentials_and_rest_change_nothing() {
-        let model = coelho_2021::model();
-        let protocol = Protocol::once(model.default_stimulus());
-        let potential = Potential::solve(&model, protocol, 2, 3, 450.0).unwrap();
+    fn shared_propagators_and_rest_change_nothing() {
+        let potential = potential(2, 3, 450.0);
         let stimuli = [10.0, 455.0, 930.0];
         let times: Vec<f64> = (0..700).map(|k| 2.1 * f64::from(k)).collect();
         for sigma in [1.0, 4.0] {
@@ -507,9 +510,7 @@ mod tests {
 
     #[test]
     fn what_lags_is_the_tension_through_a_filter() {
-        let model = coelho_2021::model();
-        let protocol = Protocol::once(model.default_stimulus());
-        let potential = Potential::solve(&model, protocol, 0, 1, 900.0).unwrap();
+        let potential = potential(0, 1, 900.0);
         let times: Vec<f64> = (0..36_000).map(|k| 0.025 * f64::from(k)).collect();
         let curve = |lag: f64| {
             let mut curve = Vec::new();
@@ -531,9 +532,7 @@ mod tests {
 
     #[test]
     fn a_curve_depends_smoothly_on_each_parameter() {
-        let model = coelho_2021::model();
-        let protocol = Protocol::once(model.default_stimulus());
-        let potential = Potential::solve(&model, protocol, 0, 1, 600.0).unwrap();
+        let potential = potential(0, 1, 600.0);
         let times: Vec<f64> = (0..150).map(|k| 4.0 * f64::from(k)).collect();
         let curve = |c_0: f64, x_3: f64, sigma: f64| {
             let rates = Rates {

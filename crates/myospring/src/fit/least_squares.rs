@@ -309,24 +309,24 @@ pub(super) fn inverse(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 }
 
 #[cfg(test)]
+impl<'a> Problem<'a> {
+    /// With differences for derivatives, searched to many digits.
+    pub(super) fn plain(residuals: Function<'a>, bounds: &'a [[f64; 2]], steps: &'a [f64]) -> Self {
+        Self { residuals, slopes: None, bounds, steps, enough: 1e-10 }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
-
-    const ENOUGH: f64 = 1e-10;
 
     #[test]
     fn a_bent_valley_is_followed_to_its_floor() {
         // Rosenbrock's, least at (1, 1).
         let residuals = |x: &[f64]| Some(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
         let bounds = [[-5.0, 5.0]; 2];
-        let problem = Problem {
-            residuals: &residuals,
-            slopes: None,
-            bounds: &bounds,
-            steps: &[1e-5; 2],
-            enough: ENOUGH,
-        };
+        let problem = Problem::plain(&residuals, &bounds, &[1e-5; 2]);
         let found = problem.minimise(&[-1.2, 1.0], &[false; 2]).unwrap();
         assert!(found.at.iter().all(|x| (x - 1.0).abs() < 1e-6), "{:?}", found.at);
         assert!(found.sum < 1e-12);
@@ -350,13 +350,8 @@ mod tests {
             let column = |place| difference(residuals, at, place, 1e-5, &bounds);
             (0..4).map(|place| Some(Column { first: 0, values: column(place)? })).collect()
         };
-        let problem = Problem {
-            residuals: &residuals,
-            slopes: Some(&slopes),
-            bounds: &bounds,
-            steps: &[1e-5; 4],
-            enough: ENOUGH,
-        };
+        let plain = Problem::plain(&residuals, &bounds, &[1e-5; 4]);
+        let problem = Problem { slopes: Some(&slopes), ..plain };
         let found = problem.minimise(&[25.0, 5.0, -5.0, -1.0], &[false; 4]).unwrap();
         assert!((found.sum - 85_822.2).abs() < 0.05, "{}", found.sum);
         let steps = steps.into_inner();
@@ -367,13 +362,7 @@ mod tests {
     fn what_lies_past_a_bound_ends_on_it_and_what_is_held_stays() {
         let residuals = |x: &[f64]| Some(vec![x[0] - 7.0, x[1] - 2.0, x[2] + x[1]]);
         let bounds = [[0.0, 5.0], [-9.0, 9.0], [-9.0, 9.0]];
-        let problem = Problem {
-            residuals: &residuals,
-            slopes: None,
-            bounds: &bounds,
-            steps: &[1e-4; 3],
-            enough: ENOUGH,
-        };
+        let problem = Problem::plain(&residuals, &bounds, &[1e-4; 3]);
         let found = problem.minimise(&[1.0, 0.0, 4.0], &[false, false, true]).unwrap();
         // Least of (b - 2)^2 + (4 + b)^2 is at b = -1.
         assert!((found.at[0] - 5.0).abs() < 1e-12 && found.at[2] == 4.0);

@@ -277,13 +277,7 @@ mod tests {
         // Standard deviation 1 of the first, whatever becomes of the second.
         let residuals = |x: &[f64]| Some(vec![x[0] - 2.0, 3.0 * (x[1] - x[0])]);
         let bounds = [[-50.0, 50.0]; 2];
-        let problem = Problem {
-            residuals: &residuals,
-            slopes: None,
-            bounds: &bounds,
-            steps: &[1e-4; 2],
-            enough: 1e-10,
-        };
+        let problem = Problem::plain(&residuals, &bounds, &[1e-4; 2]);
         let found = top(&problem, &[0.0, 0.0], &[]);
         let [Some(low), Some(high)] = found.ends else { panic!("{:?}", found.ends) };
         assert!((low - 0.04).abs() < 0.01 && (high - 3.96).abs() < 0.01, "{low} {high}");
@@ -298,13 +292,7 @@ mod tests {
             Some(vec![5.0 * (std::f64::consts::PI * x[0]).sin(), 0.1 * x[0], 4.0 * (x[0] - 0.5)])
         };
         let bounds = [[-3.0, 3.0]];
-        let problem = Problem {
-            residuals: &residuals,
-            slopes: None,
-            bounds: &bounds,
-            steps: &[1e-5],
-            enough: 1e-10,
-        };
+        let problem = Problem::plain(&residuals, &bounds, &[1e-5]);
         let other = problem.minimise(&[0.9], &[false]).unwrap();
         let found = top(&problem, &[0.1], &[other]);
         let [Some(low), Some(high)] = found.ends else { panic!("{:?}", found.ends) };
@@ -316,13 +304,7 @@ mod tests {
         let residuals =
             |x: &[f64]| Some(vec![2.0 * (std::f64::consts::PI * x[0]).sin(), 0.6 * (x[0] - 1.0)]);
         let bounds = [[-3.0, 3.0]];
-        let problem = Problem {
-            residuals: &residuals,
-            slopes: None,
-            bounds: &bounds,
-            steps: &[1e-5],
-            enough: 1e-10,
-        };
+        let problem = Problem::plain(&residuals, &bounds, &[1e-5]);
         let found = top(&problem, &[0.0], &[]);
         assert!(found.lowest.0 < -0.05, "{:?}", found.lowest);
         let lower = problem.minimise(&found.lowest.1, &[false]).unwrap();

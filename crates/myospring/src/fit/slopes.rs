@@ -265,8 +265,7 @@ mod tests {
             let held = vec![false; at.len()];
             let residuals = |at: &[f64]| layout.residuals(at);
             let (bounds, steps) = (&layout.bounds, &layout.steps);
-            let enough = ENOUGH;
-            let plain = Problem { residuals: &residuals, slopes: None, bounds, steps, enough };
+            let plain = Problem::plain(&residuals, bounds, steps);
             let plain = plain.jacobian(&at, &held).unwrap();
             let quick = layout.slopes(&at, &held, &Work::new(&|_| true)).unwrap();
             for ((role, plain), quick) in layout.roles.iter().zip(&plain).zip(&quick) {
