@@ -101,7 +101,7 @@ impl<'a> Mapped<'a> {
         };
         let maps = [
             one(
-                format!("Where the cell pulls at its peak ({})", frames(&map.frames)),
+                "Where the cell pulls at its peak".to_owned(),
                 &map.tensions_kpa,
                 "Active tension (kPa)",
             ),
