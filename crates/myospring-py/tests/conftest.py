@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,15 @@ from pathlib import Path
 import pytest
 
 import myospring
+
+
+@pytest.fixture(autouse=True, scope="session")
+def heeds_ctrl_c():
+    """Python hears of Ctrl-C, and so do programs that it starts, also where whoever runs the tests ignores it (nohup)."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    # None is a handler that Python did not set.
+    signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
 
 
 @pytest.fixture(scope="session")
