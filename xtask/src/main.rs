@@ -4,6 +4,7 @@
 
 mod bench;
 mod build_times;
+mod licences;
 mod python;
 mod test;
 mod verify;
@@ -22,6 +23,7 @@ Commands:
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
   build-times  Measure builds from nothing, beside another commit; `cargo xtask build-times --help` says more
+  licences     Collect the licences that wheels and archives carry
   figures      Make pictures and film of README and documentation anew with the program itself
   help         This text
 ";
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
         Some("build-times") => build_times::run(std::env::args().skip(2).collect()),
+        Some("licences") => licences::run(),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {
             say(HELP);

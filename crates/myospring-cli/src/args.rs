@@ -11,6 +11,7 @@ use crate::track;
 use clap::builder::styling::AnsiColor;
 use clap::builder::{PossibleValue, PossibleValuesParser, Styles};
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 use myospring::run_file::PRESETS;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -59,16 +60,19 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Beat a cell: curves, figures and numbers
+    #[command(aliases = ["simulate", "beat"])]
     Run(Box<RunArgs>),
     /// Reproduce the paper's Figs 3, 5 and 6 and check every number that it states
     Paper(PaperArgs),
     /// Find the cells of a picture: outlines, their shapes and how sure they are; nothing beats
+    #[command(alias = "outline")]
     Segment(SegmentArgs),
     /// Follow a cell through a film: its curve of length, its stretches and sarcomeres, the motion of its points
     Track(TrackArgs),
     /// Beat the cells of a whole folder of pictures: one row a cell
     Batch(Box<BatchArgs>),
     /// Beats of measured curves: every metric, beat by beat, and where it was read
+    #[command(alias = "analyze")]
     Analyse(Box<AnalyseArgs>),
     /// A cell's own parameters from its measured curve, and how sure they are
     Fit(Box<FitArgs>),
@@ -79,11 +83,16 @@ pub(crate) enum Command {
     /// Mesh a cell and report; nothing beats
     Mesh(MeshArgs),
     /// List the cell models, or the parameters of one
+    #[command(alias = "model")]
     Models(ModelsArgs),
     /// Write a commented run file with every key and its default
     Init(InitArgs),
-    /// Print the JSON Schema of run files
-    Schema,
+    /// Print the JSON Schema of run files or of studies
+    Schema(SchemaArgs),
+    /// Print what completes commands and options in a shell
+    Completions(CompletionsArgs),
+    /// Write the manual pages
+    Manual(ManualArgs),
 }
 
 /// Where results go and what is printed.
@@ -233,7 +242,7 @@ pub(crate) struct MeshArgs {
     myospring segment cell.tif --pixel-size \"0.27 um\" --output cell.roi      mend it in Fiji, then\n  \
     myospring run cell.tif --pixel-size \"0.27 um\" --outline cell.roi         come back\n  \
     myospring segment dish.tif --cell all -o cells.zip -o cells_mask.png\n\n\
-    The ending of each --output says what it holds: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
+    Without an ending --output is a folder; else the ending says what the file holds: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
     .png (mask; with --cell all a label mask). An overlay is written beside the first of them.")]
 pub(crate) struct SegmentArgs {
     /// Picture (.png, .tif)
@@ -241,8 +250,9 @@ pub(crate) struct SegmentArgs {
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) settings: Settings<Seen>,
-    /// File for the outline; may be given several times [default: a folder `results/NAME_outline` with all]
-    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    /// Folder for all results, or a file for the outline, which may be given several times [default:
+    /// `results/NAME_outline`]
+    #[arg(short, long, value_name = "DIR|FILE", help_heading = OUTPUT)]
     pub(crate) output: Vec<PathBuf>,
     /// Replace files that are already there
     #[arg(long, help_heading = OUTPUT)]
@@ -358,6 +368,18 @@ pub(crate) enum StudyCommand {
     Init(StudyInitArgs),
 }
 
+impl StudyCommand {
+    /// The description that is read.
+    pub(crate) fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Run(args) => Some(&args.study),
+            Self::Merge(args) => Some(&args.study),
+            Self::Figures(args) => Some(&args.study),
+            Self::Init(_) => None,
+        }
+    }
+}
+
 /// `myospring study run`.
 #[derive(Debug, Args)]
 pub(crate) struct StudyRunArgs {
@@ -418,6 +440,51 @@ pub(crate) struct ModelsArgs {
     /// Print as JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// `myospring schema`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring schema > run.schema.json\n  \
+    myospring schema study > study.schema.json\n\n\
+    An editor that knows TOML (Even Better TOML, Taplo) uses it by the first line of a file:\n  \
+    #:schema run.schema.json")]
+pub(crate) struct SchemaArgs {
+    /// Of which files
+    #[arg(value_enum, default_value = "run")]
+    pub(crate) of: SchemaOf,
+}
+
+/// What a schema is of.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(crate) enum SchemaOf {
+    /// Run files
+    Run,
+    /// Descriptions of studies
+    Study,
+}
+
+/// `myospring completions`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring completions bash > ~/.local/share/bash-completion/completions/myospring\n  \
+    myospring completions zsh > \"${fpath[1]}/_myospring\"\n  \
+    myospring completions fish > ~/.config/fish/completions/myospring.fish\n  \
+    myospring completions powershell >> $PROFILE")]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub(crate) shell: Shell,
+}
+
+/// `myospring manual`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  myospring manual ~/.local/share/man/man1 && man myospring-run"
+)]
+pub(crate) struct ManualArgs {
+    /// Folder for the pages, one a command
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
 }
 
 /// Names of presets, and `list`.

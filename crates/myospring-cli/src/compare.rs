@@ -205,8 +205,7 @@ fn variants(args: &CompareArgs) -> Result<Vec<Dose>, Failure> {
         variants.push(Dose { label, factors });
     }
     if let Some(path) = &args.doses {
-        let text =
-            std::fs::read_to_string(path).map_err(|error| input::cannot_read(path, &error))?;
+        let text = input::text(path)?;
         let doses = dose::read(&text)
             .map_err(|error| Failure::new(format!("{}: {error}", path.display())))?;
         variants.extend(doses.into_iter().filter(|dose| !dose.factors.is_empty()));

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::options::Given;
 use crate::refused::{Place, Refused};
 use crate::segment;
+use myospring::measured;
 use myospring::microscopy::read;
 use myospring::run_file::{Origin, Reader, Run, ShapeBytes, Shaped, Source};
 use myospring::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS, Value};
@@ -78,8 +79,7 @@ pub(crate) fn settle_with(
     if let Some(path) = path {
         match ending(path).as_str() {
             "toml" => {
-                let content =
-                    fs::read_to_string(path).map_err(|error| cannot_read(path, &error))?;
+                let content = self::text(path)?;
                 reader = reader
                     .text(&path.display().to_string(), &content)
                     .map_err(|error| Failure::of_run_file(&error, Some(&content)))?
@@ -150,6 +150,13 @@ pub(crate) fn unread_picture(ending: &str) -> Option<String> {
 
 pub(crate) fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// The text of a file that a person wrote, in any encoding of an editor.
+pub(crate) fn text(path: &Path) -> Result<String, Failure> {
+    let bytes = fs::read(path).map_err(|error| cannot_read(path, &error))?;
+    measured::decoded(&bytes)
+        .map_err(|what| Failure::new(format!("`{}` is {what}", path.display())))
 }
 
 pub(crate) fn cannot_read(path: &Path, error: &std::io::Error) -> Failure {

@@ -15,8 +15,10 @@ mod film;
 mod fit;
 mod input;
 mod interrupt;
+mod kinds;
 mod lists;
 mod look;
+mod manual;
 mod mesh;
 mod options;
 mod outputs;
@@ -29,6 +31,7 @@ mod refused;
 mod results;
 mod run;
 mod segment;
+mod shell;
 mod study;
 mod summary;
 mod table;
@@ -38,9 +41,12 @@ use args::{Cli, Command};
 use clap::Parser;
 pub use exit::ExitCode;
 use failure::Failure;
+use kinds::{Kind, refusal};
+pub use outputs::output_words;
 pub use run::Over;
 use std::ffi::OsString;
 use std::io::Write;
+use std::path::PathBuf;
 pub use study::{RESULTS as STUDY_RESULTS, save as save_study};
 
 /// The whole program, with the arguments of a command line, its own name first; the code to end with.
@@ -53,7 +59,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn read_and_do(arguments: impl IntoIterator<Item = OsString>) -> Result<ExitCode, Failure> {
-    match Cli::try_parse_from(arguments) {
+    match Cli::try_parse_from(shell::arguments(arguments)?) {
         Ok(cli) => dispatch(&cli),
         // Help and version, too.
         Err(answer) => {
@@ -70,20 +76,51 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
     if cli.cite {
         return cite::print(cli);
     }
+    let of_cells = [Kind::Picture, Kind::Outline, Kind::RunFile];
     match &cli.command {
         None => Err(Failure::new("no command was given").advise("myospring --help lists them")),
-        Some(Command::Run(args)) => run::run(args),
+        Some(Command::Run(args)) => with("run", &args.input, &of_cells, run::run(args)),
         Some(Command::Paper(args)) => paper::paper(args),
-        Some(Command::Segment(args)) => segment::segment(args),
-        Some(Command::Track(args)) => track::track(args),
-        Some(Command::Batch(args)) => batch::batch(args),
-        Some(Command::Analyse(args)) => analyse::analyse(args),
-        Some(Command::Fit(args)) => fit::fit(args),
-        Some(Command::Compare(args)) => compare::compare(args),
-        Some(Command::Study(args)) => study::study(args),
-        Some(Command::Mesh(args)) => mesh::mesh(args),
+        Some(Command::Segment(args)) => {
+            with("segment", [&args.input], &[Kind::Picture], segment::segment(args))
+        }
+        Some(Command::Track(args)) => {
+            let takes = [Kind::Film, Kind::Picture, Kind::Pictures];
+            // Before there is a folder for its results.
+            refusal("track", [&args.input], &takes).map_or_else(|| track::track(args), Err)
+        }
+        Some(Command::Batch(args)) => {
+            with("batch", &args.folder, &[Kind::Pictures], batch::batch(args))
+        }
+        Some(Command::Analyse(args)) => {
+            with("analyse", &args.inputs, &[Kind::Curves, Kind::Results], analyse::analyse(args))
+        }
+        Some(Command::Fit(args)) => {
+            let takes = [Kind::Curves, Kind::Film, Kind::Picture, Kind::Pictures];
+            with("fit", &args.to, &takes, fit::fit(args))
+        }
+        Some(Command::Compare(args)) => {
+            let takes = [Kind::Picture, Kind::Outline, Kind::RunFile, Kind::Results];
+            with("compare", &args.inputs, &takes, compare::compare(args))
+        }
+        Some(Command::Study(args)) => {
+            with("study run", args.command.file(), &[Kind::Study], study::study(args))
+        }
+        Some(Command::Mesh(args)) => with("mesh", &args.input, &of_cells, mesh::mesh(args)),
         Some(Command::Models(args)) => lists::models(args),
         Some(Command::Init(args)) => lists::init(args),
-        Some(Command::Schema) => lists::schema(),
+        Some(Command::Schema(args)) => lists::schema(args),
+        Some(Command::Completions(args)) => manual::completions(args),
+        Some(Command::Manual(args)) => manual::manual(args),
     }
+}
+
+/// What came of a command; a failure says which command takes its file where this one does not.
+fn with<'a>(
+    command: &str,
+    paths: impl IntoIterator<Item = &'a PathBuf>,
+    takes: &[Kind],
+    done: Result<ExitCode, Failure>,
+) -> Result<ExitCode, Failure> {
+    done.map_err(|failure| refusal(command, paths, takes).unwrap_or(failure))
 }

@@ -1,6 +1,6 @@
 //! `myospring models`, `init` and `schema`.
 
-use crate::args::{InitArgs, LIST, ModelsArgs};
+use crate::args::{InitArgs, LIST, ModelsArgs, SchemaArgs, SchemaOf};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::print;
@@ -9,7 +9,10 @@ use myospring::cell::{self, CellModel};
 use myospring::output::{files, json};
 use myospring::parameter::ParameterSet;
 use myospring::run_file::{self, PRESETS};
+use myospring::study::parameters;
 use serde::Serialize;
+use std::fs;
+use std::path::Path;
 
 #[derive(Serialize)]
 struct Model<'a> {
@@ -36,8 +39,11 @@ impl<'a> Model<'a> {
 pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode, Failure> {
     if let Some(name) = &args.name {
         let model = cell::model(name).map_err(Failure::new)?;
-        let text =
-            if args.json { json::pretty(&Model::of(&*model, true))? } else { parameters(&*model) };
+        let text = if args.json {
+            json::pretty(&Model::of(&*model, true))?
+        } else {
+            of_parameters(&*model)
+        };
         print::out(&text)?;
         return Ok(ExitCode::SUCCESS);
     }
@@ -56,7 +62,7 @@ pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn parameters(model: &dyn CellModel) -> String {
+fn of_parameters(model: &dyn CellModel) -> String {
     let header = ["parameter", "value", "unit", "range", "meaning", "source"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
     for row in model.parameters().rows() {
@@ -94,12 +100,41 @@ pub(crate) fn init(args: &InitArgs) -> Result<ExitCode, Failure> {
         let message = format!("`{}` exists already", path.display());
         return Err(Failure::new(message).advise("give another name, or replace it with --force"));
     }
-    files::write(path, text)?;
+    write_with_schema(path, &text, SchemaOf::Run)?;
     print::note(&format!("wrote {0}; try: myospring run {0} --dry-run", path.display()));
     Ok(ExitCode::SUCCESS)
 }
 
-pub(crate) fn schema() -> Result<ExitCode, Failure> {
-    print::out(&json::pretty(&run_file::schema())?)?;
+pub(crate) fn schema(args: &SchemaArgs) -> Result<ExitCode, Failure> {
+    print::out(&json::pretty(&args.of.schema())?)?;
     Ok(ExitCode::SUCCESS)
+}
+
+impl SchemaOf {
+    fn schema(self) -> serde_json::Value {
+        match self {
+            Self::Run => run_file::schema(),
+            Self::Study => parameters::schema(),
+        }
+    }
+
+    /// The file that it has beside those that it is of.
+    const fn file(self) -> &'static str {
+        match self {
+            Self::Run => "myospring-run.schema.json",
+            Self::Study => "myospring-study.schema.json",
+        }
+    }
+}
+
+/// Writes a text with a first line by which editors find its schema, and that beside it; a file of the schema's name that
+/// is none of ours stays.
+pub(crate) fn write_with_schema(path: &Path, text: &str, of: SchemaOf) -> Result<(), Failure> {
+    files::write(path, format!("#:schema {}\n{text}", of.file()))?;
+    let beside = path.with_file_name(of.file());
+    let is_ours = |there: String| there.contains("\"urn:myospring:");
+    if fs::read_to_string(&beside).map_or(!beside.exists(), is_ours) {
+        files::write(&beside, json::pretty(&of.schema())?)?;
+    }
+    Ok(())
 }

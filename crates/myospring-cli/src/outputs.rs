@@ -154,6 +154,11 @@ pub(crate) fn words() -> PossibleValuesParser {
     some.chain(every).collect::<Vec<_>>().into()
 }
 
+/// The words of outputs, for whoever checks them elsewhere.
+pub fn output_words() -> Vec<&'static str> {
+    OUTPUTS.iter().map(|output| output.word).chain([ALL, NONE]).collect()
+}
+
 /// What the help says of `--outputs`.
 pub(crate) fn help() -> String {
     let default: Vec<&str> =

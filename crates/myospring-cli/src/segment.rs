@@ -30,11 +30,14 @@ const DPI: f64 = 200.0;
 const ENDINGS: [&str; 6] = ["geojson", "json", "roi", "zip", "txt", "png"];
 
 pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
-    for file in &args.output {
+    let into = into(&args.output);
+    for file in args.output.iter().filter(|_| into.is_none()) {
         if !ENDINGS.contains(&ending(file).as_str()) {
             let message = format!("`{}` has an ending that is not known", file.display());
             return Err(Failure::new(message)
-                .advise("write .geojson, .roi, .zip (RoiSet), .txt (Cellpose) or .png (mask)"));
+                .advise(
+                "write .geojson, .roi, .zip (RoiSet), .txt (Cellpose) or .png (mask), or one folder",
+            ));
         }
     }
     let (name, run) = input::settle(Some(&args.input), args.settings.overrides())?;
@@ -44,9 +47,10 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     };
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let picture = args.input.display().to_string();
-    let place = match args.output.first() {
+    let target = into.unwrap_or_else(|| folder(&name));
+    let place = match args.output.first().filter(|file| **file != target) {
         Some(first) => Place::File(beside(first)),
-        None => Place::Folder(folder(&name)),
+        None => Place::Folder(target.clone()),
     };
     let refused = Refused { picture: &picture, shape: &run.shape, place };
     let cells = match source.cells(&bytes) {
@@ -75,7 +79,7 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     let report = Report::of(picture, &cells, &chosen, left_out);
     let notes = report::notes(&cells, &chosen, &report.left_out, all);
     let figure = draw(&report, &cells, &chosen, &notes)?;
-    let written = write(args, &name, &cells, &chosen, &report, &figure)?;
+    let written = write(args, &target, &cells, &chosen, &report, &figure)?;
     if args.json {
         print::out(&json::pretty(&report)?)?;
     } else {
@@ -135,7 +139,7 @@ fn draw(
 /// Writes what was asked for and the overlay; the names of the files or of their folder.
 fn write(
     args: &SegmentArgs,
-    name: &str,
+    target: &Path,
     cells: &PictureCells,
     chosen: &[Chosen],
     report: &Report<'_>,
@@ -144,10 +148,9 @@ fn write(
     interrupt::heed(interrupt::WRITING);
     let frame = cells.frame().map_err(Failure::new)?;
     let named = named(chosen.iter().map(|chosen| &chosen.cell));
-    if args.output.is_empty() {
-        let target = folder(name);
-        let force = args.force || refused::is_all_there_is(&target);
-        let folder = Folder::claim(&target, force)?;
+    if args.output.iter().all(|output| output == target) {
+        let force = args.force || refused::is_all_there_is(target);
+        let folder = Folder::claim(target, force)?;
         let one = if named.len() == 1 { "cell.roi" } else { "cells.zip" };
         for file in ["outline.geojson", "mask.png", one] {
             folder.write(file, encoded(Path::new(file), &named, &frame)?)?;
@@ -208,13 +211,24 @@ fn write_cut(
     cells: &PictureCells,
     all: bool,
 ) -> Result<Vec<String>, Failure> {
-    let files: Vec<&PathBuf> =
-        args.output.iter().filter(|file| args.force || !file.exists()).collect();
+    let files: Vec<&PathBuf> = args
+        .output
+        .iter()
+        .filter(|file| into(&args.output).is_none() && (args.force || !file.exists()))
+        .collect();
     let (cut, _) = chosen(cells, source, all, true).map_err(|cause| source.failed(cause))?;
     let (cut, frame) = (named(cut.iter()), cells.frame().map_err(Failure::new)?);
     let encoded: Vec<Vec<u8>> =
         files.iter().map(|file| encoded(file, &cut, &frame)).collect::<Result<_, _>>()?;
     write_files(files.into_iter().zip(&encoded))
+}
+
+/// The folder that was asked for: the only output, which has no ending or is one already.
+fn into(outputs: &[PathBuf]) -> Option<PathBuf> {
+    let [only] = outputs else { return None };
+    let text = only.to_string_lossy();
+    let is_folder = ending(only).is_empty() || text.ends_with(['/', '\\']) || only.is_dir();
+    is_folder.then(|| only.clone())
 }
 
 /// Where the outlines of a picture of this name go unless they are named.

@@ -4,11 +4,12 @@ mod files;
 mod words;
 
 use crate::args::{
-    StudyArgs, StudyCommand, StudyFiguresArgs, StudyInitArgs, StudyMergeArgs, StudyRunArgs,
+    SchemaOf, StudyArgs, StudyCommand, StudyFiguresArgs, StudyInitArgs, StudyMergeArgs,
+    StudyRunArgs,
 };
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::{interrupt, print, progress};
+use crate::{input, interrupt, lists, print, progress};
 use files::{FIGURES, draw, write};
 pub use files::{RESULTS, save};
 use indicatif::ProgressBar;
@@ -38,7 +39,7 @@ pub(crate) fn study(args: &StudyArgs) -> Result<ExitCode, Failure> {
 fn read_study(path: &Path) -> Result<(String, ParameterStudy), Failure> {
     let named =
         |cause: &dyn std::fmt::Display| Failure::new(format!("`{}`: {cause}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| named(&error))?;
+    let text = input::text(path)?;
     let study = ParameterStudy::from_toml(&text, beside(path)).map_err(|error| {
         named(&error).advise("`myospring study init` writes a description to start from")
     })?;
@@ -245,7 +246,7 @@ fn init(args: &StudyInitArgs) -> Result<ExitCode, Failure> {
         let message = format!("`{}` exists already", path.display());
         return Err(Failure::new(message).advise("give another name, or replace it with --force"));
     }
-    myospring::output::files::write(path, TEMPLATE)?;
+    lists::write_with_schema(path, TEMPLATE, SchemaOf::Study)?;
     print::note(&format!("wrote {0}; try: myospring study run {0}", path.display()));
     Ok(ExitCode::SUCCESS)
 }

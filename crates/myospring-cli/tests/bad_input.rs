@@ -40,6 +40,16 @@ fn workplace() -> tempfile::TempDir {
     fs::write(folder.path().join("mm.csv"), "x_mm,y_mm,content\n0,0,1\n").unwrap();
     fs::write(folder.path().join("tabs.csv"), "x_um\ty_um\tcontent\n0\t0\t1\n").unwrap();
     fs::write(folder.path().join("rows.csv"), "content\n1\n1\n").unwrap();
+    fs::write(folder.path().join("film.avi"), "RIFF....AVI LIST").unwrap();
+    fs::write(folder.path().join("drawn.geojson"), "{}").unwrap();
+    fs::write(folder.path().join("study.toml"), "[sampling]\nsampler = \"morris\"\n").unwrap();
+    fs::write(folder.path().join("drug.toml"), "[[drug]]\nname = \"a\"\n").unwrap();
+    fs::write(folder.path().join("my cell.png"), "").unwrap();
+    fs::create_dir(folder.path().join("frames")).unwrap();
+    fs::write(folder.path().join("frames/1.png"), "").unwrap();
+    fs::create_dir(folder.path().join("beaten")).unwrap();
+    fs::write(folder.path().join("beaten/run.toml"), "").unwrap();
+    fs::write(folder.path().join("beaten/traces.csv"), "").unwrap();
     // A header that declares 100 000 x 100 000 pixels, with its right checksum.
     let mut huge = good.clone();
     huge[16..20].copy_from_slice(&100_000_u32.to_be_bytes());
@@ -204,15 +214,41 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
             vec!["run", "good.png", PIXELS[0], PIXELS[1], "--outline", "damaged.roi"],
             &["damaged.roi is damaged, or no ImageJ ROI"],
         ),
+        (vec!["run", "beat.csv"], &["a table of measured curves", "`myospring analyse beat.csv`"]),
+        (vec!["segment", "beat.csv"], &["a table of measured curves", "fit --to beat.csv"]),
+        (vec!["track", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
+        (vec!["batch", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
+        (vec!["run", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
+        (vec!["analyse", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
+        (vec!["segment", "film.avi"], &["is a film", "`myospring track film.avi`"]),
+        (vec!["mesh", "film.avi"], &["is a film", "`myospring track film.avi`"]),
+        (vec!["compare", "film.avi", "a"], &["is a film", "`myospring track film.avi`"]),
+        (vec!["study", "run", "film.avi"], &["is a film", "`myospring track film.avi`"]),
+        (vec!["analyse", "good.png"], &["is a picture", "`myospring run good.png`"]),
+        (vec!["batch", "good.png"], &["is a picture", "`myospring run good.png`"]),
+        (vec!["track", "drawn.geojson"], &["is an outline", "`myospring run drawn.geojson`"]),
+        (vec!["run", "study.toml"], &["the description of a study", "study run study.toml"]),
+        (vec!["study", "run", "nan.toml"], &["is a run file", "`myospring run nan.toml`"]),
+        (vec!["run", "drug.toml"], &["a file of doses", "--doses drug.toml"]),
+        (vec!["run", "frames"], &["a folder of pictures", "batch frames", "track frames"]),
+        (vec!["analyse", "frames"], &["a folder of pictures", "batch frames"]),
+        (vec!["run", "beaten"], &["the results of a run", "`myospring run beaten/run.toml`"]),
+        (vec!["run", "my", "cell.png"], &["needs quotes", "write \"my cell.png\""]),
         (
-            vec!["run", "beat.csv"],
-            &[
-                "`beat.csv`",
-                "`t_ms`, `length_um`",
-                "curve in time",
-                "does not read yet",
-                "x_um,y_um",
-            ],
+            vec!["run", "--pixel-size", "0.27", "um"],
+            &["a value with a blank needs quotes", "write --pixel-size \"0.27 um\""],
+        ),
+        (
+            vec!["run", "good.png", "--pixel-size", "0,27 um"],
+            &["has a comma in its number", "write \"0.27 um\""],
+        ),
+        (
+            vec!["run", "good.png", "--pixel-size", "0.27 UM"],
+            &["unknown unit `UM`", "did you mean \"0.27 um\"?"],
+        ),
+        (
+            vec!["analyse", "beat.csv", "--stimulus-times", "0,1 s"],
+            &["`0` has no unit", "decimals with a point"],
         ),
         (
             vec!["batch", "--table", "pictures.csv"],
@@ -238,6 +274,8 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         (vec!["paper", "--output", "file/results"], &["cannot write results"]),
         (vec!["models", "cohelo_2021"], &["did you mean `coelho_2021`?"]),
         (vec!["init", "file/beat.toml"], &["cannot write", "beat.toml"]),
+        (vec!["film.avi"], &["a film, and no command", "`myospring track film.avi`"]),
+        (vec!["study"], &["Usage: myospring study [OPTIONS] <COMMAND>", "init"]),
         (vec!["rum"], &["unrecognized subcommand", "run"]),
         (vec!["run", "--thicknes", "1 um"], &["unexpected argument", "--thickness"]),
         (vec![], &["Usage: myospring"]),
@@ -261,6 +299,69 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         assert!(!message.contains("panicked"), "{arguments:?}: {message}");
         assert_eq!(listing(folder.path()), before, "{arguments:?} left something");
     }
+}
+
+/// The micro sign, the Greek letter, words; what an old editor or terminal writes.
+#[test]
+fn a_unit_is_read_however_it_is_written() {
+    let folder = workplace();
+    let mesh = |arguments: &[&std::ffi::OsStr]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_myospring"))
+            .args(["mesh", "--json"])
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{arguments:?}: {message}");
+        fs::remove_dir_all(folder.path().join("results")).ok();
+        output.stdout
+    };
+    let by_option =
+        |size: &std::ffi::OsStr| mesh(&["good.png".as_ref(), "--pixel-size".as_ref(), size]);
+    let usual = by_option("0.5 um".as_ref());
+    for size in ["0.5 \u{b5}m", "0.5 \u{3bc}m", "0.5 microns", "0.5 micrometers", "500 nanometers"]
+    {
+        assert_eq!(by_option(size.as_ref()), usual, "{size}");
+    }
+    let latin = |text: &str| text.chars().map(|letter| letter as u8).collect::<Vec<u8>>();
+    let file = "[shape]\npicture = \"good.png\"\npixel_size = \"0.5 \u{b5}m\"\n";
+    for bytes in
+        [latin(file), file.as_bytes().to_vec(), [b"\xef\xbb\xbf", file.as_bytes()].concat()]
+    {
+        fs::write(folder.path().join("good.toml"), bytes).unwrap();
+        mesh(&["good.toml".as_ref()]);
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        let size = std::ffi::OsStr::from_bytes(b"0.5 \xb5m");
+        assert_eq!(by_option(size), usual, "Latin-1");
+    }
+}
+
+#[test]
+fn outlines_go_to_a_folder_as_all_results_do() {
+    let folder = workplace();
+    let segment = |output: &str| {
+        Command::new(env!("CARGO_BIN_EXE_myospring"))
+            .args(["segment", "good.png", "--pixel-size", "0.5 um", "--output", output])
+            .current_dir(folder.path())
+            .output()
+            .unwrap()
+    };
+    fs::create_dir(folder.path().join("there.v2")).unwrap();
+    for output in ["mine", "there.v2", "new/"] {
+        let done = segment(output);
+        assert!(done.status.success(), "{output}: {}", String::from_utf8_lossy(&done.stderr));
+        for file in ["outline.geojson", "mask.png", "cell.roi", "overlay.png", "report.json"] {
+            assert!(folder.path().join(output).join(file).is_file(), "{output}/{file}");
+        }
+    }
+    // What is there stays.
+    assert_eq!(segment("mine").status.code(), Some(2));
+    let refused = segment("mine.jpg");
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("or one folder"));
 }
 
 #[test]

@@ -5,7 +5,10 @@
 //! carries a hidden factor, and likewise in electrophysiology: `1 mS/uF mV = 1 A/F = 1 mV/ms`, the rate of
 //! a membrane potential, `1 nS mV = 1 pA` and `1 pA/pF = 1 A/F`. Text becomes a number only here.
 
+mod symbol;
+
 use std::fmt;
+pub use symbol::symbol;
 
 /// What a quantity measures; it fixes the internal unit and the units a person may write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,62 +59,40 @@ pub enum Dimension {
     Number,
 }
 
-/// Units a person may write, the factor to the internal unit; the first is the internal one.
+/// Symbols of units and the factors to the internal unit; the first is the internal one. Words and other letters
+/// become symbols before ([`symbol()`]).
 type UnitTable = &'static [(&'static str, f64)];
 
 impl Dimension {
     const fn table(self) -> UnitTable {
         match self {
-            Self::Time => &[("ms", 1.0), ("s", 1e3), ("us", 1e-3), ("µs", 1e-3), ("min", 6e4)],
-            Self::Length => {
-                &[("um", 1.0), ("µm", 1.0), ("μm", 1.0), ("nm", 1e-3), ("mm", 1e3), ("m", 1e6)]
-            }
-            Self::Area => &[("um^2", 1.0), ("um2", 1.0), ("µm²", 1.0), ("mm^2", 1e6)],
+            Self::Time => &[("ms", 1.0), ("s", 1e3), ("us", 1e-3), ("min", 6e4)],
+            Self::Length => &[("um", 1.0), ("nm", 1e-3), ("mm", 1e3), ("m", 1e6)],
+            Self::Area => &[("um^2", 1.0), ("mm^2", 1e6)],
             Self::Pressure => {
                 &[("kPa", 1.0), ("Pa", 1e-3), ("MPa", 1e3), ("mN/mm^2", 1.0), ("nN/um^2", 1.0)]
             }
-            Self::Force => &[("nN", 1.0), ("uN", 1e3), ("µN", 1e3), ("mN", 1e6), ("pN", 1e-3)],
-            Self::Stiffness => {
-                &[("nN/um", 1.0), ("nN/µm", 1.0), ("mN/m", 1.0), ("N/m", 1e3), ("pN/nm", 1.0)]
-            }
-            Self::BedStiffness => {
-                &[("kPa/um", 1.0), ("kPa/µm", 1.0), ("Pa/um", 1e-3), ("nN/um^3", 1.0)]
-            }
+            Self::Force => &[("nN", 1.0), ("uN", 1e3), ("mN", 1e6), ("pN", 1e-3)],
+            Self::Stiffness => &[("nN/um", 1.0), ("mN/m", 1.0), ("N/m", 1e3), ("pN/nm", 1.0)],
+            Self::BedStiffness => &[("kPa/um", 1.0), ("Pa/um", 1e-3), ("nN/um^3", 1.0)],
             Self::Damping => &[("nN ms/um", 1.0), ("nN s/um", 1e3)],
-            Self::Mass => &[("ug", 1.0), ("µg", 1.0), ("ng", 1e-3), ("mg", 1e3)],
+            Self::Mass => &[("ug", 1.0), ("ng", 1e-3), ("mg", 1e3)],
             Self::Density => &[("ug/um^3", 1.0), ("kg/m^3", 1e-9), ("g/cm^3", 1e-6)],
             Self::Energy => &[("fJ", 1.0), ("pJ", 1e3)],
-            Self::Voltage => &[("mV", 1.0), ("V", 1e3), ("uV", 1e-3), ("µV", 1e-3)],
+            Self::Voltage => &[("mV", 1.0), ("V", 1e3), ("uV", 1e-3)],
             Self::Concentration => {
-                &[("uM", 1.0), ("µM", 1.0), ("nM", 1e-3), ("mM", 1e3), ("M", 1e6), ("pM", 1e-6)]
+                &[("uM", 1.0), ("nM", 1e-3), ("mM", 1e3), ("M", 1e6), ("pM", 1e-6)]
             }
             Self::ConductanceDensity => {
-                &[("mS/uF", 1.0), ("mS/µF", 1.0), ("nS/pF", 1.0), ("uS/nF", 1.0), ("S/F", 1e-3)]
+                &[("mS/uF", 1.0), ("nS/pF", 1.0), ("uS/nF", 1.0), ("S/F", 1e-3)]
             }
-            Self::CurrentDensity => {
-                &[("A/F", 1.0), ("pA/pF", 1.0), ("uA/uF", 1.0), ("µA/µF", 1.0), ("nA/nF", 1.0)]
-            }
-            Self::Conductance => {
-                &[("nS", 1.0), ("pS", 1e-3), ("uS", 1e3), ("µS", 1e3), ("mS", 1e6), ("S", 1e9)]
-            }
-            Self::Current => {
-                &[("pA", 1.0), ("nA", 1e3), ("uA", 1e6), ("µA", 1e6), ("mA", 1e9), ("A", 1e12)]
-            }
-            Self::Capacitance => {
-                &[("pF", 1.0), ("nF", 1e3), ("uF", 1e6), ("µF", 1e6), ("mF", 1e9), ("F", 1e12)]
-            }
+            Self::CurrentDensity => &[("A/F", 1.0), ("pA/pF", 1.0), ("uA/uF", 1.0), ("nA/nF", 1.0)],
+            Self::Conductance => &[("nS", 1.0), ("pS", 1e-3), ("uS", 1e3), ("mS", 1e6), ("S", 1e9)],
+            Self::Current => &[("pA", 1.0), ("nA", 1e3), ("uA", 1e6), ("mA", 1e9), ("A", 1e12)],
+            Self::Capacitance => &[("pF", 1.0), ("nF", 1e3), ("uF", 1e6), ("mF", 1e9), ("F", 1e12)],
             Self::Rate => &[("1/ms", 1.0), ("/ms", 1.0), ("1/s", 1e-3), ("/s", 1e-3), ("Hz", 1e-3)],
-            Self::Speed => &[
-                ("um/ms", 1.0),
-                ("µm/ms", 1.0),
-                ("um/s", 1e-3),
-                ("µm/s", 1e-3),
-                ("mm/s", 1.0),
-                ("m/s", 1e3),
-            ],
-            Self::Angle => {
-                &[("deg", 1.0), ("degrees", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)]
-            }
+            Self::Speed => &[("um/ms", 1.0), ("um/s", 1e-3), ("mm/s", 1.0), ("m/s", 1e3)],
+            Self::Angle => &[("deg", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)],
             Self::Number => &[("", 1.0), ("%", 0.01)],
         }
     }
@@ -119,6 +100,11 @@ impl Dimension {
     /// The internal unit, as written for people: `um`, `kPa`, `ms`.
     pub const fn unit(self) -> &'static str {
         self.table()[0].0
+    }
+
+    /// The units that may be written, the internal one first.
+    pub fn symbols(self) -> impl Iterator<Item = &'static str> {
+        self.table().iter().map(|row| row.0)
     }
 
     /// The dimension's name in a sentence: `a length`.
@@ -192,6 +178,13 @@ impl fmt::Display for Dimension {
     }
 }
 
+/// Whether a text is a unit of anything: `um`, `microns`.
+pub fn is_unit(text: &str) -> bool {
+    let unit = symbol(text);
+    let tables = Dimension::ALL.iter().flat_map(|dimension| dimension.table());
+    !unit.is_empty() && tables.into_iter().any(|row| row.0 == unit)
+}
+
 /// Why a text is not the quantity that was asked for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnitError {
@@ -211,6 +204,14 @@ pub enum UnitError {
         /// How it might be written.
         example: String,
     },
+    /// A comma among the digits, which may part decimals or thousands.
+    #[error("`{text}` has a comma in its number; write {instead}")]
+    Comma {
+        /// What was written.
+        text: String,
+        /// How it may be meant.
+        instead: String,
+    },
     /// A number without the unit that its dimension needs.
     #[error(
         "`{text}` has no unit, but {wanted} needs one: {accepted}; write it like \"{example}\""
@@ -226,7 +227,7 @@ pub enum UnitError {
         example: String,
     },
     /// A unit of something else, or none we know.
-    #[error("`{text}` is {given}, but {wanted} is needed, in one of: {accepted}")]
+    #[error("`{text}` is {given}, but {wanted} is needed, in one of: {accepted}{meant}")]
     WrongUnit {
         /// What was written.
         text: String,
@@ -236,10 +237,12 @@ pub enum UnitError {
         wanted: Dimension,
         /// Units that may be written.
         accepted: String,
+        /// The one that differs by small and capital letters alone, in a question.
+        meant: String,
     },
 }
 
-/// Reads `"50 kPa"` as a number in the dimension's internal unit.
+/// Reads `"50 kPa"` as a number in the dimension's internal unit; `"50 kilopascals"`, too.
 ///
 /// # Errors
 /// Text that is not a finite number followed by a unit of `dimension`.
@@ -262,6 +265,10 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
         format!("50 {}", dimension.unit())
     };
     let (number, unit) = split_number(trimmed);
+    if let Some(instead) = without_comma(trimmed, number) {
+        return Err(UnitError::Comma { text: trimmed.to_owned(), instead });
+    }
+    let unit = &*symbol(unit);
     let Ok(value) = number.parse::<f64>() else {
         return Err(UnitError::NotANumber { text: trimmed.to_owned(), example });
     };
@@ -283,11 +290,31 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
         .into_iter()
         .find(|other| other.table().iter().any(|row| row.0 == unit))
         .map_or_else(|| format!("in an unknown unit `{unit}`"), |other| other.name().to_owned());
+    // `MPa` and `mPa` differ by their letters, too: what is not exact is asked.
+    let alike = dimension.table().iter().find(|row| row.0.eq_ignore_ascii_case(unit));
+    let meant = alike.map(|row| format!("; did you mean \"{number} {}\"?", row.0));
     Err(UnitError::WrongUnit {
         text: trimmed.to_owned(),
         given,
         wanted: dimension,
         accepted: dimension.accepted(),
+        meant: meant.unwrap_or_default(),
+    })
+}
+
+/// How a number with a comma may be meant; `number` is what stands before the comma.
+fn without_comma(text: &str, number: &str) -> Option<String> {
+    let decimal = text.replace(',', ".");
+    if !text.contains(',') || split_number(&decimal).0.len() <= number.len() {
+        return None;
+    }
+    let digits = text.split(',').nth(1)?.chars().take_while(char::is_ascii_digit).count();
+    let several = text.matches(',').count() > 1;
+    let thousands = format!("\"{}\"", text.replace(',', ""));
+    Some(match digits {
+        _ if several => thousands,
+        3 => format!("\"{decimal}\", or {thousands} if the comma parts thousands"),
+        _ => format!("\"{decimal}\", with a point"),
     })
 }
 
@@ -348,6 +375,30 @@ mod tests {
             ("0.3 uS", Dimension::Conductance, 300.0),
             ("-2.5 nA", Dimension::Current, -2500.0),
             ("0.185 nF", Dimension::Capacitance, 185.0),
+            ("0.27 \u{3bc}m", Dimension::Length, 0.27),
+            ("0.27 \u{c2}\u{b5}m", Dimension::Length, 0.27),
+            ("0.27 microns", Dimension::Length, 0.27),
+            ("0.27 Micrometers", Dimension::Length, 0.27),
+            ("0.27micrometre", Dimension::Length, 0.27),
+            ("270 nanometers", Dimension::Length, 0.27),
+            ("600 milliseconds", Dimension::Time, 600.0),
+            ("600 msec", Dimension::Time, 600.0),
+            ("0.6 sec.", Dimension::Time, 600.0),
+            ("0.6 seconds", Dimension::Time, 600.0),
+            ("1 minute", Dimension::Time, 6e4),
+            ("50 kilopascals", Dimension::Pressure, 50.0),
+            ("50 mN/mm²", Dimension::Pressure, 50.0),
+            ("50 nN / µm2", Dimension::Pressure, 50.0),
+            ("2 newtons per metre", Dimension::Stiffness, 2e3),
+            ("30°", Dimension::Angle, 30.0),
+            ("30 degrees", Dimension::Angle, 30.0),
+            ("-80 millivolts", Dimension::Voltage, -80.0),
+            ("70 nanomolar", Dimension::Concentration, 0.07),
+            ("12 per cent", Dimension::Number, 0.12),
+            ("12 percent", Dimension::Number, 0.12),
+            ("30 fps", Dimension::Rate, 0.03),
+            ("30 frames per second", Dimension::Rate, 0.03),
+            ("30 frames/s", Dimension::Rate, 0.03),
         ] {
             let parsed = parse(text, dimension).unwrap();
             assert!((parsed - value).abs() <= 4.0 * f64::EPSILON * value.abs(), "{text}: {parsed}");
@@ -363,6 +414,14 @@ mod tests {
         units.sort_unstable();
         units.dedup();
         assert_eq!(units.len(), count);
+    }
+
+    /// Otherwise it could not be written.
+    #[test]
+    fn a_symbol_is_its_own() {
+        for (unit, _) in Dimension::ALL.iter().flat_map(|dimension| dimension.table()) {
+            assert_eq!(symbol(unit), *unit);
+        }
     }
 
     #[test]
@@ -383,6 +442,14 @@ mod tests {
             ("50", Dimension::Pressure, "has no unit"),
             ("50 mV", Dimension::Pressure, "is a potential, but a pressure is needed"),
             ("50 furlong", Dimension::Length, "unknown unit `furlong`"),
+            ("0,27 um", Dimension::Length, "write \"0.27 um\", with a point"),
+            ("-,5um", Dimension::Length, "write \"-.5um\", with a point"),
+            ("1,000 um", Dimension::Length, "write \"1.000 um\", or \"1000 um\" if the comma"),
+            ("1,000,000 um", Dimension::Length, "write \"1000000 um\""),
+            ("0,5", Dimension::Number, "write \"0.5\", with a point"),
+            ("50 KPA", Dimension::Pressure, "did you mean \"50 kPa\"?"),
+            ("50 mPa", Dimension::Pressure, "did you mean \"50 MPa\"?"),
+            ("600 milliseconds", Dimension::Length, "is a time, but a length is needed"),
             ("50 mV", Dimension::Concentration, "is a potential, but a concentration is needed"),
             ("1 mS", Dimension::ConductanceDensity, "is a conductance, but a conductance per"),
             ("1 pA", Dimension::CurrentDensity, "in one of: A/F, pA/pF, uA/uF, nA/nF"),

@@ -29,9 +29,11 @@ fn number(py: Python<'_>, name: &str, usual: &Run) -> PyResult<Number> {
             ))),
         };
     }
-    let rows = usual.cell.parameters().rows();
-    let found = Number::all(usual).into_iter().find(|number| number.parameter() == Some(name));
-    found.ok_or_else(|| errors::unknown_among(py, name, rows.iter().map(|row| &*row.name)))
+    // Parameters of the cell model, and settings as a study names them: `peak_tension`, in kPa.
+    Number::named(usual, name).map_err(|_| {
+        let rows = usual.cell.parameters().rows();
+        errors::unknown_among(py, name, rows.iter().map(|row| &*row.name))
+    })
 }
 
 /// The metrics (N, M), and why a row has none, in Python's hands.
@@ -85,6 +87,8 @@ pub(crate) fn simulate_batch<'py>(
 ) -> PyResult<Answered<'py>> {
     let mut file = cell.0.file.clone();
     settings::put(&mut file, given)?;
+    let file = ParameterStudy::with_usual_methods(file)
+        .map_err(|error| errors::of_settings(py, &error))?;
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let numbers = names.iter().map(|name| number(py, name, &run)).collect::<PyResult<Vec<_>>>()?;
     let rows = params.as_array().outer_iter().map(|row| row.to_vec()).collect();

@@ -219,10 +219,10 @@ impl Beat {
         self.run.settled(spacing, self.outcome.effort.time_step()).to_toml()
     }
 
-    /// Name of the cell model and the peak tension, kPa.
+    /// Name of the cell model, and how long it ran, ms.
     #[getter]
-    fn facts(&self) -> (String, f64, f64) {
-        (self.run.cell.name().to_owned(), self.run.peak_tension, self.run.duration)
+    fn facts(&self) -> (String, f64) {
+        (self.run.cell.name().to_owned(), self.run.duration)
     }
 
     /// The cell at rest and at its peak beside its curves, SVG.
@@ -248,6 +248,10 @@ impl Beat {
         force: bool,
         outputs: Option<Vec<String>>,
     ) -> PyResult<PathBuf> {
+        let known = myospring_cli::output_words();
+        if let Some(word) = outputs.iter().flatten().find(|word| !known.contains(&word.as_str())) {
+            return Err(errors::unknown_among(py, word, known.iter().copied()));
+        }
         let saved = py.detach(|| {
             let over = Over {
                 name: &self.cell.name,
@@ -264,7 +268,7 @@ impl Beat {
             let threads = Threads::new(None).map_err(|error| error.to_string())?;
             threads.install(|| over.save(&folder, force, outputs.as_deref(), self.warnings.clone()))
         });
-        saved.map_err(pyo3::exceptions::PyOSError::new_err)
+        saved.map_err(|message| pyo3::exceptions::PyOSError::new_err(settings::in_python(&message)))
     }
 
     /// All that makes the beat again, but for the cell.

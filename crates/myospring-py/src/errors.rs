@@ -68,6 +68,11 @@ pub(crate) fn of_making(error: &MakeError) -> PyErr {
 
 /// A study that cannot be.
 pub(crate) fn of_study(py: Python<'_>, error: &ParameterStudyError) -> PyErr {
+    of_description(py, error, true)
+}
+
+/// A study that cannot be, whose description was a text, or tables.
+pub(crate) fn of_description(py: Python<'_>, error: &ParameterStudyError, of_text: bool) -> PyErr {
     match error {
         ParameterStudyError::Run(error) => of_settings(py, error),
         ParameterStudyError::Shape(error) => of_shape(error),
@@ -77,6 +82,8 @@ pub(crate) fn of_study(py: Python<'_>, error: &ParameterStudyError) -> PyErr {
         ParameterStudyError::Name(_) => unknown(py, error.to_string()),
         ParameterStudyError::Read { cause, .. } => of_reading(cause, error.to_string()),
         ParameterStudyError::Study(error) => of_journal(error),
+        // A description that was a dict has no lines.
+        ParameterStudyError::Toml(cause) if !of_text => value(cause.message()),
         _ => value(error),
     }
 }

@@ -79,6 +79,7 @@ struct Progress {
 impl Study {
     /// Reads a description, TOML, whose files are those of `files` or else in a folder; makes what its members share,
     /// beats the run without any change, and goes on with the journal in the folder `output`, or begins one there.
+    /// `of_text` is whether a person wrote the description as text.
     #[new]
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
     fn new(
@@ -88,6 +89,7 @@ impl Study {
         folder: PathBuf,
         output: Option<PathBuf>,
         force: bool,
+        of_text: bool,
     ) -> PyResult<Self> {
         let made = py.detach(|| {
             let seen = Mutex::new(BTreeMap::new());
@@ -117,7 +119,7 @@ impl Study {
             Ok::<_, ParameterStudyError>((study, common, journal, files))
         });
         let (parameters, common, journal, files) =
-            made.map_err(|error| errors::of_study(py, &error))?;
+            made.map_err(|error| errors::of_description(py, &error, of_text))?;
         let progress = Progress { journal, rows: Vec::new(), lost: Vec::new() };
         let (progress, stop) = (Mutex::new(progress), AtomicBool::new(false));
         Ok(Self { text, files, parameters, common, output, progress, stop })

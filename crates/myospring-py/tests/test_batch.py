@@ -23,7 +23,8 @@ def test_a_row_has_the_numbers_of_the_beat_alone_whatever_else_is_in_the_batch(c
     values = myospring.simulate_batch(params, names, cell, metrics=METRICS)
     for row, (tension, tau) in zip(values, params):
         beat = myospring.simulate(
-            cell, peak_tension_kpa=tension, parameters={"tau_si": tau}, integrator="quasi-static"
+            cell, peak_tension_kpa=tension, parameters={"tau_si": tau}, integrator="quasi-static",
+            cell_integrator="adaptive",
         )
         np.testing.assert_array_equal(row, [beat.metrics[name] for name in METRICS])
     again = myospring.simulate_batch(params[::-1], names, cell, metrics=METRICS, threads=1)
@@ -34,10 +35,33 @@ def test_material_and_geometry_may_vary_too(cell):
     params = np.array([[150.0, 4.0, 5.0], [308.0, 4.0, 0.0]])
     values = myospring.simulate_batch(params, ["young_modulus_kpa", "spacing_um", "rotate_deg"], metrics=METRICS)
     soft = myospring.simulate(
-        myospring.Cell.builtin(spacing_um=4.0, rotate_deg=5.0), young_modulus_kpa=150.0, integrator="quasi-static"
+        myospring.Cell.builtin(spacing_um=4.0, rotate_deg=5.0), young_modulus_kpa=150.0, integrator="quasi-static",
+        cell_integrator="adaptive",
     )
     np.testing.assert_array_equal(values[0], [soft.metrics[name] for name in METRICS])
     assert values[0, 0] > values[1, 0]
+
+
+def test_a_batch_takes_the_usual_methods_of_studies_where_the_model_allows_them(cell):
+    def values(**settings):
+        return myospring.simulate_batch([[50.0]], ["peak_tension_kpa"], cell, metrics=METRICS, **settings)
+
+    np.testing.assert_array_equal(values(), values(cell_integrator="adaptive", integrator="quasi-static"))
+    fixed = values(cell_integrator="runge-kutta-4")
+    assert (values() != fixed).any()
+    # As far as fixed steps are right themselves.
+    np.testing.assert_allclose(values(), fixed, rtol=2e-3)
+    # What excludes the usual methods, and a model that does not know them.
+    np.testing.assert_array_equal(values(cell_step_ms=0.005), fixed)
+    of_land = myospring.simulate_batch([[10.0]], ["thickness_um"], cell, metrics=METRICS[:1], model="land_2017")
+    assert np.isfinite(of_land).all()
+
+
+def test_a_setting_may_be_named_as_in_a_study(cell):
+    of_python, of_studies = (
+        myospring.simulate_batch([[30.0]], [name], cell, metrics=METRICS) for name in ("peak_tension_kpa", "peak_tension")
+    )
+    np.testing.assert_array_equal(of_python, of_studies)
 
 
 def test_all_metrics_are_there_unless_some_are_named(cell):
@@ -66,7 +90,7 @@ def test_what_does_not_fit_is_refused_before_anything_beats(cell):
         myospring.simulate_batch([[1.0]], ["tau_sii"], cell)
     with pytest.raises(KeyError, match="did you mean `peak_shortening`"):
         myospring.simulate_batch([[1.0]], ["peak_tension_kpa"], cell, metrics=["peak_shorteningg"])
-    with pytest.raises(TypeError, match="peak_tension"):
+    with pytest.raises(TypeError, match="did you mean 'peak_tension_kpa'"):
         myospring.simulate_batch([[1.0]], ["tau_si"], cell, peak_tension=3)
     with pytest.raises(ValueError, match="support"):
         myospring.simulate_batch([[1.0]], ["support"], cell)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import importlib.metadata
 import inspect
 import os
 import pkgutil
@@ -12,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -65,8 +67,51 @@ def test_notebooks_show_cells_and_beats(cell, beat):
         assert ElementTree.fromstring(svg).tag.endswith("svg")
     assert "peak shortening" in beat._repr_html_()
     page = beat.animate()
-    text = page if isinstance(page, str) else page.data
-    assert "<script" in text or "&lt;script" in text
+    assert "<script" in str(page) and "&lt;script" in page._repr_html_()
+
+
+def test_a_beat_tells_the_tension_that_it_reached(cell, beat):
+    land = myospring.simulate(cell, model="land_2017", integrator="quasi-static")
+    for one in (beat, land):
+        told = float(re.search(r"up to ([0-9.]+) kPa", repr(one))[1])
+        assert told == pytest.approx(one.metrics["peak_tension"], rel=5e-3)
+
+
+def test_what_cannot_be_saved_is_refused_in_the_words_of_python(beat, tmp_path):
+    with pytest.raises(myospring.UnknownNameError, match="gifs.*did you mean `gif`"):
+        beat.save(tmp_path / "one", outputs=["gifs"])
+    assert not (tmp_path / "one").exists()
+    beat.save(tmp_path / "one", outputs="none")
+    with pytest.raises(OSError, match="force=True") as refused:
+        beat.save(tmp_path / "one", outputs="none")
+    assert "--" not in str(refused.value)
+
+
+def test_a_picture_in_place_of_a_cell_is_told_how_to_become_one():
+    for call in (
+        lambda cell: myospring.simulate(cell),
+        lambda cell: myospring.simulate_batch([[1.0]], ["peak_tension"], cell),
+        lambda cell: myospring.fit(([0.0], [1.0]), cell),
+    ):
+        with pytest.raises(TypeError, match=r'Cell.from_image\("cell.png", pixel_size_um='):
+            call("cell.png")
+        with pytest.raises(TypeError, match="from_outline"):
+            call(Path("cell.roi"))
+
+
+def test_warnings_are_pythons_own_once_and_at_the_line_of_the_caller(cell):
+    small = {"min_area_um2": 5000.0, "spacing_um": 4.0, "pixel_size_um": 0.5}
+    mask = [[20 < column < 220 and 10 < row < 50 for column in range(240)] for row in range(60)]
+    with pytest.warns(myospring.MyospringWarning) as said:
+        own = myospring.Cell.from_mask(mask, **small)
+    assert [str(one.message) for one in said] == own.warnings and own.warnings
+    assert {one.filename for one in said} == {__file__}
+    with warnings.catch_warnings(record=True) as again:
+        warnings.simplefilter("always")
+        beat = myospring.simulate(own, integrator="quasi-static")
+    # Those of the cell were said before.
+    assert [str(one.message) for one in again] == [text for text in beat.warnings if text not in own.warnings]
+    assert {one.filename for one in again} <= {__file__}
 
 
 def test_a_beat_is_drawn(beat):
@@ -74,6 +119,16 @@ def test_a_beat_is_drawn(beat):
     matplotlib.use("agg")
     axes = beat.plot()
     assert [one.get_ylabel() for one in axes][1:] == ["Tension (kPa)", "Shortening (%)"]
+
+
+def test_the_wheel_carries_the_licences_of_all_that_it_is_made_of():
+    """`cargo xtask licences` collects them before a wheel is made."""
+    files = {Path(file).name: file for file in importlib.metadata.files("myospring")}
+    assert {"LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY.txt", "Noto-Sans-OFL.txt"} <= set(files)
+    assert "SIL OPEN FONT LICENSE" in files["Noto-Sans-OFL.txt"].read_text()
+    third = files["THIRD-PARTY.txt"].read_text()
+    for name in ("uPlot, in report.html", "Noto Sans, in figures", "serde ", "clap "):
+        assert f"\n{name}" in third, name
 
 
 def test_the_program_is_the_same_one(run):
@@ -96,7 +151,27 @@ def test_the_tutorial_runs(page, tmp_path):
         pytest.importorskip(package)
     page = (HERE.parents[1] / "docs" / page).read_text()
     blocks = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
-    script = "import matplotlib\nmatplotlib.use('agg')\n" + "\n".join(blocks)
-    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True,
+    script = tmp_path / "script.py"
+    # A file, which a worker may import: what it prints comes once.
+    script.write_text("import matplotlib\nmatplotlib.use('agg')\n" + "\n".join(blocks))
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True,
                           env={**os.environ, "MPLCONFIGDIR": str(tmp_path)})
     assert done.returncode == 0, done.stderr
+    assert done.stdout.count("Index(value=") <= 1
+
+
+def test_the_example_of_a_study_runs_once_whatever_executor_follows(tmp_path):
+    page = (HERE.parents[1] / "docs" / "clusters.md").read_text()
+    first = re.search(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[1]
+    script = tmp_path / "script.py"
+    script.write_text(first.replace("size = 128", "size = 8") + """
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as executor:
+        again = myospring.run_study(STUDY, executor)
+    assert (again.metrics == result.metrics).all()
+""")
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("Index(value=") == 1

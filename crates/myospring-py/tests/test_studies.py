@@ -150,6 +150,11 @@ def test_a_dict_a_text_and_a_file_are_the_same_study(serial):
         myospring.run_study(CELLS.replace("tau_si", "tau_sii"))
     with pytest.raises(ValueError, match="size"):
         myospring.run_study(CELLS.replace("512", "0"))
+    for of_nothing in ({"kind": "cell"}, 'kind = "cell"'):
+        with pytest.raises(ValueError, match=r"^\[sampling\] is missing; .* size = 100"):
+            myospring.run_study(of_nothing)
+    with pytest.raises(ValueError, match=r"^unknown field `sampler`"):
+        myospring.run_study({"sampler": "morris"})
     with pytest.raises(FileNotFoundError, match="nothing.toml"):
         myospring.run_study("nothing.toml")
     with pytest.raises(ValueError, match="0.5 to 30 s"):

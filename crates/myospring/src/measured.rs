@@ -29,6 +29,7 @@ mod times;
 
 pub use crate::analysis::kind::Kind;
 pub use curve::{Curve, Table};
+pub use decode::decoded;
 pub use error::ReadError;
 pub use options::{Column, Layout, Options};
 use std::path::Path;

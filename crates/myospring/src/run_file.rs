@@ -40,5 +40,5 @@ pub use error::{Origin, RunFileError};
 pub use file::RunFile;
 pub use presets::{PRESETS, Preset};
 pub use reading::Reader;
-pub use schema::schema;
+pub use schema::{schema, schema_id};
 pub use template::template;

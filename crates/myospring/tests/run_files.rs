@@ -186,6 +186,9 @@ fn a_train_lasts_550_ms_after_its_last_stimulus() {
 fn the_schema_refuses_unknown_keys_and_knows_units_and_bounds() {
     let schema = schema();
     assert_eq!(schema["additionalProperties"], false);
+    assert!(schema["$id"].as_str().unwrap().starts_with("urn:myospring:run-file:"));
+    let models = schema["properties"]["cell"]["properties"]["model"]["enum"].as_array().unwrap();
+    assert!(models.contains(&"land_2017".into()) && !models.contains(&"land".into()));
     let thickness = &schema["properties"]["material"]["properties"]["thickness"];
     assert_eq!(thickness["x-unit"], "um");
     assert_eq!(thickness["x-bounds"], "above 0 um, at most 100 um");

@@ -1,7 +1,7 @@
 //! The Python package: its wheel, as the tests have built its parts, in an environment of its own.
 
 use super::Checks;
-use crate::{python, root};
+use crate::{licences, python, root};
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -31,6 +31,7 @@ impl Checks {
         let mut build = within(python.module("maturin"));
         build.args(["build", "--locked", "--interpreter"]).arg(python.interpreter());
         build.arg("--out").arg(folder.path());
+        licences::run()?;
         self.step("the Python package: its wheel", build)?;
         let wheel = std::fs::read_dir(folder.path())
             .map_err(|error| format!("{}: {error}", folder.path().display()))?

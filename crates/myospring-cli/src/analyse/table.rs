@@ -49,14 +49,20 @@ pub(crate) fn options(args: &TableArgs, pixel_size: Option<&str>) -> Result<Tabl
     })
 }
 
-/// `250`, `250 /s`, `250 Hz`, `250 fps`.
+/// `250`, `250 /s`, `250 Hz`, `250 fps`, frames a second.
 pub(crate) fn frame_rate(text: &str) -> Result<f64, Failure> {
-    let number = text.trim().trim_end_matches("fps").trim();
-    if let Ok(rate) = number.parse::<f64>() {
-        return Ok(rate);
-    }
+    let number = text.trim().parse::<f64>();
     // 1/ms to 1/s
-    quantity("--frame-rate", text, Dimension::Rate).map(|rate| 1e3 * rate)
+    let rate = number.or_else(|_| units::parse(text, Dimension::Rate).map(|rate| 1e3 * rate));
+    let wrong = match rate {
+        Ok(rate) if rate.is_finite() && rate > 0.0 => return Ok(rate),
+        Ok(_) => String::new(),
+        Err(error) => format!("; {error}"),
+    };
+    Err(Failure::new(format!(
+        "--frame-rate is `{text}`; it must be a number of frames a second above 0{wrong}"
+    ))
+    .advise("give it like --frame-rate 30, as the camera was set"))
 }
 
 /// A time with its unit, or a number of ms.
@@ -89,6 +95,15 @@ impl Beats {
         let of = |option: &'static str, text: Option<&str>| {
             text.map(|text| time(option, text)).transpose()
         };
+        let has_unit = |text: &String| text.trim().parse::<f64>().is_err();
+        let bare = stimuli.stimulus_times.iter().find(|text| !has_unit(text));
+        // `0,1 s` would be 0 ms and 1 s.
+        if let Some(bare) = bare.filter(|_| stimuli.stimulus_times.iter().any(has_unit)) {
+            return Err(Failure::new(format!(
+                "--stimulus-times: `{bare}` has no unit, and others have one"
+            ))
+            .advise("write each with its unit, decimals with a point: \"100 ms, 1.1 s\""));
+        }
         let times = stimuli.stimulus_times.iter().map(|text| time("--stimulus-times", text));
         let period_ms = of("--stimulus-period", stimuli.stimulus_period.as_deref())?;
         if let Some(period) = period_ms.filter(|period| *period <= 0.0) {

@@ -1,6 +1,7 @@
 //! From a film to the motion of its cell.
 
 use super::open;
+use crate::analyse::table::frame_rate;
 use crate::args::TrackArgs;
 use crate::failure::Failure;
 use crate::input;
@@ -43,7 +44,7 @@ impl Asked {
     }
 
     pub(crate) fn of(args: &TrackArgs) -> Result<Self, Failure> {
-        let frame_rate = args.frame_rate.as_deref().map(rate).transpose()?;
+        let frame_rate = args.frame_rate.as_deref().map(frame_rate).transpose()?;
         let subset_um = match &args.subset {
             None => Settings::SUBSET_UM,
             Some(text) => subset(text)?,
@@ -62,21 +63,6 @@ impl Asked {
             threads: args.threads.map(NonZeroUsize::get),
         })
     }
-}
-
-/// Frames a second as people write them.
-fn rate(text: &str) -> Result<f64, Failure> {
-    let number = ["frames/s", "fps", "Hz", "1/s", "/s"]
-        .iter()
-        .find_map(|unit| text.trim().strip_suffix(unit))
-        .unwrap_or(text);
-    let rate: Option<f64> = number.trim().parse().ok();
-    rate.filter(|rate| rate.is_finite() && *rate > 0.0).ok_or_else(|| {
-        Failure::new(format!(
-            "--frame-rate is `{text}`; it must be a number of frames a second above 0"
-        ))
-        .advise("give it like --frame-rate 30, as the camera was set")
-    })
 }
 
 fn subset(text: &str) -> Result<f64, Failure> {

@@ -23,7 +23,18 @@ pub(super) fn name(path: &Path) -> Result<String, Failure> {
 
 /// Opens a film.
 pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> {
-    let failed = |error: FilmError| Failure::new(format!("`{}`: {error}", path.display()));
+    let failed = |error: FilmError| {
+        let picture = matches!(error, FilmError::TooFew { frames: 1 });
+        let failure = Failure::new(format!("`{}`: {error}", path.display()));
+        if !picture {
+            return failure;
+        }
+        let file = path.display();
+        failure.advise(format!(
+            "give a film, or the folder that holds all its pictures; of a picture `myospring run {file}` beats the cell, \
+             and `myospring fit {file} --to CURVE.csv` fits it to a curve"
+        ))
+    };
     let about = fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
     if about.is_dir() {
         return Film::of_pictures(pictures(path)?, selection).map_err(failed);
@@ -35,8 +46,7 @@ pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> 
             return Err(Failure::new(message));
         }
         if PICTURE_ENDINGS.contains(&kind.as_str()) {
-            return Err(failed(FilmError::TooFew { frames: 1 })
-                .advise("give a film, or the folder that holds all its pictures"));
+            return Err(failed(FilmError::TooFew { frames: 1 }));
         }
         return Film::read(through_ffmpeg(path, None)?, selection).map_err(failed);
     }

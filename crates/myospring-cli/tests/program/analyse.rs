@@ -118,7 +118,7 @@ fn what_is_no_measurement_is_refused_and_nothing_is_written() {
         (&["analyse", "words.csv"], "line 3, column `length_um`: \"long\" is no finite number"),
         (&["analyse", "back.csv"], "line 4, column `t_ms`: time 4 ms does not come after 8 ms"),
         (&["analyse", "bare.csv"], "no column of times"),
-        (&["analyse", "bare.csv", "--frame-rate=-5"], "the frame rate is -5 /s"),
+        (&["analyse", "bare.csv", "--frame-rate=-5"], "--frame-rate is `-5`"),
         (
             &["analyse", "still.csv", "--frame-rate", "50 /s"],
             "all 50 values are 5: there is no beat",

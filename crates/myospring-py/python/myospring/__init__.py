@@ -13,7 +13,7 @@ from myospring._action_potential import ActionPotential
 from myospring._batch import simulate_batch
 from myospring._beat import Beat
 from myospring._cell import Cell
-from myospring._errors import SimulationError, UnknownNameError
+from myospring._errors import MyospringWarning, SimulationError, UnknownNameError
 from myospring._fit import Estimate, Fit, FittedCurve, fit
 from myospring._fit_many import Fits, fit_many
 from myospring._functions import action_potential, simulate
@@ -33,6 +33,7 @@ __all__ = [
     "Index",
     "Metric",
     "Morris",
+    "MyospringWarning",
     "Parameter",
     "SimulationError",
     "Sobol",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, Literal, Sequence, overload
 
 import numpy as np
@@ -11,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from myospring import _native
 from myospring._cell import Cell
 from myospring._functions import BEAT_KEYS, BeatSettings
-from myospring._given import changed
+from myospring._errors import warn
+from myospring._given import cell_of, changed
 from myospring._lists import METRICS
 
 if TYPE_CHECKING:
@@ -52,8 +52,9 @@ def simulate_batch(
 ) -> NDArray[np.float64] | tuple[NDArray[np.float64], list[str | None]]:
     """Beats a cell once for each row of a matrix.
 
-    The mesh follows the tension along its equilibria (``integrator="quasi-static"``) unless another integrator is
-    given. Members that differ in the cell model alone share the mechanics. The numbers of a member do not depend on
+    The mesh follows the tension along its equilibria (``integrator="quasi-static"``), and a minimal cell model goes in
+    adaptive steps (``cell_integrator="adaptive"``), unless other methods are given: fixed steps would take most of a
+    member's time and change its numbers by less than their own error. Members that differ in the cell model alone share the mechanics. The numbers of a member do not depend on
     the others, on their order or on the number of threads, to the last bit.
 
     Parameters
@@ -62,7 +63,8 @@ def simulate_batch(
         A member in each row.
     names : sequence of K str
         What the columns are: settings of `simulate` or of a built-in cell that are numbers, such as
-        ``peak_tension_kpa``, or parameters of the cell model, such as ``tau_si``.
+        ``peak_tension_kpa``, or parameters of the cell model, such as ``tau_si``. Settings may be named as in a study,
+        without the unit: ``peak_tension``.
     cell : Cell or None
         The cell; None takes the built-in one.
     metrics : sequence of M str or None
@@ -72,7 +74,8 @@ def simulate_batch(
     return_reasons : bool
         Whether to say why members failed.
     **settings
-        What all members share: the settings of `simulate`, with its names, units and defaults but for the integrator.
+        What all members share: the settings of `simulate`, with its names, units and defaults but for the two
+        integrators.
 
     Returns
     -------
@@ -105,21 +108,18 @@ def simulate_batch(
         raise ValueError(f"names has one name twice: {', '.join(names)}")
     unknown = [name for name in settings if name not in BEAT_KEYS]
     if unknown:
-        raise TypeError(f"simulate_batch() got an unexpected keyword argument '{unknown[0]}'")
-    settings.setdefault("integrator", "quasi-static")
+        near = [name for name in BEAT_KEYS if name.startswith(f"{unknown[0]}_")]
+        meant = f"; did you mean '{near[0]}'?" if near else ""
+        raise TypeError(f"simulate_batch() got an unexpected keyword argument '{unknown[0]}'{meant}")
     given = changed(*((BEAT_KEYS[name][0], value, BEAT_KEYS[name][1]) for name, value in settings.items()))
     wanted = list(METRICS) if metrics is None else list(metrics)
-    cell = Cell.builtin() if cell is None else cell
+    cell = cell_of(cell)
     values, reasons = _native.simulate_batch(cell._native, given, list(names), matrix, wanted, threads)
     if return_reasons:
         return values, reasons
     failed = [(row, reason) for row, reason in enumerate(reasons) if reason is not None]
     if failed:
         row, reason = failed[0]
-        warnings.warn(
-            f"{len(failed)} of {len(reasons)} members failed, the first in row {row}: {reason}; "
-            "return_reasons=True gives all reasons",
-            RuntimeWarning,
-            stacklevel=2,
-        )
+        text = f"{len(failed)} of {len(reasons)} members failed, the first in row {row}: {reason}"
+        warn([f"{text}; return_reasons=True gives all reasons"])
     return values

@@ -192,7 +192,7 @@ class Beat:
         folder: str | PathLike[str],
         *,
         force: bool = False,
-        outputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | str | None = None,
     ) -> Path:
         """Writes what ``myospring run`` writes: curves, numbers, report, figures.
 
@@ -202,7 +202,7 @@ class Beat:
             Made if it is not there.
         force : bool
             Replaces results that the folder holds.
-        outputs : sequence of str or None
+        outputs : sequence of str, str or None
             What to write beside curves and numbers, the words of ``myospring run --outputs``; None writes report and
             figures.
 
@@ -213,38 +213,37 @@ class Beat:
 
         Raises
         ------
+        UnknownNameError
+            A word that names no output.
         OSError
             The folder holds files, or cannot be written to.
         """
-        words = None if outputs is None else list(outputs)
+        words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
         return Path(self._native.save(os.fspath(folder), force, words))
 
-    def animate(self) -> Any:
+    def animate(self) -> Page:
         """The beating cell with its curves as a page that needs nothing else, for a notebook.
 
         Returns
         -------
-        IPython.display.HTML or str
-            What a notebook shows; without IPython the text of the page.
+        Page
+            What a notebook shows; ``str`` of it is the text of the page.
         """
         with tempfile.TemporaryDirectory() as folder:
             page = (self.save(Path(folder) / "beat", outputs=["report"]) / "report.html").read_text(encoding="utf-8")
-        framed = (
-            f'<iframe srcdoc="{html.escape(page)}" width="100%" height="720" style="border:0" '
-            f'title="{html.escape(self.cell.name)}"></iframe>'
-        )
-        try:
-            from IPython.display import HTML
-        except ImportError:
-            return page
-        return HTML(framed)
+        return Page(page, self.cell.name)
+
+    def _facts(self) -> str:
+        """Cell model, the tension that it reached, and how long it ran."""
+        model, duration = self._native.facts
+        tension = self.metrics.get("peak_tension", np.nan)
+        return f"{model}, up to {tension:.3g} kPa, {duration:g} ms"
 
     def __repr__(self) -> str:
-        model, tension, duration = self._native.facts
         shortening = self.metrics.get("peak_shortening", np.nan)
         end = "" if self.stopped is None else f", stopped: {self.stopped[0]}"
         return (
-            f"<myospring.Beat of {self.cell.name}: {model}, {tension:g} kPa, {duration:g} ms, "
+            f"<myospring.Beat of {self.cell.name}: {self._facts()}, "
             f"shortens by {shortening:.2f} %{end}>"
         )
 
@@ -252,8 +251,7 @@ class Beat:
         return self._native.overview_svg()
 
     def _repr_html_(self) -> str:
-        model, tension, duration = self._native.facts
-        title = f"{self.cell.name}, {model}, {tension:g} kPa, {duration:g} ms"
+        title = f"{self.cell.name}, {self._facts()}"
         rows = "".join(
             f"<tr><td>{name.replace('_', ' ')}</td><td>{self.metrics[name]:.4g} {self.units[name]}</td></tr>"
             for name in _SHOWN
@@ -264,6 +262,34 @@ class Beat:
 
     def __reduce__(self) -> tuple[Any, tuple[Cell, bytes]]:
         return _restored, (self.cell, self._native.state())
+
+
+class Page:
+    """A page that needs nothing else; a notebook shows it.
+
+    Attributes
+    ----------
+    text : str
+        The page, HTML.
+    """
+
+    def __init__(self, text: str, title: str) -> None:
+        self.text = text
+        self._title = title
+
+    def __str__(self) -> str:
+        return self.text
+
+    def _repr_html_(self) -> str:
+        # As high as what it holds at this width, so that nothing is cut.
+        fit = (
+            "const f=this;let w=0;new ResizeObserver(()=>{if(f.clientWidth!==w){w=f.clientWidth;f.style.height='900px';"
+            "f.style.height=f.contentDocument.body.scrollHeight+'px'}}).observe(f)"
+        )
+        return (
+            f'<iframe srcdoc="{html.escape(self.text)}" onload="{html.escape(fit)}" '
+            f'style="border:0;width:100%;height:900px" title="{html.escape(self._title)}"></iframe>'
+        )
 
 
 def _restored(cell: Cell, state: bytes) -> Beat:

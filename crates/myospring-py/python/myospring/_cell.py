@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
+from myospring._errors import warn
 from myospring._given import changed, path_or_bytes
 from myospring._svg import cell_svg
 
@@ -70,6 +71,13 @@ class Cell:
 
     def __init__(self, native: _native.Cell) -> None:
         self._native = native
+
+    @classmethod
+    def _made(cls, given: dict[str, Any], arrays: dict[str, bytes]) -> Cell:
+        """The cell of these settings, by key; its warnings are Python's, too."""
+        cell = cls(_native.Cell(given, arrays))
+        warn(cell.warnings)
+        return cell
 
     @classmethod
     def from_image(
@@ -180,7 +188,7 @@ class Cell:
             ("segmentation.outline", outline, None),
         )
         # </given>
-        return cls(_native.Cell({"shape.picture": path, **given}, arrays))
+        return cls._made({"shape.picture": path, **given}, arrays)
 
     @classmethod
     def from_mask(
@@ -274,7 +282,7 @@ class Cell:
         )
         # </given>
         given["segmentation.modality"] = "mask"
-        return cls(_native.Cell({"shape.picture": path, **given}, arrays))
+        return cls._made({"shape.picture": path, **given}, arrays)
 
     @classmethod
     def from_outline(
@@ -346,7 +354,7 @@ class Cell:
             ("shape.spacing", spacing_um, None),
         )
         # </given>
-        return cls(_native.Cell({"shape.outline": path, **given}, arrays))
+        return cls._made({"shape.outline": path, **given}, arrays)
 
     @classmethod
     def builtin(
@@ -394,7 +402,7 @@ class Cell:
         # </given>
         if name is not None:
             given["shape.built_in"] = name
-        return cls(_native.Cell(given, {}))
+        return cls._made(given, {})
 
     @property
     def name(self) -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import sys
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Iterable
 
 if TYPE_CHECKING:
     from myospring._beat import Beat
@@ -16,6 +19,26 @@ class UnknownNameError(KeyError):
 
     def __str__(self) -> str:
         return str(self.args[0]) if self.args else ""
+
+
+class MyospringWarning(RuntimeWarning):
+    """What a person should look at in a cell, a beat, a batch or a fit before they use its numbers.
+
+    ``warnings.filterwarnings("ignore", category=myospring.MyospringWarning)`` hides them; the objects keep them in
+    ``warnings`` or ``verdicts``.
+    """
+
+
+_HERE = str(Path(__file__).parent)
+
+
+def warn(messages: Iterable[str]) -> None:
+    """Warns of each, at the line that called this package."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_HERE):
+        frame, level = frame.f_back, level + 1
+    for message in messages:
+        warnings.warn(message, MyospringWarning, stacklevel=level)
 
 
 class SimulationError(RuntimeError):

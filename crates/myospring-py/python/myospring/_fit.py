@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from myospring import _native
 from myospring._beat import Beat
 from myospring._cell import Cell
-from myospring._errors import SimulationError
+from myospring._errors import warn
 from myospring._functions import BEAT_KEYS, BeatSettings
-from myospring._given import changed
+from myospring._given import cell_of, changed, ended
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -248,11 +248,7 @@ class Fit:
         SimulationError
             A run that stopped before its end.
         """
-        beat = Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads))
-        if beat.stopped is not None:
-            message, time_ms = beat.stopped
-            raise SimulationError(message, time_ms, beat)
-        return beat
+        return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads)))
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {_amount(one)}" for name, one in self.parameters.items())
@@ -444,9 +440,11 @@ def fit(
         held_curve, more = _single(reading, other, "loaded")
         between.append((float(stiffness), held_curve))
         notes += more
-    cell = Cell.builtin() if cell is None else cell
+    cell = cell_of(cell)
     text, run_file = _native.Fitter(cell._native, given).fit(one, between, asked, threads)
-    return Fit(cell, one[0], text, run_file, notes)
+    found = Fit(cell, one[0], text, run_file, notes)
+    warn([*notes, *found.verdicts])
+    return found
 
 
 def _single(reading: Reading, curve: Curve, name: str) -> tuple[Read, list[str]]:

@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 from myospring import _native
 from myospring._cell import Cell
 from myospring._engine import Answer, Run
+from myospring._errors import warn
 from myospring._fit import Curve, Fit, Read, Reading, asked_and_given
 from myospring._functions import BeatSettings
+from myospring._given import cell_of
 from myospring._study import Bar
 
 if TYPE_CHECKING:
@@ -244,7 +246,10 @@ def fit_many(
         "fit_many", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings)
     )
     read, notes = _all(reading, curves)
-    cells = [Cell.builtin()] * len(read) if cell is None else [cell] * len(read) if isinstance(cell, Cell) else list(cell)
+    if cell is None or isinstance(cell, (Cell, str, PathLike)):
+        cells = [cell_of(cell)] * len(read)
+    else:
+        cells = [cell_of(one) for one in cell]
     if len(cells) != len(read):
         raise ValueError(f"there are {len(read)} curves and {len(cells)} cells; give one cell, or one for each curve")
     heads: dict[int, tuple[str, bytes]] = {}
@@ -274,7 +279,14 @@ def fit_many(
         none = text is None or run_file is None
         fits.append(None if none else Fit(one, curve[0], str(text), str(run_file), notes[number]))
         reasons.append(reason)
-    return Fits([curve[0] for curve in read], fits, reasons)
+    found = Fits([curve[0] for curve in read], fits, reasons)
+    failed = [f"{name}: {reason}" for name, reason in zip(found.names, reasons) if reason is not None]
+    if failed:
+        warn([f"{len(failed)} of {len(found)} cells were not fitted, the first, {failed[0]}; `reasons` has all"])
+    read_this = [f"{fit.name}: {fit.verdicts[0]}" for fit in fits if fit is not None and fit.verdicts]
+    if read_this:
+        warn([f"{len(read_this)} of {len(found)} fits have verdicts, the first, {read_this[0]}; `verdicts` has all"])
+    return found
 
 
 def _all(

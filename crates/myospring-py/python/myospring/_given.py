@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,10 +13,14 @@ from numpy.typing import ArrayLike
 from myospring import _native
 from myospring._action_potential import ActionPotential
 from myospring._beat import Beat
-from myospring._errors import SimulationError
+from myospring._errors import SimulationError, warn
 
 if TYPE_CHECKING:
     from myospring._cell import Cell
+
+
+# Endings of outlines.
+_OUTLINES = (".geojson", ".json", ".csv", ".roi", ".zip", ".txt")
 
 
 def changed(*settings: tuple[str, Any, Any]) -> dict[str, Any]:
@@ -49,12 +54,33 @@ def _pixels(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     return np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
 
 
-def run(cell: Cell | None, given: dict[str, Any], threads: int | None) -> Beat:
-    """A beat of a cell, or the error that it stopped with."""
+def cell_of(cell: Cell | None) -> Cell:
+    """The cell that was given, or the built-in one."""
     from myospring._cell import Cell
 
-    cell = Cell.builtin() if cell is None else cell
-    beat = Beat(cell, _native.simulate(cell._native, given, threads))
+    if cell is None:
+        return Cell.builtin()
+    if isinstance(cell, Cell):
+        return cell
+    if isinstance(cell, (str, PathLike)):
+        name = os.fspath(cell)
+        make = "from_outline" if Path(name).suffix.lower() in _OUTLINES else "from_image"
+        answer = f'Cell.{make}("{name}", pixel_size_um=0.27)'
+    else:
+        answer = "Cell.from_image(array, pixel_size_um=0.27)"
+    raise TypeError(f"cell is of type {type(cell).__name__}; give a Cell, such as myospring.{answer}")
+
+
+def run(cell: Cell | None, given: dict[str, Any], threads: int | None) -> Beat:
+    """A beat of a cell, or the error that it stopped with."""
+    cell = cell_of(cell)
+    return ended(Beat(cell, _native.simulate(cell._native, given, threads)))
+
+
+def ended(beat: Beat) -> Beat:
+    """A beat that came to its end, with its warnings said, or the error that it stopped with."""
+    # Those of the cell were said when it was made.
+    warn(text for text in beat.warnings if text not in beat.cell.warnings)
     if beat.stopped is not None:
         message, time_ms = beat.stopped
         raise SimulationError(message, time_ms, beat)

@@ -6,7 +6,6 @@ import html
 import json
 import os
 import sys
-import warnings
 from concurrent.futures import Executor
 from functools import cached_property
 from os import PathLike
@@ -18,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
 from myospring._engine import Run, StudyTasks
+from myospring._errors import warn
 
 ROWS = "rows.csv"
 
@@ -201,8 +201,7 @@ class StudyResult:
         OSError
             The folder cannot be written to.
         """
-        for left_out in self._native.save(os.fspath(folder)):
-            warnings.warn(left_out, RuntimeWarning, stacklevel=2)
+        warn(self._native.save(os.fspath(folder)))
         return Path(folder)
 
     def _in_words(self) -> str:
@@ -237,7 +236,7 @@ def _restored(
     metrics: NDArray[np.float64],
     reasons: list[str | None],
 ) -> StudyResult:
-    native = _native.Study(text, files, "", None, False)
+    native = _native.Study(text, files, "", None, False, True)
     native.note(numbers, metrics, reasons, np.empty((len(numbers), 0), dtype=np.float32))
     return StudyResult(native)
 
@@ -380,7 +379,7 @@ def run_study(
     if rows is not None:
         files[ROWS] = _csv(rows, names)
         text = _native.with_rows(text, ROWS)
-    native = _native.Study(text, files, folder, None if output is None else os.fspath(output), force)
+    native = _native.Study(text, files, folder, None if output is None else os.fspath(output), force, not isinstance(study, Mapping))
     try:
         if output is not None:
             (Path(output) / "study.toml").write_text(text, encoding="utf-8")

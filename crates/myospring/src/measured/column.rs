@@ -25,41 +25,23 @@ pub(super) struct Title {
     pub(super) unit: String,
 }
 
-/// Other ways to write units.
-const WRITTEN: [(&str, &str); 34] = [
-    ("msec", "ms"),
-    ("msecs", "ms"),
-    ("millisecond", "ms"),
-    ("milliseconds", "ms"),
-    ("sec", "s"),
-    ("secs", "s"),
-    ("second", "s"),
-    ("seconds", "s"),
-    ("minutes", "min"),
-    ("micron", "um"),
-    ("microns", "um"),
-    ("micrometer", "um"),
-    ("micrometers", "um"),
-    ("micrometre", "um"),
-    ("micrometres", "um"),
+/// Other ways to write units that [`units::symbol`] does not know.
+const WRITTEN: [(&str, &str); 16] = [
     ("pixel", "px"),
     ("pixels", "px"),
     ("pix", "px"),
-    ("percent", "%"),
     ("pct", "%"),
-    ("per cent", "%"),
     ("au", "a.u."),
     ("a.u", "a.u."),
     ("arb. units", "a.u."),
     ("arb. unit", "a.u."),
-    ("arb.u.", "a.u."),
+    ("arb.u", "a.u."),
     ("arbitrary units", "a.u."),
     ("arbitrary unit", "a.u."),
     ("rfu", "a.u."),
     ("counts", "a.u."),
-    ("mn/mm2", "mN/mm^2"),
-    ("mn/mm²", "mN/mm^2"),
-    ("nn/um2", "nN/um^2"),
+    ("mn/mm^2", "mN/mm^2"),
+    ("nn/um^2", "nN/um^2"),
     ("1", ""),
 ];
 
@@ -75,7 +57,7 @@ const DIMENSIONS: [Dimension; 6] = [
 
 /// A unit as `units` writes it, `px`, `%` or `a.u.`; `None` for what is none.
 pub(super) fn unit(text: &str) -> Option<String> {
-    let text = text.trim().trim_end_matches('.').replace(['μ', 'µ'], "u");
+    let text = units::symbol(text);
     let whole = text.to_lowercase();
     if let Some((_, unit)) = WRITTEN.iter().find(|(written, _)| *written == whole) {
         return Some((*unit).to_owned());

@@ -4,7 +4,10 @@
 ///
 /// UTF-8 with or without a byte order mark, UTF-16 as spreadsheets and Windows programs write it, and else
 /// Windows-1252, whose upper half is what `µ` and `°` are written in.
-pub(super) fn text(bytes: &[u8]) -> Result<String, &'static str> {
+///
+/// # Errors
+/// Bytes that are no text: what they are, as far as that is known.
+pub fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
     const KNOWN: [(&[u8], &str); 4] = [
         (b"PK\x03\x04", "a workbook of a spreadsheet (.xlsx) or an archive; save the sheet as CSV"),
         (b"\xd0\xcf\x11\xe0", "a workbook of an old spreadsheet (.xls); save the sheet as CSV"),
@@ -40,7 +43,7 @@ pub(super) fn text(bytes: &[u8]) -> Result<String, &'static str> {
 
 #[cfg(test)]
 mod tests {
-    use super::text;
+    use super::decoded;
 
     #[test]
     fn every_encoding_of_a_table_gives_the_same_text() {
@@ -59,13 +62,13 @@ mod tests {
             table.replace('\n', "\r\n").into_bytes(),
             table.replace('\n', "\r").into_bytes(),
         ] {
-            assert_eq!(text(&bytes).unwrap(), table);
+            assert_eq!(decoded(&bytes).unwrap(), table);
         }
     }
 
     #[test]
     fn what_is_no_text_says_what_it_is() {
-        assert!(text(b"PK\x03\x04....").unwrap_err().contains(".xlsx"));
-        assert!(text(b"IXT\x00\x01\x02\x03").unwrap_err().contains("no text"));
+        assert!(decoded(b"PK\x03\x04....").unwrap_err().contains(".xlsx"));
+        assert!(decoded(b"IXT\x00\x01\x02\x03").unwrap_err().contains("no text"));
     }
 }

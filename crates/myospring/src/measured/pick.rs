@@ -25,7 +25,7 @@ pub(super) struct Picked<'a> {
 
 impl<'a> Picked<'a> {
     pub(super) fn of(path: &'a str, bytes: &[u8], options: &'a Options) -> Result<Self, ReadError> {
-        let text = decode::text(bytes)
+        let text = decode::decoded(bytes)
             .map_err(|what| ReadError::NotText { path: path.to_owned(), what })?;
         let sheet = Sheet::of(&text, options.delimiter, options.decimal);
         let sheet = sheet.ok_or_else(|| ReadError::Table {

@@ -1,6 +1,9 @@
 //! The JSON Schema of run files, made from the table of settings.
 
+use crate::cell;
+use crate::mesh::built_in;
 use crate::settings::{Kind, Setting, tables};
+use crate::units::Dimension;
 use serde_json::{Map, Value, json};
 
 /// JSON Schema of run files, Draft 2020-12, with each quantity's unit (`x-unit`) and bounds
@@ -32,12 +35,49 @@ pub fn schema() -> Value {
     }
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": schema_id("run-file"),
         "title": "Myospring run file",
         "description": "A run file as it is written: every key may be absent.",
         "type": "object",
         "additionalProperties": false,
         "properties": properties,
     })
+}
+
+/// What a schema is called, wherever it lies: by its kind and version.
+pub fn schema_id(kind: &str) -> String {
+    format!("urn:myospring:{kind}:{}", env!("CARGO_PKG_VERSION"))
+}
+
+/// A number with a unit as text: a symbol of the dimension, `µ` as people write it, or a word such as `microns`.
+fn pattern(dimension: Dimension) -> String {
+    let number = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*";
+    if dimension == Dimension::Number {
+        return format!("{number}%?\\s*$");
+    }
+    let symbol = |unit: &str| {
+        let unit = unit.replace("^2", r"(\^?2|²)").replace("^3", r"(\^?3|³)");
+        unit.split('/').map(micro).collect::<Vec<_>>().join(r"\s*/\s*")
+    };
+    let symbols: Vec<String> = dimension.symbols().map(symbol).collect();
+    format!("{number}({}|[A-Za-z]{{4,}}[A-Za-z /]*)\\s*$", symbols.join("|"))
+}
+
+/// `um` with each of the letters that the prefix has.
+fn micro(unit: &str) -> String {
+    match unit.strip_prefix('u').filter(|rest| !rest.is_empty()) {
+        Some(rest) => format!("[u\u{b5}\u{3bc}]{rest}"),
+        None => unit.to_owned(),
+    }
+}
+
+/// The names that a key knows, where these stand in a list elsewhere.
+fn names(setting: &Setting) -> Option<Vec<String>> {
+    match setting.key {
+        "cell.model" => Some(cell::models().iter().map(|it| it.name().to_owned()).collect()),
+        "shape.built_in" => Some(built_in::CELLS.iter().map(|it| it.name.to_owned()).collect()),
+        _ => None,
+    }
 }
 
 fn of_setting(setting: &Setting) -> Value {
@@ -65,8 +105,14 @@ fn of_setting(setting: &Setting) -> Value {
             if let Some(bounds) = setting.bounds_in_words() {
                 insert("x-bounds", bounds.into());
             }
+            if let Kind::Quantity { bounds, .. } = setting.kind {
+                insert("pattern", pattern(bounds.dimension).into());
+            }
         }
         Kind::Text { .. } | Kind::File { .. } | Kind::Flag { .. } => {}
+    }
+    if let Some(names) = names(setting) {
+        insert("enum", names.into());
     }
     if let Some(example) = setting.example() {
         insert("examples", json!([example]));

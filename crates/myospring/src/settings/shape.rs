@@ -1,5 +1,6 @@
 //! From the shape that a run file names to a mesh.
 
+use crate::measured::decoded;
 use crate::mesh::Mesh;
 use crate::mesh::built_in::BuiltIn;
 use crate::mesh::lattice::{self, LatticeError};
@@ -168,7 +169,7 @@ pub enum ShapeError {
         held: String,
     },
     /// The file is not text.
-    #[error("`{path}` is not UTF-8 text; an outline is GeoJSON or a list of points")]
+    #[error("`{path}` is no text; an outline is GeoJSON or a list of points")]
     NotText {
         /// The file.
         path: String,
@@ -311,11 +312,14 @@ impl Shape {
             };
             chosen(&path, bytes, pixel_size, choice)?
         } else {
-            let Ok(text) = std::str::from_utf8(bytes) else {
+            let Ok(text) = decoded(bytes) else {
                 return Err(ShapeError::NotText { path });
             };
-            let outline =
-                if ending == "csv" { Outline::from_csv(text) } else { Outline::from_geojson(text) };
+            let outline = if ending == "csv" {
+                Outline::from_csv(&text)
+            } else {
+                Outline::from_geojson(&text)
+            };
             (outline.map_err(|cause| ShapeError::Outline { path, cause })?, Vec::new())
         };
         Ok((if self.rotate == 0.0 { outline } else { outline.rotated(self.rotate) }, notes))

@@ -7,8 +7,8 @@ pub const SMALLEST_AREA_UM2: f64 = 1.0;
 pub const LARGEST_EXTENT_UM: f64 = 10_000.0;
 
 /// What a list of points may be that is no outline.
-pub(super) const CURVE: &str = ": this seems to be a curve in time, such as a contraction, which Myospring does not \
-                                read yet, and no outline of a cell";
+pub(super) const CURVE: &str = ": this seems to be a curve in time, such as a contraction, and no outline of a \
+                                cell; `myospring analyse` reads curves";
 
 /// Why a text or a list of points is not the outline of a cell.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

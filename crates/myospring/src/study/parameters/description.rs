@@ -5,6 +5,7 @@ use super::error::ParameterStudyError;
 use super::tor_ord::{self, tor_ord};
 use super::values::Values;
 use crate::cell::minimal::MinimalModel;
+use crate::measured::decoded;
 use crate::run_file::{RunFile, RunFileError};
 use crate::settings::{Named, Number, Run, Value};
 use serde::{Deserialize, Serialize};
@@ -108,7 +109,8 @@ struct Written {
     run: Option<toml::Value>,
     #[serde(default)]
     parameters: toml::Table,
-    sampling: toml::Table,
+    #[serde(default)]
+    sampling: Option<toml::Table>,
     #[serde(default)]
     keep: BTreeMap<String, Kept>,
     #[serde(default)]
@@ -179,26 +181,14 @@ impl ParameterStudy {
         let read_text = |what, path: &str| {
             let failed = |cause| ParameterStudyError::Read { what, path: path.to_owned(), cause };
             let bytes = read(path).map_err(failed)?;
-            String::from_utf8(bytes).map_err(|_| failed(io::ErrorKind::InvalidData.into()))
+            decoded(&bytes).map_err(|_| failed(io::ErrorKind::InvalidData.into()))
         };
-        let mut run = match &written.run {
+        let run = match &written.run {
             None => RunFile::default(),
             Some(toml::Value::String(path)) => RunFile::from_text(&read_text("run", path)?)?,
             Some(tables) => RunFile::from_text(&toml::to_string(tables).unwrap_or_default())?,
         };
-        // Along the path of equilibria and with adaptive steps, unless asked otherwise.
-        for (key, usual) in
-            [("numerics.integrator", "quasi-static"), ("cell.integrator", "adaptive")]
-        {
-            if !run.has(key) {
-                let mut with = run.clone();
-                with.set(key, usual)?;
-                // Adaptive steps know some models only.
-                if with.resolve().is_ok_and(|run| key != "cell.integrator" || is_minimal(&run)) {
-                    run = with;
-                }
-            }
-        }
+        let mut run = Self::with_usual_methods(run)?;
         if written.kind == Kind::Cell && !run.has("cell.tolerance") {
             let mut with = run.clone();
             with.set("cell.tolerance", STIFF_TOLERANCE)?;
@@ -207,7 +197,7 @@ impl ParameterStudy {
             }
         }
         let base = run.resolve()?;
-        let mut sampling = written.sampling;
+        let mut sampling = written.sampling.ok_or(ParameterStudyError::NoSampling)?;
         let (varied, design, values) = if sampling.get("sampler") == Some(&"table".into()) {
             let file = sampling.get("file").and_then(toml::Value::as_str).unwrap_or_default();
             let (varied, values) =
@@ -264,6 +254,27 @@ impl ParameterStudy {
             traces,
             values,
         })
+    }
+
+    /// A run as many members beat it: along the path of equilibria and with adaptive steps of the cell model, unless it
+    /// names other methods or does not allow these.
+    ///
+    /// # Errors
+    /// None of a run file that can be read.
+    pub fn with_usual_methods(mut run: RunFile) -> Result<RunFile, RunFileError> {
+        for (key, usual) in
+            [("numerics.integrator", "quasi-static"), ("cell.integrator", "adaptive")]
+        {
+            if !run.has(key) {
+                let mut with = run.clone();
+                with.set(key, usual)?;
+                // Adaptive steps know some models only.
+                if with.resolve().is_ok_and(|run| key != "cell.integrator" || is_minimal(&run)) {
+                    run = with;
+                }
+            }
+        }
+        Ok(run)
     }
 
     /// A study of rows that somebody else has made: beats of a run in which each of these numbers has the value of

@@ -71,6 +71,12 @@ pub enum ParameterStudyError {
         /// The parameter.
         name: String,
     },
+    /// Nothing says how many members there are, and where they lie.
+    #[error(
+        "[sampling] is missing; it says how many members there are and where they lie, like sampler = \
+         \"latin-hypercube\" with size = 100"
+    )]
+    NoSampling,
     /// No sample.
     #[error("[sampling]: {0}")]
     Sampling(#[from] SamplingError),

@@ -1,6 +1,7 @@
 //! A table of pictures: the settings that each of them has of its own, and its group.
 
 use super::Picture;
+use crate::measured::decoded;
 use crate::settings::{Kind, Setting, Value, nearest, table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,9 +19,7 @@ const FEW: usize = 10;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// It is no table of text.
-    #[error(
-        "`{table}`: {cause}; save it as CSV in UTF-8, with the names of the columns in the first line"
-    )]
+    #[error("`{table}`: {cause}; save it as CSV, with the names of the columns in the first line")]
     Unreadable {
         /// The table.
         table: String,
@@ -211,12 +210,7 @@ fn settings() -> impl Iterator<Item = &'static Setting> {
 pub fn read_table(bytes: &[u8], name: &str, folder: &Path) -> Result<Vec<Picture>, TableError> {
     let table = name.to_owned();
     let unreadable = |cause: String| TableError::Unreadable { table: table.clone(), cause };
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let before = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
-        let line = before.matches('\n').count() + 1;
-        unreadable(format!("line {line} is not UTF-8"))
-    })?;
-    let text = text.trim_start_matches('\u{feff}');
+    let text = &*decoded(bytes).map_err(|what| unreadable(format!("this is {what}")))?;
     let separator = separator(text);
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(separator)
