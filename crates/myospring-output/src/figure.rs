@@ -15,7 +15,8 @@
 //! | [`responses`], [`response_map`] | a metric over one parameter, or over two | |
 //! | [`trace_bands`] | curves of many members: where half of them lie, and nine of ten | |
 //! | [`Tracked`] | a film with the lattice that was followed through it, and its curves | |
-//! | [`maps()`] | a cell coloured by several quantities beside each other: a map and how sure it is | |
+//! | [`maps()`] | a cell coloured by several quantities beside each other: a map, hatched where it is doubtful, and how sure it is | |
+//! | [`no_map()`] | the outline of a cell whose map is not known, and why | |
 //! | [`measured()`] | a measured curve with its beats, and where the metrics of one were read | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
@@ -64,7 +65,7 @@ pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{FRAMES_PER_SECOND, Film, Still};
 pub use fit::{FittedCurve, LikelihoodProfile, fit};
 pub use lattice::mesh;
-pub use maps::{Map, maps};
+pub use maps::{Map, maps, no_map};
 pub use measured::{Measured, measured};
 pub use members::{
     Distribution, Numbers, QUANTILES, Response, ResponseMap, Scatter, TraceBand, distributions,

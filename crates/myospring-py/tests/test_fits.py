@@ -54,6 +54,7 @@ def test_python_and_the_program_find_the_same_numbers(small, table, run, tmp_pat
         assert (row["value"], row["interval"], row["unit"]) == (one.value, list(one.interval), one.unit)
         assert row["profile"] == [list(point) for point in one.profile]
     assert record["verdicts"] == found.verdicts
+    assert record["verdict"] == found.verdict == "fits"
     # Its run is the program's, and gives the fitted height again.
     written = (tmp_path / "out" / "run.toml").read_text()
     assert written.split("\n", 1)[1].strip() == found.run_file.strip()
@@ -73,8 +74,18 @@ def test_a_fit_is_numbers_a_table_and_a_figure_and_can_be_pickled(small, curves)
     table = pytest.importorskip("pandas") and found.to_dataframe()
     assert table.loc["c_0", "verdict"] == "determined" and list(table.index) == list(found.parameters)
     pytest.importorskip("matplotlib").use("agg")
-    assert [one.get_ylabel() for one in found.plot()] == ["curve (um)", "Left (um)"]
+    assert [one.get_ylabel() for one in found.plot()] == ["curve (um)", "Residual (um)"]
     assert "c_0" in repr(found) and "<table>" in found._repr_html_()
+
+
+def test_a_model_that_does_not_fit_says_so_before_its_numbers(small):
+    times = np.arange(160) * 4.0
+    wave = np.where((times > 120) & (times < 360), 90.0, 100.0) + np.random.default_rng(2).normal(0, 0.01, 160)
+    found = myospring.fit((times, wave), small, stimulus_times_ms=[100.0], starts=2)
+    assert found.verdict == "does-not-fit" and found.curves[0].unexplained > 0.02
+    assert all(one.interval == (None, None) and one.verdict != "determined" for one in found.parameters.values())
+    assert "does-not-fit" in repr(found) and "..." not in repr(found)
+    assert any("no intervals" in verdict for verdict in found.verdicts)
 
 
 def test_what_is_held_is_not_sought(small, curves):

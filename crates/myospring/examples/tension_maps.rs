@@ -115,6 +115,7 @@ fn draw(path: &std::path::Path) {
         values: fields.from_triangles(values),
         quantity: quantity.to_owned(),
         limits,
+        doubts: None,
     };
     let tension = Some([0.0, 45.0]);
     let maps = [

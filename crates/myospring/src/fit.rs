@@ -11,6 +11,9 @@
 //! Student's quantile). Profiles go out and come back, also from where other starts ended, and take the lower way; one
 //! that goes below the answer makes it the answer.
 //!
+//! Intervals are of a model that follows its curve. Where the residuals have structure, fewer frames count as independent
+//! of each other, which widens them; where the structure is large ([`FitVerdict::DoesNotFit`]) there are none.
+//!
 //! # Example
 //! ```
 //! use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli};
@@ -39,6 +42,7 @@ mod given;
 mod least_squares;
 mod likelihood;
 mod membrane;
+mod misfit;
 mod myofilaments;
 mod observed;
 mod physics;
@@ -52,7 +56,7 @@ mod unknown;
 mod words;
 mod work;
 
-pub use answer::{Estimate, Fit, FittedCurve, Verdict};
+pub use answer::{Estimate, Fit, FitVerdict, FittedCurve, Verdict};
 pub use error::FitError;
 pub use fitter::{Fitter, Loaded};
 pub use observed::{Observed, Scale, Stimuli};

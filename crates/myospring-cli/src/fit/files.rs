@@ -6,7 +6,7 @@ use super::words;
 use crate::failure::Failure;
 use crate::results::Folder;
 use crate::run::resolved;
-use myospring::fit::{Estimate, Fit, Fitter};
+use myospring::fit::{Estimate, Fit, FitVerdict, Fitter};
 use myospring::integrate::Method;
 use myospring::output::figure::{self, FittedCurve, LikelihoodProfile, Theme};
 use myospring::output::json;
@@ -183,8 +183,12 @@ fn rows(cells: &[Cell]) -> Result<Vec<u8>, Failure> {
         name: "reduced_chi_squared".to_owned(),
         values: fits(&|fit| fit.reduced_chi_squared),
     });
-    columns.push(text("follows", &|cell| match &cell.found {
-        Ok(fit) => fit.follows().to_string(),
+    columns.push(Column::Number {
+        name: "unexplained".to_owned(),
+        values: fits(&|fit| fit.curves.iter().map(|curve| curve.unexplained).fold(0.0, f64::max)),
+    });
+    columns.push(text("verdict", &|cell| match &cell.found {
+        Ok(fit) => fit.verdict.word().to_owned(),
         Err(_) => String::new(),
     }));
     columns
@@ -217,12 +221,17 @@ fn drawn(fit: &Fit) -> Vec<FittedCurve> {
             fitted: curve.fitted.clone(),
             used: curve.used.clone(),
             noise: curve.noise,
+            warning: (curve.verdict() == FitVerdict::DoesNotFit).then(|| {
+                let off = 100.0 * curve.misfit / curve.height();
+                format!("The model does not fit: it is off by {off:.0} % of the height of a beat")
+            }),
             stimuli_ms: curve.stimuli_ms.clone(),
         }
     };
     fit.curves.iter().map(one).collect()
 }
 
+/// None of a model that does not fit.
 fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
     let one = |estimate: &Estimate| {
         let (name, unit) = (estimate.name.replace('_', " "), micro(&estimate.unit));
@@ -236,7 +245,8 @@ fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
             at_ends: fit.rise_at_ends,
         }
     };
-    fit.estimates.iter().map(one).collect()
+    let sure = fit.estimates.iter().filter(|estimate| !estimate.profile.is_empty());
+    sure.map(one).collect()
 }
 
 /// A page with all of it, in one file.
@@ -276,6 +286,8 @@ fn page(cell: &Cell, fit: &Fit, context: &Context<'_>, svg: &str) -> String {
         .replace("{{shape}}", &escape(context.name))
         .replace("{{model}}", &escape(context.fitter.simulation().cell.name()))
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
+        .replace("{{verdict}}", fit.verdict.word())
+        .replace("{{headline}}", &escape(&words::headline(fit)))
         .replace("{{verdicts}}", &list(&fit.verdicts))
         .replace("{{rows}}", &rows)
         .replace("{{left}}", &list(&left))

@@ -27,8 +27,12 @@ pub(super) struct Record<'a> {
     frames: &'a [usize],
     mean_tension_kpa: f64,
     mean_tension_standard_deviation_kpa: f64,
-    /// That of 5 and of 95 % of the triangles.
-    tension_range_kpa: [f64; 2],
+    /// Whether it is known of most of the cell where it pulls, and in which part of it the standard deviation is above
+    /// half of the tension.
+    known: bool,
+    doubtful_part: f64,
+    /// That of 5 and of 95 % of the triangles; `None` where the map is not known.
+    tension_range_kpa: Option<[f64; 2]>,
     even_tension_kpa: f64,
     /// Whether the film tells that the cell pulls unevenly, and how often an even one would look so.
     uneven: bool,
@@ -60,7 +64,11 @@ impl<'a> Mapped<'a> {
             frames: &map.frames,
             mean_tension_kpa: map.mean_kpa,
             mean_tension_standard_deviation_kpa: map.mean_deviation_kpa,
-            tension_range_kpa: [map.quantile_kpa(0.05), map.quantile_kpa(0.95)],
+            known: map.is_known(),
+            doubtful_part: map.doubtful_part(),
+            tension_range_kpa: map
+                .is_known()
+                .then(|| [map.quantile_kpa(0.05), map.quantile_kpa(0.95)]),
             even_tension_kpa: map.even_kpa,
             uneven: map.is_uneven(),
             chance_even: map.chance_even,
@@ -76,6 +84,13 @@ impl<'a> Mapped<'a> {
     /// In a line.
     pub(super) fn words(&self) -> String {
         let map = &self.map;
+        if !map.is_known() {
+            return format!(
+                "tension at the peak ({}): where the cell pulls is not known; the even tension that comes nearest is {:.2} kPa",
+                frames(&map.frames),
+                map.even_kpa
+            );
+        }
         format!(
             "tension at the peak ({}): {:.2} kPa on average, {:.2} to {:.2} kPa in nine tenths of the cell; it leaves \
              {:.3} um of the motion, an even tension {:.3} um",
@@ -92,28 +107,33 @@ impl<'a> Mapped<'a> {
         let Followed { motion, shaped, fibres, .. } = self.followed;
         let map = &self.map;
         let fields = Fields::new(&motion.mesh, &fibres.directions, None)?;
+        let cell = figure::Cell::new(fields.clone(), Some(&shaped.outline))?;
+        if !map.is_known() {
+            return figure::no_map(&cell, &map.positions_um, &map.why_not_known());
+        }
         let one = |name: String, values: &[f64], quantity: &str| Map {
             name,
             positions: &map.positions_um,
             values: fields.from_triangles(values),
             quantity: quantity.to_owned(),
             limits: None,
+            doubts: None,
         };
+        let tension =
+            one("Where the cell pulls".to_owned(), &map.tensions_kpa, "Active tension (kPa)");
         let maps = [
-            one(
-                "Where the cell pulls at its peak".to_owned(),
-                &map.tensions_kpa,
-                "Active tension (kPa)",
-            ),
+            Map { doubts: Some(fields.from_triangles(&map.doubts())), ..tension },
             one("How sure that is".to_owned(), &map.deviations_kpa, "Standard deviation (kPa)"),
         ];
-        let cell = figure::Cell::new(fields.clone(), Some(&shaped.outline))?;
         figure::maps(&cell, &maps, Some(map.resolution_um()))
     }
 
     pub(super) fn write(&self, folder: &Folder) -> Result<(), Failure> {
         folder.write("tension_map.csv", self.table()?)?;
-        folder.write("tension_map.vtu", self.grid()?)?;
+        // Nobody colours a cell by what is not known.
+        if self.map.is_known() {
+            folder.write("tension_map.vtu", self.grid()?)?;
+        }
         let draw = || self.figure();
         folder.figures(Theme::Light, &[("tension_map", &draw)])
     }
@@ -135,6 +155,7 @@ impl<'a> Mapped<'a> {
             column("relative_tension", &mut map.relative().into_iter()),
             column("relative_standard_deviation", &mut map.relative_deviations.iter().copied()),
             column("resolution_um", &mut map.resolutions_um.iter().copied()),
+            column("standard_deviation_over_tension", &mut map.doubts().into_iter()),
         ];
         csv(&Table { columns })
     }

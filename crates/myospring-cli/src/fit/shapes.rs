@@ -152,6 +152,7 @@ impl<'a> Shapes<'a> {
                 values: self.distances.clone(),
                 quantity: "Distance (\u{b5}m)".to_owned(),
                 limits: None,
+                doubts: None,
             },
         ];
         let cell = figure::Cell::new(fields, Some(&shaped.outline))?;
@@ -171,5 +172,6 @@ fn strain<'f>(name: &str, frame: &'f Frame, values: &[f64], limits: [f64; 2]) ->
         values: values.to_vec(),
         quantity: "Strain along the fibre (%)".to_owned(),
         limits: Some(limits),
+        doubts: None,
     }
 }

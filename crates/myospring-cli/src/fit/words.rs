@@ -2,7 +2,7 @@
 
 use super::Cell;
 use crate::table::aligned;
-use myospring::fit::{Estimate, Fit, FittedCurve};
+use myospring::fit::{Estimate, Fit, FitVerdict, FittedCurve};
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ pub(super) fn table(fit: &Fit) -> Vec<[String; 4]> {
         [
             estimate.name.clone(),
             with_unit(precise(estimate.value, estimate), &estimate.unit),
-            interval(estimate),
+            interval(estimate, fit.verdict),
             estimate.verdict.words().to_owned(),
         ]
     };
@@ -30,17 +30,22 @@ pub(super) fn table(fit: &Fit) -> Vec<[String; 4]> {
 fn one(fit: &Fit) -> String {
     let mut rows = vec![["", "value", "95 % interval", ""].map(str::to_owned).to_vec()];
     rows.extend(table(fit).into_iter().map(|row| row.to_vec()));
-    let mut text = aligned(&rows, &[]);
+    let mut text = format!("{}\n\n{}", headline(fit), aligned(&rows, &[]));
     for curve in &fit.curves {
         let _ = write!(text, "\n{}", left(curve));
     }
     text
 }
 
+/// Whether the cell follows its curves, before any number.
+pub(super) fn headline(fit: &Fit) -> String {
+    format!("The model {}.", fit.verdict.words())
+}
+
 /// How much of a curve is left.
 pub(super) fn left(curve: &FittedCurve) -> String {
     format!(
-        "{}: {} left of {} frames (root mean square), noise at rest {}",
+        "{}: residual {} (root mean square of {} frames), noise at rest {}",
         curve.name,
         with_unit(three_digits(curve.residual), &curve.unit),
         curve.used.iter().filter(|used| **used).count(),
@@ -63,16 +68,19 @@ fn several(cells: &[Cell]) -> String {
             }
         }
     }
-    let mut head = vec!["cell".to_owned()];
+    let mut head = vec!["cell".to_owned(), "verdict".to_owned()];
     head.extend(names.iter().map(|name| (*name).to_owned()));
     let mut rows = vec![head];
     for cell in cells {
         let mut row = vec![cell.name.clone()];
         match &cell.found {
-            Ok(fit) => row.extend(names.iter().map(|name| {
-                fit.estimate(name)
-                    .map_or_else(String::new, |estimate| precise(estimate.value, estimate))
-            })),
+            Ok(fit) => {
+                row.push(fit.verdict.word().replace('-', " "));
+                row.extend(names.iter().map(|name| {
+                    fit.estimate(name)
+                        .map_or_else(String::new, |estimate| precise(estimate.value, estimate))
+                }));
+            }
             Err(why) => row.push(format!("not fitted: {why}")),
         }
         rows.push(row);
@@ -80,7 +88,10 @@ fn several(cells: &[Cell]) -> String {
     aligned(&rows, &[])
 }
 
-fn interval(estimate: &Estimate) -> String {
+fn interval(estimate: &Estimate, of: FitVerdict) -> String {
+    if of == FitVerdict::DoesNotFit {
+        return "none".to_owned();
+    }
     let end = |end: f64| precise(end, estimate);
     match estimate.interval {
         [Some(low), Some(high)] => format!("{} to {}", end(low), end(high)),

@@ -60,6 +60,8 @@ fn a_curve_gives_numbers_with_intervals_a_figure_and_a_run_that_repeats_it() {
     let ratio = record["estimates"][0]["value"].as_f64().unwrap();
     assert!((ratio / (40.0 / 308.0) - 1.0).abs() < 0.01, "{ratio}");
     assert_eq!(record["estimates"][0]["verdict"], "determined");
+    assert_eq!(record["verdict"], "fits");
+    assert!(text.starts_with("The model fits.\n"), "{text}");
 
     let shortening = |arguments: &[&str]| {
         let common = ["--json", "--quiet", "--outputs", "none", "--output", "again", "--force"];
@@ -72,6 +74,44 @@ fn a_curve_gives_numbers_with_intervals_a_figure_and_a_run_that_repeats_it() {
     let off =
         shortening(&["results/cell_fit/run.toml"]) - shortening(&[&truth[..], &SPACING].concat());
     assert!(off.abs() < 0.1, "{off} percentage points");
+}
+
+#[test]
+fn a_model_that_does_not_fit_is_said_before_any_number_and_in_every_file() {
+    let folder = tempfile::tempdir().unwrap();
+    // A square wave is no beat of a cell.
+    let rows: String =
+        (0..160).fold("t_ms,a length (um),b length (um)".to_owned(), |text, frame| {
+            let length = if (30..90).contains(&frame) { 90.0 } else { 100.0 };
+            let value = length + 0.02 * scattered(frame);
+            text + &format!(
+                "\n{},{value:.4},{:.4}",
+                4 * frame,
+                value + 0.02 * scattered(frame + 999)
+            )
+        });
+    fs::write(folder.path().join("wave.csv"), rows).unwrap();
+    let one = ["fit", "--to", "wave.csv", "--columns", "a length (um)", "--starts", "2"];
+    let output = myospring(folder.path(), &[&one[..], &SPACING].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.starts_with("The model does not fit.\n"), "{text}");
+    assert!(text.contains("none") && !text.contains("determined"), "{text}");
+    assert!(stderr(&output).contains("do not take these numbers"), "{}", stderr(&output));
+    let results = folder.path().join("results/wave_fit");
+    let read = |name: &str| fs::read_to_string(results.join(name)).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&read("fit.json")).unwrap();
+    assert_eq!(record["verdict"], "does-not-fit");
+    for estimate in record["estimates"].as_array().unwrap() {
+        assert!(estimate["interval"].as_array().unwrap().iter().all(serde_json::Value::is_null));
+    }
+    assert!(read("report.html").contains("The model does not fit."));
+    assert!(read("figures/fit.svg").contains("The model does not fit"));
+    let both = ["fit", "--to", "wave.csv", "--starts", "2"];
+    let output = myospring(folder.path(), &[&both[..], &SPACING].concat());
+    assert_eq!(stdout(&output).matches("does not fit").count(), 2, "{}", stdout(&output));
+    let table = fs::read_to_string(folder.path().join("results/wave_fits/fits.csv")).unwrap();
+    assert_eq!(table.matches(",does-not-fit,").count(), 2, "{table}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::FigureError;
 use super::facets::{check_frame, check_mesh, facets};
 use super::sheet::{Anchor, Area, Look, Path, Sheet, Stroke, Style};
 use super::skin::{Rings, Skin};
-use super::theme::{Colour, HAIR, INK, TICK, decimals, fixed, nice_step};
+use super::theme::{Colour, HAIR, INK, TICK, WHITE, decimals, fixed, nice_step};
 use crate::field::{ColourScale, Field, Fields};
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::outline::Outline;
@@ -116,6 +116,45 @@ impl<'a> Cell<'a> {
         }
         sheet.window(name, rim, inside);
     }
+
+    /// Hatches the outline of checked positions where values of the points are above a level.
+    pub(super) fn hatch_above(
+        &self,
+        sheet: &mut Sheet,
+        name: &str,
+        positions: &[Vec<f64>; 2],
+        (values, level): (&[f64], f64),
+        at: impl Fn([f64; 2]) -> [f64; 2],
+    ) {
+        let rim = closed(&self.rings(positions), &at);
+        let shaped = self.skin.shaped(positions, values);
+        let [least, greatest] = shaped.range();
+        if greatest <= level {
+            return;
+        }
+        let above = if least > level { rim.clone() } else { closed(&shaped.above(level), &at) };
+        let Some(area) = above.bounds() else { return };
+        let mut lines = Sheet::default();
+        // Dark lines on light ones stand out from any colour.
+        lines.path(hatching(area), Stroke::new(WHITE, 1.6).opacity(0.7));
+        lines.path(hatching(area), Stroke::new(INK, 0.7));
+        let mut inside = Sheet::default();
+        inside.window(format!("{name}-lines"), above, lines);
+        sheet.window(name.to_owned(), rim, inside);
+    }
+}
+
+/// Distance of the lines of a hatching, px.
+const HATCHED: f64 = 5.0;
+
+/// Lines from the lower left to the upper right of an area.
+fn hatching(Area { corner: [left, top], size: [width, height] }: Area) -> Path {
+    let mut lines = Path::default();
+    let count = ((width + height) / HATCHED).ceil() as usize;
+    for at in (0..=count).map(|line| HATCHED * line as f64) {
+        lines.add_line([[left + at - height, top + height], [left + at, top]]);
+    }
+    lines
 }
 
 /// Rings on a sheet.

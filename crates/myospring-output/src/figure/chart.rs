@@ -10,6 +10,14 @@ use super::theme::{
 /// Length of a tick, px.
 const TICK_LENGTH: f64 = 4.0;
 
+/// Numbers on an axis whose largest lies between these are written out.
+const SHORT: [f64; 2] = [1e-4, 1e5];
+/// How the label of an axis of times ends; larger times are in s.
+const MILLISECONDS: &str = "(ms)";
+/// How much longer than its axis a label may be, px, and the smallest size that it may have before its end is cut.
+const LONGER: f64 = 24.0;
+const SMALLEST: u32 = 8;
+
 /// One axis: what it measures, from where to where, and the step between its ticks.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
@@ -91,16 +99,45 @@ impl Axis {
         (value - self.range[0]) / (self.range[1] - self.range[0])
     }
 
+    /// The power of ten, a multiple of 3, that stands in the label instead of in every tick: 0 of numbers that are short
+    /// without it.
+    fn power(&self) -> i32 {
+        let largest = self.range[0].abs().max(self.range[1].abs());
+        if !(largest > 0.0 && largest.is_finite()) || (SHORT[0]..SHORT[1]).contains(&largest) {
+            return 0;
+        }
+        let power = 3 * (largest.log10() / 3.0).floor() as i32;
+        // Of times there are s, and no larger unit that figures have.
+        if self.label.ends_with(MILLISECONDS) { power.clamp(0, 3) } else { power }
+    }
+
+    /// What is written along the axis.
+    fn title(&self) -> String {
+        let power = self.power();
+        if power == 0 {
+            return self.label.clone();
+        }
+        if let Some(name) = self.label.strip_suffix(MILLISECONDS) {
+            return format!("{name}(s)");
+        }
+        let factor = format!("\u{d7}10{}", raised(power));
+        match self.label.rsplit_once('(').filter(|(_, unit)| unit.ends_with(')')) {
+            Some((name, unit)) => format!("{name}({factor} {unit}"),
+            None => format!("{} ({factor})", self.label),
+        }
+    }
+
     /// The places of the ticks, and what is written there.
     fn ticks(&self) -> impl Iterator<Item = (f64, String)> {
-        let (step, digits) = (self.step, decimals(self.step));
+        let by = 10_f64.powi(-self.power());
+        let (step, digits) = (self.step, decimals(self.step * by));
         let [first, last] = [
             (self.range[0] / step - 1e-6).ceil() as i64,
             (self.range[1] / step + 1e-6).floor() as i64,
         ];
         (first..=last).map(move |count| {
             let value = count as f64 * step;
-            (value, fixed(value, digits))
+            (value, fixed(value * by, digits))
         })
     }
 
@@ -167,10 +204,12 @@ impl Chart {
         let middle = Style::new(LABEL).anchor(Anchor::Middle);
         if self.y.labelled {
             let place = [left - label_offset, top + height / 2.0];
-            sheet.text(place, &self.y.label, middle.upward());
+            let (text, size) = fitting(&self.y.title(), height + LONGER);
+            sheet.text(place, &text, Style { size, ..middle }.upward());
         }
         if self.x.labelled {
-            sheet.text([left + width / 2.0, bottom + 31.0], &self.x.label, middle);
+            let (text, size) = fitting(&self.x.title(), width + LONGER);
+            sheet.text([left + width / 2.0, bottom + 31.0], &text, Style { size, ..middle });
         }
     }
 
@@ -232,6 +271,31 @@ impl Chart {
         let stroke = Stroke::new(curve.colour, CURVE_WIDTH);
         sheet.path(path, Stroke { dash: curve.dash, ..stroke });
     }
+}
+
+/// A label as it fits into this room, px: smaller, and cut where that is not enough; and its size.
+fn fitting(label: &str, room: f64) -> (String, u32) {
+    let fits = |text: &str, size| text_width(text, size) <= room;
+    if let Some(size) = (SMALLEST..=LABEL).rev().find(|size| fits(label, *size)) {
+        return (label.to_owned(), size);
+    }
+    let mut text = label.to_owned();
+    while !text.is_empty() && !fits(&format!("{text}\u{2026}"), SMALLEST) {
+        text.pop();
+    }
+    (format!("{}\u{2026}", text.trim_end()), SMALLEST)
+}
+
+/// A power as it stands above a line.
+fn raised(power: i32) -> String {
+    let digit = |digit: char| match digit {
+        '-' => '\u{207b}',
+        '1' => '\u{b9}',
+        '2' => '\u{b2}',
+        '3' => '\u{b3}',
+        digit => char::from_u32(0x2070 + digit as u32 - '0' as u32).unwrap_or(digit),
+    };
+    power.to_string().chars().map(digit).collect()
 }
 
 /// Stretches of finite points.
@@ -300,6 +364,40 @@ mod tests {
         // The last tick stays, whatever rounding makes of the end.
         let shares = Axis { range: [0.0, 0.1 * 3.0], step: 0.1, ..potential };
         assert_eq!(texts(&shares), ["0.0", "0.1", "0.2", "0.3"]);
+    }
+
+    #[test]
+    fn long_numbers_have_their_power_in_the_label() {
+        let axis = |label: &str, ends| Axis::upright(label, ends, 150.0);
+        let large = axis("Force (nN)", [0.0, 1e9]);
+        assert_eq!(large.title(), "Force (\u{d7}10\u{2079} nN)");
+        let small = axis("Left", [-3e-7, 3e-7]);
+        assert_eq!(small.title(), "Left (\u{d7}10\u{207b}\u{2079})");
+        let time = Axis::time([0.0, 4e5]);
+        assert_eq!(
+            (time.title().as_str(), time.ticks().nth(1).unwrap().1.as_str()),
+            ("Time (s)", "100")
+        );
+        assert_eq!(axis("Length (um)", [0.0, 140.0]).title(), "Length (um)");
+        // As wide as the number needs, whatever its size.
+        for scale in [1e-12, 1e-6, 1.0, 1e4, 1e9, 1e30] {
+            for ends in [[0.0, 1.0], [1.0, 1.3], [-2.0, 5.0]] {
+                let axis = axis("Length (um)", ends.map(|end| end * scale));
+                assert!(axis.tick_width() < 40.0, "{scale} {ends:?}: {}", axis.tick_width());
+                let texts: Vec<String> = axis.ticks().map(|(_, text)| text).collect();
+                assert!(texts.len() > 1 && texts.windows(2).all(|pair| pair[0] != pair[1]));
+            }
+        }
+    }
+
+    #[test]
+    fn a_label_is_no_longer_than_its_axis() {
+        let long = "Normalised fluorescence intensity of the indicator (arbitrary units)";
+        for room in [60.0, 150.0, 300.0, 600.0] {
+            let (text, size) = fitting(long, room);
+            assert!(text_width(&text, size) <= room, "{text}");
+        }
+        assert_eq!(fitting("Time (ms)", 100.0), ("Time (ms)".to_owned(), LABEL));
     }
 
     #[test]

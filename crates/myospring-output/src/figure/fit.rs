@@ -1,7 +1,8 @@
 //! A fit: measured and fitted curve, what is left of it, and how sure its numbers are.
 
 use super::chart::{Axis, Chart, Curve};
-use super::sheet::{Anchor, Sheet, Stroke, Style};
+use super::font::text_width;
+use super::sheet::{Anchor, Area, Look, Path, Sheet, Stroke, Style};
 use super::theme::{Colour, DOUBLE, HAIR, INK, LETTER, MUTED, SHORTENING, TENSION, TICK};
 use super::{Figure, FigureError};
 
@@ -9,6 +10,12 @@ use super::{Figure, FigureError};
 const OVERLAY: f64 = 150.0;
 const RESIDUAL: f64 = 56.0;
 const PROFILE: f64 = 74.0;
+/// Above the first plot, px.
+const HEAD: f64 = 26.0;
+/// Frames that a misfit is drawn as the mean of: so many of all.
+const SMOOTH: usize = 60;
+/// Between a measured curve and one that does not follow it.
+const MISFIT: Colour = Colour(0xf0b48c);
 /// Below a plot with its own time axis, and between curve and residual, px.
 const UNDER: f64 = 46.0;
 const BETWEEN: f64 = 14.0;
@@ -17,8 +24,8 @@ const BESIDE: usize = 4;
 const GAP: f64 = 20.0;
 /// Rise up to which a profile is drawn, over that at the ends of its interval.
 const HIGHEST: f64 = 2.08;
-/// What was measured.
-const MEASURED: Colour = Colour(0x4d4d4d);
+/// What was measured: readable on light and on dark paper.
+const MEASURED: Colour = MUTED;
 
 /// A measured curve with the fitted one.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +44,8 @@ pub struct FittedCurve {
     pub used: Vec<bool>,
     /// Standard deviation of the noise.
     pub noise: f64,
+    /// What is said above the curve, in colour; of a curve that the model does not follow the misfit is drawn as well.
+    pub warning: Option<String>,
     /// Stimuli, ms.
     pub stimuli_ms: Vec<f64>,
 }
@@ -67,10 +76,10 @@ pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Fig
         return Err(FigureError::Nothing { what: "fitted curves" });
     }
     let mut charts: Vec<(Chart, Chart)> = Vec::new();
-    let mut top = 18.0;
+    let mut top = HEAD;
     for curve in curves {
         charts.push(pair(curve, top)?);
-        top += OVERLAY + BETWEEN + RESIDUAL + UNDER;
+        top += OVERLAY + BETWEEN + RESIDUAL + UNDER + 8.0;
     }
     let offsets =
         charts.iter().flat_map(|(above, below)| [above.label_offset(), below.label_offset()]);
@@ -82,6 +91,11 @@ pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Fig
         for chart in [&mut *above, &mut *below] {
             chart.place[0] = left;
             chart.size[0] = width;
+        }
+        if let Some(warning) = &curve.warning {
+            misfit(&mut sheet, [above, below], curve);
+            let at = [above.place[0], above.place[1] - 9.0];
+            sheet.text(at, warning, Style::new(TICK).bold().colour(TENSION));
         }
         above.draw(&mut sheet, offset);
         below.draw(&mut sheet, offset);
@@ -100,7 +114,7 @@ pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Fig
         above.curves.push(fitted(curve));
         above.draw_curves(&mut sheet);
         if number == 0 {
-            legend(&mut sheet, above, curve);
+            legend(&mut sheet, above);
             sheet.text([6.0, above.place[1] + 4.0], "A", Style::new(LETTER).bold());
             sheet.text([6.0, below.place[1] + 4.0], "B", Style::new(LETTER).bold());
         }
@@ -172,8 +186,8 @@ fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
     let off = ends(&mut counted.map(|((measured, fitted), _)| (measured - fitted).abs()));
     let reach = off[1].max(2.5 * curve.noise);
     let left = match curve.unit.as_str() {
-        "" => "Left".to_owned(),
-        unit => format!("Left ({unit})"),
+        "" => "Residual".to_owned(),
+        unit => format!("Residual ({unit})"),
     };
     let time = Axis::time(times);
     let above = Chart {
@@ -197,24 +211,48 @@ fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
     Ok((above, below))
 }
 
-fn legend(sheet: &mut Sheet, chart: &Chart, curve: &FittedCurve) {
-    // Below the resting level of a length, above that of anything else: where the curve is seldom.
-    let [left, top] = chart.place;
-    let falls = {
-        let mean = curve.measured.iter().sum::<f64>() / curve.measured.len() as f64;
-        mean > f64::midpoint(chart.y.range[0], chart.y.range[1])
+/// Between the measured curve, smoothed, and the fitted one; and the way between them below.
+fn misfit(sheet: &mut Sheet, [above, below]: [&Chart; 2], curve: &FittedCurve) {
+    let frames: Vec<usize> = (0..curve.times_ms.len())
+        .filter(|&at| curve.used[at] && curve.measured[at].is_finite())
+        .collect();
+    let off: Vec<f64> = frames.iter().map(|&at| curve.measured[at] - curve.fitted[at]).collect();
+    let half = frames.len() / SMOOTH / 2;
+    let smooth = |place: usize| {
+        let near = &off[place.saturating_sub(half)..(place + half + 1).min(off.len())];
+        near.iter().sum::<f64>() / near.len() as f64
     };
-    let right = left + chart.size[0];
-    let y = if falls { top + chart.size[1] - 34.0 } else { top + 6.0 };
-    let rows = [("measured", MEASURED), ("fitted", SHORTENING)];
-    for (row, (words, colour)) in rows.into_iter().enumerate() {
-        let y = y + 14.0 * row as f64;
-        if row == 0 {
-            sheet.point([right - 68.0, y], 1.8, colour);
+    let off: Vec<f64> = (0..off.len()).map(smooth).collect();
+    let along = |chart: &Chart, of: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
+        frames.iter().enumerate().map(|(n, &at)| chart.at([curve.times_ms[at], of(n)])).collect()
+    };
+    let fitted = |n: usize| curve.fitted[frames[n]];
+    for (chart, upper, lower) in [
+        (above, along(above, &|n| fitted(n) + off[n]), along(above, &fitted)),
+        (below, along(below, &|n| off[n]), along(below, &|_| 0.0)),
+    ] {
+        let mut area = Path::default();
+        area.add_ring(upper.into_iter().chain(lower.into_iter().rev()));
+        let mut inside = Sheet::default();
+        inside.path(area, Look::fill(MISFIT));
+        let plot = Area { corner: chart.place, size: chart.size };
+        sheet.window("misfit".to_owned(), Path::rect(plot), inside);
+    }
+}
+
+/// Above the plot, where there is no frame to hide.
+fn legend(sheet: &mut Sheet, chart: &Chart) {
+    let y = chart.place[1] - 12.0;
+    let mut right = chart.place[0] + chart.size[0];
+    for (words, colour) in [("fitted", SHORTENING), ("measured", MEASURED)] {
+        sheet.text([right, y + 3.5], words, Style::new(TICK).anchor(Anchor::End).colour(INK));
+        right -= text_width(words, TICK) + 6.0;
+        if colour == MEASURED {
+            sheet.point([right - 4.0, y], 1.8, colour);
         } else {
-            sheet.line([right - 74.0, y], [right - 62.0, y], Stroke::new(colour, 1.6));
+            sheet.line([right - 12.0, y], [right, y], Stroke::new(colour, 1.6));
         }
-        sheet.text([right - 56.0, y + 3.5], words, Style::new(TICK).colour(INK));
+        right -= 26.0;
     }
 }
 
@@ -258,6 +296,51 @@ fn below(points: &[[f64; 2]], height: f64) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A curve with a fit beside it, of so many frames.
+    fn curve(frames: usize, scale: f64, unit: &str) -> FittedCurve {
+        let beat = |at: usize| {
+            let time = at as f64 / frames as f64;
+            scale * (100.0 - 10.0 * (8.0 * time * (1.0 - 8.0 * time).exp()))
+        };
+        let fitted: Vec<f64> = (0..frames).map(beat).collect();
+        let measured =
+            fitted.iter().enumerate().map(|(at, v)| v + scale * (at as f64).sin()).collect();
+        FittedCurve {
+            label: format!("Length ({unit})"),
+            unit: unit.to_owned(),
+            times_ms: (0..frames).map(|at| 4.0 * at as f64).collect(),
+            measured,
+            fitted,
+            used: vec![true; frames],
+            noise: 0.3 * scale,
+            warning: Some(
+                "The model does not fit: it is off by 7 % of the height of a beat".into(),
+            ),
+            stimuli_ms: vec![10.0],
+        }
+    }
+
+    #[test]
+    fn the_legend_hides_no_frame_and_no_label_is_clipped() {
+        let long = "arbitrary units of the camera's sixteen bits";
+        for frames in [12, 150, 10_000] {
+            for scale in [1e-8, 1e-3, 1.0, 1e7] {
+                for unit in ["\u{b5}m", "", long] {
+                    let figure = fit(&[curve(frames, scale, unit)], &[]).unwrap();
+                    assert_eq!(figure.beyond([0.0, DOUBLE]), [], "{frames} {scale} {unit}");
+                    // The legend stands above the plot, where no frame is drawn.
+                    let above = figure.elements.iter().filter(|element| {
+                        matches!(element, crate::figure::sheet::Element::Text { at, text, .. }
+                            if (text == "fitted" || text == "measured") && at[1] < HEAD)
+                    });
+                    assert_eq!(above.count(), 2);
+                }
+            }
+        }
+        let one = curve(1, 1.0, "um");
+        assert!(matches!(fit(&[one], &[]), Err(FigureError::NoSamples { .. })));
+    }
 
     #[test]
     fn the_rise_at_the_ends_of_an_interval_lies_within_its_plot() {

@@ -2,6 +2,7 @@
 //! simulated.
 
 use super::cell::{Cell, closed, draw_titled_bar};
+use super::font::text_width;
 use super::shapes::{ELONGATED, draw_scale_bar, extremes};
 use super::sheet::{Anchor, Area, Sheet, Stroke, Style};
 use super::theme::{DOUBLE, INK, LABEL, LETTER, MUTED, REST, TICK, decimals, fixed};
@@ -21,7 +22,13 @@ pub struct Map<'a> {
     pub quantity: String,
     /// Least and greatest value of the colours; `None` takes those of the values, with 0.
     pub limits: Option<[f64; 2]>,
+    /// Standard deviation over the value at each point, where it is known; where it is above a half the map is
+    /// hatched.
+    pub doubts: Option<Vec<f64>>,
 }
+
+/// Standard deviation over the value from which on a place is hatched.
+const DOUBTFUL: f64 = 0.5;
 
 const MARGIN: f64 = 8.0;
 const GAP: f64 = 14.0;
@@ -52,8 +59,8 @@ pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Fig
     }
     let points = cell.mesh().len();
     for map in maps {
-        let found = map.values.len();
-        if found != points {
+        let doubts = map.doubts.iter().map(Vec::len);
+        if let Some(found) = doubts.chain([map.values.len()]).find(|found| *found != points) {
             return Err(FigureError::PictureShape { width: points, height: 1, found });
         }
         cell.check(map.positions)?;
@@ -89,6 +96,15 @@ pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Fig
             &colours,
             at,
         );
+        if let Some(doubts) = &map.doubts {
+            let name = format!("doubt-{index}");
+            cell.hatch_above(&mut sheet, &name, map.positions, (doubts, DOUBTFUL), at);
+            if doubts.iter().any(|doubt| *doubt > DOUBTFUL) {
+                let style = Style::new(TICK).colour(MUTED).anchor(Anchor::End);
+                let words = "hatched: SD above half of it";
+                sheet.text([left + width, top + 11.0], words, style);
+            }
+        }
         sheet.path(closed(&cell.rings(map.positions), at), Stroke::new(INK, 0.7));
         let rest = closed(&cell.rings(&cell.mesh().points), at);
         sheet.path(rest, Stroke::new(REST, 0.8).dash(2.5, 1.8));
@@ -112,4 +128,52 @@ pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Fig
         sheet.text([end + 5.0, start[1] + 3.5], &words, style);
     }
     Ok(sheet.finish(DOUBLE, if beside { bottom } else { bottom + 14.0 }))
+}
+
+/// The outline of a cell of which there is no map, and below it why; two columns wide (178 mm). The dashed line is the
+/// cell at rest.
+///
+/// # Errors
+/// Positions of another mesh, or that are not finite.
+pub fn no_map(
+    cell: &Cell<'_>,
+    positions: &[Vec<f64>; 2],
+    why: &str,
+) -> Result<Figure, FigureError> {
+    cell.check(positions)?;
+    let [low, high] = extremes(cell, [positions, &cell.mesh().points].into_iter());
+    let extent = [0, 1].map(|axis: usize| (high[axis] - low[axis]).max(1e-9));
+    let room = DOUBLE - 2.0 * MARGIN;
+    let scale = (room / extent[0]).min(0.35 * room / extent[1]);
+    let middle = [0, 1].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
+    let height = extent[1] * scale;
+    let at = |[x, y]: [f64; 2]| {
+        [DOUBLE / 2.0 + (x - middle[0]) * scale, MARGIN + height / 2.0 - (y - middle[1]) * scale]
+    };
+    let mut sheet = Sheet::default();
+    sheet.path(closed(&cell.rings(positions), at), Stroke::new(INK, 0.7));
+    let rest = closed(&cell.rings(&cell.mesh().points), at);
+    sheet.path(rest, Stroke::new(REST, 0.8).dash(2.5, 1.8));
+    let mut y = MARGIN + height + 24.0;
+    for line in lines(why, room) {
+        sheet.text([MARGIN, y], &line, Style::new(LABEL));
+        y += 16.0;
+    }
+    draw_scale_bar(&mut sheet, [MARGIN, y + 6.0], scale, extent);
+    Ok(sheet.finish(DOUBLE, y + 20.0))
+}
+
+/// A sentence in lines of this width at most, px.
+fn lines(text: &str, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if text_width(&format!("{line} {word}"), LABEL) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }

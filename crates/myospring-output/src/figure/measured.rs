@@ -16,11 +16,12 @@ use myospring_core::analysis::trace::Point;
 const LONG: f64 = 3000.0;
 /// Height of the recording and of the one beat, px.
 const HEIGHTS: [f64; 2] = [120.0, 190.0];
-/// Left of the plots, px.
+/// Left of the labels of the plots, and of the plots at least, px.
+const MARGIN: f64 = 18.0;
 const LEFT: f64 = 58.0;
 /// Raw samples behind what was smoothed.
 const RAW: Colour = Colour(0xc4c4c4);
-/// For what is written beside peaks, px.
+/// For what is written beside peaks and onsets, px.
 const ROOM: f64 = 16.0;
 /// Beats that are numbered, at most.
 const NUMBERED: usize = 20;
@@ -55,13 +56,25 @@ pub fn measured(curve: &Measured) -> Result<Figure, FigureError> {
     let mut sheet = Sheet::default();
     sheet.text([8.0, 16.0], curve.title, Style::new(LETTER).bold());
     let top = 34.0;
-    recording(&mut sheet, curve, [LEFT, top], [DOUBLE - LEFT - 12.0, HEIGHTS[0]]);
     let below = top + HEIGHTS[0] + 62.0;
-    let width = 0.56 * (DOUBLE - LEFT);
-    if let Some(beat) = shown(curve.analysis) {
-        one_beat(&mut sheet, curve, beat, [LEFT, below], [width, HEIGHTS[1]]);
+    let (first, last) = (curve.times_ms[0], curve.times_ms[curve.times_ms.len() - 1]);
+    let scale = if last - first > LONG { 1e-3 } else { 1.0 };
+    let mut whole = chart(curve, [first, last], scale, HEIGHTS[0]);
+    let mut one = shown(curve.analysis).and_then(|beat| {
+        let ends = around(beat)?;
+        Some((beat, chart(curve, ends, 1.0, HEIGHTS[1])))
+    });
+    // Both plots begin right of the widest numbers.
+    let offsets = one.iter().map(|(_, chart)| chart.label_offset()).chain([whole.label_offset()]);
+    let left = offsets.fold(LEFT - MARGIN, f64::max) + MARGIN;
+    let width = 0.56 * (DOUBLE - left);
+    (whole.place, whole.size[0]) = ([left, top], DOUBLE - left - 12.0);
+    recording(&mut sheet, curve, &whole, scale);
+    if let Some((beat, chart)) = &mut one {
+        (chart.place, chart.size[0]) = ([left, below], width);
+        one_beat(&mut sheet, curve, beat, chart);
     }
-    numbers(&mut sheet, curve, [LEFT + width + 26.0, below - 12.0]);
+    numbers(&mut sheet, curve, [left + width + 26.0, below - 12.0]);
     Ok(sheet.finish(DOUBLE, below + HEIGHTS[1] + 44.0))
 }
 
@@ -108,13 +121,8 @@ fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
         })
 }
 
-fn chart(
-    curve: &Measured,
-    [from, to]: [f64; 2],
-    scale: f64,
-    place: [f64; 2],
-    size: [f64; 2],
-) -> Chart {
+/// The curve between two times, its place and width still to be set.
+fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Chart {
     let samples = || curve.times_ms.iter().zip(curve.values).zip(&curve.analysis.read);
     let within = || samples().filter(|((time, _), _)| (from..=to).contains(*time));
     let x = Axis::time([from * scale, to * scale]);
@@ -125,10 +133,10 @@ fn chart(
         treatment.bad_frames.iter().map(|frame| curve.times_ms[frame - 1]).collect();
     let good = |time: &f64, value: &f64| if bad.contains(time) { f64::NAN } else { *value };
     let [low, high] = ends(within().flat_map(|((time, value), read)| [good(time, value), *read]));
-    // Room for what is written beside peaks.
-    let room = ROOM / size[1] * (high - low);
-    let [low, high] = if treatment.rises { [low, high + room] } else { [low - room, high] };
-    let y = Axis::upright(&label(curve), [low, high], size[1]);
+    // Room for what is written beside peaks and onsets.
+    let room = ROOM / height * (high - low);
+    let [low, high] = [low - room, high + room];
+    let y = Axis::upright(&label(curve), [low, high], height);
     let raw = within().map(|((time, value), _)| [time * scale, good(time, value)]);
     let read = within().map(|((time, _), read)| [time * scale, *read]);
     let plain = |points, colour| Curve { points, colour, dash: None };
@@ -139,13 +147,12 @@ fn chart(
     curves.push(plain(read.collect(), colour(curve.kind)));
     let stimuli = curve.analysis.beats.iter().filter_map(|beat| beat.stimulus_ms);
     let marks = stimuli.map(|time| time * scale).collect();
+    let (place, size) = ([0.0, 0.0], [0.0, height]);
     Chart { place, size, x, y, curves, bands: Vec::new(), marks }
 }
 
-fn recording(sheet: &mut Sheet, curve: &Measured, place: [f64; 2], size: [f64; 2]) {
-    let (first, last) = (curve.times_ms[0], curve.times_ms[curve.times_ms.len() - 1]);
-    let scale = if last - first > LONG { 1e-3 } else { 1.0 };
-    let chart = chart(curve, [first, last], scale, place, size);
+fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
+    let Chart { place, size, .. } = *chart;
     chart.draw(sheet, chart.label_offset());
     let at = |point: Point| chart.at([point.time * scale, point.value]);
     let rises = curve.analysis.treatment.rises;
@@ -181,21 +188,20 @@ fn recording(sheet: &mut Sheet, curve: &Measured, place: [f64; 2], size: [f64; 2
     sheet.text([place[0] + size[0], place[1] - 8.0], &notes.join("; "), style);
 }
 
-fn one_beat(
-    sheet: &mut Sheet,
-    curve: &Measured,
-    beat: &CurveBeat,
-    place: [f64; 2],
-    size: [f64; 2],
-) {
-    let Some([start, end]) = beat.baseline else { return };
-    let find = |name| beat.marks.iter().find(|mark| mark.name == name).map(|mark| mark.point);
+/// From where to where the one beat is shown: as long again as it takes to fall, as far as it goes.
+fn around(beat: &CurveBeat) -> Option<[f64; 2]> {
+    let [start, end] = beat.baseline?;
     let onset = beat.onset_ms.unwrap_or(start.time);
-    // As long again as it takes to fall, as far as it goes.
-    let fallen = find("90 % down").map_or(end.time, |point| point.time);
+    let fallen = beat.marks.iter().find(|mark| mark.name == "90 % down");
+    let fallen = fallen.map_or(end.time, |mark| mark.point.time);
     let to = (fallen + 0.35 * (fallen - onset)).min(end.time);
-    let from = start.time.max(onset - 0.25 * (to - onset));
-    let chart = chart(curve, [from, to], 1.0, place, size);
+    Some([start.time.max(onset - 0.25 * (to - onset)), to])
+}
+
+fn one_beat(sheet: &mut Sheet, curve: &Measured, beat: &CurveBeat, chart: &Chart) {
+    let Some([start, end]) = beat.baseline else { return };
+    let Some([from, to]) = around(beat) else { return };
+    let Chart { place, size, .. } = *chart;
     chart.draw(sheet, chart.label_offset());
     let at = |point: Point| chart.at([point.time, point.value]);
     let base = |time: f64| {
@@ -209,22 +215,33 @@ fn one_beat(
         if !(place[0]..=place[0] + size[0]).contains(&x) {
             continue;
         }
-        let side = |anchor, x| (anchor, x, y + 3.5);
         let above = if down { y + 15.0 } else { y - 8.0 };
-        let (text, (anchor, x_text, y_text)) = match mark.name {
-            "10 % up" => ("10 %", side(Anchor::End, x - 7.0)),
-            "50 % up" => ("50 %", side(Anchor::End, x - 7.0)),
-            "90 % up" => ("90 %", side(Anchor::End, x - 7.0)),
-            "50 % down" => ("50 % back", side(Anchor::Start, x + 7.0)),
-            "90 % down" => {
-                ("90 % back", (Anchor::Start, x + 5.0, if down { y + 15.0 } else { y - 7.0 }))
-            }
-            "peak" => ("peak", (Anchor::Middle, x, above)),
-            "onset" => ("onset", (Anchor::End, x - 4.0, if down { y - 8.0 } else { y + 15.0 })),
+        let below = if down { y - 8.0 } else { y + 15.0 };
+        // A word, where it stands, and on which side of its dot; where that leaves the plot on the other side, away from
+        // the curve.
+        let (text, anchor, [x_text, y_text], other) = match mark.name {
+            "10 % up" => ("10 %", Anchor::End, [x - 7.0, y + 3.5], y + 3.5),
+            "50 % up" => ("50 %", Anchor::End, [x - 7.0, y + 3.5], y + 3.5),
+            "90 % up" => ("90 %", Anchor::End, [x - 7.0, y + 3.5], y + 3.5),
+            "50 % down" => ("50 % back", Anchor::Start, [x + 7.0, y + 3.5], below),
+            "90 % down" => ("90 % back", Anchor::Start, [x + 5.0, above], below),
+            "peak" => ("peak", Anchor::Middle, [x, above], above),
+            "onset" => ("onset", Anchor::End, [x - 4.0, below], below),
             _ => {
-                tangent(sheet, curve, &chart, mark.point);
+                tangent(sheet, curve, chart, mark.point);
                 continue;
             }
+        };
+        let width = text_width(text, TICK);
+        let [left, right] = [place[0] + 2.0, place[0] + size[0]];
+        let (anchor, x_text, y_text) = match anchor {
+            Anchor::Start if x_text + width > right => (Anchor::End, 2.0 * x - x_text, other),
+            Anchor::End if x_text - width < left => (Anchor::Start, 2.0 * x - x_text, other),
+            Anchor::Middle => {
+                let half = 0.5 * width;
+                (anchor, x_text.clamp(left + half, (right - half).max(left + half)), y_text)
+            }
+            _ => (anchor, x_text, y_text),
         };
         sheet.dot([x, y], INK);
         sheet.text([x_text, y_text], text, Style::new(TICK).anchor(anchor).colour(MUTED));
@@ -259,5 +276,61 @@ fn numbers(sheet: &mut Sheet, curve: &Measured, [left, top]: [f64; 2]) {
             y += 12.0;
         }
         sheet.text([right, y], value, style);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use myospring_core::analysis::curve::{Options, analyse};
+
+    fn drawn(kind: Kind, unit: &'static str, beat: [f64; 3], scale: f64) -> Figure {
+        let [cycle, up, back] = beat;
+        let times: Vec<f64> = (0..1500).map(|frame| 4.0 * f64::from(frame)).collect();
+        let value = |time: &f64| {
+            let phase = (time + 0.3 * cycle) % cycle - 0.3 * cycle;
+            let rise = (phase / up).clamp(0.0, 1.0);
+            let fall = (1.0 - (phase - up) / back).clamp(0.0, 1.0);
+            let pulse = if phase < up { rise } else { fall };
+            if kind.rises() == Some(false) { scale * (10.0 - pulse) } else { scale * (1.0 + pulse) }
+        };
+        let values: Vec<f64> = times.iter().map(value).collect();
+        let analysis = analyse(&times, &values, kind, unit, &Options::default()).unwrap();
+        measured(&Measured {
+            title: "cell",
+            kind,
+            unit,
+            times_ms: &times,
+            values: &values,
+            analysis: &analysis,
+            numbers: &[],
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn words_beside_a_beat_stay_in_its_panel_whichever_way_it_goes_and_however_soon_the_next_one_comes()
+     {
+        // A beat that has just come to rest, and one that rests long.
+        for beat in [[500.0, 60.0, 425.0], [800.0, 100.0, 600.0], [1000.0, 60.0, 100.0]] {
+            for (kind, unit) in [(Kind::Length, "um"), (Kind::Calcium, "uM")] {
+                let figure = drawn(kind, unit, beat, 1.0);
+                let right = LEFT + 0.56 * (DOUBLE - LEFT);
+                let names = ["50 % back", "90 % back", "peak", "onset", "10 %", "50 %", "90 %"];
+                let mut beyond = figure.beyond([LEFT, right]);
+                beyond.retain(|(text, _)| names.contains(&text.as_str()));
+                assert!(beyond.is_empty(), "{kind} {beat:?}: {beyond:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_label_is_clipped_however_large_or_small_the_numbers() {
+        for scale in [1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e5, 1e9] {
+            for (kind, unit) in [(Kind::Length, "um"), (Kind::Force, "nN"), (Kind::Unknown, "")] {
+                let figure = drawn(kind, unit, [800.0, 100.0, 300.0], scale);
+                assert_eq!(figure.beyond([0.0, DOUBLE]), [], "{kind} {scale}");
+            }
+        }
     }
 }

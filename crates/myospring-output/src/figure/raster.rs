@@ -169,10 +169,22 @@ impl Canvas<'_> {
 
     /// Draws elements as far as they lie within closed lines.
     fn look_through(&mut self, frame: &Path, inside: &[Element]) {
-        let Some(mut mask) = Mask::new(self.pixmap.width(), self.pixmap.height()) else { return };
-        if let Some(path) = outline(frame) {
-            mask.fill_path(&path, FillRule::Winding, true, self.transform);
-        }
+        let path = outline(frame);
+        let mask = match self.mask.cloned() {
+            // A window in a window.
+            Some(mut mask) => {
+                let Some(path) = path else { return };
+                mask.intersect_path(&path, FillRule::Winding, true, self.transform);
+                Some(mask)
+            }
+            None => Mask::new(self.pixmap.width(), self.pixmap.height()).map(|mut mask| {
+                if let Some(path) = path {
+                    mask.fill_path(&path, FillRule::Winding, true, self.transform);
+                }
+                mask
+            }),
+        };
+        let Some(mask) = mask else { return };
         Canvas { pixmap: self.pixmap, transform: self.transform, mask: Some(&mask) }.draw(inside);
     }
 }

@@ -12,6 +12,27 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// Texts of which a part lies beyond these sides, px, with how far they reach.
+    #[cfg(test)]
+    pub(super) fn beyond(&self, [low, high]: [f64; 2]) -> Vec<(String, [f64; 2])> {
+        let reach = |element: &Element| {
+            let Element::Text { at, text, style } = element else { return None };
+            let (width, size) = (super::font::text_width(text, style.size), f64::from(style.size));
+            let before = match style.anchor {
+                Anchor::Start => 0.0,
+                Anchor::Middle => 0.5 * width,
+                Anchor::End => width,
+            };
+            let ends = if style.upward {
+                [at[0] - 0.8 * size, at[0] + 0.3 * size]
+            } else {
+                [at[0] - before, at[0] - before + width]
+            };
+            (ends[0] < low || ends[1] > high).then(|| (text.clone(), ends))
+        };
+        self.elements.iter().filter_map(reach).collect()
+    }
+
     /// The figure on light or dark paper; it is drawn on light.
     #[must_use]
     pub fn themed(mut self, theme: Theme) -> Self {

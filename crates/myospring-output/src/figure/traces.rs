@@ -353,19 +353,20 @@ pub fn contraction(
         legend.push(Entry { text: format!("{name}: {range} (band)"), pen, band: true });
     }
 
-    let left = 44.0;
     let values = extent(curves.iter().map(|curve| curve.points.as_slice()), 1);
     let band_top = options.reference_band.map_or(0.0, |([_, high], _)| high);
     let high = values[1].max(band_top) + 0.04 * (values[1] - values[0].min(0.0));
     let mut chart = Chart {
-        place: [left, if options.stimulus_times_ms.is_empty() { 9.0 } else { 18.0 }],
-        size: [SINGLE - left - 13.0, 168.0],
+        place: [0.0, if options.stimulus_times_ms.is_empty() { 9.0 } else { 18.0 }],
+        size: [0.0, 168.0],
         x: Axis::time(extent(curves.iter().map(|curve| curve.points.as_slice()), 0)),
         y: Axis::values(&SHORTENING.label, [values[0], high], 168.0),
         bands: options.reference_band.iter().map(|(band, _)| *band).collect(),
         marks: options.stimulus_times_ms.clone(),
         curves,
     };
+    let left = (chart.label_offset() + 14.0).max(44.0);
+    (chart.place[0], chart.size[0]) = (left, SINGLE - left - 13.0);
     let inside = legend_inside(&chart, &legend);
     if inside.is_none() {
         chart.place[1] += 8.0 + ROW * legend.len() as f64;

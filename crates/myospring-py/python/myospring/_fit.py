@@ -37,6 +37,7 @@ _VERDICTS = {
     "not-determined": "not determined by this curve",
     "at-lower-bound": "at its lower bound",
     "at-upper-bound": "at its upper bound",
+    "does-not-fit": "no interval: the model does not fit",
 }
 
 
@@ -50,7 +51,8 @@ class Estimate(NamedTuple):
     unit : str
         Its unit; empty for a pure number.
     interval : tuple of two floats or None
-        Ends of the 95 % interval by profile likelihood; None where the curve sets no end.
+        Ends of the 95 % interval by profile likelihood; None where the curve sets no end, and of a fit whose `verdict`
+        is "does-not-fit".
     standard_deviation : float or None
         From the curvature at the most likely value, in its unit.
     verdict : str
@@ -85,7 +87,10 @@ class FittedCurve:
     stimuli_ms : list of float
         Stimuli with the fitted delays.
     noise, residual : float
-        Standard deviation of the noise of the cell at rest, and of what is left.
+        Standard deviation of the noise of the cell at rest, and of the residuals.
+    misfit, unexplained : float
+        Root mean square of the structure in the residuals, 0 where they look like noise; and the part of the curve's
+        variance that it leaves unexplained.
     """
 
     name: str
@@ -97,6 +102,8 @@ class FittedCurve:
     stimuli_ms: list[float]
     noise: float
     residual: float
+    misfit: float
+    unexplained: float
 
 
 class Fit:
@@ -143,6 +150,12 @@ class Fit:
         }
 
     @property
+    def verdict(self) -> str:
+        """Whether the cell follows its curves, to be read before any number: ``"fits"``, ``"fits-nearly"`` (the
+        intervals count the misfit) or ``"does-not-fit"`` (there are no intervals)."""
+        return str(self._record["verdict"])
+
+    @property
     def verdicts(self) -> list[str]:
         """What a reader must know, in order of weight."""
         return list(self._record["verdicts"])
@@ -172,6 +185,8 @@ class Fit:
                 stimuli_ms=row["stimuli_ms"],
                 noise=row["noise"],
                 residual=row["residual"],
+                misfit=row["misfit"],
+                unexplained=row["unexplained"],
             )
             for row in self._record["curves"]
         ]
@@ -194,7 +209,7 @@ class Fit:
         return pandas.DataFrame(rows, columns=columns, index=pandas.Index(list(self.parameters), name="parameter"))
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws measured and fitted curve, and below what is left; it needs matplotlib.
+        """Draws measured and fitted curve, and below the residuals; it needs matplotlib. What does not fit says so.
 
         Parameters
         ----------
@@ -222,9 +237,12 @@ class Fit:
         reach = 1.1 * float(np.max(np.abs(left[curve.used]), initial=curve.noise))
         below.axhspan(-curve.noise, curve.noise, color="#2a6099", alpha=0.15, lw=0)
         below.set_ylim(-reach, reach)
+        if self.verdict == "does-not-fit":
+            above.fill_between(curve.t_ms, curve.measured, curve.fitted, color="#b5532a", alpha=0.25, lw=0)
+            above.set_title("The model does not fit", color="#b5532a")
         unit = f" ({curve.unit})" if curve.unit else ""
         above.set_ylabel(f"{curve.name}{unit}")
-        below.set_ylabel(f"Left{unit}")
+        below.set_ylabel(f"Residual{unit}")
         below.set_xlabel("Time (ms)")
         for one in axes:
             one.spines[["top", "right"]].set_visible(False)
@@ -251,25 +269,25 @@ class Fit:
         return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads)))
 
     def __repr__(self) -> str:
-        numbers = ", ".join(f"{name} {_amount(one)}" for name, one in self.parameters.items())
-        return f"<myospring.Fit of {self.name}: {numbers}>"
+        numbers = ", ".join(f"{name} {self._amount(one)}" for name, one in self.parameters.items())
+        return f"<myospring.Fit of {self.name}, {self.verdict}: {numbers}>"
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{name}</td><td>{html.escape(_amount(one))}</td><td>{html.escape(one.verdict)}</td></tr>"
+            f"<tr><td>{name}</td><td>{html.escape(self._amount(one))}</td><td>{html.escape(one.verdict)}</td></tr>"
             for name, one in self.parameters.items()
         )
         words = "".join(f"<p>{html.escape(text)}</p>" for text in self.verdicts)
-        return f"<div><b>Fit of {html.escape(self.name)}</b><table>{rows}</table>{words}</div>"
+        return f"<div><b>Fit of {html.escape(self.name)}: {self.verdict}</b><table>{rows}</table>{words}</div>"
+
+    def _amount(self, one: Estimate) -> str:
+        low, high = ("..." if end is None else f"{end:.4g}" for end in one.interval)
+        interval = "" if self.verdict == "does-not-fit" else f" ({low} to {high})"
+        unit = f" {one.unit}" if one.unit else ""
+        return f"{one.value:.4g}{interval}{unit}"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Fit, (self.cell, self.name, self._text, self.run_file, self.notes)
-
-
-def _amount(one: Estimate) -> str:
-    low, high = ("..." if end is None else f"{end:.4g}" for end in one.interval)
-    unit = f" {one.unit}" if one.unit else ""
-    return f"{one.value:.4g} ({low} to {high}){unit}"
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ class Fits(Sequence[Union[Fit, None]]):
         -------
         pandas.DataFrame
             Columns are each parameter with its unit, the ends of its interval and its verdict, then
-            ``reduced_chi_squared``, ``status`` and ``reason``. The name of the curve is the index.
+            ``reduced_chi_squared``, ``verdict``, ``status`` and ``reason``. The name of the curve is the index.
         """
         import pandas
 
@@ -74,11 +74,12 @@ class Fits(Sequence[Union[Fit, None]]):
                     row[f"{name}_from"], row[f"{name}_to"] = one.interval
                     row[f"{name}_verdict"] = one.verdict
                 row["reduced_chi_squared"] = fit.reduced_chi_squared
+                row["verdict"] = fit.verdict
             row["status"] = "ok" if reason is None else "failed"
             row["reason"] = reason
             rows.append(row)
         table = pandas.DataFrame(rows, index=pandas.Index(self.names, name="cell"))
-        last = ["reduced_chi_squared", "status", "reason"]
+        last = ["reduced_chi_squared", "verdict", "status", "reason"]
         return table[[name for name in table if name not in last] + [name for name in last if name in table]]
 
     def __repr__(self) -> str:

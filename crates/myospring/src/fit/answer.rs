@@ -7,9 +7,12 @@ use serde::Serialize;
 /// A fit of one cell to its curves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
+    /// Whether the cell follows its curves: read it before any number.
+    pub verdict: FitVerdict,
     /// What was sought of the cell, then delays and levels.
     pub estimates: Vec<Estimate>,
-    /// Correlations of the estimates, in their order; `None` where one of them has no curvature.
+    /// Correlations of the estimates, in their order; `None` where one of them has no curvature, or where the fit says
+    /// nothing of the cell.
     pub correlations: Option<Vec<Vec<f64>>>,
     /// Pairs whose estimates cannot be told apart, with their correlation: those beyond 0.95 either way.
     pub correlated: Vec<(String, String, f64)>,
@@ -23,8 +26,11 @@ pub struct Fit {
     pub starts: Vec<f64>,
     /// Sum of squared residuals over squared noise, by degree of freedom: about 1 where the cell can follow the curve.
     pub reduced_chi_squared: f64,
-    /// Rise of chi squared, over [`Fit::reduced_chi_squared`], at the ends of the intervals: 3.84 of many frames,
-    /// somewhat more of few, since they tell the noise as well.
+    /// The variance that intervals count with, over that of the residuals: 1 where these look like noise. Of a misfit,
+    /// neighbouring frames tell the same, and the numbers that were sought have taken up a part.
+    pub variance_factor: f64,
+    /// Rise of chi squared, over [`Fit::reduced_chi_squared`] and [`Fit::variance_factor`], at the ends of the
+    /// intervals: 3.84 of many frames, somewhat more of few, since they tell the noise as well.
     pub rise_at_ends: f64,
     /// Beats of a train before the first that was recorded, as the curve has it: 0 of one that begins from rest.
     pub beats_before: usize,
@@ -44,14 +50,16 @@ pub struct Estimate {
     pub unit: String,
     /// The most likely value.
     pub value: f64,
-    /// Ends of the 95 % interval by profile likelihood; `None` where the curve sets no end.
+    /// Ends of the 95 % interval by profile likelihood; `None` where the curve sets no end, and of a fit that does not
+    /// fit.
     pub interval: [Option<f64>; 2],
     /// Standard deviation from the curvature at the most likely value (Fisher's information), in its unit; `None`
     /// where that has none.
     pub standard_deviation: Option<f64>,
     /// Bounds between which it was sought.
     pub bounds: [f64; 2],
-    /// Value and rise of chi squared above its least, over [`Fit::reduced_chi_squared`], for values around the answer.
+    /// Value and rise of chi squared above its least, as [`Fit::rise_at_ends`] counts it, for values around the answer;
+    /// empty of a fit that does not fit.
     pub profile: Vec<[f64; 2]>,
     /// What its profile says.
     pub verdict: Verdict,
@@ -73,6 +81,55 @@ pub enum Verdict {
     AtLowerBound,
     /// The most likely value is the upper bound.
     AtUpperBound,
+    /// The model does not fit, so its value says nothing of the cell.
+    DoesNotFit,
+}
+
+/// Whether a cell follows its curves: how large the structure in the residuals is, whatever noise is on top of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FitVerdict {
+    /// Residuals look like noise, or their structure is below a thousandth of the curve's variance: about 1 % of the
+    /// height of a beat.
+    Fits,
+    /// The structure is larger; the intervals count it.
+    FitsNearly,
+    /// The structure leaves more than 1 % of the curve's variance unexplained, about 3 % of the height of a beat: numbers
+    /// of such a fit are not the cell's, and no interval is stated.
+    DoesNotFit,
+}
+
+/// Parts of the curve's variance from which on a misfit is more than the one, or the other.
+const SMALL: f64 = 1e-3;
+const LARGE: f64 = 0.01;
+
+impl FitVerdict {
+    /// Of a misfit that leaves this part of the curve's variance unexplained.
+    pub(super) fn of(unexplained: f64) -> Self {
+        match unexplained {
+            ..SMALL => Self::Fits,
+            SMALL..LARGE => Self::FitsNearly,
+            _ => Self::DoesNotFit,
+        }
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Fits => "fits",
+            Self::FitsNearly => "fits nearly: the intervals count the misfit",
+            Self::DoesNotFit => "does not fit",
+        }
+    }
+
+    /// Its word in files.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Fits => "fits",
+            Self::FitsNearly => "fits-nearly",
+            Self::DoesNotFit => "does-not-fit",
+        }
+    }
 }
 
 impl Verdict {
@@ -85,6 +142,7 @@ impl Verdict {
             Self::NotDetermined => "not determined by this curve",
             Self::AtLowerBound => "at its lower bound",
             Self::AtUpperBound => "at its upper bound",
+            Self::DoesNotFit => "no interval: the model does not fit",
         }
     }
 }
@@ -112,9 +170,12 @@ pub struct FittedCurve {
     pub noise: f64,
     /// Root mean square of the residuals of the frames that counted, in the curve's unit.
     pub residual: f64,
-    /// Standard score of the number of runs of residuals of one sign (Wald and Wolfowitz): far below 0 where the
-    /// fitted curve runs beside the measured one.
-    pub runs_score: f64,
+    /// Root mean square of the structure in the residuals, in the curve's unit: 0 where they look like noise.
+    pub misfit: f64,
+    /// Frames that count as one, since their misfit is the same: 1 where the residuals look like noise.
+    pub frames_together: f64,
+    /// Part of the curve's variance that this structure leaves unexplained.
+    pub unexplained: f64,
 }
 
 impl Estimate {
@@ -137,26 +198,44 @@ impl Fit {
         self.estimates.iter().find(|estimate| estimate.name == name)
     }
 
+    /// The verdict of the worst curve; of a model that does not fit no number says how sure it is.
+    pub(super) fn judge(&mut self) {
+        self.verdict =
+            self.curves.iter().map(FittedCurve::verdict).max().unwrap_or(FitVerdict::Fits);
+        if self.verdict < FitVerdict::DoesNotFit {
+            return;
+        }
+        self.correlations = None;
+        self.correlated.clear();
+        for estimate in &mut self.estimates {
+            estimate.interval = [None; 2];
+            estimate.standard_deviation = None;
+            estimate.profile.clear();
+            if !matches!(estimate.verdict, Verdict::AtLowerBound | Verdict::AtUpperBound) {
+                estimate.verdict = Verdict::DoesNotFit;
+            }
+        }
+    }
+
     /// The correlation of two estimates.
     pub fn correlation(&self, one: &str, other: &str) -> Option<f64> {
         let place = |name: &str| self.estimates.iter().position(|estimate| estimate.name == name);
         Some(self.correlations.as_ref()?[place(one)?][place(other)?])
     }
-
-    /// Whether the cell can follow its curves within their noise.
-    pub fn follows(&self) -> bool {
-        self.curves.iter().all(FittedCurve::follows)
-    }
 }
 
-/// Scores of runs below this are no chance: one in a thousand.
-const NO_CHANCE: f64 = -3.1;
-/// A misfit counts once it is as large as the noise.
-const AS_LARGE_AS_NOISE: f64 = std::f64::consts::SQRT_2;
-
 impl FittedCurve {
-    /// Whether what is left of it looks like its noise.
-    pub fn follows(&self) -> bool {
-        !(self.runs_score < NO_CHANCE && self.residual > AS_LARGE_AS_NOISE * self.noise)
+    /// Whether the cell follows this curve.
+    pub fn verdict(&self) -> FitVerdict {
+        FitVerdict::of(self.unexplained)
+    }
+
+    /// From the least to the greatest value of the fitted curve.
+    pub fn height(&self) -> f64 {
+        let [low, high] = self
+            .fitted
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
+        high - low
     }
 }

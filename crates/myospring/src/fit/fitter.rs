@@ -1,10 +1,11 @@
 //! A fit, from a run and its curves to its answer.
 
-use super::answer::{Estimate, Fit, FittedCurve};
+use super::answer::{Estimate, Fit, FitVerdict, FittedCurve};
 use super::contraction::Contraction;
 use super::error::FitError;
 use super::least_squares::{Least, squares};
 use super::likelihood::{Profile, Top, covariance, profile, rise_at_ends};
+use super::misfit::Misfit;
 use super::observed::{Frames, Observed, Scale};
 use super::physics::{Physics, Train, scale_of};
 use super::problem::{Layout, Role, Source, shortening};
@@ -337,7 +338,7 @@ impl Fitter {
             sure = Sure::of(layout, &ends, &shown, work)?;
         }
         let least = &ends[0];
-        let Sure { profiles, covariance, unit, at_ends, reduced } = sure;
+        let Sure { profiles, covariance, unit, at_ends, reduced, factor, .. } = sure;
         let deviation = |place: usize| Some((covariance.as_ref()?[place][place] * unit).sqrt());
         let estimates = shown.iter().zip(profiles).map(|(&place, profile)| {
             let [low, high] = layout.bounds[place];
@@ -377,7 +378,9 @@ impl Fitter {
             estimates,
             correlations,
             correlated,
+            variance_factor: factor,
             rise_at_ends: at_ends,
+            verdict: FitVerdict::Fits,
             curves: (0..layout.sources.len())
                 .map(|number| layout.fitted(least, number))
                 .collect::<Option<_>>()?,
@@ -388,6 +391,7 @@ impl Fitter {
             reduced_chi_squared: reduced,
             evaluations: work.evaluations(),
         };
+        fit.judge();
         fit.verdicts = verdicts(&fit, self.simulation.cell.name(), self.modulus());
         Some(fit)
     }
@@ -421,6 +425,11 @@ impl Fitter {
 const FIRST_STIMULUS: f64 = 50.0;
 /// A beat lasts at least so long, ms.
 pub(super) const ONE_BEAT: f64 = 600.0;
+/// Of a misfit only that is seen which the numbers that are sought have not taken up, so the ends of an interval are
+/// so many times as far away: measured with cells that differ from their model (`docs/measured-beats.md`).
+const TAKEN_UP: f64 = 2.5;
+/// A misfit is known by two independent stretches of it at least.
+const FEWEST: f64 = 2.0;
 /// Part of the work that the search is.
 const SEARCH: f64 = 0.6;
 
@@ -428,10 +437,13 @@ const SEARCH: f64 = 0.6;
 struct Sure {
     profiles: Vec<Profile>,
     covariance: Option<Vec<Vec<f64>>>,
-    /// Variance of a residual: what is left of the curves tells it best, since few frames are at rest.
+    /// Variance of a residual, times the factor: what is left of the curves tells it best, since few
+    /// frames are at rest.
     unit: f64,
     at_ends: f64,
     reduced: f64,
+    /// The variance that counts, over that of the residuals.
+    factor: f64,
 }
 
 impl Sure {
@@ -440,8 +452,11 @@ impl Sure {
         let least = &ends[0];
         let freedom = least.residuals.len().saturating_sub(layout.roles.len()).max(1) as f64;
         let reduced = least.sum / freedom;
-        let unit = reduced.max(f64::MIN_POSITIVE);
-        let at_ends = rise_at_ends(freedom);
+        let together = layout.frames_together(least)?;
+        let factor = if together > 1.0 { together * TAKEN_UP.powi(2) } else { 1.0 };
+        let unit = (factor * reduced).max(f64::MIN_POSITIVE);
+        let independent = least.residuals.len() as f64 / together - shown.len() as f64;
+        let at_ends = rise_at_ends(if together > 1.0 { independent.max(FEWEST) } else { freedom });
         let residuals = layout.counted(work);
         let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, work);
         let problem = layout.problem(&residuals, &slopes);
@@ -462,7 +477,7 @@ impl Sure {
             })
             .collect();
         let profiles = profiles.into_iter().collect::<Option<Vec<_>>>()?;
-        Some(Self { profiles, covariance, unit, at_ends, reduced })
+        Some(Self { profiles, covariance, unit, at_ends, reduced, factor })
     }
 }
 
@@ -549,9 +564,26 @@ impl Layout {
         any
     }
 
+    /// Frames that count as one, over all curves, each by its part of the sum of squares.
+    fn frames_together(&self, least: &Least) -> Option<f64> {
+        let (mut sum, mut over_long) = (0.0, 0.0);
+        for number in 0..self.sources.len() {
+            let FittedCurve { noise, residual, frames_together, used, .. } =
+                self.fitted(least, number)?;
+            let count = used.iter().filter(|used| **used).count() as f64;
+            let squares = count * (residual / noise).powi(2);
+            sum += squares;
+            over_long += frames_together * squares;
+        }
+        Some(if sum > 0.0 { over_long / sum } else { 1.0 })
+    }
+
     fn fitted(&self, least: &Least, number: usize) -> Option<FittedCurve> {
-        let Source { observed, frames, used, .. } = &self.sources[number];
+        let source = &self.sources[number];
+        let Source { observed, frames, used, .. } = source;
         let fitted = self.curve(&least.at, number, &frames.times)?;
+        let stimuli_ms = self.stimuli(&least.at, number);
+        let misfit = Misfit::of(source, &stimuli_ms, &fitted);
         let off: Vec<f64> = frames
             .values
             .iter()
@@ -566,25 +598,14 @@ impl Layout {
             unit: observed.unit.clone(),
             times_ms: frames.times.clone(),
             measured: frames.values.clone(),
-            stimuli_ms: self.stimuli(&least.at, number),
+            stimuli_ms,
             noise: frames.noise,
             residual: (squares(&off) / off.len().max(1) as f64).sqrt(),
-            runs_score: runs_score(&off),
+            misfit: misfit.size,
+            frames_together: misfit.together,
+            unexplained: misfit.unexplained,
             used: used.clone(),
             fitted,
         })
     }
-}
-
-/// Standard score of the number of runs of one sign, of values in order (`wald_wolfowitz_1940`).
-fn runs_score(values: &[f64]) -> f64 {
-    let signs: Vec<bool> = values.iter().map(|value| *value > 0.0).collect();
-    let runs = 1 + signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    let up = signs.iter().filter(|up| **up).count() as f64;
-    let all = signs.len() as f64;
-    let down = all - up;
-    let mean = 2.0 * up * down / all + 1.0;
-    let variance = (mean - 1.0) * (mean - 2.0) / (all - 1.0);
-    // All of one sign: as few runs as there can be.
-    if variance > 0.0 { (runs as f64 - mean) / variance.sqrt() } else { -all.sqrt() }
 }

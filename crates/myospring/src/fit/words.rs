@@ -1,19 +1,23 @@
 //! A fit in words.
 
-use super::answer::{Fit, FittedCurve, Verdict};
+use super::answer::{Fit, FitVerdict, FittedCurve, Verdict};
 use super::observed::Scale;
 use super::unknown::Unknown;
 
 /// What a reader must know, in order of weight.
 pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
     let mut words = Vec::new();
-    for curve in fit.curves.iter().filter(|curve| !curve.follows()) {
-        words.push(misfit(curve, model));
+    let off = fit.curves.iter().filter(|curve| curve.verdict() != FitVerdict::Fits);
+    words.extend(off.map(|curve| misfit(curve, model)));
+    if fit.verdict == FitVerdict::DoesNotFit {
+        words.push(what_to_do(fit, model));
     }
     for estimate in fit.estimates.iter().filter(|estimate| estimate.unknown.is_some()) {
         let name = &estimate.name;
         match estimate.verdict {
             Verdict::Determined if estimate.is_parabolic() => {}
+            // Said of the whole fit.
+            Verdict::DoesNotFit => {}
             Verdict::Determined => words.push(format!(
                 "the likelihood of {name} is no parabola: its interval holds, its standard deviation does not"
             )),
@@ -46,6 +50,9 @@ pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
             "{one} and {other} can hardly be told apart (correlation {correlation:.3}): hold one of them fixed"
         ));
     }
+    // Too small to speak against the fit, and yet in its intervals.
+    let small = |curve: &&FittedCurve| curve.verdict() == FitVerdict::Fits && curve.misfit > 0.0;
+    words.extend(fit.curves.iter().filter(small).map(|curve| misfit(curve, model)));
     let [agreeing, starts] = fit.agreeing_starts;
     if 4 * agreeing < starts {
         words.push(format!(
@@ -71,9 +78,28 @@ pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
     words
 }
 
+/// What can be done about a model that does not fit.
+fn what_to_do(fit: &Fit, model: &str) -> String {
+    let other = match model {
+        "coelho_2021" => {
+            "another cell model, such as land_2017, whose tension rises and falls more slowly"
+        }
+        _ => "another cell model",
+    };
+    let at_bound = fit
+        .estimates
+        .iter()
+        .any(|estimate| matches!(estimate.verdict, Verdict::AtLowerBound | Verdict::AtUpperBound));
+    let bounds = if at_bound { ", wider bounds" } else { "" };
+    format!(
+        "do not take these numbers for the cell's; they have no intervals. Try {other}, more free parameters{bounds}, or a \
+         shorter part of the curve, and check that the curve's kind and unit are right"
+    )
+}
+
 /// How the fitted curve goes by the measured one, where it cannot follow.
 fn misfit(curve: &FittedCurve, model: &str) -> String {
-    let FittedCurve { times_ms, measured, fitted, used, noise, residual, .. } = curve;
+    let FittedCurve { times_ms, measured, fitted, used, .. } = curve;
     let sign = if curve.scale == Scale::Length { -1.0 } else { 1.0 };
     let up = |values: &[f64], at: usize| sign * values[at];
     let peak =
@@ -112,19 +138,32 @@ fn misfit(curve: &FittedCurve, model: &str) -> String {
         let more = if off > 0.0 { "more" } else { "less" };
         format!(": {what} the measured cell is {} {more} contracted than any setting of the unknowns gives", amount(off.abs(), &curve.unit))
     });
+    let verb = match curve.verdict() {
+        FitVerdict::DoesNotFit => "does not fit",
+        FitVerdict::FitsNearly => "fits nearly, not wholly,",
+        FitVerdict::Fits => "fits",
+    };
+    let counted = match curve.verdict() {
+        FitVerdict::DoesNotFit => "",
+        _ => "; the intervals count this",
+    };
     format!(
-        "{model} cannot follow `{}`: {} are left where the noise is {}{place}. Its intervals count with what is left, \
-         and mean little",
+        "{model} {verb} `{}`: it is off by {} ({} of the height of a beat; noise {}){place}{counted}",
         curve.name,
-        amount(*residual, &curve.unit),
-        amount(*noise, &curve.unit),
+        amount(curve.misfit, &curve.unit),
+        amount(100.0 * curve.misfit / curve.height(), "%"),
+        amount(curve.noise, &curve.unit),
     )
 }
 
 /// A number with its unit, three digits of it.
 fn amount(value: f64, unit: &str) -> String {
-    let digits = if value == 0.0 { 0.0 } else { 2.0 - value.abs().log10().floor() };
-    let digits = digits.clamp(0.0, 9.0) as usize;
     let space = if unit.is_empty() { "" } else { " " };
+    let size = value.abs();
+    if size > 0.0 && !(1e-4..1e6).contains(&size) {
+        return format!("{value:.2e}{space}{unit}");
+    }
+    let digits = if size > 0.0 { (2.0 - size.log10().floor()).clamp(0.0, 9.0) } else { 0.0 };
+    let digits = digits as usize;
     format!("{value:.digits$}{space}{unit}")
 }

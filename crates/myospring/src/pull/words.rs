@@ -4,10 +4,12 @@ use super::TensionMap;
 use crate::mechanics::support::SupportKind;
 use crate::simulation::Simulation;
 
-/// Part of the cell that is held at no tension from which on it is said.
+/// Part of the cell that is doubtful, or held at no tension, from which on it is said.
 const MUCH: f64 = 0.05;
-/// Standard deviation of a place over the mean tension, from which on it is said.
-const UNSURE: f64 = 0.5;
+/// Standard deviation of a place over its tension from which on the place is doubtful, and part of the cell that is
+/// doubtful from which on there is no map.
+const DOUBTFUL: f64 = 0.5;
+const MOST: f64 = 0.5;
 /// Part of the misfit of an even tension that a map may leave without a word.
 const LEFT: f64 = 0.7;
 
@@ -20,6 +22,41 @@ impl TensionMap {
     /// Tension, kPa, below which a part of the triangles lies.
     pub fn quantile_kpa(&self, part: f64) -> f64 {
         middle(&self.tensions_kpa, part)
+    }
+
+    /// Standard deviation of each triangle over its tension: 1 at most, also where there is no tension.
+    pub fn doubts(&self) -> Vec<f64> {
+        let both = self.deviations_kpa.iter().zip(&self.tensions_kpa);
+        let over = |(deviation, tension): (&f64, &f64)| {
+            if deviation < tension { deviation / tension } else { 1.0 }
+        };
+        both.map(over).collect()
+    }
+
+    /// Part of the triangles whose standard deviation is above half of their tension.
+    pub fn doubtful_part(&self) -> f64 {
+        let doubts = self.doubts();
+        let doubtful = doubts.iter().filter(|doubt| **doubt > DOUBTFUL).count();
+        doubtful as f64 / doubts.len().max(1) as f64
+    }
+
+    /// Whether it is known of most of the cell where it pulls; otherwise no map is shown, and
+    /// [`TensionMap::why_not_known`] says why.
+    pub fn is_known(&self) -> bool {
+        self.doubtful_part() <= MOST
+    }
+
+    /// The sentence that takes the place of a map that is not known.
+    pub fn why_not_known(&self) -> String {
+        format!(
+            "This film does not tell where the cell pulls: in {:.0} % of the cell the standard deviation is above half of \
+             the tension. The even tension that comes nearest to the film is {:.1} kPa, the mean of a map would be {:.1} \
+             kPa. Larger subsets, a sharper film or one that shows the whole cell, and the support that the cell has, may \
+             tell more.",
+            100.0 * self.doubtful_part(),
+            self.even_kpa,
+            self.mean_kpa
+        )
     }
 
     /// What a reader must know of a map of this cell, in order of weight.
@@ -46,16 +83,19 @@ impl TensionMap {
                 self.misfit_um, self.even_misfit_um
             ));
         }
-        let unsure = middle(&self.deviations_kpa, 0.5);
-        if self.is_uneven() && unsure > UNSURE * self.mean_kpa {
+        let doubtful = self.doubtful_part();
+        if !self.is_known() {
+            words[0] = self.why_not_known();
+        } else if doubtful > MUCH {
             words.push(format!(
-                "single places are hardly known: {unsure:.1} kPa is the usual standard deviation, {:.1} kPa the mean tension",
-                self.mean_kpa
+                "in {:.0} % of the cell, hatched in the figure, the standard deviation is above half of the tension: do not \
+                 read single places there",
+                100.0 * doubtful
             ));
         }
         let none = self.tensions_kpa.iter().filter(|tension| **tension <= 0.0).count() as f64;
         let none = none / self.tensions_kpa.len().max(1) as f64;
-        if none > MUCH {
+        if none > MUCH && self.is_known() {
             words.push(format!(
                 "{:.0} % of the cell has no tension: it gives way or is drawn out there, or moves unlike its model",
                 100.0 * none

@@ -279,3 +279,42 @@ fn noise_at_the_cut_is_no_unevenness() {
         assert!((map.mean_kpa - 30.0).abs() < 0.5, "{seed}: {} kPa", map.mean_kpa);
     }
 }
+
+#[test]
+fn places_whose_standard_deviation_exceeds_half_of_their_tension_are_doubtful_and_most_of_them_are_no_map()
+ {
+    let (simulation, seen) = exact(&pulled(wave, FREE, 0.0), 4.0);
+    let sure = TensionMap::of(&simulation, &seen).unwrap();
+    assert!(sure.is_known() && sure.doubtful_part() < 0.01, "{}", sure.doubtful_part());
+    let with_doubts = |part: f64| {
+        let mut map = sure.clone();
+        let count = (part * map.tensions_kpa.len() as f64) as usize;
+        for (deviation, tension) in map.deviations_kpa.iter_mut().zip(&map.tensions_kpa).take(count)
+        {
+            *deviation = 0.6 * tension;
+        }
+        map
+    };
+    let some = with_doubts(0.3);
+    assert!(some.is_known() && (some.doubtful_part() - 0.3).abs() < 0.02);
+    assert!(
+        some.verdicts(&simulation)
+            .iter()
+            .any(|verdict| verdict.contains("30 % of the cell, hatched"))
+    );
+    let most = with_doubts(0.7);
+    let words = most.verdicts(&simulation);
+    assert!(
+        !most.is_known() && words[0].contains("does not tell where the cell pulls"),
+        "{words:?}"
+    );
+    assert!(
+        !words.iter().any(|verdict| verdict.contains("differs from place to place")),
+        "{words:?}"
+    );
+    // Where there is no tension no deviation is small.
+    let mut none = sure.clone();
+    none.tensions_kpa.fill(0.0);
+    none.deviations_kpa.fill(0.0);
+    assert!(none.doubts().iter().all(|doubt| *doubt == 1.0));
+}
