@@ -53,7 +53,10 @@ pub fn schema() -> Value {
             },
             "run": {
                 "description": "What all members have in common: the name of a run file, or its tables.",
-                "oneOf": [{"type": "string"}, {"$ref": "#/$defs/run"}],
+                "type": ["string", "object"],
+                // Not one of both, so that what is wrong is named where it stands.
+                "if": {"type": "object"},
+                "then": {"$ref": "#/$defs/run"},
             },
             "parameters": {
                 "type": "object",
