@@ -141,7 +141,7 @@ pub fn no_map(
     why: &str,
 ) -> Result<Figure, FigureError> {
     cell.check(positions)?;
-    let [low, high] = extremes(cell, [positions, &cell.mesh().points].into_iter());
+    let [low, high] = extremes(cell, [positions, &cell.mesh().points]);
     let extent = [0, 1].map(|axis: usize| (high[axis] - low[axis]).max(1e-9));
     let room = DOUBLE - 2.0 * MARGIN;
     let scale = (room / extent[0]).min(0.35 * room / extent[1]);
