@@ -5,8 +5,8 @@
 //!
 //! 1. *Which way.* Curves whose kind falls in a beat (lengths) are turned over; of an unknown kind the way in which it
 //!    departs furthest and shortest.
-//! 2. *Bad frames*, single frames far from where their neighbours point, are replaced by the mean of the two beside them;
-//!    hum of the mains is taken off where it stands out of the spectrum.
+//! 2. *Artefacts*, departures that are not like the beats, and single *bad frames* are replaced by lines and listed; hum of
+//!    the mains is taken off where it stands out of the spectrum.
 //! 3. *Noise* is the median of fourth differences, which a smooth curve has none of.
 //! 4. *Beats*: maxima whose prominence noise of this size would not reach in as many samples, and at least a fifth of the
 //!    usual beat's, as is their height times width. With stimuli a beat is what follows one before the next.
@@ -18,8 +18,11 @@
 //!    eighth of a beat's width either side; none where there is less noise than that.
 
 mod answer;
+mod artefacts;
 mod beat;
 mod detect;
+#[cfg(test)]
+mod grid;
 mod noise;
 mod rhythm;
 mod smooth;
@@ -29,8 +32,9 @@ mod tests;
 use super::kind::Kind;
 use super::{Metric, trace};
 use answer::LEAST_FRAMES;
-pub use answer::{Analysis, CurveBeat, CurveError, Mark, State, Treatment};
+pub use answer::{Analysis, Artefact, CurveBeat, CurveError, Mark, State, Treatment};
 use beat::Reader;
+use detect::Known;
 
 /// Noise that is smoothed down to, as a part of a beat's height.
 const SMOOTH_TO: f64 = 0.005;
@@ -79,26 +83,28 @@ pub fn analyse(
     options: &Options,
 ) -> Result<Analysis, CurveError> {
     check(times, values)?;
-    let rises = kind.rises().unwrap_or_else(|| departs_upward(values));
+    let plateau = kind == Kind::Potential;
+    let Cleaned { rises, mut signal, bad, artefacts, usual, replaced } = clean(times, values, kind);
     let sign = if rises { 1.0 } else { -1.0 };
-    let mut signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
-
-    let bad = noise::bad_frames(&signal, noise::level(&signal));
-    for &at in &bad {
-        let part = (times[at] - times[at - 1]) / (times[at + 1] - times[at - 1]);
-        signal[at] = signal[at - 1] + part * (signal[at + 1] - signal[at - 1]);
-    }
     let hum = noise::hum(times, &signal);
     if let Some(hum) = &hum {
         signal.iter_mut().zip(&hum.wave).for_each(|(value, wave)| *value -= wave);
     }
-    let level = noise::level(&signal);
-    let plateau = kind == Kind::Potential;
-    let found = detect::beats(times, &signal, plateau);
+    // Lines have no noise.
+    let level = noise::level(&artefacts::without(&signal, &replaced));
+    let stimuli = stimuli_within(times, &options.stimuli_ms)?;
+    let known = Known {
+        plateau,
+        height: usual,
+        noise: Some(level),
+        stimuli: stimuli.as_deref().unwrap_or_default(),
+    };
+    let found = detect::beats(times, &signal, known);
     if found.peaks.is_empty() {
         let turned: Vec<f64> = signal.iter().map(|value| -value).collect();
-        let beats_turned = || !detect::beats(times, &turned, plateau).peaks.is_empty();
-        let hint = if kind.rises().is_some() && departs_upward(values) != rises && beats_turned() {
+        let known = Known { plateau, ..Known::default() };
+        let beats_turned = || !detect::beats(times, &turned, known).peaks.is_empty();
+        let hint = if kind.rises().is_some() && !departs_upward(&signal) && beats_turned() {
             "; it departs the other way: is its kind right?"
         } else {
             ""
@@ -120,8 +126,8 @@ pub fn analyse(
         unit,
         found: &found,
         keep_drift: options.keep_drift,
+        artefacts: &artefacts,
     };
-    let stimuli = stimuli_within(times, &options.stimuli_ms)?;
     let mut beats = match &stimuli {
         Some(stimuli) => reader.after(stimuli),
         None => reader.found(),
@@ -134,8 +140,9 @@ pub fn analyse(
             hint: " after any stimulus",
         });
     }
-    let mut remarks = rhythm::remarks(&mut beats, stimuli.is_some());
-    remarks.extend(doubts(times, values, &beats, &found, kind, rises));
+    let mut remarks = artefact_remarks(&artefacts, &beats);
+    remarks.extend(rhythm::remarks(&mut beats, stimuli.is_some()));
+    remarks.extend(doubts(times, &signal, &beats, &found, kind, rises));
     let step = median_step(times);
     let window =
         |half: usize| format!("{} frames, {:.1} ms", 2 * half + 1, 2.0 * half as f64 * step);
@@ -164,6 +171,7 @@ pub fn analyse(
         },
         noise: level,
         bad_frames: bad.iter().map(|at| at + 1).collect(),
+        artefacts,
         hum: hum.map(|hum| [hum.frequency_hz, hum.amplitude]),
     };
     let read = smoothed.iter().map(|value| sign * value).collect();
@@ -190,11 +198,82 @@ fn check(times: &[f64], values: &[f64]) -> Result<(), CurveError> {
     Ok(())
 }
 
+/// A curve without what is no beat.
+struct Cleaned {
+    rises: bool,
+    /// Rises in a beat.
+    signal: Vec<f64>,
+    /// Single frames that were replaced.
+    bad: Vec<usize>,
+    artefacts: Vec<Artefact>,
+    /// The height of the usual beat.
+    usual: Option<f64>,
+    /// Frames that lines replace.
+    replaced: Vec<bool>,
+}
+
+/// Bridges artefacts and finds the direction of a curve whose kind does not fix it.
+fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
+    let plateau = kind == Kind::Potential;
+    let of = |rises: bool| {
+        let sign = if rises { 1.0 } else { -1.0 };
+        let signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
+        (rises, artefacts::bridge(&signal, plateau))
+    };
+    let (rises, (mut signal, found, beats)) = match kind.rises() {
+        Some(rises) => of(rises),
+        None => {
+            let (up, down) = (of(true), of(false));
+            // Both say the same where artefacts do not hide it.
+            let upward = departs_upward(&up.1.0);
+            let downward = departs_upward(&down.1.0);
+            let alike = |of: &(bool, artefacts::Bridged)| of.1.2.as_ref().map_or(0.0, |b| b.alike);
+            if upward && !downward || upward == downward && alike(&up) >= alike(&down) {
+                up
+            } else {
+                down
+            }
+        }
+    };
+    let usual = beats.map(|beats| beats.height);
+    let (single, longer): (Vec<_>, Vec<_>) =
+        found.into_iter().partition(|artefact| artefact.from == artefact.to);
+    let mut replaced = vec![false; signal.len()];
+    for artefact in &longer {
+        replaced[artefact.from..=artefact.to].fill(true);
+    }
+    let range = usual.unwrap_or_else(|| noise::range(&signal, 0.02));
+    let mut bad =
+        noise::bad_frames(&signal, noise::level(&artefacts::without(&signal, &replaced)), range);
+    for &at in &bad {
+        let part = (times[at] - times[at - 1]) / (times[at + 1] - times[at - 1]);
+        signal[at] = signal[at - 1] + part * (signal[at + 1] - signal[at - 1]);
+    }
+    bad.extend(single.iter().map(|artefact| artefact.from));
+    bad.sort_unstable();
+    bad.dedup();
+    let sign = if rises { 1.0 } else { -1.0 };
+    let artefacts = longer.iter().map(|artefact| Artefact {
+        from_ms: times[artefact.from],
+        to_ms: times[artefact.to],
+        frames: [artefact.from + 1, artefact.to + 1],
+        height: sign * artefact.height,
+        long: artefact.long,
+    });
+    let artefacts = artefacts.collect();
+    Cleaned { rises, signal, bad, artefacts, usual, replaced }
+}
+
 /// Whether a curve spends less time above its middle than below: beats are shorter than rest.
 fn departs_upward(values: &[f64]) -> bool {
     let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    values.iter().map(|value| (value - mean).powi(3)).sum::<f64>() >= 0.0
+    // Drift, as far as it is a line, has no direction.
+    let half = values.len() / 2;
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
+    let slope = (mean(&values[half..]) - mean(&values[..half])) / (0.5 * count);
+    let level = mean(values) - 0.5 * slope * count;
+    let departures = values.iter().enumerate().map(|(at, value)| value - level - slope * at as f64);
+    departures.map(|departure| departure.powi(3)).sum::<f64>() >= 0.0
 }
 
 /// Samples either side of the smoothing window.
@@ -278,13 +357,53 @@ fn stimuli_within(times: &[f64], stimuli: &[f64]) -> Result<Option<Vec<f64>>, Cu
     Ok(Some(within))
 }
 
+/// What was left out of a curve, and what that cost.
+fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let (long, short): (Vec<&Artefact>, Vec<&Artefact>) =
+        artefacts.iter().partition(|artefact| artefact.long);
+    for artefact in long {
+        remarks.push(format!(
+            "{:.1} s, from {:.0} to {:.0} ms, are cut out: the signal there is not that of beats",
+            1e-3 * (artefact.to_ms - artefact.from_ms),
+            artefact.from_ms,
+            artefact.to_ms
+        ));
+    }
+    if !short.is_empty() {
+        let times: Vec<String> = short
+            .iter()
+            .take(LISTED)
+            .map(|artefact| format!("{:.0} to {:.0} ms", artefact.from_ms, artefact.to_ms))
+            .collect();
+        let more = match short.len().saturating_sub(LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let (what, are) = if short.len() == 1 { ("artefact", "is") } else { ("artefacts", "are") };
+        remarks.push(format!("{} {what} {are} left out: {}{more}", short.len(), times.join(", ")));
+    }
+    let touched = beats.iter().filter(|beat| beat.state == State::Disturbed).count();
+    if touched > 0 {
+        let (what, count) = if touched == 1 { ("beat", "counts") } else { ("beats", "count") };
+        remarks.push(format!(
+            "{touched} {what} of {} that artefacts touch {count} in no mean",
+            beats.len()
+        ));
+    }
+    remarks
+}
+
+/// Artefacts that a remark lists by their times, at most.
+const LISTED: usize = 5;
+
 /// Intervals between beats that no heart cell has, ms.
 const INTERVALS_MS: [f64; 2] = [60.0, 30_000.0];
 
 /// What speaks against the numbers.
 fn doubts(
     times: &[f64],
-    values: &[f64],
+    signal: &[f64],
     beats: &[CurveBeat],
     found: &detect::Found,
     kind: Kind,
@@ -292,11 +411,10 @@ fn doubts(
 ) -> Vec<String> {
     let mut doubts = Vec::new();
     if kind.rises().is_some() {
-        let turned: Vec<f64> =
-            values.iter().map(|value| if rises { -value } else { *value }).collect();
-        let other = detect::beats(times, &turned, false);
+        let turned: Vec<f64> = signal.iter().map(|value| -value).collect();
+        let other = detect::beats(times, &turned, Known::default());
         // A curve of beats with rest between them is lopsided; turned over, rest makes broad pulses.
-        if departs_upward(values) != rises && other.usual > 0.8 * found.usual {
+        if !departs_upward(signal) && other.usual > 0.8 * found.usual {
             doubts.push(format!(
                 "the curve departs from its rest {}, and {} {} in a beat: is its kind right?",
                 if rises { "downward" } else { "upward" },

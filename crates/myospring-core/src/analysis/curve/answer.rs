@@ -83,6 +83,8 @@ pub enum State {
     CutAtStart,
     /// The recording ends within it: what it still shows counts.
     CutAtEnd,
+    /// An artefact touches it: what it shows is partly a line, and it does not count in means.
+    Disturbed,
     /// A stimulus without a beat.
     Missed,
 }
@@ -94,6 +96,7 @@ impl State {
             Self::Whole => "whole",
             Self::CutAtStart => "cut at the start",
             Self::CutAtEnd => "cut at the end",
+            Self::Disturbed => "with an artefact",
             Self::Missed => "missed",
         }
     }
@@ -132,6 +135,21 @@ pub struct CurveBeat {
     pub baseline: Option<[Point; 2]>,
 }
 
+/// A stretch of a curve that is not like its beats.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Artefact {
+    /// Time of its first frame, ms.
+    pub from_ms: f64,
+    /// Time of its last frame, ms.
+    pub to_ms: f64,
+    /// Its first and last frame, from 1.
+    pub frames: [usize; 2],
+    /// How far it departs at most from the line that replaces it, in the curve's unit.
+    pub height: f64,
+    /// Whether it lasts longer than from beat to beat: no beat is looked for in it.
+    pub long: bool,
+}
+
 /// What was done to a curve before it was read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Treatment {
@@ -151,6 +169,8 @@ pub struct Treatment {
     pub noise: f64,
     /// Frames that were replaced, from 1.
     pub bad_frames: Vec<usize>,
+    /// Longer stretches that are no beats; lines replace them.
+    pub artefacts: Vec<Artefact>,
     /// What was taken off as mains hum: Hz and amplitude in the curve's unit.
     pub hum: Option<[f64; 2]>,
 }

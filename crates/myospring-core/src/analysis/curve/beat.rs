@@ -1,6 +1,6 @@
 //! One beat of a curve: its rest, its pulse, its metrics.
 
-use super::answer::{CurveBeat, Mark, State};
+use super::answer::{Artefact, CurveBeat, Mark, State};
 use super::detect::Found;
 use crate::analysis::kind::{Family, Kind};
 use crate::analysis::pulse::{Pulse, Top};
@@ -38,6 +38,7 @@ pub(super) struct Reader<'a> {
     pub(super) unit: &'static str,
     pub(super) found: &'a Found,
     pub(super) keep_drift: bool,
+    pub(super) artefacts: &'a [Artefact],
 }
 
 /// Where a beat lies in the samples.
@@ -51,6 +52,8 @@ struct Span {
     /// Samples of its rest, and their mean time and value.
     rest: [usize; 2],
     rest_at: Point,
+    /// The first sample that is read.
+    from: usize,
     cut_at_start: bool,
 }
 
@@ -102,10 +105,22 @@ impl Reader<'_> {
             rest = mean(&self.signal[window[0]..window[1]]);
             onset = self.onset(low.min(end), peak, rest);
         }
+        if let Some(before) = at.checked_sub(1) {
+            // A beat begins after the top of the one before.
+            onset = onset.max(self.times[peaks[before] + 1]);
+        }
         // At the start of a recording rest must have been seen.
         let cut_at_start = at == 0 && (window[1] - window[0] < 2 || onset <= self.times[0]);
         let rest_at = Point { time: mean(&self.times[window[0]..window[1]]), value: rest };
-        Span { stimulus: None, peak, begin: onset, rest: window, rest_at, cut_at_start }
+        Span {
+            stimulus: None,
+            peak,
+            begin: onset,
+            rest: window,
+            rest_at,
+            from: window[0],
+            cut_at_start,
+        }
     }
 
     /// The lowest smoothed sample between two.
@@ -136,27 +151,36 @@ impl Reader<'_> {
         let mut distances: Vec<f64> = stimuli.windows(2).map(|pair| pair[1] - pair[0]).collect();
         distances.sort_by(f64::total_cmp);
         let cycle = distances.get(distances.len() / 2).copied().unwrap_or(last - stimuli[0]);
+        let owners = self.owners(stimuli);
         let mut spans = Vec::new();
         let mut beats: Vec<Option<CurveBeat>> = Vec::new();
         for (index, &stimulus) in stimuli.iter().enumerate() {
-            let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
             let before = if index == 0 { cycle } else { stimulus - stimuli[index - 1] };
             let first = self.times.partition_point(|time| *time < stimulus);
-            let stop = self.times.partition_point(|time| *time < end);
-            let within = self.found.peaks.iter().filter(|peak| (first..stop).contains(&peak.at));
-            let tops: Vec<usize> = within.map(|peak| peak.at).collect();
+            let tops = self.found.peaks.iter().zip(&owners);
+            let tops = tops.filter(|(_, owner)| **owner == Some(index)).map(|(peak, _)| peak.at);
             // The highest; further ones are remarked upon.
-            let top = tops
-                .iter()
-                .copied()
-                .reduce(|best, at| if self.smoothed[at] > self.smoothed[best] { at } else { best });
+            let top = tops.reduce(
+                |best, at| {
+                    if self.smoothed[at] > self.smoothed[best] { at } else { best }
+                },
+            );
             let Some(peak) = top else {
+                let end = stimuli.get(index + 1).copied().unwrap_or(last);
+                let hidden = self.artefacts_within(stimulus, end);
+                let hint = if hidden.is_empty() {
+                    String::new()
+                } else {
+                    format!("; {hidden} may hide it")
+                };
                 beats.push(Some(CurveBeat {
                     number: index + 1,
                     stimulus_ms: Some(stimulus),
                     onset_ms: None,
                     state: State::Missed,
-                    remarks: vec![format!("no beat follows the stimulus at {stimulus:.1} ms")],
+                    remarks: vec![format!(
+                        "no beat follows the stimulus at {stimulus:.1} ms{hint}"
+                    )],
                     metrics: Vec::new(),
                     marks: Vec::new(),
                     baseline: None,
@@ -167,12 +191,17 @@ impl Reader<'_> {
             let from = from.min(first.saturating_sub(3));
             let to = self.times.partition_point(|time| *time <= stimulus).max(from + 1);
             let rest = mean(&self.signal[from..to]);
+            // The top of the beat before may come after this stimulus, and is none of this beat.
+            let before = self.found.peaks.iter().map(|other| other.at);
+            let before = before.filter(|other| (from..peak).contains(other)).next_back();
+            let first = before.map_or(from, |before| self.lowest(before, peak));
             spans.push(Span {
                 stimulus: Some(stimulus),
                 peak,
                 begin: stimulus,
                 rest: [from, to],
                 rest_at: Point { time: mean(&self.times[from..to]), value: rest },
+                from: first,
                 cut_at_start: false,
             });
             beats.push(None);
@@ -184,9 +213,7 @@ impl Reader<'_> {
         });
         let mut beats: Vec<CurveBeat> = beats.collect();
         for (index, &stimulus) in stimuli.iter().enumerate() {
-            let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
-            let tops = self.found.peaks.iter().map(|peak| self.times[peak.at]);
-            let count = tops.filter(|time| (stimulus..end).contains(time)).count();
+            let count = owners.iter().filter(|owner| **owner == Some(index)).count();
             if count > 1 {
                 beats[index].remarks.push(format!(
                     "{count} beats follow the stimulus at {stimulus:.1} ms before the next; the highest is measured"
@@ -194,6 +221,33 @@ impl Reader<'_> {
             }
         }
         beats
+    }
+
+    /// The stimulus that each beat belongs to: the last one before its onset.
+    fn owners(&self, stimuli: &[f64]) -> Vec<Option<usize>> {
+        let peaks: Vec<usize> = self.found.peaks.iter().map(|peak| peak.at).collect();
+        let cycle = median_distance(self.times, &peaks);
+        let onset = |at: usize| {
+            let begin = self.span(&peaks, at, cycle).begin;
+            // Noise may put an onset a little before its stimulus.
+            let slack = 0.15 * (self.times[peaks[at]] - begin).max(0.0);
+            (begin + slack).min(self.times[peaks[at]])
+        };
+        let owner = |at: usize| stimuli.partition_point(|time| *time <= onset(at)).checked_sub(1);
+        (0..peaks.len()).map(owner).collect()
+    }
+
+    /// The artefacts that overlap a time, in words; empty where there are none.
+    fn artefacts_within(&self, from: f64, to: f64) -> String {
+        let within = self.artefacts.iter().filter(|it| it.from_ms <= to && it.to_ms >= from);
+        let times: Vec<String> =
+            within.map(|it| format!("{:.0} to {:.0} ms", it.from_ms, it.to_ms)).collect();
+        match times.len() {
+            0 => String::new(),
+            1 => format!("an artefact at {}", times[0]),
+            count if count > 3 => format!("{count} artefacts, the first at {},", times[0]),
+            _ => format!("artefacts at {}", times.join(", ")),
+        }
     }
 
     fn read(&self, spans: &[Span]) -> Vec<CurveBeat> {
@@ -229,16 +283,32 @@ impl Reader<'_> {
             three.sort_by(f64::total_cmp);
             three[1]
         };
-        (0..spans.len())
-            .map(|at| {
-                let interval = at
-                    .checked_sub(1)
-                    .map(|before| (spans[before].begin, spans[before].cut_at_start));
-                let interval =
-                    interval.filter(|(_, cut)| !cut).map(|(before, _)| spans[at].begin - before);
-                self.beat(at + 1, &spans[at], spans.get(at + 1), slope(at), interval)
-            })
-            .collect()
+        let tops: Vec<usize> = spans.iter().map(|span| span.peak).collect();
+        let cycle = median_distance(self.times, &tops).unwrap_or(f64::INFINITY);
+        let mut beats: Vec<CurveBeat> = Vec::with_capacity(spans.len());
+        for (at, span) in spans.iter().enumerate() {
+            let before = at.checked_sub(1).map(|before| &spans[before]);
+            let interval =
+                before.filter(|span| !span.cut_at_start).map(|before| span.begin - before.begin);
+            let mut beat = self.beat(at + 1, span, spans.get(at + 1), slope(at), interval);
+            if let (None, Some(before), Some(last)) = (span.stimulus, before, beats.last()) {
+                // What an artefact hides may be a beat.
+                let hidden = self.artefacts_within(self.times[before.peak], span.begin);
+                let long = interval.is_some_and(|interval| interval > 1.5 * cycle);
+                if long && !hidden.is_empty() {
+                    beat.remarks.push(format!("{hidden} may hide a beat before it"));
+                }
+                if last.state == State::Disturbed
+                    || beat.state == State::Disturbed
+                    || long && !hidden.is_empty()
+                {
+                    let interval = beat.metrics.iter_mut().filter(|row| row.name == "interval");
+                    interval.for_each(|row| row.value = None);
+                }
+            }
+            beats.push(beat);
+        }
+        beats
     }
 
     /// Rest at the end of the recording, where that is long after the last beat.
@@ -266,7 +336,7 @@ impl Reader<'_> {
         slope: f64,
         interval: Option<f64>,
     ) -> CurveBeat {
-        let first = span.rest[0];
+        let first = span.from;
         // It ends with the rest of the next.
         let last = next
             .map_or(self.times.len(), |next| next.rest[1].max(span.peak + 2))
@@ -279,7 +349,7 @@ impl Reader<'_> {
             .map(|(time, value)| value - base(*time))
             .collect();
         // A beat begins in its rest: noise there is no rise.
-        let start = self.times[span.rest[0]];
+        let start = self.times[first];
         let rest = self.sign * span.rest_at.value;
         let top = if self.kind == Kind::Potential { Top::Sample } else { Top::Vertex };
         let slopes: Option<Vec<f64>> = self
@@ -303,9 +373,15 @@ impl Reader<'_> {
         };
         let mut remarks = Vec::new();
         let mut metrics = self.metrics([times, &heights], slopes, &pulse, &base, rest, &context);
+        let over = pulse.falls(AT_REST).unwrap_or(times[times.len() - 1]);
+        let touching = self.artefacts_within(start, over);
         let state = if span.cut_at_start {
             remarks.push("the recording begins within it: its rest is unknown".to_owned());
             State::CutAtStart
+        } else if !touching.is_empty() {
+            let verb = if touching.starts_with("an ") { "touches" } else { "touch" };
+            remarks.push(format!("{touching} {verb} it: it counts in no mean"));
+            State::Disturbed
         } else if next.is_none() && pulse.falls(AT_REST).is_none() {
             remarks.push("the recording ends before it is over".to_owned());
             State::CutAtEnd

@@ -6,6 +6,9 @@ use super::smooth::{gain, smooth};
 /// How high a pulse is, and how large (height times width), of the usual ones, to be a beat and not a bump of one.
 const BUMP: f64 = 0.2;
 
+/// How high a pulse that follows a stimulus is, of the usual ones, to be a beat.
+const EXPECTED: f64 = 0.08;
+
 /// A candidate for a beat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
@@ -27,9 +30,23 @@ pub(super) struct Found {
     pub(super) least: f64,
 }
 
-/// The beats of a curve that rises in a beat; `plateau` joins tops between which the curve does not fall by half.
-pub(super) fn beats(times: &[f64], values: &[f64], plateau: bool) -> Found {
-    let sigma = noise::level(values);
+/// What is known of the beats before they are looked for.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Known<'a> {
+    /// Whether tops between which the curve does not fall by half are one.
+    pub(super) plateau: bool,
+    /// Height of the usual beat.
+    pub(super) height: Option<f64>,
+    /// Standard deviation of the noise.
+    pub(super) noise: Option<f64>,
+    /// Times of stimuli, ms, each of which should be followed by a beat.
+    pub(super) stimuli: &'a [f64],
+}
+
+/// The beats of a curve that rises in a beat.
+pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
+    let Known { plateau, height, noise, stimuli } = known;
+    let sigma = noise.unwrap_or_else(|| noise::level(values));
     let count = values.len();
     // Few samples tell the noise the less well.
     let sigma = sigma * (1.0 + 3.0 / (count as f64).sqrt());
@@ -47,18 +64,20 @@ pub(super) fn beats(times: &[f64], values: &[f64], plateau: bool) -> Found {
         half += 1 + half / 2;
     };
     let least = least.max(1e-9 * noise::range(&smoothed, 0.0));
-    let mut peaks = persistent(&smoothed);
-    peaks.retain(|peak| peak.at > 0 && peak.at + 1 < count);
-    let highest = peaks.first().map_or(0.0, |peak| peak.prominence);
+    let mut all = persistent(&smoothed);
+    all.retain(|peak| peak.at > 0 && peak.at + 1 < count);
+    let highest = all.first().map_or(0.0, |peak| peak.prominence);
+    let mut peaks = all.clone();
     peaks.retain(|peak| peak.prominence > least);
-    if peaks.is_empty() {
+    if peaks.is_empty() && stimuli.is_empty() {
         return Found { peaks, half, usual: highest, least };
     }
     // The highest alone may be an artefact, or stand on a drift.
-    let second = peaks[1.min(peaks.len() - 1)].prominence;
+    let second = peaks.get(1).or(peaks.first()).map_or(highest, |peak| peak.prominence);
+    let second = height.map_or(second, |height| second.min(1.5 * height));
     let high: Vec<f64> =
         peaks.iter().map(|peak| peak.prominence).filter(|height| *height >= 0.5 * second).collect();
-    let usual = high[high.len() / 2];
+    let usual = high.get(high.len() / 2).copied().unwrap_or(highest);
     peaks.retain(|peak| peak.prominence >= BUMP * usual);
     let size = |peak: &Peak| peak.prominence * width_at_half(times, &smoothed, peak);
     let mut sizes: Vec<f64> =
@@ -66,9 +85,24 @@ pub(super) fn beats(times: &[f64], values: &[f64], plateau: bool) -> Found {
     sizes.sort_by(f64::total_cmp);
     let usual_size = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
     peaks.retain(|peak| size(peak) >= BUMP * usual_size);
+    // Noise has fewer samples between two stimuli, and a beat is expected there.
+    for (index, &stimulus) in stimuli.iter().enumerate() {
+        let next = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
+        let from = times.partition_point(|time| *time < stimulus);
+        let to = times.partition_point(|time| *time < next);
+        if peaks.iter().any(|peak| (from..to).contains(&peak.at)) {
+            continue;
+        }
+        let samples = ((to - from) as f64 / (2 * half + 1) as f64).max(2.0);
+        let reach = (2.0 * (2.0 * samples.ln()).sqrt() + 2.0) * gain(half) * sigma;
+        let is_beat = |peak: &&Peak| {
+            (from..to).contains(&peak.at) && peak.prominence > reach.max(EXPECTED * usual)
+        };
+        peaks.extend(all.iter().find(is_beat));
+    }
     peaks.sort_by_key(|peak| peak.at);
     if plateau {
-        join(&mut peaks, &smoothed);
+        join(&mut peaks, &smoothed, usual);
     }
     Found { peaks, half, usual, least }
 }
@@ -81,19 +115,16 @@ pub(super) fn width_at_half(times: &[f64], values: &[f64], peak: &Peak) -> f64 {
     times[right.unwrap_or(values.len() - 1)] - times[left]
 }
 
-/// Joins tops of one plateau: between them the curve stays above half of the lower one.
-fn join(peaks: &mut Vec<Peak>, values: &[f64]) {
-    let floor =
-        |from: usize, to: usize| values[from..=to].iter().copied().fold(f64::INFINITY, f64::min);
-    let ground = floor(0, values.len() - 1);
+/// Joins tops of one plateau: between them the curve falls by less than half of the usual height.
+fn join(peaks: &mut Vec<Peak>, values: &[f64], usual: f64) {
     let mut kept: Vec<Peak> = Vec::new();
     for peak in peaks.iter().copied() {
         let Some(last) = kept.last_mut() else {
             kept.push(peak);
             continue;
         };
-        let lower = values[last.at].min(values[peak.at]);
-        if floor(last.at, peak.at) - ground > 0.5 * (lower - ground) {
+        let between = values[last.at..=peak.at].iter().copied().fold(f64::INFINITY, f64::min);
+        if values[last.at].min(values[peak.at]) - between < 0.5 * usual {
             if values[peak.at] > values[last.at] {
                 *last = peak;
             }
@@ -118,7 +149,7 @@ fn top(hill: &mut [usize], mut at: usize) -> usize {
 
 /// All maxima with their prominence, the highest first: samples are taken in order of height, and where two hills meet the
 /// lower one ends.
-fn persistent(values: &[f64]) -> Vec<Peak> {
+pub(super) fn persistent(values: &[f64]) -> Vec<Peak> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]).then(a.cmp(b)));
     // The hill that a sample belongs to, by its top.
@@ -171,13 +202,16 @@ mod tests {
             for sigma in [0.0, 0.01, 0.1, 0.3] {
                 let (times, clean) = triangles(1000);
                 let values: Vec<f64> = clean.iter().map(|v| v + sigma * random.normal()).collect();
-                let found = beats(&times, &values, false);
+                let found = beats(&times, &values, Known::default());
                 assert_eq!(found.peaks.len(), 5, "seed {seed}, noise {sigma}");
             }
             for count in [50, 500, 5000] {
                 let times: Vec<f64> = (0..count).map(f64::from).collect();
                 let values: Vec<f64> = times.iter().map(|_| random.normal()).collect();
-                assert!(beats(&times, &values, false).peaks.is_empty(), "seed {seed}, {count}");
+                assert!(
+                    beats(&times, &values, Known::default()).peaks.is_empty(),
+                    "seed {seed}, {count}"
+                );
             }
         }
     }
@@ -200,7 +234,10 @@ mod tests {
             })
             .collect();
         let times: Vec<f64> = (0..300).map(f64::from).collect();
-        assert_eq!(beats(&times, &values, false).peaks.len(), 4);
-        assert_eq!(beats(&times, &values, true).peaks.len(), 2);
+        assert_eq!(beats(&times, &values, Known::default()).peaks.len(), 4);
+        assert_eq!(
+            beats(&times, &values, Known { plateau: true, ..Known::default() }).peaks.len(),
+            2
+        );
     }
 }

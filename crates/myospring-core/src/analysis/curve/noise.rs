@@ -5,10 +5,13 @@
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
 const FOURTH_GAIN: f64 = 8.366_600_265_340_756;
 
+/// Differences that a quarter of them tells the noise of.
+const MANY: usize = 200;
+
 /// How many standard deviations of noise a bad frame lies from where its neighbours point.
 const BAD_FRAME_NOISE: f64 = 8.0;
 
-/// And how much of the curve's range.
+/// And how much of a beat's height.
 const BAD_FRAME_RANGE: f64 = 0.1;
 
 /// By how much a line of the mains stands out of its neighbourhood, to be hum.
@@ -28,9 +31,17 @@ pub(super) fn level(values: &[f64]) -> f64 {
     sizes.sort_by(f64::total_cmp);
     let part = |part: f64| sizes[((sizes.len() - 1) as f64 * part) as usize] / FOURTH_GAIN;
     let middle = part(0.5) / 0.6745;
+    // Where frames are few, beats bend the curve in more than half of them.
+    let lower = part(0.25) / 0.3186;
     // Of a curve in whole pixels most differences may be 0.
     let rounding = 1e-12 * range(values, 0.0);
-    if middle > rounding { middle } else { part(0.9) / 1.645 }
+    if lower > rounding && lower < 0.6 * middle && sizes.len() >= MANY {
+        lower
+    } else if middle > rounding {
+        middle
+    } else {
+        part(0.9) / 1.645
+    }
 }
 
 /// What lies between the lower and the upper quantile.
@@ -43,8 +54,8 @@ pub(super) fn range(values: &[f64], part: f64) -> f64 {
 }
 
 /// Single frames far from where both sides point, and from both neighbours, which agree.
-pub(super) fn bad_frames(values: &[f64], noise: f64) -> Vec<usize> {
-    let least = (BAD_FRAME_NOISE * noise).max(BAD_FRAME_RANGE * range(values, 0.02));
+pub(super) fn bad_frames(values: &[f64], noise: f64, height: f64) -> Vec<usize> {
+    let least = (BAD_FRAME_NOISE * noise).max(BAD_FRAME_RANGE * height);
     let last = values.len().saturating_sub(1);
     (1..last)
         .filter(|&i| {
@@ -140,7 +151,7 @@ mod tests {
     fn bad_frames_are_single_frames_and_no_peaks_or_upstrokes() {
         let triangle: Vec<f64> =
             (0..100).map(|i| f64::from(20 - (i % 50 - 25_i32).abs()).max(0.0)).collect();
-        assert!(bad_frames(&triangle, 0.0).is_empty());
+        assert!(bad_frames(&triangle, 0.0, 20.0).is_empty());
         let upstroke: Vec<f64> = (0..60)
             .map(|i| match i {
                 0..20 => -80.0,
@@ -148,11 +159,11 @@ mod tests {
                 _ => 20.0 - f64::from(i - 20) * 2.0,
             })
             .collect();
-        assert!(bad_frames(&upstroke, 0.0).is_empty());
+        assert!(bad_frames(&upstroke, 0.0, 120.0).is_empty());
         let mut bad = triangle.clone();
         bad[10] += 9.0;
         bad[60] -= 12.0;
-        assert_eq!(bad_frames(&bad, 0.0), [10, 60]);
+        assert_eq!(bad_frames(&bad, 0.0, 20.0), [10, 60]);
     }
 
     #[test]

@@ -13,6 +13,10 @@ const IRREGULAR: f64 = 0.1;
 /// Two kinds of beats that differ by this part are worth a word, where chance does not explain it.
 const ALTERNANS: f64 = 0.05;
 
+/// A beat with this many times the usual area is unlike the others, of which there must be so many.
+const UNLIKE: f64 = 1.7;
+const LEAST_ALIKE: usize = 5;
+
 /// How many standard errors chance explains.
 const CHANCE: f64 = 4.0;
 
@@ -26,8 +30,64 @@ pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
     if !paced {
         remarks.extend(intervals(beats));
     }
+    remarks.extend(unlike(beats));
     remarks.extend(alternans(beats));
     remarks
+}
+
+/// Marks beats whose area is far from that of all others: an artefact may be one of them.
+fn unlike(beats: &mut [CurveBeat]) -> Option<String> {
+    let median = |mut list: Vec<f64>| {
+        list.sort_by(f64::total_cmp);
+        list.get(list.len() / 2).copied()
+    };
+    let areas: Vec<(usize, f64)> = beats
+        .iter()
+        .enumerate()
+        .filter(|(_, beat)| beat.state == State::Whole)
+        .filter_map(|(at, beat)| Some((at, area(beat)?)))
+        .collect();
+    if areas.len() < LEAST_ALIKE {
+        return None;
+    }
+    let usual = median(areas.iter().map(|(_, area)| *area).collect())?;
+    let spread = median(areas.iter().map(|(_, area)| (area - usual).abs()).collect())?;
+    let interval =
+        median(beats.iter().filter_map(|beat| value(&beat.metrics, "interval")).collect());
+    let mut odd = Vec::new();
+    for (at, area) in areas {
+        let beat = &mut beats[at];
+        // After a pause a beat is stronger.
+        let rested = value(&beat.metrics, "interval").zip(interval);
+        let rested = rested.is_some_and(|(own, usual)| own > LATE * usual);
+        if area > UNLIKE * usual && area - usual > 9.0 * spread && !rested {
+            beat.state = State::Disturbed;
+            beat.remarks.push(format!(
+                "its area is {:.1} times the usual one: it may be an artefact, and counts in no mean",
+                area / usual
+            ));
+            odd.push(beat.number.to_string());
+        }
+    }
+    let (what, unlike) = if odd.len() == 1 { ("beat", "is") } else { ("beats", "are") };
+    (!odd.is_empty()).then(|| {
+        format!(
+            "{what} {} {unlike} far larger than all others: look whether they are beats",
+            odd.join(", ")
+        )
+    })
+}
+
+/// Height times duration at half of it, of any kind of curve.
+fn area(beat: &CurveBeat) -> Option<f64> {
+    let durations = [
+        "contraction_duration_50",
+        "twitch_duration_50",
+        "transient_duration_50",
+        "action_potential_duration_50",
+    ];
+    let duration = durations.into_iter().find_map(|name| value(&beat.metrics, name))?;
+    Some(height(beat)? * duration)
 }
 
 fn intervals(beats: &mut [CurveBeat]) -> Vec<String> {

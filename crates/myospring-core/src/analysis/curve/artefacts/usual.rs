@@ -1,0 +1,165 @@
+//! The usual beat: the pulses of one height and width that most windows show.
+
+use super::median;
+use super::windows::mean_over;
+use crate::analysis::curve::detect::{Peak, persistent};
+use crate::analysis::curve::noise;
+
+/// Pulses of one class differ by at most this factor in height and in width.
+const ALIKE: f64 = 1.6;
+
+/// A wider class is that of the beats when it has this part of the members of the most frequent one.
+const WIDER: f64 = 0.4;
+
+/// What the beats of a curve are like, whatever else is in it.
+#[derive(Debug, Clone)]
+pub(in crate::analysis::curve) struct Beats {
+    /// Height of the usual one.
+    pub(in crate::analysis::curve) height: f64,
+    /// Its width at half height, frames.
+    pub(in crate::analysis::curve) width: f64,
+    /// Frames of the tops of all pulses that may be beats, and their heights.
+    pub(super) tops: Vec<usize>,
+    pub(super) heights: Vec<f64>,
+    /// How many are alike.
+    pub(in crate::analysis::curve) alike: f64,
+}
+
+impl Beats {
+    /// Whether these are the beats that a wider window shows.
+    fn shows(&self, wider: &Self) -> bool {
+        let near = |top: &&usize| {
+            let here = self.tops.get(self.nearest(**top));
+            here.is_some_and(|here| here.abs_diff(**top) as f64 <= 0.5 * wider.width)
+        };
+        let same = wider.tops.iter().filter(near).count();
+        10 * same >= 7 * wider.tops.len()
+            && self.tops.len() * 10 <= 14 * wider.tops.len() + 10
+            && self.alike >= 0.6 * wider.alike
+            && (0.35..=1.05).contains(&(self.width / wider.width))
+    }
+
+    /// The beat that a frame is nearest to.
+    pub(super) fn nearest(&self, at: usize) -> usize {
+        let right = self.tops.partition_point(|top| *top < at);
+        let far = |index: usize| self.tops.get(index).map_or(usize::MAX, |top| top.abs_diff(at));
+        match right.checked_sub(1) {
+            Some(left) if far(left) <= far(right) => left,
+            _ => right.min(self.tops.len().saturating_sub(1)),
+        }
+    }
+}
+
+/// The standard deviation that white noise of 1 keeps behind a window and the mean over it.
+fn kept(window: usize) -> f64 {
+    // Measured; see the tests.
+    if window == 0 { 1.0 } else { 0.72 / (window as f64).powf(0.36) }
+}
+
+/// What pulses are alike and most frequent, whatever the window.
+pub(in crate::analysis::curve) fn usual(
+    values: &[f64],
+    windows: &[usize],
+    filtered: &[Vec<f64>],
+    sigma: f64,
+) -> Option<Beats> {
+    let mut classes: Vec<Beats> = Vec::new();
+    for (&window, values_here) in windows.iter().zip(filtered) {
+        // Nothing behind a window is finer than it.
+        let stride = (window / 4).max(1);
+        let coarse: Vec<f64> = mean_over(values_here, window).into_iter().step_by(stride).collect();
+        let samples = (values.len() as f64 / (window + 1) as f64).max(2.0);
+        let least = (2.0 * (2.0 * samples.ln()).sqrt() + 3.0) * kept(window) * sigma;
+        let least = least.max(1e-9 * noise::range(&coarse, 0.0));
+        let mut peaks = persistent(&coarse);
+        peaks.retain(|peak| peak.at > 0 && peak.at + 1 < coarse.len() && peak.prominence > least);
+        let pulses: Vec<Pulse> =
+            peaks.iter().map(|peak| Pulse::of(&coarse, *peak, stride)).collect();
+        classes.extend(class(values, &pulses, window));
+    }
+    let most = classes.iter().map(|class| class.alike).reduce(f64::max)?;
+    let size = |class: &Beats| class.height * class.width;
+    let seen = classes
+        .iter()
+        .filter(|class| class.alike >= WIDER * most)
+        .reduce(|best, other| if size(other) > 1.05 * size(best) { other } else { best })?;
+    // Windows round beats off: the first that shows the same ones shows them best.
+    classes.iter().find(|class| class.shows(seen)).cloned()
+}
+
+/// A pulse, in frames of the whole curve.
+struct Pulse {
+    at: usize,
+    height: f64,
+    /// Where it passes half its height.
+    half: [usize; 2],
+}
+
+impl Pulse {
+    fn of(coarse: &[f64], peak: Peak, stride: usize) -> Self {
+        let level = coarse[peak.at] - 0.5 * peak.prominence;
+        let left = (0..peak.at).rev().find(|&at| coarse[at] < level).unwrap_or(0);
+        let right = (peak.at..coarse.len()).find(|&at| coarse[at] < level);
+        let right = right.unwrap_or(coarse.len() - 1);
+        let half = [left * stride, right * stride];
+        Self { at: peak.at * stride, height: peak.prominence, half }
+    }
+
+    fn width(&self) -> f64 {
+        (self.half[1] - self.half[0]) as f64
+    }
+}
+
+/// The most frequent kind of pulse behind a window; none where beats would not be wider than it.
+fn class(values: &[f64], pulses: &[Pulse], window: usize) -> Option<Beats> {
+    let alike = |one: &Pulse, other: &Pulse| {
+        let near = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
+        near(one.height, other.height) && near(one.width(), other.width())
+    };
+    // Some forty of them, by their height, stand for all.
+    let step = pulses.len().div_ceil(40).max(1);
+    let mut best: Option<(f64, Vec<&Pulse>)> = None;
+    for centre in pulses.iter().step_by(step) {
+        // The whole curve is no pulse of it, and a window that is as wide would make what it shows.
+        if centre.width() < 1.2 * window as f64 || centre.width() > 0.4 * values.len() as f64 {
+            continue;
+        }
+        let members: Vec<&Pulse> = pulses.iter().filter(|other| alike(centre, other)).collect();
+        let weight = members.len() as f64 * plausible(values, &members, window);
+        if best.as_ref().is_none_or(|(most, _)| weight > *most) {
+            best = Some((weight, members));
+        }
+    }
+    let (weight, members) = best?;
+    let height = median(members.iter().map(|pulse| pulse.height).collect());
+    let width = median(members.iter().map(|pulse| pulse.width()).collect());
+    let may_be = |pulse: &&Pulse| pulse.height >= 0.3 * height && pulse.width() >= 0.3 * width;
+    let mut of_beats: Vec<&Pulse> = pulses.iter().filter(may_be).collect();
+    of_beats.sort_by_key(|pulse| pulse.at);
+    let tops = of_beats.iter().map(|pulse| pulse.at).collect();
+    // The highest of all is measured from the lowest point of the curve.
+    let heights = of_beats.iter().map(|pulse| pulse.height.min(2.0 * height)).collect();
+    Some(Beats { height, width, tops, heights, alike: weight })
+}
+
+/// How much a class counts: one that jumps up and back down, or of two frames, hardly is of beats.
+fn plausible(values: &[f64], members: &[&Pulse], window: usize) -> f64 {
+    let width = median(members.iter().map(|pulse| pulse.width()).collect());
+    if width < 2.5 {
+        return 0.3;
+    }
+    if width < 4.0 {
+        return 0.8;
+    }
+    // Half heights are known to within the window.
+    let near = 2 + window;
+    let jump = |at: usize, height: f64| {
+        let (from, to) = (at.saturating_sub(near), (at + near).min(values.len() - 1));
+        let steps = (from..to).map(|at| (values[at + 1] - values[at]).abs());
+        steps.fold(0.0, f64::max) / height
+    };
+    let edges = members
+        .iter()
+        .map(|pulse| jump(pulse.half[0], pulse.height).min(jump(pulse.half[1], pulse.height)));
+    if median(edges.collect()) > 0.45 { 0.1 } else { 1.0 }
+}
