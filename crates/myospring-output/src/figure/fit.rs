@@ -85,7 +85,8 @@ pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Fig
         charts.iter().flat_map(|(above, below)| [above.label_offset(), below.label_offset()]);
     let offset = offsets.fold(0.0, f64::max);
     let left = 28.0 + offset;
-    let width = DOUBLE - 14.0 - left;
+    // Half of the last number on the time axis stands out.
+    let width = DOUBLE - 20.0 - left;
     let mut sheet = Sheet::default();
     for (number, ((above, below), curve)) in charts.iter_mut().zip(curves).enumerate() {
         for chart in [&mut *above, &mut *below] {
