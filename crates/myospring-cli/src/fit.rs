@@ -3,6 +3,7 @@
 mod files;
 mod film;
 mod map;
+mod page;
 mod shapes;
 mod words;
 
@@ -79,7 +80,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     };
     let made = run.make(shaped, |file| std::fs::read(file))?;
     run.fibre = made.fibres.taken;
-    let spacing = made.report.spacing_um;
+    let (report, outline) = (made.report, made.outline);
     let fitter = Fitter::new(made.simulation).map_err(Failure::new)?;
     let settings = sought(args, &run, !loaded.is_empty())?;
     let target = args.output.output.clone().unwrap_or_else(|| target(&name, args, &curves));
@@ -157,7 +158,8 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let context = files::Context {
         run: &run,
         fitter: &fitter,
-        spacing,
+        report: &report,
+        outline: &outline,
         name: &name,
         notes: &notes,
         mapped: mapped.as_ref(),

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::outputs::Finished;
 use crate::results::Folder;
 use crate::run::resolved;
+use myospring::cell;
 use myospring::output::page::{self, Page, PageRun, ParameterGroup, ParameterRow, Photograph};
 use myospring::settings::{self, Run, Value};
 
@@ -26,6 +27,7 @@ pub(crate) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fail
         warnings: &warnings,
         differences: &[],
         runs: &[on_page(finished, &texts)],
+        fit: None,
     };
     folder.write(FILE, page::html(&page)?)
 }
@@ -102,6 +104,7 @@ pub(crate) fn parameters(run: &Run) -> Vec<ParameterGroup> {
                 value: written(&value),
                 meaning: setting.doc.replace('`', ""),
                 source: if is_usual { "default" } else { "of this run" }.to_owned(),
+                changed: !is_usual,
                 ..ParameterRow::default()
             })
         });
@@ -110,12 +113,21 @@ pub(crate) fn parameters(run: &Run) -> Vec<ParameterGroup> {
             groups.push(group);
         }
     }
-    let rows = run.cell.parameters().rows().iter().map(|row| ParameterRow {
-        name: row.name.to_string(),
-        value: row.value.to_string(),
-        unit: row.unit.to_string(),
-        meaning: row.meaning.to_string(),
-        source: row.source.to_string(),
+    let published = cell::model(run.cell.name()).ok();
+    let published = published.as_ref().map(|model| model.parameters());
+    let rows = run.cell.parameters().rows().iter().map(|row| {
+        let own = published.and_then(|set| set.get(&row.name)).filter(|own| *own != row.value);
+        ParameterRow {
+            name: row.name.to_string(),
+            value: row.value.to_string(),
+            unit: row.unit.to_string(),
+            meaning: row.meaning.to_string(),
+            source: match own {
+                Some(own) => format!("of this run; {own} in {}", row.source),
+                None => row.source.to_string(),
+            },
+            changed: own.is_some(),
+        }
     });
     let name = format!("cell model {}", run.cell.name());
     groups.push(ParameterGroup { name, rows: rows.collect() });

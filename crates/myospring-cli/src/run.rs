@@ -111,6 +111,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     } else {
         print::out(&words::for_people(&name, &run, &numbers))?;
         print::out(&words::in_words(&outcome.effort))?;
+        if let Some(about) = &summary.about_model {
+            print::out(&format!("\n{about}"))?;
+        }
         print::out(&words::results(&target, timings.total_s, &written))?;
     }
     if let Some(stop) = &outcome.stop {

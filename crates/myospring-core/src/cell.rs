@@ -48,7 +48,8 @@ pub mod toy;
 pub mod trace;
 
 pub use cell_model::{
-    CellModel, Gate, Input, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
+    CellModel, Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation,
+    TensionKind,
 };
 
 use std::sync::Arc;

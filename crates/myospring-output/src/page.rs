@@ -13,6 +13,7 @@ mod cell;
 mod curves;
 mod display;
 mod fields;
+mod fit;
 mod frames;
 mod given;
 mod html;
@@ -20,5 +21,8 @@ mod payload;
 mod photograph;
 mod template;
 
-pub use given::{Difference, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph};
-pub use html::{for_markup, html};
+pub use given::{
+    Difference, FittedNumber, Page, PageError, PageFigure, PageFit, PageRun, ParameterGroup,
+    ParameterRow, Photograph,
+};
+pub use html::html;

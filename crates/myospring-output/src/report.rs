@@ -2,8 +2,10 @@
 
 use myospring_core::analysis::beat::{Band, Beat, Beats};
 use myospring_core::analysis::{Metric, Spread};
+use myospring_core::cell::KnownDeparture;
 use myospring_core::mesh::quality::MeshReport;
 use myospring_core::recording::Recording;
+use myospring_core::simulation::Pace;
 use serde::Serialize;
 
 /// The numbers of a run.
@@ -23,6 +25,9 @@ pub struct Summary {
     pub mesh: MeshReport,
     /// What a person should look at.
     pub warnings: Vec<String>,
+    /// What is known of the cell model and seen in this run, in a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub about_model: Option<String>,
 }
 
 impl Summary {
@@ -44,7 +49,20 @@ impl Summary {
             beats: beats.list,
             mesh,
             warnings,
+            about_model: None,
         }
+    }
+
+    /// With what is known of the cell model, where this run shows it.
+    #[must_use]
+    pub fn with_pace(self, pace: &Pace) -> Self {
+        let about_model = match pace {
+            Pace::AsItsModel(KnownDeparture { fact, instead, .. }) => {
+                Some(format!("{fact}; `--model {instead}` does not."))
+            }
+            Pace::AsMeasured | Pace::Unexplained { .. } => None,
+        };
+        Self { about_model, ..self }
     }
 
     /// The beat of an extra stimulus, where there is one.

@@ -6,9 +6,11 @@ use crate::failure::Failure;
 use crate::page::{FILE, parameters};
 use crate::print;
 use crate::results::Folder;
+use myospring::analysis::beat::Beats;
 use myospring::output::field::Field;
 use myospring::output::page::{self, Difference, Page, PageRun};
 use myospring::output::report::Summary;
+use myospring::simulation::Pace;
 
 /// What to open where there is no page.
 const FIGURE: &str = "figures/compared.png";
@@ -49,7 +51,12 @@ pub(super) fn write(
                 side.s2_ms,
                 shown.report.clone(),
                 Vec::new(),
-            ),
+            )
+            .with_pace(&Pace::of(
+                &*shown.run.cell,
+                shown.run.support,
+                &Beats::of(&side.recording, &side.stimuli, side.s2_ms),
+            )),
             run_file: side.file.to_toml(),
             citations: cite::bibtex(&*shown.run.cell),
         })
@@ -73,6 +80,7 @@ pub(super) fn write(
         warnings,
         differences,
         runs: &runs,
+        fit: None,
     };
     folder.write(FILE, page::html(&page)?)?;
     Ok(FILE)

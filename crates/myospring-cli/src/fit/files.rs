@@ -1,18 +1,21 @@
 //! The files of fits.
 
 use super::map::{self, Mapped};
+use super::page;
 use super::shapes::{self, Shapes};
-use super::words;
 use crate::failure::Failure;
+use crate::page::FILE;
 use crate::results::Folder;
 use crate::run::resolved;
 use myospring::fit::{Estimate, Fit, FitVerdict, Fitter};
-use myospring::integrate::Method;
+use myospring::integrate::quasi_static::Tolerance;
+use myospring::mesh::outline::Outline;
+use myospring::mesh::quality::MeshReport;
 use myospring::output::figure::{self, FittedCurve, LikelihoodProfile, Theme};
 use myospring::output::json;
-use myospring::output::page::for_markup;
 use myospring::output::table::{Column, Table, column_name, write_csv};
 use myospring::settings::Run;
+use myospring::simulation::Simulation;
 use serde::Serialize;
 
 /// A cell and its fit, or why there is none.
@@ -25,7 +28,9 @@ pub(super) struct Cell {
 pub(super) struct Context<'a> {
     pub(super) run: &'a Run,
     pub(super) fitter: &'a Fitter,
-    pub(super) spacing: f64,
+    /// The mesh, and the outline that it was made from.
+    pub(super) report: &'a MeshReport,
+    pub(super) outline: &'a Outline,
     pub(super) name: &'a str,
     pub(super) notes: &'a [String],
     pub(super) mapped: Option<&'a Mapped<'a>>,
@@ -74,24 +79,29 @@ pub(super) fn records<'a>(cells: &'a [Cell], context: &'a Context<'a>) -> Vec<Re
 /// Writes what is to be written of all cells.
 pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> Result<(), Failure> {
     let records = records(cells, context);
+    let shared = context.fitter.simulation().shared_path(Tolerance::default()).ok();
     for (number, (cell, record)) in cells.iter().zip(&records).enumerate() {
         let within = if cells.len() > 1 { format!("cells/{}/", number + 1) } else { String::new() };
         let Ok(fit) = &cell.found else { continue };
         folder.write(&format!("{within}fit.json"), json::pretty(record)?)?;
         folder.write(&format!("{within}curve.csv"), curve(fit)?)?;
         let run = context.fitter.fitted(context.run.clone(), fit).map_err(Failure::new)?;
-        let mut simulation = context.fitter.simulation().clone();
-        simulation.cell = run.cell.clone();
-        simulation.numerics.method = Method::QuasiStatic;
-        folder.write(
-            &format!("{within}run.toml"),
-            resolved(&run, &simulation, context.spacing, None),
-        )?;
+        let simulation = fitted(context.fitter, &run);
+        let run_file = resolved(&run, &simulation, context.report.spacing_um, None);
+        folder.write(&format!("{within}run.toml"), &run_file)?;
         let draw = || figure::fit(&drawn(fit), &profiles(fit));
         let figure = if cells.len() > 1 { format!("fit_{}", number + 1) } else { "fit".to_owned() };
         folder.figures(Theme::Light, &[(&figure, &draw)])?;
-        let svg = draw().map_or_else(|_| String::new(), |figure| figure.to_svg());
-        folder.write(&format!("{within}report.html"), page(cell, fit, context, &svg))?;
+        match page::beaten(&simulation, shared.as_ref()) {
+            Ok(outcome) => {
+                let beat = (&simulation, &outcome);
+                let page = page::html(cell, fit, context, &run, &run_file, beat)?;
+                folder.write(&format!("{within}{FILE}"), page)?;
+            }
+            Err(error) => {
+                crate::print::warn(&format!("{}: there is no {FILE}: {error}", cell.name));
+            }
+        }
     }
     if let Some(shapes) = context.shapes {
         shapes.write(folder)?;
@@ -103,6 +113,18 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
         folder.write("fits.csv", rows(cells)?)?;
     }
     Ok(())
+}
+
+/// The simulation of a run with what was found.
+pub(super) fn fitted(fitter: &Fitter, run: &Run) -> Simulation {
+    let mut simulation = fitter.simulation().clone();
+    simulation.cell = run.cell.clone();
+    simulation.peak_tension = run.peak_tension;
+    simulation.material = run.material.clone();
+    simulation.protocol = run.protocol;
+    simulation.duration = run.duration;
+    simulation.numerics.method = run.numerics.method;
+    simulation
 }
 
 pub(super) fn csv(table: &Table) -> Result<Vec<u8>, Failure> {
@@ -204,7 +226,7 @@ fn micro(unit: &str) -> String {
     unit.replace("um", "\u{b5}m")
 }
 
-fn drawn(fit: &Fit) -> Vec<FittedCurve> {
+pub(super) fn drawn(fit: &Fit) -> Vec<FittedCurve> {
     let one = |curve: &myospring::fit::FittedCurve| {
         let unit = micro(&curve.unit);
         let what = match curve.scale {
@@ -232,7 +254,7 @@ fn drawn(fit: &Fit) -> Vec<FittedCurve> {
 }
 
 /// None of a model that does not fit.
-fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
+pub(super) fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
     let one = |estimate: &Estimate| {
         let (name, unit) = (estimate.name.replace('_', " "), micro(&estimate.unit));
         let symbol = estimate.name.len() <= 5;
@@ -247,52 +269,4 @@ fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
     };
     let sure = fit.estimates.iter().filter(|estimate| !estimate.profile.is_empty());
     sure.map(one).collect()
-}
-
-/// A page with all of it, in one file.
-fn page(cell: &Cell, fit: &Fit, context: &Context<'_>, svg: &str) -> String {
-    let escape = for_markup;
-    let mut rows = String::new();
-    for row in words::table(fit) {
-        rows.push_str("<tr>");
-        for text in &row {
-            rows.push_str(&["<td>", &escape(text), "</td>"].concat());
-        }
-        rows.push_str("</tr>\n");
-    }
-    let list = |lines: &[String]| {
-        let items: Vec<String> =
-            lines.iter().map(|line| ["<li>", &escape(line), "</li>\n"].concat()).collect();
-        items.concat()
-    };
-    let inline = |svg: &str| {
-        svg.split_once("<svg").map_or_else(String::new, |(_, rest)| format!("<svg{rest}"))
-    };
-    let map = context.mapped.map_or_else(String::new, |mapped| {
-        let svg = mapped.figure().map_or_else(|_| String::new(), |figure| figure.to_svg());
-        let words = escape(&mapped.words());
-        let verdicts = list(mapped.verdicts());
-        let svg = inline(&svg);
-        format!("<h2>Where the cell pulls</h2>\n{svg}\n<p>{words}.</p>\n<ul>{verdicts}</ul>\n")
-    });
-    let shapes = context.shapes.map_or_else(String::new, |shapes| {
-        let svg = shapes.figure().map_or_else(|_| String::new(), |figure| figure.to_svg());
-        let (svg, words) = (inline(&svg), escape(&shapes.words()));
-        format!("<h2>The film and the fitted cell</h2>\n{svg}\n<p>{words}.</p>\n")
-    });
-    let left: Vec<String> = fit.curves.iter().map(words::left).collect();
-    include_str!("report.html")
-        .replace("{{title}}", &escape(&format!("Fit of {}", cell.name)))
-        .replace("{{shape}}", &escape(context.name))
-        .replace("{{model}}", &escape(context.fitter.simulation().cell.name()))
-        .replace("{{version}}", env!("CARGO_PKG_VERSION"))
-        .replace("{{verdict}}", fit.verdict.word())
-        .replace("{{headline}}", &escape(&words::headline(fit)))
-        .replace("{{verdicts}}", &list(&fit.verdicts))
-        .replace("{{rows}}", &rows)
-        .replace("{{left}}", &list(&left))
-        .replace("{{notes}}", &list(context.notes))
-        .replace("{{shapes}}", &shapes)
-        .replace("{{map}}", &map)
-        .replace("{{figure}}", &inline(svg))
 }

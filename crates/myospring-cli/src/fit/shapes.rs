@@ -1,5 +1,6 @@
 //! The cell of a film beside the fitted one, both at their peak.
 
+use super::files::fitted;
 use crate::failure::Failure;
 use crate::results::Folder;
 use crate::track::follow::Followed;
@@ -49,13 +50,7 @@ impl<'a> Shapes<'a> {
         let mesh = &motion.mesh;
         let seen = Seen::at_peak(motion);
         let run = fitter.fitted(run.clone(), fit).map_err(Failure::new)?;
-        let mut simulation = fitter.simulation().clone();
-        simulation.cell = run.cell;
-        simulation.peak_tension = run.peak_tension;
-        simulation.material = run.material;
-        simulation.protocol = run.protocol;
-        simulation.duration = run.duration;
-        simulation.numerics.method = run.numerics.method;
+        let simulation = fitted(fitter, &run);
         let outcome =
             simulation.run_quasi_static(Tolerance::default(), |_| true).map_err(Failure::new)?;
         let square = |[x, y]: [f64; 2]| x * x + y * y;

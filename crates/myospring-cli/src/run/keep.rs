@@ -51,6 +51,7 @@ impl Over<'_> {
         let stimuli = self.run.stimulus_times();
         let s2_ms = self.run.s2_ms();
         Summary::new(&self.outcome.recording, &stimuli, s2_ms, self.report.clone(), warnings)
+            .with_pace(&self.simulation.pace(&self.outcome.beats()))
     }
 
     /// Writes all that `myospring run` writes into a folder, and gives its path; `outputs` are the words of its

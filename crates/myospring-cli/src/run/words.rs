@@ -4,7 +4,7 @@ use crate::outputs;
 use crate::summary::Numbers;
 use crate::table::{aligned, number};
 use myospring::analysis::Metric;
-use myospring::analysis::beat::{Band, Beat, band};
+use myospring::analysis::beat::{Beat, band};
 use myospring::settings::Run;
 use myospring::simulation::Effort;
 use std::fmt::Write as _;
@@ -68,7 +68,7 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
     }
     header.extend(s2.map(|_| "S2".to_owned()));
     let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
-    let band_column = if loaded { "" } else { "band*" };
+    let band_column = if loaded { "" } else { "measured*" };
     header.extend(["unit".to_owned(), band_column.to_owned()]);
     let mut rows = vec![header];
     let Some(first) = summary.beats.first() else {
@@ -92,12 +92,14 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         row.extend(s2.map(|beat| or_dash(beat.value(metric))));
         // What is known is of unloaded cells.
         let reference = band(metric).filter(|_| !loaded);
-        let reference = reference.map(|Band { low, high, .. }| format!("{low} to {high}"));
-        let last = match value {
-            Some(_) => reference.unwrap_or_default(),
-            None => why_not(first, metric).to_owned(),
+        let [ends, place] = match (value, reference) {
+            (Some(value), Some(band)) => {
+                [format!("{} to {}", band.low, band.high), band.place(value).words().to_owned()]
+            }
+            (Some(_), None) => [String::new(), String::new()],
+            (None, _) => [why_not(first, metric).to_owned(), String::new()],
         };
-        row.extend([(*unit).to_owned(), last]);
+        row.extend([(*unit).to_owned(), ends, place]);
         rows.push(row);
     }
     for (metric, words) in OF_S2 {
@@ -125,7 +127,7 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
     text.push_str(&aligned(&rows, &right));
     if first.load.is_empty() {
         text.push_str(
-            "* bands of unloaded adult ventricular myocytes: what is seen, not a target\n",
+            "* in unloaded adult ventricular myocytes; inside or outside does not make a cell right or wrong\n",
         );
     }
     if let Some(fibres) = fibres {

@@ -25,6 +25,51 @@ pub struct Band {
     pub scope: &'static str,
 }
 
+/// Where a value lies against a band.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Place {
+    /// Lower than its lower end.
+    Below,
+    /// Between its ends.
+    In,
+    /// Higher than its upper end.
+    Above,
+}
+
+impl Place {
+    /// In words: `in`, `out, above`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Below => "out, below",
+            Self::In => "in",
+            Self::Above => "out, above",
+        }
+    }
+}
+
+/// Share of an end of a band by which a value may pass it and count as in: the ends are known to three digits at most.
+const END: f64 = 0.005;
+
+impl Band {
+    /// Where a value lies.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::analysis::beat::{Place, band};
+    /// let shortening = band("peak_shortening").unwrap();
+    /// assert_eq!([6.9, 9.0, 12.01, 12.1].map(|value| shortening.place(value)),
+    ///     [Place::Below, Place::In, Place::In, Place::Above]);
+    /// ```
+    pub fn place(&self, value: f64) -> Place {
+        match value {
+            _ if value < self.low - END * self.low.abs() => Place::Below,
+            _ if value > self.high + END * self.high.abs() => Place::Above,
+            _ => Place::In,
+        }
+    }
+}
+
 /// The reference bands.
 pub const BANDS: [Band; 5] = [
     Band {

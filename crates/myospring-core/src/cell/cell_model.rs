@@ -114,6 +114,18 @@ impl TensionKind {
     }
 }
 
+/// What the published parameters of a model are known to do outside the reference bands
+/// ([`BANDS`](crate::analysis::beat::BANDS)): a fact about the model, whatever run it is in.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KnownDeparture {
+    /// `shortening_rate_over_peak` of a free cell, 1/s; outside its band.
+    pub shortening_rate_over_peak: f64,
+    /// The fact, in a sentence without its full stop: "The tension rises faster than measured cells".
+    pub fact: Cow<'static, str>,
+    /// A model of the list of which it is not true.
+    pub instead: Cow<'static, str>,
+}
+
 /// Where a gate goes and how fast: `dx/dt = (steady_state - x) / time_constant_ms`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gate {
@@ -181,6 +193,11 @@ pub trait CellModel: Any + Send + Sync {
     /// Whether rates, tension or outputs depend on stretch or its rate; not by default.
     fn feels_stretch(&self) -> bool {
         false
+    }
+
+    /// Where a free cell with the published parameters beats otherwise than measured cells do; nowhere by default.
+    fn known_departure(&self) -> Option<KnownDeparture> {
+        None
     }
 
     /// Names of the state variables, in the order of the state vector.

@@ -37,6 +37,7 @@ pub const IDENTITY: Identity = Identity {
     stimulus: Stimulus::Jump { amplitude: 0.325 },
     millivolts: None,
     peak_tension: 0.901_736_458,
+    pace: (16.6, "The paper's tension curve rises faster than measured cells"),
 };
 
 /// Name, value, and the name under which Table 1 prints the value.

@@ -23,7 +23,9 @@ mod electrical;
 pub use electrical::Electrical;
 pub(super) use electrical::rows;
 
-use super::cell_model::{CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind};
+use super::cell_model::{
+    CellModel, Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
+};
 use super::pacing::Stimulus;
 use super::tension::Tension;
 use crate::parameter::ParameterSet;
@@ -45,6 +47,9 @@ pub struct Identity {
     pub millivolts: Option<(f64, f64)>,
     /// Peak of `Ta` of one default beat of the published parameters, converged.
     pub peak_tension: f64,
+    /// Largest shortening rate over the peak of shortening of a free cell with the published parameters, 1/s, and what
+    /// is to be known of it.
+    pub pace: (f64, &'static str),
 }
 
 /// Names and meanings; all are pure numbers.
@@ -180,5 +185,11 @@ impl CellModel for MinimalModel {
 
     fn tension_kind(&self) -> TensionKind {
         TensionKind::Relative { published_peak: self.identity.peak_tension }
+    }
+
+    fn known_departure(&self) -> Option<KnownDeparture> {
+        let (shortening_rate_over_peak, fact) = self.identity.pace;
+        let instead = Cow::Borrowed("land_2017");
+        Some(KnownDeparture { shortening_rate_over_peak, fact: Cow::Borrowed(fact), instead })
     }
 }

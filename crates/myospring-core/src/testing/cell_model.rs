@@ -1,9 +1,10 @@
 //! What every [`CellModel`] must hold to.
 
+use crate::analysis::beat::{self, Place};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::solve::{Settings, SolveError, reference_beat, solve};
-use crate::cell::{CellModel, Gate, Input, TensionKind, is_as_published};
+use crate::cell::{self, CellModel, Gate, Input, KnownDeparture, TensionKind, is_as_published};
 use std::sync::Arc;
 
 /// Checks everything that [`CellModel`] promises, by one default beat with the default settings and at
@@ -55,6 +56,18 @@ fn check_description(model: &dyn CellModel) {
     let description = model.description();
     assert!(!description.trim().is_empty(), "{name}: no description");
     assert!(!description.contains('\n'), "{name}: the description is longer than one line");
+    if let Some(KnownDeparture { shortening_rate_over_peak: rate, fact, instead }) =
+        model.known_departure()
+    {
+        let band = beat::band("shortening_rate_over_peak");
+        assert!(
+            band.is_some_and(|band| band.place(rate) != Place::In),
+            "{name}: {rate} 1/s lies within the band, so there is nothing to be said of it"
+        );
+        assert!(!fact.trim().is_empty() && !fact.ends_with('.'), "{name}: `{fact}`");
+        let other = cell::model(&instead).ok().and_then(|model| model.known_departure());
+        assert!(other.is_none(), "{name}: `{instead}` departs, too");
+    }
     for key in model.citations() {
         assert!(!key.is_empty() && key.chars().all(plain), "{name}: `{key}` is no citation key");
     }

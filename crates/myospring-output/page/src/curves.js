@@ -4,7 +4,19 @@ import uPlot from "uplot";
 import { lastBefore } from "./data.js";
 import { quantity, unitText } from "./numbers.js";
 
-/** @import { Band, Curve } from "./payload.js" */
+/** @import { Band, Curve, FittedCurve } from "./payload.js" */
+
+/**
+ * One curve of a chart.
+ *
+ * @typedef {object} Series
+ * @property {string} label
+ * @property {string} colour Name of a colour of the style sheet.
+ * @property {number[]} dash
+ * @property {boolean} [dots] Points without a line: what was measured.
+ * @property {number[]} t_ms
+ * @property {(number | null)[]} values
+ */
 
 /**
  * One chart: a quantity of one run or of several.
@@ -13,7 +25,8 @@ import { quantity, unitText } from "./numbers.js";
  * @property {string} name
  * @property {string} unit
  * @property {Band | null} band
- * @property {{ label: string, colour: string, dash: number[], t_ms: number[], values: (number | null)[] }[]} series
+ * @property {string} note What is to be known of what is drawn; empty where nothing is.
+ * @property {Series[]} series
  * @property {number[]} stimuli_ms
  */
 
@@ -57,8 +70,12 @@ export function peakOf({ t_ms: times, values }) {
 
 /** A chart in an element of its own. */
 export class Chart {
+  /** Least height of a plot, px, and what the numbers of its time axis take. */
+  static LEAST = 76;
+  static AXIS = 26;
+
   #plot;
-  #last;
+  #labelled = true;
   #cursor = document.createElement("div");
 
   /**
@@ -66,11 +83,9 @@ export class Chart {
    * @param {ChartData} data
    * @param {[number, number]} span First and last time, ms.
    * @param {Palette} palette
-   * @param {boolean} last Whether the time axis is labelled.
    */
-  constructor(place, data, span, palette, last) {
+  constructor(place, data, span, palette) {
     this.data = data;
-    this.#last = last;
     const columns = data.series.map(
       ({ t_ms, values }) => /** @type {uPlot.AlignedData} */ ([t_ms, values]),
     );
@@ -83,11 +98,10 @@ export class Chart {
       grid: { stroke: palette.grid, width: 1 },
       ticks: { stroke: palette.grid, width: 1, size: 4 },
     };
-    const height = Chart.heightOf(last);
     this.#plot = new uPlot(
       {
         width: Math.max(place.clientWidth, 50),
-        height,
+        height: Chart.LEAST,
         padding: [8, 14, 0, 0],
         legend: { show: false },
         cursor: { show: false },
@@ -98,22 +112,22 @@ export class Chart {
         axes: [
           {
             ...axis,
-            size: last ? 44 : 8,
-            label: last ? "Time (ms)" : undefined,
-            labelSize: last ? 20 : 0,
-            values: (_, ticks) => ticks.map((tick) => (last ? String(tick) : "")),
+            size: () => (this.#labelled ? Chart.AXIS : 8),
+            values: (_, ticks) => ticks.map((tick) => (this.#labelled ? String(tick) : "")),
           },
           { ...axis, size: 52, space: 26 },
         ],
         series: [
           {},
-          ...data.series.map(({ label, colour, dash }) => ({
+          ...data.series.map(({ label, colour, dash, dots }) => ({
             label,
             stroke: () => palette.curve(colour),
             dash,
-            width: 2,
+            width: dots ? 0 : 2,
             spanGaps: false,
-            points: { show: false },
+            points: dots
+              ? { show: true, size: 3.5, width: 0, fill: () => palette.curve(colour) }
+              : { show: false },
           })),
         ],
         hooks: { drawClear: [(/** @type {uPlot} */ plot) => this.#underlay(plot, palette)] },
@@ -125,11 +139,6 @@ export class Chart {
     this.#plot.over.append(this.#cursor);
   }
 
-  /** @param {boolean} last */
-  static heightOf(last) {
-    return last ? 168 : 132;
-  }
-
   /**
    * @param {number} low
    * @param {number} high
@@ -138,8 +147,9 @@ export class Chart {
    */
   static rangeOf(low, high, band) {
     const top = Math.max(high, band === null ? high : band.high);
-    const gap = top - low || Math.abs(top) || 1;
-    return [low - 0.04 * gap, top + 0.08 * gap];
+    const bottom = Math.min(low, band === null ? low : band.low);
+    const gap = top - bottom || Math.abs(top) || 1;
+    return [bottom - 0.04 * gap, top + 0.08 * gap];
   }
 
   /**
@@ -187,12 +197,14 @@ export class Chart {
 
   /**
    * @param {number} width px.
-   * @param {number} part Of its usual height.
+   * @param {number} height Without the numbers of the time axis, px.
+   * @param {boolean} labelled Whether the time axis has numbers.
    */
-  resize(width, part = 1) {
-    const height = Math.round(part * Chart.heightOf(this.#last));
-    if (width !== this.#plot.width || height !== this.#plot.height) {
-      this.#plot.setSize({ width, height });
+  resize(width, height, labelled) {
+    const all = Math.round(height) + (labelled ? Chart.AXIS : 0);
+    if (width !== this.#plot.width || all !== this.#plot.height || labelled !== this.#labelled) {
+      this.#labelled = labelled;
+      this.#plot.setSize({ width, height: all });
     }
   }
 
@@ -218,6 +230,43 @@ export class Chart {
 }
 
 /**
+ * What was measured and what was fitted to it, and below it the residual: two charts for each curve.
+ *
+ * @param {FittedCurve[]} curves
+ * @param {number[]} stimuli Of the run, ms.
+ * @returns {ChartData[]}
+ */
+export function chartsOfFit(curves, stimuli) {
+  return curves.flatMap(({ label, unit, t_ms, measured, left_out: leftOut, fitted, residual, noise }) => {
+    const dots = { dash: [], dots: true, t_ms };
+    const bad = leftOut.some((value) => value !== null);
+    const shown = unit === "" ? label : label.replace(/ \([^)]*\)$/, "");
+    return [
+      {
+        name: shown,
+        unit,
+        band: null,
+        note: `dots: measured, line: fitted${bad ? ", orange dots: left out" : ""}`,
+        series: [
+          { ...dots, label: "measured", colour: "--measured", values: measured },
+          ...(bad ? [{ ...dots, label: "left out", colour: "--tension", values: leftOut }] : []),
+          { label: "fitted", colour: "--shortening", dash: [], t_ms, values: fitted },
+        ],
+        stimuli_ms: stimuli,
+      },
+      {
+        name: `${shown}, measured minus fitted`,
+        unit,
+        band: { low: -noise, high: noise, scope: "" },
+        note: "grey: noise at rest",
+        series: [{ ...dots, label: "residual", colour: "--measured", values: residual }],
+        stimuli_ms: stimuli,
+      },
+    ];
+  });
+}
+
+/**
  * The curves of several runs, one chart for each quantity that the first run has.
  *
  * @param {{ label: string, colour: string, dash: number[], t_ms: number[], list: Curve[], stimuli_ms: number[] }[]} runs
@@ -229,6 +278,10 @@ export function chartsOf(runs, colourOf) {
     name,
     unit,
     band,
+    note:
+      band === null
+        ? ""
+        : `grey: ${band.low} to ${band.high} ${unit}, measured peaks`,
     stimuli_ms: [...new Set(runs.flatMap((run) => run.stimuli_ms))],
     series: runs.flatMap(({ label, colour, dash, t_ms, list }) => {
       const curve = list.find((other) => other.key === key && other.unit === unit);

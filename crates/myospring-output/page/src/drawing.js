@@ -51,6 +51,21 @@ export class Sheet {
     return scale * (high - low) + 2 * MARGIN + FOOT;
   }
 
+  /** Width for a height, px, so that the box fills it. */
+  static widthFor(/** @type {Box} */ [[left, low], [right, high]], /** @type {number} */ height) {
+    const scale = (height - 2 * MARGIN - FOOT) / (high - low);
+    return scale * (right - left) + 2 * MARGIN;
+  }
+
+  /** Pixels in a um where the box fits into a canvas. */
+  static scaleIn(
+    /** @type {Box} */ [[left, low], [right, high]],
+    /** @type {number} */ width,
+    /** @type {number} */ height,
+  ) {
+    return Math.min((width - 2 * MARGIN) / (right - left), (height - 2 * MARGIN - FOOT) / (high - low));
+  }
+
   /**
    * Gives the canvas its size, px of the page.
    *
@@ -72,10 +87,7 @@ export class Sheet {
     if (pen === null || this.width === 0) return null;
     const density = this.canvas.width / this.width;
     const [[left, low], [right, high]] = this.box;
-    const scale = Math.min(
-      (this.width - 2 * MARGIN) / (right - left),
-      (this.height - 2 * MARGIN - FOOT) / (high - low),
-    );
+    const scale = Sheet.scaleIn(this.box, this.width, this.height);
     const origin = {
       x: (this.width - scale * (right + left)) / 2,
       y: (this.height - FOOT + scale * (high + low)) / 2,

@@ -15,6 +15,16 @@ export function make(tag, attributes = {}, ...children) {
 }
 
 /**
+ * Text in which what stands between backticks is code.
+ *
+ * @param {string} text
+ * @returns {(string | Node)[]}
+ */
+export function withCode(text) {
+  return text.split("`").map((part, index) => (index % 2 === 1 ? make("code", {}, part) : part));
+}
+
+/**
  * The element of an id, of the kind that it must be.
  *
  * @template {HTMLElement} T

@@ -16,6 +16,68 @@ export interface Payload {
   differences: Difference[];
   /** One for a report, several for a comparison; the first is what others are compared with. */
   runs: Run[];
+  /** What the only run was fitted to. */
+  fit: Fit | null;
+}
+
+export interface Fit {
+  /** Whether the model follows the curves. */
+  verdict: "fits" | "fits-nearly" | "does-not-fit";
+  /** The same in a sentence. */
+  headline: string;
+  estimates: FittedNumber[];
+  curves: FittedCurve[];
+  profiles: Profile[];
+  /** What is to be known of it, a sentence each. */
+  notes: string[];
+  figures: Figure[];
+}
+
+/** A number that was fitted, in words. */
+export interface FittedNumber {
+  name: string;
+  meaning: string;
+  value: string;
+  /** 95 %; empty where there is none. */
+  interval: string;
+  verdict: string;
+}
+
+/** In the time of the run. */
+export interface FittedCurve {
+  /** With its unit. */
+  label: string;
+  unit: string;
+  t_ms: number[];
+  /** Of the frames that counted, and of the others. */
+  measured: (number | null)[];
+  left_out: (number | null)[];
+  fitted: (number | null)[];
+  /** Measured minus fitted. */
+  residual: (number | null)[];
+  /** Standard deviation of the noise at rest. */
+  noise: number;
+}
+
+/** The likelihood of one number. */
+export interface Profile {
+  /** With its unit. */
+  label: string;
+  value: number;
+  interval: [number | null, number | null];
+  /** Value and rise of chi squared. */
+  points: [number, number][];
+  /** Rise at the ends of the interval. */
+  at_ends: number;
+}
+
+export interface Figure {
+  title: string;
+  /** `data:image/svg+xml;base64,...` */
+  light: string;
+  dark: string;
+  words: string;
+  notes: string[];
 }
 
 export interface Difference {
@@ -35,6 +97,8 @@ export interface Run {
   metrics: MetricGroup[];
   parameters: ParameterGroup[];
   warnings: string[];
+  /** What is known of the cell model and seen in this run. */
+  about_model: string | null;
   /** The run file that repeats the run, TOML. */
   run_file: string;
   /** BibTeX. */
@@ -128,7 +192,10 @@ export interface Metric {
   spread: number | null;
   unit: string;
   definition: string;
+  /** Of measured, unloaded cells. */
   band: Band | null;
+  /** Where the value lies against it. */
+  place: "below" | "in" | "above" | null;
 }
 
 export interface ParameterGroup {
@@ -142,6 +209,8 @@ export interface Parameter {
   unit: string;
   meaning: string;
   source: string;
+  /** Whether it is neither the default nor the published one. */
+  changed: boolean;
 }
 
 export interface Picture {

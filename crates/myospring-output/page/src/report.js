@@ -2,18 +2,19 @@
 
 import { boxAround, CellView } from "./cell-view.js";
 import { lineOf, ramp } from "./colours.js";
-import { Chart, chartsOf, peakOf, valueAt } from "./curves.js";
+import { Chart, chartsOf, chartsOfFit, peakOf, valueAt } from "./curves.js";
 import { readPayload, recordedShapes } from "./data.js";
 import { Sheet } from "./drawing.js";
-import { find, make } from "./elements.js";
+import { find, make, withCode } from "./elements.js";
 import { number, plain, quantity, unitText } from "./numbers.js";
 import { OverlayView } from "./overlay-view.js";
 import { Player } from "./player.js";
-import { differenceTable, keyNumbers, metricTables, parameterTables } from "./tables.js";
+import { profileDrawing } from "./profiles.js";
+import { differenceTable, fittedNumbers, keyNumbers, metricTables, parameterTables } from "./tables.js";
 
 /** @import { Photograph } from "./cell-view.js" */
 /** @import { Box, Ink } from "./drawing.js" */
-/** @import { Field, Payload, Picture } from "./payload.js" */
+/** @import { Field, Fit, Payload, Picture } from "./payload.js" */
 
 const PLAY = "M3 1.5v13l11-6.5z";
 const PAUSE = "M3 2h3.5v12H3zM9.5 2H13v12H9.5z";
@@ -25,13 +26,29 @@ const ROOM = 0.02;
 const LEAST_WIDTH = 240;
 const SEEN = 0.75;
 const GAP = 8;
+/** Least width of a page on which a cell and its curves may be side by side, and of a column of charts, px. */
+const SIDE_BY_SIDE = 820;
+const LEAST_CHART = 300;
+/** Least part of the width that a cell has beside its curves. */
+const LEAST_PART = 0.36;
+/** Between the columns of the stage, px. */
+const GUTTER = 24;
+/** Height that the name of a chart takes, and the words below its time axis, px. */
+const CHART_HEAD = 26;
+const CHART_FOOT = 20;
+/** Greatest height of a plot, px. */
+const MOST_PLOT = 150;
+/** Least height of a cell, px. */
+const LEAST_CELL = 110;
+/** The part of the window's height that cell and curves take where much lies above them. */
+const LEAST_STAGE = 0.65;
 /** Of at most so many runs the values of now stand beside the name of a chart. */
 const TOLD = 4;
 /** Ink on paper that is printed. */
 const PRINTED = { line: "#1a1d21", muted: "#555d68", paper: "#ffffff" };
 
 const payload = readPayload(document);
-const { runs } = payload;
+const { runs, fit } = payload;
 const alone = runs.length === 1;
 const style = getComputedStyle(document.documentElement);
 /** @param {string} name Of a custom property of the style sheet. */
@@ -64,7 +81,9 @@ const views = runs.map((run, index) => {
 });
 /** @type {{ view: CellView, time: number }[]} For paper. */
 const stills = [];
+const stage = find("stage", HTMLElement);
 const charts = makeCharts();
+if (!alone) leadWithCurves();
 
 runs.forEach((run, index) => {
   if (run.picture !== null) loadPicture(run.picture, views[index]);
@@ -73,7 +92,13 @@ setUpControls();
 addStills();
 layOut();
 drawStills();
-new ResizeObserver(layOut).observe(cellsPlace);
+let laidOut = stage.clientWidth;
+new ResizeObserver(() => {
+  if (stage.clientWidth === laidOut) return;
+  laidOut = stage.clientWidth;
+  layOut();
+}).observe(stage);
+addEventListener("resize", layOut);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   drawCells();
   charts.forEach(({ chart }) => chart.redraw());
@@ -136,21 +161,27 @@ function commonFields() {
 /** @param {Payload} page */
 function writeHeader({ title, warnings: ofAll }) {
   document.title = title;
-  find("kind", HTMLElement).textContent = alone ? "A beat by Myospring" : "Beats compared by Myospring";
+  const one = fit === null ? "A beat by Myospring" : "A fit by Myospring, and the beat of the fitted cell";
+  find("kind", HTMLElement).textContent = alone ? one : "Beats compared by Myospring";
   find("title", HTMLElement).textContent = title;
-  const facts = alone ? runs[0].facts : runs.map((run) => run.label);
+  // Of several runs the legend has the names.
+  const facts = alone ? runs[0].facts : [];
   find("facts", HTMLElement).append(...facts.map((fact) => make("li", {}, fact)));
   const warnings = runs.flatMap((run) =>
     run.warnings.map((text) => (alone ? text : `${run.label}: ${text}`)),
   );
   const all = [...ofAll, ...warnings];
-  find("warning-list", HTMLElement).append(...all.map((text) => make("li", {}, text)));
+  find("warning-list", HTMLElement).append(...all.map((text) => make("li", {}, ...withCode(text))));
   find("warnings", HTMLElement).hidden = all.length === 0;
 }
 
 /** @param {Payload} page */
 function writeText({ version, differences }) {
-  find("key", HTMLElement).append(keyNumbers(runs));
+  find("key", HTMLElement).append(fit === null ? keyNumbers(runs) : fittedNumbers(fit.estimates));
+  if (fit !== null) writeFit(fit);
+  const about = new Set(runs.flatMap((run) => run.about_model ?? []));
+  find("about", HTMLElement).append(...withCode([...about].join(" ")));
+  find("about", HTMLElement).hidden = about.size === 0;
   find("changes", HTMLElement).hidden = alone;
   const differ = find("differences", HTMLElement);
   differ.hidden = alone;
@@ -163,8 +194,14 @@ function writeText({ version, differences }) {
   runs.forEach((run, index) => {
     const parameters = parameterTables(run.parameters);
     const repeat = [
-      make("p", {}, "Save this as ", make("code", {}, "run.toml"), ", then: ", make("code", {}, "myospring run run.toml")),
-      snippet(run.run_file, "run file", "run.toml"),
+      make(
+        "p",
+        {},
+        make("span", { class: "on-screen" }, "Save this as ", make("code", {}, "run.toml"), ", then: "),
+        make("span", { class: "on-paper" }, "The file run.toml beside this page: "),
+        make("code", {}, "myospring run run.toml"),
+      ),
+      snippet(run.run_file, "run file", "run.toml", alone ? "" : ` of ${run.label}`),
     ];
     find("parameters", HTMLElement).append(...(alone ? parameters : [folded(run.label, index, parameters)]));
     find("repeat", HTMLElement).append(...(alone ? repeat : [folded(run.label, index, repeat)]));
@@ -172,6 +209,37 @@ function writeText({ version, differences }) {
   const citations = new Set(runs.map((run) => run.citations));
   find("cite", HTMLElement).append(...[...citations].map((text) => snippet(text, "BibTeX", "myospring.bib")));
   find("version", HTMLElement).textContent = `Made by Myospring ${version}.`;
+}
+
+/** @param {Fit} fit */
+function writeFit({ verdict, headline, profiles, notes, figures }) {
+  const line = find("verdict", HTMLElement);
+  line.textContent = headline;
+  line.classList.add(verdict);
+  line.hidden = false;
+  const place = find("fit", HTMLElement);
+  place.hidden = false;
+  find("profiles", HTMLElement).append(...profiles.map(profileDrawing));
+  find("profiles", HTMLElement).hidden = profiles.length === 0;
+  find("profiles-hint", HTMLElement).hidden = profiles.length === 0;
+  find("fit-notes", HTMLElement).append(...notes.map((text) => make("li", {}, text)));
+  find("figures", HTMLElement).append(
+    ...figures.flatMap(({ title, light, dark, words, notes }) => [
+      make("h2", {}, title),
+      make(
+        "div",
+        { class: "wide", role: "region", "aria-label": title, tabindex: "0" },
+        make(
+          "picture",
+          {},
+          make("source", { srcset: dark, media: "screen and (prefers-color-scheme: dark)" }),
+          make("img", { src: light, alt: words, class: "drawn" }),
+        ),
+      ),
+      make("p", {}, words),
+      make("ul", {}, ...notes.map((text) => make("li", {}, text))),
+    ]),
+  );
 }
 
 /**
@@ -193,9 +261,10 @@ function folded(label, index, content) {
  * @param {string} text
  * @param {string} what
  * @param {string} file
+ * @param {string} of Whose it is, where there are several.
  */
-function snippet(text, what, file) {
-  const block = make("pre", { tabindex: "0", role: "region", "aria-label": what }, text);
+function snippet(text, what, file, of = "") {
+  const block = make("pre", { tabindex: "0", role: "region", "aria-label": `${what}${of}` }, text);
   const copy = make("button", { type: "button" }, `Copy ${what}`);
   copy.addEventListener("click", async () => {
     try {
@@ -245,7 +314,7 @@ async function loadPicture(picture, view) {
 
 function makeCharts() {
   const place = find("charts", HTMLElement);
-  const data = chartsOf(
+  const ofRuns = chartsOf(
     runs.map((run, index) => ({
       ...run.curves,
       label: run.label,
@@ -254,6 +323,7 @@ function makeCharts() {
     })),
     (key) => (["potential", "tension", "shortening"].includes(key) ? `--${key}` : "--signal"),
   );
+  const data = [...(fit === null ? [] : chartsOfFit(fit.curves, runs[0].stimuli_ms)), ...ofRuns];
   const palette = {
     ink: () => colour("--muted"),
     grid: () => colour("--grid"),
@@ -261,22 +331,27 @@ function makeCharts() {
     curve: colour,
   };
   if (!alone) writeLegend();
-  return data.map((each, index) => {
+  return data.map((each) => {
     const now = make("span", { class: "now", "aria-hidden": "true" });
     const title = make("h3", {}, "", now);
-    if (each.band !== null) {
-      const { low, high } = each.band;
-      const text = `grey: ${low} to ${high} ${each.unit}, peaks seen in unloaded adult ventricular myocytes`;
-      title.append(make("span", { class: "in-band" }, text));
-    }
+    if (each.note !== "") title.append(make("span", { class: "in-band" }, each.note));
     const figure = make("div", { class: "plot", role: "img" });
-    place.append(make("div", { class: "chart" }, title, figure));
-    const chart = new Chart(figure, each, [player.start, player.end], palette, index === data.length - 1);
+    const axis = make("p", { class: "axis" }, "Time (ms)");
+    const element = make("div", { class: "chart" }, title, figure, axis);
+    place.append(element);
+    const chart = new Chart(figure, each, [player.start, player.end], palette);
     title.prepend(chart.heading);
     figure.setAttribute("aria-label", chart.description);
     followPointer(chart);
-    return { chart, figure, now };
+    return { chart, element, axis, now };
   });
+}
+
+/** Of several runs the curves come first: they show the difference. */
+function leadWithCurves() {
+  stage.classList.add("compared");
+  stage.prepend(find("curves", HTMLElement), find("controls", HTMLElement));
+  find("key", HTMLElement).before(find("beat", HTMLElement));
 }
 
 function writeLegend() {
@@ -451,9 +526,54 @@ function columnsIn(width) {
   return Array.from({ length: most }, (_, index) => index + 1).find(fits) ?? most;
 }
 
-/** Fits everything to the width of the page. */
+/** Fits everything to the window: cell and curves are seen together, beside each other or one above the other. */
 function layOut() {
-  const width = cellsPlace.clientWidth;
+  const width = stage.clientWidth;
+  if (alone) layOutOne(width);
+  else layOutSeveral(width);
+  showTime();
+}
+
+/**
+ * The arrangement of a cell and its curves in which the cell is largest.
+ *
+ * @param {number} width Of the stage, px.
+ */
+function layOutOne(width) {
+  const top = stage.getBoundingClientRect().top + scrollY;
+  const high = (/** @type {string} */ id) => find(id, HTMLElement).offsetHeight;
+  // Between its parts, and below the last.
+  const gaps = 3 * GAP;
+  const about = find("about", HTMLElement);
+  const below = about.hidden ? 0 : about.offsetHeight + GAP;
+  const whole = Math.max(innerHeight - top - below, LEAST_STAGE * innerHeight) - high("controls") - gaps;
+  const room = whole - high("bar");
+  const most = Sheet.heightFor(boxes[0], width);
+  const across = columnsOfCharts(width, whole - LEAST_CELL - high("bar"));
+  const above = Math.min(most, Math.max(room - heightOfCharts(across, Chart.LEAST), LEAST_CELL));
+  const half = (width - GUTTER) / 2;
+  const left = Math.max(Math.min(Sheet.widthFor(boxes[0], room), half), LEAST_PART * width);
+  const right = width - GUTTER - left;
+  const scales = [Sheet.scaleIn(boxes[0], width, above), Sheet.scaleIn(boxes[0], left, room)];
+  const fits = heightOfCharts(columnsOfCharts(right, whole), Chart.LEAST) <= whole;
+  const beside = width >= SIDE_BY_SIDE && fits && scales[1] > scales[0];
+  stage.classList.toggle("beside", beside);
+  if (beside) {
+    stage.style.gridTemplateColumns = `${left}px ${right}px`;
+    // In less width the bar may take two lines.
+    const height = Math.min(whole - high("bar"), Sheet.heightFor(boxes[0], left));
+    views[0].resize(left, height, devicePixelRatio);
+    fitCharts(right, columnsOfCharts(right, whole), whole);
+  } else {
+    stage.style.gridTemplateColumns = "";
+    views[0].resize(width, above, devicePixelRatio);
+    fitCharts(width, across, room - above);
+  }
+  cellsPlace.style.gridTemplateColumns = "";
+}
+
+/** @param {number} width Of the stage, px. */
+function layOutSeveral(width) {
   const columns = columnsIn(width);
   cellsPlace.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
   const each = (width - GAP * (columns - 1)) / columns;
@@ -462,8 +582,58 @@ function layOut() {
   views.forEach((view) => view.resize(each, height, devicePixelRatio));
   const wide = Math.min(width, 640);
   overlay?.resize(wide, Math.min(Sheet.heightFor(boxes[0], wide), most), devicePixelRatio);
-  charts.forEach(({ chart, figure }) => chart.resize(figure.clientWidth));
-  showTime();
+  const room = LEAST_STAGE * innerHeight - find("legend", HTMLElement).offsetHeight;
+  fitCharts(width, columnsOfCharts(width, room), room);
+}
+
+/**
+ * Height of the charts in so many columns, px.
+ *
+ * @param {number} columns
+ * @param {number} plot Height of each plot, px.
+ */
+function heightOfCharts(columns, plot) {
+  return Math.ceil(charts.length / columns) * (plot + CHART_HEAD) + Chart.AXIS + CHART_FOOT;
+}
+
+/**
+ * As few columns of charts as are seen at once, if any number is.
+ *
+ * @param {number} width px.
+ * @param {number} room px.
+ */
+function columnsOfCharts(width, room) {
+  const most = Math.max(Math.floor((width + GUTTER) / (LEAST_CHART + GUTTER)), 1);
+  const all = Array.from({ length: most }, (_, index) => index + 1);
+  return all.find((columns) => heightOfCharts(columns, Chart.LEAST) <= room) ?? most;
+}
+
+/**
+ * @param {number} width px.
+ * @param {number} columns
+ * @param {number} room px.
+ */
+function fitCharts(width, columns, room) {
+  const rows = Math.ceil(charts.length / columns);
+  const spare = room - heightOfCharts(columns, 0);
+  const plot = Math.min(Math.max(spare / rows, Chart.LEAST), MOST_PLOT);
+  const place = find("charts", HTMLElement);
+  // They follow each other downwards, fewest in the first column.
+  const first = charts.length - rows * (columns - 1);
+  if (place.childElementCount !== columns || place.querySelector(".column") === null) {
+    const all = Array.from({ length: columns }, () => make("div", { class: "column" }));
+    charts.forEach(({ element }, index) => {
+      all[index < first ? 0 : 1 + Math.floor((index - first) / rows)].append(element);
+    });
+    place.replaceChildren(...all);
+  }
+  place.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
+  const each = (width - GUTTER * (columns - 1)) / columns;
+  charts.forEach(({ chart, element, axis }) => {
+    const last = element.nextElementSibling === null;
+    axis.hidden = !last;
+    chart.resize(each, plot, last);
+  });
 }
 
 /** The canvases that paper has instead of the animation: cells at rest and at their peak. */
@@ -520,7 +690,10 @@ function drawStills() {
     `${number(accuracy)} ${unitText("um")}. Curves and numbers are those of the run itself.`;
 }
 
-/** Charts fit the paper, and what is folded is opened. */
+/** Height of a plot on paper and width of all, px. */
+const PAPER = { width: 660, plot: 84 };
+
+/** Charts fit the paper, and parameters that were changed are unfolded. */
 function setUpPrinting() {
   /** @type {HTMLDetailsElement[]} */
   let opened = [];
@@ -528,10 +701,9 @@ function setUpPrinting() {
     drawStills();
     opened = [...document.querySelectorAll("details")].filter((details) => !details.open);
     for (const details of opened) details.open = true;
-    charts.forEach(({ chart }) => {
-      chart.resize(660, 0.75);
-      chart.redraw();
-    });
+    const columns = charts.length > 3 ? 2 : 1;
+    fitCharts(PAPER.width, columns, heightOfCharts(columns, PAPER.plot));
+    charts.forEach(({ chart }) => chart.redraw());
   });
   addEventListener("afterprint", () => {
     for (const details of opened) details.open = false;

@@ -3,7 +3,7 @@
 import { make } from "./elements.js";
 import { number, quantity, unitText, words } from "./numbers.js";
 
-/** @import { Band, Difference, Metric, ParameterGroup, Run } from "./payload.js" */
+/** @import { Band, Difference, FittedNumber, Metric, ParameterGroup, Run } from "./payload.js" */
 
 /** Metrics that a person looks at first. */
 const KEY = [
@@ -34,6 +34,22 @@ const isNumber = (value) => typeof value === "number";
 /** @param {Band} band */
 const range = (band) => `${band.low} to ${band.high}`.replaceAll("-", "\u2212");
 
+/** What is said of where a value lies against measured ones. */
+const PLACES = { below: "out, below", in: "in", above: "out, above" };
+
+/**
+ * Whether a value lies where measured ones do.
+ *
+ * @param {Metric} row
+ */
+function mark({ place }) {
+  const kind = place === null ? "" : place === "in" ? "in" : "out";
+  return make("span", { class: `mark ${kind}` }, place === null ? "" : PLACES[place]);
+}
+
+/** @param {Metric | undefined} row */
+const marks = (row) => (row === undefined || row.place === null ? [] : [" ", mark(row)]);
+
 /**
  * The key metrics that the runs have; how much longer cells become, where none becomes shorter.
  *
@@ -46,6 +62,28 @@ function keyMetrics(runs) {
     const usual = name !== "peak_lengthening" || !has("peak_shortening");
     return first !== undefined && has(name) && usual ? [first] : [];
   });
+}
+
+/**
+ * The numbers of a fit.
+ *
+ * @param {FittedNumber[]} estimates
+ */
+export function fittedNumbers(estimates) {
+  const each = estimates.map(({ name, meaning, value, interval, verdict }, index) => {
+    const sure = verdict === "determined";
+    const seen = [make("span", { class: `mark ${sure ? "in" : "out"}` }, verdict)];
+    const within = interval === "" ? [] : [make("dd", { class: "seen" }, `95 %: ${unitText(interval)}`)];
+    return make(
+      "div",
+      {},
+      make("dt", {}, term(name, meaning, `fitted-${index}`)),
+      make("dd", { class: "value" }, unitText(value)),
+      ...within,
+      make("dd", { class: "seen" }, ...seen),
+    );
+  });
+  return make("dl", { class: "tiles" }, ...each);
 }
 
 /** As many runs have a tile for each metric; more are a table. */
@@ -67,12 +105,22 @@ function tiles(runs) {
     const values = runs.map((run) => {
       const text = quantity(metric(run, first.name)?.value, first.unit);
       if (runs.length === 1) return make("dd", { class: "value" }, text);
-      return make("dd", { class: "of-run" }, make("span", {}, run.label), make("span", {}, text));
+      const value = make("span", {}, text, ...marks(metric(run, first.name)));
+      return make("dd", { class: "of-run" }, make("span", {}, run.label), value);
     });
     const seen =
       first.band === null
         ? []
-        : [make("dd", { class: "seen" }, `band ${range(first.band)}\u00a0${unitText(first.unit)}`)];
+        : [
+            make(
+              "dd",
+              { class: "seen" },
+              ...(runs.length === 1 ? [mark(first), " "] : []),
+              runs.length === 1
+                ? range(first.band)
+                : `measured ${range(first.band)}\u00a0${unitText(first.unit)}`,
+            ),
+          ];
     return make("div", {}, make("dt", {}, words(first.name)), ...values, ...seen);
   });
   return make("dl", { class: runs.length > 1 ? "tiles several" : "tiles" }, ...each);
@@ -126,7 +174,7 @@ export function differenceTable(differences, runs) {
     make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "setting"), ...head)),
     make("tbody", {}, ...rows),
   );
-  return scrolling(table, "Settings that differ");
+  return scrolling(table, "Table of the settings that differ");
 }
 
 /**
@@ -192,30 +240,34 @@ export function metricTables(runs) {
     const title = spread ? "mean \u00b1 sd of beats" : "value";
     const unit = head("unit", "unit");
     const values = runs.map((run) => head(several ? run.label : title, "number"));
+    const banded = group.rows.some((row) => row.band !== null);
+    const measured = banded ? [head("measured", "band")] : [];
     const header = make(
       "tr",
       {},
       head("quantity"),
       ...(several ? [unit, ...values] : [...values, unit]),
-      head("band seen in experiments"),
+      ...measured,
     );
     const rows = group.rows.map((row, index) => {
       const of = (/** @type {Run} */ run) => metric(run, row.name);
       const name = term(words(row.name), row.definition, `definition-${place}-${index}`);
-      const unit = make("td", {}, unitText(row.unit));
+      const unit = make("td", { class: "unit" }, unitText(row.unit));
       const values = runs.map((run, column) => {
         const change =
           column === 0
             ? []
             : [make("div", { class: "change" }, difference(of(run)?.value, row.value))];
-        return make("td", { class: "number" }, value(of(run)), ...change);
+        const own = several ? marks(of(run)) : [];
+        return make("td", { class: "number" }, value(of(run)), ...own, ...change);
       });
+      const seen = row.band === null ? [] : [...(several ? [] : [mark(row), " "]), range(row.band)];
       return make(
         "tr",
         {},
         make("th", { scope: "row" }, name),
         ...(several ? [unit, ...values] : [...values, unit]),
-        make("td", {}, row.band === null ? "" : range(row.band)),
+        ...(banded ? [make("td", { class: "band" }, ...seen)] : []),
       );
     });
     const table = make(
@@ -249,7 +301,7 @@ export function parameterTables(groups) {
     const rows = group.rows.map((row) =>
       make(
         "tr",
-        {},
+        row.changed ? { class: "changed" } : {},
         make("th", { scope: "row" }, row.name),
         make("td", { class: "number" }, `${row.value} ${unitText(row.unit)}`.trim()),
         make("td", { class: "meaning" }, row.meaning),
@@ -267,10 +319,12 @@ export function parameterTables(groups) {
       ),
       make("tbody", {}, ...rows),
     );
+    const changed = group.rows.filter((row) => row.changed).length;
+    const count = changed > 0 ? `${group.rows.length}, ${changed} of this run` : String(group.rows.length);
     return make(
       "details",
-      {},
-      make("summary", {}, `${group.name} (${group.rows.length})`),
+      { class: changed > 0 ? "group" : "group on-screen" },
+      make("summary", {}, `${group.name} (${count})`),
       table,
     );
   });

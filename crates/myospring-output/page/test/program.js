@@ -17,28 +17,40 @@ export const folder = await mkdtemp(join(tmpdir(), "myospring-page-"));
 after(() => rm(folder, { recursive: true, force: true }));
 
 /**
- * Beats a cell and gives the path of its page.
+ * Runs a command that leaves a page, and gives the path of that.
  *
  * @param {string} name Of the folder of results.
  * @param {string[]} args
  */
-export async function beat(name, ...args) {
+async function pageOf(name, ...args) {
   const output = join(folder, name);
-  await promisify(execFile)(program, ["run", "--quiet", "--outputs", "report", "--output", output, ...args]);
+  await promisify(execFile)(program, [...args, "--quiet", "--output", output]);
   return join(output, "report.html");
 }
 
 /**
- * Compares runs and gives the path of their page.
+ * Beats a cell.
  *
  * @param {string} name Of the folder of results.
  * @param {string[]} args
  */
-export async function compare(name, ...args) {
-  const output = join(folder, name);
-  await promisify(execFile)(program, ["compare", "--quiet", "--output", output, ...args]);
-  return join(output, "report.html");
-}
+export const beat = (name, ...args) => pageOf(name, "run", "--outputs", "report", ...args);
+
+/**
+ * Compares runs.
+ *
+ * @param {string} name Of the folder of results.
+ * @param {string[]} args
+ */
+export const compare = (name, ...args) => pageOf(name, "compare", ...args);
+
+/**
+ * Fits a cell.
+ *
+ * @param {string} name Of the folder of results.
+ * @param {string[]} args
+ */
+export const fit = (name, ...args) => pageOf(name, "fit", ...args);
 
 /**
  * The data in a page.

@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { beat, compare, folder } from "./program.js";
+import { beat, compare, fit, folder } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
@@ -18,11 +18,20 @@ const NASTY = "</script><script>alert(1)</script>\"'&\u2028";
 let browser;
 /** @type {string} Page of the default run. */
 let report;
+/** @type {string} Of two runs beside it, and of the fit of its length. */
+let comparison;
+/** @type {string} */
+let fitted;
 
 before(async () => {
   // Containers and continuous integration have no user namespaces for its sandbox; the page is our own.
   browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--no-sandbox"] });
   report = await beat("default");
+  const quick = ["--integrator", "quasi-static", "--spacing", "4 um"];
+  comparison = await compare("two", ...quick, "--scale", "peak_tension=0.5");
+  const curve = join(folder, "measured.csv");
+  await writeFile(curve, await measured(join(report, "../traces.csv")));
+  fitted = await fit("fitted", "--to", curve, "--spacing", "4 um");
 });
 after(() => browser?.close());
 
@@ -56,6 +65,42 @@ async function opened(path, options, work) {
   } finally {
     await context.close();
   }
+}
+
+/**
+ * The length of a run as a camera with noise of 0.1 um has it, every 4 ms.
+ *
+ * @param {string} traces
+ */
+async function measured(traces) {
+  const [head, ...rows] = (await readFile(traces, "utf8")).trim().split("\n");
+  const columns = ["t_ms", "length_um"].map((name) => head.split(",").indexOf(name));
+  const frames = rows.filter((_, index) => index % 8 === 0);
+  const noise = (/** @type {number} */ at) => 0.1 * Math.sin(7 * at * at + at);
+  const lines = frames.map((row, index) => {
+    const [time, length] = columns.map((column) => Number(row.split(",")[column]));
+    return `${time},${(length + noise(index)).toFixed(4)}`;
+  });
+  return `time_ms,length_um\n${lines.join("\n")}\n`;
+}
+
+/** @param {Page} page What axe complains of. */
+async function violationsOn(page) {
+  // The page's own policy forbids any other script; this way goes round it.
+  await page.evaluate(await readFile(AXE, "utf8"));
+  /** @type {import("axe-core").AxeResults} */
+  const { violations } = await page.evaluate("axe.run()");
+  return violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]);
+}
+
+/** @param {Page} page */
+const openAll = (page) =>
+  page.evaluate(() => document.querySelectorAll("details").forEach((details) => (details.open = true)));
+
+/** @param {Page} page */
+async function printedPages(page) {
+  const paper = await page.pdf({ format: "A4" });
+  return paper.toString("latin1").match(/\/Type\s*\/Page\b/g)?.length ?? 0;
 }
 
 /** @param {Page} page */
@@ -165,24 +210,118 @@ test("it can be used by keyboard alone", async () => {
   });
 });
 
-for (const colorScheme of /** @type {const} */ (["light", "dark"])) {
-  for (const width of [1200, 375]) {
-    test(`nobody is shut out: ${colorScheme}, ${width} px wide`, async () => {
-      await opened(report, { ...STILL, colorScheme, viewport: { width, height: 800 } }, async (page) => {
-        await page.evaluate(() => document.querySelectorAll("details").forEach((details) => (details.open = true)));
-        assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
-        // The page's own policy forbids any other script; this way goes round it.
-        await page.evaluate(await readFile(AXE, "utf8"));
-        /** @type {import("axe-core").AxeResults} */
-        const { violations } = await page.evaluate("axe.run()");
-        assert.deepEqual(
-          violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]),
-          [],
-        );
+const PAGES = /** @type {const} */ (["run", "comparison", "fit"]);
+/** @param {typeof PAGES[number]} kind */
+const pathOf = (kind) => ({ run: report, comparison, fit: fitted })[kind];
+
+for (const kind of PAGES) {
+  for (const colorScheme of /** @type {const} */ (["light", "dark"])) {
+    for (const width of [1400, 390]) {
+      test(`nobody is shut out of the page of a ${kind}: ${colorScheme}, ${width} px wide`, async () => {
+        await opened(pathOf(kind), { ...STILL, colorScheme, viewport: { width, height: 800 } }, async (page) => {
+          await openAll(page);
+          assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
+          const [paper, ink] = await page.evaluate(() => {
+            const style = getComputedStyle(document.body);
+            const light = (/** @type {string} */ colour) =>
+              (colour.match(/\d+/g) ?? []).slice(0, 3).reduce((sum, channel) => sum + Number(channel) / 765, 0);
+            return [light(style.backgroundColor), light(style.color)];
+          });
+          assert.ok(colorScheme === "dark" ? paper < 0.2 && ink > 0.7 : paper > 0.9 && ink < 0.3, `${paper} ${ink}`);
+          assert.deepEqual(await violationsOn(page), []);
+        });
       });
-    });
+    }
   }
+
+  test(`the page of a ${kind} prints on at most four A4 pages`, async () => {
+    await opened(pathOf(kind), STILL, async (page) => {
+      const pages = await printedPages(page);
+      assert.ok(pages >= 1 && pages <= 4, `${pages} pages`);
+    });
+  });
 }
+
+/** Outlines of 60 um and more, um. */
+const SHAPES = {
+  round: Array.from({ length: 48 }, (_, step) => [0, 1].map((axis) => 30 * Math.cos((step * Math.PI) / 24 - (axis * Math.PI) / 2))),
+  square: [[0, 0], [60, 0], [60, 60], [0, 60]],
+  upright: [[0, 0], [20, 0], [20, 120], [0, 120]],
+};
+
+/** @param {string} path Cell and curves are seen whole, without scrolling. */
+async function seenAtOnce(path) {
+  await opened(path, { ...STILL, viewport: { width: 1400, height: 900 } }, async (page) => {
+    const parts = await page.$$eval("#cells canvas, #controls, .chart", (all) =>
+      all.map((part) => part.getBoundingClientRect()).map(({ top, bottom, height }) => [top, bottom, height]),
+    );
+    assert.ok(parts.length >= 5);
+    assert.ok(parts.every(([top, bottom, height]) => top >= 0 && bottom <= 900 && height > 30), JSON.stringify(parts));
+    const cell = await page.locator("#cells canvas").boundingBox();
+    assert.ok(cell !== null && cell.height >= 110, "a cell that can be seen");
+  });
+}
+
+test("a long cell, a fit and their curves are seen on one screen", async () => {
+  await seenAtOnce(report);
+  await seenAtOnce(fitted);
+});
+
+for (const [name, points] of Object.entries(SHAPES)) {
+  test(`a cell and its curves are seen on one screen: ${name}`, async () => {
+    const outline = join(folder, `${name}.csv`);
+    await writeFile(outline, ["x_um,y_um", ...points.map((point) => point.join(","))].join("\n"));
+    await seenAtOnce(await beat(name, outline, "--integrator", "quasi-static", "--spacing", "4 um"));
+  });
+}
+
+test("what a run is told to look at leaves cell and curves one screen", async () => {
+  const path = await beat("strained", "--integrator", "quasi-static", "--spacing", "4 um", "--peak-tension", "150 kPa");
+  await opened(path, STILL, async (page) => assert.ok(await page.isVisible("#warnings")));
+  await seenAtOnce(path);
+});
+
+test("a number is said to be in or out of what is measured, and the model's part in it, calmly", async () => {
+  await opened(report, STILL, async (page) => {
+    const tile = (/** @type {string} */ name) => page.locator(".tiles > div", { hasText: name }).textContent();
+    assert.match((await tile("peak shortening")) ?? "", /12\.01.*in 7 to 12/);
+    assert.match((await tile("maximum shortening rate")) ?? "", /2\.00.*out, above 0\.5 to 1\.2/);
+    const row = page.locator("#metrics tr", { hasText: "shortening rate over peak" });
+    assert.match((await row.textContent()) ?? "", /out, above/);
+    assert.ok(!(await page.isVisible("#warnings")));
+    assert.match((await page.textContent("#about")) ?? "", /^The paper's tension curve .* `--model land_2017` does not\.$/);
+  });
+});
+
+test("the page of a fit has its numbers, its curves and the beating cell", async () => {
+  await opened(fitted, STILL, async (page) => {
+    assert.match((await page.textContent("h1")) ?? "", /^Fit of /);
+    const charts = await page.$$eval(".chart h3", (all) => all.map((title) => title.textContent));
+    assert.match(charts[0] ?? "", /^Length \(\u00b5m\).*dots: measured, line: fitted/);
+    assert.match(charts[1] ?? "", /measured minus fitted/);
+    assert.equal(await page.locator(".profile").count(), await page.locator(".tiles > div").count());
+    const term = page.locator(".tiles .term").first();
+    await term.focus();
+    assert.ok(await page.locator(`#${await term.getAttribute("aria-describedby")}`).isVisible());
+    const resting = await pixels(page);
+    await page.fill("#time", "170");
+    assert.notEqual(await pixels(page), resting);
+    // The fitted cell shortens as the measured one.
+    const row = page.locator("#metrics tr", { hasText: "peak shortening" }).first();
+    assert.match((await row.textContent()) ?? "", /1[12]\.\d/);
+  });
+});
+
+test("a comparison leads with curves; what was set comes last", async () => {
+  await opened(comparison, STILL, async (page) => {
+    const order = await page.evaluate(() =>
+      ["charts", "cells", "key", "metrics", "differences", "parameters", "repeat"].map(
+        (id) => document.getElementById(id)?.getBoundingClientRect().top ?? NaN,
+      ),
+    );
+    assert.ok(order.every((top, index) => index === 0 || top > order[index - 1]), order.join());
+  });
+});
 
 test("what a page was given stays text", async () => {
   const name = join(folder, "<script>.toml");
@@ -227,7 +366,7 @@ test("a cell from a picture beats on its picture", async () => {
 test("many runs are told apart, and a page says in what they differ and by how much", async () => {
   const factors = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9].flatMap((factor) => ["--scale", `peak_tension=${factor}`]);
   const path = await compare("compared", "--integrator", "quasi-static", "--spacing", "4 um", ...factors);
-  for (const width of [1200, 375]) {
+  for (const width of [1200, 390]) {
     await opened(path, { ...STILL, viewport: { width, height: 900 } }, async (page) => {
       assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
       assert.equal(await page.textContent("h1"), "control and 7 others");
@@ -238,13 +377,9 @@ test("many runs are told apart, and a page says in what they differ and by how m
       assert.match((await page.textContent("#differences")) ?? "", /cell\.peak_tension50 kPa15 kPa20 kPa/);
       const row = page.locator("#metrics tr", { hasText: "peak shortening" }).first();
       assert.match((await row.textContent()) ?? "", /12\.01.*\u2212\d\.\d\d \(\u2212\d\d\.\d\d %\)/);
-      await page.evaluate(await readFile(AXE, "utf8"));
-      /** @type {import("axe-core").AxeResults} */
-      const { violations } = await page.evaluate("axe.run()");
-      assert.deepEqual(
-        violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]),
-        [],
-      );
+      assert.deepEqual(await violationsOn(page), []);
+      const pages = await printedPages(page);
+      assert.ok(pages <= 4, `${pages} pages`);
       // On paper no column is cut off.
       await page.emulateMedia({ media: "print" });
       await page.setViewportSize({ width: 700, height: 900 });
@@ -267,9 +402,6 @@ test("a run is copied and cited from the page", async () => {
 
 test("it prints the cell at rest and at its peak, with all tables", async () => {
   await opened(report, STILL, async (page) => {
-    const paper = await page.pdf({ format: "A4" });
-    const pages = paper.toString("latin1").match(/\/Type\s*\/Page\b/g)?.length ?? 0;
-    assert.ok(pages >= 3 && pages <= 14, `${pages} pages`);
     await page.emulateMedia({ media: "print" });
     assert.ok(await page.isVisible("#stills canvas"));
     assert.ok(!(await page.isVisible("#play")));

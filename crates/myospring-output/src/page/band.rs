@@ -12,8 +12,8 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// That of a metric.
-    pub(super) fn of(metric: &str) -> Option<Self> {
-        beat::band(metric).map(|&beat::Band { low, high, scope, .. }| Self { low, high, scope })
+    /// As a page has it.
+    pub(super) fn of(&beat::Band { low, high, scope, .. }: &beat::Band) -> Self {
+        Self { low, high, scope }
     }
 }

@@ -1,6 +1,7 @@
 //! The curves of a run, with no more samples than a screen shows.
 
 use super::band::Band;
+use myospring_core::analysis::beat;
 use myospring_core::recording::{Recording, Sample};
 use serde::Serialize;
 
@@ -46,7 +47,7 @@ pub(super) fn of(recording: &Recording) -> Curves {
     list.extend([
         curve("tension", "Active tension", "kPa", samples.iter().map(|s| s.ta_kpa).collect()),
         Curve {
-            band: Band::of("peak_shortening"),
+            band: beat::band("peak_shortening").map(Band::of),
             ..curve(
                 "shortening",
                 "Shortening",

@@ -1,7 +1,7 @@
 //! What a page is given.
 
 use crate::field::{Field, FieldError};
-use crate::figure::FigureError;
+use crate::figure::{Figure, FigureError, FittedCurve, LikelihoodProfile};
 use crate::json::JsonError;
 use crate::report::Summary;
 use myospring_core::mesh::Mesh;
@@ -24,6 +24,55 @@ pub struct Page<'a> {
     pub differences: &'a [Difference],
     /// One run for a report; of several, the first is what the others are compared with.
     pub runs: &'a [PageRun<'a>],
+    /// The fit that the only run is the beat of.
+    pub fit: Option<PageFit<'a>>,
+}
+
+/// A fit on a page.
+#[derive(Debug, Clone)]
+pub struct PageFit<'a> {
+    /// Whether the model follows the curves: `fits`, `fits-nearly`, `does-not-fit`.
+    pub verdict: &'a str,
+    /// The same in a sentence.
+    pub headline: &'a str,
+    /// What was found.
+    pub estimates: &'a [FittedNumber],
+    /// Measured and fitted curves, in the time of the run.
+    pub curves: &'a [FittedCurve],
+    /// How sure each number is.
+    pub profiles: &'a [LikelihoodProfile],
+    /// What is to be known of the fit, a sentence each.
+    pub notes: &'a [String],
+    /// Figures of its own.
+    pub figures: Vec<PageFigure<'a>>,
+}
+
+/// A number that was fitted, as a person reads it.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct FittedNumber {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub meaning: String,
+    /// Its value with the unit.
+    pub value: String,
+    /// Its 95 % interval; empty where there is none.
+    pub interval: String,
+    /// What the curve says of it: `determined`.
+    pub verdict: String,
+}
+
+/// A figure on a page.
+#[derive(Debug, Clone)]
+pub struct PageFigure<'a> {
+    /// What it shows.
+    pub title: &'a str,
+    /// The drawing.
+    pub figure: Figure,
+    /// What it comes to, in a sentence.
+    pub words: String,
+    /// What is to be known of it, a sentence each.
+    pub notes: &'a [String],
 }
 
 /// A setting in which runs differ, as a person reads it.
@@ -88,6 +137,8 @@ pub struct ParameterRow {
     pub meaning: String,
     /// Where the value comes from.
     pub source: String,
+    /// Whether it is neither the default nor the published one; on paper only such parameters are listed.
+    pub changed: bool,
 }
 
 /// The picture of a cell: grey values row by row from the top left.

@@ -45,6 +45,7 @@ use super::template::TEMPLATE;
 ///     warnings: &[],
 ///     differences: &[],
 ///     runs: &[run],
+///     fit: None,
 /// })?;
 /// assert!(html.contains("<title>A &lt;fast&gt; cell</title>"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -73,7 +74,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
 }
 
 /// Text in an element or an attribute.
-pub fn for_markup(text: &str) -> String {
+fn for_markup(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

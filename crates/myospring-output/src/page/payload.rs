@@ -3,12 +3,13 @@
 use super::band::Band;
 use super::cell::{self, CellData};
 use super::curves::{self, Curves};
+use super::fit::{self, FitData};
 use super::given::{Difference, Page, PageError, PageRun, ParameterGroup};
 use super::photograph::{self, PictureData};
 use crate::json::JsonError;
 use crate::report::Summary;
 use myospring_core::analysis::Metric;
-use myospring_core::analysis::beat::Beat;
+use myospring_core::analysis::beat::{self, Beat, Place};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -20,6 +21,7 @@ struct Payload<'a> {
     warnings: &'a [String],
     differences: &'a [Difference],
     runs: Vec<Run<'a>>,
+    fit: Option<FitData<'a>>,
 }
 
 #[derive(Serialize)]
@@ -33,6 +35,7 @@ struct Run<'a> {
     metrics: Vec<MetricGroup<'a>>,
     parameters: &'a [ParameterGroup],
     warnings: &'a [String],
+    about_model: Option<&'a str>,
     run_file: &'a str,
     citations: &'a str,
     picture: Option<PictureData>,
@@ -52,6 +55,7 @@ struct MetricRow<'a> {
     unit: &'a str,
     definition: &'a str,
     band: Option<Band>,
+    place: Option<Place>,
 }
 
 /// The data of a page as JSON.
@@ -64,7 +68,8 @@ pub(super) fn json(page: &Page<'_>) -> Result<String, PageError> {
     let runs = page.runs.iter().map(|run| of_run(run, share)).collect::<Result<_, _>>()?;
     let colour = page.colour.word();
     let Page { title, version, warnings, differences, .. } = *page;
-    let payload = Payload { form: 1, title, version, colour, warnings, differences, runs };
+    let fit = page.fit.as_ref().map(fit::of);
+    let payload = Payload { form: 1, title, version, colour, warnings, differences, runs, fit };
     Ok(serde_json::to_string(&payload).map_err(JsonError::from)?)
 }
 
@@ -79,6 +84,7 @@ fn of_run<'a>(run: &'a PageRun<'_>, share: usize) -> Result<Run<'a>, PageError> 
         metrics: metrics(run.summary),
         parameters: &run.parameters,
         warnings: &run.summary.warnings,
+        about_model: run.summary.about_model.as_deref(),
         run_file: run.run_file,
         citations: run.citations,
         picture: picture.map(|it| photograph::of(it, run.outline)).transpose()?.flatten(),
@@ -87,15 +93,20 @@ fn of_run<'a>(run: &'a PageRun<'_>, share: usize) -> Result<Run<'a>, PageError> 
 
 /// The metrics of the first beat, or, of several beats, their means.
 fn metrics(summary: &Summary) -> Vec<MetricGroup<'_>> {
+    let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
     let row = |metric: &'_ Metric| {
         let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric.name);
+        let value = over_beats.map(|spread| spread.mean).or(metric.value);
+        // What is known is of unloaded cells.
+        let band = beat::band(metric.name).filter(|_| !loaded);
         MetricRow {
             name: metric.name,
-            value: over_beats.map(|spread| spread.mean).or(metric.value),
+            value,
             spread: over_beats.map(|spread| spread.standard_deviation),
             unit: metric.unit,
             definition: metric.definition,
-            band: Band::of(metric.name),
+            band: band.map(Band::of),
+            place: band.zip(value).map(|(band, value)| band.place(value)),
         }
     };
     let group =

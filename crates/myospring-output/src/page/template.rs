@@ -14,7 +14,7 @@ macro_rules! modules {
 }
 
 /// The modules of the page, each after those that it imports.
-const MODULES: [(&str, &str); 12] = modules![
+const MODULES: [(&str, &str); 13] = modules![
     "numbers.js",
     "colours.js",
     "elements.js",
@@ -25,6 +25,7 @@ const MODULES: [(&str, &str); 12] = modules![
     "overlay-view.js",
     "player.js",
     "curves.js",
+    "profiles.js",
     "tables.js",
     "report.js",
 ];

@@ -281,7 +281,8 @@ fn beat(
     warnings.extend(prepared.warnings_after(&finished));
     row.warnings = warnings.join("; ");
     let (stimuli, s2_ms) = (run.stimulus_times(), run.s2_ms());
-    let summary = Summary::new(&finished.recording, &stimuli, s2_ms, report, warnings);
+    let summary = Summary::new(&finished.recording, &stimuli, s2_ms, report, warnings)
+        .with_pace(&simulation.pace(&finished.beats()));
     row.metrics(&summary);
     let (simulation, finished) = (&simulation, &finished);
     keeper.beaten(&Beaten {

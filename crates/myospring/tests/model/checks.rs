@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::exchange::{Toy, strip};
-use myospring::cell;
+use myospring::analysis::beat::{self, Place};
 use myospring::cell::pacing::Protocol;
+use myospring::cell::{self, CellModel, TensionKind};
 use myospring::exchange::{Activation, Sites};
 use myospring::integrate::Method;
 use myospring::integrate::engine::Loops;
@@ -12,7 +13,8 @@ use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::myofilament_material;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::lattice;
-use myospring::simulation::Simulation;
+use myospring::simulation::{Pace, Simulation};
+use std::sync::Arc;
 
 #[test]
 fn more_shapes_than_there_is_memory_for_are_refused_with_an_interval_that_would_do() {
@@ -34,10 +36,7 @@ fn a_cell_that_is_strained_beyond_what_the_law_was_made_for_is_said_and_no_other
         simulation.numerics.method = Method::QuasiStatic;
         (simulation.peak_tension, simulation.support) = (peak_tension, support);
         let ready = simulation.build().unwrap();
-        let mut warnings = ready.warnings_after(&ready.run(|_| true));
-        // The published tension is out of pace however strong it is.
-        warnings.retain(|warning| !warning.contains("lengths/s"));
-        warnings
+        ready.warnings_after(&ready.run(|_| true))
     };
     let ends = SupportKind::ClampedEnds;
     // 12 % and 18 % shorter; what isometric tests ask of a cell.
@@ -64,31 +63,81 @@ fn a_cell_that_is_strained_beyond_what_the_law_was_made_for_is_said_and_no_other
     assert!(warnings.iter().any(|warning| warning.contains("% longer)")), "{warnings:?}");
 }
 
-#[test]
-fn a_free_cell_whose_given_tension_shortens_it_as_no_measured_cell_does_is_said_to() {
-    let beaten = |model: &str, support: SupportKind| {
-        let cell = cell::model(model).unwrap();
-        let mut simulation = Simulation {
-            protocol: Protocol::once(cell.default_stimulus()),
-            support,
-            ..Simulation::new(strip())
-        };
-        simulation.numerics.method = Method::QuasiStatic;
-        if cell.feels_stretch() {
-            simulation.material = myofilament_material();
-        }
-        simulation.cell = cell;
-        let ready = simulation.build().unwrap();
-        ready.warnings_after(&ready.run(|_| true))
+/// Warnings of a beat of the strip, and how fast it shortened.
+fn paced(cell: Arc<dyn CellModel>, support: SupportKind) -> (Vec<String>, Pace, Option<f64>) {
+    let mut simulation = Simulation {
+        protocol: Protocol::once(cell.default_stimulus()),
+        support,
+        ..Simulation::new(strip())
     };
-    for model in ["coelho_2021", "bueno_orovio_2008_epi", "bueno_orovio_2008_tnnp"] {
-        let warnings = beaten(model, SupportKind::MassCentre);
-        let told = warnings.iter().find(|warning| warning.contains("lengths/s")).unwrap();
-        assert!(told.contains(model) && told.contains("10.1 and 10.8 1/s"), "{told}");
+    simulation.numerics.method = Method::QuasiStatic;
+    if cell.feels_stretch() {
+        simulation.material = myofilament_material();
     }
-    assert_eq!(beaten("land_2017", SupportKind::MassCentre), [""; 0]);
+    simulation.cell = cell;
+    let ready = simulation.build().unwrap();
+    let outcome = ready.run(|_| true);
+    let beats = outcome.beats();
+    let ratio = beats[0].value("shortening_rate_over_peak");
+    (ready.warnings_after(&outcome), simulation.pace(&beats), ratio)
+}
+
+#[test]
+fn a_model_that_shortens_otherwise_than_measured_cells_says_so_of_itself_and_its_run_has_no_warning()
+ {
+    let band = beat::band("shortening_rate_over_peak").unwrap();
+    for cell in cell::models() {
+        // A membrane alone moves nothing, and ToR-ORd has its own tests.
+        if cell.tension_kind() == TensionKind::None || cell.name().starts_with("tor_ord") {
+            continue;
+        }
+        let (name, known) = (cell.name().to_owned(), cell.known_departure());
+        let (warnings, pace, ratio) = paced(cell, SupportKind::MassCentre);
+        let Some(ratio) = ratio else { continue };
+        match known {
+            Some(known) => {
+                // What the model says is what its beat does: of this strip or of a cell.
+                let said = known.shortening_rate_over_peak;
+                assert!((ratio / said - 1.0).abs() < 0.03, "{name}: {ratio}, said are {said}");
+                assert_eq!(pace, Pace::AsItsModel(known), "{name}");
+            }
+            None => {
+                assert_eq!(
+                    (band.place(ratio), pace),
+                    (Place::In, Pace::AsMeasured),
+                    "{name}: {ratio}"
+                );
+            }
+        }
+        assert_eq!(warnings, [""; 0], "{name}");
+    }
     // A cell that is held has another rate.
-    assert_eq!(beaten("coelho_2021", SupportKind::ClampedEnds), [""; 0]);
+    let (warnings, pace, _) = paced(cell::model("coelho_2021").unwrap(), SupportKind::ClampedEnds);
+    assert_eq!((warnings, pace), (Vec::new(), Pace::AsMeasured));
+}
+
+#[test]
+fn parameters_that_shorten_a_cell_as_nothing_measured_does_are_warned_of() {
+    let with = |model: &str, changes: &[(&str, f64)]| {
+        let published = cell::model(model).unwrap();
+        let mut parameters = published.parameters().clone();
+        for &(name, factor) in changes {
+            let value = parameters.get(name).unwrap();
+            parameters.set(name, factor * value).unwrap();
+        }
+        paced(published.with_parameters(parameters).unwrap(), SupportKind::MassCentre)
+    };
+    // The rate constant of the tension twice as large; cross-bridges and troponin thrice as fast.
+    let fast = [("k_uw", 3.0), ("k_ws", 3.0), ("k_u", 3.0), ("k_TRPN", 3.0)];
+    for (model, changes) in [("coelho_2021", &[("c_0", 2.0)][..]), ("land_2017", &fast)] {
+        let (warnings, pace, ratio) = with(model, changes);
+        assert!(matches!(pace, Pace::Unexplained { .. }), "{model}: {ratio:?} {pace:?}");
+        let said = warnings.iter().find(|warning| warning.starts_with("no measured cell")).unwrap();
+        assert!(said.contains("this fast") && said.contains("8 to 13 1/s"), "{said}");
+    }
+    // Slower, and still faster than measured: as its model.
+    let (warnings, pace, ratio) = with("coelho_2021", &[("c_0", 0.8)]);
+    assert!(matches!(pace, Pace::AsItsModel(_)) && warnings.is_empty(), "{ratio:?} {warnings:?}");
 }
 
 #[test]

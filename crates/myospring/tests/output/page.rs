@@ -61,6 +61,7 @@ fn html(runs: &[PageRun<'_>]) -> String {
         warnings: &[],
         differences: &[],
         runs,
+        fit: None,
     })
     .unwrap()
 }
