@@ -56,17 +56,21 @@ impl Summary {
     /// With what is known of the cell model, where this run shows it.
     #[must_use]
     pub fn with_pace(self, pace: &Pace) -> Self {
-        let about_model = match pace {
-            Pace::AsItsModel(KnownDeparture { fact, instead, .. }) => {
-                Some(format!("{fact}; `--model {instead}` does not."))
-            }
-            Pace::AsMeasured | Pace::Unexplained { .. } => None,
-        };
-        Self { about_model, ..self }
+        Self { about_model: about_model(pace), ..self }
     }
 
     /// The beat of an extra stimulus, where there is one.
     pub fn s2(&self) -> Option<&Beat> {
         self.beats.last().filter(|last| last.is_s2())
+    }
+}
+
+/// What is known of a cell model and seen in a run, in a sentence.
+pub fn about_model(pace: &Pace) -> Option<String> {
+    match pace {
+        Pace::AsItsModel(KnownDeparture { fact, instead, .. }) => {
+            Some(format!("{fact}; `--model {instead}` does not."))
+        }
+        Pace::AsMeasured | Pace::Unexplained { .. } => None,
     }
 }

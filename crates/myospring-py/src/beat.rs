@@ -10,6 +10,7 @@ use myospring::integrate::engine::EngineUsed;
 use myospring::integrate::stencil;
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, FigureError};
+use myospring::output::report::about_model;
 use myospring::recording::{Frame, Recording, Sample, Signal};
 use myospring::run_file::RunFile;
 use myospring::settings::{Made, Run};
@@ -204,6 +205,12 @@ impl Beat {
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
+    }
+
+    /// What is known of the cell model and seen in this beat, in a sentence.
+    #[getter]
+    fn about_model(&self) -> Option<String> {
+        about_model(&self.made.simulation.pace(&self.beats))
     }
 
     /// Why it stopped early, and when, ms.

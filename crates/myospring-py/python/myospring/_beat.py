@@ -136,6 +136,11 @@ class Beat:
         return self._native.warnings
 
     @property
+    def about_model(self) -> str | None:
+        """What is known of the cell model and seen in this beat, in a sentence; None where nothing is."""
+        return self._native.about_model
+
+    @property
     def stopped(self) -> tuple[str, float | None] | None:
         """Why and when (ms) the run stopped before its end; None if it did not."""
         return self._native.stop
@@ -258,6 +263,8 @@ class Beat:
             if name in self.metrics
         )
         warnings = "".join(f"<p>Warning: {html.escape(text)}</p>" for text in self.warnings)
+        if self.about_model is not None:
+            warnings += f"<p>{html.escape(self.about_model)}</p>"
         return f"<div><b>{html.escape(title)}</b>{self._repr_svg_()}<table>{rows}</table>{warnings}</div>"
 
     def __reduce__(self) -> tuple[Any, tuple[Cell, bytes]]:
