@@ -49,6 +49,10 @@ const PRINTED = { line: "#1a1d21", muted: "#555d68", paper: "#ffffff" };
 
 const payload = readPayload(document);
 const { runs, fit } = payload;
+// A notebook makes the frame of a page as high as the page, which must not grow with it.
+const framed = parent !== window;
+const heightAtFirst = innerHeight;
+const windowHeight = () => (framed ? heightAtFirst : innerHeight);
 const alone = runs.length === 1;
 const style = getComputedStyle(document.documentElement);
 /** @param {string} name Of a custom property of the style sheet. */
@@ -98,7 +102,7 @@ new ResizeObserver(() => {
   laidOut = stage.clientWidth;
   layOut();
 }).observe(stage);
-addEventListener("resize", layOut);
+if (!framed) addEventListener("resize", layOut);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   drawCells();
   charts.forEach(({ chart }) => chart.redraw());
@@ -521,7 +525,7 @@ function columnsIn(width) {
   const most = Math.max(Math.min(views.length, Math.floor((width + GAP) / (LEAST_WIDTH + GAP))), 1);
   const fits = (/** @type {number} */ columns) => {
     const height = Sheet.heightFor(boxes[0], (width - GAP * (columns - 1)) / columns);
-    return Math.ceil(views.length / columns) * height <= SEEN * innerHeight;
+    return Math.ceil(views.length / columns) * height <= SEEN * windowHeight();
   };
   return Array.from({ length: most }, (_, index) => index + 1).find(fits) ?? most;
 }
@@ -546,7 +550,7 @@ function layOutOne(width) {
   const gaps = 3 * GAP;
   const about = find("about", HTMLElement);
   const below = about.hidden ? 0 : about.offsetHeight + GAP;
-  const whole = Math.max(innerHeight - top - below, LEAST_STAGE * innerHeight) - high("controls") - gaps;
+  const whole = Math.max(windowHeight() - top - below, LEAST_STAGE * windowHeight()) - high("controls") - gaps;
   const room = whole - high("bar");
   const most = Sheet.heightFor(boxes[0], width);
   const across = columnsOfCharts(width, whole - LEAST_CELL - high("bar"));
@@ -577,12 +581,12 @@ function layOutSeveral(width) {
   const columns = columnsIn(width);
   cellsPlace.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
   const each = (width - GAP * (columns - 1)) / columns;
-  const most = 0.62 * innerHeight;
+  const most = 0.62 * windowHeight();
   const height = Math.min(Math.max(Sheet.heightFor(boxes[0], each), 100), most);
   views.forEach((view) => view.resize(each, height, devicePixelRatio));
   const wide = Math.min(width, 640);
   overlay?.resize(wide, Math.min(Sheet.heightFor(boxes[0], wide), most), devicePixelRatio);
-  const room = LEAST_STAGE * innerHeight - find("legend", HTMLElement).offsetHeight;
+  const room = LEAST_STAGE * windowHeight() - find("legend", HTMLElement).offsetHeight;
   fitCharts(width, columnsOfCharts(width, room), room);
 }
 

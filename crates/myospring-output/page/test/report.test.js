@@ -289,7 +289,7 @@ test("a number is said to be in or out of what is measured, and the model's part
     const row = page.locator("#metrics tr", { hasText: "shortening rate over peak" });
     assert.match((await row.textContent()) ?? "", /out, above/);
     assert.ok(!(await page.isVisible("#warnings")));
-    assert.match((await page.textContent("#about")) ?? "", /^The paper's tension curve .* `--model land_2017` does not\.$/);
+    assert.match((await page.textContent("#about")) ?? "", /^The paper's tension curve .* --model land_2017 does not\.$/);
   });
 });
 
