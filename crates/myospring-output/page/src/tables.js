@@ -272,7 +272,7 @@ export function metricTables(runs) {
     });
     const table = make(
       "table",
-      { class: several ? "compared" : "numbers" },
+      { class: runs.length > TILED ? "compared many" : several ? "compared" : "numbers" },
       make("caption", {}, group.name),
       make("thead", {}, header),
       make("tbody", {}, ...rows),
