@@ -7,7 +7,9 @@
 //! dTa/dt = (u - Ta) / tau    Ta(t) = a (t / tau) exp(-t / tau)
 //! ```
 
-use super::cell_model::{CellModel, Input, ModelError, StateVariable, Stimulation, TensionKind};
+use super::cell_model::{
+    CellModel, Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
+};
 use super::pacing::Stimulus;
 use crate::parameter::{Parameter, ParameterSet};
 use std::borrow::Cow;
@@ -134,5 +136,15 @@ impl CellModel for ToyModel {
     fn tension_kind(&self) -> TensionKind {
         // a / e, with the amplitude 1 of the default stimulus
         TensionKind::Relative { published_peak: (-1.0_f64).exp() }
+    }
+
+    fn known_departure(&self) -> Option<KnownDeparture> {
+        Some(KnownDeparture {
+            shortening_rate_over_peak: 62.1,
+            fact: Cow::Borrowed(
+                "This model is an example, whose tension rises faster than measured cells",
+            ),
+            instead: Cow::Borrowed("land_2017"),
+        })
     }
 }

@@ -129,7 +129,7 @@ fn parameters_that_shorten_a_cell_as_nothing_measured_does_are_warned_of() {
     };
     // The rate constant of the tension twice as large; cross-bridges and troponin thrice as fast.
     let fast = [("k_uw", 3.0), ("k_ws", 3.0), ("k_u", 3.0), ("k_TRPN", 3.0)];
-    for (model, changes) in [("coelho_2021", &[("c_0", 2.0)][..]), ("land_2017", &fast)] {
+    for (model, changes) in [("coelho_2021", &[("c_0", 2.0)][..]), ("land_2017", &fast[..])] {
         let (warnings, pace, ratio) = with(model, changes);
         assert!(matches!(pace, Pace::Unexplained { .. }), "{model}: {ratio:?} {pace:?}");
         let said = warnings.iter().find(|warning| warning.starts_with("no measured cell")).unwrap();
