@@ -73,7 +73,7 @@ pub(super) fn html(
         drawn(fit).into_iter().map(|curve| from_stimulus(curve, start)).collect();
     let mut notes: Vec<String> = fit.curves.iter().map(words::left).collect();
     notes.extend(context.notes.iter().cloned());
-    let profiles = profiles(fit);
+    let (profiles, headline) = (profiles(fit), words::headline(fit));
     let page = Page {
         title: &title,
         version: env!("CARGO_PKG_VERSION"),
@@ -83,7 +83,7 @@ pub(super) fn html(
         runs: &[shown],
         fit: Some(PageFit {
             verdict: fit.verdict.word(),
-            headline: &words::headline(fit),
+            headline: &headline,
             estimates: &estimates,
             curves: &curves,
             profiles: &profiles,
