@@ -6,7 +6,7 @@ import { chromium } from "playwright-core";
 const [report, picture] = process.argv.slice(2);
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--no-sandbox"] });
 const page = await browser.newPage({
-  viewport: { width: 1100, height: 1010 },
+  viewport: { width: 1400, height: 900 },
   colorScheme: "light",
   reducedMotion: "reduce",
 });
