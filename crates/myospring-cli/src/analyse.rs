@@ -35,7 +35,11 @@ impl Read {
 }
 
 pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
-    let options = table::options(&args.table, args.pixel_size.as_deref())?;
+    let options = table::options(
+        &args.table,
+        args.pixel_size.as_deref(),
+        args.to.as_deref().map(|to| ("--to", to)),
+    )?;
     let beats = table::Beats::of(&args.stimuli, args.smooth.as_deref(), args.keep_drift)?;
     let (mut all, mut notes) = (Vec::new(), Vec::new());
     let inputs = folder::tables(&args.inputs)?;

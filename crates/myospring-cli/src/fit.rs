@@ -19,7 +19,7 @@ use crate::track::report::Report;
 use crate::{interrupt, print, progress};
 use files::Cell;
 use map::Mapped;
-use myospring::fit::{Fit, FitError, Fitter, Loaded, Observed, Settings, Unknown};
+use myospring::fit::{Fit, FitError, Fitter, Loaded, Observed, Settings, Unknown, of_each_cell};
 use myospring::measured::{self, Curve, Options};
 use myospring::mechanics::support::SupportKind;
 use myospring::output::json;
@@ -38,7 +38,8 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     input::one_cell(args.settings.all_cells())?;
     let pixel = args.settings.get("segmentation.pixel_size").and_then(Value::as_text);
-    let options = table::options(&args.table, pixel)?;
+    let options =
+        table::options(&args.table, pixel, args.until.as_deref().map(|until| ("--until", until)))?;
     let beats = Beats::of(&args.stimuli, None, false)?;
     let film = film::named(args)?;
     let (overrides, taken) = overrides(args);
@@ -48,6 +49,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let (curves, mut notes) = match &tracked {
         Some(report) => {
             let curve = film::curve(args, &report.rows)?;
+            let curve = curve.part(options.from_ms, options.until_ms).map_err(Failure::new)?;
             (vec![(curve.name.clone(), Ok(curve))], report.warnings.clone())
         }
         None => curves(&folder::tables(&args.to)?, &options)?,
@@ -250,7 +252,13 @@ fn curves(paths: &[PathBuf], options: &Options) -> Result<(Vec<Named>, Vec<Strin
             Err(error) => return Err(Failure::new(error)),
         };
         notes.extend(table.notes.iter().map(|note| format!("{}: {note}", path.display())));
-        for mut curve in table.curves {
+        let (taken, note) = if options.values.is_empty() && options.kind.is_none() {
+            of_each_cell(table.curves)
+        } else {
+            (table.curves, None)
+        };
+        notes.extend(note.map(|note| format!("{}: {note}", path.display())));
+        for mut curve in taken {
             if several {
                 curve.name = format!("{stem} {}", curve.name);
             }

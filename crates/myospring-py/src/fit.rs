@@ -15,12 +15,18 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-/// A curve: name, kind, unit, times (ms), values.
-type Measured = (String, String, String, Vec<f64>, Vec<f64>);
+/// A curve: name, kind, unit, times (ms), values, stimuli that its file has marks of (ms).
+type Measured = (String, String, String, Vec<f64>, Vec<f64>, Vec<f64>);
 
 /// A curve on its way to Python: as [`Measured`], with arrays.
-type Given<'py> =
-    (String, &'static str, &'static str, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type Given<'py> = (
+    String,
+    &'static str,
+    &'static str,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Vec<f64>,
+);
 
 /// How a table is read, by name.
 #[derive(FromPyObject)]
@@ -33,6 +39,10 @@ pub(crate) struct Reading {
     time_unit: Option<String>,
     frame_rate_per_s: Option<f64>,
     pixel_size_um: Option<f64>,
+    sheets: Vec<String>,
+    from_ms: Option<f64>,
+    until_ms: Option<f64>,
+    ignore_marks: bool,
     mean: bool,
     skip_gaps: bool,
 }
@@ -57,7 +67,7 @@ pub(crate) struct Fitter {
     fits: fit::Fitter,
 }
 
-/// The curves of a table, and what was taken for granted of them.
+/// The curves of a table that are fitted, and what was taken for granted of them.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
 pub(crate) fn read_curves(
@@ -73,6 +83,10 @@ pub(crate) fn read_curves(
         time_unit: reading.time_unit,
         frame_rate_per_s: reading.frame_rate_per_s,
         pixel_size_um: reading.pixel_size_um,
+        sheets: reading.sheets.iter().map(|name| Column::of(name)).collect(),
+        from_ms: reading.from_ms,
+        until_ms: reading.until_ms,
+        ignore_marks: reading.ignore_marks,
         mean: reading.mean,
         skip_gaps: reading.skip_gaps,
         ..Options::default()
@@ -81,9 +95,17 @@ pub(crate) fn read_curves(
     let table = table.map_err(|error| errors::of_measured(&error))?;
     let curve = |curve: Curve| {
         let [times, values] = [curve.times_ms, curve.values].map(|all| PyArray1::from_vec(py, all));
-        (curve.name, curve.kind.word(), curve.unit, times, values)
+        (curve.name, curve.kind.word(), curve.unit, times, values, curve.stimuli_ms)
     };
-    Ok((table.curves.into_iter().map(curve).collect(), table.notes))
+    let mut notes = table.notes;
+    let taken = if options.values.is_empty() && options.kind.is_none() {
+        let (taken, note) = fit::of_each_cell(table.curves);
+        notes.extend(note);
+        taken
+    } else {
+        table.curves
+    };
+    Ok((taken.into_iter().map(curve).collect(), notes))
 }
 
 #[pymethods]
@@ -157,7 +179,7 @@ fn kind(word: &str) -> PyResult<Kind> {
 const UNITS: [&str; 12] = ["um", "px", "%", "", "a.u.", "nN", "kPa", "uM", "mV", "1", "nm", "mm"];
 
 fn observed(curve: Measured, stimuli: Option<&[f64]>) -> PyResult<Observed> {
-    let (name, word, unit, times_ms, values) = curve;
+    let (name, word, unit, times_ms, values, marked) = curve;
     let Some(unit) = UNITS.into_iter().find(|known| *known == unit) else {
         return Err(errors::value(format!("`{unit}` is no unit of a curve that is fitted")));
     };
@@ -173,7 +195,8 @@ fn observed(curve: Measured, stimuli: Option<&[f64]>) -> PyResult<Observed> {
         )));
     }
     let lines = (1..=times_ms.len() as u64).collect();
-    let curve = Curve { name, kind: kind(&word)?, unit, times_ms, values, lines };
+    let kind = kind(&word)?;
+    let curve = Curve { name, kind, unit, times_ms, values, lines, stimuli_ms: marked };
     Observed::of(&curve, stimuli).map_err(errors::value)
 }
 

@@ -45,6 +45,19 @@ def same(one: myospring.Fit | None, other: myospring.Fit | None) -> bool:
     return (one.parameters, one.verdicts, one.run_file) == (other.parameters, other.verdicts, other.run_file)
 
 
+def test_of_several_curves_of_one_cell_the_stretch_is_fitted_over_the_part_that_is_asked_for(small, curves, tmp_path):
+    times, length = curves["usual"]
+    rows = [f"{t},{l},{l / 140},{2 - l / 140}" for t, l in zip(times, length)]
+    path = tmp_path / "track.csv"
+    path.write_text("\n".join(["t_ms,length_um,stretch_1,stretch_2", *rows]) + "\n")
+    found = myospring.fit(str(path), small, starts=1, until_ms=400)
+    assert found.name == "stretch_1"
+    assert any("not fitted" in note and "`length_um`" in note for note in found.notes)
+    assert found.curves[0].t_ms[-1] <= 400
+    with pytest.raises(ValueError, match="the recording runs from"):
+        myospring.fit(str(path), small, from_ms=1e6)
+
+
 def test_python_and_the_program_find_the_same_numbers(small, table, run, tmp_path):
     found = myospring.fit(table, small, columns=["usual length_um"])
     run("fit", "--to", table, "--columns", "usual length_um", "--spacing", "5 um", "--output", "out", cwd=tmp_path)

@@ -33,6 +33,7 @@
 //! ```
 
 mod answer;
+mod choice;
 mod contraction;
 mod error;
 mod felt;
@@ -57,6 +58,7 @@ mod words;
 mod work;
 
 pub use answer::{Estimate, Fit, FitVerdict, FittedCurve, Verdict};
+pub use choice::of_each_cell;
 pub use error::FitError;
 pub use fitter::{Fitter, Loaded};
 pub use observed::{Observed, Scale, Stimuli};

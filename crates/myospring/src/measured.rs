@@ -1,8 +1,8 @@
 //! Curves that were measured: a table from any laboratory's program becomes times and values with a kind and a unit.
 //!
-//! What parts the fields, the mark of decimals, the header and what stands above it, encoding and line ends are found; a
+//! Text in any encoding and workbooks (.xlsx), all sheets. What parts the fields, the mark of decimals, the header and what stands above it, encoding and line ends are found; a
 //! column is known by its name and unit, or chosen by name or number. Rows may be frames, with a curve in each column;
-//! curves, with a frame in each column, as `SarcGraph` writes them; or one curve after the other, told apart by a column
+//! curves, with a frame or a time in each column, as `SarcGraph` and `BeatProfiler` write them; or one curve after the other, told apart by a column
 //! such as `sarc_id`. What was taken for granted stands in [`Table::notes`].
 //!
 //! | kind of curve | unit of its values | columns, for example |
@@ -26,12 +26,14 @@ mod sheet;
 #[cfg(test)]
 mod tests;
 mod times;
+mod workbook;
 
 pub use crate::analysis::kind::Kind;
 pub use curve::{Curve, Table};
 pub use decode::decoded;
 pub use error::ReadError;
 pub use options::{Column, Layout, Options};
+pub(crate) use pick::listed;
 use std::path::Path;
 
 /// Reads the curves of a file.
@@ -63,5 +65,5 @@ pub fn read(path: &Path, options: &Options) -> Result<Table, ReadError> {
 /// # Ok::<(), myospring::measured::ReadError>(())
 /// ```
 pub fn read_bytes(path: &str, bytes: &[u8], options: &Options) -> Result<Table, ReadError> {
-    pick::Picked::of(path, bytes, options)?.table()
+    pick::table(path, bytes, options)
 }

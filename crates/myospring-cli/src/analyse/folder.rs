@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Endings of tables of curves.
-const TABLES: [&str; 6] = ["csv", "txt", "tsv", "dat", "asc", "tab"];
+const TABLES: [&str; 9] = ["csv", "txt", "tsv", "dat", "asc", "tab", "atf", "xlsx", "xlsm"];
 
 /// Whether a path is a table of curves, or a folder that has some and no frames of a film.
 pub(crate) fn is_of_tables(path: &Path) -> bool {

@@ -6,8 +6,12 @@ use myospring::analysis::curve::Options;
 use myospring::measured::{Column, Curve, Kind, Layout, Options as Table};
 use myospring::units::{self, Dimension};
 
-/// How tables are read.
-pub(crate) fn options(args: &TableArgs, pixel_size: Option<&str>) -> Result<Table, Failure> {
+/// How tables are read; `until` is where the part that counts ends.
+pub(crate) fn options(
+    args: &TableArgs,
+    pixel_size: Option<&str>,
+    until: Option<(&'static str, &str)>,
+) -> Result<Table, Failure> {
     let kind = args.kind.as_deref().map(|word| {
         Kind::of_word(word).ok_or_else(|| {
             let words: Vec<&str> = Kind::ALL.iter().map(|kind| kind.word()).collect();
@@ -40,9 +44,13 @@ pub(crate) fn options(args: &TableArgs, pixel_size: Option<&str>) -> Result<Tabl
         time_unit: args.time_unit.clone(),
         frame_rate_per_s: args.frame_rate.as_deref().map(frame_rate).transpose()?,
         pixel_size_um: pixel.transpose()?,
+        sheets: args.sheet.iter().map(|text| Column::of(text)).collect(),
+        from_ms: args.from.as_deref().map(|text| time("--from", text)).transpose()?,
+        until_ms: until.map(|(option, text)| time(option, text)).transpose()?,
         delimiter,
         decimal: args.decimal.as_deref().map(|word| if word == "comma" { ',' } else { '.' }),
         layout,
+        ignore_marks: args.ignore_marks,
         skip_gaps: args.skip_gaps,
         mean: args.mean,
         units_required: false,
@@ -124,9 +132,12 @@ impl Beats {
         })
     }
 
-    /// For one curve: regular stimuli end with it.
+    /// For one curve: regular stimuli end with it, and without any those that its file has marks of are taken.
     pub(crate) fn within(&self, curve: &Curve) -> Options {
         let mut stimuli_ms = self.stimuli_ms.clone();
+        if stimuli_ms.is_empty() {
+            stimuli_ms.clone_from(&curve.stimuli_ms);
+        }
         if let (Some(period), [first, .., last]) = (self.period_ms, &curve.times_ms[..]) {
             let start = self.start_ms.unwrap_or(*first);
             let count = ((last - start) / period).floor().clamp(-1.0, 1e6) as i64;

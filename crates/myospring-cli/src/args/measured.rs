@@ -20,7 +20,9 @@ const FIT: &str = "Fit";
     myospring analyse export.txt --time 1 --columns 3 --kind sarcomere-length --unit um\n  \
     myospring analyse edge.csv --unit px --pixel-size \"0.27 um\" --frame-rate 100\n  \
     myospring analyse fura.csv --kind calcium-ratio --stimulus-period \"1 s\" --stimulus-start \"200 ms\"\n  \
-    myospring analyse sarcomere_length.csv --frame-rate 30 --mean   a row for each sarcomere, as SarcGraph's\n\n\
+    myospring analyse sarcomere_length.csv --frame-rate 30 --mean   a row for each sarcomere, as SarcGraph's\n  \
+    myospring analyse results.xlsx --sheet \"Data (ROIs)\"             every sheet unless some are named\n  \
+    myospring analyse long.csv --from \"20 s\" --to \"45 s\"             a part of the recording\n\n\
     A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`,\n\
     `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma,\n\
     header, encoding and lines above the table are found.\n\
@@ -28,7 +30,7 @@ const FIT: &str = "Fit";
     metric), summary.json (all of it, with what was done to each curve), figures/trace_NAME (SVG and PNG).\n\
     Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
 pub(crate) struct AnalyseArgs {
-    /// Tables of measured curves (.csv, .txt, .tsv), or folders of them
+    /// Tables of measured curves (.csv, .txt, .tsv, .atf, .xlsx), or folders of them
     #[arg(value_name = "TRACE", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -36,6 +38,15 @@ pub(crate) struct AnalyseArgs {
     /// Size of a pixel ("0.27 um"): lengths in pixels become um
     #[arg(long, value_name = "LENGTH", help_heading = TABLE)]
     pub(crate) pixel_size: Option<String>,
+    /// Where the part of the recording that counts ends ("45 s"), as --from [default: at its end]
+    #[arg(
+        long,
+        value_name = "TIME",
+        visible_alias = "until",
+        allow_hyphen_values = true,
+        help_heading = TABLE
+    )]
+    pub(crate) to: Option<String>,
     #[command(flatten)]
     pub(crate) stimuli: StimulusArgs,
     /// Half of the window of local parabolas ("5 ms"), 0 for none [default: by the noise]
@@ -88,12 +99,19 @@ pub(crate) struct TableArgs {
     /// Unit of their values: um, px, %, nN, kPa, uM, mV, ... [default: by the columns' names]
     #[arg(long, value_name = "UNIT")]
     pub(crate) unit: Option<String>,
-    /// Unit of the times: ms or s [default: by the column's name]
+    /// Unit of the times: s, ms, us, or ticks of a clock ("0.01 ms") [default: by the column's name]
     #[arg(long, value_name = "UNIT")]
     pub(crate) time_unit: Option<String>,
     /// Frames a second, where there are no times
     #[arg(long, value_name = "PER_SECOND")]
     pub(crate) frame_rate: Option<String>,
+    /// Sheets of a workbook, by name or number from 1 [default: all]
+    #[arg(long, value_name = "NAME|N,...", value_delimiter = ',')]
+    pub(crate) sheet: Vec<String>,
+    /// Where the part of the recording that counts begins ("20 s"), on the clock of the table; a number alone is ms
+    /// [default: at its start]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub(crate) from: Option<String>,
     /// What parts fields: comma, semicolon, tab or space [default: found]
     #[arg(long, value_name = "WORD", value_parser = ["comma", "semicolon", "tab", "space"])]
     pub(crate) delimiter: Option<String>,
@@ -103,6 +121,9 @@ pub(crate) struct TableArgs {
     /// Whether columns or rows are curves [default: found]
     #[arg(long, value_name = "WORD", value_parser = ["columns", "rows"])]
     pub(crate) layout: Option<String>,
+    /// Leave out the marks of a pacer that the table has: beats are found in the curve itself
+    #[arg(long)]
+    pub(crate) ignore_marks: bool,
     /// Leave out frames in which a curve has no number
     #[arg(long)]
     pub(crate) skip_gaps: bool,
@@ -132,8 +153,9 @@ pub(crate) struct FitArgs {
     /// without it, the cell of the film, or the built-in adult ventricular cell
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml|FILM")]
     pub(crate) input: Option<PathBuf>,
-    /// Measured curves (.csv, .txt, .tsv): length, sarcomere length, shortening or another motion; several columns,
-    /// files, or a folder of them are several cells. Or a film, whose cell is followed [default: the film that was given as a picture]
+    /// Measured curves (.csv, .txt, .tsv, .atf, .xlsx): length, sarcomere length, shortening or another motion; several
+    /// columns of one kind, files, or a folder of them are several cells; of `track.csv` and other tables with several
+    /// kinds of curve of one cell the stretch, or else the length, is taken. Or a film, whose cell is followed [default: the film that was given as a picture]
     #[arg(long, value_name = "TRACE|FILM", num_args = 1.., help_heading = FIT)]
     pub(crate) to: Vec<PathBuf>,
     /// A curve of the same cell between two springs, such as carbon fibres, each this stiff ("100 nN/um=fibres.csv");
@@ -161,6 +183,9 @@ pub(crate) struct FitArgs {
     pub(crate) stimuli: StimulusArgs,
     #[command(flatten)]
     pub(crate) table: TableArgs,
+    /// Where the part of the recording that counts ends ("45 s"), as --from [default: at its end]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, help_heading = TABLE)]
+    pub(crate) until: Option<String>,
     #[command(flatten)]
     pub(crate) settings: Settings<Beat>,
     #[command(flatten)]

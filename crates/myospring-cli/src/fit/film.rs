@@ -79,7 +79,8 @@ pub(super) fn curve(args: &FitArgs, rows: &[TrackRow]) -> Result<Curve, Failure>
         rows.iter().filter_map(|row| Some((row.t_ms, read(row)?))).collect();
     let (times_ms, values): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
     let lines = (0..times_ms.len() as u64).map(|row| row + 2).collect();
-    Ok(Curve { name: name.to_owned(), kind, unit, times_ms, values, lines })
+    let stimuli_ms = Vec::new();
+    Ok(Curve { name: name.to_owned(), kind, unit, times_ms, values, lines, stimuli_ms })
 }
 
 /// Writes what was followed; a run of the film alone (`own`) then has the shape of its frame at rest.

@@ -100,6 +100,28 @@ fn several_files_and_cells_stimuli_and_musclemotion_are_taken_in_one_command() {
 }
 
 #[test]
+fn a_part_of_a_recording_and_a_sheet_of_a_workbook_are_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    semicolons(folder.path());
+    let part = ["analyse", "zelle.csv", "--from", "1 s", "--to", "3.1 s", "-o", "part"];
+    let output = myospring(folder.path(), &part);
+    assert!(
+        stdout(&output).contains("526 frames at 250.0 /s"),
+        "{}{}",
+        stdout(&output),
+        stderr(&output)
+    );
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/workbook");
+    fs::copy(corpus.join("two_sheets.xlsx"), folder.path().join("book.xlsx")).unwrap();
+    let both = json(&myospring(folder.path(), &["analyse", "book.xlsx", "--json", "-q"]));
+    assert_eq!(both["curves"].as_array().unwrap().len(), 2);
+    let one = ["analyse", "book.xlsx", "--sheet", "second", "--json", "-q", "-o", "one"];
+    let one = json(&myospring(folder.path(), &one));
+    assert_eq!(one["curves"][0]["curve"], "force (mN)");
+    assert_eq!(one["curves"].as_array().unwrap().len(), 1);
+}
+
+#[test]
 fn what_is_no_measurement_is_refused_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     semicolons(folder.path());
@@ -129,6 +151,9 @@ fn what_is_no_measurement_is_refused_and_nothing_is_written() {
         (&["analyse", "zelle.csv", "--stimulus-times", "9 s"], "none of 1 stimuli falls"),
         (&["analyse", "zelle.csv", "--stimulus-period", "0 s"], "it must be above 0"),
         (&["analyse", "zelle.csv", "--pixel-size", "0.2"], "--pixel-size: `0.2` has no unit"),
+        (&["analyse", "zelle.csv", "--unit", "mm"], "its unit is um, and --unit says mm"),
+        (&["analyse", "zelle.csv", "--from", "1 min"], "the recording runs from 0 to 4996 ms"),
+        (&["analyse", "zelle.csv", "--from", "2 s", "--to", "1 s"], "its end must come after"),
     ] {
         let output = myospring(folder.path(), arguments);
         let said = stderr(&output);

@@ -115,6 +115,29 @@ fn a_model_that_does_not_fit_is_said_before_any_number_and_in_every_file() {
 }
 
 #[test]
+fn several_columns_of_one_cell_are_one_fit_and_it_is_said_which() {
+    let folder = tempfile::tempdir().unwrap();
+    measured(folder.path(), 1);
+    let cell = fs::read_to_string(folder.path().join("cell.csv")).unwrap();
+    let mut track = "t_ms,length_um,width_um,stretch_1,stretch_2".to_owned();
+    for line in cell.lines().skip(1) {
+        let (time, length) = line.split_once(',').unwrap();
+        let stretch = length.parse::<f64>().unwrap() / 140.0;
+        write!(track, "\n{time},{length},20,{stretch:.6},{:.6}", 2.0 - stretch).unwrap();
+    }
+    fs::write(folder.path().join("track.csv"), track).unwrap();
+    let rest = ["--until", "400 ms", "--starts", "1", "--json"];
+    let output =
+        myospring(folder.path(), &[&["fit", "--to", "track.csv"], &SPACING[..], &rest].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("fitted: `stretch_1`; not fitted"), "{said}");
+    let results = folder.path().join("results/track_fit");
+    let curve = fs::read_to_string(results.join("curve.csv")).unwrap();
+    assert!((80..=101).contains(&(curve.lines().count() - 1)), "{}", curve.lines().count());
+}
+
+#[test]
 fn a_film_gives_a_map_of_where_its_cell_pulls() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("film")).unwrap();

@@ -35,6 +35,40 @@ pub fn above(
     rows
 }
 
+const MEASURED_UPSTROKE: &str = "largest slope of the upstroke: of the least-squares cubic over upstroke_window, between two samples where these are \
+     too few";
+
+/// What else a measured upstroke has: the time over which its slope was read; and, of a cell without a stimulus, the
+/// maximum diastolic potential after it and the time since the upstroke before.
+pub(super) fn of_upstroke(
+    window_ms: Option<f64>,
+    spontaneous: Option<[Option<f64>; 2]>,
+    unit: &'static str,
+) -> Vec<Metric> {
+    let mut rows = vec![row(
+        "upstroke_window",
+        window_ms,
+        "ms",
+        "time over which the largest slope was read: a quarter of the time that the whole potential would take at that \
+         slope, up to 0.7 of it where noise asks for it",
+    )];
+    if let Some([diastolic, cycle]) = spontaneous {
+        rows.push(row(
+            "maximum_diastolic_potential",
+            diastolic,
+            unit,
+            "lowest potential between this action potential and the next, as a mean over a fiftieth of the cycle",
+        ));
+        rows.push(row(
+            "cycle_length",
+            cycle,
+            "ms",
+            "from the steepest rise of the action potential before",
+        ));
+    }
+    rows
+}
+
 /// Metrics of an action potential whose height above rest is a pulse: durations run from the stimulus, or from the
 /// steepest rise where none is known.
 pub fn of_pulse(
@@ -103,10 +137,13 @@ pub fn of_pulse(
                 "a.u." => "a.u./ms",
                 _ => "1/ms",
             },
-            from(
-                "largest slope between samples, an instantaneous stimulus included",
-                "largest slope between samples",
-            ),
+            match (context.onset, context.stimulus) {
+                (Some(_), _) => MEASURED_UPSTROKE,
+                (None, Some(_)) => {
+                    "largest slope between samples, an instantaneous stimulus included"
+                }
+                (None, None) => "largest slope between samples",
+            },
         ),
     ];
     if context.onset.is_some() {

@@ -28,6 +28,7 @@ mod rhythm;
 mod smooth;
 #[cfg(test)]
 mod tests;
+mod upstroke;
 
 use super::kind::Kind;
 use super::{Metric, trace};
@@ -120,6 +121,7 @@ pub fn analyse(
         times,
         signal: &signal,
         smoothed: &smoothed,
+        level,
         noise: level * smooth::gain(half),
         sign,
         kind,
@@ -165,9 +167,10 @@ pub fn analyse(
             0 => "none".to_owned(),
             half => format!("local parabolas over {}", window(half)),
         },
-        rates: match steep {
-            0 => "slopes between frames".to_owned(),
-            steep => format!("slopes of lines over {}", window(steep)),
+        rates: match (plateau, steep) {
+            (true, _) => upstroke_words(&beats),
+            (false, 0) => "slopes between frames".to_owned(),
+            (false, steep) => format!("slopes of lines over {}", window(steep)),
         },
         noise: level,
         bad_frames: bad.iter().map(|at| at + 1).collect(),
@@ -397,6 +400,20 @@ fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> 
 /// Artefacts that a remark lists by their times, at most.
 const LISTED: usize = 5;
 
+/// Over which time the slopes of upstrokes were read.
+fn upstroke_words(beats: &[CurveBeat]) -> String {
+    median_of(beats, "upstroke_window").map_or_else(String::new, |window| {
+        format!("the upstroke's slope over {window:.2} ms, which the upstroke sets")
+    })
+}
+
+fn median_of(beats: &[CurveBeat], name: &str) -> Option<f64> {
+    let mut values: Vec<f64> =
+        beats.iter().filter_map(|beat| super::value(&beat.metrics, name)).collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
 /// Intervals between beats that no heart cell has, ms.
 const INTERVALS_MS: [f64; 2] = [60.0, 30_000.0];
 
@@ -433,6 +450,16 @@ fn doubts(
         doubts.push(format!(
             "the rise from 10 to 90 % takes {rise:.1} ms, {:.1} frames: its times and rates are those of the camera",
             rise / step
+        ));
+    }
+    if kind == Kind::Potential
+        && let Some(window) = median_of(beats, "upstroke_window")
+        && window < 1.5 * step
+    {
+        let wanted = 10.0 * step.recip();
+        doubts.push(format!(
+            "the upstroke is faster than the sampling, every {step:.4} ms, can show: the maximum upstroke velocity is at \
+             least what is given; record at {wanted:.0} kHz or more to measure it"
         ));
     }
     let mut intervals: Vec<f64> =

@@ -41,6 +41,8 @@ pub struct Pulse<'a> {
     noise: f64,
     /// Slopes at the times, where they are not those between neighbours.
     slopes: Option<&'a [f64]>,
+    /// Its steepest rise, where that was read in another way.
+    steepest: Option<Point>,
 }
 
 impl<'a> Pulse<'a> {
@@ -51,7 +53,7 @@ impl<'a> Pulse<'a> {
             Top::Sample => trace::largest(times, heights),
         };
         let peak = peak.filter(|peak| peak.value > 0.0);
-        Self { times, heights, start, peak, noise: 0.0, slopes: None }
+        Self { times, heights, start, peak, noise: 0.0, slopes: None, steepest: None }
     }
 
     /// With a peak only where it is above this height.
@@ -70,6 +72,12 @@ impl<'a> Pulse<'a> {
     #[must_use]
     pub fn with_slopes(self, slopes: Option<&'a [f64]>) -> Self {
         Self { slopes, ..self }
+    }
+
+    /// With a steepest rise that is known.
+    #[must_use]
+    pub fn with_steepest(self, steepest: Option<Point>) -> Self {
+        Self { steepest, ..self }
     }
 
     /// When it begins, ms.
@@ -99,9 +107,12 @@ impl<'a> Pulse<'a> {
         Some(self.falls(part)? - self.rises(part)?)
     }
 
-    /// The steepest rise (`sign` 1), or fall (-1), as a positive slope per ms: between two samples, unless slopes were
-    /// given.
+    /// The steepest rise (`sign` 1), or fall (-1), as a positive slope per ms: between two samples, unless slopes, or
+    /// the steepest rise itself, were given.
     pub fn fastest(&self, sign: f64) -> Option<Point> {
+        if sign > 0.0 && self.steepest.is_some() {
+            return self.steepest.filter(|_| self.peak.is_some());
+        }
         let (middles, slopes) = match self.slopes {
             Some(slopes) => (self.times.to_vec(), slopes.to_vec()),
             None => trace::slopes(self.times, self.heights),

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 # A table that was exported, or times in ms and values.
 Curve = Union[str, PathLike[str], tuple[ArrayLike, ArrayLike]]
-# Name, kind, unit, times (ms), values.
-Read = tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]]
+# Name, kind, unit, times (ms), values, and when a pacer stimulated, where the file has marks of one (ms).
+Read = tuple[str, str, str, NDArray[np.float64], NDArray[np.float64], list[float]]
 
 # The unit of an array of each kind; a table says its own.
 _UNITS = {"length": "um", "sarcomere-length": "um", "normalised-length": "", "shortening": "%"}
@@ -301,13 +301,18 @@ class Reading:
     time_unit: str | None = None
     frame_rate_per_s: float | None = None
     pixel_size_um: float | None = None
+    sheets: Sequence[str] = ()
+    from_ms: float | None = None
+    until_ms: float | None = None
+    ignore_marks: bool = False
     mean: bool = False
     skip_gaps: bool = False
 
     def curves(self, curve: Curve, name: str) -> tuple[list[Read], list[str]]:
         """The curves of a table, or the one of two arrays, and what was taken for granted."""
         if isinstance(curve, (str, PathLike)):
-            return _native.read_curves(os.fspath(curve), {**self.__dict__, "columns": list(self.columns)})
+            lists = {"columns": list(self.columns), "sheets": list(self.sheets)}
+            return _native.read_curves(os.fspath(curve), {**self.__dict__, **lists})
         times, values = (np.ascontiguousarray(array, dtype=np.float64) for array in curve)
         if times.ndim != 1 or times.shape != values.shape:
             raise ValueError(
@@ -315,7 +320,12 @@ class Reading:
             )
         kind = self.kind or "length"
         unit = _UNITS.get(kind, "a.u.") if self.unit is None else self.unit
-        return [(name, kind, unit, times, values)], []
+        first = -np.inf if self.from_ms is None else self.from_ms
+        last = np.inf if self.until_ms is None else self.until_ms
+        part = (times >= first) & (times <= last)
+        if not part.any():
+            raise ValueError(f"no frame lies from {first} to {last} ms")
+        return [(name, kind, unit, times[part], values[part], [])], []
 
 
 # What parameters that are no cell model's are held by, and those of models that are sought unless others are named.
@@ -380,6 +390,10 @@ def fit(
     time_unit: str | None = None,
     frame_rate_per_s: float | None = None,
     pixel_size_um: float | None = None,
+    sheets: Sequence[str] = (),
+    from_ms: float | None = None,
+    until_ms: float | None = None,
+    ignore_marks: bool = False,
     mean: bool = False,
     skip_gaps: bool = False,
     threads: int | None = None,
@@ -407,7 +421,8 @@ def fit(
     starts, seed : int
         Starts of the search, and what decides them: thresholds in the equations make local minima.
     columns : sequence of str
-        The column of a table with several, by name or number.
+        The column of a table with several, by name or number. Of a table with several kinds of curve, such as
+        ``track.csv``, the stretch is taken, or else the length; `Fit.notes` says so.
     time, time_unit : str or None
         The column of times, and its unit, where the table does not say so.
     kind, unit : str or None
@@ -417,6 +432,12 @@ def fit(
         Frames a second of a table without times.
     pixel_size_um : float or None
         Size of a pixel, of lengths in pixels.
+    sheets : sequence of str
+        Sheets of a workbook (.xlsx), by name or number; all unless given.
+    from_ms, until_ms : float or None
+        The part of the recording that counts, ms on its own clock.
+    ignore_marks : bool
+        Leaves out the marks of a pacer in a table, which are the stimuli otherwise.
     mean, skip_gaps : bool
         Takes the mean of all columns; leaves out frames without a number.
     threads : int or None
@@ -449,7 +470,19 @@ def fit(
     (True, 'determined')
     """
     reading = Reading(
-        columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, mean, skip_gaps
+        columns,
+        time,
+        kind,
+        unit,
+        time_unit,
+        frame_rate_per_s,
+        pixel_size_um,
+        sheets,
+        from_ms,
+        until_ms,
+        ignore_marks,
+        mean,
+        skip_gaps,
     )
     asked, given = asked_and_given("fit", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings))
     one, notes = _single(reading, curve, "curve")

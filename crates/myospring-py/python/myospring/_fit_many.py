@@ -111,8 +111,9 @@ def work(
 
 
 def _outcome(fitter: _native.Fitter, curve: Read, asked: dict[str, Any], threads: int) -> _Outcome:
-    name, kind, unit, times, values = curve
-    own = (name, kind, unit, np.require(times, requirements=["C", "A"]), np.require(values, requirements=["C", "A"]))
+    name, kind, unit, times, values, stimuli = curve
+    times, values = (np.require(array, requirements=["C", "A"]) for array in (times, values))
+    own = (name, kind, unit, times, values, stimuli)
     try:
         text, run_file = fitter.fit(own, [], asked, threads)
     except ValueError as error:
@@ -178,6 +179,10 @@ def fit_many(
     time_unit: str | None = None,
     frame_rate_per_s: float | None = None,
     pixel_size_um: float | None = None,
+    sheets: Sequence[str] = (),
+    from_ms: float | None = None,
+    until_ms: float | None = None,
+    ignore_marks: bool = False,
     skip_gaps: bool = False,
     threads: int | None = None,
     batch_seconds: float = 2.0,
@@ -200,8 +205,10 @@ def fit_many(
         Who works, as of `run_study`: None takes threads of this process.
     free, fix, bounds, stimulus_times_ms, starts, seed
         As of `fit`, for all cells.
-    columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, skip_gaps
+    columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, sheets, skip_gaps
         How tables are read, as of `fit`.
+    from_ms, until_ms, ignore_marks
+        The part of each recording that counts, and whether marks of a pacer do, as of `fit`.
     threads : int or None
         Without an executor, cells at a time: None takes as many as there are cores. With one, threads of each cell: None
         takes one.
@@ -241,7 +248,19 @@ def fit_many(
     if tries < 1:
         raise ValueError(f"tries = {tries} is below 1")
     reading = Reading(
-        columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, False, skip_gaps
+        columns,
+        time,
+        kind,
+        unit,
+        time_unit,
+        frame_rate_per_s,
+        pixel_size_um,
+        sheets,
+        from_ms,
+        until_ms,
+        ignore_marks,
+        False,
+        skip_gaps,
     )
     asked, given = asked_and_given(
         "fit_many", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings)
@@ -306,8 +325,8 @@ def _all(
     notes: list[list[str]] = []
     for name, curve in named:
         found, more = reading.curves(curve, name)
-        for own, kind, unit, times, values in found:
+        for own, kind, unit, times, values, stimuli in found:
             label = own if not name or name == own else name if len(found) == 1 else f"{name} {own}"
-            read.append((label, kind, unit, times, values))
+            read.append((label, kind, unit, times, values, stimuli))
             notes.append(more)
     return read, notes

@@ -30,6 +30,9 @@ __all__ = [
 
 __version__: str
 
+# Name, kind, unit, times (ms), values, stimuli (ms).
+_Curve = tuple[str, str, str, NDArray[np.float64], NDArray[np.float64], list[float]]
+
 @final
 class Cell:
     def __new__(cls, given: dict[str, Any], arrays: dict[str, bytes]) -> Cell: ...
@@ -98,8 +101,8 @@ class Fitter:
     def __new__(cls, cell: Cell, given: dict[str, Any]) -> Fitter: ...
     def fit(
         self,
-        curve: tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]],
-        loaded: list[tuple[float, tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]]]],
+        curve: _Curve,
+        loaded: list[tuple[float, _Curve]],
         asked: dict[str, Any],
         threads: int | None,
     ) -> tuple[str, str]: ...
@@ -168,7 +171,7 @@ def simulate(cell: Cell, given: dict[str, Any], threads: int | None) -> Beat: ..
 def repeat(cell: Cell, run_file: str, threads: int | None) -> Beat: ...
 def read_curves(
     path: str | PathLike[str], reading: dict[str, Any]
-) -> tuple[list[tuple[str, str, str, NDArray[np.float64], NDArray[np.float64]]], list[str]]: ...
+) -> tuple[list[_Curve], list[str]]: ...
 def simulate_batch(
     cell: Cell,
     given: dict[str, Any],

@@ -79,13 +79,16 @@ pub(super) struct Frames {
 const BEFORE_RISE: f64 = 20.0;
 
 impl Observed {
-    /// A curve of a file: of lengths, shortening or other motion; without stimuli its beats are found. What there is
+    /// A curve of a file: of lengths, shortening or other motion; without stimuli, given or marked in the file, its beats are
+    /// found. What there is
     /// of a beat before the first whole one is left out.
     ///
     /// # Errors
     /// A curve of anything else, or without a beat.
     pub fn of(curve: &Curve, stimuli_ms: Option<&[f64]>) -> Result<Self, FitError> {
         let name = || curve.name.clone();
+        let marked = Some(curve.stimuli_ms.as_slice()).filter(|marked| !marked.is_empty());
+        let stimuli_ms = stimuli_ms.or(marked);
         let scale = match curve.kind {
             Kind::Length | Kind::SarcomereLength | Kind::NormalisedLength => Scale::Length,
             Kind::Shortening => Scale::Percent,

@@ -9,6 +9,8 @@ pub(super) enum Holds {
     Time,
     /// Number of the frame.
     Frame,
+    /// When something was marked, such as a stimulus; what was is written beside it.
+    MarkTime,
     /// Which cell, sarcomere or region a row belongs to.
     Identity,
     Curve(Kind),
@@ -45,6 +47,9 @@ const WRITTEN: [(&str, &str); 16] = [
     ("1", ""),
 ];
 
+/// Forces of programs that count in SI units.
+const NEWTON: &str = "N";
+
 /// Dimensions that columns of curves have.
 const DIMENSIONS: [Dimension; 6] = [
     Dimension::Time,
@@ -64,6 +69,9 @@ pub(super) fn unit(text: &str) -> Option<String> {
     }
     if ["px", "%"].contains(&whole.as_str()) {
         return Some(whole);
+    }
+    if text == NEWTON {
+        return Some(text);
     }
     // As it stands, then in small letters: `MS`, `Um`, but `mM` is not `mm`.
     [text, whole].into_iter().find(|unit| {
@@ -104,7 +112,10 @@ pub(super) fn title(header: &str) -> Title {
 
 /// What a column of this title holds.
 pub(super) fn holds(title: &Title) -> Holds {
-    let name = title.name.to_lowercase().replace(['_', '-', '.'], " ");
+    // What stands in brackets and is no unit, such as a dye, tells as much as the name.
+    let known = title.unit.is_empty() || unit(&title.unit).is_some();
+    let whole = if known { title.name.clone() } else { format!("{} {}", title.name, title.unit) };
+    let name = whole.to_lowercase().replace(['_', '-', '.'], " ");
     let words: Vec<&str> = name.split_whitespace().collect();
     let has = |part: &str| name.contains(part);
     let word = |one: &[&str]| words.iter().any(|word| one.contains(word));
@@ -121,10 +132,16 @@ pub(super) fn holds(title: &Title) -> Holds {
         "slice",
         "index",
         "#",
-    ]) || only(&["frame #", "sample", "point", "stack"])
+    ]) || only(&["frame #", "sample", "point", "stack", "nd t"])
     {
         return Holds::Frame;
     }
+    let marks = ["mark", "marks", "marker", "event", "events", "pacer", "stim", "stimulus", "ttl"];
+    if word(&["time", "times"]) && word(&marks) {
+        return Holds::MarkTime;
+    }
+    // `Time 0`, `Time 1`: one for each channel.
+    let numbered = matches!(words[..], ["time", number] if number.parse::<u32>().is_ok());
     if only(&[
         "time",
         "t",
@@ -134,7 +151,10 @@ pub(super) fn holds(title: &Title) -> Holds {
         "time point",
         "timestamp",
         "time stamp",
-    ]) || (words.first() == Some(&"time") && of_dimension(Dimension::Time))
+    ]) || numbered
+        || (words.first() == Some(&"time")
+            && of_dimension(Dimension::Time)
+            && !word(&["to", "of", "constant"]))
         || (of_dimension(Dimension::Time) && unit(&title.name).is_some())
     {
         return Holds::Time;
@@ -212,11 +232,24 @@ pub(super) fn holds(title: &Title) -> Holds {
         "cal 520",
         "mean grey",
         "mean gray",
+        "gray value",
+        "grey value",
+        "df f0",
+        "dff0",
+        "fitc",
+        "tritc",
+        "gfp",
+        "cal520",
     ];
-    if calcium || bright.iter().any(|part| has(part)) {
+    // `Mean`, `Mean1`: of regions in ImageJ.
+    let mean = name
+        .trim()
+        .strip_prefix("mean")
+        .is_some_and(|of| of.parse::<u32>().is_ok() || of.is_empty());
+    if calcium || mean || bright.iter().any(|part| has(part)) {
         return Holds::Curve(Kind::Fluorescence);
     }
-    if has("force") {
+    if has("force") || title.unit == NEWTON {
         return Holds::Curve(Kind::Force);
     }
     if has("tension") || has("stress") || word(&["ta"]) && of_dimension(Dimension::Pressure) {
@@ -228,6 +261,10 @@ pub(super) fn holds(title: &Title) -> Holds {
     let motion = ["contraction", "displacement", "motion", "amplitude", "movement", "deflection"];
     if motion.iter().any(|part| has(part)) {
         return Holds::Curve(Kind::Contraction);
+    }
+    // A trace without a name of its own, such as `Trace #1 (mV)`, may still have a unit that only potentials have.
+    if title.unit == "mV" {
+        return Holds::Curve(Kind::Potential);
     }
     Holds::Other
 }
@@ -276,6 +313,7 @@ pub(super) fn scale(kind: Kind, unit: &str, pixel_um: Option<f64>) -> Result<Sca
             _ => of(Dimension::Length, "um").or_else(|_| fixed(kind, 1.0, "a.u.")),
         },
         Kind::Force if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
+        Kind::Force if unit == NEWTON => fixed(kind, 1e9, "nN"),
         Kind::Force => of(Dimension::Force, "nN"),
         Kind::Tension if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
         Kind::Tension => of(Dimension::Pressure, "kPa"),
@@ -294,7 +332,7 @@ mod tests {
 
     #[test]
     fn columns_are_known_by_their_names_in_any_form() {
-        use Holds::{Curve, Frame, Identity, Other, Time};
+        use Holds::{Curve, Frame, Identity, MarkTime, Other, Time};
         for (header, held, unit) in [
             ("time (ms)", Time, "ms"),
             ("Time [s]", Time, "s"),
@@ -334,6 +372,17 @@ mod tests {
             ("Ratio 340/380", Curve(Kind::CalciumRatio), ""),
             ("Vm (mV)", Curve(Kind::Potential), "mV"),
             ("vm_mV", Curve(Kind::Potential), "mV"),
+            ("Time 0", Time, ""),
+            ("Mark Time", MarkTime, ""),
+            ("Time to peak (ms)", Other, "ms"),
+            ("ND.T", Frame, ""),
+            ("ND.Z", Other, ""),
+            ("#1 (  FITC    )", Curve(Kind::Fluorescence), "FITC"),
+            ("Mean2", Curve(Kind::Fluorescence), ""),
+            ("Trace #1 (mV)", Curve(Kind::Potential), "mV"),
+            ("Trace #1 (pA)", Other, "pA"),
+            ("Ftot [N]", Curve(Kind::Force), "N"),
+            ("sarc.Sarc Const", Curve(Kind::SarcomereLength), ""),
             ("cell 1", Other, ""),
             ("elastic_energy_fJ", Other, ""),
         ] {

@@ -17,6 +17,8 @@ pub struct Curve {
     pub values: Vec<f64>,
     /// The line of the file that each value stands in, from 1.
     pub lines: Vec<u64>,
+    /// When a pacer stimulated, ms on the same clock, where the file has marks of one.
+    pub stimuli_ms: Vec<f64>,
 }
 
 impl Curve {
@@ -25,6 +27,34 @@ impl Curve {
         let mut steps: Vec<f64> = self.times_ms.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
         Some(1e3 / steps.get(steps.len() / 2)?)
+    }
+
+    /// The part from one time to another, ms on its own clock; `None` takes what there is.
+    ///
+    /// # Errors
+    /// A part without a frame, or an end that does not come after its start; with when the recording begins and ends.
+    pub fn part(mut self, from_ms: Option<f64>, until_ms: Option<f64>) -> Result<Self, String> {
+        let (Some(first), Some(last)) = (self.times_ms.first(), self.times_ms.last()) else {
+            return Ok(self);
+        };
+        let (from, until) = (from_ms.unwrap_or(*first), until_ms.unwrap_or(*last));
+        let keep: Vec<bool> =
+            self.times_ms.iter().map(|time| (from..=until).contains(time)).collect();
+        if !keep.contains(&true) {
+            return Err(format!(
+                "nothing of `{}` lies from {from} to {until} ms; the recording runs from {first} to {last} ms",
+                self.name
+            ));
+        }
+        let mut kept = keep.iter();
+        self.times_ms.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.values.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.lines.retain(|_| kept.next() == Some(&true));
+        let part = from_ms.unwrap_or(f64::NEG_INFINITY)..=until_ms.unwrap_or(f64::INFINITY);
+        self.stimuli_ms.retain(|time| part.contains(time));
+        Ok(self)
     }
 }
 

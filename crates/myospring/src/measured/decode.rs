@@ -1,5 +1,10 @@
 //! Bytes of a file to text, whatever program wrote them.
 
+/// Whether bytes are an archive, as workbooks (.xlsx) are.
+pub(super) fn is_workbook(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+}
+
 /// The text of a file, or what the file is instead.
 ///
 /// UTF-8 with or without a byte order mark, UTF-16 as spreadsheets and Windows programs write it, and else
@@ -8,9 +13,10 @@
 /// # Errors
 /// Bytes that are no text: what they are, as far as that is known.
 pub fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
-    const KNOWN: [(&[u8], &str); 4] = [
+    const KNOWN: [(&[u8], &str); 5] = [
         (b"PK\x03\x04", "a workbook of a spreadsheet (.xlsx) or an archive; save the sheet as CSV"),
-        (b"\xd0\xcf\x11\xe0", "a workbook of an old spreadsheet (.xls); save the sheet as CSV"),
+        (b"ABF", "a binary file of Axon (.abf); export it as text (.atf)"),
+        (b"\xd0\xcf\x11\xe0", "a workbook of an old spreadsheet (.xls); save it as .xlsx or CSV"),
         (b"\x89HDF", "an HDF5 or MATLAB file; export the curves as CSV"),
         (b"MATLAB 5.0", "a MATLAB file; export the curves as CSV (`writematrix`)"),
     ];
@@ -69,6 +75,7 @@ mod tests {
     #[test]
     fn what_is_no_text_says_what_it_is() {
         assert!(decoded(b"PK\x03\x04....").unwrap_err().contains(".xlsx"));
+        assert!(decoded(b"\xd0\xcf\x11\xe0").unwrap_err().contains("save it as .xlsx"));
         assert!(decoded(b"IXT\x00\x01\x02\x03").unwrap_err().contains("no text"));
     }
 }

@@ -42,3 +42,17 @@ pub enum ReadError {
         cause: String,
     },
 }
+
+impl ReadError {
+    /// What is wrong, without the name of the file.
+    pub(super) fn cause(&self) -> String {
+        match self {
+            Self::Read { cause, .. } => cause.to_string(),
+            Self::NotText { what, .. } => format!("it is {what}"),
+            Self::Field { line, column, cause, .. } => {
+                format!("line {line}, column `{column}`: {cause}")
+            }
+            Self::Table { cause, .. } => cause.clone(),
+        }
+    }
+}

@@ -47,6 +47,14 @@ pub struct Options {
     pub frame_rate_per_s: Option<f64>,
     /// Size of a pixel, um: lengths in pixels become um.
     pub pixel_size_um: Option<f64>,
+    /// Sheets of a workbook; all where this is empty.
+    pub sheets: Vec<Column>,
+    /// Where the part of the recording that counts begins, ms on the clock of the table.
+    pub from_ms: Option<f64>,
+    /// Where it ends.
+    pub until_ms: Option<f64>,
+    /// Leave out the marks of a pacer.
+    pub ignore_marks: bool,
     /// What parts fields.
     pub delimiter: Option<char>,
     /// What stands before the decimals, `.` or `,`.

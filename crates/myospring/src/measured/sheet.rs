@@ -14,12 +14,15 @@ pub(super) struct Row {
 pub(super) struct Sheet {
     /// Names of the columns, units within; empty where there is no header.
     pub(super) header: Vec<String>,
+    /// What several columns belong to, by the row above the header: `Cell 1` above `Ratio` and `Numerator`; or empty.
+    pub(super) groups: Vec<String>,
     /// The rows below it.
     pub(super) rows: Vec<Row>,
-    pub(super) delimiter: char,
     pub(super) decimal: Decimal,
-    /// How many lines stand above the table, without comments.
+    /// Lines of numbers above the header: another table, or another block of the recording.
     pub(super) above: usize,
+    /// Of a table that was turned over, the line of the file that each column stands in; else empty.
+    pub(super) turned: Vec<u64>,
 }
 
 /// What parts fields, in the order in which ties are settled.
@@ -42,10 +45,22 @@ impl Sheet {
             None => DELIMITERS.to_vec(),
         };
         let tries = tried.into_iter().filter_map(|delimiter| Try::of(&lines, delimiter, mark));
-        let best =
-            tries.reduce(|best, other| if other.score() > best.score() { other } else { best })?;
+        // Where tabs part most lines of numbers, spaces stand within fields.
+        let better = |best: Try, other: Try| {
+            let tabs = best.delimiter == '\t' && best.width > 1 && 2 * best.rows > other.rows;
+            let within = tabs && other.delimiter == ' ';
+            if !within && other.score() > best.score() { other } else { best }
+        };
+        let best = tries.reduce(better)?;
         let best = best.or_one_column(&lines, delimiter, mark);
-        let mut sheet = best.sheet(&lines);
+        let rows = lines
+            .iter()
+            .map(|&(line, text)| Row { line, fields: split(text, best.delimiter) })
+            .collect();
+        let text_of = |line: u64| {
+            lines.iter().find(|(number, _)| *number == line).map_or("", |(_, text)| *text)
+        };
+        let mut sheet = best.sheet(rows, text_of);
         if sheet.header.is_empty() {
             // NumPy writes the header as a comment.
             let first = sheet.rows.first()?.line;
@@ -61,12 +76,63 @@ impl Sheet {
         Some(sheet)
     }
 
-    /// What a column is called: its header, or its number from 1.
+    /// Of the rows of a workbook; `None` where none has a number.
+    pub(super) fn of_rows(rows: Vec<Row>) -> Option<Self> {
+        let fields: Vec<Vec<String>> =
+            rows.iter().take(ENOUGH).map(|row| row.fields.clone()).collect();
+        Some(Try::of_rows(&fields, '\t', Some(Decimal::Point))?.sheet(rows, |_| ""))
+    }
+
+    /// What a column is called: its header, with what it belongs to, or its number from 1.
     pub(super) fn name(&self, column: usize) -> String {
-        match self.header.get(column) {
-            Some(name) if !name.is_empty() => name.clone(),
-            _ => (column + 1).to_string(),
+        let group = self.groups.get(column).filter(|group| !group.is_empty());
+        match (self.header.get(column).filter(|name| !name.is_empty()), group) {
+            (Some(name), Some(group)) => format!("{group} {name}"),
+            (Some(name), None) => name.clone(),
+            (None, _) => (column + 1).to_string(),
         }
+    }
+
+    /// Where a field stands in the file: its line, and what its column is called.
+    pub(super) fn place(&self, row: &Row, column: usize) -> (u64, String) {
+        match self.turned.get(column) {
+            Some(line) => (*line, row.line.to_string()),
+            None => (row.line, self.name(column)),
+        }
+    }
+
+    /// Rows become columns: the first row, or the header, is a column of times or frames of this name, and what stands before
+    /// its `labels` is how the others are called.
+    pub(super) fn turn(self, axis: Option<&str>, labels: usize) -> Self {
+        let width = self.width();
+        let from_header = axis.is_some() && !self.header.is_empty();
+        let first_line = self.rows.first().map_or(1, |row| row.line);
+        let mut lines: Vec<u64> = self.rows.iter().map(|row| row.line).collect();
+        if from_header {
+            lines.insert(0, first_line.saturating_sub(1).max(1));
+        }
+        let mut header: Vec<String> = (1..)
+            .zip(self.rows.iter().skip(usize::from(axis.is_some() && !from_header)))
+            .map(|(number, row)| {
+                let labels: Vec<&str> =
+                    row.fields.iter().take(labels).map(String::as_str).collect();
+                let label = labels.join(" ").trim().to_owned();
+                if label.is_empty() { number.to_string() } else { label }
+            })
+            .collect();
+        if let Some(axis) = axis {
+            header.insert(0, axis.to_owned());
+        }
+        let field = |row: &Row, at: usize| row.fields.get(at).cloned().unwrap_or_default();
+        let rows = (labels..width)
+            .map(|at| {
+                let number = |name: &String| name[number_at(name)..].to_owned();
+                let frame = self.header.get(at).filter(|_| from_header).map(number);
+                let fields = frame.into_iter().chain(self.rows.iter().map(|row| field(row, at)));
+                Row { line: at as u64 + 1, fields: fields.collect() }
+            })
+            .collect();
+        Self { header, groups: Vec::new(), rows, turned: lines, ..self }
     }
 
     /// What a field holds; nothing where the row is too short.
@@ -119,6 +185,10 @@ impl Try {
     fn of(lines: &[(u64, &str)], delimiter: char, mark: Option<Decimal>) -> Option<Self> {
         let rows: Vec<Vec<String>> =
             lines.iter().take(ENOUGH).map(|(_, line)| split(line, delimiter)).collect();
+        Self::of_rows(&rows, delimiter, mark)
+    }
+
+    fn of_rows(rows: &[Vec<String>], delimiter: char, mark: Option<Decimal>) -> Option<Self> {
         let decimal =
             mark.unwrap_or_else(|| decimal(rows.iter().flatten().map(String::as_str), delimiter));
         let widths = rows.iter().filter(|row| has_numbers(row, decimal)).map(Vec::len);
@@ -162,11 +232,10 @@ impl Try {
         other.unwrap_or(self)
     }
 
-    /// The table among the lines.
-    fn sheet(&self, lines: &[(u64, &str)]) -> Sheet {
-        let all: Vec<Row> = lines
-            .iter()
-            .map(|&(line, text)| Row { line, fields: split(text, self.delimiter) })
+    /// The table among the rows; `text_of` has the text of a line.
+    fn sheet<'t>(&self, rows: Vec<Row>, text_of: impl Fn(u64) -> &'t str) -> Sheet {
+        let all: Vec<Row> = rows
+            .into_iter()
             .filter(|row| row.fields.iter().any(|field| !field.is_empty()))
             .collect();
         let of_width =
@@ -191,45 +260,86 @@ impl Try {
                 && cells.iter().any(|(cell, numeric)| *numeric && matches!(cell, Cell::Number(_)))
                 && cells.iter().all(|(cell, numeric)| !numeric || *cell != Cell::Text)
         };
-        let full = all.iter().position(is_full).unwrap_or(0);
+        let full: Vec<bool> = all.iter().map(is_full).collect();
+        let first = full.iter().position(|full| *full).unwrap_or(0);
+        // Counts and settings above a table look like rows of it: it begins with the longest run of rows.
+        let table = longest_run(&full).unwrap_or(first);
         // The header is the last row above that has no number; rows between are data that went wrong.
         let is_words = |row: &Row| {
             row.fields.iter().all(|field| !matches!(cell(field, self.decimal), Cell::Number(_)))
                 && row.fields.iter().any(|field| !field.is_empty())
         };
-        let names = all[..full].iter().rposition(is_words);
         // Words above with too few fields are a title, unless spaces part the fields.
         let fits = |row: &Row| {
-            self.delimiter == ' ' || 2 * row.fields.len() > self.width || row.fields.len() > 1
+            let used =
+                row.fields.iter().rposition(|field| !field.is_empty()).map_or(0, |at| at + 1);
+            self.delimiter == ' ' || 2 * used > self.width || used > 1
         };
-        let names = names.filter(|&at| fits(&all[at]));
-        let start = names.map_or(full, |at| at + 1);
-        let mut header = names.map_or_else(Vec::new, |at| {
-            let line = all[at].line;
-            let text =
-                lines.iter().find(|(number, _)| *number == line).map_or("", |(_, text)| text);
-            self.header(text, &all[at].fields)
-        });
-        let mut above = names.unwrap_or(start);
+        let names = all[..table].iter().rposition(is_words).filter(|&at| fits(&all[at]));
+        let start = names.map_or_else(
+            || first.checked_sub(1).filter(|at| self.is_axis(&all[*at])).unwrap_or(first),
+            |at| at + 1,
+        );
+        let above = full[..start].iter().filter(|full| **full).count();
+        let mut sheet = Sheet {
+            header: Vec::new(),
+            groups: Vec::new(),
+            rows: all[start..].to_vec(),
+            decimal: self.decimal,
+            above: if above > 2 { above } else { 0 },
+            turned: Vec::new(),
+        };
+        let Some(at) = names else { return sheet };
+        let settings = &all[..=at];
+        if let Some(header) = header_of_settings(settings) {
+            return Sheet { header, ..sheet };
+        }
+        sheet.header = self.header(text_of(all[at].line), &all[at].fields);
+        let Some(upper) = at.checked_sub(1).map(|above| &all[above]) else { return sheet };
         // A row of units below one of names.
-        if let Some(at) = names.filter(|&at| at > 0) {
-            let upper = &all[at - 1];
-            let units = header.iter().all(|name| name.is_empty() || super::column::is_unit(name));
-            if units && is_words(upper) && upper.fields.len() == header.len() {
-                header = upper
-                    .fields
-                    .iter()
-                    .zip(&header)
-                    .map(|(name, unit)| match unit.trim_matches(['(', ')', '[', ']']) {
-                        "" => name.clone(),
-                        unit => format!("{name} ({unit})"),
-                    })
-                    .collect();
-                above -= 1;
+        let is_unit = |name: &String| name.is_empty() || super::column::is_unit(name);
+        if sheet.header.iter().all(is_unit)
+            && is_words(upper)
+            && upper.fields.len() == sheet.header.len()
+        {
+            let with_unit =
+                |(name, unit): (&String, &String)| match unit.trim_matches(['(', ')', '[', ']']) {
+                    "" => name.clone(),
+                    unit => format!("{name} ({unit})"),
+                };
+            sheet.header = upper.fields.iter().zip(&sheet.header).map(with_unit).collect();
+            return sheet;
+        }
+        // Names that come again belong to what stands above them.
+        if is_words(upper) && upper.line + 1 == all[at].line && come_again(&sheet.header) {
+            let mut group = String::new();
+            for (place, name) in sheet.header.iter().enumerate() {
+                match upper.fields.get(place).filter(|upper| !upper.is_empty()) {
+                    Some(upper) => group.clone_from(upper),
+                    None if name.is_empty() => group.clear(),
+                    None => {}
+                }
+                sheet.groups.push(if name.is_empty() { String::new() } else { group.clone() });
             }
         }
-        let rows = all[start..].to_vec();
-        Sheet { header, rows, delimiter: self.delimiter, decimal: self.decimal, above }
+        sheet
+    }
+
+    /// Whether a row has times or frames behind a name, such as `index,0,1,2`, above rows that are curves.
+    fn is_axis(&self, row: &Row) -> bool {
+        let mut before = f64::NEG_INFINITY;
+        let mut numbers = 0;
+        row.fields.len() == self.width
+            && row.fields.iter().all(|field| match cell(field, self.decimal) {
+                Cell::Number(number) => {
+                    let rises = number > before;
+                    before = number;
+                    numbers += 1;
+                    rises
+                }
+                _ => numbers == 0,
+            })
+            && numbers > 2
     }
 
     /// The names in a row; where spaces part the fields, names may have some, too.
@@ -255,6 +365,54 @@ impl Try {
         }
         if names.len() == self.width { names } else { fields.to_vec() }
     }
+}
+
+/// Where the longest run of rows begins.
+fn longest_run(full: &[bool]) -> Option<usize> {
+    let (mut best, mut begin) = (None::<(usize, usize)>, None);
+    for at in 0..=full.len() {
+        if full.get(at) == Some(&true) {
+            begin.get_or_insert(at);
+        } else if let Some(from) = begin.take()
+            && best.is_none_or(|(length, _)| at - from > length)
+        {
+            best = Some((at - from, from));
+        }
+    }
+    best.map(|(_, from)| from)
+}
+
+/// Whether a name that is not empty stands in a header twice.
+fn come_again(header: &[String]) -> bool {
+    let again = |(at, name): (usize, &String)| !name.is_empty() && header[..at].contains(name);
+    header.iter().enumerate().any(again)
+}
+
+/// The names of columns among lines of settings, `ChannelTitle=` and what follows it, as `LabChart` exports them; `None` where
+/// the lowest line is none of them.
+fn header_of_settings(rows: &[Row]) -> Option<Vec<String>> {
+    let key = |row: &Row| Some(row.fields.first()?.strip_suffix('=')?.to_lowercase());
+    key(rows.last()?)?;
+    let of =
+        |part: &str| rows.iter().rev().find(|row| key(row).is_some_and(|key| key.contains(part)));
+    let second = |row: &Row| Some(row.fields.get(1)?.split_whitespace().last()?.to_owned());
+    let time =
+        of("interval").and_then(second).map_or("Time".to_owned(), |unit| format!("Time ({unit})"));
+    let titles = of("title").or_else(|| of("name")).or_else(|| of("signal"))?;
+    let units = of("unit");
+    let names = (1..titles.fields.len()).map(|at| {
+        let name = &titles.fields[at];
+        match units.and_then(|units| units.fields.get(at)).filter(|unit| !unit.is_empty()) {
+            Some(unit) => format!("{name} ({unit})"),
+            None => name.clone(),
+        }
+    });
+    Some([time].into_iter().chain(names).collect())
+}
+
+/// Where the number at the end of a name begins.
+pub(super) fn number_at(name: &str) -> usize {
+    name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len()
 }
 
 /// Whether a row has numbers and nothing that is neither a number nor a word (`05;0`, of the wrong delimiter).

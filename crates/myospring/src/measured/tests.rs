@@ -179,5 +179,202 @@ fn what_is_wrong_with_a_table_is_said_with_its_place() {
     let said = error("length_um\n1\n2\n", &rate(0.0));
     assert!(said.contains("the frame rate is 0 /s"), "{said}");
     let said = read_bytes("a.xlsx", b"PK\x03\x04", &NONE()).unwrap_err().to_string();
-    assert!(said.contains("`a.xlsx` is a workbook"), "{said}");
+    assert!(said.contains("`a.xlsx`: it is an archive that cannot be read"), "{said}");
+    let columns: Vec<String> = (0..200).map(|at| format!("c{at}")).collect();
+    let wide = format!("{}\n{}\n", columns.join(","), vec!["1"; 200].join(","));
+    let said = error(&wide, &NONE());
+    assert!(said.contains("`c0`, `c1`, `c2`, `c3`, `c4` and 195 others"), "{said}");
+}
+
+/// Rows of a table: beats of 300 ms each second, up to 1, at these times in ms.
+fn beating(times_ms: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
+    let height = |t: f64| (1.0 - ((t.rem_euclid(1000.0) - 400.0) / 150.0).abs()).max(0.0);
+    times_ms.map(|t| (t, height(t))).collect()
+}
+
+#[test]
+fn times_in_the_first_row_are_times() {
+    let beats = beating((0..200).map(|i| 50.0 * f64::from(i)));
+    let row = |name: &str, of: &dyn Fn(&(f64, f64)) -> f64| {
+        let fields: Vec<String> = beats.iter().map(|pair| of(pair).to_string()).collect();
+        format!("{name},{}\n", fields.join(","))
+    };
+    let text = row("", &|(t, _)| t / 1e3)
+        + &row("bf tissue 20fps", &|(_, v)| 100.0 + v)
+        + &row("ca tissue", &|(_, v)| 2.0 * v);
+    let table = read(&text, &NONE());
+    assert_eq!(table.curves.len(), 2, "{:?}", table.notes);
+    let [first, second] = &table.curves[..] else { unreachable!() };
+    assert_eq!((&*first.name, &*second.name), ("bf tissue 20fps", "ca tissue"));
+    assert_eq!((first.kind, second.kind), (Kind::Unknown, Kind::Fluorescence));
+    assert_eq!((first.times_ms[1], first.values[8], first.lines[8]), (50.0, 101.0, 2));
+    assert!(table.notes.iter().any(|note| note.contains("first row")), "{:?}", table.notes);
+    let chosen = read(&text, &Options { values: vec![Column::of("2")], ..NONE() });
+    assert_eq!(chosen.curves[0].name, "ca tissue");
+    let labelled = "Time (ms),0,10,20,30,40\ncell a length,5,4,3,4,5\n";
+    let table = read(labelled, &NONE());
+    assert_eq!((table.curves.len(), table.curves[0].kind), (1, Kind::Length));
+    assert_eq!(table.curves[0].times_ms, [0.0, 10.0, 20.0, 30.0, 40.0]);
+    let bad = "Time (ms),0,10,20,30,40\ncell a length,5,4,x,4,5\n";
+    assert!(error(bad, &NONE()).contains("line 2, column `4`: \"x\""), "{}", error(bad, &NONE()));
+}
+
+#[test]
+fn frames_beside_an_index_are_frames() {
+    let frames: Vec<String> = (0..30).map(|frame| frame.to_string()).collect();
+    let values: Vec<String> = (0..30).map(|frame| format!("0.0{}", frame % 7)).collect();
+    for corner in ["", "index"] {
+        let text = format!(
+            "{corner},{}\n0,{}\n1,{}\n",
+            frames.join(","),
+            values.join(","),
+            values.join(",")
+        );
+        let table = read_named("norm_length.csv", &text, &rate(50.0));
+        let names: Vec<&str> = table.curves.iter().map(|curve| &*curve.name).collect();
+        assert_eq!(names, ["0", "1"], "{text}");
+        assert_eq!((table.curves[0].times_ms.len(), table.curves[0].times_ms[1]), (30, 20.0));
+    }
+}
+
+#[test]
+fn two_lines_of_names_belong_together() {
+    let text = ",Cell1 ,,,,Cell 2 ,,\n,Ratio ,Numerator,Denominator,,Ratio ,Numerator,Denominator\n\
+                0.0,0.9,7,8,,0.8,5,6\n0.001,0.91,7,8,,0.81,5,6\n0.002,0.92,7,8,,0.82,5,6\n";
+    let table = read(text, &NONE());
+    let names: Vec<&str> = table.curves.iter().map(|curve| &*curve.name).collect();
+    assert_eq!(names, ["Cell1 Ratio", "Cell 2 Ratio"], "{:?}", table.notes);
+    assert!(table.curves.iter().all(|curve| curve.kind == Kind::CalciumRatio));
+    assert_eq!(table.curves[1].times_ms, [0.0, 1.0, 2.0]);
+    let options = Options { values: vec![Column::of("Cell 2 Numerator")], ..NONE() };
+    assert_eq!(read(text, &options).curves[0].values, [5.0; 3]);
+    let options = Options { values: vec![Column::of("denominator")], ..NONE() };
+    assert_eq!(read(text, &options).curves.len(), 2);
+}
+
+#[test]
+fn each_channel_may_have_its_own_times_and_marks_of_a_pacer_are_stimuli() {
+    let text = "Time 0\tsarc.Sarc Const\tTime 1\tRatio\tMark Time\tMarks\t\n\
+                0.0001\t1.63\t0.0\t0.9\t0.0020\tPacer[TTL]\t\n\
+                0.0041\t1.62\t0.001\t0.91\t0.0030\tPacer[TTL]\t\n\
+                0.0081\t1.61\t0.002\t0.92\t1.0020\tPacer[TTL]\t\n\
+                0.0121\t1.60\t0.003\t0.93\t1.5\tnote\t\n\
+                0.0161\t1.61\t0.004\t0.94\t\t\t\n0.0201\t1.62\t\t\t\t\t\n";
+    let table = read(text, &NONE());
+    let [length, ratio] = &table.curves[..] else { panic!("{table:?}") };
+    assert_eq!((length.kind, ratio.kind), (Kind::SarcomereLength, Kind::CalciumRatio));
+    assert_eq!((length.times_ms.len(), ratio.times_ms.len()), (6, 5));
+    assert!((length.times_ms[1] - 4.1).abs() < 1e-9 && (ratio.times_ms[1] - 1.0).abs() < 1e-9);
+    assert_eq!(length.stimuli_ms, [2.0, 1002.0]);
+    assert!(
+        table.notes.iter().any(|note| note.contains("2 marks of a pacer")),
+        "{:?}",
+        table.notes
+    );
+    let without = read(text, &Options { ignore_marks: true, ..NONE() });
+    assert!(without.curves[0].stimuli_ms.is_empty());
+}
+
+#[test]
+fn text_of_amplifiers_is_read() {
+    let atf = "ATF\t1.0\n7\t3\n\"AcquisitionMode=Gap Free\"\n\"Comment=\"\n\"YTop=200,10\"\n\
+               \"SweepStartTimesMS=0.000\"\n\"Signals=\"\t\"Vm\"\t\"Im\"\n\
+               \"Time (s)\"\t\"Trace #1 (mV)\"\t\"Trace #1 (pA)\"\n\
+               0\t-80\t1\n0.0001\t-79\t1\n0.0002\t-78\t1\n";
+    let table = read(atf, &NONE());
+    let curve = &table.curves[0];
+    assert_eq!((table.curves.len(), curve.kind, curve.unit), (1, Kind::Potential, "mV"));
+    assert_eq!((curve.values[0], curve.times_ms[2]), (-80.0, 0.2));
+    let chart = "Interval=\t0.001 s\nExcelDateTime=\t4.1e+004\t1/1/2012\nTimeFormat=\tStartOfBlock\n\
+                 ChannelTitle=\tForce\tCell length\nRange=\t10.000 V\t1.0 V\nUnitName=\tmN\tum\n\
+                 0\t0.5\t120\n0.001\t0.6\t119\n0.002\t0.7\t118\n";
+    let table = read(chart, &NONE());
+    let kinds: Vec<Kind> = table.curves.iter().map(|curve| curve.kind).collect();
+    assert_eq!(kinds, [Kind::Force, Kind::Length], "{:?}", table.notes);
+    assert_eq!((table.curves[0].unit, table.curves[0].values[0]), ("nN", 0.5e6));
+    assert_eq!(table.curves[1].times_ms, [0.0, 1.0, 2.0]);
+}
+
+#[test]
+fn numbers_that_only_count_are_no_curve() {
+    let text = "Name,Time [s],ND.T,ND.Z,ND.M,#1 (  FITC    )\na.nd2,-0.03,1,-1,-1,1506.94\n\
+                a.nd2,-0.016,2,-1,-1,1495.56\na.nd2,-0.002,3,-1,-1,1483.82\n";
+    let table = read(text, &NONE());
+    assert_eq!((table.curves.len(), table.curves[0].kind), (1, Kind::Fluorescence));
+    assert_eq!(table.curves[0].times_ms[0], -30.0);
+    let text = "time (ms),number,plane,signal\n0,1,7,3.5\n4,2,7,3.6\n8,3,7,3.9\n12,4,7,3.8\n";
+    let table = read(text, &NONE());
+    assert_eq!(table.curves[0].values, [3.5, 3.6, 3.9, 3.8]);
+    assert!(table.notes[0].contains("`number`, `plane`"), "{:?}", table.notes);
+}
+
+#[test]
+fn times_that_may_be_of_two_units_are_refused_with_the_option_that_says_it() {
+    let potential = |count: u32| -> String {
+        let rows = (0..count).map(|i| format!("{},{}\n", 0.04 * f64::from(i), -80 + i as i64 % 7));
+        rows.fold("t,V\n".to_owned(), |text, row| text + &row)
+    };
+    let said = error(&potential(10_000), &NONE());
+    let wanted = "25 frames a second if they are s, 25000 frames a second if they are ms; say which: --time-unit s or \
+                  --time-unit ms";
+    assert!(said.contains(wanted), "{said}");
+    let options = Options { time_unit: Some("ms".to_owned()), ..NONE() };
+    assert_eq!(read(&potential(100), &options).curves[0].times_ms[25], 1.0);
+    // What is seen through a lens has no 25000 frames a second.
+    let length = potential(10_000).replace("t,V", "t,length");
+    assert_eq!(read(&length, &NONE()).curves[0].times_ms[25], 1000.0);
+}
+
+#[test]
+fn ticks_of_a_clock_are_what_gives_beats_the_time_that_they_take() {
+    // Beats that are 150 ms wide at half of their height, and `slower` ones.
+    let of = |slower: f64, tick: f64| {
+        let rows = beating((0..1000).map(|i| 10.0 * f64::from(i)));
+        let line = |(t, v): &(f64, f64)| {
+            format!("{}\t{}\n", (slower * t / tick).round(), (-1e5 * v).round())
+        };
+        rows.iter().map(line).collect::<String>()
+    };
+    let table = read(&of(1.0, 0.01), &NONE());
+    assert_eq!(table.curves[0].times_ms[3], 30.0);
+    assert!(table.notes[0].contains("taken as 0.01 ms"), "{:?}", table.notes);
+    // 600 ms, or 60: cells have both.
+    let said = error(&of(4.0, 0.01), &NONE());
+    assert!(said.contains("--time-unit us or --time-unit \"0.01 ms\""), "{said}");
+    let said = Options { time_unit: Some("0.01 ms".to_owned()), ..NONE() };
+    assert_eq!(read(&of(4.0, 0.01), &said).curves[0].times_ms[3], 120.0);
+}
+
+#[test]
+fn units_that_contradict_each_other_are_refused() {
+    let text = "time (ms),length (um)\n0,120\n4,118\n8,115\n";
+    let with = |unit: &str| Options { unit: Some(unit.to_owned()), ..NONE() };
+    let said = error(text, &with("nm"));
+    assert!(said.contains("its unit is um, and --unit says nm"), "{said}");
+    assert_eq!(read(text, &with("micron")).curves[0].values[0], 120.0);
+    let options = Options { time_unit: Some("s".to_owned()), ..NONE() };
+    let said = error(text, &options);
+    assert!(said.contains("its times are in ms, and --time-unit says s"), "{said}");
+    assert_eq!(read("t_ms,Vm (a.u.)\n0,1\n4,2\n8,3\n", &with("mV")).curves[0].unit, "mV");
+}
+
+#[test]
+fn a_part_of_the_recording_keeps_its_clock() {
+    let text = "time (ms),length (um)\n0,120\n4,118\n8,115\n12,116\n";
+    let options = Options { from_ms: Some(4.0), until_ms: Some(8.0), ..NONE() };
+    let curve = &read(text, &options).curves[0];
+    assert_eq!((&curve.times_ms[..], &curve.values[..]), (&[4.0, 8.0][..], &[118.0, 115.0][..]));
+    assert_eq!(curve.lines, [3, 4]);
+    let said = error(text, &Options { from_ms: Some(20.0), ..NONE() });
+    assert!(said.contains("the recording runs from 0 to 12 ms"), "{said}");
+    let said = error(text, &Options { from_ms: Some(8.0), until_ms: Some(4.0), ..NONE() });
+    assert!(said.contains("its end must come after its start"), "{said}");
+}
+
+#[test]
+fn another_block_of_numbers_above_the_names_is_said() {
+    let text = "time (ms),length (um)\n0,1\n4,2\n8,3\ntime (ms),length (um)\n0,120\n4,118\n8,115\n12,116\n";
+    let table = read(text, &NONE());
+    assert_eq!(table.curves[0].values, [120.0, 118.0, 115.0, 116.0]);
+    assert!(table.notes[0].contains("3 lines of numbers above"), "{:?}", table.notes);
 }

@@ -5,16 +5,31 @@ use super::error::ReadError;
 use super::number::Cell;
 use super::options::Options;
 use super::sheet::{Row, Sheet};
+use crate::analysis::curve;
+use crate::analysis::kind::{Family, Kind};
 use crate::units::{self, Dimension};
 
 /// By how much times and a frame rate may differ.
 const AGREE: f64 = 0.02;
 
-/// Times between frames of cameras and detectors, ms: 4 to 2000 a second.
-const FRAME_MS: [f64; 2] = [0.5, 250.0];
+/// Frames a second of cameras and of detectors behind a lens.
+const CAMERA: [f64; 2] = [4.0, 2000.0];
 
-/// Intervals of times in s, that no times in ms have; those between may be either.
-const FRAME_S: [f64; 2] = [0.0005, 0.05];
+/// Samples a second of whatever else measures: amplifiers of patch clamps have up to 50 kHz.
+const AMPLIFIER: [f64; 2] = [4.0, 60_000.0];
+
+/// Recordings are longer, ms.
+const SHORTEST_MS: f64 = 25.0;
+
+/// Frames from which on a recording may have a beat.
+const ENOUGH: usize = 8;
+
+/// Times at half of their height that beats of a length, a force or calcium take, ms, from mice at body temperature to
+/// cells in the cold.
+const WIDTHS_MS: [f64; 2] = [40.0, 2000.0];
+
+/// Ticks of a clock in these units, in ms; whole numbers of these are times of no camera in ms.
+const TICKS: [(&str, f64); 2] = [("us", 0.001), ("0.01 ms", 0.01)];
 
 /// Where times come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +40,17 @@ pub(super) enum Clock {
     Frames { column: usize, first: f64, ms: f64 },
     /// Each row is the next frame.
     Rows { ms: f64 },
+}
+
+/// A column of times or frames, and what is known of the values beside it.
+pub(super) struct Timed<'a> {
+    pub(super) at: usize,
+    /// Whether it has numbers of frames.
+    pub(super) frames: bool,
+    /// What its curves are, as far as they say so.
+    pub(super) kinds: &'a [Kind],
+    /// The values of the first of them, one for each row that has a time.
+    pub(super) values: &'a [f64],
 }
 
 impl Clock {
@@ -39,14 +65,14 @@ impl Clock {
         }
     }
 
-    /// Of a column of times; `frames` of one of frames. Says what it took for granted.
+    /// Of a column of times or frames. Says what it took for granted.
     pub(super) fn of_column(
         sheet: &Sheet,
-        at: usize,
-        frames: bool,
+        timed: &Timed<'_>,
         options: &Options,
         notes: &mut Vec<String>,
     ) -> Result<Self, String> {
+        let at = timed.at;
         let rate = Self::of_rate(options)?;
         let numbers = sheet.rows.iter().filter_map(|row| match sheet.cell(row, at) {
             Cell::Number(number) => Some(number),
@@ -54,12 +80,17 @@ impl Clock {
         });
         let numbers: Vec<f64> = numbers.collect();
         let name = sheet.name(at);
-        if frames {
+        if timed.frames {
             let ms = rate.ok_or_else(|| {
-                format!(
-                    "column `{name}` has frames, and no column has times; give the frame rate \
-                     (--frame-rate 250), in frames a second"
-                )
+                if sheet.turned.is_empty() {
+                    format!(
+                        "column `{name}` has frames, and no column has times; give the frame rate \
+                         (--frame-rate 250), in frames a second"
+                    )
+                } else {
+                    "its rows are curves, without times; give the frame rate (--frame-rate 30), in frames a second"
+                        .to_owned()
+                }
             })?;
             return Ok(Self::Frames {
                 column: at,
@@ -68,36 +99,25 @@ impl Clock {
             });
         }
         let step = step(&numbers);
-        let to_ms = match unit(sheet, at, options) {
-            Some(unit) => units::parse(&format!("1 {unit}"), Dimension::Time)
-                .map_err(|_| format!("column `{name}` has `{unit}`, which is no unit of time"))?,
+        let to_ms = match unit(sheet, at, options)? {
+            Some(unit) => time_of(&unit)
+                .ok_or_else(|| format!("column `{name}` has `{unit}`, which is no unit of time"))?,
             None if options.units_required => {
                 return Err(format!(
                     "the column `{name}` has no unit that is known; call it `time (ms)` or `time (s)`"
                 ));
             }
             None => {
-                let to_ms = match rate {
-                    Some(ms) => {
-                        let near = |factor: f64| (step * factor / ms - 1.0).abs() < AGREE;
-                        [1.0, 1e3].into_iter().find(|factor| near(*factor))
-                    }
-                    None if (FRAME_S[0]..=FRAME_S[1]).contains(&step) => Some(1e3),
-                    None if (FRAME_MS[0]..=FRAME_MS[1]).contains(&step) => Some(1.0),
-                    None => None,
-                };
-                let to_ms = to_ms.ok_or_else(|| {
-                    format!(
-                        "column `{name}` has times {step} apart without a unit, which fits neither ms nor s{}; give \
-                         the unit (--time-unit s)",
-                        if rate.is_some() { " at this frame rate" } else { "" }
-                    )
+                let (unit, to_ms) = found(&numbers, step, rate, timed).map_err(|cause| {
+                    format!("column `{name}` has times {step} apart without a unit: {cause}")
                 })?;
-                let (unit, other) = if to_ms == 1.0 { ("ms", "s") } else { ("s", "ms") };
-                notes.push(format!(
-                    "column `{name}` has no unit: taken as {unit}, {:.4} frames a second (--time-unit {other} if not)",
+                let note = format!(
+                    "column `{name}` has no unit: taken as {unit}, {:.4} frames a second (--time-unit says another)",
                     1e3 / (step * to_ms)
-                ));
+                );
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
                 to_ms
             }
         };
@@ -113,6 +133,14 @@ impl Clock {
             ));
         }
         Ok(Self::Times { column: at, to_ms })
+    }
+
+    /// The same clock for another column of times.
+    pub(super) fn of_other(self, column: usize) -> Self {
+        match self {
+            Self::Times { to_ms, .. } => Self::Times { column, to_ms },
+            other => other,
+        }
     }
 
     /// The column that it reads.
@@ -139,23 +167,132 @@ impl Clock {
         match sheet.cell(row, column) {
             Cell::Number(number) => Ok(Some((number - offset) * factor)),
             Cell::Missing => Ok(None),
-            Cell::Text => Err(ReadError::Field {
-                path: path.to_owned(),
-                line: row.line,
-                column: sheet.name(column),
-                cause: format!("\"{}\" is no finite number", row.fields[column]),
-            }),
+            Cell::Text => {
+                let (line, name) = sheet.place(row, column);
+                Err(ReadError::Field {
+                    path: path.to_owned(),
+                    line,
+                    column: name,
+                    cause: format!("\"{}\" is no finite number", row.fields[column]),
+                })
+            }
         }
     }
 }
 
-/// The unit of a column of times.
-fn unit(sheet: &Sheet, at: usize, options: &Options) -> Option<String> {
-    if let Some(unit) = &options.time_unit {
-        return Some(column::unit(unit).unwrap_or_else(|| unit.clone()));
+/// The unit of times that do not say theirs, and what turns them into ms; or what they may be and how to say it.
+fn found(
+    numbers: &[f64],
+    step: f64,
+    rate: Option<f64>,
+    timed: &Timed<'_>,
+) -> Result<(&'static str, f64), String> {
+    const UNITS: [(&str, f64); 2] = [("s", 1e3), ("ms", 1.0)];
+    if let Some(ms) = rate {
+        let near = |(_, factor): &(&str, f64)| (step * factor / ms - 1.0).abs() < AGREE;
+        let all = UNITS.into_iter().chain(TICKS);
+        return all.into_iter().find(near).ok_or_else(|| {
+            "that fits no unit at this frame rate; give the unit (--time-unit s)".to_owned()
+        });
     }
+    let by_eye = |kind: &Kind| {
+        !matches!(kind.family(), Family::ActionPotential | Family::Tension)
+            && *kind != Kind::Unknown
+    };
+    let range =
+        if !timed.kinds.is_empty() && timed.kinds.iter().all(by_eye) { CAMERA } else { AMPLIFIER };
+    let rate_of = |factor: f64| 1e3 / (step * factor);
+    let has_rate =
+        |(_, factor): &(&'static str, f64)| (range[0]..=range[1]).contains(&rate_of(*factor));
+    let mut may: Vec<(&'static str, f64)> = UNITS.into_iter().filter(has_rate).collect();
+    if may.len() > 1 && numbers.len() >= ENOUGH {
+        let long = |(_, factor): &(&'static str, f64)| {
+            let last = numbers.last().copied().unwrap_or(0.0);
+            (last - numbers[0]) * factor >= SHORTEST_MS
+        };
+        may.retain(long);
+    }
+    let whole = step >= 1.0 && numbers.iter().all(|number| number.fract() == 0.0);
+    if may.is_empty() && whole {
+        may = TICKS.into_iter().filter(has_rate).collect();
+        // A beat takes its time: ten times as long or as short, few would be left.
+        if may.len() > 1 {
+            let beats: Vec<(&'static str, f64)> = may
+                .iter()
+                .copied()
+                .filter(|(_, factor)| beats(numbers, timed.values, *factor))
+                .collect();
+            if beats.len() == 1 {
+                may = beats;
+            }
+        }
+    }
+    match may[..] {
+        [one] => Ok(one),
+        [] => {
+            Err("that fits neither s nor ms; give the unit (--time-unit s, ms, us or \"0.01 ms\")"
+                .to_owned())
+        }
+        _ => {
+            let candidates: Vec<String> = may
+                .iter()
+                .map(|(unit, factor)| {
+                    format!("{} frames a second if they are {unit}", rounded(rate_of(*factor)))
+                })
+                .collect();
+            let options: Vec<String> = may
+                .iter()
+                .map(|(unit, _)| {
+                    let quote = if unit.contains(' ') { "\"" } else { "" };
+                    format!("--time-unit {quote}{unit}{quote}")
+                })
+                .collect();
+            Err(format!("{}; say which: {}", candidates.join(", "), options.join(" or ")))
+        }
+    }
+}
+
+/// Whether beats are found at this time scale, as wide as those of cells.
+fn beats(numbers: &[f64], values: &[f64], to_ms: f64) -> bool {
+    let count = numbers.len().min(values.len());
+    let times: Vec<f64> = numbers[..count].iter().map(|number| number * to_ms).collect();
+    let found =
+        curve::analyse(&times, &values[..count], Kind::Unknown, "a.u.", &curve::Options::default());
+    let width = found.ok().and_then(|analysis| analysis.mean("contraction_duration_50"));
+    width.is_some_and(|width| (WIDTHS_MS[0]..=WIDTHS_MS[1]).contains(&width))
+}
+
+fn rounded(rate: f64) -> f64 {
+    if rate >= 100.0 { rate.round() } else { (100.0 * rate).round() / 100.0 }
+}
+
+/// A unit of time, or a number of them, in ms: `s`, `0.01 ms`.
+fn time_of(unit: &str) -> Option<f64> {
+    let text = if unit.starts_with(|letter: char| letter.is_ascii_digit() || letter == '.') {
+        unit.to_owned()
+    } else {
+        format!("1 {unit}")
+    };
+    units::parse(&text, Dimension::Time).ok().filter(|ms| *ms > 0.0)
+}
+
+/// The unit of a column of times, by its name or as it was given; both must agree.
+fn unit(sheet: &Sheet, at: usize, options: &Options) -> Result<Option<String>, String> {
     let title = column::title(sheet.header.get(at).map_or("", String::as_str));
-    Some(title.unit).filter(|unit| !unit.is_empty())
+    let named = Some(title.unit).filter(|unit| !unit.is_empty());
+    let given =
+        options.time_unit.as_ref().map(|unit| column::unit(unit).unwrap_or_else(|| unit.clone()));
+    if let (Some(named), Some(given)) = (&named, &given)
+        && let Some(own) = time_of(named)
+        && time_of(given) != Some(own)
+    {
+        return Err(format!(
+            "column `{}` says that its times are in {named}, and --time-unit says {given}; leave --time-unit out, or \
+             mend the header",
+            sheet.name(at)
+        ));
+    }
+    Ok(given.or(named))
 }
 
 /// Median distance of neighbours.

@@ -11,6 +11,9 @@ mod pulled_film;
 mod synthetic_cell;
 #[path = "../common/synthetic_film.rs"]
 mod synthetic_film;
+#[path = "../common/workbook_bytes.rs"]
+mod workbook_bytes;
+mod workbooks;
 
 use myospring::analysis::curve::{self, CurveBeat, State};
 use myospring::analysis::value;

@@ -2,11 +2,12 @@
 
 use super::answer::{Artefact, CurveBeat, Mark, State};
 use super::detect::Found;
+use super::upstroke::{self, Upstroke};
 use crate::analysis::kind::{Family, Kind};
 use crate::analysis::pulse::{Pulse, Top};
 use crate::analysis::rows::{Context, row};
 use crate::analysis::trace::Point;
-use crate::analysis::{Metric, action_potential, contraction, tension, trace, transient};
+use crate::analysis::{Metric, action_potential, contraction, tension, trace, transient, value};
 
 /// Part of the cycle before a beat that is its rest.
 const REST: f64 = 0.15;
@@ -30,7 +31,8 @@ pub(super) struct Reader<'a> {
     pub(super) smoothed: &'a [f64],
     /// Slopes of `signal`, where they are not those between neighbours of `smoothed`.
     pub(super) slopes: Option<&'a [f64]>,
-    /// Of `smoothed`.
+    /// Standard deviation of the noise of `signal`, and of `smoothed`.
+    pub(super) level: f64,
     pub(super) noise: f64,
     /// What turns `signal` into the curve's values.
     pub(super) sign: f64,
@@ -308,6 +310,7 @@ impl Reader<'_> {
             }
             beats.push(beat);
         }
+        cycles(&mut beats);
         beats
     }
 
@@ -356,8 +359,11 @@ impl Reader<'_> {
             .slopes
             .map(|slopes| slopes[first..last].iter().map(|steep| steep - slope).collect());
         let slopes = slopes.as_deref();
-        let pulse =
-            Pulse::new(times, &heights, start, top).with_noise(self.noise).with_slopes(slopes);
+        let upstroke = self.upstroke(span, slope);
+        let pulse = Pulse::new(times, &heights, start, top)
+            .with_noise(self.noise)
+            .with_slopes(slopes)
+            .with_steepest(upstroke.map(|upstroke| upstroke.at));
         let onset = if span.stimulus.is_some() {
             match (pulse.rises(0.1), pulse.rises(0.5)) {
                 (Some(tenth), Some(half)) => Some(tenth - 0.25 * (half - tenth)),
@@ -373,6 +379,12 @@ impl Reader<'_> {
         };
         let mut remarks = Vec::new();
         let mut metrics = self.metrics([times, &heights], slopes, &pulse, &base, rest, &context);
+        if self.kind == Kind::Potential {
+            let diastolic = self.diastolic(span, next).map(|value| self.sign * value);
+            let spontaneous = span.stimulus.is_none().then_some([diastolic, None]);
+            let window = upstroke.map(|upstroke| upstroke.window_ms);
+            metrics.extend(action_potential::of_upstroke(window, spontaneous, self.unit));
+        }
         let over = pulse.falls(AT_REST).unwrap_or(times[times.len() - 1]);
         let touching = self.artefacts_within(start, over);
         let state = if span.cut_at_start {
@@ -423,6 +435,43 @@ impl Reader<'_> {
             marks: self.marks(&pulse, onset, &base),
             baseline: Some(baseline),
         }
+    }
+
+    /// The upstroke of a potential, without the drift below it.
+    fn upstroke(&self, span: &Span, drift: f64) -> Option<Upstroke> {
+        if self.kind != Kind::Potential {
+            return None;
+        }
+        let samples = span.rest[0]..span.peak + 1;
+        let values = &self.signal[samples.clone()];
+        let height = self.smoothed[span.peak] - span.rest_at.value;
+        let found = upstroke::steepest(&self.times[samples], values, height, self.level)?;
+        let at = Point { value: found.at.value - drift, ..found.at };
+        Some(Upstroke { at, ..found })
+    }
+
+    /// The lowest mean over a fiftieth of the cycle after a peak, before the next beat; `None` where the recording ends while
+    /// the potential still falls.
+    fn diastolic(&self, span: &Span, next: Option<&Span>) -> Option<f64> {
+        let last = self.times.len();
+        let stop = next.map_or(last, |next| {
+            self.times.partition_point(|time| *time < next.begin).clamp(span.peak + 1, last)
+        });
+        let values = &self.signal[span.peak..stop];
+        let count = (values.len() / 50).max(5);
+        if values.len() < 2 * count {
+            return None;
+        }
+        let mut sum: f64 = values[..count].iter().sum();
+        let (mut lowest, mut at) = (sum, 0);
+        for first in 1..=values.len() - count {
+            sum += values[first + count - 1] - values[first - 1];
+            if sum < lowest {
+                (lowest, at) = (sum, first);
+            }
+        }
+        let turned = at + count < values.len();
+        (turned || next.is_some()).then_some(lowest / count as f64)
     }
 
     fn metrics(
@@ -483,6 +532,26 @@ impl Reader<'_> {
             marks.push(Mark { name, point: Point { time: at.time, value: self.sign * value } });
         }
         marks
+    }
+}
+
+/// Fills in the time from each upstroke to the next.
+fn cycles(beats: &mut [CurveBeat]) {
+    let upstrokes: Vec<Option<f64>> = beats
+        .iter()
+        .map(|beat| {
+            let whole = !matches!(beat.state, State::CutAtStart | State::Disturbed);
+            value(&beat.metrics, "time_of_upstroke").filter(|_| whole)
+        })
+        .collect();
+    for (at, beat) in beats.iter_mut().enumerate().skip(1) {
+        // Without an interval there may be a beat between them.
+        if value(&beat.metrics, "interval").is_none() {
+            continue;
+        }
+        if let Some(cycle) = beat.metrics.iter_mut().find(|metric| metric.name == "cycle_length") {
+            cycle.value = Some(()).and_then(|()| Some(upstrokes[at]? - upstrokes[at - 1]?));
+        }
     }
 }
 

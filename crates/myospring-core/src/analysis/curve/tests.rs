@@ -304,3 +304,53 @@ fn curves_without_a_beat_say_why() {
     let analysis = analyse(&fast, &beats, Kind::Contraction, "a.u.", &Options::default()).unwrap();
     assert!(analysis.remarks.iter().any(|remark| remark.contains("is the frame rate")));
 }
+
+/// Spontaneous action potentials each 800 ms: a slow foot from -70 to -50 mV, a logistic upstroke to 30 mV whose largest slope
+/// is 5 mV/ms, a plateau and a fall to -70 mV.
+fn spontaneous(t: f64) -> f64 {
+    let t = t.rem_euclid(800.0);
+    let foot = -70.0 + 20.0 * (t / 600.0).min(1.0);
+    let rise = 80.0 / (1.0 + (-(t - 600.0) / 4.0).exp());
+    let fall = 100.0 / (1.0 + (-(t - 740.0) / 8.0).exp());
+    foot + rise - fall
+}
+
+#[test]
+fn upstrokes_of_spontaneous_cells_have_their_slope_diastolic_potential_and_cycle_length() {
+    for (rate, noise) in [(1000.0, 0.0), (10_000.0, 0.1), (10_000.0, 0.5), (25_000.0, 0.3)] {
+        let times = frames(rate, 3.0);
+        let mut random = Noise::new(rate as u64);
+        let values: Vec<f64> =
+            times.iter().map(|t| spontaneous(*t) + noise * random.normal()).collect();
+        let found = analyse(&times, &values, Kind::Potential, "mV", &Options::default()).unwrap();
+        let name = format!("{rate} /s, noise {noise} mV: {:?}", found.treatment.rates);
+        assert!(found.beats.len() >= 3, "{name}");
+        let mean = |metric: &str| found.mean(metric).unwrap_or_else(|| panic!("{name}: {metric}"));
+        // 80 / (4 * 4 ms) and the foot's 1/30 mV/ms at most.
+        let slope = mean("maximum_upstroke_velocity");
+        assert!((slope / 5.0 - 1.0).abs() < 0.03, "{name}: {slope} mV/ms");
+        assert!(mean("upstroke_window") < 12.0, "{name}");
+        let cycle = mean("cycle_length");
+        assert!((cycle - 800.0).abs() < 0.5, "{name}: {cycle} ms");
+        let lowest = mean("maximum_diastolic_potential");
+        assert!((lowest + 70.0).abs() < 1.0, "{name}: {lowest} mV");
+    }
+    // Stimuli make them unnecessary.
+    let times = frames(1000.0, 3.0);
+    let values: Vec<f64> = times.iter().map(|t| spontaneous(*t)).collect();
+    let options = Options { stimuli_ms: vec![590.0, 1390.0], ..Options::default() };
+    let paced = analyse(&times, &values, Kind::Potential, "mV", &options).unwrap();
+    assert_eq!(paced.mean("cycle_length"), None);
+}
+
+#[test]
+fn an_upstroke_that_the_sampling_is_too_slow_for_is_said() {
+    let times = frames(200.0, 3.0);
+    let values: Vec<f64> = times
+        .iter()
+        .map(|t| if t.rem_euclid(1000.0) < 300.0 { 30.0 } else { -80.0 } + 0.001 * (t % 7.0))
+        .collect();
+    let found = analyse(&times, &values, Kind::Potential, "mV", &Options::default()).unwrap();
+    let said = found.remarks.join(" ");
+    assert!(said.contains("at least what is given; record at 2 kHz"), "{said}");
+}
