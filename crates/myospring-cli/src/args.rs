@@ -241,7 +241,8 @@ pub(crate) struct MeshArgs {
     myospring segment cell.tif                                 look at results/cell_outline/overlay.png\n  \
     myospring segment cell.tif --pixel-size \"0.27 um\" --output cell.roi      mend it in Fiji, then\n  \
     myospring run cell.tif --pixel-size \"0.27 um\" --outline cell.roi         come back\n  \
-    myospring segment dish.tif --cell all -o cells.zip -o cells_mask.png\n\n\
+    myospring segment dish.tif --cell all -o cells.zip -o cells_mask.png\n  \
+    myospring segment sheet.tif --whole-frame                  a sheet or tissue: its fibres and sarcomeres\n\n\
     Without an ending --output is a folder; else the ending says what the file holds: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
     .png (mask; with --cell all a label mask). An overlay is written beside the first of them.")]
 pub(crate) struct SegmentArgs {
@@ -250,6 +251,10 @@ pub(crate) struct SegmentArgs {
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) settings: Settings<Seen>,
+    /// Outline no cell: read fibres and sarcomeres of all that the picture shows, a sheet or a tissue; writes
+    /// fibres.csv, an overlay and a report to `results/NAME_whole_frame`
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) whole_frame: bool,
     /// Folder for all results, or a file for the outline, which may be given several times [default:
     /// `results/NAME_outline`]
     #[arg(short, long, value_name = "DIR|FILE", help_heading = OUTPUT)]

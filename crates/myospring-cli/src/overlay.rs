@@ -30,14 +30,40 @@ impl Lattice<'_> {
                 })
                 .collect();
         };
-        let tick = |(point_um, fibre): ([f64; 2], Fibre)| Tick {
-            point_um,
-            direction: fibre.direction,
-            coherency: fibre.order,
-            from_picture: fibre.from_picture,
-        };
-        seen.field.on_grid(TICKS_UM).into_iter().map(tick).collect()
+        seen.field.on_grid(TICKS_UM).iter().map(tick).collect()
     }
+}
+
+/// A fibre at a place of the picture.
+pub(crate) fn tick(&(point_um, fibre): &([f64; 2], Fibre)) -> Tick {
+    Tick {
+        point_um,
+        direction: fibre.direction,
+        coherency: fibre.order,
+        from_picture: fibre.from_picture,
+    }
+}
+
+/// Draws a picture with the fibres that it shows, without any cell.
+pub(crate) fn of_frame(
+    title: &str,
+    cells: &PictureCells,
+    ticks: &[Tick],
+    sarcomeres: Option<Sarcomeres<'_>>,
+    warnings: &[String],
+) -> Result<Figure, FigureError> {
+    figure::overlay(&Overlay {
+        title,
+        width: cells.plane.width(),
+        height: cells.plane.height(),
+        values: cells.plane.values(),
+        pixel_size: cells.pixel_size,
+        cells: &[],
+        mesh: None,
+        fibres: ticks,
+        sarcomeres,
+        warnings,
+    })
 }
 
 /// Draws a picture with its outlines, and of the chosen cell its lattice and fibres.

@@ -1,6 +1,7 @@
 //! `myospring segment`.
 
 pub(crate) mod report;
+mod whole_frame;
 
 use crate::args::SegmentArgs;
 use crate::exit::ExitCode;
@@ -45,6 +46,9 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         let message = format!("`{}` is not a picture", args.input.display());
         return Err(Failure::new(message).advise("give a picture (.png, .tif, .tiff)"));
     };
+    if args.whole_frame {
+        return whole_frame::read(args, &name, &run, source);
+    }
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let picture = args.input.display().to_string();
     let target = into.unwrap_or_else(|| folder(&name));

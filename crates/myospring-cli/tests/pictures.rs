@@ -462,3 +462,34 @@ fn of_a_picture_that_gives_no_cell_there_is_an_overlay_to_look_at_and_nothing_el
         assert!(exists(&format!("out/overlays/{name}_png.png")), "{name}");
     }
 }
+
+#[test]
+fn of_a_sheet_the_fibres_of_the_whole_frame_are_read_and_no_outline_is_made_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let stripes = |x: u32, y: u32| {
+        let light = 0.6 + 0.4 * (f64::from(x) * 0.25 * std::f64::consts::TAU / 1.9).cos();
+        (20.0 + 200.0 * light) as u8 + ((x * 7 + y * 13) % 5) as u8
+    };
+    let pixels: Vec<u8> = (0..200 * 160).map(|at| stripes(at % 200, at / 200)).collect();
+    let file = std::fs::File::create(folder.path().join("sheet.png")).unwrap();
+    png::Encoder::new(file, 200, 160).write_header().unwrap().write_image_data(&pixels).unwrap();
+    let asked = ["segment", "sheet.png", "--pixel-size", "0.25 um", "--whole-frame"];
+    let read = myospring(folder.path(), &[&asked[..], &["--json"]].concat());
+    assert!(read.status.success(), "{}", text(&read.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&read.stdout).unwrap();
+    let number = |key: &str| report["fibres"][key].as_f64().unwrap();
+    assert!(number("read_pct") > 90.0, "{report}");
+    assert!(number("direction_deg").abs() < 2.0, "{report}");
+    // The period of the stripes; a quarter of a pixel.
+    assert!((number("sarcomere_um") - 1.9).abs() < 0.06, "{report}");
+    assert_eq!((&report["width_um"], &report["height_um"]), (&50.0.into(), &40.0.into()));
+    let results = folder.path().join("results/sheet_whole_frame");
+    let table = std::fs::read_to_string(results.join("fibres.csv")).unwrap();
+    assert!(table.starts_with("x_um,y_um,direction_deg,sarcomere_um"), "{table}");
+    assert!(table.lines().count() > 1500, "{}", table.lines().count());
+    assert!(results.join("overlay.png").exists() && !results.join("outline.geojson").exists());
+
+    let refused = myospring(folder.path(), &[&asked[..], &["-o", "sheet.roi"]].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("--whole-frame finds no outline"));
+}

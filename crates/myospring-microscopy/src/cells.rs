@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use geo::Distance;
 
+use super::burned_in;
 use super::fibres::{FibreError, FibreField, FibreSettings, fibres};
 use super::hot;
 use super::outlines::raster::rasterise;
@@ -119,6 +120,8 @@ pub struct PictureCells {
     /// What a person should know about the picture.
     pub notes: Vec<String>,
     areas_um2: [f64; 2],
+    /// Pixels that were painted over, since marks are burned into the picture.
+    marks: Option<Arc<Vec<bool>>>,
     cells: Cells,
 }
 
@@ -210,11 +213,17 @@ impl PictureCells {
     pub fn unsegmented(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
         let picture = read_picture(bytes, &options.selection)?;
         let (mut plane, mut notes) = (picture.plane, picture.notes);
-        if !segment::is_taken_for_mask(&plane, &options.segmentation)
-            && let Some((cooled, note)) = hot::cooled(&plane)
-        {
-            plane = cooled;
-            notes.push(note);
+        let mut marks = None;
+        if !segment::is_taken_for_mask(&plane, &options.segmentation) {
+            if let Some((cooled, note)) = hot::cooled(&plane) {
+                plane = cooled;
+                notes.push(note);
+            }
+            if let Some(found) = burned_in::painted_over(&plane) {
+                plane = found.plane;
+                notes.push(found.note);
+                marks = Some(Arc::new(found.marks));
+            }
         }
         let (pixel_size, pixel_size_source) = match (options.pixel_size, picture.pixel_size) {
             (Some(given), own) => {
@@ -234,7 +243,7 @@ impl PictureCells {
         };
         let cells = Cells::Given(GivenOutlines { outlines: Vec::new(), notes: Vec::new() });
         let areas_um2 = options.areas_um2;
-        Ok(Self { plane, pixel_size, pixel_size_source, notes, areas_um2, cells })
+        Ok(Self { plane, pixel_size, pixel_size_source, notes, areas_um2, marks, cells })
     }
 
     /// The picture's frame, which turns pixels into um.
@@ -414,6 +423,20 @@ impl PictureCells {
         settings: &FibreSettings,
     ) -> Result<FibreField, FibreError> {
         fibres(&self.plane, &cell.mask.inside(), self.pixel_size, long_axis, settings)
+    }
+
+    /// The direction of the fibres in all that the picture shows, without an outline of a cell; x stands in where it
+    /// shows none. Marks that are burned into the picture are left out.
+    ///
+    /// # Errors
+    /// Pixels too coarse to show myofibrils, or settings out of range.
+    pub fn fibres_of_frame(&self, settings: &FibreSettings) -> Result<FibreField, FibreError> {
+        let pixels = self.plane.values().len();
+        let inside: Vec<bool> = match &self.marks {
+            Some(marks) => marks.iter().map(|mark| !mark).collect(),
+            None => vec![true; pixels],
+        };
+        fibres(&self.plane, &inside, self.pixel_size, [1.0, 0.0], settings)
     }
 }
 

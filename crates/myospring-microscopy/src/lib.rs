@@ -1,10 +1,11 @@
 //! Pictures to cells: bytes in, outlines, masks and fibre directions out; no file is opened here.
 //!
 //! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`hot`] takes its hot pixels
-//! out; [`segment`] finds the cells in the plane; [`outlines`] reads those that were drawn elsewhere, and writes ours; [`report`] says what shape
-//! a cell has; [`fibres`] reads the direction of its myofibrils. [`cells`] strings these together.
-//! A [`film`] is many such planes; [`motion`] follows a cell through them.
+//! out, [`burned_in`] scale bars and letters; [`segment`] finds the cells in the plane; [`outlines`] reads those that
+//! were drawn elsewhere, and writes ours; [`report`] says what shape a cell has; [`fibres`] reads the direction of its
+//! myofibrils. [`cells`] strings these together. A [`film`] is many such planes; [`motion`] follows a cell through them.
 
+pub mod burned_in;
 pub mod cells;
 mod dilation;
 pub mod fibres;

@@ -91,7 +91,12 @@ pub(super) struct Window {
 impl Window {
     /// The box of an island and `margin` pixels around it, as far as a picture of this size has any; it begins with
     /// a block of `block` x `block` pixels.
-    fn around(island: &Island, margin: usize, block: usize, [width, height]: [usize; 2]) -> Self {
+    pub(super) fn around(
+        island: &Island,
+        margin: usize,
+        block: usize,
+        [width, height]: [usize; 2],
+    ) -> Self {
         let widened = |[first, last]: [usize; 2], count: usize| {
             first.saturating_sub(margin) / block * block..(last + margin + 1).min(count)
         };

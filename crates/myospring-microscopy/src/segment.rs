@@ -14,7 +14,8 @@
 //! - **Mask** ([`Modality::Mask`]): every value that is not zero; labels are kept apart.
 //!
 //! In pictures, cells that touch are parted at necks, dark lines and where a branch has stripes of its own; what
-//! may be two cells and is taken for one has a reason in its [`Confidence`].
+//! may be two cells and is taken for one has a reason in its [`Confidence`]. That asks not only how well an outline is
+//! seen, but whether it is a heart cell (`tissue`).
 
 mod brightfield;
 mod by_modality;
@@ -26,6 +27,8 @@ mod labels;
 mod ladder;
 mod modality;
 mod parting;
+mod sheet;
+mod tissue;
 
 use serde::Serialize;
 
@@ -492,11 +495,29 @@ impl Found<'_> {
                 pixels: pixels.len(),
                 area_um2: pixels.len() as f64 * pixel_size.um().powi(2),
                 pixels_on_the_frame: on_frame,
-                confidence: judge(&Candidate { pixels, rim: &rim, on_frame, doubt }),
+                confidence: judge(&Candidate {
+                    number,
+                    numbers: &numbers,
+                    width,
+                    pixels,
+                    rim: &rim,
+                    on_frame,
+                    doubt,
+                }),
             }
         };
-        let cells = (1..).zip(&pixels).map(cell).collect();
+        let mut cells: Vec<Cell> = (1..).zip(&pixels).map(cell).collect();
         let Self { modality, threshold, .. } = self;
+        let rim_of_frame = (2 * (width + height)).saturating_sub(4);
+        let mut parts: Vec<sheet::Part<'_>> = cells
+            .iter_mut()
+            .map(|Cell { pixels, pixels_on_the_frame: on_frame, confidence, .. }| sheet::Part {
+                pixels: *pixels,
+                on_frame: *on_frame,
+                confidence,
+            })
+            .collect();
+        let notes = sheet::weigh(&mut parts, rim_of_frame).into_iter().collect();
         Segmentation {
             width,
             height,
@@ -506,7 +527,7 @@ impl Found<'_> {
             modality,
             modality_reason: None,
             threshold,
-            notes: Vec::new(),
+            notes,
         }
     }
 

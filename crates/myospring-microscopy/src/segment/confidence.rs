@@ -10,12 +10,30 @@ pub(super) const DOUBTFUL: f64 = 0.5;
 /// arms has 0.47 to 0.54.
 const SOLIDITY: [f64; 2] = [0.15, 0.75];
 
+/// Factor of a cell that barely touches the frame, and of one of whose outline so large a part lies on it.
+const CUT_FACTORS: [f64; 2] = [0.7, 0.5];
+const CUT_MUCH: f64 = 0.1;
+
+/// Part of its box that is filled by a rectangle, and by a cell that lies along rows or columns.
+const BOX: [f64; 2] = [0.985, 0.955];
+
+/// Standard deviation of the rim's distance from the middle, over its mean: of a circle, and of a round cell.
+const CIRCLE: [f64; 2] = [0.012, 0.03];
+
 /// How the reasons begin that the report of a cell's shape would repeat.
 const CUT: &str = "the frame cuts it";
 const RAGGED: &str = "it fills little of its convex hull";
 
+/// How the reason begins that it is a patch of something larger.
+pub(super) const PATCH: &str = "it does not end at its outline";
+
 /// A cell as those see it who judge how sure it is.
 pub(super) struct Candidate<'a> {
+    /// Its number.
+    pub(super) number: u32,
+    /// The numbers of all cells, row by row, and the length of a row.
+    pub(super) numbers: &'a [u32],
+    pub(super) width: usize,
     /// Its pixels, as places in the plane.
     pub(super) pixels: &'a [u32],
     /// Those of them that have a neighbour outside, without those on the frame.
@@ -27,6 +45,30 @@ pub(super) struct Candidate<'a> {
 }
 
 impl Candidate<'_> {
+    /// Part of its box that it fills; and how far its rim is from a circle, which nothing is that the frame cuts.
+    fn figure(&self, width: usize) -> (f64, f64) {
+        let place =
+            |&pixel: &u32| [(pixel as usize % width) as f64, (pixel as usize / width) as f64];
+        let mut bounds = [f64::INFINITY, f64::INFINITY, -1.0, -1.0];
+        let mut sums = [0.0; 2];
+        for [x, y] in self.pixels.iter().map(place) {
+            bounds = [bounds[0].min(x), bounds[1].min(y), bounds[2].max(x), bounds[3].max(y)];
+            sums = [sums[0] + x, sums[1] + y];
+        }
+        let count = self.pixels.len().max(1) as f64;
+        let fills = count / ((bounds[2] - bounds[0] + 1.0) * (bounds[3] - bounds[1] + 1.0));
+        if self.on_frame > 0 || self.rim.is_empty() {
+            return (fills, 1.0);
+        }
+        let middle = sums.map(|sum| sum / count);
+        let distances = self.rim.iter().map(place);
+        let distances: Vec<f64> =
+            distances.map(|[x, y]| (x - middle[0]).hypot(y - middle[1])).collect();
+        let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+        let squares: f64 = distances.iter().map(|distance| (distance - mean).powi(2)).sum();
+        (fills, (squares / distances.len() as f64).sqrt() / mean.max(1.0))
+    }
+
     fn solidity(&self, width: usize) -> f64 {
         let on_rim = if self.rim.is_empty() { self.pixels } else { self.rim };
         let place =
@@ -111,9 +153,23 @@ impl Confidence {
     pub(super) fn weigh_shape(&mut self, candidate: &Candidate<'_>, width: usize) {
         let on_frame = candidate.on_frame;
         if on_frame > 0 {
-            self.score *= 0.5;
+            // The more of its outline lies there, the more of the cell may be missing.
+            let share = on_frame as f64 / (on_frame + candidate.rim.len()) as f64;
+            let [barely, much] = CUT_FACTORS;
+            self.score *= barely + (much - barely) * (share / CUT_MUCH).min(1.0);
             self.reasons.push(format!("{CUT}: {on_frame} of its pixels lie there"));
         }
+        let (fills_box, roundness) = candidate.figure(width);
+        self.weigh(-fills_box, -BOX[0], -BOX[1], || {
+            format!(
+                "it is a rectangle along the picture's rows and columns, of which it fills {:.0} %: is it a panel of a \
+                 figure, or part of a device?",
+                100.0 * fills_box
+            )
+        });
+        self.weigh(roundness, CIRCLE[0], CIRCLE[1], || {
+            "it is a circle: is it a post, a bead, a bubble, or a dead cell?".to_owned()
+        });
         let solidity = candidate.solidity(width);
         let [ragged, compact] = SOLIDITY;
         // Of one fact there is one reason: that which says more.

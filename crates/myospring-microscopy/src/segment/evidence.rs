@@ -14,7 +14,7 @@ pub(super) const SMOOTH_UM: f64 = 0.5;
 /// are 1.6 to 2.2 um apart.
 const GAP_UM: f64 = 1.2;
 /// Scales between which texture lies, standard deviations of Gaussians, um: stripes, threads and grains.
-const TEXTURE_UM: [f64; 2] = [0.35, 1.2];
+pub(super) const TEXTURE_UM: [f64; 2] = [0.35, 1.2];
 /// Scale over which the texture's energy is averaged, um: more than a period.
 const ENERGY_UM: f64 = 2.5;
 /// Part of the brightest by which the unit of evidence is at least measured: below it is stray light rather
@@ -96,12 +96,7 @@ impl Evidence {
 
     /// How much the plane varies on the scale of stripes and grains.
     pub(super) fn texture(working: &Working, grid: Grid) -> Readings {
-        let pixel = working.pixel_um;
-        let [fine, rough] = TEXTURE_UM.map(|um| filter::gaussian(&working.plane, um / pixel));
-        let squares = fine.values().iter().zip(rough.values()).map(|(a, b)| (a - b).powi(2));
-        let (width, height) = (fine.width(), fine.height());
-        let squares = Plane::new(width, height, squares.collect()).unwrap_or(fine);
-        let energy = filter::slow_part(&squares, ENERGY_UM / pixel).map(f32::sqrt);
+        let energy = texture_of(working);
         Self::readings(&energy, &energy, grid)
     }
 
@@ -166,6 +161,16 @@ impl Evidence {
     pub(super) fn value(&self, level: f32) -> f32 {
         self.middle + self.above_ground(level)
     }
+}
+
+/// How much a plane varies on the scale of stripes and grains, around each place.
+pub(super) fn texture_of(working: &Working) -> Plane {
+    let pixel = working.pixel_um;
+    let [fine, rough] = TEXTURE_UM.map(|um| filter::gaussian(&working.plane, um / pixel));
+    let squares = fine.values().iter().zip(rough.values()).map(|(a, b)| (a - b).powi(2));
+    let (width, height) = (fine.width(), fine.height());
+    let squares = Plane::new(width, height, squares.collect()).unwrap_or(fine);
+    filter::slow_part(&squares, ENERGY_UM / pixel).map(f32::sqrt)
 }
 
 /// Means of Otsu's classes; `None` where all are equal.

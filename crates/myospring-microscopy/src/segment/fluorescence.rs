@@ -4,6 +4,7 @@ use super::confidence::Candidate;
 use super::evidence::SMOOTH_UM;
 use super::ladder::{Climbed, Rough};
 use super::parting::Seen;
+use super::tissue::Tissue;
 use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
@@ -22,6 +23,9 @@ const AROUND_UM: f64 = 2.5;
 /// frame.
 const SPUR_UM: f64 = 3.0;
 const SPUR_SHARE: f64 = 0.02;
+
+/// How far within the outline the brightness is looked for from which it falls, um; the largest counts.
+const WITHIN_UM: [f64; 3] = [1.5, 3.0, 6.0];
 
 /// What a picture shows by its brightness.
 pub(super) struct Bright {
@@ -132,9 +136,9 @@ pub(super) fn segment(
     settings: &Settings,
 ) -> Result<Segmentation, SegmentError> {
     let region = bright.region(settings);
-    let Bright { working: Working { plane: working, factor, pixel_um: pixel }, climbed, .. } =
-        bright;
+    let Bright { working, climbed, .. } = bright;
     let Climbed { evidence, rough, .. } = climbed;
+    let (factor, pixel) = (working.factor, working.pixel_um);
     let largest = rough.iter().max_by(|a, b| a.explained.area_um2.total_cmp(&b.explained.area_um2));
     let level = largest.map_or_else(|| evidence.least(), |rough| rough.level);
     let threshold = settings.threshold.unwrap_or_else(|| f64::from(evidence.value(level)));
@@ -146,23 +150,26 @@ pub(super) fn segment(
             pixel_size,
         });
     }
-    let view = View { lifted: evidence.lifted, factor, pixel, noise: evidence.noise };
+    let tissue = Tissue::of(&working, &evidence.lifted, evidence.noise);
+    let view = View { lifted: &evidence.lifted, tissue, factor, pixel, noise: evidence.noise };
     let smallest_um2 = settings.smallest_cell_um2;
-    let seen = Seen { brightness: &working, dark: evidence.middle, pixel_um: pixel, smallest_um2 };
+    let seen =
+        Seen { brightness: &working.plane, dark: evidence.middle, pixel_um: pixel, smallest_um2 };
     let found = Found { region, seen, factor, modality: Modality::Fluorescence, threshold };
     let judge = |candidate: &Candidate<'_>| view.judge(candidate, plane.width());
     Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
 }
 
 /// The picture as the judge sees it.
-struct View {
-    lifted: Plane,
+struct View<'a> {
+    lifted: &'a Plane,
+    tissue: Tissue<'a>,
     factor: usize,
     pixel: f64,
     noise: f32,
 }
 
-impl View {
+impl View<'_> {
     fn judge(&self, candidate: &Candidate<'_>, width: usize) -> Confidence {
         let mut confidence = Confidence::full();
         let (columns, rows) = (self.lifted.width(), self.lifted.height());
@@ -189,8 +196,9 @@ impl View {
                 "it is only {contrast:.1} times the background's noise brighter than the background"
             )
         });
-        // How far the brightness takes to fall, were it to fall as steeply as on the outline.
-        let slopes: Vec<f32> = candidate
+        // How far the brightness takes to fall from what it is within, were it to fall as steeply as on the outline. Each
+        // place has its own, since a cell may be dim in part.
+        let falls: Vec<f32> = candidate
             .rim
             .iter()
             .map(|&pixel| place(pixel))
@@ -198,11 +206,19 @@ impl View {
             .map(|(x, y)| {
                 let along = self.lifted.at(x + 1, y) - self.lifted.at(x - 1, y);
                 let down = self.lifted.at(x, y + 1) - self.lifted.at(x, y - 1);
-                along.hypot(down) / (2.0 * self.pixel as f32)
+                let slope = along.hypot(down);
+                let within = |um: f64| {
+                    let step = (um / self.pixel) as f32 / slope.max(f32::MIN_POSITIVE);
+                    let shifted = |at: usize, by: f32, count: usize| {
+                        ((at as f32 + by * step).round().max(0.0) as usize).min(count - 1)
+                    };
+                    self.lifted.at(shifted(x, along, columns), shifted(y, down, rows))
+                };
+                let height = WITHIN_UM.map(within).into_iter().fold(0.0, f32::max);
+                height.min(bright as f32) * 2.0 * self.pixel as f32 / slope.max(1e-30)
             })
             .collect();
-        let slope = f64::from(quantile(&slopes, 0.5));
-        let fall_um = bright / slope.max(1e-30);
+        let fall_um = f64::from(quantile(&falls, 0.5));
         // Twice the area over the outline: the radius of a disc, the width of a strip.
         let pixel_um = self.pixel / self.factor as f64;
         let width_um =
@@ -210,6 +226,7 @@ impl View {
         confidence.weigh(-fall_um / width_um, -0.7, -0.2, || {
             format!("its rim is blurred: its brightness falls over some {fall_um:.1} um; is it out of focus?")
         });
+        self.tissue.weigh(&mut confidence, candidate);
         confidence.weigh_shape(candidate, width);
         confidence
     }

@@ -34,6 +34,8 @@ pub(crate) struct Scene {
     pub(crate) turn_deg: f64,
     /// Whether there are two nuclei of 18 x 11 um, dim and without stripes (fluorescence only).
     pub(crate) nuclei: bool,
+    /// Brightness of one half of the cell over that of the other (fluorescence only).
+    pub(crate) dim_half: f64,
     /// Number that decides everything random.
     pub(crate) seed: u64,
 }
@@ -54,6 +56,7 @@ impl Default for Scene {
             taper: 0.6,
             turn_deg: 20.0,
             nuclei: false,
+            dim_half: 1.0,
             seed: 1,
         }
     }
@@ -178,7 +181,8 @@ impl Scene {
             if self.nuclei && ((x.abs() - 18.0) / 9.0).hypot(y / 5.5) < 1.0 {
                 return 0.3 * bright;
             }
-            bright * (0.25 + 0.75 * stripes * rows)
+            let half = self.dim_half + (1.0 - self.dim_half) / (1.0 + (-x / 1.5).exp());
+            bright * half * (0.25 + 0.75 * stripes * rows)
         };
         self.picture(value, 100.0, 0.0)
     }

@@ -6,6 +6,8 @@
 mod common;
 #[path = "../common/film_bytes.rs"]
 mod film_bytes;
+#[path = "../common/no_cell.rs"]
+mod no_cell;
 #[path = "../common/outline_bytes.rs"]
 mod outline_bytes;
 #[path = "../common/outline_files.rs"]
@@ -24,6 +26,7 @@ mod warped_film;
 mod fibres;
 mod films;
 mod fuzz_corpus;
+mod heart_cells;
 mod hot_pixels;
 mod masks;
 mod motion;

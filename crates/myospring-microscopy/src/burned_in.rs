@@ -1,0 +1,301 @@
+//! Marks that a program burned into a picture: scale bars, captions, letters, arrows.
+//!
+//! They were drawn, not seen through a lens. So they have one grey value, often the largest or the least of all, and
+//! their edge is as sharp as the grid of pixels: within two pixels all of the step is done, along the whole rim. Light
+//! spreads over more than that, also around a place that is overexposed. And they are bars, or strokes of one width, or
+//! lie beside such. What is drawn is painted over with what surrounds it, so that it is no cell and shows no fibres.
+
+use super::filter;
+use super::plane::Plane;
+use super::region::{Connectivity, Island, Region, Window};
+
+/// How far the grey values of one mark may lie apart, in parts of the picture's range: what a lossy file makes of one
+/// value.
+const ONE_VALUE: f32 = 0.04;
+/// Classes of the histogram in which a value of a mark is sought that is neither the largest nor the least.
+const CLASSES: usize = 128;
+/// Such a value is so many times as frequent as those around it, and so many pixels have it.
+const SPIKE: usize = 8;
+const SPIKE_PIXELS: usize = 40;
+/// Least pixels of a mark; a smaller one is no cell either.
+const LEAST_PIXELS: usize = 12;
+/// Largest part of the picture that one mark takes; more is the ground, or an object.
+const MOST_SHARE: f64 = 0.05;
+/// Largest part of the picture that has the grey value of a mark: what more has is the ground.
+const MOST_OF_VALUE: f64 = 0.2;
+/// Least step at the edge of a mark, in parts of the picture's range.
+const LEAST_STEP: f32 = 0.15;
+/// Part of the step that is done two pixels beyond the edge: on average, and at least in nearly all places.
+const SHARP: f32 = 0.85;
+const SHARP_EVERYWHERE: f32 = 0.4;
+const NEARLY_ALL: f64 = 0.9;
+/// How far around a mark its surroundings are looked at, pixels.
+const AROUND: f64 = 6.0;
+/// A bar fills so much of its box, and is so many times as long as wide.
+const FILLS_BOX: f64 = 0.95;
+const BAR_ASPECT: f64 = 3.0;
+/// What strokes keep of their area when points narrower than six tenths of the widest place are taken off.
+const STROKE_KEPT: f64 = 0.7;
+const STROKE_WIDTH: f64 = 0.6;
+/// Strokes fill less than this of their box.
+const STROKE_FILLS: f64 = 0.75;
+/// How many times as long as wide strokes are at least.
+const STROKE_ASPECT: f64 = 3.0;
+/// How far beyond a mark its blurred rim is painted over, too, pixels.
+const RIM: f64 = 3.0;
+/// Scales on which what surrounds a mark is continued into it, pixels; the first is taken that reaches.
+const FILLING: [f64; 4] = [3.0, 8.0, 24.0, 72.0];
+
+/// A picture without its burned-in marks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaintedOver {
+    /// The plane, with the marks painted over.
+    pub plane: Plane,
+    /// Which pixels were, row by row from the top left.
+    pub marks: Vec<bool>,
+    /// What a person should know.
+    pub note: String,
+}
+
+/// The plane without what was drawn into it; `None` where nothing was.
+///
+/// # Example
+/// ```
+/// use myospring::microscopy::{burned_in, plane::Plane};
+/// // Grains, and a scale bar of 40 x 5 pixels.
+/// let bar = |at: usize| (20..60).contains(&(at % 90)) && (70..75).contains(&(at / 90));
+/// let value = |at: usize| if bar(at) { 255.0 } else { (at * at % 37) as f32 };
+/// let plane = Plane::new(90, 90, (0..8100).map(value).collect()).unwrap();
+/// let found = burned_in::painted_over(&plane).unwrap();
+/// assert!(found.marks[72 * 90 + 40] && found.plane.at(40, 72) < 37.0);
+/// assert!(burned_in::painted_over(&found.plane).is_none());
+/// ```
+#[must_use]
+pub fn painted_over(plane: &Plane) -> Option<PaintedOver> {
+    let (width, height) = (plane.width(), plane.height());
+    let [low, high] = plane.range();
+    let range = high - low;
+    if !(range > 0.0 && range.is_finite()) || width < 16 || height < 16 {
+        return None;
+    }
+    let mut marks = Region::new(width, height, std::iter::empty());
+    for value in values_of_marks(plane, [low, high]) {
+        let drawing = Drawing { plane, value, range };
+        for (own, window) in drawing.marks() {
+            marks.add(&own, &window);
+        }
+    }
+    if marks.count() == 0 {
+        return None;
+    }
+    let marks = marks.grown(RIM);
+    let around = marks.window(0, 1);
+    let plane = filled(plane, &marks)?;
+    let share = 100.0 * marks.count() as f64 / marks.pixels() as f64;
+    let (columns, rows) = (around.columns, around.rows);
+    let note = format!(
+        "marks are burned into the picture (a scale bar, letters or the like; columns {} to {}, rows {} to {}): they \
+         were painted over, {share:.1} % of it, and are neither cells nor fibres",
+        columns.start,
+        columns.end - 1,
+        rows.start,
+        rows.end - 1
+    );
+    Some(PaintedOver { plane, marks: marks.inside().collect(), note })
+}
+
+/// Grey values that marks may have: the largest, the least, and those that are far more frequent than their like.
+fn values_of_marks(plane: &Plane, [low, high]: [f32; 2]) -> Vec<f32> {
+    let scale = CLASSES as f32 / (high - low);
+    let mut histogram = [0_usize; CLASSES];
+    for value in plane.values().iter().filter(|value| value.is_finite()) {
+        histogram[(((value - low) * scale) as usize).min(CLASSES - 1)] += 1;
+    }
+    let mut values = vec![high, low];
+    for class in 4..CLASSES - 4 {
+        let mut around: Vec<usize> = [4, 3, 2]
+            .into_iter()
+            .flat_map(|off| [class - off, class + off])
+            .map(|at| histogram[at])
+            .collect();
+        around.sort_unstable();
+        let usual = around[around.len() / 2];
+        if histogram[class] >= SPIKE_PIXELS.max(SPIKE * usual) {
+            values.push(low + (class as f32 + 0.5) / scale);
+        }
+    }
+    values
+}
+
+/// What may be drawn in one grey value.
+struct Drawing<'a> {
+    plane: &'a Plane,
+    value: f32,
+    range: f32,
+}
+
+/// Something of one grey value with a sharp edge.
+struct Sharp {
+    own: Region,
+    window: Window,
+    island: Island,
+    drawn: bool,
+}
+
+impl Drawing<'_> {
+    fn has_value(&self, at: usize) -> bool {
+        (self.plane.values()[at] - self.value).abs() <= ONE_VALUE * self.range
+    }
+
+    /// The marks, each in its window: bars and strokes with sharp edges, and what is as sharp beside them.
+    fn marks(&self) -> Vec<(Region, Window)> {
+        let (width, height) = (self.plane.width(), self.plane.height());
+        let all = Region::new(width, height, (0..width * height).map(|at| self.has_value(at)));
+        let size = (width * height) as f64;
+        if all.count() as f64 > MOST_OF_VALUE * size {
+            return Vec::new();
+        }
+        let most = MOST_SHARE * size;
+        let islands = all.islands(Connectivity::Eight);
+        let mut sharp: Vec<Sharp> = (1..)
+            .zip(&islands.list)
+            .filter(|(_, island)| island.pixels >= LEAST_PIXELS && (island.pixels as f64) < most)
+            .filter(|(_, island)| island.sides(width, height) == 0 && self.stands_apart(island))
+            .filter_map(|(number, island)| self.sharp(&islands.numbers, number, island))
+            .collect();
+        loop {
+            let drawn: Vec<Island> =
+                sharp.iter().filter(|sharp| sharp.drawn).map(|sharp| sharp.island).collect();
+            let mut more = false;
+            for other in sharp.iter_mut().filter(|sharp| !sharp.drawn) {
+                other.drawn = drawn.iter().any(|island| in_line(island, &other.island));
+                more |= other.drawn;
+            }
+            if !more {
+                break;
+            }
+        }
+        sharp.retain(|sharp| sharp.drawn);
+        sharp.into_iter().map(|Sharp { own, window, .. }| (own, window)).collect()
+    }
+
+    /// Whether the grey value is another beside the middle of most sides of its box; a quick look before a long one.
+    fn stands_apart(&self, island: &Island) -> bool {
+        const BESIDE: usize = 3;
+        let (width, height) = (self.plane.width(), self.plane.height());
+        let [left, right] = island.columns;
+        let [top, bottom] = island.rows;
+        let (column, row) = (usize::midpoint(left, right), usize::midpoint(top, bottom));
+        let sides = [
+            (left.checked_sub(BESIDE), Some(row)),
+            (Some(right + BESIDE), Some(row)),
+            (Some(column), top.checked_sub(BESIDE)),
+            (Some(column), Some(bottom + BESIDE)),
+        ];
+        let apart = |(column, row): (Option<usize>, Option<usize>)| {
+            let column = column.filter(|&column| column < width)?;
+            let row = row.filter(|&row| row < height)?;
+            Some((self.plane.at(column, row) - self.value).abs() > LEAST_STEP * self.range)
+        };
+        let seen: Vec<bool> = sides.into_iter().filter_map(apart).collect();
+        seen.len() >= 2 && seen.iter().filter(|&&apart| !apart).count() <= 1
+    }
+
+    /// An island whose edge is sharp everywhere.
+    fn sharp(&self, numbers: &[u32], number: u32, island: &Island) -> Option<Sharp> {
+        let width = self.plane.width();
+        let size = [width, self.plane.height()];
+        let window = Window::around(island, AROUND as usize + 2, 1, size);
+        let inside = window.cut(numbers, width).into_iter().map(|other| other == number);
+        let own = Region::new(window.width(), window.height(), inside);
+        let values = window.cut(self.plane.values(), width);
+        // What else has the value, such as the next letter, is no surroundings.
+        let others: Vec<bool> = values
+            .iter()
+            .map(|value| (value - self.value).abs() <= ONE_VALUE * self.range)
+            .collect();
+        let others = Region::new(own.width(), own.height(), others.into_iter()).grown(1.0);
+        let [first, second, near, far] = [1.0, 2.0, 3.0, AROUND].map(|radius| own.grown(radius));
+        let steps = |ring: &dyn Fn(usize) -> bool| -> Vec<f32> {
+            let ring = (0..values.len()).filter(|&at| ring(at) && !others.contains(at));
+            ring.map(|at| (values[at] - self.value).abs()).collect()
+        };
+        let beside = steps(&|at| second.contains(at) && !first.contains(at));
+        let beyond = steps(&|at| far.contains(at) && !near.contains(at));
+        if beside.len() < LEAST_PIXELS / 2 || beyond.len() < LEAST_PIXELS / 2 {
+            return None;
+        }
+        let mean = |steps: &[f32]| steps.iter().sum::<f32>() / steps.len() as f32;
+        let step = mean(&beyond);
+        let enough = |beside: &&f32| **beside >= SHARP_EVERYWHERE * step;
+        let everywhere =
+            beside.iter().filter(enough).count() as f64 >= NEARLY_ALL * beside.len() as f64;
+        let sharp = step >= LEAST_STEP * self.range && mean(&beside) >= SHARP * step && everywhere;
+        let drawn = sharp && is_drawn(&own, island);
+        sharp.then_some(Sharp { own, window, island: *island, drawn })
+    }
+}
+
+/// Whether an island is a bar along rows or columns, or made of strokes of one width.
+fn is_drawn(own: &Region, island: &Island) -> bool {
+    let [across, down] = sides(island);
+    let pixels = island.pixels as f64;
+    let fills = pixels / (across * down);
+    if fills >= FILLS_BOX {
+        return across.max(down) >= BAR_ASPECT * across.min(down);
+    }
+    // Half of the widest place.
+    let mut radius = 0.0;
+    while radius < across.min(down) && own.shrunk(radius + 1.0).count() > 0 {
+        radius += 1.0;
+    }
+    let wide = 2.0 * radius + 1.0;
+    let kept = own.opened((STROKE_WIDTH * radius).floor()).count() as f64;
+    fills < STROKE_FILLS && pixels >= STROKE_ASPECT * wide * wide && kept >= STROKE_KEPT * pixels
+}
+
+/// Whether an island is the next letter, a dot of one, or the bar above: as high or less, and no further away than that.
+fn in_line(mark: &Island, other: &Island) -> bool {
+    let ([mark_across, mark_down], [across, down]) = (sides(mark), sides(other));
+    let height = mark_down.max(mark_across.min(3.0 * mark_down));
+    let gap = |a: [usize; 2], b: [usize; 2]| {
+        a[0].saturating_sub(b[1]).max(b[0].saturating_sub(a[1])) as f64
+    };
+    let away = gap(mark.columns, other.columns).max(gap(mark.rows, other.rows));
+    away <= 1.5 * height && down <= 2.0 * height && across <= 3.0 * height
+}
+
+fn sides(island: &Island) -> [f64; 2] {
+    [island.columns, island.rows].map(|[first, last]| (last - first + 1) as f64)
+}
+
+/// The plane with what surrounds the marks continued into them.
+fn filled(plane: &Plane, marks: &Region) -> Option<Plane> {
+    let (width, height) = (plane.width(), plane.height());
+    let mut values = plane.values().to_vec();
+    let most = FILLING[FILLING.len() - 1];
+    for window in marks.windows((2.0 * most) as usize) {
+        let own = marks.cut(&window);
+        let seen = window.cut(plane.values(), width);
+        let part = |value: &dyn Fn(usize) -> f32| {
+            Plane::new(window.width(), window.height(), (0..own.pixels()).map(value).collect())
+        };
+        let weights = part(&|at| f32::from(u8::from(!own.contains(at))))?;
+        let known = part(&|at| if own.contains(at) { 0.0 } else { seen[at] })?;
+        let scales: Vec<[Plane; 2]> = FILLING
+            .iter()
+            .map(|&sigma| [filter::slow_part(&known, sigma), filter::slow_part(&weights, sigma)])
+            .collect();
+        for at in (0..own.pixels()).filter(|&at| own.contains(at)) {
+            let at_scale = |[sums, weights]: &[Plane; 2]| {
+                let weight = weights.values()[at];
+                (weight > 0.05).then(|| sums.values()[at] / weight)
+            };
+            let [column, row] = window.place(at % window.width(), at / window.width());
+            if let Some(value) = scales.iter().find_map(at_scale) {
+                values[row * width + column] = value;
+            }
+        }
+    }
+    Plane::new(width, height, values)
+}
