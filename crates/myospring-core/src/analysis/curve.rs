@@ -223,19 +223,18 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
         let signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
         (rises, artefacts::bridge(&signal, plateau))
     };
-    let (rises, (mut signal, found, beats)) = match kind.rises() {
-        Some(rises) => of(rises),
-        None => {
-            let (up, down) = (of(true), of(false));
-            // Both say the same where artefacts do not hide it.
-            let upward = departs_upward(&up.1.0);
-            let downward = departs_upward(&down.1.0);
-            let alike = |of: &(bool, artefacts::Bridged)| of.1.2.as_ref().map_or(0.0, |b| b.alike);
-            if upward && !downward || upward == downward && alike(&up) >= alike(&down) {
-                up
-            } else {
-                down
-            }
+    let (rises, (mut signal, found, beats)) = if let Some(rises) = kind.rises() {
+        of(rises)
+    } else {
+        let (up, down) = (of(true), of(false));
+        // Both say the same where artefacts do not hide it.
+        let upward = departs_upward(&up.1.0);
+        let downward = departs_upward(&down.1.0);
+        let alike = |of: &(bool, artefacts::Bridged)| of.1.2.as_ref().map_or(0.0, |b| b.alike);
+        if upward && !downward || upward == downward && alike(&up) >= alike(&down) {
+            up
+        } else {
+            down
         }
     };
     let usual = beats.map(|beats| beats.height);

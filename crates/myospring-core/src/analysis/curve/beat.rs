@@ -194,8 +194,8 @@ impl Reader<'_> {
             let to = self.times.partition_point(|time| *time <= stimulus).max(from + 1);
             let rest = mean(&self.signal[from..to]);
             // The top of the beat before may come after this stimulus, and is none of this beat.
-            let before = self.found.peaks.iter().map(|other| other.at);
-            let before = before.filter(|other| (from..peak).contains(other)).next_back();
+            let mut before = self.found.peaks.iter().map(|other| other.at);
+            let before = before.rfind(|other| (from..peak).contains(other));
             let first = before.map_or(from, |before| self.lowest(before, peak));
             spans.push(Span {
                 stimulus: Some(stimulus),

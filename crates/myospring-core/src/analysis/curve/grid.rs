@@ -3,7 +3,6 @@
 use super::*;
 use crate::analysis::kind::Kind;
 use crate::analysis::tests::Noise;
-use crate::analysis::value;
 use std::f64::consts::PI;
 
 /// Pulses of height 1, of a time in ms since the onset.
@@ -106,7 +105,10 @@ fn tops(analysis: &Analysis) -> Vec<f64> {
         .collect()
 }
 
-const SHAPES: [(Kind, fn(f64) -> f64); 7] = [
+/// Height over the time since its onset, ms.
+type Shape = fn(f64) -> f64;
+
+const SHAPES: [(Kind, Shape); 7] = [
     (Kind::Length, contraction),
     (Kind::SarcomereLength, half_sine),
     (Kind::Contraction, half_sine),
