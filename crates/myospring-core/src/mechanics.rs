@@ -23,7 +23,6 @@ pub mod anchor;
 pub mod area;
 mod body;
 pub mod drag;
-pub mod ends;
 mod force;
 pub mod grip;
 pub mod lattice_law;

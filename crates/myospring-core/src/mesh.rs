@@ -16,6 +16,7 @@ pub mod bar;
 pub mod built_in;
 pub mod carried;
 mod coverage;
+pub mod ends;
 pub mod lattice;
 pub mod mask;
 pub mod outline;

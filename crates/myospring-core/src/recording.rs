@@ -13,10 +13,11 @@ pub struct Sample {
     pub vm_mv: Option<f64>,
     /// Active tension, kPa; of one that differs from place to place, its mean over the cell.
     pub ta_kpa: f64,
-    /// End-to-end length along the reference long axis after rigid rotation is removed, um.
+    /// Length along the reference long axis after rigid rotation is removed, um: end to end at rest, changed as the
+    /// distance between the means of both ends.
     pub length_um: f64,
-    /// Largest extent across the long axis after the rigid rotation of the whole cell is removed, um; between
-    /// two clamps, across the line between them.
+    /// Largest extent across the long axis at rest, changed as the distance between the means of both sides after the
+    /// rigid rotation of the whole cell is removed, um; between two clamps, across the line between them.
     pub width_um: f64,
     /// Projected area, um^2.
     pub area_um2: f64,

@@ -1,26 +1,94 @@
 //! Length, width and rotation of a deformed cell against its resting shape.
+//!
+//! At rest, length and width are the extent along and across the long axis. Their *change* is that of the distance
+//! between the means of two caps, so that no single point decides it: along the axis the caps are the
+//! [ends](crate::mesh::ends), a twentieth of the length each; across it they are the outermost rows that hold a
+//! twentieth of the area each. A cell that is strained evenly by a factor has its resting length times that factor.
+
+use crate::mesh::ends::end_points;
+
+/// Part of the area that a cap across the long axis holds at least.
+const SIDE_PART: f64 = 0.05;
+/// Points at the same depth within this part of the extent belong to one row.
+const SAME_ROW: f64 = 1e-9;
 
 /// Measures a moving cell along its reference long axis after rigid rotation is removed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeMeter {
     reference: [Vec<f64>; 2],
     axis: [f64; 2],
-    weights: Vec<f64>,
-    /// Weights of the rotation across which the width is measured, where they are others.
+    /// Weights of the rotation along whose axis the length is measured.
+    turned_by: Vec<f64>,
+    /// Those of the rotation across whose axis the width is measured, where they are others.
     across: Option<Vec<f64>>,
+    length: Span,
+    width: Span,
 }
 
 /// Length along and width across the long axis, um.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// End-to-end length along the long axis, um.
+    /// Length along the long axis, um: end to end at rest, changed as the distance between the means of both ends.
     pub length: f64,
-    /// Largest extent across the long axis, as the cell has turned it, um.
+    /// Width across the long axis, um: the largest extent at rest, changed as the distance between the means of both
+    /// sides.
     pub width: f64,
 }
 
+/// An extent that changes as the distance between the means of two caps.
+#[derive(Debug, Clone, PartialEq)]
+struct Span {
+    /// The extent at rest, um.
+    rest: f64,
+    /// Points of the lower and of the upper cap, and the weight of each in the mean.
+    caps: [Vec<(usize, f64)>; 2],
+    /// Distance between the means of the caps at rest, um.
+    apart: f64,
+    /// What of the extent, and of the distance between the means, is held by clamps and keeps its length, um.
+    rigid: [f64; 2],
+}
+
+impl Span {
+    fn new(
+        points: &[Vec<f64>; 2],
+        weights: &[f64],
+        direction: [f64; 2],
+        caps: [Vec<usize>; 2],
+    ) -> Self {
+        let weighted = caps.map(|cap| {
+            let total: f64 = cap.iter().map(|&point| weights[point]).sum();
+            let even = 1.0 / cap.len() as f64;
+            let part = |point: usize| if total > 0.0 { weights[point] / total } else { even };
+            cap.iter().map(|&point| (point, part(point))).collect()
+        });
+        let mut span =
+            Self { rest: extent(points, direction), caps: weighted, apart: 0.0, rigid: [0.0; 2] };
+        span.apart = span.distance(points, direction);
+        span
+    }
+
+    /// Distance between the means of the caps along a direction, um.
+    fn distance(&self, positions: &[Vec<f64>; 2], [x, y]: [f64; 2]) -> f64 {
+        let [low, high] = self.caps.each_ref().map(|cap| {
+            let along = |&(point, weight): &(usize, f64)| {
+                weight * (positions[0][point] * x + positions[1][point] * y)
+            };
+            cap.iter().map(along).sum::<f64>()
+        });
+        high - low
+    }
+
+    /// The extent now, um: what is not rigid is stretched as it is between the means of the caps.
+    fn now(&self, positions: &[Vec<f64>; 2], direction: [f64; 2]) -> f64 {
+        let [rigid, between] = self.rigid;
+        let stretch = (self.distance(positions, direction) - between) / (self.apart - between);
+        rigid + (self.rest - rigid) * stretch
+    }
+}
+
 impl ShapeMeter {
-    /// A meter for resting positions (um, by axis), a unit long axis and one weight per point.
+    /// A meter for resting positions (um, by axis), a unit long axis and one weight per point, such as its area; they
+    /// weigh the points of a cap against each other, and all points in the rotation.
     ///
     /// # Example
     /// ```
@@ -33,21 +101,49 @@ impl ShapeMeter {
     /// assert!((extent.length - 2.0).abs() < 1e-12 && (extent.width - 1.0).abs() < 1e-12);
     /// ```
     pub fn new(reference: [Vec<f64>; 2], axis: [f64; 2], weights: Vec<f64>) -> Self {
-        Self { reference, axis, weights, across: None }
+        let across = [-axis[1], axis[0]];
+        let length = Span::new(&reference, &weights, axis, end_points(&reference, axis));
+        let width = Span::new(&reference, &weights, across, sides(&reference, &weights, across));
+        Self { reference, axis, turned_by: weights, across: None, length, width }
+    }
+
+    /// Takes the rotation from points of these weights instead: those that a clamp holds.
+    #[must_use]
+    pub fn turned_by(self, weights: Vec<f64>) -> Self {
+        Self { turned_by: weights, ..self }
     }
 
     /// Measures the width across the axis that points of these weights have turned, while the length stays
-    /// along the axis that those of [`ShapeMeter::new`] have turned: for a cell that is held at one end and
-    /// swings aside.
+    /// along the axis of the meter's own rotation: for a cell that is held at one end and swings aside.
     #[must_use]
     pub fn width_turned_by(self, weights: Vec<f64>) -> Self {
         Self { across: Some(weights), ..self }
     }
 
+    /// For a cell whose ends are within clamps up to these depths, um, at the lower and at the upper end: what is held
+    /// neither stretches nor shortens, 0 at an end that is free.
+    #[must_use]
+    pub fn gripped(mut self, depths: [f64; 2]) -> Self {
+        let [x, y] = self.axis;
+        let along = |point: usize| self.reference[0][point] * x + self.reference[1][point] * y;
+        let all = || (0..self.reference[0].len()).map(along);
+        let ends = [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)];
+        let (mut rigid, mut between) = (0.0, 0.0);
+        for ((depth, end), cap) in depths.into_iter().zip(ends).zip(&self.length.caps) {
+            if depth > 0.0 {
+                let mean: f64 = cap.iter().map(|&(point, weight)| weight * along(point)).sum();
+                rigid += depth;
+                between += depth - (mean - end).abs();
+            }
+        }
+        self.length.rigid = [rigid, between];
+        self
+    }
+
     /// Angle by which the points have turned, rad, counter-clockwise: the rotation that brings the
     /// reference closest to them in the sense of weighted least squares.
     pub fn rotation(&self, positions: &[Vec<f64>; 2]) -> f64 {
-        self.rotation_of(positions, &self.weights)
+        self.rotation_of(positions, &self.turned_by)
     }
 
     fn rotation_of(&self, positions: &[Vec<f64>; 2], weights: &[f64]) -> f64 {
@@ -78,9 +174,33 @@ impl ShapeMeter {
             None => along,
             Some(weights) => turned(self.rotation_of(positions, weights)),
         };
-        let length = extent(positions, along);
-        Extent { length, width: extent(positions, [-across[1], across[0]]) }
+        let length = self.length.now(positions, along);
+        Extent { length, width: self.width.now(positions, [-across[1], across[0]]) }
     }
+}
+
+/// The outermost rows of points along a direction that hold [`SIDE_PART`] of all weights, at the lower and at the upper
+/// side.
+fn sides(points: &[Vec<f64>; 2], weights: &[f64], [x, y]: [f64; 2]) -> [Vec<usize>; 2] {
+    let along: Vec<f64> = points[0].iter().zip(&points[1]).map(|(a, b)| a * x + b * y).collect();
+    let mut order: Vec<usize> = (0..along.len()).collect();
+    order.sort_by(|&a, &b| along[a].total_cmp(&along[b]));
+    let least = SIDE_PART * weights.iter().sum::<f64>();
+    let row = SAME_ROW * extent(points, [x, y]);
+    let cap = |order: &mut dyn Iterator<Item = usize>| {
+        let (mut cap, mut held) = (Vec::new(), 0.0);
+        for point in order {
+            let is_of_row =
+                cap.last().is_some_and(|&last: &usize| (along[last] - along[point]).abs() <= row);
+            if held >= least && !is_of_row && !cap.is_empty() {
+                break;
+            }
+            held += weights[point];
+            cap.push(point);
+        }
+        cap
+    };
+    [cap(&mut order.iter().copied()), cap(&mut order.iter().rev().copied())]
 }
 
 /// Points (um, by axis) shifted and turned as a whole to where they are nearest to others in the sense of least squares with
@@ -148,10 +268,100 @@ mod tests {
         }
     }
 
+    /// A bar of 100 x 10 um, points 1 um apart, and the area of each.
+    fn bar() -> ([Vec<f64>; 2], Vec<f64>) {
+        let (mut points, mut areas) = ([Vec::new(), Vec::new()], Vec::new());
+        for x in 0..=100 {
+            for y in 0..=10 {
+                points[0].push(f64::from(x));
+                points[1].push(f64::from(y));
+                let part = |at: i32, last: i32| if at == 0 || at == last { 0.5 } else { 1.0 };
+                areas.push(part(x, 100) * part(y, 10));
+            }
+        }
+        (points, areas)
+    }
+
+    #[test]
+    fn an_even_strain_stretches_the_whole_length_and_width() {
+        let (bar, areas) = bar();
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], areas);
+        assert_eq!(meter.measure(&bar), Extent { length: 100.0, width: 10.0 });
+        for (along, across) in [(0.8799, 1.066), (0.5, 1.3), (1.1, 0.97)] {
+            let strained = [
+                bar[0].iter().map(|x| along * x).collect(),
+                bar[1].iter().map(|y| across * y).collect(),
+            ];
+            let now = meter.measure(&strained);
+            assert!((now.length - 100.0 * along).abs() < 1e-10, "{now:?}");
+            assert!((now.width - 10.0 * across).abs() < 1e-10, "{now:?}");
+        }
+    }
+
+    #[test]
+    fn one_point_that_is_lost_hardly_moves_length_and_width() {
+        let (bar, areas) = bar();
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], areas);
+        let mut shortened = [bar[0].iter().map(|x| 0.9 * x).collect::<Vec<f64>>(), bar[1].clone()];
+        // One point of an end that stayed behind by 10 um, and one of a side that jumped by 3 um.
+        let end = (0..bar[0].len()).find(|&at| bar[0][at] == 100.0 && bar[1][at] == 5.0).unwrap();
+        shortened[0][end] += 10.0;
+        let side = (0..bar[0].len()).find(|&at| bar[0][at] == 50.0 && bar[1][at] == 10.0).unwrap();
+        shortened[1][side] += 3.0;
+        let now = meter.measure(&shortened);
+        // The cap has 66 points that count as 55, the side 101 that count as 50 and more: a share of the jump each.
+        assert!((now.length - 90.0).abs() < 10.0 / 50.0, "{now:?}");
+        assert!((now.width - 10.0).abs() < 0.05, "{now:?}");
+        // From one extreme point to the other nothing of it would be left.
+        assert!(extent(&shortened, [1.0, 0.0]) > 99.9 && extent(&shortened, [0.0, 1.0]) > 12.9);
+    }
+
+    #[test]
+    fn what_clamps_hold_keeps_its_length() {
+        let (bar, areas) = bar();
+        for depths in [[5.0, 0.0], [5.0, 5.0], [0.0, 5.0], [0.0, 0.0]] {
+            let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], areas.clone()).gripped(depths);
+            let [low, high] = [depths[0], 100.0 - depths[1]];
+            for stretch in [0.8, 1.0, 1.2] {
+                let place = |x: &f64| {
+                    let free = x.clamp(low, high);
+                    low + stretch * (free - low) + (x - free)
+                };
+                let now = [bar[0].iter().map(place).collect::<Vec<f64>>(), bar[1].clone()];
+                let whole = extent(&now, [1.0, 0.0]);
+                let length = meter.measure(&now).length;
+                assert!((length - whole).abs() < 1e-10, "{depths:?}, {stretch}: {length}, {whole}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_without_weight_have_no_say_in_a_cap_unless_all_have_none() {
+        let (bar, areas) = bar();
+        let lost: Vec<usize> = (0..bar[0].len()).filter(|&at| bar[0][at] > 97.5).collect();
+        let mut seen = areas.clone();
+        for &point in &lost {
+            seen[point] = 0.0;
+        }
+        let mut moved = bar.clone();
+        for &point in &lost {
+            moved[0][point] += 7.0;
+        }
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], seen);
+        assert!((meter.measure(&moved).length - 100.0).abs() < 1e-10);
+        let mut none = areas;
+        for at in 0..bar[0].len() {
+            none[at] *= f64::from(u8::from(bar[0][at] < 90.0));
+        }
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], none);
+        assert!(meter.measure(&bar).length == 100.0 && meter.measure(&moved).length > 100.0);
+    }
+
     #[test]
     fn a_bar_that_swings_about_its_end_keeps_its_width() {
         let bar = [vec![0.0, 10.0, 10.0, 0.0], vec![0.0, 0.0, 2.0, 2.0]];
-        let held = ShapeMeter::new(bar.clone(), [1.0, 0.0], vec![1.0, 0.0, 0.0, 1.0]);
+        let held = ShapeMeter::new(bar.clone(), [1.0, 0.0], vec![1.0; 4])
+            .turned_by(vec![1.0, 0.0, 0.0, 1.0]);
         let (sine, cosine) = 0.1_f64.sin_cos();
         let mut swung = bar.clone();
         for i in [1, 2] {

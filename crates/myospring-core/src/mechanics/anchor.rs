@@ -13,7 +13,7 @@
 //!   pulls at feel each other and `b` is an effective value (`banerjee_marchetti_2012`). Displacements
 //!   decay from the cell's ends over `sqrt(E w/b)`, with the cell's Young's modulus and thickness.
 //! - [`Anchors::spring_held_ends`]: an auxotonic contraction between two elastic fibres. At each end
-//!   the nodes of the outer twentieth of the length ([`END_PART`](super::ends::END_PART)), where the fibre is attached, share
+//!   the nodes of the outer twentieth of the length ([`END_PART`](crate::mesh::ends::END_PART)), where the fibre is attached, share
 //!   its stiffness in proportion to their areas, so the fibre's force is stiffness times mean
 //!   displacement. A round cantilever that stands on the plane of the picture, as a carbon fibre does, bends
 //!   equally in both of its directions, so the springs do, too. They are slack when the cell rests.
@@ -23,12 +23,12 @@
 
 pub use super::lattice_law::Anchor;
 
-use super::ends::end_nodes;
 use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::stiffness::StiffnessMatrix;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
+use crate::mesh::ends::end_nodes;
 use std::any::Any;
 
 /// Nodes tied to their resting places.

@@ -10,11 +10,11 @@
 //! with displacements u from where the grip is stopped, the axis a, and t across it. The load's part of the energy is
 //! the work that has been done on it since the grip left its stop.
 
-use super::ends::end_nodes;
 use super::force::{Configuration, Force};
 use super::stiffness::StiffnessMatrix;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
+use crate::mesh::ends::end_nodes;
 
 /// Stiffness of the ties over that of an axial spring of the cell: what a grip gives in itself is some hundred-thousandth
 /// of the cell's length.

@@ -12,9 +12,9 @@
 //!   with an energy ([`super::anchor`]); no node is constrained besides.
 
 use super::anchor::Anchors;
-use super::ends::end_nodes;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
+use crate::mesh::ends::end_nodes;
 use serde::Serialize;
 
 /// Which support holds the cell.

@@ -9,11 +9,11 @@ use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, ByTriangle, Sites, Strongest, WholeCell};
 use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
-use crate::mechanics::ends::{end_nodes, end_zones};
 use crate::mechanics::grip::LoadedGrip;
 use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Configuration, Following, System, Tension, Vectors, zeros};
+use crate::mesh::ends::{end_nodes, end_zones};
 use crate::mesh::simplex::content_at;
 use crate::mesh::{Simplex, SpringKind};
 use std::sync::Arc;
@@ -278,32 +278,33 @@ impl Simulation {
         // A free cell turns as its mass does; a clamped one cannot turn, whatever it does inside. One that is
         // clamped at one end swings aside, though, and takes its width along.
         let areas = self.mesh.areas.clone();
-        let meter = |weights| ShapeMeter::new(self.mesh.points.clone(), self.long_axis, weights);
+        let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, areas.clone());
+        let depths = end_zones(&self.mesh, self.long_axis).map(|[from, to]| to - from);
+        let gripped = match self.support {
+            SupportKind::ClampedEnd => [depths[0], 0.0],
+            SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. } => depths,
+            _ => [0.0; 2],
+        };
         let meter = match &system.support {
             Support::Clamped(nodes) => {
                 let mut held = vec![0.0; areas.len()];
                 for &node in nodes {
                     held[node] = 1.0;
                 }
-                let meter = meter(held);
+                let meter = meter.turned_by(held).gripped(gripped);
                 if self.support == SupportKind::ClampedEnd {
                     meter.width_turned_by(areas)
                 } else {
                     meter
                 }
             }
-            _ => meter(areas),
+            _ => meter,
         };
         let ends = self.support.holds_both_ends().then(|| {
             let [_, nodes] = end_nodes(&self.mesh, self.long_axis);
             EndForce { nodes, axis: self.long_axis }
         });
-        let zones = end_zones(&self.mesh, self.long_axis).map(|[from, to]| to - from);
-        let gripped_length = match self.support {
-            SupportKind::ClampedEnd => zones[0],
-            SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. } => zones[0] + zones[1],
-            _ => 0.0,
-        };
+        let gripped_length = gripped[0] + gripped[1];
         let held_length = resting_length;
         Assembly { body, system, meter, resting_length, held_length, gripped_length, ends }
     }
