@@ -59,7 +59,8 @@ fn pairs(motion: &Motion, height: usize, flows: &[Flow]) -> Vec<Pair> {
         |flow: &Flow| [(flow.column + 0.5) * PIXEL_UM, (height as f64 - flow.row - 0.5) * PIXEL_UM];
     let carried = Carried::new(&motion.mesh, flows.iter().map(um));
     let pair = |(place, flow): (usize, &Flow)| {
-        let at = flow.frame - motion.first;
+        // Of a frame that repeats another, the other was followed.
+        let at = motion.frames.partition_point(|frame| *frame <= flow.frame) - 1;
         let weights = carried.weights(place);
         let seen = |&(node, weight): &(u32, f64)| {
             (-1e-6..=1.0 + 1e-6).contains(&weight) && !motion.healed[at][node as usize]

@@ -5,6 +5,7 @@
 
 mod error;
 mod order;
+mod repeats;
 mod still;
 
 pub use error::{FEWEST_FRAMES, FilmError};

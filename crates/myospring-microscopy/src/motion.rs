@@ -16,6 +16,7 @@
 //! Displacements are um, y upward, as in meshes.
 
 mod error;
+mod headline;
 mod level;
 mod measure;
 mod neighbours;
@@ -26,6 +27,7 @@ mod stripes;
 mod subset;
 
 pub use error::MotionError;
+pub use headline::{Headline, Measure, Reason};
 pub use measure::Stretches;
 pub use rest::Rest;
 pub use stage::Stage;
@@ -107,9 +109,13 @@ pub struct Cell<'a> {
 pub struct Motion {
     /// The lattice at rest.
     pub mesh: Mesh,
-    /// Number in the film of the first frame that was followed; the others come one after the other.
-    pub first: usize,
-    /// Number in the film of the frame at rest.
+    /// Number in the film of each frame that was followed, ascending. What stands by frame below stands for these.
+    pub frames: Vec<usize>,
+    /// Numbers of the frames between them that repeat the one before ([`Film::repeats`]): nothing was measured there.
+    pub repeated: Vec<usize>,
+    /// Whether `goes_on` ended it before all frames were done.
+    pub interrupted: bool,
+    /// Number in the film of the frame at rest; it is one of [`Motion::frames`].
     pub rest: usize,
     /// Time of each frame from the first of the film, ms.
     pub times_ms: Vec<f64>,
@@ -141,7 +147,7 @@ pub struct Motion {
     pub frame_um: [f64; 2],
 }
 
-/// How far it has come: frames that are done, and all of them.
+/// How far it has come: frames that are done, and all that are to be done; repeated ones are not.
 pub type Progress = (usize, usize);
 
 /// Follows a cell through a film from the frame at rest. `goes_on` hears of each frame; where it says no, the motion has
@@ -176,6 +182,7 @@ pub fn follow(
 /// What is known of the frame at rest.
 struct Follower<'a> {
     film: &'a Film,
+    repeats: Vec<Option<usize>>,
     rest: Rest,
     cell: &'a Cell<'a>,
     settings: Settings,
@@ -209,6 +216,9 @@ impl<'a> Follower<'a> {
         cell: &'a Cell<'a>,
         settings: Settings,
     ) -> Result<Self, MotionError> {
+        let repeats = film.repeats()?;
+        // Of a frame at rest that repeats another, that one was taken.
+        let rest = Rest { frame: repeats[rest.frame].unwrap_or(rest.frame), ..rest };
         let plane = film.frame(rest.frame)?;
         let pixel_um = cell.pixel_size.um();
         let frame = PixelFrame::new(plane.width(), plane.height(), cell.pixel_size)
@@ -257,6 +267,7 @@ impl<'a> Follower<'a> {
             Background::new(&plane, cell.any_cell, pixel_um, rest.noise, half.clamp(least, most));
         Ok(Self {
             film,
+            repeats,
             rest,
             cell,
             settings,
@@ -282,7 +293,12 @@ impl<'a> Follower<'a> {
     ) -> Result<Motion, MotionError> {
         let (rest, count) = (self.rest.frame, self.film.len());
         let mut frames: Vec<Option<Frame>> = (0..count).map(|_| None).collect();
-        let ways = [(rest..count).collect::<Vec<_>>(), (0..rest).rev().collect()];
+        let taken = |index: &usize| self.repeats[*index].is_none();
+        let ways = [
+            (rest..count).filter(taken).collect::<Vec<_>>(),
+            (0..rest).rev().filter(taken).collect(),
+        ];
+        let all = ways.iter().map(Vec::len).sum();
         let mut done = 0;
         'ways: for way in ways {
             let still = vec![Warp::default(); self.points.len()];
@@ -303,7 +319,7 @@ impl<'a> Follower<'a> {
                 stage = frame.stage.unwrap_or(stage);
                 frames[index] = Some(frame);
                 done += 1;
-                if !goes_on((done, count)) {
+                if !goes_on((done, all)) {
                     break 'ways;
                 }
             }
@@ -361,7 +377,11 @@ impl<'a> Follower<'a> {
 
     /// Puts the frames that were done together.
     fn motion(&self, frames: Vec<Option<Frame>>) -> Result<Motion, MotionError> {
-        let first = frames.iter().position(Option::is_some).unwrap_or(0);
+        let numbers: Vec<usize> = (0..frames.len()).filter(|&at| frames[at].is_some()).collect();
+        let between = numbers.first().zip(numbers.last()).map_or(0..0, |(a, b)| *a..*b);
+        let repeated = between.filter(|&at| self.repeats[at].is_some()).collect();
+        let interrupted =
+            (0..frames.len()).any(|at| frames[at].is_none() && self.repeats[at].is_none());
         let done: Vec<Frame> = frames.into_iter().flatten().collect();
         let mut shares: Vec<f64> = done.iter().map(|frame| frame.field.found_share()).collect();
         let worst = (0..shares.len()).min_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap_or(0);
@@ -371,7 +391,7 @@ impl<'a> Follower<'a> {
         if middle < LEAST_FOUND {
             return Err(MotionError::Lost {
                 found_pct: 100.0 * middle,
-                frame: first + worst,
+                frame: numbers[worst],
                 least_pct: 100.0 * least_share,
             });
         }
@@ -415,13 +435,15 @@ impl<'a> Follower<'a> {
         let periods: Vec<Vec<Option<f32>>> =
             done.iter().map(|frame| frame.periods.clone()).collect();
         let (sarcomeres_um, sarcomere_places) = stripes::mean_lengths(&periods, pixel_um);
-        let time = |index: usize| 1000.0 * (first + index) as f64 / self.settings.frames_per_second;
+        let time = |number: &usize| 1000.0 * *number as f64 / self.settings.frames_per_second;
         let side = (2 * self.fine.half() + 1) as f64 * pixel_um;
         Ok(Motion {
             mesh: self.cell.mesh.clone(),
-            first,
+            times_ms: numbers.iter().map(time).collect(),
+            frames: numbers,
+            repeated,
+            interrupted,
             rest: self.rest.frame,
-            times_ms: (0..done.len()).map(time).collect(),
             displacements_um,
             healed: done
                 .iter()

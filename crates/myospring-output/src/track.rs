@@ -9,11 +9,12 @@ pub struct TrackRow {
     pub frame: usize,
     /// Time from the first frame of the film, ms.
     pub t_ms: f64,
-    /// End-to-end length along the long axis after rigid rotation is removed, um.
+    /// Length along the long axis after rigid rotation is removed, um: end to end at rest, changed as the distance between
+    /// the means of both ends.
     pub length_um: f64,
     /// Shortening against the frame at rest, per cent of its length.
     pub shortening_pct: f64,
-    /// Largest extent across the long axis, um.
+    /// Largest extent across the long axis at rest, changed as the distance between the means of both sides, um.
     pub width_um: f64,
     /// Projected area of the lattice, um^2.
     pub area_um2: f64,

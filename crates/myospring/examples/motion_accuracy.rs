@@ -47,15 +47,15 @@ fn errors(scene: &FilmScene, motion: &Motion) -> Vec<f64> {
 /// Largest difference of measured and true shortening, percentage points.
 fn shortening(scene: &FilmScene, motion: &Motion) -> f64 {
     let lengths = motion.lengths_um();
-    let truth = |frame: usize| {
-        let place = |node: usize| {
-            let rest = motion.mesh.point(node);
-            rest[0] + scene.displacement(rest, frame)[0]
-        };
-        let ends = (0..motion.mesh.len()).map(place);
-        ends.clone().fold(f64::NEG_INFINITY, f64::max) - ends.fold(f64::INFINITY, f64::min)
+    let moved = |frame: usize| {
+        let ways =
+            (0..motion.mesh.len()).map(|node| scene.displacement(motion.mesh.point(node), frame));
+        let ways: Vec<[f64; 2]> = ways.collect();
+        [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
     };
-    let off = |frame| 100.0 * (lengths[frame] / lengths[0] - truth(frame) / truth(0)).abs();
+    let displacements_um = motion.frames.iter().map(|&frame| moved(frame)).collect();
+    let truth = Motion { displacements_um, ..motion.clone() }.lengths_um();
+    let off = |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth[frame] / truth[0]).abs();
     (0..motion.len()).map(off).fold(0.0, f64::max)
 }
 

@@ -164,7 +164,9 @@ impl<'a> Mapped<'a> {
     fn grid(&self) -> Result<String, Failure> {
         let Followed { motion, fibres, .. } = self.followed;
         let map = &self.map;
-        let peak = map.frames.first().map_or(0.0, |frame| motion.times_ms[frame - motion.first]);
+        let time =
+            |frame: &usize| motion.times_ms[motion.frames.partition_point(|one| one < frame)];
+        let peak = map.frames.first().map_or(0.0, time);
         let frame = Frame {
             t_ms: peak,
             ta_kpa: map.mean_kpa,

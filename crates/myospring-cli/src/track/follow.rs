@@ -176,7 +176,8 @@ pub(crate) fn film(found: Found, asked: &Asked, quiet: bool) -> Result<Followed,
         fibres: fibres.seen.as_ref().map(|seen| &seen.field),
     };
     let bar = progress::of_members(quiet, film.len(), "frames");
-    let motion = motion::follow(&film, rest, &seen, settings, |(done, _)| {
+    let motion = motion::follow(&film, rest, &seen, settings, |(done, all)| {
+        bar.set_length(all as u64);
         bar.set_position(done as u64);
         !interrupt::asked()
     });

@@ -123,13 +123,15 @@ impl Drawn<'_> {
             pixel_size: cells.pixel_size,
             mesh: &motion.mesh,
             rows: &self.report.rows,
+            contraction: &self.report.headline.contraction_pct,
+            by: self.report.headline.column,
         })
     }
 
     /// A frame of the film, and where the points are in it.
     fn seen(&self, at: usize) -> Result<(Plane, [Vec<f64>; 2]), Failure> {
         let Followed { film, motion, .. } = self.followed;
-        let plane = film.frame(motion.first + at).map_err(Failure::new)?;
+        let plane = film.frame(motion.frames[at]).map_err(Failure::new)?;
         let mut positions = motion.positions(at);
         for (positions, stage) in positions.iter_mut().zip(motion.stage_um[at]) {
             for position in positions {
@@ -142,11 +144,8 @@ impl Drawn<'_> {
     fn figures(&self, folder: &Folder) -> Result<(), Failure> {
         let Some(tracked) = self.tracked() else { return Ok(()) };
         let motion = &self.followed.motion;
-        let rest = motion.rest - motion.first;
-        let rows = &self.report.rows;
-        let shortest = (0..rows.len())
-            .max_by(|&a, &b| rows[a].shortening_pct.total_cmp(&rows[b].shortening_pct))
-            .unwrap_or(rest);
+        let rest = motion.rest_index();
+        let shortest = self.report.headline.at;
         let [(rest_plane, rest_at), (plane, at)] = [self.seen(rest)?, self.seen(shortest)?];
         // What never was found is as unsure in the picture at rest as it is later.
         let often: Vec<bool> = (0..motion.mesh.len())

@@ -1,7 +1,7 @@
 //! What was measured, for machines and for people.
 
 use super::follow::Followed;
-use myospring::microscopy::motion::{Motion, Stage};
+use myospring::microscopy::motion::{self, Measure, Motion, Stage};
 use myospring::microscopy::report::ShapeReport;
 use myospring::output::track::TrackRow;
 use myospring::settings::FibreReport;
@@ -11,11 +11,8 @@ use std::path::Path;
 
 /// Share of healed points from which on a person is told, per cent.
 const MANY_HEALED_PCT: f64 = 30.0;
-/// So many times the shortening from end to end is a contraction that the length does not tell.
-const OTHERWISE: f64 = 2.0;
-/// Least shortening that is a beat, in standard errors of the length, and in per cent.
-const LEAST_ERRORS: f64 = 4.0;
-const LEAST_SHORTENING_PCT: f64 = 0.2;
+/// Numbers of repeated frames that are named.
+const MOST_NAMED: usize = 10;
 /// Part of its excursion by which a cell may be longer than at rest.
 const LONGER: f64 = 0.5;
 
@@ -29,6 +26,8 @@ pub(crate) struct Report<'a> {
     /// Of these followed, from this one on.
     frames_followed: usize,
     first_frame: usize,
+    /// Frames that repeat the one before: they are no rows of `track.csv`.
+    repeated_frames: Vec<usize>,
     rest_frame: usize,
     frames_per_second: f64,
     frame_rate_source: &'static str,
@@ -45,6 +44,8 @@ pub(crate) struct Report<'a> {
     healed_pct_most: f64,
     stage: String,
     stage_largest_um: f64,
+    /// How much the cell contracts, by the column that can be trusted.
+    pub(super) headline: Headline,
     resting_length_um: f64,
     peak_shortening_pct: f64,
     peak_frame: usize,
@@ -62,11 +63,54 @@ pub(crate) struct Report<'a> {
     pub(crate) rows: Vec<TrackRow>,
 }
 
+/// How much the cell contracts.
+#[derive(Serialize)]
+pub(super) struct Headline {
+    /// The column of `track.csv` that says it.
+    pub(super) column: &'static str,
+    peak_contraction_pct: f64,
+    peak_frame: usize,
+    /// Why that column.
+    because: String,
+    /// Of each row, %.
+    #[serde(skip)]
+    pub(super) contraction_pct: Vec<f64>,
+    /// The row of the peak.
+    #[serde(skip)]
+    pub(super) at: usize,
+}
+
+impl Headline {
+    fn of(motion::Headline { measure, reason }: motion::Headline, rows: &[TrackRow]) -> Self {
+        let (column, of): (_, fn(&TrackRow) -> f64) = match measure {
+            Measure::Length => ("length_um", |row| row.shortening_pct),
+            Measure::Stretch => ("stretch_1", |row| 100.0 * (1.0 - row.stretch_1)),
+        };
+        let contraction_pct: Vec<f64> = rows.iter().map(of).collect();
+        let at = (0..rows.len())
+            .max_by(|&a, &b| contraction_pct[a].total_cmp(&contraction_pct[b]))
+            .unwrap_or(0);
+        Self {
+            column,
+            peak_contraction_pct: contraction_pct[at],
+            peak_frame: rows[at].frame,
+            because: reason.to_string(),
+            contraction_pct,
+            at,
+        }
+    }
+}
+
 impl<'a> Report<'a> {
     pub(crate) fn of(path: &Path, followed: &'a Followed) -> Self {
         let Followed { film, motion, shaped, fibres, .. } = followed;
         let rows = rows(motion);
-        let rest = motion.rest - motion.first;
+        let rest = motion.rest_index();
+        let is_doubtful =
+            shaped.picture.as_ref().is_some_and(|(_, cell)| cell.confidence.is_doubtful());
+        let headline = motion.headline();
+        let headline = if is_doubtful { headline.with_doubtful_outline() } else { headline };
+        let headline = Headline::of(headline, &rows);
         let most =
             |of: &dyn Fn(&TrackRow) -> f64| rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         let peak = rows.iter().max_by(|a, b| a.shortening_pct.total_cmp(&b.shortening_pct));
@@ -84,7 +128,8 @@ impl<'a> Report<'a> {
             film: path.display().to_string(),
             frames: film.len(),
             frames_followed: motion.len(),
-            first_frame: motion.first,
+            first_frame: rows[0].frame,
+            repeated_frames: motion.repeated.clone(),
             rest_frame: motion.rest,
             frames_per_second: followed.frames_per_second,
             frame_rate_source: if followed.rate_given { "given" } else { "the film" },
@@ -109,6 +154,7 @@ impl<'a> Report<'a> {
             healed_pct_most: most(&|row| row.healed_pct),
             stage,
             stage_largest_um: most(&|row| row.stage_um[0].hypot(row.stage_um[1])),
+            headline,
             resting_length_um: rows[rest].length_um,
             peak_shortening_pct: peak.map_or(0.0, |row| row.shortening_pct),
             peak_frame: peak.map_or(0, |row| row.frame),
@@ -136,12 +182,16 @@ impl<'a> Report<'a> {
             rounded(self.pixel_size_um),
             self.rest_frame
         )];
+        let Headline { column, peak_contraction_pct, peak_frame, because, .. } = &self.headline;
+        lines.push(format!(
+            "contracts by {peak_contraction_pct:.2} % (frame {peak_frame}), read from {column}: {because}"
+        ));
         lines.push(format!(
             "length {:.1} um at rest, shortens by {:.2} % (frame {})",
             self.resting_length_um, self.peak_shortening_pct, self.peak_frame
         ));
         lines.push(format!(
-            "all of it by its strains: stretch_1 {:.4} at least (frame {})",
+            "strains of the whole cell: stretch_1 at least {:.4} (frame {})",
             self.least_stretch, self.least_stretch_frame
         ));
         if let (Some(rest), Some(least)) = (self.sarcomere_rest_um, self.sarcomere_least_um) {
@@ -164,12 +214,12 @@ impl<'a> Report<'a> {
 
 fn rows(motion: &Motion) -> Vec<TrackRow> {
     let extents = motion.extents();
-    let rest = extents[motion.rest - motion.first].length;
+    let rest = extents[motion.rest_index()].length;
     let all = motion.stretches();
     let row = |(at, extent): (usize, &myospring::analysis::shape::Extent)| {
         let stretches = all[at];
         TrackRow {
-            frame: motion.first + at,
+            frame: motion.frames[at],
             t_ms: motion.times_ms[at],
             length_um: extent.length,
             shortening_pct: 100.0 * (1.0 - extent.length / rest),
@@ -191,13 +241,13 @@ fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> 
     let mut warnings = film.notes.clone();
     warnings.extend(shaped.report.warnings.iter().cloned());
     warnings.extend(fibres.warnings.iter().cloned());
-    if motion.len() < film.len() {
-        warnings.push(format!(
-            "interrupted: frames {} to {} of {} were followed",
-            motion.first,
-            motion.first + motion.len() - 1,
-            film.len()
-        ));
+    if !motion.repeated.is_empty() {
+        warnings.push(repeated(&motion.repeated, film.len()));
+    }
+    let (first, last) = (rows[0].frame, rows[rows.len() - 1].frame);
+    if motion.interrupted {
+        warnings
+            .push(format!("interrupted: frames {first} to {last} of {} were followed", film.len()));
     }
     if let (Some(own), true) = (film.frames_per_second, followed.rate_given) {
         let given = followed.frames_per_second;
@@ -221,7 +271,7 @@ fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> 
     let longest = rows.iter().map(|row| -row.shortening_pct).fold(0.0, f64::max);
     let strained = rows.iter().map(|row| 100.0 * (1.0 - row.stretch_1)).fold(0.0, f64::max);
     let error_pct = 100.0 * motion.error_um.unwrap_or(0.0) / rows[rest].length_um;
-    let least = (LEAST_ERRORS * error_pct).max(LEAST_SHORTENING_PCT);
+    let least = motion.least_contraction_pct();
     if shortest.max(longest).max(strained) < least {
         warnings.push(format!(
             "the cell hardly moves: it shortens by {shortest:.3} % at most, while the noise makes an error of \
@@ -232,13 +282,23 @@ fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> 
             "the cell is up to {longest:.1} % longer than in frame {}, which was taken for rest; choose it with --frame",
             motion.rest
         ));
-    } else if strained > OTHERWISE * shortest.max(least) {
-        warnings.push(format!(
-            "the cell contracts by {strained:.2} %, but from end to end by {shortest:.2} % only: it is held at its ends, \
-             cut by the frame, or contracts along another line than its long axis; read stretch_1 rather than length_um"
-        ));
     }
     warnings
+}
+
+/// Says which frames repeat others, and what that means.
+fn repeated(frames: &[usize], all: usize) -> String {
+    let named: Vec<String> = frames.iter().take(MOST_NAMED).map(usize::to_string).collect();
+    let more = match frames.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more (track.json has them)"),
+    };
+    format!(
+        "{} of {all} frames repeat the frame before them and are left out: {}{more}. The film was recorded or converted at \
+         another rate than the camera's, so check --frame-rate",
+        frames.len(),
+        named.join(", ")
+    )
 }
 
 /// Without the digits that a file's ratio of whole numbers leaves.

@@ -166,9 +166,10 @@ fn a_film_without_motion_says_so() {
 #[test]
 fn a_cell_that_contracts_without_becoming_shorter_is_told_to_be_read_by_its_stretch() {
     // Across only; and one that is longer whenever it is not in the frame that was taken for rest.
-    for (strains, said) in
-        [([0.0, -0.05], "but from end to end by 0.0"), ([0.05, -0.02], "longer than in frame 0")]
-    {
+    for (strains, printed, said) in [
+        ([0.0, -0.05], "(frame 3), read from stretch_1: the cell contracts at 90 degrees", ""),
+        ([0.05, -0.02], "read from stretch_1", "longer than in frame 0"),
+    ] {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join("film")).unwrap();
         for (at, part) in [0.0, 0.0, 0.5, 1.0, 0.6, 0.0].into_iter().enumerate() {
@@ -178,5 +179,33 @@ fn a_cell_that_contracts_without_becoming_shorter_is_told_to_be_read_by_its_stre
         let output = track(folder.path(), &["--outputs", "none", "--frame", "0"]);
         assert!(output.status.success(), "{}", stderr(&output));
         assert!(stderr(&output).contains(said), "{}", stderr(&output));
+        assert!(stdout(&output).contains(printed), "{}", stdout(&output));
     }
+}
+
+#[test]
+fn frames_that_were_written_twice_are_said_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("film")).unwrap();
+    // Never the same twice: the noise of a film.
+    let parts = [0.0, 0.001, 0.002, 0.02, 0.05, 0.03, 0.01, 0.003];
+    let taken = |at: usize| at - usize::from(at > 3);
+    for at in 0..=parts.len() {
+        frame(&folder.path().join(format!("film/{at}.png")), parts[taken(at)]);
+    }
+    let output = track(folder.path(), &["--outputs", "figures", "--frame", "0"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let said = stderr(&output).split_whitespace().collect::<Vec<_>>().join(" ");
+    let wanted = "1 of 9 frames repeat the frame before them and are left out: 4.";
+    assert!(said.contains(wanted), "{said}");
+    let results = folder.path().join("results/film_track");
+    let table = fs::read_to_string(results.join("track.csv")).unwrap();
+    let frames: Vec<&str> =
+        table.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(frames, ["0", "1", "2", "3", "5", "6", "7", "8"]);
+    let report = fs::read_to_string(results.join("track.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["repeated_frames"], serde_json::json!([4]));
+    assert_eq!(report["headline"]["column"], "length_um");
+    assert!((report["headline"]["peak_contraction_pct"].as_f64().unwrap() - 5.0).abs() < 0.1);
 }

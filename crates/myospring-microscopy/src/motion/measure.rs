@@ -46,7 +46,7 @@ impl Stretches {
 }
 
 impl Motion {
-    /// Number of frames.
+    /// Number of frames that were followed.
     pub fn len(&self) -> usize {
         self.times_ms.len()
     }
@@ -54,6 +54,11 @@ impl Motion {
     /// Whether no frame was followed.
     pub fn is_empty(&self) -> bool {
         self.times_ms.is_empty()
+    }
+
+    /// Place of the frame at rest among those that were followed.
+    pub fn rest_index(&self) -> usize {
+        self.frames.partition_point(|frame| *frame < self.rest)
     }
 
     /// Where the points are in a frame, without the motion of the stage, um: `[axis][point]`.
@@ -76,15 +81,15 @@ impl Motion {
         healed.iter().filter(|&&healed| healed).count() as f64 / healed.len().max(1) as f64
     }
 
-    /// End-to-end length and width of the cell in each frame, um, as of a simulated beat: along and across its long
-    /// axis, as far as the whole cell has turned.
+    /// Length and width of the cell in each frame, um, as of a simulated beat ([`ShapeMeter`]): along and across its long
+    /// axis, as far as the whole cell has turned. Points that were healed in more than half of the frames have no say.
     pub fn extents(&self) -> Vec<Extent> {
         let axis = long_axis(&self.mesh);
-        let meter = ShapeMeter::new(self.mesh.points.clone(), axis, self.mesh.areas.clone());
+        let meter = ShapeMeter::new(self.mesh.points.clone(), axis, self.seen_areas());
         (0..self.len()).map(|frame| meter.measure(&self.positions(frame))).collect()
     }
 
-    /// End-to-end length of the cell in each frame, um; see [`Motion::extents`].
+    /// Length of the cell in each frame, um; see [`Motion::extents`].
     pub fn lengths_um(&self) -> Vec<f64> {
         self.extents().into_iter().map(|extent| extent.length).collect()
     }
@@ -162,7 +167,7 @@ impl Motion {
 
     /// Area of each point, 0 of those that were healed in more than half of the frames; of all points, where these are
     /// nearly all.
-    fn seen_areas(&self) -> Vec<f64> {
+    pub(super) fn seen_areas(&self) -> Vec<f64> {
         let often = |point: usize| {
             let healed = self.healed.iter().filter(|healed| healed[point]).count();
             2 * healed > self.len()

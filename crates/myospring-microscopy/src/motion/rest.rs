@@ -13,6 +13,8 @@ const MOST_VALUES: usize = 10_000;
 const RESTING: f64 = 0.25;
 /// How far to both sides of the frame at rest the noise is looked for, frames.
 const BESIDE: usize = 3;
+/// Part of the usual difference from the frames beside it below which one was written twice.
+const REPEATED: f64 = 0.25;
 /// Standard deviation of what rounding to whole numbers does.
 const ROUNDING: f64 = 0.288_675;
 
@@ -61,18 +63,18 @@ impl Rest {
     pub fn at(film: &Film, frame: usize) -> Result<Self, FilmError> {
         let rest = film.frame(frame)?;
         let beside = frame.saturating_sub(BESIDE)..(frame + BESIDE + 1).min(film.len());
-        let mut noise = f64::INFINITY;
+        let mut found = Vec::new();
         for other in beside.filter(|&other| other != frame) {
             let other = film.frame(other)?;
             let pairs = rest.values().iter().zip(other.values());
             let sum: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
             // Of a normal distribution the mean size of a difference is 2 / sqrt(pi) standard deviations of one.
-            let found = sum / rest.values().len() as f64 * std::f64::consts::PI.sqrt() / 2.0;
-            // A frame that was written twice has none.
-            if found > 0.0 {
-                noise = noise.min(found);
-            }
+            found.push(sum / rest.values().len() as f64 * std::f64::consts::PI.sqrt() / 2.0);
         }
+        found.sort_by(f64::total_cmp);
+        // A frame that was written twice has none, or hardly any where films are compressed.
+        let repeated = REPEATED * found.get(found.len() / 2).copied().unwrap_or(0.0);
+        let noise = found.into_iter().find(|noise| *noise > repeated).unwrap_or(f64::INFINITY);
         let [low, high] = rest.range();
         let least = match film.samples {
             Samples::Integer { .. } => ROUNDING,

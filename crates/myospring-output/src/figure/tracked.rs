@@ -46,6 +46,10 @@ pub struct Tracked<'a> {
     pub mesh: &'a Mesh,
     /// What was measured, a row a frame.
     pub rows: &'a [TrackRow],
+    /// How much the cell contracts in each row, %, by the column that can be trusted.
+    pub contraction: &'a [f64],
+    /// That column.
+    pub by: &'a str,
 }
 
 /// A frame of the film with the lattice in it.
@@ -69,7 +73,8 @@ impl Tracked<'_> {
         if width.checked_mul(height) != Some(found) || found == 0 {
             return Err(FigureError::PictureShape { width, height, found });
         }
-        if frame.row >= self.rows.len() || self.rows.len() < 2 {
+        let is_whole = self.contraction.len() == self.rows.len();
+        if frame.row >= self.rows.len() || self.rows.len() < 2 || !is_whole {
             return Err(FigureError::Nothing { what: "frames" });
         }
         Ok(())
@@ -121,7 +126,7 @@ impl Tracked<'_> {
     }
 
     /// One frame of the film as a figure, 480 px wide: the picture with the lattice, points that were healed in red, the
-    /// time and the shortening so far.
+    /// time and the contraction so far.
     ///
     /// # Errors
     /// A picture of another size, or no rows.
@@ -155,16 +160,16 @@ impl Tracked<'_> {
     fn draw_curve(&self, sheet: &mut Sheet, now: usize, top: f64) -> f64 {
         let rows = self.rows;
         let [first, last] = [rows[0].t_ms, rows[rows.len() - 1].t_ms];
-        let values = rows.iter().map(|row| row.shortening_pct);
+        let values = self.contraction.iter().copied();
         let [low, high] = values.fold([0.0_f64, 0.1], |[low, high], v| [low.min(v), high.max(v)]);
-        let at = |row: &TrackRow| {
-            let along = (row.t_ms - first) / (last - first);
-            let up = (row.shortening_pct - low) / (high - low);
+        let at = |row: usize| {
+            let along = (rows[row].t_ms - first) / (last - first);
+            let up = (self.contraction[row] - low) / (high - low);
             [MARGIN + (WIDTH - 2.0 * MARGIN) * along, top + 16.0 + CURVE * (1.0 - up)]
         };
-        sheet.path(Path::line(rows.iter().map(at)), Stroke::new(CURVES[0], 1.4));
-        sheet.dot(at(&rows[now]), CURVES[0]);
-        let text = format!("shortening {} %", fixed(rows[now].shortening_pct, 1));
+        sheet.path(Path::line((0..rows.len()).map(at)), Stroke::new(CURVES[0], 1.4));
+        sheet.dot(at(now), CURVES[0]);
+        let text = format!("contraction {} % ({})", fixed(self.contraction[now], 1), self.by);
         let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
         sheet.text([WIDTH - MARGIN, top + 9.0], &text, style);
         top + 16.0 + CURVE
@@ -187,8 +192,8 @@ impl Tracked<'_> {
         gif::animated(&palette(), stills, hundredths)
     }
 
-    /// The summary: the frame at rest (A) and the most shortened one with its lattice and the way there as arrows (B),
-    /// and the curves of shortening, stretches and sarcomeres. Two columns wide.
+    /// The summary: the frame at rest (A) and the most contracted one with its lattice and the way there as arrows (B),
+    /// and the curves of contraction, stretches and sarcomeres. Two columns wide.
     ///
     /// # Errors
     /// As of [`Tracked::frame`].
@@ -217,7 +222,7 @@ impl Tracked<'_> {
             let row = &self.rows[frame.row];
             format!("{what}, frame {} ({} ms)", row.frame, fixed(row.t_ms, 0))
         };
-        let shortening = fixed(self.rows[shortest.row].shortening_pct, 1);
+        let contraction = fixed(self.contraction[shortest.row], 1);
         let magnified = self.magnified(rest, shortest, scale);
         let panels = [
             (rest, "A", title(rest, "at rest")),
@@ -225,8 +230,8 @@ impl Tracked<'_> {
                 shortest,
                 "B",
                 format!(
-                    "{}, {shortening} % shorter; arrows {} \u{d7}",
-                    title(shortest, "shortest"),
+                    "{}, by {contraction} %; arrows {} \u{d7}",
+                    title(shortest, "contracted"),
                     fixed(magnified, 0)
                 ),
             ),
@@ -331,10 +336,12 @@ impl Tracked<'_> {
             rows.iter().map(|row| [row.t_ms, value(row)]).collect()
         };
         let curve = |points, colour| Curve { points, colour, dash: None };
+        let contraction = rows.iter().zip(self.contraction);
+        let contraction = contraction.map(|(row, value)| [row.t_ms, *value]).collect();
         let mut panels = vec![(
-            "Shortening (%)",
-            vec![curve(column(&|row| row.shortening_pct), CURVES[0])],
-            Vec::new(),
+            "Contraction (%)",
+            vec![curve(contraction, CURVES[0])],
+            vec![(format!("by {}", self.by), CURVES[0])],
         )];
         panels.push((
             "Stretch",
@@ -342,7 +349,7 @@ impl Tracked<'_> {
                 curve(column(&|row| row.stretch_1), CURVES[0]),
                 curve(column(&|row| row.stretch_2), CURVES[1]),
             ],
-            vec![("stretch 1", CURVES[0]), ("stretch 2", CURVES[1])],
+            vec![("stretch 1".to_owned(), CURVES[0]), ("stretch 2".to_owned(), CURVES[1])],
         ));
         if rows.iter().any(|row| row.sarcomere_um.is_some()) {
             let lengths = column(&|row| row.sarcomere_um.unwrap_or(f64::NAN));
@@ -370,7 +377,7 @@ impl Tracked<'_> {
             for (at, (name, colour)) in legend.into_iter().enumerate() {
                 let x = DOUBLE - MARGIN - 130.0 + 68.0 * at as f64;
                 sheet.line([x, place - 6.0], [x + 12.0, place - 6.0], Stroke::new(colour, 1.6));
-                sheet.text([x + 15.0, place - 2.5], name, Style::new(TICK).colour(INK));
+                sheet.text([x + 15.0, place - 2.5], &name, Style::new(TICK).colour(INK));
             }
             place += height + between;
         }

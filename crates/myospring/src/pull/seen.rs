@@ -59,7 +59,7 @@ impl Seen {
             found: (0..count).map(|point| 2 * healed(point) <= peak.len()).collect(),
             cut: motion.cut(),
             alike_um: motion.alike_um(),
-            frames: peak.iter().map(|frame| motion.first + frame).collect(),
+            frames: peak.iter().map(|frame| motion.frames[*frame]).collect(),
         }
     }
     /// Area of each point that was found, um^2, 0 of the others: its weight where the whole cell is asked about.

@@ -5,7 +5,9 @@ use myospring::mesh::quality::long_axis;
 use myospring::microscopy::cells::{Options, PictureCells};
 use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
 use myospring::microscopy::film::{Film, FilmError};
-use myospring::microscopy::motion::{self, Cell, Motion, MotionError, Rest, Settings, Stage};
+use myospring::microscopy::motion::{
+    self, Cell, Measure, Motion, MotionError, Reason, Rest, Settings, Stage,
+};
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::segment::Choice;
 
@@ -61,14 +63,15 @@ fn quantile(sorted: &[f64], part: f64) -> f64 {
 /// Largest difference of measured and true shortening over all frames, percentage points.
 fn shortening_error(scene: &FilmScene, motion: &Motion) -> f64 {
     let lengths = motion.lengths_um();
-    let truth = |frame: usize| {
-        let x = |node: usize| {
-            motion.mesh.point(node)[0] + scene.displacement(motion.mesh.point(node), frame)[0]
-        };
-        let ends = (0..motion.mesh.len()).map(x);
-        ends.clone().fold(f64::NEG_INFINITY, f64::max) - ends.fold(f64::INFINITY, f64::min)
+    let moved = |frame: usize| {
+        let ways = (0..motion.mesh.len())
+            .map(|node| scene.displacement(motion.mesh.point(node), motion.frames[frame]));
+        let ways: Vec<[f64; 2]> = ways.collect();
+        [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
     };
-    let off = |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth(frame) / truth(0)).abs();
+    let displacements_um = (0..motion.len()).map(moved).collect();
+    let truth = Motion { displacements_um, ..motion.clone() }.lengths_um();
+    let off = |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth[frame] / truth[0]).abs();
     (0..motion.len()).map(off).fold(0.0, f64::max)
 }
 
@@ -193,7 +196,8 @@ fn what_is_interrupted_has_the_frames_that_were_done() {
     };
     let motion = motion::follow(&film, rest, &cell, Settings::at(50.0), goes_on).unwrap();
     // Frames 5, 6, 7, then 4 and 3.
-    assert_eq!((motion.first, motion.len(), motion.rest), (3, 5, 5));
+    assert_eq!((&motion.frames[..], motion.rest), (&[3, 4, 5, 6, 7][..], 5));
+    assert!(motion.interrupted && motion.repeated.is_empty());
     assert_eq!(motion.times_ms, [60.0, 80.0, 100.0, 120.0, 140.0]);
 }
 
@@ -263,10 +267,12 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     sum(&|a, b| a * b) / (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt()
 }
 
-/// Where a curve is least in each of three beats.
-fn troughs(curve: &[f64]) -> [usize; 3] {
-    [0..42, 50..90, 98..140]
-        .map(|beat| beat.min_by(|&a, &b| curve[a].total_cmp(&curve[b])).unwrap())
+/// The frames in which a curve is least in each of three beats.
+fn troughs(frames: &[usize], curve: &[f64]) -> [usize; 3] {
+    [0..42, 50..90, 98..140].map(|beat| {
+        let of = (0..frames.len()).filter(|&at| beat.contains(&frames[at]));
+        frames[of.min_by(|&a, &b| curve[a].total_cmp(&curve[b])).unwrap()]
+    })
 }
 
 #[test]
@@ -289,15 +295,22 @@ fn the_film_of_a_beating_cell_gives_its_authors_curves() {
     let motion = motion::follow(&film, rest, &seen, Settings::at(30.0), |_| true).unwrap();
 
     let theirs = columns(&std::fs::read_to_string(curves).unwrap());
-    let their = |column: usize| theirs.iter().map(|row| row[column]).collect::<Vec<f64>>();
+    // Their curves have the frames that the film repeats, too.
+    assert_eq!((motion.len(), motion.repeated.len()), (126, 20), "{:?}", motion.repeated);
+    let their =
+        |column: usize| motion.frames.iter().map(|&row| theirs[row][column]).collect::<Vec<f64>>();
     let stretches: Vec<f64> = motion.stretches().iter().map(|s| s.smaller).collect();
     let sarcomeres: Vec<f64> = motion.sarcomeres_um.iter().map(|length| length.unwrap()).collect();
     let found = [correlation(&stretches, &their(1)), correlation(&sarcomeres, &their(3))];
     // What is asked of it; a plain optical flow gives 0.98 and 0.84, their own two curves correlate by 0.81.
     assert!(found[0] >= 0.98 && found[1] >= 0.88, "{found:?}");
-    for (ours, theirs) in troughs(&stretches).into_iter().zip(troughs(&their(1))) {
+    let beats = |curve: &[f64]| troughs(&motion.frames, curve);
+    for (ours, theirs) in beats(&stretches).into_iter().zip(beats(&their(1))) {
         assert!(ours.abs_diff(theirs) <= 1, "beats at {ours} and {theirs}");
     }
+    // The frame cuts this cell, so nobody sees how long it is.
+    let headline = motion.headline();
+    assert_eq!((headline.measure, headline.reason), (Measure::Stretch, Reason::Cut));
 }
 
 #[test]

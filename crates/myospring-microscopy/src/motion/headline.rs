@@ -1,0 +1,209 @@
+//! Which number of a film says how much its cell contracts: its length, or the strains of all of it.
+//!
+//! The length speaks for the cell where both of its ends are seen and move as the rest of it does. Where the frame cuts
+//! an end, an end is not found again, or the distance between them does not follow the strains of the whole cell (a cell
+//! held at its ends, a tissue between posts, one that contracts across its long axis), the smaller principal stretch of
+//! all points does.
+
+use super::{Motion, Stretches};
+use myospring_core::mesh::ends::end_points;
+use myospring_core::mesh::quality::long_axis;
+use std::fmt;
+
+/// Part of an end's area that the frame may cut, or that may be lost in most frames.
+const MOST_CUT: f64 = 0.1;
+const MOST_LOST: f64 = 0.5;
+/// Least correlation of the shortening with the contraction by strains, and the ratios of the two that are usual.
+const LEAST_CORRELATION: f64 = 0.9;
+const USUAL: [f64; 2] = [0.5, 2.0];
+/// From this angle on a cell contracts along another line than its long axis, degrees.
+const ASKEW: f64 = 30.0;
+/// Least contraction that is one, %, and in standard errors of a point over the length of the cell.
+const LEAST_PCT: f64 = 0.2;
+const LEAST_ERRORS: f64 = 4.0;
+
+/// What says how much a cell contracts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// Its length: [`Motion::lengths_um`].
+    Length,
+    /// The smaller principal stretch of the whole cell: [`Motion::stretches`].
+    Stretch,
+}
+
+/// Why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reason {
+    /// Both ends are seen and move with the rest.
+    Follows {
+        /// Correlation of the two curves.
+        correlation: f64,
+    },
+    /// The frame cuts an end.
+    Cut,
+    /// An end was not found again in most frames.
+    Lost,
+    /// The outline is doubtful, so nobody knows where the cell ends.
+    Outline,
+    /// Nothing moves.
+    Still {
+        /// The least contraction that would be seen, %.
+        least_pct: f64,
+    },
+    /// It contracts along another line than its long axis.
+    Askew {
+        /// Angle between both, degrees.
+        degrees: f64,
+    },
+    /// The ends do something else than the cell.
+    Differs {
+        /// Correlation of the two curves.
+        correlation: f64,
+    },
+    /// The ends do as the cell does, but by much less or more.
+    Disproportion {
+        /// Shortening over contraction by strains.
+        ratio: f64,
+    },
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Follows { correlation } => write!(
+                f,
+                "both ends are seen and move as the whole cell does (correlation with stretch_1 {correlation:.2})"
+            ),
+            Self::Cut => write!(f, "the frame cuts an end of the cell, so its length is not known"),
+            Self::Lost => write!(f, "an end of the cell was not found again in most frames"),
+            Self::Outline => {
+                write!(f, "the outline is doubtful, so nobody knows where the cell ends")
+            }
+            Self::Still { least_pct } => {
+                write!(f, "the cell hardly moves (less than {least_pct:.2} % cannot be seen)")
+            }
+            Self::Askew { degrees } => {
+                write!(f, "the cell contracts at {degrees:.0} degrees to its long axis")
+            }
+            Self::Differs { correlation } => write!(
+                f,
+                "the ends do not move as the whole cell does (correlation of the length with stretch_1 {correlation:.2})"
+            ),
+            Self::Disproportion { ratio } if *ratio < 1.0 => write!(
+                f,
+                "the ends come nearer by {:.0} % of what the whole cell contracts: something holds them",
+                100.0 * ratio.max(0.0)
+            ),
+            Self::Disproportion { ratio } => write!(
+                f,
+                "the ends come nearer by {ratio:.1} times what the whole cell contracts: something else moves them"
+            ),
+        }
+    }
+}
+
+/// The number that says how much a cell contracts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Headline {
+    /// What it is read from.
+    pub measure: Measure,
+    /// Why that.
+    pub reason: Reason,
+}
+
+impl Headline {
+    /// The same, where the outline of the cell is doubtful: its length is that of the outline.
+    #[must_use]
+    pub fn with_doubtful_outline(self) -> Self {
+        match self.measure {
+            Measure::Length => Self { measure: Measure::Stretch, reason: Reason::Outline },
+            Measure::Stretch => self,
+        }
+    }
+}
+
+impl Motion {
+    /// Which number of this film can be trusted; see [`Measure`].
+    pub fn headline(&self) -> Headline {
+        let lengths = self.lengths_um();
+        let stretches = self.stretches();
+        let rest = lengths[self.rest_index()];
+        let shortening: Vec<f64> =
+            lengths.iter().map(|length| 100.0 * (1.0 - length / rest)).collect();
+        let contraction: Vec<f64> =
+            stretches.iter().map(|stretch| 100.0 * (1.0 - stretch.smaller)).collect();
+        let least_pct = self.least_contraction_pct();
+        let reason = self.at_ends().unwrap_or_else(|| {
+            if contraction.iter().all(|contraction| *contraction < least_pct) {
+                return Reason::Still { least_pct };
+            }
+            let degrees = self.askew(&stretches);
+            let (correlation, ratio) = compared(&shortening, &contraction);
+            match () {
+                () if degrees > ASKEW => Reason::Askew { degrees },
+                () if correlation < LEAST_CORRELATION => Reason::Differs { correlation },
+                () if !(USUAL[0]..=USUAL[1]).contains(&ratio) => Reason::Disproportion { ratio },
+                () => Reason::Follows { correlation },
+            }
+        });
+        let measure = match reason {
+            Reason::Follows { .. } => Measure::Length,
+            _ => Measure::Stretch,
+        };
+        Headline { measure, reason }
+    }
+
+    /// The least contraction that this film can show, %.
+    pub fn least_contraction_pct(&self) -> f64 {
+        let length = self.lengths_um()[self.rest_index()];
+        let error_pct = 100.0 * self.error_um.unwrap_or(0.0) / length;
+        (LEAST_ERRORS * error_pct).max(LEAST_PCT)
+    }
+
+    /// What is wrong with an end of the cell, if something is.
+    fn at_ends(&self) -> Option<Reason> {
+        let (cut, seen, areas) = (self.cut(), self.seen_areas(), &self.mesh.areas);
+        for end in end_points(&self.mesh.points, long_axis(&self.mesh)) {
+            let all: f64 = end.iter().map(|&point| areas[point]).sum();
+            let part = |of: &dyn Fn(usize) -> f64| end.iter().map(|&at| of(at)).sum::<f64>() / all;
+            if part(&|at| if cut[at] { areas[at] } else { 0.0 }) > MOST_CUT {
+                return Some(Reason::Cut);
+            }
+            if part(&|at| seen[at]) < 1.0 - MOST_LOST {
+                return Some(Reason::Lost);
+            }
+        }
+        None
+    }
+
+    /// Angle between the line along which the cell contracts and its long axis, degrees, 0 to 90; each frame counts by
+    /// how different its two stretches are.
+    fn askew(&self, stretches: &[Stretches]) -> f64 {
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for stretch in stretches {
+            let [x, y] = stretch.direction;
+            let weight = (stretch.larger - stretch.smaller).powi(2);
+            // A line has the same direction both ways: twice its angle is averaged.
+            cosine += weight * (x * x - y * y);
+            sine += weight * 2.0 * x * y;
+        }
+        let [x, y] = long_axis(&self.mesh);
+        let between = 0.5 * sine.atan2(cosine) - y.atan2(x);
+        let degrees = between.to_degrees().rem_euclid(180.0);
+        degrees.min(180.0 - degrees)
+    }
+}
+
+/// Correlation of two curves, and the factor by which the first follows the second.
+fn compared(one: &[f64], other: &[f64]) -> (f64, f64) {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (a, b) = (mean(one), mean(other));
+    let (mut both, mut first, mut second) = (0.0, 0.0, 0.0);
+    for (x, y) in one.iter().zip(other) {
+        both += (x - a) * (y - b);
+        first += (x - a).powi(2);
+        second += (y - b).powi(2);
+    }
+    let correlation = if first * second > 0.0 { both / (first * second).sqrt() } else { 0.0 };
+    (correlation, if second > 0.0 { both / second } else { 0.0 })
+}
