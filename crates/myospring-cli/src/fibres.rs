@@ -24,11 +24,13 @@ pub(crate) fn write<'a>(
 
 fn rows(mesh: &Mesh, seen: &Seen) -> Vec<FibreRow> {
     let triangles = mesh.simplices.iter().zip(&seen.triangles);
+    let is_doubtful = seen.field.doubtful_lengths();
     triangles
         .map(|(triangle, place)| FibreRow {
             point_um: mesh.centre(triangle),
             direction_deg: place.from_picture.then(|| place.angle_deg()),
             sarcomere_um: place.sarcomere_um,
+            sarcomere_doubtful: place.sarcomere_um.map(&is_doubtful),
             order: place.from_picture.then_some(place.order),
             coverage: place.from_picture.then_some(place.coverage),
         })

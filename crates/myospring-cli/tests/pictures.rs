@@ -211,7 +211,10 @@ fn fibres_that_a_picture_shows_go_into_a_table_into_reports_and_into_the_run_tha
     assert!(report["fibres"]["read_pct"].as_f64().unwrap() > 50.0, "{report}");
     let table = read("results/cell_outline/fibres.csv");
     let mut lines = table.lines();
-    assert_eq!(lines.next(), Some("x_um,y_um,direction_deg,sarcomere_um,order,coverage"));
+    assert_eq!(
+        lines.next(),
+        Some("x_um,y_um,direction_deg,sarcomere_um,order,coverage,sarcomere_doubtful")
+    );
     let rows: Vec<Vec<Option<f64>>> =
         lines.map(|line| line.split(',').map(|value| value.parse().ok()).collect()).collect();
     assert_eq!(rows.len() as u64, report["lattice"]["triangles"].as_u64().unwrap());

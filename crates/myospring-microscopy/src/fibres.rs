@@ -4,7 +4,8 @@
 //! power spectra at 1.4 to 2.6 um, near one period for the whole cell, in directions that neighbours share
 //! (`stripes`). Columns of myofibrils, the rim, nuclei and single lines have strong edges but no period, and do not
 //! answer. Where nothing stands out, there is no answer. Stripes of another period are never used: they say
-//! that the pixel size is wrong ([`Misfit`]).
+//! that the pixel size is wrong ([`Misfit`]). A length near an end of the band, or from little of the cell, is doubtful
+//! ([`SarcomereDoubt`]).
 //!
 //! **Threads** ([`Stain::Filament`]) have no period. At each pixel the grey values have a gradient `g`. The mean of
 //! `g g^T` over a neighbourhood, the structure tensor, has its small eigenvector along the threads
@@ -25,6 +26,7 @@
 //! are the same vector. The mixed field is smoothed once more, over half as much, so that the border
 //! between picture and long axis is no kink for the mechanics.
 
+mod doubt;
 mod field;
 mod grid;
 mod misfit;
@@ -38,6 +40,7 @@ mod window;
 use std::ops::RangeInclusive;
 
 use super::plane::Plane;
+pub use doubt::SarcomereDoubt;
 pub use field::{Fibre, FibreField, FibreSummary};
 pub use misfit::Misfit;
 use myospring_core::mesh::pixel_size::PixelSize;
@@ -148,20 +151,22 @@ pub fn fibres(
     }
     check(settings)?;
     let pixel_um = pixel_size.um();
-    let (readings, misfit) = match settings.stain {
-        Stain::Filament => (tensor::read(plane, inside, pixel_um, settings), None),
+    let (readings, band, misfit) = match settings.stain {
+        Stain::Filament => (tensor::read(plane, inside, pixel_um, settings), None, None),
         Stain::ZDisc => {
             let found =
                 stripes::of_cell(plane, inside, pixel_um, settings).ok_or(FibreError::EmptyMask)?;
             let misfit = misfit::find(plane, inside, pixel_um, settings, &found);
-            let readings = found.readings;
-            (Some(if misfit.is_some() { readings.emptied() } else { readings }), misfit)
+            let (readings, band) = (found.readings, found.band);
+            let readings = if misfit.is_some() { readings.emptied() } else { readings };
+            (Some(readings), Some(band), misfit)
         }
     };
     let axis = [x / length, y / length];
     // The border between picture and long axis, half as wide as what the directions are means of.
     let border_um = 0.5 * settings.smoothing_um;
-    Ok(FibreField::new(readings.ok_or(FibreError::EmptyMask)?, misfit, axis, border_um))
+    let readings = readings.ok_or(FibreError::EmptyMask)?;
+    Ok(FibreField::new(readings, band, misfit, axis, border_um))
 }
 
 fn check(settings: &FibreSettings) -> Result<(), FibreError> {

@@ -11,6 +11,8 @@ pub struct FibreRow {
     pub direction_deg: Option<f64>,
     /// Length of a sarcomere, um.
     pub sarcomere_um: Option<f64>,
+    /// Whether that length is doubtful.
+    pub sarcomere_doubtful: Option<bool>,
     /// How sharply the picture shows one direction and one period, 0 to 1.
     pub order: Option<f64>,
     /// Part of the neighbourhood within the cell that answered, 0 to 1.
@@ -18,7 +20,8 @@ pub struct FibreRow {
 }
 
 /// Columns of `fibres.csv` in their order.
-const COLUMNS: [&str; 6] = ["x_um", "y_um", "direction_deg", "sarcomere_um", "order", "coverage"];
+const COLUMNS: [&str; 7] =
+    ["x_um", "y_um", "direction_deg", "sarcomere_um", "order", "coverage", "sarcomere_doubtful"];
 
 /// The fibres of cells, each with its name, as the text of `fibres.csv`: one row a triangle, in the order of the
 /// mesh. Where there are several cells their names stand in a first column, `cell`. What is not known is empty.
@@ -32,7 +35,7 @@ const COLUMNS: [&str; 6] = ["x_um", "y_um", "direction_deg", "sarcomere_um", "or
 /// let read = FibreRow { point_um: [1.5, 2.0], direction_deg: Some(-15.0), ..FibreRow::default() };
 /// assert_eq!(
 ///     to_csv(&[("1", vec![read])])?,
-///     "x_um,y_um,direction_deg,sarcomere_um,order,coverage\n1.5,2,-15,,,\n"
+///     "x_um,y_um,direction_deg,sarcomere_um,order,coverage,sarcomere_doubtful\n1.5,2,-15,,,,\n"
 /// );
 /// # Ok::<(), myospring::output::csv::CsvError>(())
 /// ```
@@ -45,7 +48,8 @@ pub fn to_csv(cells: &[(&str, Vec<FibreRow>)]) -> Result<String, CsvError> {
     let mut written = 0;
     for (name, row) in rows {
         let [x, y] = row.point_um.map(Some);
-        let values = [x, y, row.direction_deg, row.sarcomere_um, row.order, row.coverage];
+        let doubtful = row.sarcomere_doubtful.map(|is| f64::from(u8::from(is)));
+        let values = [x, y, row.direction_deg, row.sarcomere_um, row.order, row.coverage, doubtful];
         let values = values.map(|value| value.map_or_else(String::new, number));
         let name = named.then(|| name.to_owned());
         writer
@@ -68,9 +72,12 @@ mod tests {
         let row = FibreRow { coverage: Some(0.25), ..FibreRow::default() };
         let text = to_csv(&[("left, upper", vec![row; 2]), ("2", vec![row])]).unwrap();
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "cell,x_um,y_um,direction_deg,sarcomere_um,order,coverage");
-        assert_eq!(lines[1], "\"left, upper\",0,0,,,,0.25");
-        assert_eq!(lines[3], "2,0,0,,,,0.25");
+        assert_eq!(
+            lines[0],
+            "cell,x_um,y_um,direction_deg,sarcomere_um,order,coverage,sarcomere_doubtful"
+        );
+        assert_eq!(lines[1], "\"left, upper\",0,0,,,,0.25,");
+        assert_eq!(lines[3], "2,0,0,,,,0.25,");
         assert_eq!(lines.len(), 4);
     }
 }

@@ -1,5 +1,6 @@
 //! A field of directions over a cell.
 
+use super::doubt::{Band, SarcomereDoubt};
 use super::grid::between;
 use super::misfit::Misfit;
 use super::reading::{Place, Reading, Readings};
@@ -68,6 +69,8 @@ pub struct FibreSummary {
     pub median_sarcomere_um: Option<f64>,
     /// First and third quartile of that length, um.
     pub sarcomere_quartiles_um: Option<[f64; 2]>,
+    /// Why that length is doubtful, if it is.
+    pub sarcomere_doubt: Option<SarcomereDoubt>,
 }
 
 /// Below this part of the cell, and above this angle from its long axis, a person is told.
@@ -87,6 +90,8 @@ pub struct FibreField {
     coverage: Vec<f32>,
     /// Unit vector.
     long_axis: [f64; 2],
+    /// The periods that were looked for, of stains that have stripes.
+    band: Option<Band>,
     /// Stripes that no sarcomere can have made.
     misfit: Option<Misfit>,
 }
@@ -96,6 +101,7 @@ impl FibreField {
     /// places it passes into the long axis over `border_um`.
     pub(super) fn new(
         readings: Readings,
+        band: Option<Band>,
         misfit: Option<Misfit>,
         long_axis: [f64; 2],
         border_um: f64,
@@ -131,7 +137,7 @@ impl FibreField {
             [mix(axis[0], x), mix(axis[1], y)]
         };
         let mixed = (0..share.len()).map(mixed).collect();
-        Self { readings, mixed, coverage, long_axis, misfit }
+        Self { readings, mixed, coverage, long_axis, band, misfit }
     }
 
     /// The fibre at a point, um from the lower left corner of the picture, y upward.
@@ -247,6 +253,15 @@ impl FibreField {
         self.long_axis
     }
 
+    /// Tells of a length of a sarcomere that was read somewhere, um, whether it is doubtful: near an end of the band that
+    /// is looked for, or in a cell of which too little was read.
+    pub fn doubtful_lengths(&self) -> impl Fn(f64) -> bool {
+        let doubt = self.summary().sarcomere_doubt;
+        let of_all = matches!(doubt, Some(SarcomereDoubt::FewPlaces { .. }));
+        let band = self.band;
+        move |length| of_all || band.is_some_and(|band| band.doubt(length, 1.0).is_some())
+    }
+
     /// Numbers over the whole cell, each part of it weighed by its area.
     pub fn summary(&self) -> FibreSummary {
         let (mut area, mut from_picture, mut order) = (0.0, 0.0, 0.0);
@@ -273,15 +288,19 @@ impl FibreField {
             area = 1.0;
         }
         sarcomeres.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let median_sarcomere_um = quantile(&sarcomeres, 0.5);
+        let read = sarcomeres.iter().map(|(_, share)| share).sum::<f64>() / area;
+        let doubt = |(band, length): (Band, f64)| band.doubt(length, read);
         FibreSummary {
             share_from_picture: from_picture / area,
             mean_angle_deg: line_angle_deg(0.5 * sum[1].atan2(sum[0])),
             alignment: (sum[0].hypot(sum[1]) / area).min(1.0),
             mean_order: order / area,
-            median_sarcomere_um: quantile(&sarcomeres, 0.5),
+            median_sarcomere_um,
             sarcomere_quartiles_um: quantile(&sarcomeres, 0.25)
                 .zip(quantile(&sarcomeres, 0.75))
                 .map(|(first, third)| [first, third]),
+            sarcomere_doubt: self.band.zip(median_sarcomere_um).and_then(doubt),
         }
     }
 
@@ -312,12 +331,16 @@ impl FibreField {
     }
 
     /// Of the warnings those that hold however little of the cell was expected to be read: stripes of another
-    /// period, fibres across the cell.
+    /// period, a doubtful length of sarcomeres, fibres across the cell.
     pub fn doubts(&self) -> Vec<String> {
         let summary = self.summary();
         let mut warnings = Vec::new();
         if let Some(misfit) = self.misfit {
             warnings.push(format!("{misfit}; they are not used, the long axis stands in"));
+        }
+        if let (Some(length), Some(doubt)) = (summary.median_sarcomere_um, summary.sarcomere_doubt)
+        {
+            warnings.push(format!("the sarcomere length of {length:.2} um is doubtful: {doubt}"));
         }
         if summary.share_from_picture > 0.0 && summary.mean_angle_deg.abs() > LARGE_ANGLE_DEG {
             let slender = self.slenderness();

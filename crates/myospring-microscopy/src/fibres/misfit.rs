@@ -79,6 +79,13 @@ pub(super) fn find(
         (share >= LEAST_SHARE).then_some((other.power, period_um))
     };
     let misfit = |period_um| Misfit { period_um, pixel_um };
+    // Stripes just beyond the band are seen from within it. Where they lie is told best by looking there.
+    let beyond = found.period_um.filter(|period| !found.band.contains(*period));
+    if let Some(period) = beyond.filter(|_| found.share >= LEAST_SHARE) {
+        let there = if period > found.band.longest_um { &[LONGER][..] } else { &SHORTER };
+        let better = there.iter().find_map(|&scale| at(scale)).map(|(_, period)| period);
+        return Some(misfit(better.unwrap_or(period)));
+    }
     if let Some((power, period_um)) = at(LONGER) {
         // Narrow stripes have twice and three times the wave number, too, but weaker: those are not the sarcomeres.
         let multiple = found.period_um.is_some_and(|period| {

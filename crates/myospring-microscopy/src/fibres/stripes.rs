@@ -14,6 +14,7 @@
 //! 5. The centre of the peak gives angle and period between the samples.
 
 use super::super::plane::Plane;
+use super::doubt::Band;
 use super::grid::{Grid, half_gaussian, median};
 use super::reading::{Reading, Readings};
 use super::settings::FibreSettings;
@@ -64,8 +65,12 @@ const SHORTER: [f64; 2] = [1.32, 1.65];
 /// What the stripes of a cell say.
 pub(super) struct Stripes {
     pub(super) readings: Readings,
-    /// Median period of the places that answered, um.
+    /// The periods that were looked for.
+    pub(super) band: Band,
+    /// Median period of the places that show one, um; those beyond the band, which do not answer, count.
     pub(super) period_um: Option<f64>,
+    /// Part of the cell that these places are.
+    pub(super) share: f64,
     /// Median over the answers of the wave's power (half the square of its height), in grey levels squared.
     pub(super) power: f32,
 }
@@ -104,9 +109,10 @@ pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) 
         power.chunks_exact(size).flat_map(|power| comparison.contrasts(power)).collect();
     let cell = Cell { window, spectra, power, comparison, contrasts };
     let mut at = vec![Reading::default(); cell.spectra.weight.len()];
+    let band = Band { shortest_um: shortest_um.max(SHORTEST_UM), longest_um: LONGEST_UM };
     let Some(common) = cell.common_wave_number() else {
         let readings = Readings { place: cell.spectra.place, at };
-        return Stripes { readings, period_um: None, power: 0.0 };
+        return Stripes { readings, band, period_um: None, share: 0.0, power: 0.0 };
     };
     let evidence = cell.evidence(common);
     let directions = cell.continuous(&evidence);
@@ -115,18 +121,23 @@ pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) 
         .map(|peak| peak.filter(|peak| peak.contrast >= LEAST_CONTRAST))
         .collect();
     let (seen, power) = cell.seen_at_the_place(&peaks);
-    let sarcomeres = shortest_um.max(SHORTEST_UM)..=LONGEST_UM;
+    let (mut periods, mut shown) = (Vec::new(), 0.0);
     for (place, peak) in peaks.iter().enumerate() {
         let Some(peak) = peak.filter(|_| seen[place]) else { continue };
         let reading = cell.reading(place, peak);
+        let Some(period) = reading.sarcomere_um else { continue };
+        periods.push(period);
+        shown += f64::from(cell.spectra.place.share[place]);
         // A peak at the end of the band may have its centre outside.
-        if reading.sarcomere_um.is_some_and(|length| sarcomeres.contains(&f64::from(length))) {
+        if band.contains(f64::from(period)) {
             at[place] = reading;
         }
     }
-    let lengths: Vec<f32> = at.iter().filter_map(|reading| reading.sarcomere_um).collect();
-    let period_um = (!lengths.is_empty()).then(|| f64::from(median(lengths)));
-    Stripes { readings: Readings { place: cell.spectra.place, at }, period_um, power }
+    // Without those beyond the band the median would be drawn into it.
+    let period_um = (!periods.is_empty()).then(|| f64::from(median(periods)));
+    let all: f64 = cell.spectra.place.share.iter().map(|share| f64::from(*share)).sum();
+    let share = if all > 0.0 { shown / all } else { 0.0 };
+    Stripes { readings: Readings { place: cell.spectra.place, at }, band, period_um, share, power }
 }
 
 /// A peak of a spectrum, by the samples it lies nearest to.

@@ -5,7 +5,7 @@ use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::long_axis;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::{
-    COARSEST_PIXEL_UM, Fibre as Place, FibreError, FibreField, FibreSettings, Stain,
+    COARSEST_PIXEL_UM, Fibre as Place, FibreError, FibreField, FibreSettings, SarcomereDoubt, Stain,
 };
 use crate::microscopy::segment::Modality;
 use serde::Serialize;
@@ -114,6 +114,9 @@ pub struct SeenReport {
     pub sarcomere_q1_um: Option<f64>,
     /// Third quartile of it, um.
     pub sarcomere_q3_um: Option<f64>,
+    /// Why that length is doubtful, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sarcomere_doubt: Option<SarcomereDoubt>,
     /// Triangles of the mesh in which one was read.
     pub sarcomeres: usize,
 }
@@ -263,6 +266,7 @@ impl Seen {
             sarcomere_um: summary.median_sarcomere_um,
             sarcomere_q1_um: quartiles.map(|[first, _]| first),
             sarcomere_q3_um: quartiles.map(|[_, third]| third),
+            sarcomere_doubt: summary.sarcomere_doubt,
             sarcomeres: self.lengths().count(),
         }
     }
@@ -294,6 +298,9 @@ impl fmt::Display for FibreReport {
         if let (Some(median), Some(q1), Some(q3)) = (sarcomere_um, sarcomere_q1_um, sarcomere_q3_um)
         {
             write!(out, "; sarcomeres {median:.2} um (quartiles {q1:.2}, {q3:.2})")?;
+            if let Some(doubt) = seen.sarcomere_doubt {
+                write!(out, ", doubtful: {doubt}")?;
+            }
         }
         Ok(())
     }

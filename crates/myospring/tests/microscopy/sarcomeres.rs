@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::common::{self, pixels_of};
 use crate::fibres::{Scene, apart, noise};
-use myospring::microscopy::fibres::{FibreField, FibreSettings, Stain, fibres};
+use myospring::microscopy::fibres::{FibreField, FibreSettings, SarcomereDoubt, Stain, fibres};
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::read::read_picture;
 
@@ -125,6 +125,56 @@ fn stripes_that_no_sarcomere_has_are_said_and_not_used() {
         let fitting = pixel * 1.85 / period;
         assert!((misfit.fitting_pixel_um() / fitting - 1.0).abs() < 0.03, "{misfit:?}");
     }
+}
+
+#[test]
+fn a_length_that_is_printed_is_right_or_said_to_be_doubtful() {
+    // Made-up cells over what sarcomeres have and beyond, at pixels that show them well and hardly.
+    for (pixel, step) in [(0.12, 0.07), (0.3, 0.14)] {
+        let periods =
+            (0..).map(|at| 1.1 + step * f64::from(at)).take_while(|period| *period < 3.25);
+        for period in periods {
+            let scene = Scene { side_um: 40.0, half: [18.0, 8.0], ..rod(pixel, 25.0) };
+            let field = read(&scene, |u, _| stripes(u, period), 0.1);
+            let summary = field.summary();
+            let case = format!("{period:.2} um in pixels of {pixel} um: {summary:?}");
+            let is_usual = (1.56..2.32).contains(&period);
+            match (summary.median_sarcomere_um, summary.sarcomere_doubt) {
+                // As of the lengths in the middle of the band; ends of a small cell cost another half per cent.
+                (Some(found), None) => {
+                    assert!((found / period - 1.0).abs() < 0.01 && is_usual, "{case}");
+                }
+                (Some(_), Some(doubt)) => {
+                    assert!(!is_usual, "{case}");
+                    let said = field.doubts().concat();
+                    assert!(
+                        said.contains("is doubtful") && said.contains(&doubt.to_string()),
+                        "{said}"
+                    );
+                }
+                (None, _) => assert!(!(1.45..2.55).contains(&period), "{case}"),
+            }
+            // What is beyond the band is measured there, not at its end.
+            if let Some(misfit) = field.misfit() {
+                assert!((misfit.period_um / period - 1.0).abs() < 0.03, "{case} {misfit:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_length_from_a_small_part_of_a_cell_is_doubtful() {
+    let scene = rod(0.15, 10.0);
+    let patch = |u: f64, v: f64| (u + 20.0).hypot(v) < 5.0;
+    let field = read(&scene, |u, v| if patch(u, v) { stripes(u, 1.85) } else { 0.4 }, 0.1);
+    let summary = field.summary();
+    let doubt = summary.sarcomere_doubt;
+    assert!(matches!(doubt, Some(SarcomereDoubt::FewPlaces { .. })), "{summary:?}");
+    assert!(field.doubtful_lengths()(1.85), "{summary:?}");
+    let whole = read(&scene, |u, _| stripes(u, 1.85), 0.1);
+    assert_eq!(whole.summary().sarcomere_doubt, None);
+    let is_doubtful = whole.doubtful_lengths();
+    assert_eq!([1.45, 1.85, 2.5].map(is_doubtful), [true, false, true]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::report::Summary;
 use crate::output::table::{Column, Table, column_name};
-use crate::settings::FibreReport;
+use crate::settings::{FibreReport, SeenReport};
 use crate::study::{Row, Status};
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +71,10 @@ impl CellRow {
         self.number("sarcomere_um", seen.and_then(|seen| seen.sarcomere_um));
         self.number("sarcomere_q1_um", seen.and_then(|seen| seen.sarcomere_q1_um));
         self.number("sarcomere_q3_um", seen.and_then(|seen| seen.sarcomere_q3_um));
+        let is_doubtful = |seen: &SeenReport| {
+            seen.sarcomere_um.map(|_| f64::from(u8::from(seen.sarcomere_doubt.is_some())))
+        };
+        self.number("sarcomere_doubtful", seen.and_then(is_doubtful));
         self.number("fibre_order", seen.map(|seen| seen.order));
         self.number("fibre_alignment", seen.map(|seen| seen.alignment));
         self.number("fibre_angle_to_axis_deg", seen.map(|seen| seen.angle_to_axis_deg));
