@@ -165,7 +165,7 @@ fn a_length_that_is_printed_is_right_or_said_to_be_doubtful() {
 #[test]
 fn a_length_from_a_small_part_of_a_cell_is_doubtful() {
     let scene = rod(0.15, 10.0);
-    let patch = |u: f64, v: f64| (u + 20.0).hypot(v) < 5.0;
+    let patch = |u: f64, v: f64| (u + 20.0).hypot(v) < 4.0;
     let field = read(&scene, |u, v| if patch(u, v) { stripes(u, 1.85) } else { 0.4 }, 0.1);
     let summary = field.summary();
     let doubt = summary.sarcomere_doubt;
