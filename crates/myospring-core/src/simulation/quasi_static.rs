@@ -3,8 +3,8 @@
 //! The cell model runs in time and feels the stretch as in any run; the mesh takes at once the shape
 //! that belongs to the tension ([`Path`]). So length, width, area and energies are functions of the
 //! tension alone. They are computed at nine tensions in each load step and interpolated by cubics
-//! through four of them: exact for lengths, which are cubic polynomials of the tension as long as the
-//! same nodes are outermost. A frame is the path's own shape.
+//! through four of them: exact for lengths along an axis that does not turn, which are cubic polynomials of
+//! the tension. A frame is the path's own shape.
 //!
 //! Nothing moves, so momenta and kinetic energy are 0, and nothing is dissipated: these are the limits of
 //! a slow contraction, not unknowns. The work of the active force is the elastic energy, added up on its
@@ -260,7 +260,7 @@ pub struct Response {
     pub t_ms: f64,
     /// Active tension, kPa.
     pub ta_kpa: f64,
-    /// End-to-end length along the reference long axis, um.
+    /// Length along the reference long axis, um.
     pub length_um: f64,
     /// Width across the long axis, um.
     pub width_um: f64,
