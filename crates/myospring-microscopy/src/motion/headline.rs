@@ -139,11 +139,14 @@ impl Motion {
             }
             let degrees = self.askew(&stretches);
             let (correlation, ratio) = compared(&shortening, &contraction);
-            match () {
-                () if degrees > ASKEW => Reason::Askew { degrees },
-                () if correlation < LEAST_CORRELATION => Reason::Differs { correlation },
-                () if !(USUAL[0]..=USUAL[1]).contains(&ratio) => Reason::Disproportion { ratio },
-                () => Reason::Follows { correlation },
+            if degrees > ASKEW {
+                Reason::Askew { degrees }
+            } else if correlation < LEAST_CORRELATION {
+                Reason::Differs { correlation }
+            } else if !(USUAL[0]..=USUAL[1]).contains(&ratio) {
+                Reason::Disproportion { ratio }
+            } else {
+                Reason::Follows { correlation }
             }
         });
         let measure = match reason {
