@@ -82,7 +82,8 @@ impl Span {
     fn now(&self, positions: &[Vec<f64>; 2], direction: [f64; 2]) -> f64 {
         let [rigid, between] = self.rigid;
         let stretch = (self.distance(positions, direction) - between) / (self.apart - between);
-        rigid + (self.rest - rigid) * stretch
+        // In this form a cell that keeps its length does so to the last bit.
+        self.rest + (self.rest - rigid) * (stretch - 1.0)
     }
 }
 
