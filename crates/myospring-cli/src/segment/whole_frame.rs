@@ -8,7 +8,9 @@ use crate::overlay;
 use crate::print;
 use crate::results::Folder;
 use myospring::microscopy::cells::PictureCells;
-use myospring::microscopy::fibres::{Fibre as Place, FibreField, FibreSettings, Stain};
+use myospring::microscopy::fibres::{
+    Fibre as Place, FibreField, FibreSettings, SarcomereDoubt, Stain,
+};
 use myospring::output::fibres::{FibreRow, to_csv};
 use myospring::output::figure::{Sarcomeres, Tick};
 use myospring::output::json;
@@ -46,6 +48,9 @@ struct FibreReport {
     sarcomere_um: Option<f64>,
     sarcomere_q1_um: Option<f64>,
     sarcomere_q3_um: Option<f64>,
+    /// Why that length is doubtful, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sarcomere_doubt: Option<SarcomereDoubt>,
 }
 
 pub(super) fn read(
@@ -93,7 +98,7 @@ pub(super) fn read(
         fibres,
         notes: &notes,
     };
-    let written = write(args, &target, &cells, &places, &report)?;
+    let written = write(args, &target, &cells, &field, &places, &report)?;
     if args.json {
         print::out(&json::pretty(&report)?)?;
     } else {
@@ -131,6 +136,7 @@ fn report(
         sarcomere_um: summary.median_sarcomere_um,
         sarcomere_q1_um: quartiles.map(|[first, _]| first),
         sarcomere_q3_um: quartiles.map(|[_, third]| third),
+        sarcomere_doubt: summary.sarcomere_doubt,
     }
 }
 
@@ -155,7 +161,12 @@ fn for_people(report: &Report<'_>) -> String {
     }
     let FibreReport { sarcomere_um, sarcomere_q1_um, sarcomere_q3_um, .. } = &report.fibres;
     if let (Some(median), Some(q1), Some(q3)) = (sarcomere_um, sarcomere_q1_um, sarcomere_q3_um) {
-        lines.push(format!("{:<20} {median:.2} um (quartiles {q1:.2}, {q3:.2})", "sarcomeres"));
+        let doubt = report.fibres.sarcomere_doubt;
+        let doubt = doubt.map_or_else(String::new, |doubt| format!(", doubtful: {doubt}"));
+        lines.push(format!(
+            "{:<20} {median:.2} um (quartiles {q1:.2}, {q3:.2}){doubt}",
+            "sarcomeres"
+        ));
     }
     lines.join("\n")
 }
@@ -164,6 +175,7 @@ fn write(
     args: &SegmentArgs,
     target: &Path,
     cells: &PictureCells,
+    field: &FibreField,
     places: &[([f64; 2], Place)],
     report: &Report<'_>,
 ) -> Result<PathBuf, Failure> {
@@ -175,10 +187,12 @@ fn write(
         read_pct: report.fibres.read_pct,
     });
     let figure = overlay::of_frame(&report.picture, cells, &ticks, sarcomeres, report.notes)?;
+    let is_doubtful = field.doubtful_lengths();
     let row = |&(point_um, place): &([f64; 2], Place)| FibreRow {
         point_um,
         direction_deg: place.from_picture.then(|| place.angle_deg()),
         sarcomere_um: place.sarcomere_um,
+        sarcomere_doubtful: place.sarcomere_um.map(&is_doubtful),
         order: place.from_picture.then_some(place.order),
         coverage: place.from_picture.then_some(place.coverage),
     };
