@@ -92,14 +92,15 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         row.extend(s2.map(|beat| or_dash(beat.value(metric))));
         // What is known is of unloaded cells.
         let reference = band(metric).filter(|_| !loaded);
-        let [ends, place] = match (value, reference) {
+        let measured = match (value, reference) {
             (Some(value), Some(band)) => {
-                [format!("{} to {}", band.low, band.high), band.place(value).words().to_owned()]
+                let ends = format!("{} to {}", band.low, band.high);
+                format!("{ends:<12}{}", band.place(value).words())
             }
-            (Some(_), None) => [String::new(), String::new()],
-            (None, _) => [why_not(first, metric).to_owned(), String::new()],
+            (Some(_), None) => String::new(),
+            (None, _) => why_not(first, metric).to_owned(),
         };
-        row.extend([(*unit).to_owned(), ends, place]);
+        row.extend([(*unit).to_owned(), measured]);
         rows.push(row);
     }
     for (metric, words) in OF_S2 {
