@@ -33,7 +33,7 @@ ROWS = table()
 # Settings of the tables that say what the cell is, and those that make it what a constructor of `Cell` says it is.
 OF_CELL = ("shape", "segmentation")
 IMAGE = {"label", "rotate_deg", "built_in", "picture"}
-OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um")
+OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um", "any_size")
 # Without a mesh nothing else has a place.
 OF_POTENTIAL = (
     "model", "parameters", "cell_integrator", "cell_step_ms", "cell_tolerance", "authors_step",
@@ -61,7 +61,7 @@ def of_image() -> list[dict[str, Any]]:
 
 def of_mask() -> list[dict[str, Any]]:
     names = ("pixel_size_um", "label", "cell", "seed", "channel", "frame", "z", "min_area_um2", "max_area_um2",
-             "allow_cut", "spacing_um")
+             "allow_cut", "spacing_um", "any_size")
     return chosen(names)
 
 

@@ -72,7 +72,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     folder.write("metrics.csv", files::metrics(&all)?)?;
     folder.write("summary.csv", files::summary(&all)?)?;
     let record = files::Record::of(&all, &notes);
-    folder.write("summary.json", json::pretty(&record)?)?;
+    folder.write("summary.json", json::for_people(&record)?)?;
     let bar = progress::of_members(args.output.quiet, all.len(), "figures");
     let names = files::figure_names(&all);
     for (read, name) in all.iter().zip(&names) {
@@ -88,7 +88,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
     let target = folder.finish()?;
     if args.output.json {
-        print::out(&json::pretty(&record)?)?;
+        print::out(&json::for_people(&record)?)?;
     } else {
         print::out(&words::tables(&all))?;
         print::out(&format!("\nwritten: {}", target.display()))?;

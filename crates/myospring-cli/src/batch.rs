@@ -6,7 +6,7 @@ mod members;
 use crate::args::BatchArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::{interrupt, print, progress};
+use crate::{inputs, interrupt, print, progress};
 use indicatif::ProgressBar;
 use kept::Kept;
 use myospring::output::{files, json};
@@ -41,7 +41,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         members::settled(args, picture)?;
     }
     let common = Picture::new(String::new(), pictures[0].path.clone());
-    let settings = settings(args, &members::settled(args, &common)?);
+    let settings = settings(args, &members::settled(args, &common)?, &target);
     if !args.output.quiet {
         for note in &notes {
             print::warn(note);
@@ -115,7 +115,7 @@ impl Observer<Picture> for Seen<'_> {
 
     fn table(&self, rows: &[CellRow]) -> Result<(), Cause> {
         let table = CellRow::table(rows);
-        files::write(&self.target.join(kept::CSV), table.to_csv()?)?;
+        files::write(&self.target.join(kept::CSV), table.clone().for_people().to_csv()?)?;
         Ok(files::write(&self.target.join(kept::PARQUET), table.to_parquet()?)?)
     }
 }
@@ -146,9 +146,12 @@ fn target(args: &BatchArgs) -> PathBuf {
 }
 
 /// Every setting that results depend on, as text.
-fn settings(args: &BatchArgs, run: &Run) -> String {
+fn settings(args: &BatchArgs, run: &Run, target: &Path) -> String {
     let mut file = run.to_run_file();
     file.remove("shape.picture");
+    for path in file.paths_mut() {
+        *path = inputs::relative(Path::new(&*path), target).unwrap_or_else(|| path.clone());
+    }
     let text = file.to_toml();
     let cells = args.settings.get("segmentation.cell").and_then(Value::as_text).unwrap_or("all");
     let (version, figures) = (env!("CARGO_PKG_VERSION"), args.figures);

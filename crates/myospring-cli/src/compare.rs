@@ -8,6 +8,7 @@ use crate::args::CompareArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::input;
+use crate::inputs::{self, Inputs};
 use crate::interrupt;
 use crate::print::{self, progress_bar};
 use crate::results::Folder;
@@ -70,7 +71,16 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let sides: Result<Vec<Side>, Failure> =
         threads.install(|| jobs.into_par_iter().map(|job| job.side(&bar)).collect());
     bar.finish_and_clear();
-    let sides = sides?;
+    let mut sides = sides?;
+    let mut inputs = Inputs::default();
+    for side in &mut sides {
+        inputs.keep(&folder, side.file.clone(), |file| std::fs::read(file))?;
+        side.file = inputs.renamed(side.file.clone(), "../");
+        if Path::new(&side.source).is_absolute() {
+            side.source = inputs::relative(Path::new(&side.source), &target)
+                .unwrap_or_else(|| side.source.clone());
+        }
+    }
     if interrupt::asked() {
         return Ok(ExitCode::from(1));
     }
@@ -104,7 +114,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     folder.write("metrics.csv", words::csv(&labels, &metrics)?)?;
     figures(&folder, &sides)?;
     let differences = words::differences(&settings, &sides);
-    let look = report::write(&folder, &sides, &differences, &warnings)?;
+    let look = report::write(&folder, &sides, &differences, &warnings, &inputs)?;
     let record = Record {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
@@ -114,7 +124,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
         metrics: &metrics,
         total_s: start.elapsed().as_secs_f64(),
     };
-    let record_text = json::pretty(&record)?;
+    let record_text = json::for_people(&record)?;
     folder.write("comparison.json", &record_text)?;
     let target = folder.finish()?;
     if args.output.json {

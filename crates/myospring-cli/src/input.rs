@@ -57,7 +57,10 @@ pub(crate) fn mesh_picture(run: &Run, bytes: &ShapeBytes, place: Place) -> Resul
     match source.cells(bytes) {
         Err(cause) => Err(refused.without_cells(cause, bytes)),
         Ok(cells) => match cells.cell(source.choice, source.allow_cut) {
-            Ok(cell) => Ok(run.shape.mesh_cell(cells, cell)?),
+            Ok(cell) => match run.shape.check_size(&cells, &cell) {
+                Ok(()) => Ok(run.shape.mesh_cell(cells, cell)?),
+                Err(cause) => Err(refused.with_cells(cause, &cells, false)),
+            },
             Err(cause) => Err(refused.with_cells(source.failed(cause), &cells, false)),
         },
     }

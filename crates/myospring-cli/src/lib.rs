@@ -14,6 +14,7 @@ mod fibres;
 mod film;
 mod fit;
 mod input;
+mod inputs;
 mod interrupt;
 mod kinds;
 mod lists;

@@ -43,7 +43,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
         .unwrap_or_else(|| Path::new("results").join(format!("{name}_mesh")));
     interrupt::heed(interrupt::WRITING);
     let folder = Folder::claim(&target, args.output.force)?;
-    folder.write("mesh.json", json::pretty(&numbers)?)?;
+    folder.write("mesh.json", json::for_people(&numbers)?)?;
     folder.write("outline.geojson", outline.to_geojson())?;
     folder.figures(Theme::default(), &[("mesh", &|| figure::mesh(&mesh))])?;
     if let Some((cells, cell)) = &picture {
@@ -54,7 +54,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     fibres::write(&folder, [(name.as_str(), &mesh, &fibres)])?;
     let target = folder.finish()?;
     if args.output.json {
-        print::out(&json::pretty(&numbers)?)?;
+        print::out(&json::for_people(&numbers)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let text = report.to_string();

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::film;
+use crate::inputs::Inputs;
 use crate::look::Look;
 use crate::overlay::{self, Lattice};
 use crate::page;
@@ -44,6 +45,8 @@ pub(crate) struct Finished<'a> {
     pub(crate) stimuli: &'a [f64],
     /// How figures and films look.
     pub(crate) look: Look,
+    /// The files that the run was made from, as its results name them.
+    pub(crate) inputs: &'a Inputs,
 }
 
 impl<'a> Finished<'a> {

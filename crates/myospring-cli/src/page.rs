@@ -2,6 +2,7 @@
 
 use crate::cite;
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::outputs::Finished;
 use crate::results::Folder;
 use crate::run::resolved;
@@ -41,27 +42,32 @@ struct Texts {
 
 impl Texts {
     fn of(finished: &Finished<'_>) -> Self {
-        let Finished { run, simulation, outcome, numbers, .. } = finished;
+        let Finished { run, simulation, outcome, numbers, inputs, .. } = finished;
         let spacing = numbers.summary.mesh.spacing_um;
         Self {
             label: run.strength(),
-            run_file: resolved(run, simulation, spacing, outcome.effort.time_step()),
+            run_file: resolved(run, (inputs, ""), simulation, spacing, outcome.effort.time_step()),
             citations: cite::bibtex(&*run.cell),
         }
     }
 }
 
 fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
-    let Finished { name, run, simulation, outline, picture, outcome, numbers, stimuli, .. } =
-        finished;
+    let Finished {
+        name, run, simulation, outline, picture, outcome, numbers, stimuli, inputs, ..
+    } = finished;
     let s2 = numbers.summary.s2().is_some();
-    let beats = numbers.summary.beats.len() - usize::from(s2);
+    let beats = numbers.summary.captured();
+    let missed = match numbers.summary.rhythm.not_captured.len() {
+        0 => String::new(),
+        missed => format!(", {missed} stimul{} not captured", if missed == 1 { "us" } else { "i" }),
+    };
     let mut facts = vec![
         (*name).to_owned(),
         run.cell.name().to_owned(),
         run.strength(),
         format!(
-            "{beats} beat{}{}",
+            "{beats} beat{}{missed}{}",
             if beats == 1 { "" } else { "s" },
             if s2 { " and S2" } else { "" }
         ),
@@ -79,7 +85,7 @@ fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
         myofibril_content: simulation.myofibril_content.as_deref(),
         outline,
         stimulus_times_ms: stimuli,
-        parameters: parameters(run),
+        parameters: parameters(run, inputs),
         run_file: &texts.run_file,
         citations: &texts.citations,
         picture: picture.map(|(cells, _)| Photograph {
@@ -91,14 +97,20 @@ fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
     }
 }
 
-/// Every setting that the run has, table by table, then the parameters of its cell model.
-pub(crate) fn parameters(run: &Run) -> Vec<ParameterGroup> {
+/// Every setting that the run has, table by table, with files as the results name them, then the parameters of its cell model.
+pub(crate) fn parameters(run: &Run, inputs: &Inputs) -> Vec<ParameterGroup> {
     let usual = Run::default_run();
     let mut groups: Vec<ParameterGroup> = Vec::new();
     for table in settings::tables().iter().filter(|table| !table.name.is_empty()) {
         let rows = table.settings.iter().filter_map(|setting| {
             let value = setting.get(run)?;
             let is_usual = setting.get(&usual).as_ref() == Some(&value);
+            let value = match value {
+                Value::Text(path) if setting.names_file(&path) => {
+                    Value::Text(inputs.name(&path, ""))
+                }
+                value => value,
+            };
             Some(ParameterRow {
                 name: setting.key.to_owned(),
                 value: written(&value),

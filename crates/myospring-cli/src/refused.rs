@@ -128,7 +128,7 @@ impl Refused<'_> {
                 if has_cells {
                     let mut report = Report::of(self.picture.to_owned(), seen, chosen, Vec::new());
                     report.refused = notes.first().cloned();
-                    folder.write(REPORT, json::pretty(&report)?)?;
+                    folder.write(REPORT, json::for_people(&report)?)?;
                 }
                 Ok(folder.finish()?.join(OVERLAY))
             }
@@ -154,7 +154,9 @@ pub(crate) fn is_all_there_is(folder: &Path) -> bool {
 
 /// Whether the picture shows what the refusal is about.
 fn is_worth_seeing(cause: &ShapeError) -> bool {
-    let ShapeError::Picture { cause, .. } = cause else { return false };
+    let ShapeError::Picture { cause, .. } = cause else {
+        return matches!(cause, ShapeError::Size { .. });
+    };
     matches!(
         **cause,
         CellError::TooSmall { .. }

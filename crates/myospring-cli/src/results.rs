@@ -79,6 +79,16 @@ impl Folder {
         Ok(())
     }
 
+    /// Where the results will be.
+    pub(crate) fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Whether a file of this name was written.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.written().contains_key(name)
+    }
+
     /// Lets `make` make one file at a path.
     pub(crate) fn made(
         &self,
@@ -219,7 +229,8 @@ fn is_ours(name: &str) -> bool {
 
 /// Names of the files that commands write to a folder of results; `*` stands for anything.
 fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 47] = [
+    const FILES: [&str; 48] = [
+        "inputs/*",
         "traces.csv",
         fibres::FILE,
         "summary.json",

@@ -21,8 +21,8 @@ use myospring::compare::factor;
 use myospring::integrate::stencil;
 use myospring::output::json;
 use myospring::settings::Made;
+pub(crate) use record::resolved;
 use record::{Stop, Timings};
-pub(crate) use record::{repeating, resolved};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -87,6 +87,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         fibres: &fibres,
         picture: picture.as_ref(),
         outcome: &outcome,
+        read: &|file| std::fs::read(file),
     };
     let summary = over.summary(warnings);
     let numbers =
@@ -107,7 +108,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         }
         let (stop, outputs) = (Stop::of(&outcome), &written);
         let printed = Printed { results: &target, stop, timings, outputs, numbers };
-        print::out(&json::pretty(&printed)?)?;
+        print::out(&json::for_people(&printed)?)?;
     } else {
         print::out(&words::for_people(&name, &run, &numbers))?;
         print::out(&words::in_words(&outcome.effort))?;

@@ -19,7 +19,7 @@ use myospring::microscopy::outlines::{
 use myospring::microscopy::segment::{Choice, SegmentError};
 use myospring::output::figure::Figure;
 use myospring::output::{files, json};
-use myospring::run_file::Source;
+use myospring::run_file::{Shape, ShapeError, Source};
 use myospring::settings::PictureSource;
 use report::{Chosen, LeftOut, Report};
 use std::path::{Path, PathBuf};
@@ -75,6 +75,15 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
             return Err(failure.also(&format!("what the frame leaves of it was written: {left}")));
         }
     };
+    let (chosen, mut left_out) = (chosen, left_out);
+    let (chosen, impossible) = of_possible_size(&run.shape, &cells, chosen);
+    let first = impossible.into_iter().map(|(number, cause)| {
+        left_out.push(LeftOut { number, reason: cause.to_string(), cut: false });
+        cause
+    });
+    if let (Some(cause), true) = (first.last(), chosen.is_empty()) {
+        return Err(refused.with_cells(cause, &cells, all));
+    }
     let mut chosen = Chosen::of(&run.shape, &cells, chosen);
     for cell in &mut chosen {
         cell.look_for_fibres(run.fibre, &cells)?;
@@ -85,7 +94,7 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     let figure = draw(&report, &cells, &chosen, &notes)?;
     let written = write(args, &target, &cells, &chosen, &report, &figure)?;
     if args.json {
-        print::out(&json::pretty(&report)?)?;
+        print::out(&json::for_people(&report)?)?;
     } else {
         print::out(&report.for_people(&cells))?;
         print::out(&format!("\nwritten: {}", written.join(", ")))?;
@@ -125,6 +134,22 @@ fn chosen(
     }
 }
 
+/// The cells whose size a heart cell may have, and the numbers of the others with the reason.
+fn of_possible_size(
+    shape: &Shape,
+    cells: &PictureCells,
+    chosen: Vec<PictureCell>,
+) -> (Vec<PictureCell>, Vec<(u32, ShapeError)>) {
+    let (mut possible, mut impossible) = (Vec::new(), Vec::new());
+    for cell in chosen {
+        match shape.check_size(cells, &cell) {
+            Ok(()) => possible.push(cell),
+            Err(cause) => impossible.push((cell.number, cause)),
+        }
+    }
+    (possible, impossible)
+}
+
 /// The overlay; with lattice and fibres where there is one cell.
 fn draw(
     report: &Report<'_>,
@@ -160,7 +185,7 @@ fn write(
             folder.write(file, encoded(Path::new(file), &named, &frame)?)?;
         }
         folder.write("overlay.png", figure.to_png(DPI)?)?;
-        folder.write("report.json", json::pretty(report)?)?;
+        folder.write("report.json", json::for_people(report)?)?;
         let with_fibres = chosen.iter().filter_map(|chosen| {
             let (mesh, fibres) = chosen.mesh_and_fibres()?;
             Some((chosen.cell.name.as_str(), mesh, fibres))

@@ -30,6 +30,6 @@ pub(crate) fn write(
     numbers: &Numbers<'_>,
 ) -> Result<(), Failure> {
     folder.write("traces.csv", csv::traces(&outcome.recording)?)?;
-    folder.write("summary.json", json::pretty(numbers)?)?;
+    folder.write("summary.json", json::for_people(numbers)?)?;
     fibres::write(folder, [(run.shape.name(), &simulation.mesh, fibres)])
 }

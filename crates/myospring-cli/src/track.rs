@@ -38,14 +38,14 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
         }
     }
     folder.write("track.csv", table::to_csv(&report.rows)?)?;
-    folder.write("track.json", json::pretty(&report)?)?;
+    folder.write("track.json", json::for_people(&report)?)?;
     folder.write("rest.tif", &followed.rest_picture)?;
     let outline = NamedOutline { name, outline: followed.shaped.outline.clone() };
     folder.write("outline.geojson", write_geojson(&[outline]))?;
     outputs::write(&folder, &args.outputs, &followed, &report)?;
     let target = folder.finish()?;
     if args.output.json {
-        print::out(&json::pretty(&report)?)?;
+        print::out(&json::for_people(&report)?)?;
     } else {
         print::out(&report.for_people())?;
         print::out(&format!("\nwritten: {}", target.display()))?;

@@ -17,7 +17,7 @@ fn workplace() -> tempfile::TempDir {
         let mut encoder = png::Encoder::new(file, size, size).write_header().unwrap();
         encoder.write_image_data(&pixels).unwrap();
     };
-    save("good.png", 80, &|x, y| (10..70).contains(&x) && (30..50).contains(&y));
+    save("good.png", 80, &|x, y| (10..70).contains(&x) && (20..60).contains(&y));
     save("dark.png", 80, &|x, y| x < 3 && y < 3);
     save("black.png", 40, &|_, _| false);
     save("white.png", 40, &|_, _| true);
@@ -374,5 +374,51 @@ fn a_good_picture_meshes() {
         .unwrap();
     assert_eq!(output.status.code(), Some(0));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!((report["area_um2"].as_f64().unwrap() - 300.0).abs() < 3.0, "{report}");
+    assert!((report["area_um2"].as_f64().unwrap() - 600.0).abs() < 6.0, "{report}");
+}
+
+#[test]
+fn sizes_that_no_heart_cell_has_are_refused_unless_any_size_is_allowed() {
+    let folder = workplace();
+    let huge = "x_um,y_um\n0,0\n900,0\n900,20\n0,20\n";
+    fs::write(folder.path().join("huge.csv"), huge).unwrap();
+    let done = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_myospring"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .env("NO_COLOR", "1")
+            .output()
+            .unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let long = ["is 1620 um long", "longer than 400 um", "Its pixels are 27 um wide (given)"];
+    let cases: [(&str, &[&str]); 4] = [
+        ("27 um", &long),
+        ("0.1 um", &["is 6.0 um long", "shorter than 15 um"]),
+        ("0.4 um", &["area of 384 um^2", "500 um^2 (--min-area)"]),
+        ("5 um", &["area of 60000 um^2", "20000 um^2 (--max-area)"]),
+    ];
+    for (pixel, parts) in cases {
+        for command in ["run", "mesh", "segment"] {
+            let picture = [command, "good.png", "--pixel-size", pixel];
+            let (code, message) = done(&picture);
+            assert_eq!(code, Some(2), "{command} {pixel}: {message}");
+            for part in parts.iter().chain(&["`good.png`", "--pixel-size", "--any-size"]) {
+                assert!(message.contains(part), "{command} {pixel} lacks `{part}`:\n{message}");
+            }
+        }
+    }
+    let (code, message) = done(&["mesh", "huge.csv"]);
+    assert_eq!(code, Some(2));
+    for part in ["`huge.csv`", "is 900 um long", "coordinates were read as um", "--any-size"] {
+        assert!(message.contains(part), "lacks `{part}`:\n{message}");
+    }
+    for taken in [
+        ["mesh", "huge.csv", "--any-size", "--force"].as_slice(),
+        &["mesh", "good.png", "--pixel-size", "27 um", "--any-size", "--force"],
+        &["mesh", "good.png", "--pixel-size", "0.4 um", "--min-area", "300 um^2", "--force"],
+    ] {
+        let (code, message) = done(taken);
+        assert_eq!(code, Some(0), "{taken:?}: {message}");
+    }
 }

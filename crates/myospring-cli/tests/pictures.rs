@@ -145,6 +145,61 @@ fn files_of_options_are_relative_to_the_user_and_a_written_run_file_runs_from_an
 }
 
 #[test]
+fn results_that_were_moved_repeat_their_run_without_the_files_that_it_was_made_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |path: &str| folder.path().join(path);
+    std::fs::create_dir_all(at("data")).unwrap();
+    cell(&at("data/cell.png"));
+    std::fs::write(at("data/calcium.csv"), calcium()).unwrap();
+    // Named in full, as a shell's completion or a file manager does.
+    let [picture, calcium] =
+        ["data/cell.png", "data/calcium.csv"].map(|path| at(path).display().to_string());
+    let run =
+        ["run", &picture, "--pixel-size", "0.5 um", "--integrator", "quasi-static", "--model"];
+    let first = ["land_2017", "--calcium", &calcium, "-o", "results/first"];
+    let first = myospring(folder.path(), &[&run[..], &first].concat());
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let compared =
+        ["compare", "results/first", &picture, "--pixel-size", "0.5 um", "-o", "results/two"];
+    let _ = myospring(folder.path(), &compared);
+    let root = folder.path().display().to_string();
+    for file in ["run.toml", "run.json", "report.html", "summary.json"] {
+        let text = std::fs::read_to_string(at("results/first").join(file)).unwrap();
+        assert!(!text.contains(&root), "{file} names a folder of this machine");
+    }
+    let written = std::fs::read_to_string(at("results/first/run.toml")).unwrap();
+    assert!(written.contains("\"inputs/cell.png\"") && written.contains("\"inputs/calcium.csv\""));
+
+    let elsewhere = tempfile::tempdir().unwrap();
+    std::fs::rename(at("results/first"), elsewhere.path().join("moved")).unwrap();
+    std::fs::remove_dir_all(at("data")).unwrap();
+    let again = myospring(elsewhere.path(), &["run", "moved/run.toml", "-o", "again"]);
+    assert!(again.status.success(), "{}", text(&again.stderr));
+    // In its own place, too.
+    let over = ["run", "moved/run.toml", "-o", "moved", "--force"];
+    let over = myospring(elsewhere.path(), &over);
+    assert!(over.status.success(), "{}", text(&over.stderr));
+    for file in ["traces.csv", "summary.json", "run.toml", "inputs/cell.png", "inputs/calcium.csv"]
+    {
+        let [again, moved] = ["again", "moved"]
+            .map(|folder| std::fs::read(elsewhere.path().join(folder).join(file)).unwrap());
+        assert!(again == moved, "{file}");
+    }
+    assert_eq!(std::fs::read_to_string(elsewhere.path().join("again/run.toml")).unwrap(), written);
+}
+
+/// A calcium transient as `land_2017` takes it.
+fn calcium() -> String {
+    let rows = (0..200).map(|row| {
+        let t = 5.0 * f64::from(row);
+        let bell =
+            if t < 50.0 { 0.0 } else { ((t - 50.0) / 60.0) * (1.0 - (t - 50.0) / 60.0).exp() };
+        format!("{t},{}\n", 0.1 + 0.9 * bell)
+    });
+    std::iter::once("time (ms),calcium (uM)\n".to_owned()).chain(rows).collect()
+}
+
+#[test]
 fn pictures_of_one_name_in_several_folders_are_resumed_each_as_itself() {
     let folder = tempfile::tempdir().unwrap();
     let pictures = folder.path().join("pictures");

@@ -4,12 +4,15 @@
 //! [`Metric`] with its unit and its definition, since conventions differ between laboratories.
 
 pub mod action_potential;
+pub mod alternans;
 pub mod beat;
+pub mod capture;
 pub mod contraction;
 pub mod curve;
 pub mod kind;
 pub mod load;
 pub mod pulse;
+pub mod rhythm;
 pub mod rows;
 pub mod s2;
 pub mod shape;

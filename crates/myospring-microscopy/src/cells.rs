@@ -23,7 +23,9 @@ use super::picture::{PixelSizeSource, Selection};
 use super::plane::Plane;
 use super::read::{PictureError, read_picture};
 use super::region::Window;
-use super::report::{ShapeReport, USUAL_AREAS_UM2, pixels_on_frame, shape_report_of, unusual_area};
+use super::report::{
+    ShapeReport, USUAL_AREAS_UM2, impossible_size, pixels_on_frame, shape_report_of, unusual_area,
+};
 use super::segment::{
     self, Choice, Confidence, Modality, SegmentError, Segmentation, Settings, counted, segment,
 };
@@ -283,6 +285,14 @@ impl PictureCells {
     /// What is unusual about the area of a cell, if it is beside [`Options::areas_um2`].
     pub fn unusual_area(&self, cell: &PictureCell) -> Option<String> {
         unusual_area(cell.shape.area_um2, self.areas_um2)
+    }
+
+    /// Why a cell is no heart cell by its size, as the predicate of a sentence, if it is none. Of one that was pointed
+    /// at the area is not asked.
+    pub fn impossible_size(&self, cell: &PictureCell, pointed_at: bool) -> Option<String> {
+        let ShapeReport { area_um2, dimensions, .. } = &cell.shape;
+        let areas_um2 = if pointed_at { [0.0, f64::INFINITY] } else { self.areas_um2 };
+        impossible_size(dimensions.length_um, *area_um2, areas_um2)
     }
 
     /// What segmentation found; `None` where outlines were given.

@@ -22,6 +22,11 @@ pub const LEAST_SOLIDITY: f64 = 0.8;
 /// above 20 000. A pixel size that is wrong by three or more leaves this range.
 pub const USUAL_AREAS_UM2: [f64; 2] = [500.0, 20_000.0];
 
+/// Lengths beyond which nothing is a heart cell, um. The longest adult ventricular cells have 250, atrial and
+/// Purkinje cells up to 300; the smallest cells that beat in culture are some 20 across. A pixel size that is wrong
+/// by ten leaves this range.
+pub const POSSIBLE_LENGTHS_UM: [f64; 2] = [15.0, 400.0];
+
 /// Longest usual cell, um: adult ventricular cells have 100 to 150, in failing hearts up to 200.
 pub const LONGEST_USUAL_UM: f64 = 250.0;
 
@@ -119,6 +124,34 @@ pub fn unusual_area(area_um2: f64, [least, most]: [f64; 2]) -> Option<String> {
              size wrong?"
         )
     })
+}
+
+/// Why a cell of this length and area is no heart cell, as the predicate of a sentence; `None` where it may be one.
+///
+/// # Example
+/// ```
+/// use myospring::microscopy::report::{USUAL_AREAS_UM2, impossible_size};
+/// assert_eq!(impossible_size(140.0, 3000.0, USUAL_AREAS_UM2), None);
+/// let huge = impossible_size(4140.0, 1.6e6, USUAL_AREAS_UM2).unwrap();
+/// assert_eq!(huge, "is 4140 um long; no heart cell is longer than 400 um");
+/// ```
+pub fn impossible_size(length_um: f64, area_um2: f64, [least, most]: [f64; 2]) -> Option<String> {
+    let [shortest, longest] = POSSIBLE_LENGTHS_UM;
+    if length_um > longest {
+        Some(format!("is {length_um:.0} um long; no heart cell is longer than {longest} um"))
+    } else if length_um < shortest {
+        Some(format!("is {length_um:.1} um long; no heart cell is shorter than {shortest} um"))
+    } else if area_um2 < least {
+        Some(format!(
+            "has an area of {area_um2:.0} um^2, below the least that is expected, {least} um^2 (--min-area)"
+        ))
+    } else if area_um2 > most {
+        Some(format!(
+            "has an area of {area_um2:.0} um^2, above the largest that is expected, {most} um^2 (--max-area)"
+        ))
+    } else {
+        None
+    }
 }
 
 pub(super) fn pixels_on_frame(outline: &Outline, frame: &PixelFrame) -> usize {

@@ -23,6 +23,7 @@
 
 pub mod comparison;
 pub mod csv;
+pub mod digits;
 pub mod fibres;
 pub mod field;
 pub mod figure;

@@ -1,6 +1,7 @@
 //! The numbers of one run, each with unit and definition.
 
 use myospring_core::analysis::beat::{Band, Beat, Beats};
+use myospring_core::analysis::rhythm::Rhythm;
 use myospring_core::analysis::{Metric, Spread};
 use myospring_core::cell::KnownDeparture;
 use myospring_core::mesh::quality::MeshReport;
@@ -11,9 +12,11 @@ use serde::Serialize;
 /// The numbers of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// One entry for each stimulus within the run.
+    /// One entry for each stimulus within the run; without values where it was not captured.
     pub beats: Vec<Beat>,
-    /// Mean and standard deviation over the beats of the train, where there are several.
+    /// How the beats follow their stimuli: which were not captured, capture ratio, alternans.
+    pub rhythm: Rhythm,
+    /// Mean and standard deviation over the beats that count, where there are several.
     pub beat_to_beat: Vec<Spread>,
     /// Whether the run ended before the last beat of the train was over; means leave it out.
     pub cut_short: bool,
@@ -28,6 +31,8 @@ pub struct Summary {
     /// What is known of the cell model and seen in this run, in a sentence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub about_model: Option<String>,
+    #[serde(skip)]
+    usual: usize,
 }
 
 impl Summary {
@@ -41,8 +46,12 @@ impl Summary {
         warnings: Vec<String>,
     ) -> Self {
         let beats = Beats::of(recording, stimulus_times_ms, s2_ms);
+        let usual = beats.usual().map(|usual| usual.stimulus_ms);
+        let is_usual = |beat: &Beat| Some(beat.stimulus_ms) == usual;
         Self {
+            usual: beats.iter().position(is_usual).unwrap_or_default(),
             beat_to_beat: beats.spread(),
+            rhythm: beats.rhythm.clone(),
             cut_short: beats.cut_short,
             energy: beats.energy,
             reference_bands: beats.bands,
@@ -57,6 +66,16 @@ impl Summary {
     #[must_use]
     pub fn with_pace(self, pace: &Pace) -> Self {
         Self { about_model: about_model(pace), ..self }
+    }
+
+    /// The beat whose numbers stand for the run where there is no mean: the first that counts.
+    pub fn usual(&self) -> Option<&Beat> {
+        self.beats.get(self.usual)
+    }
+
+    /// How many beats of the train there are: stimuli that were captured, or may have been.
+    pub fn captured(&self) -> usize {
+        self.rhythm.stimuli - self.rhythm.not_captured.len()
     }
 
     /// The beat of an extra stimulus, where there is one.

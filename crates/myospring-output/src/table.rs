@@ -19,6 +19,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::csv::CsvError;
+use super::digits;
 
 /// One column: its name, with the unit in it, and a value or none for each row.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +83,7 @@ impl Column {
             Self::Text { values, .. } => values.get(row).cloned().flatten().unwrap_or_default(),
             Self::Number { values, .. } => {
                 let value = values.get(row).copied().flatten().filter(|value| value.is_finite());
-                value.map(|value| value.to_string()).unwrap_or_default()
+                value.map(digits::written).unwrap_or_default()
             }
         }
     }
@@ -92,6 +93,17 @@ impl Table {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.iter().map(Column::len).max().unwrap_or(0)
+    }
+
+    /// The table with numbers as people read them: [`digits::DIGITS`] significant digits.
+    #[must_use]
+    pub fn for_people(mut self) -> Self {
+        for column in &mut self.columns {
+            if let Column::Number { values, .. } = column {
+                values.iter_mut().flatten().for_each(|value| *value = digits::rounded(*value));
+            }
+        }
+        self
     }
 
     /// The table as CSV: a line of names, then a line for each row.

@@ -180,7 +180,7 @@ impl Beat {
     /// Name, value and unit of all metrics; of several beats of a train their mean, then what an S2 is against them.
     #[getter]
     fn metrics(&self) -> Vec<(&'static str, Option<f64>, &'static str)> {
-        let Some(first) = self.beats.first() else { return Vec::new() };
+        let Some(first) = self.beats.usual() else { return Vec::new() };
         let s2 = self.beats.s2().into_iter().flat_map(|beat| &beat.s2);
         let all = first.metrics().chain(s2).chain(&self.beats.energy);
         let row = |metric: &Metric| (metric.name, self.beats.mean(metric.name), metric.unit);
@@ -194,6 +194,13 @@ impl Beat {
             beat.metrics().map(|metric| (metric.name, metric.value)).collect()
         };
         self.beats.iter().map(of).collect()
+    }
+
+    /// Number of stimuli, numbers of those that raised no action potential, capture ratio and alternans in words.
+    #[getter]
+    fn rhythm(&self) -> (usize, Vec<usize>, Option<String>, Option<String>) {
+        let rhythm = self.beats.rhythm.clone();
+        (rhythm.stimuli, rhythm.not_captured, rhythm.capture_ratio, rhythm.alternans)
     }
 
     /// Times of the stimuli, ms.
@@ -270,6 +277,7 @@ impl Beat {
                 fibres: &self.made.fibres,
                 picture: self.made.picture.as_ref(),
                 outcome: &self.outcome,
+                read: &|path| self.cell.read(path),
             };
             // Threads of its own: those of the process do not survive a fork.
             let threads = Threads::new(None).map_err(|error| error.to_string())?;

@@ -154,7 +154,7 @@ pub(crate) fn metrics(all: &[Read]) -> Result<Vec<u8>, Failure> {
         "conventions",
         rows.iter().map(|(_, analysis, _)| conventions(&analysis.treatment)),
     ));
-    Ok(Table { columns }.to_csv()?)
+    Ok(Table { columns }.for_people().to_csv()?)
 }
 
 /// summary.csv: a row for each metric of each curve.
@@ -197,7 +197,7 @@ pub(crate) fn summary(all: &[Read]) -> Result<Vec<u8>, Failure> {
             rows.iter().map(|(read, _)| read.found.as_ref().err().cloned().unwrap_or_default()),
         ),
     ];
-    Ok(Table { columns }.to_csv()?)
+    Ok(Table { columns }.for_people().to_csv()?)
 }
 
 /// Names of the figures, one for each curve: its column's, with its file's where there are several files.

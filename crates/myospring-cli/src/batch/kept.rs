@@ -1,5 +1,6 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
+use crate::inputs::Inputs;
 use crate::look::Look;
 use crate::outputs::Finished;
 use crate::results::Folder;
@@ -71,6 +72,7 @@ impl Keeper for Kept<'_> {
                 numbers: &numbers,
                 stimuli: &stimuli,
                 look: Look::default(),
+                inputs: &Inputs::default(),
             },
         )?;
         folder.finish()?;

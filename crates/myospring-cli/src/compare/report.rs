@@ -3,6 +3,7 @@
 use super::side::{Shown, Side};
 use crate::cite;
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::page::{FILE, parameters};
 use crate::print;
 use crate::results::Folder;
@@ -31,6 +32,7 @@ pub(super) fn write(
     sides: &[Side],
     differences: &[Difference],
     warnings: &[String],
+    inputs: &Inputs,
 ) -> Result<&'static str, Failure> {
     let shown: Option<Vec<(&Side, &Shown)>> = sides
         .iter()
@@ -64,7 +66,7 @@ pub(super) fn write(
     let runs: Vec<PageRun<'_>> = shown
         .iter()
         .zip(&owned)
-        .map(|((side, shown), owned)| on_page(side, shown, owned))
+        .map(|((side, shown), owned)| on_page(side, shown, owned, inputs))
         .collect();
     let labels: Vec<&str> = sides.iter().map(|side| side.label.as_str()).collect();
     let title = match labels.as_slice() {
@@ -86,7 +88,7 @@ pub(super) fn write(
     Ok(FILE)
 }
 
-fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned) -> PageRun<'a> {
+fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned, inputs: &Inputs) -> PageRun<'a> {
     let model = shown.run.cell.name().to_owned();
     PageRun {
         label: &side.label,
@@ -98,7 +100,7 @@ fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned) -> PageRun<'a
         myofibril_content: shown.content.as_deref(),
         outline: &shown.outline,
         stimulus_times_ms: &side.stimuli,
-        parameters: parameters(&shown.run),
+        parameters: parameters(&shown.run, inputs),
         run_file: &owned.run_file,
         citations: &owned.citations,
         picture: None,

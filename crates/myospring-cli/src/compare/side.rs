@@ -5,7 +5,6 @@ use crate::failure::Failure;
 use crate::input::{self, Input};
 use crate::interrupt;
 use crate::options::Given;
-use crate::run::repeating;
 use indicatif::ProgressBar;
 use myospring::compare::factor::{self, Factor, Scaled};
 use myospring::compare::setting;
@@ -42,7 +41,7 @@ pub(super) struct Job {
 /// A run that is there.
 pub(super) struct Side {
     pub(super) label: String,
-    source: String,
+    pub(super) source: String,
     /// Every setting.
     pub(super) file: RunFile,
     /// To the digits of `traces.csv`, wherever it comes from, so that equal runs are equal.
@@ -176,7 +175,7 @@ impl Job {
         Ok(Side {
             label: self.label,
             source: folder.display().to_string(),
-            file: repeating(run.to_run_file()),
+            file: run.to_run_file(),
             recording,
             stimuli,
             s2_ms: run.s2_ms(),
@@ -224,7 +223,7 @@ impl Job {
         Ok(Side {
             label: self.label.clone(),
             source: path.map_or_else(built_in, |path| path.display().to_string()),
-            file: repeating(file),
+            file,
             recording,
             stimuli,
             s2_ms: run.s2_ms(),

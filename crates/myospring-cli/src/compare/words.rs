@@ -110,5 +110,5 @@ pub(super) fn csv(labels: &[&str], metrics: &[Row]) -> Result<Vec<u8>, Failure> 
             numbers("difference_pct", |row| &row.differences_pct),
         ],
     };
-    Ok(table.to_csv()?)
+    Ok(table.for_people().to_csv()?)
 }

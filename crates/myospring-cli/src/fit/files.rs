@@ -4,6 +4,7 @@ use super::map::{self, Mapped};
 use super::page;
 use super::shapes::{self, Shapes};
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::page::FILE;
 use crate::results::Folder;
 use crate::run::resolved;
@@ -80,14 +81,17 @@ pub(super) fn records<'a>(cells: &'a [Cell], context: &'a Context<'a>) -> Vec<Re
 pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> Result<(), Failure> {
     let records = records(cells, context);
     let shared = context.fitter.simulation().shared_path(Tolerance::default()).ok();
+    let mut inputs = Inputs::default();
+    inputs.keep(folder, context.run.to_run_file(), |file| std::fs::read(file))?;
     for (number, (cell, record)) in cells.iter().zip(&records).enumerate() {
         let within = if cells.len() > 1 { format!("cells/{}/", number + 1) } else { String::new() };
+        let up = if within.is_empty() { "" } else { "../../" };
         let Ok(fit) = &cell.found else { continue };
         folder.write(&format!("{within}fit.json"), json::pretty(record)?)?;
         folder.write(&format!("{within}curve.csv"), curve(fit)?)?;
         let run = context.fitter.fitted(context.run.clone(), fit).map_err(Failure::new)?;
         let simulation = fitted(context.fitter, &run);
-        let run_file = resolved(&run, &simulation, context.report.spacing_um, None);
+        let run_file = resolved(&run, (&inputs, up), &simulation, context.report.spacing_um, None);
         folder.write(&format!("{within}run.toml"), &run_file)?;
         let draw = || figure::fit(&drawn(fit), &profiles(fit));
         let figure = if cells.len() > 1 { format!("fit_{}", number + 1) } else { "fit".to_owned() };

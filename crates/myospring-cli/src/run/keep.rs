@@ -2,6 +2,7 @@
 
 use super::record::{Record, Stop, Timings, resolved};
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::look::Look;
 use crate::outputs::{self, Finished, Output};
 use crate::results::Folder;
@@ -14,6 +15,7 @@ use myospring::output::report::Summary;
 use myospring::settings::{Fibres, Run, ShapeBytes};
 use myospring::simulation::{Outcome, Simulation};
 use myospring::study::sha256;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -37,6 +39,8 @@ pub struct Over<'a> {
     pub picture: Option<&'a (PictureCells, PictureCell)>,
     /// What came of it.
     pub outcome: &'a Outcome,
+    /// Reads a file by its name as the run has it.
+    pub read: &'a dyn Fn(&str) -> io::Result<Vec<u8>>,
 }
 
 /// What was written beside curves and numbers, and whether `run.json` tells of it.
@@ -97,8 +101,10 @@ impl Over<'_> {
     ) -> Result<Kept, Failure> {
         let Self { name, run, simulation, outline, fibres, picture, outcome, .. } = *self;
         summary::write(folder, run, simulation, fibres, outcome, numbers)?;
-        let run_file =
-            resolved(run, simulation, self.report.spacing_um, outcome.effort.time_step());
+        let mut inputs = Inputs::default();
+        inputs.keep(folder, run.to_run_file(), self.read)?;
+        let step = outcome.effort.time_step();
+        let run_file = resolved(run, (&inputs, ""), simulation, self.report.spacing_um, step);
         folder.write("run.toml", &run_file)?;
         let hashes = [sha256(&self.bytes.shape), sha256(run_file.as_bytes())];
         let record = |timings, outputs: &outputs::Record| {
@@ -106,7 +112,7 @@ impl Over<'_> {
             json::pretty(&Record {
                 program: "myospring",
                 version: env!("CARGO_PKG_VERSION"),
-                input: run.shape.file(),
+                input: run.shape.file().map(|file| inputs.name(file, "")),
                 shape_sha256,
                 run_file_sha256,
                 stop: Stop::of(outcome),
@@ -131,6 +137,7 @@ impl Over<'_> {
             numbers,
             stimuli: &stimuli,
             look,
+            inputs: &inputs,
         };
         let written = outputs::write(folder, outputs, &finished);
         timings.outputs_s = stage.elapsed().as_secs_f64();

@@ -3,6 +3,7 @@
 use super::record::resolved;
 use crate::args::RunArgs;
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::outputs::Output;
 use crate::print;
 use crate::table::aligned;
@@ -74,7 +75,14 @@ pub(super) fn plan(
         effort,
         spring_updates,
         estimated_s: estimate,
-        run_file: resolved(run, simulation, report.spacing_um, effort.time_step()),
+        run_file: resolved(
+            run,
+            // Nothing is written: files are named as they were given.
+            (&Inputs::default(), ""),
+            simulation,
+            report.spacing_um,
+            effort.time_step(),
+        ),
         mesh: report,
         fibres,
         outputs: outputs.iter().map(|output| output.word).collect(),

@@ -1,8 +1,8 @@
 //! run.json and run.toml: what a run was, and what repeats it.
 
+use crate::inputs::Inputs;
 use crate::outputs;
 use myospring::integrate::engine::EngineUsed;
-use myospring::run_file::RunFile;
 use myospring::settings::Run;
 use myospring::simulation::{Effort, Outcome, Simulation, StopReason};
 use serde::Serialize;
@@ -33,7 +33,7 @@ pub(super) struct Timings {
 pub(super) struct Record<'a> {
     pub(super) program: &'static str,
     pub(super) version: &'static str,
-    pub(super) input: Option<&'a str>,
+    pub(super) input: Option<String>,
     pub(super) shape_sha256: String,
     pub(super) run_file_sha256: String,
     pub(super) stop: Option<Stop<'a>>,
@@ -62,27 +62,19 @@ impl<'a> Stop<'a> {
     }
 }
 
-/// The run file that repeats this run: spacing, time step and files spelled out.
+/// The run file that repeats this run: spacing and time step spelled out, files named from where it stands, `up` from
+/// which leads to the top of the results.
 pub(crate) fn resolved(
     run: &Run,
+    (inputs, up): (&Inputs, &str),
     simulation: &Simulation,
     spacing: f64,
     time_step: Option<f64>,
 ) -> String {
-    let text = repeating(run.settled(spacing, time_step)).to_toml();
+    let text = inputs.renamed(run.settled(spacing, time_step), up).to_toml();
     let model = simulation.cell.name();
     format!(
         "# Written by myospring {}: every setting of this run ({model}).\n{text}",
         env!("CARGO_PKG_VERSION")
     )
-}
-
-/// A run file with the full paths of its files, so that it runs from anywhere.
-pub(crate) fn repeating(mut file: RunFile) -> RunFile {
-    for path in file.paths_mut() {
-        if let Ok(absolute) = std::path::absolute(&*path) {
-            *path = absolute.to_string_lossy().into_owned();
-        }
-    }
-    file
 }

@@ -49,18 +49,23 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
     let summary = numbers.summary;
     let title = if run.title.is_empty() { name } else { &run.title };
     let s2 = summary.s2();
-    let beats = summary.beats.len() - usize::from(s2.is_some());
+    let beats = summary.captured();
     let mut of = vec![run.cell.name().to_owned(), run.strength()];
     // A model whose tension is in kPa has its own.
     of.dedup();
     let s = if beats == 1 { "" } else { "s" };
+    let of_stimuli = match summary.rhythm.not_captured.len() {
+        0 => String::new(),
+        missed => format!(" after {} stimuli ({missed} not captured)", summary.rhythm.stimuli),
+    };
     let and_s2 = match s2 {
         Some(Beat { captured: Some(false), .. }) => " and S2 (no capture)",
         Some(_) => " and S2",
         None => "",
     };
     let cut = if summary.cut_short { " (the last is cut short, no number counts it)" } else { "" };
-    let mut text = format!("{title}: {beats} beat{s}{and_s2} of {}{cut}\n\n", of.join(" at "));
+    let mut text =
+        format!("{title}: {beats} beat{s}{of_stimuli}{and_s2} of {}{cut}\n\n", of.join(" at "));
     let spread = !summary.beat_to_beat.is_empty();
     let mut header = vec!["quantity".to_owned(), "value".to_owned()];
     if spread {
@@ -71,7 +76,7 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
     let band_column = if loaded { "" } else { "measured*" };
     header.extend(["unit".to_owned(), band_column.to_owned()]);
     let mut rows = vec![header];
-    let Some(first) = summary.beats.first() else {
+    let Some(first) = summary.usual() else {
         text.push_str("no stimulus, so nothing to measure\n");
         return text;
     };
@@ -143,6 +148,9 @@ fn or_dash(value: Option<f64>) -> String {
 
 /// Why a beat has no such metric.
 fn why_not(beat: &Beat, metric: &str) -> &'static str {
+    if beat.is_missed() {
+        return "none: no action potential";
+    }
     let of_shortening = beat.contraction.iter().chain(&beat.shape).any(|row| row.name == metric)
         || metric == "lag_of_shortening";
     if of_shortening && beat.value("peak_shortening").is_none() {

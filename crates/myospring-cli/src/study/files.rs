@@ -1,6 +1,7 @@
 //! The files of a study that is done.
 
 use crate::failure::Failure;
+use crate::inputs::{self, Inputs};
 use myospring::output::table::{write_csv, write_parquet};
 use myospring::output::{files, json};
 use myospring::study::parameters::{
@@ -10,8 +11,8 @@ use serde::Serialize;
 use std::path::Path;
 
 /// What is written anew, and what is drawn.
-pub const RESULTS: [&str; 6] =
-    ["members.csv", "members.parquet", "study.toml", "study.json", FIGURES, TRACES];
+pub const RESULTS: [&str; 7] =
+    ["members.csv", "members.parquet", "study.toml", "study.json", FIGURES, TRACES, inputs::FOLDER];
 pub(super) const FIGURES: &str = "figures";
 /// Resolution of PNG, dots per inch.
 const DPI: f64 = 300.0;
@@ -69,7 +70,7 @@ pub(super) fn write<'a>(
     files::write_with(&folder.join(RESULTS[1]), |file| {
         write_parquet(file, answer.pieces()).map_err(Failure::new)
     })?;
-    files::write(&folder.join(RESULTS[2]), text)?;
+    files::write(&folder.join(RESULTS[2]), with_inputs(common, folder, text)?)?;
     let mut left_out = Vec::new();
     let sensitivity = answer.sensitivity().unwrap_or_else(|error| {
         left_out.push(error.to_string());
@@ -87,6 +88,26 @@ pub(super) fn write<'a>(
     files::write(&folder.join(RESULTS[3]), json::pretty(&outcome)?)?;
     left_out.extend(draw(answer, common, &outcome.sensitivity, folder)?.1);
     Ok((outcome, left_out))
+}
+
+/// Copies the files of a study into its folder; its description, which names the copies.
+fn with_inputs(common: &Common, folder: &Path, text: &str) -> Result<String, Failure> {
+    let (mut inputs, mut text) = (Inputs::default(), text.to_owned());
+    for (path, bytes) in common.files() {
+        if bytes.len() as u64 > inputs::LARGEST_COPY {
+            continue;
+        }
+        inputs.copy(path, bytes, |name, bytes| {
+            files::create_folder(&folder.join(inputs::FOLDER))?;
+            Ok(files::write(&folder.join(name), bytes)?)
+        })?;
+        // As TOML has strings, of either kind of quote.
+        let name = format!("\"{}\"", inputs.name(path, ""));
+        for written in [format!("{path:?}"), format!("'{path}'")] {
+            text = text.replace(&written, &name);
+        }
+    }
+    Ok(text)
 }
 
 /// Draws the figures of a study into its folder, instead of those that are there; how many, and what was left out.

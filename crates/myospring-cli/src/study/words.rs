@@ -26,7 +26,10 @@ pub(super) fn for_people(study: &ParameterStudy, outcome: &Outcome<'_>) -> Strin
         let _ = write!(text, ", {failed} failed (the column reason says why)");
     }
     if not_captured > 0 {
-        let _ = write!(text, ", {not_captured} without capture (S2 raised no action potential)");
+        let _ = write!(
+            text,
+            ", {not_captured} with stimuli that raised no action potential (the column reason says which)"
+        );
     }
     if !study.keep.is_empty() {
         let share = 100.0 * kept as f64 / outcome.members.max(1) as f64;

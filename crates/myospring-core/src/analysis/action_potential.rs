@@ -11,25 +11,30 @@ use super::trace;
 /// to the potential before the stimulus. `unit` names the potential's unit: `mV`, or nothing.
 pub fn metrics(times: &[f64], potential: &[f64], stimulus: f64, unit: &'static str) -> Vec<Metric> {
     let rest = trace::baseline(times, potential, stimulus);
-    above(times, potential, stimulus, unit, rest, "mean potential before the stimulus")
+    let stimuli = [stimulus, f64::INFINITY];
+    above(times, potential, stimuli, unit, rest, "mean potential before the stimulus")
 }
 
-/// As [`metrics`], above a rest that is known.
+/// As [`metrics`], above a rest that is known, of an action potential during which another stimulus may come: upstroke
+/// and peak are looked for from the first stimulus to the next, repolarisation in all samples.
 pub fn above(
     times: &[f64],
     potential: &[f64],
-    stimulus: f64,
+    [stimulus, next]: [f64; 2],
     unit: &'static str,
     rest: Option<f64>,
     rest_is: &'static str,
 ) -> Vec<Metric> {
     let heights: Vec<f64> =
         rest.map(|rest| potential.iter().map(|v| v - rest).collect()).unwrap_or_default();
-    let pulse = Pulse::new(times, &heights, stimulus, Top::Sample);
+    let own = times.partition_point(|time| *time < next);
+    let before = &heights[..own.min(heights.len())];
+    let upstroke = Pulse::new(&times[..own], before, stimulus, Top::Sample);
     let context = Context { stimulus: Some(stimulus), onset: None, rest: rest_is };
-    let mut rows = of_pulse(&pulse, rest, unit, &context);
-    // As it stands in the samples.
-    if let Some(peak) = trace::largest(times, potential).filter(|_| pulse.peak().is_some()) {
+    let mut rows = of_pulse(&upstroke.followed_by(times, &heights), rest, unit, &context);
+    // The sample itself, without the rounding of rest and height.
+    let peak = trace::largest(&times[..own], &potential[..own]);
+    if let Some(peak) = peak.filter(|_| upstroke.peak().is_some()) {
         rows[1].value = Some(peak.value);
     }
     rows
@@ -78,7 +83,7 @@ pub fn of_pulse(
     context: &Context,
 ) -> Vec<Metric> {
     let peak = pulse.peak();
-    let upstroke = pulse.fastest(1.0);
+    let upstroke = pulse.upstroke();
     let start = context.stimulus.or(upstroke.map(|upstroke| upstroke.time));
     let duration = |part: f64| between(pulse.falls(1.0 - part), start);
     let from = |stimulus: &'static str, upstroke: &'static str| {

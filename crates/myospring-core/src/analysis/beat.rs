@@ -1,6 +1,8 @@
 //! What each beat of a run amounts to, where its work went, and what is known of such numbers.
 
+use super::capture::{self, Window};
 use super::pulse::{Pulse, Top};
+use super::rhythm::Rhythm;
 use super::rows::{Context, between, row};
 use super::s2::{self, S1S2};
 use super::{
@@ -132,8 +134,8 @@ pub struct Beat {
     /// What the beat of an extra stimulus, S2, is against the last of its train; empty of any other.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub s2: Vec<Metric>,
-    /// Whether an S2 raised an action potential; its other metrics have no value where it did not. `None` of any other
-    /// beat, and of a cell that has no potential.
+    /// Whether the stimulus raised an action potential; where it did not, no metric has a value, but for the intervals
+    /// before an S2. `None` where too little was recorded to decide, and of a cell that has no potential.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub captured: Option<bool>,
 }
@@ -148,6 +150,11 @@ impl Beat {
     /// Whether it is that of an extra stimulus.
     pub fn is_s2(&self) -> bool {
         !self.s2.is_empty()
+    }
+
+    /// Whether its stimulus raised no action potential.
+    pub fn is_missed(&self) -> bool {
+        self.captured == Some(false)
     }
 
     /// The value of a metric by its name.
@@ -178,9 +185,18 @@ pub struct Beats {
     pub energy: Vec<Metric>,
     /// What is known of these quantities.
     pub bands: [Band; 5],
-    /// Whether the run ended before the last beat of a train was over; means and spreads leave that beat out.
+    /// Whether the run ended before the last beat was over; means and spreads leave that beat out.
     pub cut_short: bool,
+    /// How the beats of the train follow their stimuli.
+    pub rhythm: Rhythm,
 }
+
+/// Metrics by which alternans shows, in words.
+const HEIGHTS: [(&str, &str); 3] = [
+    ("peak_tension", "peak tension"),
+    ("peak_shortening", "peak shortening"),
+    ("action_potential_duration_90", "APD90"),
+];
 
 impl Beats {
     /// Of what a run recorded whose stimuli fell at these times, ms; `s2_ms` is the last of them where that is an extra
@@ -191,19 +207,34 @@ impl Beats {
         let cut_short = is_cut_short(&list, &recording.samples);
         if let Some(s2_ms) = s2_ms {
             list.retain(|beat| beat.stimulus_ms != s2_ms);
-            if let Some(s1) = list.last() {
+            if let Some(s1) = list.iter().rfind(|beat| !beat.is_missed()).or(list.last()) {
                 list.extend(s2_beat(recording, stimulus_times_ms, s2_ms, s1));
             }
         }
-        Self { list, energy, bands: BANDS, cut_short }
+        let mut all = Self { list, energy, bands: BANDS, cut_short, rhythm: Rhythm::default() };
+        let train = || all.list.iter().filter(|beat| !beat.is_s2());
+        let stimuli: Vec<f64> = train().map(|beat| beat.stimulus_ms).collect();
+        let captured: Vec<Option<bool>> = train().map(|beat| beat.captured).collect();
+        let heights = HEIGHTS.map(|(name, words)| {
+            (words, all.counted().map(|beat| beat.value(name)).collect::<Vec<_>>())
+        });
+        all.rhythm = Rhythm::of(&stimuli, &captured, &heights);
+        all
     }
 
-    /// The beats of the train, without that of an S2 and without one that the run's end cut short.
-    pub fn train(&self) -> &[Beat] {
-        match self.list.split_last() {
-            Some((last, train)) if last.is_s2() || self.cut_short => train,
-            _ => &self.list,
-        }
+    /// The beats that count in means: those of the train whose stimulus was captured, without one that the run's end cut
+    /// short.
+    pub fn counted(&self) -> impl Iterator<Item = &Beat> {
+        let cut = self.list.iter().rposition(|beat| !beat.is_missed()).filter(|_| self.cut_short);
+        let counts = move |(place, beat): &(usize, &Beat)| {
+            !beat.is_missed() && !beat.is_s2() && Some(*place) != cut
+        };
+        self.list.iter().enumerate().filter(counts).map(|(_, beat)| beat)
+    }
+
+    /// The first beat that counts; where none does, the first of all.
+    pub fn usual(&self) -> Option<&Beat> {
+        self.counted().next().or(self.list.first())
     }
 
     /// The beat of an extra stimulus, where there is one.
@@ -211,7 +242,7 @@ impl Beats {
         self.list.last().filter(|last| last.is_s2())
     }
 
-    /// The value of a metric of the whole run or of S2 alone, or the mean of one over the beats of the train that show
+    /// The value of a metric of the whole run or of S2 alone, or the mean of one over the beats that count and show
     /// it; `None` where none does.
     pub fn mean(&self, name: &str) -> Option<f64> {
         if let Some(metric) = self.energy.iter().find(|metric| metric.name == name) {
@@ -222,25 +253,23 @@ impl Beats {
         {
             return metric.value;
         }
-        let values: Vec<f64> = self.train().iter().filter_map(|beat| beat.value(name)).collect();
+        let values: Vec<f64> = self.counted().filter_map(|beat| beat.value(name)).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
-    /// Mean and standard deviation over the beats of the train of every metric, where there are several.
+    /// Mean and standard deviation over the beats that count of every metric, where there are several.
     pub fn spread(&self) -> Vec<Spread> {
-        if self.train().len() < 2 {
-            return Vec::new();
-        }
         let all: Vec<Vec<Metric>> =
-            self.train().iter().map(|beat| beat.metrics().cloned().collect()).collect();
-        beat_to_beat(&all)
+            self.counted().map(|beat| beat.metrics().cloned().collect()).collect();
+        if all.len() < 2 { Vec::new() } else { beat_to_beat(&all) }
     }
 }
 
 /// Whether the last of several beats was recorded for less time than the one before it took from its stimulus until nine
 /// tenths of its tension were gone, or half where it is paced too fast for that.
 fn is_cut_short(list: &[Beat], samples: &[Sample]) -> bool {
-    let ([.., before, last], Some(end)) = (list, samples.last()) else { return false };
+    let captured: Vec<&Beat> = list.iter().filter(|beat| !beat.is_missed()).collect();
+    let ([.., before, last], Some(end)) = (&*captured, samples.last()) else { return false };
     let relaxed = ["tension_relaxation_time_90", "tension_relaxation_time_50"];
     let relaxed = relaxed.into_iter().find_map(|name| before.value(name));
     let peak = before.value("time_of_peak_tension").map(|peak| peak - before.stimulus_ms);
@@ -286,44 +315,67 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
         .collect()
 }
 
-/// The metrics of each beat; it ends at the next stimulus.
+/// The metrics of each beat; it ends at the next stimulus that is captured.
 pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
     let Recording { samples, signals, .. } = recording;
     let force = signals.iter().find(|signal| signal.name == END_FORCE);
     let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
-    stimulus_times_ms
-        .iter()
-        .enumerate()
-        .filter_map(|(index, &stimulus)| {
-            let start = if index == 0 { f64::NEG_INFINITY } else { stimulus - S1S2::BASELINE_MS };
-            let end = stimulus_times_ms.get(index + 1).copied().unwrap_or(f64::INFINITY);
-            let first = times.partition_point(|time| *time < start);
-            let last = times.partition_point(|time| *time < end);
-            let samples = samples.get(first..last).filter(|samples| !samples.is_empty())?;
-            let force = force.and_then(|force| force.values.get(first..last));
-            Some(beat(samples, force, stimulus))
-        })
-        .collect()
+    let captured = match potential(samples) {
+        Some((potential, unit)) => capture::of(&times, &potential, unit, stimulus_times_ms),
+        None => Vec::new(),
+    };
+    let of = |window: Window| {
+        let force = force.and_then(|force| force.values.get(window.within.clone()));
+        let captured = captured.get(window.place).copied().flatten();
+        beat(&samples[window.within.clone()], force, &window, captured)
+    };
+    capture::windows(&times, stimulus_times_ms, &captured).into_iter().map(of).collect()
 }
 
-fn beat(samples: &[Sample], force: Option<&[f64]>, stimulus: f64) -> Beat {
+fn beat(
+    samples: &[Sample],
+    force: Option<&[f64]>,
+    window: &Window,
+    captured: Option<bool>,
+) -> Beat {
+    let stimulus = window.stimulus_ms;
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let times = column(|s| s.t_ms);
-    let contraction = contraction::metrics(&times, &column(|s| s.length_um), stimulus);
+    let lengths = column(|s| s.length_um);
+    let shortening: Vec<f64> = lengths.iter().map(|length| -length).collect();
+    let own = trace::twitch(&times, &shortening, stimulus);
+    let contraction = contraction::above(
+        &times[own.clone()],
+        &lengths[own],
+        stimulus,
+        trace::baseline(&times, &lengths, stimulus),
+        "mean length before the stimulus",
+    );
     let action_potential = match potential(samples) {
-        Some((potential, unit)) => action_potential::metrics(&times, &potential, stimulus, unit),
+        Some((potential, unit)) => {
+            let rest = trace::baseline(&times, &potential, stimulus);
+            let rest_is = "mean potential before the stimulus";
+            let stimuli = [stimulus, window.next_ms];
+            action_potential::above(&times, &potential, stimuli, unit, rest, rest_is)
+        }
         None => Vec::new(),
     };
     let active = column(|s| s.ta_kpa);
     let rest = trace::baseline(&times, &active, stimulus).unwrap_or_default();
     let rest = (rest, "mean active tension before the stimulus");
-    let tension = tension(&times, &active, stimulus, rest, &contraction);
+    let own = trace::twitch(&times, &active, stimulus);
+    let tension = tension(&times[own.clone()], &active[own], stimulus, rest, &contraction);
     let at_rest = |read| trace::baseline(&times, &column(read), stimulus);
     let shape = shape(samples, &at_rest, &contraction);
     let load = force.map_or_else(Vec::new, |force| {
         load::metrics(&times, &column(|s| s.length_um), force, stimulus)
     });
-    let (stimulus_ms, s2, captured) = (stimulus, Vec::new(), None);
+    let mut groups = [tension, contraction, shape, load, action_potential];
+    if captured == Some(false) {
+        without_values(&mut groups);
+    }
+    let [tension, contraction, shape, load, action_potential] = groups;
+    let (stimulus_ms, s2) = (stimulus, Vec::new());
     Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured }
 }
 
@@ -340,7 +392,8 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
     let Recording { samples, signals, .. } = recording;
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let times = column(|s| s.t_ms);
-    let pair = S1S2::of(&times, stimuli_ms, s2_ms)?;
+    let s1_place = stimuli_ms.iter().position(|time| *time == s1.stimulus_ms)?;
+    let pair = S1S2::after(&times, stimuli_ms, s1_place, s2_ms)?;
     let rest = |column: &[f64]| Some(pair.rest(column));
     // Nothing of it where the curve does not rise.
     let of = |rising: &[f64]| pair.beat(rising).unwrap_or(times.len()..times.len());
@@ -387,7 +440,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
     }
     let mut groups = [tension, contraction, shape, load, action_potential];
     if captured == Some(false) {
-        groups.iter_mut().flatten().for_each(|metric| metric.value = None);
+        without_values(&mut groups);
     }
     let [tension, contraction, shape, load, action_potential] = groups;
     let s2 = s2::rows(
@@ -398,6 +451,11 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
     );
     let stimulus_ms = s2_ms;
     Some(Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured })
+}
+
+/// Of a stimulus that raised no action potential.
+fn without_values(groups: &mut [Vec<Metric>]) {
+    groups.iter_mut().flatten().for_each(|metric| metric.value = None);
 }
 
 fn tension(
@@ -564,12 +622,110 @@ mod tests {
         // Its bell has its peak at 650 ms and a tenth of it at 711 ms.
         for (end, counted) in [(999.0, 2), (720.0, 2), (700.0, 1), (600.0, 1)] {
             let beats = until(end);
-            assert_eq!((beats.len(), beats.train().len()), (2, counted), "{end} ms");
+            assert_eq!((beats.len(), beats.counted().count()), (2, counted), "{end} ms");
             assert_eq!(beats.cut_short, counted == 1);
             assert!((beats.mean("peak_tension").unwrap() - 50.0).abs() < 1e-2, "{end} ms");
         }
         // One alone has nothing to be compared with.
         assert!(!Beats::of(&recording(), &[0.0], None).cut_short);
+    }
+
+    /// Stimuli every 300 ms from 50 ms on, of which those at these places raise an action potential of 250 ms and a
+    /// twitch of 8 or, at odd places of the list, `other` kPa; what a stimulus alone adds is gone after 30 ms.
+    fn paced(stimuli: usize, captured: &[usize], other: f64) -> (Recording, Vec<f64>) {
+        let times: Vec<f64> = (0..stimuli).map(|place| 50.0 + 300.0 * place as f64).collect();
+        let sample = |t: f64| {
+            let since = |place: usize| t - times[place];
+            let added = |place: usize| 0.3 * (1.0 - since(place) / 30.0).clamp(0.0, 1.0);
+            let potential = (0..stimuli).filter(|&place| since(place) >= 0.0).map(|place| {
+                let whole = 1.4 * (1.0 - since(place) / 250.0).max(0.0);
+                if captured.contains(&place) { whole } else { added(place) }
+            });
+            let twitch = captured.iter().enumerate().map(|(nth, &place)| {
+                let peak = if nth % 2 == 0 { 8.0 } else { other };
+                peak * (-((since(place) - 120.0) / 40.0).powi(2)).exp()
+            });
+            let ta_kpa: f64 = twitch.sum();
+            let [first, ..] = &samples()[..1] else { unreachable!() };
+            let (u, length_um) = (Some(potential.sum()), 100.0 - ta_kpa);
+            Sample { t_ms: t, u, ta_kpa, length_um, shortening_pct: ta_kpa, ..*first }
+        };
+        let end = 50.0 + 300.0 * stimuli as f64;
+        let samples = (0..).map(|i| 0.5 * f64::from(i)).take_while(|t| *t < end).map(sample);
+        (Recording { samples: samples.collect(), ..Recording::default() }, times)
+    }
+
+    #[test]
+    fn stimuli_without_an_action_potential_stand_apart_and_count_in_no_mean() {
+        let (recording, stimuli) = paced(6, &[0, 2, 4], 8.0);
+        let beats = Beats::of(&recording, &stimuli, None);
+        let captured: Vec<bool> = beats.iter().map(|beat| beat.captured.unwrap()).collect();
+        assert_eq!(captured, [true, false, true, false, true, false]);
+        assert_eq!(
+            (beats.counted().count(), beats.rhythm.not_captured.as_slice()),
+            (3, &[2, 4, 6][..])
+        );
+        assert!(beats.rhythm.capture_ratio.as_ref().unwrap().starts_with("2:1 capture"));
+        assert!(beats[1].metrics().all(|metric| metric.value.is_none()));
+        for (name, expected) in [
+            ("peak_tension", 8.0),
+            ("action_potential_duration_90", 225.0),
+            ("peak_potential", 1.4),
+            ("peak_shortening", 8.0),
+        ] {
+            let spread = beats.spread();
+            let spread = spread.iter().find(|spread| spread.name == name).unwrap();
+            assert_eq!(spread.beats, 3, "{name}");
+            // Samples lie 0.5 ms apart.
+            assert!((spread.mean - expected).abs() < 1e-2 * expected, "{name}: {}", spread.mean);
+            assert_eq!(beats.mean(name), Some(spread.mean));
+        }
+    }
+
+    #[test]
+    fn no_beat_has_its_peak_before_its_stimulus() {
+        // Tension of the beat before is still 20 kPa and falls; its own twitch is small, or none.
+        for own in [4.0, 0.0] {
+            let (mut recording, stimuli) = paced(2, &[0, 1], 0.0);
+            for sample in &mut recording.samples {
+                let since = sample.t_ms - stimuli[1];
+                let bell = own * (-((since - 120.0) / 40.0).powi(2)).exp();
+                sample.ta_kpa = 20.0 * (-(since + 20.0) / 40.0).exp() + bell;
+                sample.length_um = 100.0 - sample.ta_kpa;
+            }
+            let beats = Beats::of(&recording, &stimuli, None);
+            assert_eq!(beats[1].captured, Some(true));
+            // A small twitch lies below the rest that is not one.
+            for name in ["time_to_peak_tension", "time_to_peak_from_stimulus"] {
+                assert_eq!(beats[1].value(name).filter(|time| *time <= 0.0), None, "{name}, {own}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_first_stimulus_that_is_too_weak_is_missed_and_the_next_that_is_not_gives_the_numbers() {
+        let (recording, stimuli) = paced(3, &[1], 8.0);
+        let beats = Beats::of(&recording, &stimuli, None);
+        assert_eq!(beats.rhythm.not_captured, [1, 3]);
+        assert_eq!(beats.usual().unwrap().stimulus_ms, 350.0);
+        let (recording, stimuli) = paced(2, &[], 8.0);
+        let beats = Beats::of(&recording, &stimuli, None);
+        assert_eq!((beats.counted().count(), beats.mean("peak_tension")), (0, None));
+        assert_eq!(beats.rhythm.missed().unwrap(), "no stimulus raised an action potential");
+    }
+
+    #[test]
+    fn every_other_beat_that_is_weaker_is_alternans_also_where_every_other_stimulus_is_missed() {
+        for captured in [vec![0, 1, 2, 3, 4, 5], vec![0, 2, 4, 6, 8, 10]] {
+            let (recording, stimuli) = paced(12, &captured, 6.0);
+            let alternans = Beats::of(&recording, &stimuli[..12], None).rhythm.alternans.unwrap();
+            assert!(alternans.contains("peak tension by 25."), "{alternans}");
+        }
+        let (recording, stimuli) = paced(6, &[0, 1, 2, 3, 4, 5], 8.0);
+        assert_eq!(
+            Beats::of(&recording, &stimuli, None).rhythm,
+            Rhythm { stimuli: 6, ..Rhythm::default() }
+        );
     }
 
     #[test]

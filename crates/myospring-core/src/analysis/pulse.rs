@@ -38,6 +38,8 @@ pub struct Pulse<'a> {
     heights: &'a [f64],
     start: f64,
     peak: Option<Point>,
+    /// Samples among which its rise is.
+    rise: usize,
     noise: f64,
     /// Slopes at the times, where they are not those between neighbours.
     slopes: Option<&'a [f64]>,
@@ -53,13 +55,20 @@ impl<'a> Pulse<'a> {
             Top::Sample => trace::largest(times, heights),
         };
         let peak = peak.filter(|peak| peak.value > 0.0);
-        Self { times, heights, start, peak, noise: 0.0, slopes: None, steepest: None }
+        let rise = times.len();
+        Self { times, heights, start, peak, rise, noise: 0.0, slopes: None, steepest: None }
     }
 
     /// With a peak only where it is above this height.
     #[must_use]
     pub fn above(self, least: f64) -> Self {
         Self { peak: self.peak.filter(|peak| peak.value > least), ..self }
+    }
+
+    /// The same pulse with the samples that follow it: they show how it falls, and may rise again.
+    #[must_use]
+    pub fn followed_by(self, times: &'a [f64], heights: &'a [f64]) -> Self {
+        Self { times, heights, ..self }
     }
 
     /// With heights that have noise of this standard deviation.
@@ -119,6 +128,15 @@ impl<'a> Pulse<'a> {
         };
         let slopes: Vec<f64> = slopes.iter().map(|slope| sign * slope).collect();
         trace::largest(&middles, &slopes).filter(|_| self.peak.is_some())
+    }
+
+    /// The steepest rise, not among samples that follow the pulse.
+    pub fn upstroke(&self) -> Option<Point> {
+        if self.slopes.is_some() {
+            return self.fastest(1.0);
+        }
+        let own = self.rise.min(self.times.len()).min(self.heights.len());
+        Self { times: &self.times[..own], heights: &self.heights[..own], ..*self }.fastest(1.0)
     }
 
     /// Time constant of an exponential fitted to the fall from half to a tenth of the peak, ms: the slope of the

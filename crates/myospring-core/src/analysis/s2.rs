@@ -3,17 +3,11 @@
 //! An early S2 meets a cell that has not come to rest. So both beats are counted from one rest, that before the last
 //! S1, and what is left of S1 when S2 comes is no part of its beat: a curve of S2 begins where its largest rise does.
 
+use super::capture::{self, Response};
 use super::rows::row;
 use super::{Metric, action_potential, trace, value};
 use std::ops::Range;
 
-/// Part of S1's height above which S2 is an action potential and not the stimulus alone, as is usual for the effective
-/// refractory period.
-const RESPONSE: f64 = 0.8;
-/// Part of S1's height below which S1 has to be when S2 comes: what a stimulus alone adds stays below [`RESPONSE`].
-const REPOLARISED: f64 = 0.2;
-/// An action potential has its peak within this time, ms.
-const LATEST_PEAK_MS: f64 = 50.0;
 /// Part of S1's height below which a rise is none: waves of a cell that rings, rounding.
 const LEAST: f64 = 0.01;
 
@@ -41,26 +35,31 @@ pub struct S1S2 {
     rest: Range<usize>,
     /// Samples from S1 to S2.
     first: Range<usize>,
+    /// Those of them before the next stimulus after S1: they show its height.
+    own: Range<usize>,
     /// Samples from S2 on.
     second: Range<usize>,
 }
 
 impl S1S2 {
-    /// The time before each later stimulus over which its rest is taken, ms.
-    pub const BASELINE_MS: f64 = 20.0;
-
-    /// In samples at these times, ms, of the stimulus at `s2_ms`, the last of all; `None` where it has no stimulus
-    /// before it or no samples after it.
+    /// In samples at these times, ms, of the stimulus at `s2_ms`, the last of all, and the one before it; `None` where
+    /// there is none before it, or where there are no samples after it.
     pub fn of(times: &[f64], stimuli_ms: &[f64], s2_ms: f64) -> Option<Self> {
         let place = stimuli_ms.iter().rposition(|time| *time == s2_ms)?;
-        let before = place.checked_sub(1)?;
-        let s1_ms = stimuli_ms[before];
+        Self::after(times, stimuli_ms, place.checked_sub(1)?, s2_ms)
+    }
+
+    /// As [`S1S2::of`], where S1 is the stimulus at a place in the list: the last that raised an action potential.
+    pub fn after(times: &[f64], stimuli_ms: &[f64], s1: usize, s2_ms: f64) -> Option<Self> {
+        let s1_ms = *stimuli_ms.get(s1)?;
+        let next_ms = stimuli_ms.get(s1 + 1).copied().unwrap_or(s2_ms).min(s2_ms);
         let at = |time_ms: f64| times.partition_point(|time| *time < time_ms);
-        let (s1, s2) = (at(s1_ms), at(s2_ms));
-        let start = if before == 0 { 0 } else { at(s1_ms - Self::BASELINE_MS) };
+        let start = if s1 == 0 { 0 } else { at(s1_ms - capture::BASELINE_MS) };
+        let (s1, next, s2) = (at(s1_ms), at(next_ms), at(s2_ms));
         let rest = if start < s1 { start..s1 } else { s1..s1 + 1 };
-        let inside = s1 < s2 && s2 < times.len();
-        inside.then_some(Self { s1_ms, s2_ms, rest, first: s1..s2, second: s2..times.len() })
+        let inside = s1 < next && next <= s2 && s2 < times.len();
+        let (first, own, second) = (s1..s2, s1..next, s2..times.len());
+        inside.then_some(Self { s1_ms, s2_ms, rest, first, own, second })
     }
 
     /// The mean before the last S1.
@@ -71,39 +70,35 @@ impl S1S2 {
 
     /// Height of S1 above rest, of values that rise in a beat.
     fn height(&self, values: &[f64]) -> f64 {
-        most(&values[self.first.clone()]) - self.rest(values)
+        most(&values[self.own.clone()]) - self.rest(values)
     }
 
     /// Whether S2 raised an action potential: it met a cell that was repolarised by 80 % or more, and its peak is above
     /// 80 % of that of the last S1. `None` where too little was recorded to say so.
     pub fn captured(&self, times: &[f64], potential: &[f64]) -> Option<bool> {
-        let (rest, height) = (self.rest(potential), self.height(potential));
-        let met = potential[self.second.start - 1] - rest;
-        let peak = most(&potential[self.second.clone()]) - rest;
-        let captured = met < REPOLARISED * height && peak > RESPONSE * height;
-        let seen = times.last().is_some_and(|last| last - self.s2_ms >= LATEST_PEAK_MS);
-        (captured || seen).then_some(captured)
+        let rest = self.rest(potential);
+        let response = Response {
+            rest,
+            met: potential[self.second.start - 1],
+            peak: most(&potential[self.second.clone()]),
+            seen: capture::reaches(times, self.s2_ms),
+        };
+        response.after(rest, most(&potential[self.own.clone()]))
     }
 
     /// From 90 % repolarisation of the last S1 to S2, ms; `None` where S2 comes before.
     pub fn diastolic_interval(&self, times: &[f64], potential: &[f64]) -> Option<f64> {
         let level = self.rest(potential) + 0.1 * self.height(potential);
+        let top = trace::largest(&times[self.own.clone()], &potential[self.own.clone()])?;
         let (times, values) = (&times[self.first.clone()], &potential[self.first.clone()]);
-        let top = trace::largest(times, values)?;
         Some(self.s2_ms - trace::falls_through(times, values, level, top.time)?)
     }
 
     /// The samples of S2's beat of values that rise in a beat, from where its largest rise begins; `None` where they
     /// hardly rise.
     pub fn beat(&self, values: &[f64]) -> Option<Range<usize>> {
-        let (mut foot, mut found, mut rise) = (self.second.start, self.second.start, 0.0);
-        for place in self.second.clone() {
-            if values[place] < values[foot] {
-                foot = place;
-            } else if values[place] - values[foot] > rise {
-                (found, rise) = (foot, values[place] - values[foot]);
-            }
-        }
+        let (foot, rise) = trace::largest_rise(&values[self.second.clone()])?;
+        let found = self.second.start + foot;
         (rise > LEAST * self.height(values)).then_some(found..self.second.end)
     }
 
@@ -115,7 +110,9 @@ impl S1S2 {
         let rest = Some(self.rest(potential));
         let rest_is = "mean potential before the last S1";
         let (own_times, own) = (&times[within.clone()], &potential[within]);
-        let mut all = action_potential::above(own_times, own, self.s2_ms, unit, rest, rest_is);
+        let to_end = f64::INFINITY;
+        let mut all =
+            action_potential::above(own_times, own, [self.s2_ms, to_end], unit, rest, rest_is);
         if self.captured(times, potential) == Some(false) {
             for metric in &mut all {
                 metric.value = None;
@@ -148,7 +145,7 @@ pub fn rows(
             "coupling_interval",
             pair.map(|pair| pair.s2_ms - pair.s1_ms),
             "ms",
-            "from the last S1 to S2",
+            "from the last S1 that raised an action potential to S2",
         ),
         row(
             "diastolic_interval",
@@ -228,7 +225,7 @@ mod tests {
         for interval in [210.0, 300.0, 700.0] {
             let beats = beats(interval, 0.95, 0.6);
             let s2 = beats.s2().unwrap();
-            assert_eq!((beats.len(), beats.train().len(), s2.captured), (4, 3, Some(true)));
+            assert_eq!((beats.len(), beats.counted().count(), s2.captured), (4, 3, Some(true)));
             // What is left of the train: of three twitches before, or of two at the rest before the last S1.
             let left = |since: f64| (-(since - 100.0) / 120.0_f64).exp();
             let rest = left(500.0);
@@ -275,7 +272,7 @@ mod tests {
                 missed.metrics().filter(|row| row.value.is_some()).map(|row| row.name).collect();
             let intervals = ["coupling_interval", "diastolic_interval"];
             assert!(known.iter().all(|name| intervals.contains(name)), "{known:?}");
-            assert_eq!(beats.train().len(), 3);
+            assert_eq!(beats.counted().count(), 3);
         }
     }
 

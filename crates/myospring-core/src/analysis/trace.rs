@@ -1,5 +1,7 @@
 //! Peaks, crossings and slopes of a sampled curve.
 
+use std::ops::Range;
+
 /// A point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
@@ -145,6 +147,35 @@ pub fn baseline(times: &[f64], values: &[f64], until: f64) -> Option<f64> {
 /// Area between the curve and zero by the trapezoidal rule, unit times ms.
 pub fn integral(times: &[f64], values: &[f64]) -> f64 {
     times.windows(2).zip(values.windows(2)).map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0])).sum()
+}
+
+/// Where the largest rise of a curve begins, and how high it is.
+pub fn largest_rise(values: &[f64]) -> Option<(usize, f64)> {
+    let (mut foot, mut found, mut rise) = (0, None, 0.0);
+    for (place, value) in values.iter().enumerate() {
+        if *value < values[foot] {
+            foot = place;
+        } else if value - values[foot] > rise {
+            rise = value - values[foot];
+            found = Some((foot, rise));
+        }
+    }
+    found
+}
+
+/// The samples in which a twitch lies that follows a stimulus, of values that rise in it: all, or, where they are largest
+/// before the stimulus since the twitch before has not ended, those from where the largest rise after it begins, or
+/// from the stimulus on where nothing rises.
+pub fn twitch(times: &[f64], values: &[f64], stimulus: f64) -> Range<usize> {
+    let all = 0..values.len();
+    if index_of_largest(values).is_none_or(|top| times[top] > stimulus) {
+        return all;
+    }
+    let first = times.partition_point(|time| *time < stimulus).min(values.len());
+    match largest_rise(&values[first..]) {
+        Some((foot, _)) => first + foot..all.end,
+        None => first..all.end,
+    }
 }
 
 /// Samples with `start <= time < end`.

@@ -30,6 +30,7 @@ use super::adaptive::{self, Beat, Course, Lanes, Task, stalled, task};
 use super::minimal::MinimalModel;
 use super::pacing::Protocol;
 use super::settings::{SolveError, validate_time};
+use crate::analysis::capture::{self, Response};
 
 /// Cells that move together.
 pub const LANES: usize = 16;
@@ -80,6 +81,22 @@ pub struct Outcome {
     pub steps: u64,
     /// Steps tried whose error was too large.
     pub refused: u64,
+}
+
+impl Outcome {
+    /// Whether its beats are told by samples alone: a stimulus may have raised no action potential, or came while the
+    /// tension of the beat before was higher than its own.
+    pub fn needs_samples(&self) -> bool {
+        let early = |beat: &Beat| beat.peak_tension_ms <= beat.stimulus_ms;
+        let response = |beat: &Beat| {
+            let (rest, peak) = (beat.resting_potential, beat.peak_potential);
+            Response { rest, met: rest, peak, seen: true }
+        };
+        let responses: Vec<Response> = self.beats.iter().map(response).collect();
+        let missed =
+            capture::captures(&responses, capture::least_height("")).contains(&Some(false));
+        missed || self.beats.iter().any(early)
+    }
 }
 
 /// Runs every cell to its end, on the caller's thread; outcomes in the order of the cells.

@@ -1,12 +1,37 @@
-//! An extra stimulus that raised no action potential.
+//! Stimuli that raised no action potential, and alternans.
 
 use super::Outcome;
+use crate::analysis::beat::Beats;
 use crate::analysis::value;
 
-/// That an S2 was missed, if it was.
-pub(super) fn not_captured(outcome: &Outcome) -> Option<String> {
+/// What a person should know of the rhythm.
+pub(super) fn rhythm(outcome: &Outcome) -> Vec<String> {
     let beats = outcome.beats();
-    let beat = beats.s2().filter(|beat| beat.captured == Some(false))?;
+    [missed(&beats), beats.rhythm.alternans.clone(), missed_s2(&beats)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+fn missed(beats: &Beats) -> Option<String> {
+    let missed = beats.rhythm.missed()?;
+    if beats.counted().next().is_none() {
+        return Some(format!(
+            "{missed}, so there is no beat and no number of one; make the stimulus stronger or longer"
+        ));
+    }
+    let ratio = beats.rhythm.capture_ratio.as_ref();
+    let ratio = ratio.map_or_else(String::new, |ratio| format!(" ({ratio})"));
+    let mend = if beats.rhythm.not_captured[0] == 1 {
+        "make the stimulus stronger or longer"
+    } else {
+        "make the cycle length longer to capture all"
+    };
+    Some(format!("{missed}{ratio}; they have no numbers and count in no mean; {mend}"))
+}
+
+fn missed_s2(beats: &Beats) -> Option<String> {
+    let beat = beats.s2().filter(|beat| beat.is_missed())?;
     let interval = value(&beat.s2, "coupling_interval")?;
     let when = match value(&beat.s2, "diastolic_interval") {
         Some(diastolic) => format!("{diastolic:.0} ms after its 90 % repolarisation"),

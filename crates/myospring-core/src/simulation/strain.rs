@@ -1,6 +1,6 @@
 //! What a run came to that its cell would not do: strained beyond what the law was made for, or longer.
 
-use super::capture::not_captured;
+use super::capture::rhythm;
 use super::{Outcome, Ready, Simulation};
 use crate::mechanics::active::FibreStretch;
 use crate::mesh::simplex::content_at;
@@ -22,8 +22,8 @@ const LITTLE_LONGER_PCT: f64 = 0.1;
 
 impl Ready {
     /// What a person should know of what came of this run: that it went beyond what the material's law was made for,
-    /// that the cell became longer instead of shorter, or that it shortened at a rate that neither measured cells nor its
-    /// model's published beat have ([`Simulation::pace`]).
+    /// that the cell became longer instead of shorter, that it shortened at a rate that neither measured cells nor its
+    /// model's published beat have ([`Simulation::pace`]), that stimuli raised no action potential, or that beats alternate.
     ///
     /// Of the strain it looks at the shape at the highest tension and the one at the largest change of length.
     ///
@@ -42,13 +42,8 @@ impl Ready {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn warnings_after(&self, outcome: &Outcome) -> Vec<String> {
-        let all = [
-            self.lengthened(outcome),
-            self.strained(outcome),
-            self.out_of_pace(outcome),
-            not_captured(outcome),
-        ];
-        all.into_iter().flatten().collect()
+        let all = [self.lengthened(outcome), self.strained(outcome), self.out_of_pace(outcome)];
+        all.into_iter().flatten().chain(rhythm(outcome)).collect()
     }
 
     fn lengthened(&self, outcome: &Outcome) -> Option<String> {

@@ -1,7 +1,7 @@
 //! GeoJSON with any number of cells, in um or pixels.
 
 use geojson::{Feature, FeatureCollection, GeoJson, Geometry, GeometryValue, JsonObject, Position};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::{CoordinateUnit, NamedOutline, OutlineFileError, Raw};
 
@@ -89,6 +89,10 @@ fn name(feature: &Feature, index: usize) -> String {
         .unwrap_or_else(|| (index + 1).to_string())
 }
 
+/// A local plane in um, as well-known text: the form of `crs` that GDAL, and with it geopandas, reads.
+const MICROMETRES: &str =
+    r#"LOCAL_CS["picture",UNIT["micrometre",1e-06],AXIS["x",EAST],AXIS["y",NORTH]]"#;
+
 type Rings = Vec<Vec<Position>>;
 
 fn collect(value: GeometryValue, polygons: &mut Vec<Rings>, left_out: &mut impl FnMut(&str)) {
@@ -136,5 +140,8 @@ pub fn write_geojson(cells: &[NamedOutline]) -> String {
         feature
     };
     let features = cells.iter().map(feature).collect();
-    GeoJson::from(FeatureCollection { bbox: None, features, foreign_members: None }).to_string()
+    // Without it, programs for maps take the coordinates for degrees.
+    let crs = json!({ "type": "name", "properties": { "name": MICROMETRES } });
+    let foreign_members = Some(JsonObject::from_iter([("crs".to_owned(), crs)]));
+    GeoJson::from(FeatureCollection { bbox: None, features, foreign_members }).to_string()
 }

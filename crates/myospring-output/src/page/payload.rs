@@ -91,7 +91,7 @@ fn of_run<'a>(run: &'a PageRun<'_>, share: usize) -> Result<Run<'a>, PageError> 
     })
 }
 
-/// The metrics of the first beat, or, of several beats, their means.
+/// The metrics of the first beat that counts, or, of several, their means.
 fn metrics(summary: &Summary) -> Vec<MetricGroup<'_>> {
     let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
     let row = |metric: &'_ Metric| {
@@ -120,7 +120,7 @@ fn metrics(summary: &Summary) -> Vec<MetricGroup<'_>> {
         ]
     };
     let mut groups: Vec<MetricGroup<'_>> =
-        summary.beats.first().map(of_beat).into_iter().flatten().collect();
+        summary.usual().map(of_beat).into_iter().flatten().collect();
     groups.extend(summary.s2().map(|beat| group("Extra stimulus, S2", &beat.s2)));
     groups.push(group("Energy over the run", &summary.energy));
     groups

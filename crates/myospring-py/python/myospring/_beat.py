@@ -119,11 +119,20 @@ class Beat:
 
     @cached_property
     def metrics_by_beat(self) -> list[dict[str, float]]:
-        """The numbers of each beat of a run with several stimuli."""
+        """The numbers of each beat of a run with several stimuli; all NaN where a stimulus was not captured."""
         return [
             {name: np.nan if value is None else value for name, value in beat}
             for beat in self._native.metrics_by_beat
         ]
+
+    @property
+    def rhythm(self) -> dict[str, Any]:
+        """How the beats follow their stimuli.
+
+        ``stimuli``: how many there are, without an S2; ``not_captured``: numbers, from 1, of those that raised no action
+        potential; ``capture_ratio`` and ``alternans``: a sentence each, or None.
+        """
+        return dict(zip(("stimuli", "not_captured", "capture_ratio", "alternans"), self._native.rhythm))
 
     @property
     def stimulus_times_ms(self) -> list[float]:

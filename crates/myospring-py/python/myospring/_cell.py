@@ -86,6 +86,7 @@ class Cell:
         *,
         # <signature of image>
         pixel_size_um: float | None = None,
+        any_size: bool = False,
         spacing_um: float | None = None,
         modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
         channel: int | None = None,
@@ -110,6 +111,10 @@ class Cell:
         pixel_size_um : float or None
             Side of one pixel of a picture, or of an outline in pixels. Never guessed. In um, 0.001
             um to 50 um. None: what the picture says of itself.
+        any_size : bool, default False
+            Takes a cell whose size no heart cell has: longer than 400 um, shorter than 15 um, or
+            with an area outside of `min_area_um2` to `max_area_um2`. Such a size mostly means a
+            wrong pixel size.
         spacing_um : float or None
             Distance of neighbouring masses. In um, above 0 um, at most 1000 um. None: such that the
             cell has about 2000 of them.
@@ -136,11 +141,12 @@ class Cell:
             all.
         min_area_um2 : float or None
             Least area that is expected of a cell: studies leave out smaller ones, as debris, and
-            elsewhere they are warned about. In um^2, 0 um^2 to 100000000 um^2. None: "500 um^2".
+            elsewhere they are refused unless any size is allowed. In um^2, 0 um^2 to 100000000
+            um^2. None: "500 um^2".
         max_area_um2 : float or None
             Largest area that is expected of a cell: studies leave out larger ones, as sheets and
-            clumps, and elsewhere they are warned about. In um^2, above 0 um^2, at most 100000000
-            um^2. None: "20000 um^2".
+            clumps, and elsewhere they are refused unless any size is allowed. In um^2, above 0
+            um^2, at most 100000000 um^2. None: "20000 um^2".
         allow_cut : bool, default False
             Takes a cell although the frame of the picture cuts it.
         outline : str or PathLike[str] or None
@@ -173,6 +179,7 @@ class Cell:
         # <given of image>
         given = changed(
             ("shape.pixel_size", pixel_size_um, None),
+            ("shape.any_size", any_size, False),
             ("shape.spacing", spacing_um, None),
             ("segmentation.modality", modality, None),
             ("segmentation.channel", channel, None),
@@ -207,6 +214,7 @@ class Cell:
         max_area_um2: float | None = None,
         allow_cut: bool = False,
         spacing_um: float | None = None,
+        any_size: bool = False,
         # </signature>
     ) -> Cell:
         """The cell of a mask, or of a mask with labels.
@@ -234,16 +242,21 @@ class Cell:
             Of a stack in depth: "max", "mean", or the number of a slice, from 0. None: max.
         min_area_um2 : float or None
             Least area that is expected of a cell: studies leave out smaller ones, as debris, and
-            elsewhere they are warned about. In um^2, 0 um^2 to 100000000 um^2. None: "500 um^2".
+            elsewhere they are refused unless any size is allowed. In um^2, 0 um^2 to 100000000
+            um^2. None: "500 um^2".
         max_area_um2 : float or None
             Largest area that is expected of a cell: studies leave out larger ones, as sheets and
-            clumps, and elsewhere they are warned about. In um^2, above 0 um^2, at most 100000000
-            um^2. None: "20000 um^2".
+            clumps, and elsewhere they are refused unless any size is allowed. In um^2, above 0
+            um^2, at most 100000000 um^2. None: "20000 um^2".
         allow_cut : bool, default False
             Takes a cell although the frame of the picture cuts it.
         spacing_um : float or None
             Distance of neighbouring masses. In um, above 0 um, at most 1000 um. None: such that the
             cell has about 2000 of them.
+        any_size : bool, default False
+            Takes a cell whose size no heart cell has: longer than 400 um, shorter than 15 um, or
+            with an area outside of `min_area_um2` to `max_area_um2`. Such a size mostly means a
+            wrong pixel size.
 
         Returns
         -------
@@ -279,6 +292,7 @@ class Cell:
             ("segmentation.max_area", max_area_um2, None),
             ("segmentation.allow_cut", allow_cut, False),
             ("shape.spacing", spacing_um, None),
+            ("shape.any_size", any_size, False),
         )
         # </given>
         given["segmentation.modality"] = "mask"
@@ -295,6 +309,7 @@ class Cell:
         label: int | None = None,
         rotate_deg: float = 0.0,
         spacing_um: float | None = None,
+        any_size: bool = False,
         # </signature>
     ) -> Cell:
         """The cell within an outline.
@@ -317,6 +332,10 @@ class Cell:
         spacing_um : float or None
             Distance of neighbouring masses. In um, above 0 um, at most 1000 um. None: such that the
             cell has about 2000 of them.
+        any_size : bool, default False
+            Takes a cell whose size no heart cell has: longer than 400 um, shorter than 15 um, or
+            with an area outside of `min_area_um2` to `max_area_um2`. Such a size mostly means a
+            wrong pixel size.
 
         Returns
         -------
@@ -352,6 +371,7 @@ class Cell:
             ("shape.label", label, None),
             ("shape.rotate", rotate_deg, 0.0),
             ("shape.spacing", spacing_um, None),
+            ("shape.any_size", any_size, False),
         )
         # </given>
         return cls._made({"shape.outline": path, **given}, arrays)

@@ -4,7 +4,7 @@ use crate::analysis::Metric;
 use crate::analysis::beat::{Beat, Beats};
 use serde::Serialize;
 
-/// A metric of several runs; of several beats their mean.
+/// A metric of several runs; of several beats the mean of those that count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Name in whole words, snake case.
@@ -55,7 +55,7 @@ pub fn rows(runs: &[&Beats]) -> Vec<Row> {
 
 fn row(metric: &Metric, runs: &[&Beats]) -> Row {
     let Metric { name, unit, definition, .. } = *metric;
-    let values: Vec<Option<f64>> = runs.iter().map(|beats| mean(beats, name)).collect();
+    let values: Vec<Option<f64>> = runs.iter().map(|beats| beats.mean(name)).collect();
     let first = values.first().copied().flatten();
     let less = |value: &Option<f64>| Some((*value)? - first?);
     let percent = |value: &Option<f64>| {
@@ -71,10 +71,4 @@ fn row(metric: &Metric, runs: &[&Beats]) -> Row {
         differences_pct: values.iter().map(percent).collect(),
         values,
     }
-}
-
-/// The mean over the beats that show it.
-fn mean(beats: &Beats, name: &str) -> Option<f64> {
-    let values: Vec<f64> = beats.iter().filter_map(|beat| beat.value(name)).collect();
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }

@@ -147,6 +147,7 @@ impl Run {
                 source: Source::BuiltIn(&built_in::CELLS[0]),
                 rotate: 0.0,
                 spacing: None,
+                any_size: false,
             },
             material: default_material(),
             active: ActiveLaw::Fibre,

@@ -6,11 +6,12 @@ use crate::mesh::built_in::BuiltIn;
 use crate::mesh::lattice::{self, LatticeError};
 use crate::mesh::outline::{Outline, OutlineError};
 use crate::mesh::pixel_size::PixelSize;
-use crate::mesh::quality::MeshReport;
+use crate::mesh::quality::{MeshReport, outline_dimensions};
 use crate::microscopy::cells::{CellError, Options, PictureCell, PictureCells};
 use crate::microscopy::outlines::{
     CoordinateUnit, OutlineFileError, Placement, ReadOptions, read_outlines,
 };
+use crate::microscopy::report::{USUAL_AREAS_UM2, impossible_size};
 use crate::microscopy::segment::Choice;
 use std::io;
 use std::path::Path;
@@ -121,6 +122,8 @@ pub struct Shape {
     pub rotate: f64,
     /// Lattice spacing, um; `None` gives about 2000 masses.
     pub spacing: Option<f64>,
+    /// Whether a cell may have a size that no heart cell has.
+    pub any_size: bool,
 }
 
 /// Why a shape did not become a mesh.
@@ -182,6 +185,21 @@ pub enum ShapeError {
         /// What is wrong with it.
         cause: OutlineError,
     },
+    /// The cell has a size that no heart cell has.
+    #[error(
+        "`{path}`: the cell {size}. {scale}. Correct {wrong}; if the size is right, --any-size (any_size = true in \
+         [shape]) takes it"
+    )]
+    Size {
+        /// The file.
+        path: String,
+        /// What is wrong, as the predicate of a sentence.
+        size: String,
+        /// What makes it so large or small, with where that comes from.
+        scale: String,
+        /// What may be wrong.
+        wrong: &'static str,
+    },
     /// The shape gives no mesh.
     #[error("{place}{cause}")]
     Lattice {
@@ -241,6 +259,7 @@ impl Shape {
     pub fn mesh(&self, bytes: &ShapeBytes) -> Result<Shaped, ShapeError> {
         let Source::Picture(picture) = &self.source else {
             let (outline, notes) = self.outline(&bytes.shape)?;
+            self.check_outline(&outline)?;
             let (mesh, mut report) = lattice::from_outline(&outline, self.spacing)
                 .map_err(|cause| self.unmeshed(cause))?;
             report.warnings.extend(notes);
@@ -255,8 +274,9 @@ impl Shape {
     /// Meshes one cell of a picture.
     ///
     /// # Errors
-    /// A spacing that does not fit the cell.
+    /// A size that no heart cell has, or a spacing that does not fit the cell.
     pub fn mesh_cell(&self, cells: PictureCells, cell: PictureCell) -> Result<Shaped, ShapeError> {
+        self.check_size(&cells, &cell)?;
         let (mesh, mut report) = self.lattice(&cells, &cell)?;
         report.warnings.extend(cells.notes.iter().cloned());
         if cells.len() > 1 {
@@ -270,6 +290,46 @@ impl Shape {
         report.warnings.extend(cell.warnings());
         let outline = cell.outline.clone();
         Ok(Shaped { mesh, report, outline, picture: Some((cells, cell)) })
+    }
+
+    /// Refuses a cell of a picture whose size no heart cell has, unless any size is allowed; of one that was pointed at
+    /// the length alone counts.
+    ///
+    /// # Errors
+    /// Such a size.
+    pub fn check_size(&self, cells: &PictureCells, cell: &PictureCell) -> Result<(), ShapeError> {
+        let (size, source) = (cells.pixel_size, cells.pixel_size_source);
+        let from = if source == "given" { source.to_owned() } else { format!("from its {source}") };
+        let pointed_at = self.source.choice().is_some_and(|choice| choice != Choice::Largest);
+        self.possible(cells.impossible_size(cell, pointed_at), || {
+            (format!("Its pixels are {size} wide ({from})"), "the pixel size (--pixel-size)")
+        })
+    }
+
+    /// The same of an outline in a file.
+    fn check_outline(&self, outline: &Outline) -> Result<(), ShapeError> {
+        let Source::Outline { pixel_size, choice, .. } = &self.source else { return Ok(()) };
+        let length = outline_dimensions(outline).length_um;
+        let pointed_at = *choice != Choice::Largest;
+        let areas_um2 = if pointed_at { [0.0, f64::INFINITY] } else { USUAL_AREAS_UM2 };
+        self.possible(impossible_size(length, outline.area(), areas_um2), || match pixel_size {
+            Some(size) => {
+                let scale = format!("A pixel of its outline was taken as {size} (given)");
+                (scale, "the pixel size (--pixel-size)")
+            }
+            None => ("Its coordinates were read as um".to_owned(), "their unit"),
+        })
+    }
+
+    fn possible(
+        &self,
+        wrong: Option<String>,
+        scale: impl FnOnce() -> (String, &'static str),
+    ) -> Result<(), ShapeError> {
+        let Some(size) = wrong.filter(|_| !self.any_size) else { return Ok(()) };
+        let path = self.file().unwrap_or_default().to_owned();
+        let (scale, wrong) = scale();
+        Err(ShapeError::Size { path, size, scale, wrong })
     }
 
     /// The lattice of one cell of a picture, without what there is to say about the picture.

@@ -22,6 +22,7 @@ mod outline;
 mod own_model;
 mod parts;
 mod quasi_static;
+mod rhythm;
 mod s1_s2;
 mod solid;
 mod supports;

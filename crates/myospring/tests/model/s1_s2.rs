@@ -121,7 +121,7 @@ fn an_extra_beat_is_the_same_in_time_along_equilibria_and_from_one_to_the_next()
         // A wave sets out at the very end of the cell, not at the middle of its first triangle.
         assert!((outcome.s2_ms.unwrap() - 1170.0).abs() < 1e-5);
         let beats = outcome.beats();
-        assert_eq!((beats.len(), beats.train().len()), (3, 2));
+        assert_eq!((beats.len(), beats.counted().count()), (3, 2));
         let s2 = beats.s2().unwrap();
         // What is in each triangle tells of no potential.
         let potential = simulation.wave_speed.is_none();

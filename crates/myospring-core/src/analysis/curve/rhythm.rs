@@ -1,6 +1,7 @@
 //! What is odd about a series of beats: missed, early and late ones, alternans, irregular intervals.
 
 use super::answer::{CurveBeat, State};
+use crate::analysis::alternans::{self, Alternans};
 use crate::analysis::value;
 
 /// Intervals this far from the usual one are early or late.
@@ -10,15 +11,9 @@ const LATE: f64 = 1.2;
 /// Intervals whose standard deviation is this part of their mean are irregular.
 const IRREGULAR: f64 = 0.1;
 
-/// Two kinds of beats that differ by this part are worth a word, where chance does not explain it.
-const ALTERNANS: f64 = 0.05;
-
 /// A beat with this many times the usual area is unlike the others, of which there must be so many.
 const UNLIKE: f64 = 1.7;
 const LEAST_ALIKE: usize = 5;
-
-/// How many standard errors chance explains.
-const CHANCE: f64 = 4.0;
 
 /// Remarks on the series; those on one beat go to it.
 pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
@@ -164,33 +159,10 @@ fn height(beat: &CurveBeat) -> Option<f64> {
 fn alternans(beats: &mut [CurveBeat]) -> Option<String> {
     let heights: Vec<(usize, f64)> =
         beats.iter().enumerate().filter_map(|(at, beat)| Some((at, height(beat)?))).collect();
-    if heights.len() < 4 {
-        return None;
-    }
-    let of = |odd: usize| -> Vec<f64> {
-        heights.iter().filter(|(at, _)| at % 2 == odd).map(|(_, height)| *height).collect()
-    };
-    let (even, odd) = (of(0), of(1));
-    if even.len() < 2 || odd.len() < 2 {
-        return None;
-    }
-    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
-    let squares = |list: &[f64]| list.iter().map(|x| (x - mean(list)).powi(2)).sum::<f64>();
-    let (a, b) = (mean(&even), mean(&odd));
-    let difference = (a - b).abs();
-    let free = (heights.len() - 2) as f64;
-    let pooled = ((squares(&even) + squares(&odd)) / free).sqrt();
-    let error = pooled * (1.0 / even.len() as f64 + 1.0 / odd.len() as f64).sqrt();
-    if difference <= ALTERNANS * a.max(b) || difference <= CHANCE * error {
-        return None;
-    }
-    let higher = usize::from(b > a);
+    let Alternans { higher, percent } = alternans::alternans(&heights)?;
     for (at, _) in &heights {
         let word = if at % 2 == higher { "high" } else { "low" };
         beats[*at].remarks.push(format!("alternans: a {word} beat"));
     }
-    Some(format!(
-        "alternans: every other beat is lower, by {:.1} % of the higher ones",
-        100.0 * difference / a.max(b)
-    ))
+    Some(format!("alternans: every other beat is lower, by {percent:.1} % of the higher ones"))
 }

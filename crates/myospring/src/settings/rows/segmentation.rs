@@ -178,7 +178,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "segmentation.min_area",
         "Least area that is expected of a cell: batch leaves out smaller ones, as debris, and elsewhere they are \
-         warned about.",
+         refused unless any size is allowed.",
         Bounds::any(Dimension::Area, "200 um^2").from(0.0).to(LARGEST_AREA_UM2),
         |run| run.shape.source.picture().map(|picture| picture.options.areas_um2[0]),
         |run, area| {
@@ -192,12 +192,12 @@ pub(super) const ROWS: &[Setting] = &[
         "--min-area",
         "AREA",
         "Least area that is expected of a cell: batch leaves out smaller ones (debris), elsewhere they are \
-         warned about",
+         refused unless --any-size is given",
     ),
     Setting::quantity(
         "segmentation.max_area",
         "Largest area that is expected of a cell: batch leaves out larger ones, as sheets and clumps, and elsewhere \
-         they are warned about.",
+         they are refused unless any size is allowed.",
         Bounds::any(Dimension::Area, "40000 um^2").above(0.0).to(LARGEST_AREA_UM2),
         |run| run.shape.source.picture().map(|picture| picture.options.areas_um2[1]),
         |run, area| {
@@ -211,7 +211,7 @@ pub(super) const ROWS: &[Setting] = &[
         "--max-area",
         "AREA",
         "Largest area that is expected of a cell: batch leaves out larger ones (sheets, clumps), elsewhere they \
-         are warned about",
+         are refused unless --any-size is given",
     ),
     Setting::new(
         "segmentation.allow_cut",

@@ -99,6 +99,20 @@ pub(super) const ROWS: &[Setting] = &[
     )
     .otherwise("the largest cell")
     .option("--label", "N"),
+    Setting::new(
+        "shape.any_size",
+        "Takes a cell whose size no heart cell has: longer than 400 um, shorter than 15 um, or with an area outside \
+         of `min_area` to `max_area`. Such a size mostly means a wrong pixel size.",
+        Kind::Flag {
+            get: |run| (!matches!(run.shape.source, Source::BuiltIn(_))).then_some(run.shape.any_size),
+            set: |run, any| run.shape.any_size = any,
+        },
+    )
+    .option_saying(
+        "--any-size",
+        "",
+        "Take a cell whose size no heart cell has (longer than 400 um, shorter than 15 um, or of an unusual area)",
+    ),
     Setting::quantity(
         "shape.rotate",
         "Turns an outline or built-in cell counter-clockwise before it is meshed.",

@@ -2,11 +2,12 @@
 
 use super::description::Which;
 use super::traces::TraceAxes;
+use crate::analysis::capture::Window;
+use crate::analysis::rhythm::Rhythm;
 use crate::analysis::rows::Context;
 use crate::analysis::s2::{self, S1S2};
-use crate::analysis::{Metric, action_potential, pulse, tension, trace, value};
+use crate::analysis::{Metric, action_potential, capture, pulse, tension, trace, value};
 use crate::cell::pacing::Protocol;
-use std::ops::Range;
 
 /// The curves of a cell over its samples.
 pub(super) struct Course {
@@ -64,8 +65,9 @@ impl Sampled<'_> {
 
 /// A beat by the samples of it.
 struct Beat {
-    stimulus_ms: f64,
-    within: Range<usize>,
+    window: Window,
+    /// Whether its stimulus raised an action potential.
+    captured: Option<bool>,
     /// Of an S2.
     s2: Option<S1S2>,
 }
@@ -92,51 +94,72 @@ impl Course {
         names.iter().map(of).collect()
     }
 
-    /// Whether an S2 raised an action potential; `None` without one.
-    pub(super) fn captured(&self, protocol: &Protocol) -> Option<bool> {
+    /// Which stimuli raised no action potential, where some did not.
+    pub(super) fn no_capture(&self, protocol: &Protocol) -> Option<String> {
         let beats = self.beats(protocol);
-        beats.last()?.s2.as_ref()?.captured(&self.times, &self.potential)
+        let pair = beats.last().and_then(|beat| beat.s2.as_ref());
+        let s2 = pair.and_then(|pair| pair.captured(&self.times, &self.potential));
+        let train = || beats.iter().filter(|beat| beat.s2.is_none());
+        let stimuli: Vec<f64> = train().map(|beat| beat.window.stimulus_ms).collect();
+        let captured: Vec<Option<bool>> = train().map(|beat| beat.captured).collect();
+        Rhythm::of(&stimuli, &captured, &[]).no_capture(s2)
     }
 
-    /// The beats; each ends at the next stimulus.
+    /// The beats; each ends at the next stimulus that is captured.
     fn beats(&self, protocol: &Protocol) -> Vec<Beat> {
         let stimuli: Vec<f64> = protocol.stimulus_times().collect();
-        let at = |time_ms: f64| self.times.partition_point(|time| *time < time_ms);
-        let beat = |(index, &stimulus_ms): (usize, &f64)| {
-            let start =
-                if index == 0 { f64::NEG_INFINITY } else { stimulus_ms - S1S2::BASELINE_MS };
-            let end = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
-            let s2 = protocol.s2_ms().filter(|s2_ms| *s2_ms == stimulus_ms);
-            let s2 = s2.and_then(|s2_ms| S1S2::of(&self.times, &stimuli, s2_ms));
-            Beat { stimulus_ms, within: at(start)..at(end), s2 }
+        let captured = capture::of(&self.times, &self.potential, self.unit, &stimuli);
+        let s1 = |place: usize| {
+            let before = captured.get(..place)?;
+            before.iter().rposition(|captured| *captured != Some(false)).or(place.checked_sub(1))
         };
-        let beats = stimuli.iter().enumerate().map(beat);
-        beats.filter(|beat| at(beat.stimulus_ms) < self.times.len()).collect()
+        let beat = |window: Window| {
+            let Window { place, stimulus_ms, .. } = window;
+            let s2 = protocol.s2_ms().filter(|s2_ms| *s2_ms == stimulus_ms);
+            let s2 = s2.and_then(|s2_ms| S1S2::after(&self.times, &stimuli, s1(place)?, s2_ms));
+            Beat { window, captured: captured[place], s2 }
+        };
+        let windows = capture::windows(&self.times, &stimuli, &captured).into_iter();
+        // One of which there is more than its rest.
+        let begun =
+            |window: &Window| self.times.last().is_some_and(|last| *last >= window.stimulus_ms);
+        windows.filter(begun).map(beat).collect()
     }
 
     /// A metric of a beat by its name.
     fn value(&self, beats: &[Beat], place: usize, name: &str) -> Option<f64> {
         let beat = beats.get(place)?;
         match &beat.s2 {
-            Some(pair) => self.of_s2(pair, beats.get(place.checked_sub(1)?)?, name),
+            Some(pair) => {
+                let s1 = beats.iter().find(|beat| beat.window.stimulus_ms == pair.s1_ms)?;
+                self.of_s2(pair, s1, name)
+            }
             None => self.of_train(beat, name),
         }
     }
 
     fn of_train(&self, beat: &Beat, name: &str) -> Option<f64> {
-        let Beat { stimulus_ms, within, .. } = beat;
+        let Beat { window: Window { stimulus_ms, within, next_ms, .. }, captured, .. } = beat;
+        if *captured == Some(false) {
+            return None;
+        }
         let times = &self.times[within.clone()];
         let rest = |column: &[f64]| trace::baseline(times, column, *stimulus_ms);
         match name {
             "peak_tension" | "time_to_peak_tension" => {
                 let column = &self.tension[within.clone()];
-                value(&twitch(times, column, *stimulus_ms, rest(column).unwrap_or_default()), name)
+                let rest = rest(column).unwrap_or_default();
+                let own = trace::twitch(times, column, *stimulus_ms);
+                value(&twitch(&times[own.clone()], &column[own], *stimulus_ms, rest), name)
             }
             "diastolic_level" => rest(self.calcium.get(within.clone())?),
             "systolic_level" => Some(trace::peak(times, self.calcium.get(within.clone())?)?.value),
             _ => {
                 let potential = &self.potential[within.clone()];
-                value(&action_potential::metrics(times, potential, *stimulus_ms, self.unit), name)
+                let stimuli = [*stimulus_ms, *next_ms];
+                let rest = rest(potential);
+                let rows = action_potential::above(times, potential, stimuli, self.unit, rest, "");
+                value(&rows, name)
             }
         }
     }

@@ -58,13 +58,9 @@ impl VariationRow {
         Self { member, status: Status::Ok, reason: String::new(), metrics }
     }
 
-    /// The same, which says so where an S2 raised no action potential.
-    pub(super) fn captured(self, captured: Option<bool>) -> Self {
-        let reason = match captured {
-            Some(false) => "no capture: S2 raised no action potential".to_owned(),
-            _ => self.reason,
-        };
-        Self { reason, ..self }
+    /// The same with what is to be said of it, as of stimuli that raised no action potential.
+    pub(super) fn noting(self, reason: Option<String>) -> Self {
+        Self { reason: reason.unwrap_or(self.reason), ..self }
     }
 }
 

@@ -56,7 +56,7 @@ pub(super) fn cells(
             axes.resampled(&timed, |(t_ms, _)| *t_ms, &quantities[..axes.quantities.len()])
         });
         let row = VariationRow::done(member.number, metrics);
-        Ok((row.captured(course.captured(&protocol)), curves))
+        Ok((row.noting(course.no_capture(&protocol)), curves))
     };
     members.iter().zip(tasks).map(row).collect()
 }

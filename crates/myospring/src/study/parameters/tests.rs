@@ -373,6 +373,35 @@ fn curves_are_those_of_the_members_and_change_no_row() {
 }
 
 #[test]
+fn missed_stimuli_count_in_no_mean_with_a_mesh_and_without() {
+    let text = |kind: &str| {
+        format!(
+            "kind = \"{kind}\"\nbeat = \"mean\"\n\
+             metrics = [\"action_potential_duration_90\", \"peak_tension\", \"time_to_peak_tension\"]\n\
+             [run.shape]\nspacing = \"7 um\"\n[run.numerics]\nintegrator = \"quasi-static\"\n\
+             [run.stimulus]\nbeats = 6\ncycle_length = \"600 ms\"\n\
+             [parameters]\ncycle_length = {{ distribution = \"uniform\", low = \"300 ms\", high = \"600 ms\" }}\n\
+             [sampling]\nsampler = \"grid\"\nlevels = 2\n"
+        )
+    };
+    let [cells, beats] = ["cell", "beat"].map(|kind| rows(&study(&text(kind)), Shard::WHOLE, 1));
+    let missed = "no capture: 3 of 6 stimuli raised no action potential: numbers 2, 4 and 6";
+    for rows in [&cells, &beats] {
+        assert_eq!(rows[0].reason, missed);
+        assert_eq!(rows[1].reason, "");
+        // All beats that count are alike: the mean is near the duration at 600 ms.
+        let [fast, slow] = [&rows[0], &rows[1]].map(|row| row.metrics[0].unwrap());
+        assert!((fast / slow - 1.0).abs() < 0.1, "{fast} {slow}");
+    }
+    for (cell, beat) in cells.iter().zip(&beats) {
+        for (cell, beat) in cell.metrics.iter().zip(&beat.metrics) {
+            // Adaptive steps and fixed ones.
+            assert!((cell.unwrap() / beat.unwrap() - 1.0).abs() < 5e-3, "{cell:?} {beat:?}");
+        }
+    }
+}
+
+#[test]
 fn an_extra_stimulus_has_the_same_numbers_with_a_mesh_and_without_and_a_missed_one_says_so() {
     let text = |kind: &str| {
         format!(

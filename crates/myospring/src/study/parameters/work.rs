@@ -14,6 +14,7 @@ use crate::cell::adaptive;
 use crate::cell::minimal::MinimalModel;
 use crate::cell::pacing::Protocol;
 use crate::cell::population::{self, Cell};
+use crate::cell::solve::SolveError;
 use crate::cell::{CellModel as _, TensionKind};
 use crate::integrate::Method;
 use crate::integrate::quasi_static::Tolerance;
@@ -359,8 +360,9 @@ impl Common {
             None if beats.is_empty() => Err("no stimulus falls within its duration".into()),
             _ => {
                 let number = member.map_or(0, |it| it.number);
-                let captured = beats.s2().and_then(|beat| beat.captured);
-                let row = VariationRow::done(number, self.of_beats(&beats)).captured(captured);
+                let s2 = beats.s2().and_then(|beat| beat.captured);
+                let row = VariationRow::done(number, self.of_beats(&beats));
+                let row = row.noting(beats.rhythm.no_capture(s2));
                 Ok((row, self.curves(&outcome)))
             }
         }
@@ -445,30 +447,54 @@ impl Common {
             tasks.iter().filter_map(|task| Some(task.as_ref().ok()?.cell.clone())).collect();
         // What an S2 meets is seen in the curves alone.
         let run = self.run.resolve();
-        let sampled_ms = run.ok().filter(|run| run.protocol.s2_interval_ms.is_some());
-        let sampled_ms = sampled_ms.map(|run| run.numerics.output_interval);
-        let settings = population::Settings {
+        let numerics = run.as_ref().map(|run| run.numerics.output_interval).ok();
+        let has_s2 = run.is_ok_and(|run| run.protocol.s2_interval_ms.is_some());
+        let sampled_ms = numerics.filter(|_| has_s2);
+        let every = |sample_interval_ms| population::Settings {
             method: adaptive::Settings::default(),
-            sample_interval_ms: sampled_ms
-                .or_else(|| self.axes.as_ref().map(|axes| axes.interval_ms)),
+            sample_interval_ms,
         };
+        let settings =
+            every(sampled_ms.or_else(|| self.axes.as_ref().map(|axes| axes.interval_ms)));
+        let failed =
+            |error: SolveError| members.iter().map(|_| Err(error.clone().into())).collect();
+        let interrupted = || members.iter().map(|_| Err(Interrupted.into())).collect();
         let outcomes = match population::run_while(&cells, &settings, goes_on) {
             Ok(Some(outcomes)) => outcomes,
-            Ok(None) => return members.iter().map(|_| Err(Interrupted.into())).collect(),
-            Err(error) => return members.iter().map(|_| Err(error.clone().into())).collect(),
+            Ok(None) => return interrupted(),
+            Err(error) => return failed(error),
         };
-        let mut outcomes = outcomes.into_iter();
+        // A beat goes on through a stimulus that is not captured, as its samples alone show.
+        let by_samples = |outcome: &Result<population::Outcome, SolveError>| {
+            sampled_ms.is_none() && outcome.as_ref().is_ok_and(population::Outcome::needs_samples)
+        };
+        let again: Vec<Cell> = cells
+            .iter()
+            .zip(&outcomes)
+            .filter(|(_, outcome)| by_samples(outcome))
+            .map(|(cell, _)| cell.clone())
+            .collect();
+        let mut sampled = match population::run_while(&again, &every(numerics), goes_on) {
+            Ok(Some(outcomes)) => outcomes.into_iter(),
+            Ok(None) => return interrupted(),
+            Err(error) => return failed(error),
+        };
+        let outcomes = outcomes.into_iter().map(|outcome| match by_samples(&outcome) {
+            true => (sampled.next().unwrap_or(outcome), numerics),
+            false => (outcome, sampled_ms),
+        });
+        let mut outcomes = outcomes.collect::<Vec<_>>().into_iter();
         let row = |(member, task): (&&Variation, Result<Alone, Cause>)| {
             let Alone { millivolts, scale, protocol, .. } = task?;
-            let outcome = outcomes.next().ok_or("a cell without an outcome")??;
+            let (outcome, sampled_ms) = outcomes.next().ok_or("a cell without an outcome")?;
+            let outcome = outcome?;
             if let Some(interval_ms) = sampled_ms {
                 let sampled = Sampled { samples: &outcome.samples, interval_ms, millivolts, scale };
                 let course = sampled.course();
                 let metrics = course.metrics(&protocol, self.beat, &self.metrics);
                 let curves = self.axes.as_ref().map(|axes| sampled.curves(axes));
                 let row = VariationRow::done(member.number, metrics);
-                let row = row.captured(course.captured(&protocol));
-                return Ok((row, curves.unwrap_or_default()));
+                return Ok((row.noting(course.no_capture(&protocol)), curves.unwrap_or_default()));
             }
             let value = |beat: &adaptive::Beat, name: &String| match name.as_str() {
                 "peak_tension" => Some(scale * beat.peak_tension),

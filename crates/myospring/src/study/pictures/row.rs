@@ -80,9 +80,9 @@ impl CellRow {
         self.number("fibre_angle_to_axis_deg", seen.map(|seen| seen.angle_to_axis_deg));
     }
 
-    /// Adds the metrics of the first beat; of several beats, their means; and what an S2 is against them.
+    /// Adds the metrics of the first beat that counts; of several, their means; and what an S2 is against them.
     pub(super) fn metrics(&mut self, summary: &Summary) {
-        let Some(first) = summary.beats.first() else { return };
+        let Some(first) = summary.usual() else { return };
         for metric in first.metrics() {
             let mean = summary.beat_to_beat.iter().find(|spread| spread.name == metric.name);
             let value = mean.map(|spread| spread.mean).or(metric.value);

@@ -1,0 +1,149 @@
+//! The files that a run was made from, as its results name them: copied beside the results, so that a folder that is
+//! moved repeats its run, or, where they are large, by their place relative to the results.
+
+use crate::failure::Failure;
+use crate::results::Folder;
+use myospring::run_file::RunFile;
+use myospring::study::sha256;
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+use std::{fs, io};
+
+/// Where copies go within the results.
+pub(crate) const FOLDER: &str = "inputs";
+
+/// Largest file that is copied, bytes. Pictures, masks, outlines and tables are smaller; films may be larger.
+pub(crate) const LARGEST_COPY: u64 = 100_000_000;
+
+/// Names of files within the results, by their names as the run has them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Inputs {
+    names: BTreeMap<String, String>,
+    /// Names of copies by their content: files of the same content are one.
+    copies: BTreeMap<String, String>,
+}
+
+impl Inputs {
+    /// Copies the files that a run file names into the results, large ones aside; `read` reads a file by its name.
+    pub(crate) fn keep(
+        &mut self,
+        folder: &Folder,
+        mut file: RunFile,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<(), Failure> {
+        for path in file.paths_mut() {
+            if self.names.contains_key(path) {
+                continue;
+            }
+            let from_results = relative(Path::new(&*path), folder.target());
+            // One that these results have made.
+            let own = from_results.clone().filter(|name| folder.has(name));
+            let large = fs::metadata(&*path).is_ok_and(|file| file.len() > LARGEST_COPY);
+            let copy = if own.is_none() && !large { read(path).ok() } else { None };
+            let name = match (own, copy) {
+                (Some(own), _) => own,
+                (None, Some(bytes)) => {
+                    self.copy(path, &bytes, |name, bytes| folder.write(name, bytes))?;
+                    continue;
+                }
+                (None, None) => match from_results {
+                    Some(name) => name,
+                    // On another drive.
+                    None => continue,
+                },
+            };
+            self.names.insert(path.clone(), name);
+        }
+        Ok(())
+    }
+
+    /// Copies a file by `write`, unless another of the same content was copied.
+    pub(crate) fn copy(
+        &mut self,
+        path: &str,
+        bytes: &[u8],
+        write: impl FnOnce(&str, &[u8]) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let content = sha256(bytes);
+        let name = match self.copies.get(&content) {
+            Some(name) => name.clone(),
+            None => {
+                let name = self.free(Path::new(path));
+                write(&name, bytes)?;
+                self.copies.insert(content, name.clone());
+                name
+            }
+        };
+        self.names.insert(path.to_owned(), name);
+        Ok(())
+    }
+
+    /// A name for the copy of a file that no other copy has.
+    fn free(&self, path: &Path) -> String {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let (stem, ending) = name.rsplit_once('.').unwrap_or((&name, ""));
+        let dot = if ending.is_empty() { "" } else { "." };
+        let numbered = (2..).map(|number| format!("{FOLDER}/{stem}_{number}{dot}{ending}"));
+        let taken = |name: &String| self.names.values().any(|other| other == name);
+        let mut all = std::iter::once(format!("{FOLDER}/{name}")).chain(numbered);
+        all.find(|name| !taken(name)).unwrap_or_default()
+    }
+
+    /// The name of a file within the results, after the way `up` to them; as it is where nothing is known of it.
+    pub(crate) fn name(&self, path: &str, up: &str) -> String {
+        self.names.get(path).map_or_else(|| path.to_owned(), |name| format!("{up}{name}"))
+    }
+
+    /// A run file whose files are named relative to a folder of the results, from which `up` leads to their top.
+    pub(crate) fn renamed(&self, mut file: RunFile, up: &str) -> RunFile {
+        for path in file.paths_mut() {
+            *path = self.name(path, up);
+        }
+        file
+    }
+}
+
+/// A path as seen from a folder, with `/`; `None` where there is no way, as from one drive to another.
+pub(crate) fn relative(path: &Path, folder: &Path) -> Option<String> {
+    let [path, folder] = [path, folder].map(|it| std::path::absolute(it).map(|it| plain(&it)));
+    let (path, folder) = (path.ok()?, folder.ok()?);
+    let (path, folder): (Vec<_>, Vec<_>) =
+        (path.components().collect(), folder.components().collect());
+    let shared = path.iter().zip(&folder).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return None;
+    }
+    let up = folder[shared..].iter().map(|_| "..".to_owned());
+    let down = path[shared..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());
+    Some(up.chain(down).collect::<Vec<_>>().join("/"))
+}
+
+/// Without `..`.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => drop(plain.pop()),
+            part => plain.push(part),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_named_as_seen_from_a_folder() {
+        for (path, folder, expected) in [
+            ("/a/b/cell.tif", "/a/results/cell", "../../b/cell.tif"),
+            ("/a/results/cell/track/rest.tif", "/a/results/cell", "track/rest.tif"),
+            ("cell.tif", "results/cell", "../../cell.tif"),
+            ("x/../cell.tif", "results", "../cell.tif"),
+        ] {
+            let found = relative(Path::new(path), Path::new(folder));
+            assert_eq!(found.as_deref(), Some(expected), "{path} from {folder}");
+        }
+    }
+}
