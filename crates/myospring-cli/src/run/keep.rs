@@ -40,7 +40,7 @@ pub struct Over<'a> {
     /// What came of it.
     pub outcome: &'a Outcome,
     /// Reads a file by its name as the run has it.
-    pub read: &'a dyn Fn(&str) -> io::Result<Vec<u8>>,
+    pub read: &'a (dyn Fn(&str) -> io::Result<Vec<u8>> + Sync),
 }
 
 /// What was written beside curves and numbers, and whether `run.json` tells of it.
