@@ -634,6 +634,7 @@ mod tests {
     /// twitch of 8 or, at odd places of the list, `other` kPa; what a stimulus alone adds is gone after 30 ms.
     fn paced(stimuli: usize, captured: &[usize], other: f64) -> (Recording, Vec<f64>) {
         let times: Vec<f64> = (0..stimuli).map(|place| 50.0 + 300.0 * place as f64).collect();
+        let still = samples()[0];
         let sample = |t: f64| {
             let since = |place: usize| t - times[place];
             let added = |place: usize| 0.3 * (1.0 - since(place) / 30.0).clamp(0.0, 1.0);
@@ -646,9 +647,8 @@ mod tests {
                 peak * (-((since(place) - 120.0) / 40.0).powi(2)).exp()
             });
             let ta_kpa: f64 = twitch.sum();
-            let [first, ..] = &samples()[..1] else { unreachable!() };
             let (u, length_um) = (Some(potential.sum()), 100.0 - ta_kpa);
-            Sample { t_ms: t, u, ta_kpa, length_um, shortening_pct: ta_kpa, ..*first }
+            Sample { t_ms: t, u, ta_kpa, length_um, shortening_pct: ta_kpa, ..still }
         };
         let end = 50.0 + 300.0 * stimuli as f64;
         let samples = (0..).map(|i| 0.5 * f64::from(i)).take_while(|t| *t < end).map(sample);
