@@ -65,14 +65,13 @@ impl Inputs {
         write: impl FnOnce(&str, &[u8]) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let content = sha256(bytes);
-        let name = match self.copies.get(&content) {
-            Some(name) => name.clone(),
-            None => {
-                let name = self.free(Path::new(path));
-                write(&name, bytes)?;
-                self.copies.insert(content, name.clone());
-                name
-            }
+        let name = if let Some(name) = self.copies.get(&content) {
+            name.clone()
+        } else {
+            let name = self.free(Path::new(path));
+            write(&name, bytes)?;
+            self.copies.insert(content, name.clone());
+            name
         };
         self.names.insert(path.to_owned(), name);
         Ok(())

@@ -62,12 +62,11 @@ pub fn captures(responses: &[Response], least: f64) -> Vec<Option<bool>> {
     responses
         .iter()
         .map(|response| {
-            let captured = match last {
-                Some((rest, peak)) => response.after(rest, peak),
-                None => {
-                    let captured = response.peak - response.rest >= least;
-                    (captured || response.seen).then_some(captured)
-                }
+            let captured = if let Some((rest, peak)) = last {
+                response.after(rest, peak)
+            } else {
+                let captured = response.peak - response.rest >= least;
+                (captured || response.seen).then_some(captured)
             };
             if captured == Some(true) {
                 let rest = last.map_or(response.rest, |(rest, _)| rest.min(response.rest));

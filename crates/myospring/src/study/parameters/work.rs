@@ -479,9 +479,12 @@ impl Common {
             Ok(None) => return interrupted(),
             Err(error) => return failed(error),
         };
-        let outcomes = outcomes.into_iter().map(|outcome| match by_samples(&outcome) {
-            true => (sampled.next().unwrap_or(outcome), numerics),
-            false => (outcome, sampled_ms),
+        let outcomes = outcomes.into_iter().map(|outcome| {
+            if by_samples(&outcome) {
+                (sampled.next().unwrap_or(outcome), numerics)
+            } else {
+                (outcome, sampled_ms)
+            }
         });
         let mut outcomes = outcomes.collect::<Vec<_>>().into_iter();
         let row = |(member, task): (&&Variation, Result<Alone, Cause>)| {
