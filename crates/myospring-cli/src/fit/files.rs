@@ -99,7 +99,7 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
         match page::beaten(&simulation, shared.as_ref()) {
             Ok(outcome) => {
                 let beat = (&simulation, &outcome);
-                let page = page::html(cell, fit, context, &run, &run_file, beat)?;
+                let page = page::html(cell, fit, context, &run, (&run_file, &inputs), beat)?;
                 folder.write(&format!("{within}{FILE}"), page)?;
             }
             Err(error) => {

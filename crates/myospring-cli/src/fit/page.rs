@@ -4,6 +4,7 @@ use super::files::{Cell, Context, drawn, profiles};
 use super::words;
 use crate::cite;
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::page::parameters;
 use myospring::cell::CellModel;
 use myospring::fit::{Estimate, Fit, Unknown};
@@ -32,7 +33,7 @@ pub(super) fn html(
     fit: &Fit,
     context: &Context<'_>,
     run: &Run,
-    run_file: &str,
+    (run_file, inputs): (&str, &Inputs),
     (simulation, outcome): (&Simulation, &Outcome),
 ) -> Result<String, Failure> {
     let model = &*run.cell;
@@ -54,7 +55,7 @@ pub(super) fn html(
         myofibril_content: simulation.myofibril_content.as_deref(),
         outline: context.outline,
         stimulus_times_ms: &outcome.stimulus_times_ms,
-        parameters: parameters(run),
+        parameters: parameters(run, inputs),
         run_file,
         citations: &citations,
         picture: None,
