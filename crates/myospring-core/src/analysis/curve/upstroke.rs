@@ -36,8 +36,11 @@ pub(super) struct Upstroke {
 }
 
 /// The steepest place among samples that rise by `height`, with white noise of this standard deviation; `None` of less than
-/// two samples, or of samples that do not rise.
+/// two samples, of a height that is not above 0, or of samples that do not rise.
 pub(super) fn steepest(times: &[f64], values: &[f64], height: f64, noise: f64) -> Option<Upstroke> {
+    if height.is_nan() || height <= 0.0 {
+        return None;
+    }
     let lines = Lines::of(times, values);
     let mut ladder = vec![times.len()];
     while let Some(&count) = ladder.last().filter(|count| **count > LEAST) {
@@ -242,6 +245,8 @@ mod tests {
         let found = steepest(&times, &values, 100.0, 0.0).unwrap();
         assert_eq!((found.resolved, found.at.value, found.at.time), (false, 100.0, 9.5));
         assert_eq!(steepest(&times[..1], &values[..1], 100.0, 0.0), None);
+        // A peak that lies below its rest.
+        assert_eq!(steepest(&times, &values, -10.0, 0.0), None);
         assert_eq!(steepest(&times[..8], &values[..8], 100.0, 0.0), None);
     }
 }
