@@ -62,8 +62,8 @@ pub(super) fn of<'a>(fit: &'a PageFit<'_>) -> FitData<'a> {
             .iter()
             .map(|it| FigureData {
                 title: it.title,
-                light: image(it.figure.clone().themed(Theme::Light)),
-                dark: image(it.figure.clone().themed(Theme::Dark)),
+                light: image(&it.figure.clone().themed(Theme::Light)),
+                dark: image(&it.figure.clone().themed(Theme::Dark)),
                 words: &it.words,
                 notes: it.notes,
             })
@@ -97,6 +97,6 @@ fn profile(profile: &LikelihoodProfile) -> ProfileData<'_> {
 }
 
 /// A figure as the address of an image, so that nothing in it can act on the page.
-fn image(figure: Figure) -> String {
+fn image(figure: &Figure) -> String {
     format!("data:image/svg+xml;base64,{}", STANDARD.encode(figure.to_svg()))
 }
