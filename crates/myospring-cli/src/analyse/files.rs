@@ -109,6 +109,14 @@ pub(crate) fn conventions(treatment: &Treatment) -> String {
         let frames: Vec<String> = treatment.bad_frames.iter().map(usize::to_string).collect();
         parts.push(format!("bad frames replaced: {}", frames.join(" ")));
     }
+    if !treatment.artefacts.is_empty() {
+        let times: Vec<String> = treatment
+            .artefacts
+            .iter()
+            .map(|artefact| format!("{:.0}-{:.0}", artefact.from_ms, artefact.to_ms))
+            .collect();
+        parts.push(format!("artefacts left out, ms: {}", times.join(" ")));
+    }
     if let Some([frequency, amplitude]) = treatment.hum {
         parts.push(format!("hum of {frequency:.2} Hz taken off, amplitude {amplitude:.4}"));
     }

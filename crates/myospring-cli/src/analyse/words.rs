@@ -67,7 +67,8 @@ fn one(read: &Read) -> String {
     );
     let Ok(analysis) = &read.found else { return format!("{head}\n") };
     let count = |state| analysis.beats.iter().filter(|beat| beat.state == state).count();
-    let states = [State::Whole, State::CutAtStart, State::CutAtEnd, State::Missed];
+    let states =
+        [State::Whole, State::CutAtStart, State::CutAtEnd, State::Disturbed, State::Missed];
     let states: Vec<String> = states
         .into_iter()
         .filter(|state| count(*state) > 0)
@@ -141,7 +142,8 @@ pub(crate) fn remarks(all: &[Read]) -> Vec<String> {
         let Ok(analysis) = &read.found else { continue };
         let of_curve = analysis.remarks.iter().cloned();
         // What is said of every beat in turn the remark on the curve has said.
-        let is_new = |remark: &&String| !remark.starts_with("alternans");
+        let said = ["alternans", "an artefact at", "artefacts at"];
+        let is_new = |remark: &&String| !said.iter().any(|start| remark.starts_with(start));
         let of_beats = analysis.beats.iter().flat_map(|beat| {
             beat.remarks
                 .iter()

@@ -127,11 +127,15 @@ fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Cha
     let within = || samples().filter(|((time, _), _)| (from..=to).contains(*time));
     let x = Axis::time([from * scale, to * scale]);
     let x = if scale < 1.0 { Axis { label: "Time (s)".to_owned(), ..x } } else { x };
-    // Single bad frames may leave the picture.
+    // Bad frames and artefacts may leave the picture.
     let treatment = &curve.analysis.treatment;
     let bad: Vec<f64> =
         treatment.bad_frames.iter().map(|frame| curve.times_ms[frame - 1]).collect();
-    let good = |time: &f64, value: &f64| if bad.contains(time) { f64::NAN } else { *value };
+    let is_artefact =
+        |time: f64| treatment.artefacts.iter().any(|it| (it.from_ms..=it.to_ms).contains(&time));
+    let good = |time: &f64, value: &f64| {
+        if bad.contains(time) || is_artefact(*time) { f64::NAN } else { *value }
+    };
     let [low, high] = ends(within().flat_map(|((time, value), read)| [good(time, value), *read]));
     // Room for what is written beside peaks and onsets.
     let room = ROOM / height * (high - low);
@@ -161,7 +165,7 @@ fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
         if let Some(ends) = beat.baseline {
             sheet.path(Path::line(ends.map(at)), Stroke::new(MUTED, HAIR).dash(3.0, 2.0));
         }
-        let counts = beat.state != State::CutAtStart;
+        let counts = !matches!(beat.state, State::CutAtStart | State::Disturbed);
         let dot = if counts { INK } else { REST };
         for mark in beat.marks.iter().filter(|mark| mark.name == "peak" || mark.name == "onset") {
             let [x, y] = at(mark.point);
@@ -178,7 +182,18 @@ fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
             sheet.text([x + 3.0, place[1] + 9.0], "missed", style);
         }
     }
+    for artefact in &curve.analysis.treatment.artefacts {
+        let [from, to] = [artefact.from_ms, artefact.to_ms]
+            .map(|time| chart.at([time * scale, 0.0])[0].clamp(place[0], place[0] + size[0]));
+        let y = place[1] + 2.0;
+        // As wide as can be seen.
+        let to = to.max(from + 2.0);
+        sheet.path(Path::line([[from, y], [to, y]]), Stroke::new(TENSION, 3.0));
+    }
     let mut notes = Vec::new();
+    if !curve.analysis.treatment.artefacts.is_empty() {
+        notes.push("red bars: artefacts, left out");
+    }
     if curve.values != curve.analysis.read {
         notes.push("grey: as measured");
     }

@@ -164,6 +164,8 @@ pub struct FittedCurve {
     pub fitted: Vec<f64>,
     /// Whether each frame counted; the others are single bad frames.
     pub used: Vec<bool>,
+    /// Stretches that were left out, such as artefacts: their first and last frame, ms.
+    pub left_out_ms: Vec<[f64; 2]>,
     /// Stimuli with the fitted delays, ms.
     pub stimuli_ms: Vec<f64>,
     /// Standard deviation of the noise, from the cell at rest, in the curve's unit.

@@ -598,6 +598,7 @@ impl Layout {
             unit: observed.unit.clone(),
             times_ms: frames.times.clone(),
             measured: frames.values.clone(),
+            left_out_ms: observed.gaps(),
             stimuli_ms,
             noise: frames.noise,
             residual: (squares(&off) / off.len().max(1) as f64).sqrt(),

@@ -101,13 +101,20 @@ impl Observed {
         let analysis = analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options)
             .map_err(|cause| FitError::Curve { name: name(), cause })?;
         let mut values = curve.values.clone();
+        // What is no beat is no measurement of one.
+        for artefact in &analysis.treatment.artefacts {
+            let [from, to] = artefact.frames;
+            values[from - 1..to].fill(f64::NAN);
+        }
         // An unknown curve that falls in a beat is a contraction upside down.
         if scale == Scale::Arbitrary && !analysis.treatment.rises {
             for value in &mut values {
                 *value = -*value;
             }
         }
-        let whole = |state: State| state == State::Whole || state == State::CutAtEnd;
+        // Of a beat with an artefact the rest is as good as of any.
+        let whole =
+            |state: State| matches!(state, State::Whole | State::CutAtEnd | State::Disturbed);
         let beats: Vec<f64> = analysis
             .beats
             .iter()
@@ -128,6 +135,21 @@ impl Observed {
         };
         let (times_ms, unit) = (curve.times_ms.clone(), curve.unit.to_owned());
         Ok(Self { name: name(), times_ms, values, scale, unit, stimuli })
+    }
+
+    /// Stretches without a value between frames that have one: first and last time, ms.
+    pub(super) fn gaps(&self) -> Vec<[f64; 2]> {
+        let known: Vec<bool> = self.values.iter().map(|value| value.is_finite()).collect();
+        let from = known.iter().position(|known| *known).unwrap_or(0);
+        let to = known.iter().rposition(|known| *known).unwrap_or(0);
+        let mut gaps: Vec<[f64; 2]> = Vec::new();
+        for at in (from..to).filter(|at| !known[*at]) {
+            match gaps.last_mut() {
+                Some(gap) if !known[at - 1] => gap[1] = self.times_ms[at],
+                _ => gaps.push([self.times_ms[at]; 2]),
+            }
+        }
+        gaps
     }
 
     pub(super) fn frames(&self) -> Result<Frames, FitError> {

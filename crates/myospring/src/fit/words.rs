@@ -4,6 +4,9 @@ use super::answer::{Fit, FitVerdict, FittedCurve, Verdict};
 use super::observed::Scale;
 use super::unknown::Unknown;
 
+/// Stretches that were left out are listed up to so many.
+const LISTED: usize = 5;
+
 /// What a reader must know, in order of weight.
 pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
     let mut words = Vec::new();
@@ -63,6 +66,21 @@ pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
         fit.curves.iter().map(|curve| curve.used.iter().filter(|used| !**used).count()).sum();
     if bad > 0 {
         words.push(format!("{bad} single bad frames were left out"));
+    }
+    for curve in fit.curves.iter().filter(|curve| !curve.left_out_ms.is_empty()) {
+        let times: Vec<String> = curve
+            .left_out_ms
+            .iter()
+            .take(LISTED)
+            .map(|[from, to]| format!("{from:.0} to {to:.0} ms"))
+            .collect();
+        let more = curve.left_out_ms.len().saturating_sub(LISTED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        words.push(format!(
+            "artefacts, or frames without a value, were left out of {}: {}{more}",
+            curve.name,
+            times.join(", ")
+        ));
     }
     let free = |unknown: &Unknown| {
         fit.estimates.iter().any(|estimate| estimate.unknown.as_ref() == Some(unknown))
