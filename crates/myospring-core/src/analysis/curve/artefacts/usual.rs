@@ -77,6 +77,9 @@ pub(in crate::analysis::curve) fn usual(
             peaks.iter().map(|peak| Pulse::of(&coarse, *peak, stride)).collect();
         classes.extend(class(values, &pulses, window));
     }
+    // Wiggles a thirtieth as high as what else repeats are of the instrument.
+    let highest = classes.iter().map(|class| class.height).fold(0.0, f64::max);
+    classes.retain(|class| class.height >= 0.03 * highest);
     let most = classes.iter().map(|class| class.alike).reduce(f64::max)?;
     let size = |class: &Beats| class.height * class.width;
     let seen = classes
