@@ -245,6 +245,7 @@ pub(crate) struct MeshArgs {
     myospring segment sheet.tif --whole-frame                  a sheet or tissue: its fibres and sarcomeres\n\n\
     Without an ending --output is a folder; else the ending says what the file holds: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
     .png (mask; with --cell all a label mask). An overlay is written beside the first of them.")]
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub(crate) struct SegmentArgs {
     /// Picture (.png, .tif)
     #[arg(value_name = "PICTURE")]

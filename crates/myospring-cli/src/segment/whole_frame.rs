@@ -106,7 +106,9 @@ pub(super) fn read(
         print::out(&format!("\nwritten: {}", written.display()))?;
     }
     if !args.quiet {
-        notes.iter().for_each(|note| print::warn(note));
+        for note in &notes {
+            print::warn(note);
+        }
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -200,7 +202,7 @@ fn write(
     folder.write(crate::fibres::FILE, to_csv(&[("frame", places.iter().map(row).collect())])?)?;
     folder.write("overlay.png", figure.to_png(DPI)?)?;
     folder.write("report.json", json::pretty(report)?)?;
-    Ok(folder.finish()?)
+    folder.finish()
 }
 
 /// Where the fibres of a whole frame go.

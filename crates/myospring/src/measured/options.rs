@@ -32,6 +32,7 @@ pub enum Layout {
 
 /// What is said about a table; what is not said is found in it.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a yes or no of its own")]
 pub struct Options {
     /// The column of times, or of frames.
     pub time: Option<Column>,

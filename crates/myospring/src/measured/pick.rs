@@ -219,9 +219,7 @@ impl<'a> Picked<'a> {
         };
         let labels = (0..width).take_while(|at| is_label(*at)).count();
         // Frames or times may stand where names would.
-        if are_frames(&self.sheet.header) {
-            self.turn(Some("frame"), labels);
-        } else if unnamed && first.len() >= MANY && are_frames(first) {
+        if are_frames(&self.sheet.header) || (unnamed && first.len() >= MANY && are_frames(first)) {
             self.turn(Some("frame"), labels);
         } else if unnamed
             && rows > 1
@@ -436,7 +434,7 @@ impl<'a> Picked<'a> {
         let sources: Vec<(usize, bool)> = match (&chosen[..], rate) {
             ([_, ..], _) => chosen.iter().map(|at| (*at, held[*at] == Holds::Frame)).collect(),
             ([], Some(_)) if unnamed && counts => vec![(0, true)],
-            ([], _) if unnamed && !(counts && !self.sheet.header.is_empty()) => vec![(0, false)],
+            ([], _) if unnamed && (!counts || self.sheet.header.is_empty()) => vec![(0, false)],
             ([], Some(ms)) => {
                 let clock = Clock::Rows { ms };
                 return Ok(columns.iter().map(|&at| Chosen { at, clock }).collect());

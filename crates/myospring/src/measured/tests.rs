@@ -311,7 +311,8 @@ fn numbers_that_only_count_are_no_curve() {
 #[test]
 fn times_that_may_be_of_two_units_are_refused_with_the_option_that_says_it() {
     let potential = |count: u32| -> String {
-        let rows = (0..count).map(|i| format!("{},{}\n", 0.04 * f64::from(i), -80 + i as i64 % 7));
+        let rows =
+            (0..count).map(|i| format!("{},{}\n", 0.04 * f64::from(i), -80 + i64::from(i) % 7));
         rows.fold("t,V\n".to_owned(), |text, row| text + &row)
     };
     let said = error(&potential(10_000), &NONE());

@@ -58,9 +58,9 @@ fn no_workbook_of_the_corpus_makes_the_reader_panic() {
         println!("{}", path.display());
         let bytes = std::fs::read(&path).unwrap();
         if workbook_bytes::exercise(&bytes) > 0 {
-            read += 1
+            read += 1;
         } else {
-            refused += 1
+            refused += 1;
         }
         for end in (0..bytes.len()).step_by(401) {
             workbook_bytes::exercise(&bytes[..end]);

@@ -53,7 +53,9 @@ fn motion(displacement: impl Fn([f64; 2], usize) -> [f64; 2]) -> Motion {
 
 fn shifted(mut mesh: Mesh, by: f64) -> Mesh {
     for axis in &mut mesh.points {
-        axis.iter_mut().for_each(|place| *place += by);
+        for place in axis.iter_mut() {
+            *place += by;
+        }
     }
     mesh
 }

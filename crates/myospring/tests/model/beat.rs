@@ -422,11 +422,11 @@ fn a_cell_that_swings_about_its_clamped_end_is_as_wide_as_a_free_one() {
             upper.iter().map(|&node| areas[node] * along(node)).sum::<f64>() / total
         };
         let [held, _] = end_zones(&simulation.mesh, [x, y]);
-        let (rest, now) = (&simulation.mesh.points, equilibria.positions(50.0).unwrap());
+        let (mesh, now) = (&simulation.mesh.points, equilibria.positions(50.0).unwrap());
         // What is not held is stretched as it is from the clamp to the middle of the free end.
-        let stretch = (mean(&now) - held[1]) / (mean(rest) - held[1]);
+        let stretch = (mean(&now) - held[1]) / (mean(mesh) - held[1]);
         let depth = held[1] - held[0];
-        let length = depth + stretch * (shape::extent(rest, [x, y]) - depth);
+        let length = depth + stretch * (shape::extent(mesh, [x, y]) - depth);
         (peak.width_um / rest.width_um - 1.0, peak.length_um, length)
     };
     let (free, ..) = change(SupportKind::MassCentre);

@@ -135,6 +135,7 @@ fn runs_beside_each_other_share_the_room_of_a_page() {
         colour: Field::FibreStrain,
         warnings: &[],
         differences: &[],
+        fit: None,
         runs: &[],
     });
     assert!(matches!(none, Err(PageError::NoRuns)));
@@ -167,6 +168,7 @@ fn frames_and_fibres_of_another_mesh_are_refused() {
             colour: Field::FibreStrain,
             warnings: &[],
             differences: &[],
+            fit: None,
             runs: &[run],
         };
         page::html(&page).unwrap_err().to_string()
