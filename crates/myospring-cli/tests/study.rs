@@ -319,7 +319,7 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         let members = match name.as_str() {
             "population.toml" | "tor_ord_population.toml" => "20 members: 20 beat",
             "force_frequency.toml" => "2 members: 2 beat",
-            "s1_s2.toml" => "3 members: 3 beat, 1 without capture",
+            "s1_s2.toml" | "restitution.toml" => "3 members: 3 beat, 1 with stimuli that raised no",
             _ => " beat\n",
         };
         assert!(said.contains(members), "{name}: {said}");

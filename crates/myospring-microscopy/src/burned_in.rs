@@ -12,6 +12,9 @@ use super::region::{Connectivity, Island, Region, Window};
 /// How far the grey values of one mark may lie apart, in parts of the picture's range: what a lossy file makes of one
 /// value.
 const ONE_VALUE: f32 = 0.04;
+/// Least part of a mark that has exactly its most frequent grey value: of what a camera has seen, noise leaves less,
+/// unless it is overexposed.
+const EXACTLY_ONE_VALUE: f64 = 0.5;
 /// Classes of the histogram in which a value of a mark is sought that is neither the largest nor the least.
 const CLASSES: usize = 128;
 /// Such a value is so many times as frequent as those around it, and so many pixels have it.
@@ -231,9 +234,18 @@ impl Drawing<'_> {
         let everywhere =
             beside.iter().filter(enough).count() as f64 >= NEARLY_ALL * beside.len() as f64;
         let sharp = step >= LEAST_STEP * self.range && mean(&beside) >= SHARP * step && everywhere;
-        let drawn = sharp && is_drawn(&own, island);
+        let drawn = sharp && is_drawn(&own, island) && is_of_one_value(&own, &values);
         sharp.then_some(Sharp { own, window, island: *island, drawn })
     }
+}
+
+/// Whether most of a mark has exactly the same grey value.
+fn is_of_one_value(own: &Region, values: &[f32]) -> bool {
+    let mut inside: Vec<f32> =
+        (0..values.len()).filter(|&at| own.contains(at)).map(|at| values[at]).collect();
+    inside.sort_by(f32::total_cmp);
+    let most = inside.chunk_by(|a, b| a == b).map(<[f32]>::len).max().unwrap_or(0);
+    most as f64 >= EXACTLY_ONE_VALUE * inside.len() as f64
 }
 
 /// Whether an island is a bar along rows or columns, or made of strokes of one width.

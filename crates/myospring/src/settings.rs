@@ -89,7 +89,9 @@ mod tests {
         let before: &[(&str, &str)] = match setting.key {
             "cell.tolerance" => &[("cell.integrator", "adaptive")],
             "stimulus.duration" => &[("stimulus.kind", "pulse")],
-            "shape.pixel_size" | "shape.label" => &[("shape.picture", "cell.tif")],
+            "shape.pixel_size" | "shape.label" | "shape.any_size" => {
+                &[("shape.picture", "cell.tif")]
+            }
             "mechanics.stain" | "mechanics.fibre_smoothing" => &[("mechanics.fibre", "picture")],
             "mechanics.end_stiffness" => &[("mechanics.support", "spring-held-ends")],
             "mechanics.afterload" => &[("mechanics.support", "afterloaded-ends")],

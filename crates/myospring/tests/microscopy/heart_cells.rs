@@ -174,3 +174,19 @@ fn the_sarcomeres_of_a_sheet_are_read_without_an_outline_and_not_from_its_marks(
     assert!((sheet.median_sarcomere_um.unwrap() - 1.88).abs() < 0.05, "{sheet:?}");
     assert_eq!(fibres(Object::Post).share_from_picture, 0.0);
 }
+
+#[test]
+fn stripes_of_a_cell_are_no_marks_however_crisp() {
+    // An ellipse with stripes 1.9 um apart, without blur and with few grey values: edges as sharp as those of letters.
+    for pixel_um in [0.2, 0.35, 0.5, 0.7] {
+        let value = |at: usize| {
+            let (x, y) = ((at % 240) as f64, (at / 240) as f64);
+            let (u, v) = ((x - 120.0) / 80.0, (y - 60.0) / 24.0);
+            let stripes = 0.6 + 0.4 * (x * pixel_um * std::f64::consts::TAU / 1.9).cos();
+            let light = if u * u + v * v < 1.0 { 200.0 * stripes } else { 0.0 };
+            ((20.0 + light) as u8 + ((at % 240 * 7 + at / 240 * 13) % 5) as u8).into()
+        };
+        let plane = Plane::new(240, 120, (0..240 * 120).map(value).collect()).unwrap();
+        assert!(burned_in::painted_over(&plane).is_none(), "pixels of {pixel_um} um");
+    }
+}

@@ -67,8 +67,9 @@ impl Errors {
         let mut truth = motion.clone();
         let mut errors = Vec::new();
         for frame in 0..motion.len() {
+            let of_film = motion.frames[frame];
             for node in 0..motion.mesh.len() {
-                let wanted = warped.displacement(motion.mesh.point(node), frame);
+                let wanted = warped.displacement(motion.mesh.point(node), of_film);
                 let off = [0, 1].map(|axis: usize| {
                     let found = motion.displacements_um[frame][axis][node];
                     truth.displacements_um[frame][axis][node] = wanted[axis];
@@ -81,7 +82,7 @@ impl Errors {
         let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
         let shortening = |motion: &Motion| {
             let lengths = motion.lengths_um();
-            let rest = (0..lengths.len()).filter(|&frame| warped.rests(frame));
+            let rest = (0..lengths.len()).filter(|&frame| warped.rests(motion.frames[frame]));
             let resting =
                 rest.clone().map(|frame| lengths[frame]).sum::<f64>() / rest.count() as f64;
             lengths.into_iter().map(|length| 100.0 * (1.0 - length / resting)).collect::<Vec<_>>()

@@ -113,7 +113,8 @@ fn methods_agree_on_which_stimuli_are_captured() {
         let model = cell::model(name).unwrap();
         for cycle in cycles {
             let expected = captured(&*model, cycle, exact(&*model));
-            let methods = [Method::RushLarsen, model.usual_settings().method];
+            let gated = (!model.gates().is_empty()).then_some(Method::RushLarsen);
+            let methods = gated.into_iter().chain([model.usual_settings().method]);
             for method in methods {
                 let settings = Settings { method, ..model.usual_settings() };
                 assert_eq!(
@@ -158,7 +159,7 @@ fn a_stimulus_below_the_threshold_is_missed() {
     let model = cell::model("coelho_2021").unwrap();
     let Stimulus::Jump { amplitude } = model.default_stimulus() else { panic!("it jumps") };
     let weak = Protocol {
-        stimulus: Stimulus::Jump { amplitude: 0.5 * amplitude },
+        stimulus: Stimulus::Jump { amplitude: 0.2 * amplitude },
         ..train(&*model, 600.0)
     };
     let trace = solve(&*model, weak, exact(&*model), 3000.0, 0.5).unwrap();

@@ -186,7 +186,7 @@ fn a_description_that_cannot_be_says_where_and_why() {
     let sampling = "\n[sampling]\nsampler = \"latin-hypercube\"\nsize = 4\n";
     let one = "[parameters]\ntau_si = { distribution = \"uniform\", low = 1, high = 2 }\n";
     for (text, expected) in [
-        (one.to_owned(), "missing field `sampling`"),
+        (one.to_owned(), "[sampling] is missing"),
         (format!("{one}{sampling}sise = 3"), "sise"),
         (format!("seed = 3\n{one}{sampling}"), "unknown field `seed`"),
         (one.replace("tau_si", "tau_sj") + sampling, "the nearest are tau_s1, tau_s2, tau_si"),
