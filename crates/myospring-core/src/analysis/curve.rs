@@ -36,6 +36,7 @@ use answer::LEAST_FRAMES;
 pub use answer::{Analysis, Artefact, CurveBeat, CurveError, Mark, State, Treatment};
 use beat::Reader;
 use detect::Known;
+use std::cmp::Ordering;
 
 /// Noise that is smoothed down to, as a part of a beat's height.
 const SMOOTH_TO: f64 = 0.005;
@@ -227,15 +228,21 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
         of(rises)
     } else {
         let (up, down) = (of(true), of(false));
-        // Both say the same where artefacts do not hide it.
+        // Both say the same where artefacts do not hide it. Where they do not, artefacts are rare: the wrong way takes the
+        // beats for them.
         let upward = departs_upward(&up.1.0);
         let downward = departs_upward(&down.1.0);
         let alike = |of: &(bool, artefacts::Bridged)| of.1.2.as_ref().map_or(0.0, |b| b.alike);
-        if upward && !downward || upward == downward && alike(&up) >= alike(&down) {
-            up
-        } else {
-            down
-        }
+        let removed = |of: &(bool, artefacts::Bridged)| -> usize {
+            of.1.1.iter().map(|artefact| artefact.to + 1 - artefact.from).sum()
+        };
+        let up_first = match removed(&up).cmp(&removed(&down)) {
+            _ if upward != downward => upward,
+            Ordering::Less => true,
+            Ordering::Greater => false,
+            Ordering::Equal => alike(&up) >= alike(&down),
+        };
+        if up_first { up } else { down }
     };
     let usual = beats.map(|beats| beats.height);
     let (single, longer): (Vec<_>, Vec<_>) =

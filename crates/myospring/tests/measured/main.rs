@@ -92,6 +92,22 @@ fn the_three_beats_of_a_real_cell_are_found_in_every_curve_of_its_authors() {
     }
 }
 
+/// Something passed by before the second of five beats, so its rest is too low and its area too large.
+#[test]
+fn the_beat_after_a_real_artefact_is_found_named_and_counts_in_no_mean() {
+    let Some(path) = common::shared_data("curves/mm_ref.tsv") else { return };
+    let table = read(&path, &Options::default()).unwrap();
+    let curve = &table.curves[0];
+    let options = curve::Options::default();
+    let found =
+        curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options).unwrap();
+    assert!(found.treatment.rises);
+    let disturbed: Vec<bool> =
+        found.beats.iter().map(|beat| beat.state == State::Disturbed).collect();
+    assert_eq!(disturbed, [false, true, false, false, false]);
+    assert!(found.remarks.iter().any(|remark| remark.contains("beat 2")), "{:?}", found.remarks);
+}
+
 /// One mechanism: the curve of a run, measured, has the run's own metrics.
 #[test]
 fn the_curves_of_a_run_measure_as_the_run_says() {

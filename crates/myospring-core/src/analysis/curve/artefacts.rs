@@ -266,13 +266,22 @@ fn jumps(values: &[f64], beats: &Beats, sigma: f64, plateau: bool, bad: &mut [bo
         let usual = if here > 0.0 { steps.up } else { steps.down };
         here.abs() > least.max(1.7 * usual)
     };
-    // As long as a beat may be; a jump that no beat makes may last as long as no beat is on it.
-    let near = (3.0 * beats.width) as usize;
+    // As long as a beat may be; a jump that no beat makes may last as long as no beat is on it. Two beats do not tell what
+    // steps are usual.
+    let few = beats.alike < 3.0;
+    let near = (if few { 1.0 } else { 3.0 } * beats.width) as usize;
     let last = values.len().saturating_sub(1);
-    let far = last / 3;
+    let far = if few { near } else { last / 3 };
     let edge = beats.width as usize;
+    // The highest point of a lost stretch is no beat on it.
     let no_beat = |from: usize, to: usize| {
-        !beats.tops.iter().any(|top| (from + edge..to.saturating_sub(edge)).contains(top))
+        let within = from + edge..to.saturating_sub(edge);
+        let mut tops = beats.tops.iter().filter(|top| within.contains(top)).peekable();
+        if tops.peek().is_none() {
+            return true;
+        }
+        let level = median(values[from + 1..=to].to_vec());
+        !tops.any(|&top| values[top] > level + 0.3 * beats.height)
     };
     for at in (0..last).filter(|&at| unusual(at)) {
         if bad[at] && bad[at + 1] {
@@ -378,7 +387,12 @@ fn cycle(beats: &Beats) -> f64 {
 const BLOCK: usize = 24;
 const BLOCKS: usize = 6;
 
-/// Marks long stretches of nothing but noise, far larger than elsewhere: the instrument had lost the cell.
+/// Of a recording, what at most is held, and in how many stretches: rests of whole pixels are more.
+const HELD: f64 = 1.0 / 3.0;
+const HELD_STRETCHES: usize = 3;
+
+/// Marks long stretches of nothing but noise, far larger than elsewhere, or of one value that is held among noise: the
+/// instrument had lost the cell.
 fn garbage(values: &[f64], bad: &mut [bool]) {
     let blocks: Vec<&[f64]> = values.chunks(BLOCK).collect();
     let levels: Vec<f64> = blocks.iter().map(|block| noise::level(block)).collect();
@@ -393,11 +407,35 @@ fn garbage(values: &[f64], bad: &mut [bool]) {
             *level > 6.0 * usual && level * level > 0.05 * variance / block.len() as f64
         })
         .collect();
-    for [from, to] in runs(&is_noise) {
-        if to + 1 - from >= BLOCKS {
-            let (from, to) = (from.saturating_sub(1) * BLOCK, (to + 2) * BLOCK);
-            bad[from..to.min(values.len())].fill(true);
+    let is_held: Vec<bool> =
+        blocks.iter().map(|block| block.iter().all(|value| *value == block[0])).collect();
+    let long = |of: &[bool]| -> Vec<[usize; 2]> {
+        runs(of).into_iter().filter(|[from, to]| to + 1 - from >= BLOCKS).collect()
+    };
+    let mut held = long(&is_held);
+    let frozen: usize = held.iter().map(|[from, to]| to + 1 - from).sum();
+    // Noise is the same in all other blocks; what a smooth curve bends is not.
+    let mut other: Vec<f64> =
+        levels.iter().zip(&is_held).filter(|(_, held)| !**held).map(|(level, _)| *level).collect();
+    other.sort_by(f64::total_cmp);
+    let part = |part: usize| other.get(other.len() / part).copied().unwrap_or(0.0);
+    let noisy = part(20) > 0.4 * part(2) && part(2) > 1e-9 * noise::range(values, 0.0);
+    if !noisy || frozen as f64 > HELD * blocks.len() as f64 || held.len() > HELD_STRETCHES {
+        held.clear();
+    }
+    for [from, to] in held {
+        let (mut from, mut to) = (from * BLOCK, ((to + 1) * BLOCK).min(values.len()));
+        while from > 0 && values[from - 1] == values[from] {
+            from -= 1;
         }
+        while to < values.len() && values[to] == values[to - 1] {
+            to += 1;
+        }
+        bad[from..to].fill(true);
+    }
+    for [from, to] in long(&is_noise) {
+        let (from, to) = (from.saturating_sub(1) * BLOCK, (to + 2) * BLOCK);
+        bad[from..to.min(values.len())].fill(true);
     }
 }
 

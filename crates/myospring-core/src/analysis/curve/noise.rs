@@ -1,5 +1,7 @@
 //! What a curve has beside its beats: noise, bad frames, mains hum.
 
+use std::f64::consts::TAU;
+
 /// Weights of the fourth difference, and the root of the sum of their squares: curves that are smooth over five samples
 /// vanish in it, noise does not.
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
@@ -19,12 +21,14 @@ const HUM_CONTRAST: f64 = 4.0;
 
 /// The standard deviation of white noise, from the curve itself: the median of its fourth differences.
 pub(super) fn level(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values
-        .windows(5)
-        .map(|five| {
-            five.iter().zip(FOURTH).map(|(value, weight)| value * weight).sum::<f64>().abs()
-        })
-        .collect();
+    let held = |five: &&[f64]| five.iter().all(|value| *value == five[0]);
+    let of = |five: &[f64]| {
+        five.iter().zip(FOURTH).map(|(value, weight)| value * weight).sum::<f64>().abs()
+    };
+    // What an instrument that lost the cell holds tells nothing of its noise.
+    let frozen = values.windows(5).filter(held).count();
+    let all = 2 * frozen >= values.len();
+    let mut sizes: Vec<f64> = values.windows(5).filter(|five| all || !held(five)).map(of).collect();
     if sizes.is_empty() {
         return 0.0;
     }
@@ -78,6 +82,40 @@ pub(super) struct Hum {
     pub(super) wave: Vec<f64>,
 }
 
+/// What a curve is near a frequency: turned back by it, and summed over a quarter of a second each. So the many frequencies
+/// near it cost little.
+struct Slow {
+    sums: Vec<[f64; 2]>,
+}
+
+impl Slow {
+    const BIN_S: f64 = 0.25;
+
+    fn of(places: &[f64], values: &[f64], frequency: f64) -> Self {
+        let bins = places.last().map_or(0, |last| (last / Self::BIN_S) as usize + 1);
+        let mut sums = vec![[0.0; 2]; bins];
+        for (place, value) in places.iter().zip(values) {
+            let (sine, cosine) = (TAU * frequency * place).sin_cos();
+            let sum = &mut sums[(place / Self::BIN_S) as usize];
+            sum[0] += value * cosine;
+            sum[1] -= value * sine;
+        }
+        Self { sums }
+    }
+
+    /// How much there is of a frequency so much higher, but for a factor.
+    fn size(&self, higher: f64) -> f64 {
+        let (sine, cosine) = (TAU * higher * Self::BIN_S).sin_cos();
+        let (mut turn, mut total) = ([1.0, 0.0], [0.0; 2]);
+        for [x, y] in &self.sums {
+            total[0] += x * turn[0] + y * turn[1];
+            total[1] += y * turn[0] - x * turn[1];
+            turn = [turn[0] * cosine - turn[1] * sine, turn[0] * sine + turn[1] * cosine];
+        }
+        total[0].hypot(total[1])
+    }
+}
+
 /// Hum of 50 or 60 Hz, where a line there stands out of what is beside it.
 pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
     let span_s = (times.last()? - times.first()?) * 1e-3;
@@ -87,17 +125,20 @@ pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
     if span_s < 1.0 {
         return None;
     }
+    let places: Vec<f64> = times.iter().map(|time| (time - times[0]) * 1e-3).collect();
+    let windowed: Vec<f64> = places
+        .iter()
+        .zip(values)
+        .map(|(place, value)| (value - mean) * (1.0 - (TAU * place / span_s).cos()))
+        .collect();
+    let scale = 2.0 / times.len() as f64;
     let component = |frequency: f64| {
-        let (mut cosine, mut sine, mut weights) = (0.0, 0.0, 0.0);
-        for (time, value) in times.iter().zip(values) {
-            let place = (time - times[0]) * 1e-3;
-            let weight = 0.5 - 0.5 * (std::f64::consts::TAU * place / span_s).cos();
-            let phase = std::f64::consts::TAU * frequency * place;
-            cosine += weight * (value - mean) * phase.cos();
-            sine += weight * (value - mean) * phase.sin();
-            weights += weight;
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for (place, value) in places.iter().zip(&windowed) {
+            let (s, c) = (TAU * frequency * place).sin_cos();
+            cosine += value * c;
+            sine += value * s;
         }
-        let scale = 2.0 / weights;
         [scale * cosine, scale * sine]
     };
     let size = |frequency: f64| component(frequency).iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -109,9 +150,11 @@ pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
         let step = 0.125 / span_s;
         let steps = (0.2 / step).ceil() as i32;
         let near = (-steps..=steps).map(|i| mains + f64::from(i) * step);
-        let (frequency, amplitude) = near
-            .map(|frequency| (frequency, size(frequency)))
+        let slow = Slow::of(&places, &windowed, mains);
+        let (frequency, _) = near
+            .map(|frequency| (frequency, slow.size(frequency - mains)))
             .reduce(|best, other| if other.1 > best.1 { other } else { best })?;
+        let amplitude = size(frequency);
         let beside = (-5..=5)
             .filter(|i: &i32| i.abs() > 1)
             .map(|i| size(mains + 2.0 * f64::from(i)))
@@ -121,7 +164,7 @@ pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
         }
         let [cosine, sine] = component(frequency);
         let wave = times.iter().map(|time| {
-            let phase = std::f64::consts::TAU * frequency * (time - times[0]) * 1e-3;
+            let phase = TAU * frequency * (time - times[0]) * 1e-3;
             cosine * phase.cos() + sine * phase.sin()
         });
         Some(Hum { frequency_hz: frequency, amplitude, wave: wave.collect() })
@@ -144,6 +187,18 @@ mod tests {
                 clean.iter().map(|value| value + sigma * noise.normal()).collect();
             let ratio = level(&noisy) / sigma;
             assert!((ratio - 1.0).abs() < 0.1, "{sigma}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_stretch_that_is_held_hides_no_noise() {
+        let mut noise = Noise::new(3);
+        let alone: Vec<f64> = (0..1000).map(|_| noise.normal()).collect();
+        for held in [10, 100, 200, 450, 900] {
+            let mut values = vec![0.3; held];
+            values.extend(&alone);
+            let ratio = level(&values) / level(&alone);
+            assert!((ratio - 1.0).abs() < 0.01, "{held}: {ratio}");
         }
     }
 

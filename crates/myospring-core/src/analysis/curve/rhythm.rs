@@ -11,9 +11,10 @@ const LATE: f64 = 1.2;
 /// Intervals whose standard deviation is this part of their mean are irregular.
 const IRREGULAR: f64 = 0.1;
 
-/// A beat with this many times the usual area is unlike the others, of which there must be so many.
+/// A beat with this many times the area of the others is unlike them; there must be so many, and few of them unlike.
 const UNLIKE: f64 = 1.7;
-const LEAST_ALIKE: usize = 5;
+const LEAST_ALIKE: usize = 4;
+const FEW_UNLIKE: usize = 4;
 
 /// Remarks on the series; those on one beat go to it.
 pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
@@ -45,36 +46,47 @@ fn unlike(beats: &mut [CurveBeat]) -> Option<String> {
     if areas.len() < LEAST_ALIKE {
         return None;
     }
-    let usual = median(areas.iter().map(|(_, area)| *area).collect())?;
-    let spread = median(areas.iter().map(|(_, area)| (area - usual).abs()).collect())?;
     let interval =
         median(beats.iter().filter_map(|beat| value(&beat.metrics, "interval")).collect());
-    let mut odd = Vec::new();
-    for (at, area) in areas {
-        let beat = &mut beats[at];
+    let mut found = Vec::new();
+    for &(at, area) in &areas {
+        let others = || areas.iter().filter(|(other, _)| *other != at).map(|(_, area)| *area);
+        let usual = median(others().collect())?;
+        let spread = median(others().map(|area| (area - usual).abs()).collect())?;
         // After a pause a beat is stronger.
-        let rested = value(&beat.metrics, "interval").zip(interval);
+        let rested = value(&beats[at].metrics, "interval").zip(interval);
         let rested = rested.is_some_and(|(own, usual)| own > LATE * usual);
         if area > UNLIKE * usual && area - usual > 9.0 * spread && !rested {
-            beat.state = State::Disturbed;
-            beat.remarks.push(format!(
-                "its area is {:.1} times the usual one: it may be an artefact, and counts in no mean",
-                area / usual
-            ));
-            odd.push(beat.number.to_string());
+            found.push((at, area / usual));
         }
     }
-    let (what, unlike) = if odd.len() == 1 { ("beat", "is") } else { ("beats", "are") };
-    (!odd.is_empty()).then(|| {
-        format!(
-            "{what} {} {unlike} far larger than all others: look whether they are beats",
-            odd.join(", ")
-        )
-    })
+    // Every other one, or a third, are no exceptions.
+    if found.len() * FEW_UNLIKE > areas.len() {
+        return None;
+    }
+    let mut odd = Vec::new();
+    for (at, times) in found {
+        let beat = &mut beats[at];
+        beat.state = State::Disturbed;
+        beat.remarks.push(format!(
+            "its area is {times:.1} times that of the others: it may be an artefact, and counts in no mean"
+        ));
+        odd.push(beat.number.to_string());
+    }
+    let (what, ask) = if odd.len() == 1 {
+        ("beat", "is far larger than all others: look whether it is a beat")
+    } else {
+        ("beats", "are far larger than all others: look whether they are beats")
+    };
+    (!odd.is_empty()).then(|| format!("{what} {} {ask}", odd.join(", ")))
 }
 
-/// Height times duration at half of it, of any kind of curve.
+/// The area of a beat over its baseline; height times duration at half of it where that is no metric of its kind.
 fn area(beat: &CurveBeat) -> Option<f64> {
+    let areas = ["area_under_curve", "tension_time_integral"];
+    if let Some(area) = areas.into_iter().find_map(|name| value(&beat.metrics, name)) {
+        return Some(area);
+    }
     let durations = [
         "contraction_duration_50",
         "twitch_duration_50",

@@ -199,6 +199,90 @@ fn stimuli_give_the_beats_and_name_those_that_are_missed() {
     );
 }
 
+/// After a short beat a step, and from it a slow rise to a second one: the line through 10 % and 50 % of it meets rest
+/// before the first beat began.
+#[test]
+fn no_interval_is_negative_however_slowly_a_beat_rises_after_another() {
+    let times = frames(250.0, 3.0);
+    for step in [0.17, 0.3, 0.42] {
+        for slow in [500.0, 1000.0, 1290.0, 1500.0] {
+            let short = |t: f64| (t / 42.0).min((50.0 - t) / 8.0).max(0.0);
+            let second = |t: f64| match t {
+                t if t < 0.0 => 0.0,
+                t if t < 8.0 => step * t / 8.0,
+                t if t < slow => step + (1.0 - step) * ((t - 8.0) / (slow - 8.0)).powf(1.8),
+                t => (1.0 - (t - slow) / 200.0).max(0.0),
+            };
+            let pair = |t: &f64| short(t - 400.0).max(second(t - 500.0));
+            let signal: Vec<f64> = times.iter().map(pair).collect();
+            let peaks = [442.0, 500.0 + slow].map(|time| {
+                let at = times.partition_point(|frame| *frame < time);
+                detect::Peak { at, prominence: signal[at] }
+            });
+            let found = detect::Found { peaks: peaks.to_vec(), half: 0, usual: 1.0, least: 0.01 };
+            let reader = Reader {
+                times: &times,
+                signal: &signal,
+                smoothed: &signal,
+                slopes: None,
+                level: 0.0,
+                noise: 0.0,
+                sign: 1.0,
+                kind: Kind::Tension,
+                unit: "kPa",
+                found: &found,
+                keep_drift: false,
+                artefacts: &[],
+            };
+            let interval = crate::analysis::value(&reader.found()[1].metrics, "interval").unwrap();
+            assert!(interval > 0.0, "{step}, {slow}: {interval} ms");
+        }
+    }
+}
+
+/// Drift makes rests as wide and as high as beats, and a dip hides which way beats go.
+#[test]
+fn the_way_that_takes_least_of_a_curve_for_artefacts_is_that_of_its_beats() {
+    let times = frames(60.0, 10.0);
+    for sign in [1.0, -1.0] {
+        let mut random = Noise::new(4);
+        let values: Vec<f64> = times
+            .iter()
+            .map(|t| {
+                let dip = 0.5 * (-((t - 2550.0) / 40.0).powi(2)).exp();
+                let beats = half_sine((t - 800.0).rem_euclid(1900.0) / 1.5);
+                let drift = 0.7 * (t / 1e4).powi(2);
+                sign * (beats + drift - dip + 0.015 * random.normal())
+            })
+            .collect();
+        let found = analyse(&times, &values, Kind::Unknown, "", &Options::default()).unwrap();
+        assert_eq!(found.treatment.rises, sign > 0.0, "{sign}");
+        assert_eq!(found.beats.len(), 5, "{sign}: {:?}", found.remarks);
+    }
+}
+
+/// The third of five beats lasts longer.
+#[test]
+fn a_beat_of_twice_the_area_of_few_others_is_named_and_counts_in_no_mean() {
+    let times = frames(60.0, 10.0);
+    for (area, odd) in [(1.0, 0), (1.4, 0), (2.2, 1)] {
+        let values: Vec<f64> = times
+            .iter()
+            .map(|t| {
+                let beat = (t / 2000.0).floor();
+                let t = t - 2000.0 * beat;
+                if beat == 2.0 { half_sine((t - 800.0) / area) } else { half_sine(t - 800.0) }
+            })
+            .collect();
+        let found = analyse(&times, &values, Kind::Unknown, "", &Options::default()).unwrap();
+        assert_eq!(found.beats.len(), 5);
+        let unlike = found.beats.iter().filter(|beat| beat.state == State::Disturbed).count();
+        assert_eq!(unlike, odd, "{area}: {:?}", found.remarks);
+        let said = found.remarks.iter().any(|remark| remark.contains("whether it is a beat"));
+        assert_eq!(said, odd == 1, "{area}: {:?}", found.remarks);
+    }
+}
+
 #[test]
 fn alternans_early_beats_and_irregular_ones_are_named() {
     let times = frames(250.0, 10.0);
