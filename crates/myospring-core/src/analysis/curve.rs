@@ -21,8 +21,6 @@ mod answer;
 mod artefacts;
 mod beat;
 mod detect;
-#[cfg(test)]
-mod grid;
 mod noise;
 mod rhythm;
 mod smooth;

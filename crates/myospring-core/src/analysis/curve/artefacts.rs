@@ -11,7 +11,7 @@ mod usual;
 mod windows;
 
 use super::detect::persistent;
-use super::noise;
+use super::noise::{self, median};
 pub(super) use usual::Beats;
 
 /// Windows go up to this part of a beat's width at half height, about a third of the beat.
@@ -80,11 +80,6 @@ pub(super) fn bridge(measured: &[f64], plateau: bool) -> Bridged {
 fn noise_reach(frames: usize) -> f64 {
     let frames = frames as f64;
     ((2.0 * frames.ln()).sqrt() + 4.0) * (1.0 + 3.0 / frames.sqrt())
-}
-
-fn median(mut list: Vec<f64>) -> f64 {
-    list.sort_by(f64::total_cmp);
-    list.get(list.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Marks what windows narrower than a beat take away, and beats do not lose.

@@ -2,6 +2,12 @@
 
 use std::f64::consts::TAU;
 
+/// The middle one of some values; of an even number the upper one, of none 0.
+pub(super) fn median(mut list: Vec<f64>) -> f64 {
+    list.sort_by(f64::total_cmp);
+    list.get(list.len() / 2).copied().unwrap_or(0.0)
+}
+
 /// Weights of the fourth difference, and the root of the sum of their squares: curves that are smooth over five samples
 /// vanish in it, noise does not.
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];

@@ -1,5 +1,7 @@
 //! Curves of closed form: what is known of them is measured.
 
+mod grid;
+
 use super::*;
 use crate::analysis::kind::Kind;
 use crate::analysis::tests::Noise;

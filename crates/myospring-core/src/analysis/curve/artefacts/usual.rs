@@ -1,9 +1,8 @@
 //! The usual beat: the pulses of one height and width that most windows show.
 
-use super::median;
 use super::windows::mean_over;
 use crate::analysis::curve::detect::{Peak, persistent};
-use crate::analysis::curve::noise;
+use crate::analysis::curve::noise::{self, median};
 
 /// Pulses of one class differ by at most this factor in height and in width.
 const ALIKE: f64 = 1.6;

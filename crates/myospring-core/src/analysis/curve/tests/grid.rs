@@ -1,6 +1,6 @@
 //! Beats among artefacts: a grid over their direction, length, height and number, over kinds of curves and recordings.
 
-use super::*;
+use super::super::*;
 use crate::analysis::kind::Kind;
 use crate::analysis::tests::Noise;
 use std::f64::consts::PI;
