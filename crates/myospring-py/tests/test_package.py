@@ -100,7 +100,7 @@ def test_a_picture_in_place_of_a_cell_is_told_how_to_become_one():
 
 
 def test_warnings_are_pythons_own_once_and_at_the_line_of_the_caller(cell):
-    small = {"min_area_um2": 5000.0, "spacing_um": 4.0, "pixel_size_um": 0.5}
+    small = {"min_area_um2": 5000.0, "any_size": True, "spacing_um": 4.0, "pixel_size_um": 0.5}
     mask = [[20 < column < 220 and 10 < row < 50 for column in range(240)] for row in range(60)]
     with pytest.warns(myospring.MyospringWarning) as said:
         own = myospring.Cell.from_mask(mask, **small)
