@@ -17,7 +17,7 @@ const ONE_VALUE: f32 = 0.04;
 const EXACTLY_ONE_VALUE: f64 = 0.5;
 /// Classes of the histogram in which a value of a mark is sought that is neither the largest nor the least.
 const CLASSES: usize = 128;
-/// Such a value is so many times as frequent as those around it, and so many pixels have it.
+/// Least frequency of such a value relative to the values around it, and least number of its pixels.
 const SPIKE: usize = 8;
 const SPIKE_PIXELS: usize = 40;
 /// Least pixels of a mark; a smaller one is no cell either.
@@ -34,7 +34,7 @@ const SHARP_EVERYWHERE: f32 = 0.4;
 const NEARLY_ALL: f64 = 0.9;
 /// How far around a mark its surroundings are looked at, pixels.
 const AROUND: f64 = 6.0;
-/// A bar fills so much of its box, and is so many times as long as wide.
+/// Least part of its box that a bar fills, and least length of a bar relative to its width.
 const FILLS_BOX: f64 = 0.95;
 const BAR_ASPECT: f64 = 3.0;
 /// What strokes keep of their area when points narrower than six tenths of the widest place are taken off.

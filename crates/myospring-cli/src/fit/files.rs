@@ -257,7 +257,7 @@ pub(super) fn drawn(fit: &Fit) -> Vec<FittedCurve> {
     fit.curves.iter().map(one).collect()
 }
 
-/// None of a model that does not fit.
+/// The likelihood profile of each parameter; empty where the model does not fit.
 pub(super) fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
     let one = |estimate: &Estimate| {
         let (name, unit) = (estimate.name.replace('_', " "), micro(&estimate.unit));

@@ -32,7 +32,7 @@ const SAME_TEXTURE_ALONE: f32 = 0.5;
 const CLEAR_TEXTURE: f64 = 0.18;
 /// Scale on which light is averaged, um: more than a stripe.
 const LIGHT_UM: f64 = 1.2;
-/// Texture that is asked for beyond the outline is at least so many times the noise, in squares.
+/// Least variance of the texture beyond the outline, relative to that of the noise.
 const ABOVE_NOISE: f32 = 0.5;
 /// What stands out of the ground, in standard deviations of it, and at least in parts of the brightest.
 const STANDS_OUT: f32 = 5.0;

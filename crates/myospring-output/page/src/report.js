@@ -591,7 +591,7 @@ function layOutSeveral(width) {
 }
 
 /**
- * Height of the charts in so many columns, px.
+ * Height of the charts in this number of columns, px.
  *
  * @param {number} columns
  * @param {number} plot Height of each plot, px.

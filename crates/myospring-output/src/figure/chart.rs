@@ -286,7 +286,7 @@ fn fitting(label: &str, room: f64) -> (String, u32) {
     (format!("{}\u{2026}", text.trim_end()), SMALLEST)
 }
 
-/// A power as it stands above a line.
+/// A power in superscript digits.
 fn raised(power: i32) -> String {
     let digit = |digit: char| match digit {
         '-' => '\u{207b}',

@@ -76,7 +76,8 @@ pub(super) fn bridge(measured: &[f64], plateau: bool) -> Bridged {
     (clean, artefacts, Some(beats))
 }
 
-/// How many standard deviations noise does not reach in so many frames, which tell it the less well the fewer they are.
+/// A bound, in standard deviations, that noise does not reach in this number of frames. It is wider for few frames, whose
+/// noise is known less well.
 fn noise_reach(frames: usize) -> f64 {
     let frames = frames as f64;
     ((2.0 * frames.ln()).sqrt() + 4.0) * (1.0 + 3.0 / frames.sqrt())
@@ -378,7 +379,7 @@ fn cycle(beats: &Beats) -> f64 {
     usual.max(if usual > 0.0 { 1.5 } else { 4.0 } * beats.width)
 }
 
-/// Frames of a block whose noise is looked at, and how many in a row are none of a beat.
+/// Frames in a block whose noise is estimated, and the number of blocks in a row that no beat lasts.
 const BLOCK: usize = 24;
 const BLOCKS: usize = 6;
 
