@@ -54,12 +54,15 @@ pub(crate) fn study_toml(json: &str) -> PyResult<String> {
     toml::to_string(&value).map_err(errors::value)
 }
 
-/// A description, TOML, whose members are the rows of a file instead of those that it samples.
+/// A description, TOML, whose members are the rows of a file; it says nothing about members itself.
 #[pyfunction]
 pub(crate) fn with_rows(py: Python<'_>, text: &str, file: &str) -> PyResult<String> {
     let table: Result<toml::Table, _> = text.parse();
     let mut table = table.map_err(|error| errors::of_study(py, &error.into()))?;
-    table.remove("parameters");
+    if let Some(key) = ["parameters", "sampling"].into_iter().find(|key| table.contains_key(*key)) {
+        let cause = format!("the members are rows, so [{key}] would not be used: leave it out");
+        return Err(errors::value(cause));
+    }
     let sampling = [("sampler", "table"), ("file", file)];
     let sampling = sampling.map(|(key, value)| (key.to_owned(), value.into()));
     table.insert("sampling".to_owned(), toml::Value::Table(sampling.into_iter().collect()));

@@ -363,3 +363,6 @@ def test_rows_of_salib_are_a_study_and_a_batch_to_the_same_bits(cell, tmp_path, 
     assert (tmp_path / "out" / "again" / "members.csv").read_bytes() == table
     with pytest.raises(ValueError, match="give .N, K. with K names"):
         myospring.run_study(study, rows=rows, names=["peak_tension"])
+    for key in ("parameters", "sampling"):
+        with pytest.raises(ValueError, match=rf"\[{key}\] would not be used: leave it out"):
+            myospring.run_study(study | {key: {}}, rows=rows, names=problem["names"])

@@ -43,14 +43,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("`sigma` + 10 %", Differs::By(&[("sigma", 1.1)])),
         ("`sigma` + 20 %", Differs::By(&[("sigma", 1.2)])),
         ("`sigma` + 40 %", Differs::By(&[("sigma", 1.4)])),
+        ("`sigma` + 80 %", Differs::By(&[("sigma", 1.8)])),
         ("`x_3` + 10 %", Differs::By(&[("x_3", 1.1)])),
         ("`x_3` + 20 %", Differs::By(&[("x_3", 1.2)])),
         ("retardation of 2 ms", Differs::Viscous(2.0)),
         ("retardation of 5 ms", Differs::Viscous(5.0)),
         ("retardation of 10 ms", Differs::Viscous(10.0)),
         ("retardation of 20 ms", Differs::Viscous(20.0)),
+        ("retardation of 40 ms", Differs::Viscous(40.0)),
         ("a wave of 1 %", Differs::Wave(0.01)),
         ("a wave of 3 %", Differs::Wave(0.03)),
+        ("a wave of 5.5 %", Differs::Wave(0.055)),
         ("a wave of 10 %", Differs::Wave(0.1)),
     ];
     for (title, differs) in &errors {

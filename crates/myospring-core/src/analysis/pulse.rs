@@ -116,18 +116,21 @@ impl<'a> Pulse<'a> {
         Some(self.falls(part)? - self.rises(part)?)
     }
 
-    /// The steepest rise (`sign` 1), or fall (-1), as a positive slope per ms: between two samples, unless slopes, or
-    /// the steepest rise itself, were given.
+    /// The steepest rise (`sign` 1), or fall (-1), after the pulse begins, as a positive slope per ms: between two samples,
+    /// unless slopes, or the steepest rise itself, were given.
     pub fn fastest(&self, sign: f64) -> Option<Point> {
         if sign > 0.0 && self.steepest.is_some() {
             return self.steepest.filter(|_| self.peak.is_some());
         }
-        let (middles, slopes) = match self.slopes {
-            Some(slopes) => (self.times.to_vec(), slopes.to_vec()),
-            None => trace::slopes(self.times, self.heights),
+        // The two samples that the start is between belong to the pulse.
+        let before = self.times.partition_point(|time| *time <= self.start).saturating_sub(1);
+        let (times, heights) = (&self.times[before..], &self.heights[before..]);
+        let (places, slopes) = match self.slopes {
+            Some(slopes) => (times.to_vec(), slopes[before..].to_vec()),
+            None => trace::slopes(times, heights),
         };
         let slopes: Vec<f64> = slopes.iter().map(|slope| sign * slope).collect();
-        trace::largest(&middles, &slopes).filter(|_| self.peak.is_some())
+        trace::largest(&places, &slopes).filter(|_| self.peak.is_some())
     }
 
     /// The steepest rise, not among samples that follow the pulse.
@@ -175,5 +178,31 @@ impl<'a> Pulse<'a> {
     /// Height of its last sample.
     pub fn last(&self) -> Option<f64> {
         self.heights.last().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_steep_before_a_pulse_begins_is_not_its_own() {
+        // A jerk at 10 ms, five times as steep as the pulse that begins at 50 ms.
+        let times: Vec<f64> = (0..=100).map(f64::from).collect();
+        let height = |t: &f64| match *t {
+            t if t < 15.0 => (-(t - 10.0).powi(2)).exp(),
+            t if t < 50.0 => 0.0,
+            t => (t - 50.0) * 0.1 * (-(t - 50.0) / 20.0).exp(),
+        };
+        let heights: Vec<f64> = times.iter().map(height).collect();
+        for start in [49.5, 50.0] {
+            let pulse = Pulse::new(&times, &heights, start, Top::Vertex);
+            let [rise, fall] = [1.0, -1.0].map(|sign| pulse.fastest(sign).unwrap());
+            assert!(rise.time > start && (rise.value - 0.095).abs() < 0.01, "{rise:?}");
+            assert!(fall.time > start && fall.value < 0.02, "{fall:?}");
+        }
+        // An upstroke between the two samples that the start is between is not lost.
+        let pulse = Pulse::new(&times, &heights, 50.6, Top::Vertex);
+        assert_eq!(pulse.fastest(1.0).unwrap().time, 50.5);
     }
 }

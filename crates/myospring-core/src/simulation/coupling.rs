@@ -181,13 +181,15 @@ impl<'a> Exchange<'a> {
         Ok(())
     }
 
-    /// Before the run begins: a mesh that is at rest under every tension is at rest under this one.
+    /// Before the run begins: a mesh that is at rest under every tension is at rest under this one; one that moves in time
+    /// feels its stretch.
     fn begin(&mut self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         self.stretch = self.felt(shaping);
-        if self.activation.tangent().is_some() && shaping.is_static() {
+        if self.activation.tangent().is_some() {
             let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
             self.ask(0.0, &stretch, &rate)?;
             match self.activation.sites() {
+                _ if !shaping.is_static() => self.tension = Held::of(self.activation.tension()),
                 Sites::Whole => self.find_together(0.0, shaping)?,
                 Sites::PerElement(_) => self.rest_together(0.0, shaping)?,
             }
@@ -408,6 +410,11 @@ fn following([tension, per_stretch, per_rate, stretch, rate]: &[Vec<f64>; 5]) ->
 }
 
 impl Setup {
+    /// Brings a mesh that is at rest under every tension, and what it feels, to rest together.
+    pub(super) fn settle(&self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
+        Exchange::new(self).begin(shaping)
+    }
+
     /// The loop.
     pub(super) fn run(
         &self,

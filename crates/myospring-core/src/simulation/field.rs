@@ -10,7 +10,7 @@ use super::observer::{Observer, Progress, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::{Assembly, Setup};
 use super::{SetupError, Simulation, StopReason};
-use crate::integrate::quasi_static::{Equilibrium, Tolerance};
+use crate::integrate::quasi_static::{Equilibrium, PathError, Tolerance};
 use crate::mechanics::{Body, Tension, Vectors};
 use crate::recording::Recording;
 
@@ -43,33 +43,15 @@ impl PreparedField {
     /// As [`PreparedField::run`], for an observer that also hears which part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         let setup = &self.setup;
-        let Assembly { system, body, .. } = &*setup.assembly;
-        let state = State {
-            tension: Held::of(setup.activation.tension()),
-            body: body.clone(),
-            active_work: 0.0,
-        };
         let mut solved = [0; 3];
-        let (recording, stop) = match Equilibrium::new(system, body, self.tolerance) {
-            Ok(equilibrium) => {
-                let mut shaping =
-                    FromRestToRest { setup, equilibrium, marked: state.clone(), state, solved: 0 };
-                let start = shaping.state.tension.clone();
-                let run = match shaping.follow(0.0, [start.tension(); 2]) {
-                    Ok(()) => {
-                        shaping.state.active_work = 0.0;
-                        setup.run(&mut shaping, observer)
-                    }
-                    Err(reason) => (Recording::default(), Some(reason)),
-                };
+        let (recording, stop) = match FromRestToRest::start(setup, self.tolerance) {
+            Ok(mut shaping) => {
+                let run = setup.run(&mut shaping, observer);
                 let Equilibrium { newton_iterations, .. } = shaping.equilibrium;
                 solved = [shaping.solved, newton_iterations, shaping.equilibrium.factorisations()];
                 run
             }
-            Err(error) => {
-                let stop = StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
-                (Recording::default(), Some(stop))
-            }
+            Err(reason) => (Recording::default(), Some(reason)),
         };
         let [equilibria, newton_iterations, factorisations] = solved;
         let effort = Effort::Field { equilibria, newton_iterations, factorisations };
@@ -94,6 +76,34 @@ struct State {
     body: Body,
     tension: Held,
     active_work: f64,
+}
+
+impl<'a> FromRestToRest<'a> {
+    /// At rest under the tension before the run begins, as it is without stretch.
+    fn start(setup: &'a Setup, tolerance: Tolerance) -> Result<Self, StopReason> {
+        let Assembly { system, body, .. } = &*setup.assembly;
+        let broken_off =
+            |error: PathError| StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
+        let equilibrium = Equilibrium::new(system, body, tolerance).map_err(broken_off)?;
+        let tension = Held::of(setup.activation.tension());
+        let state = State { tension: tension.clone(), body: body.clone(), active_work: 0.0 };
+        let mut shaping = Self { setup, equilibrium, marked: state.clone(), state, solved: 0 };
+        shaping.follow(0.0, [tension.tension(); 2])?;
+        shaping.state.active_work = 0.0;
+        Ok(shaping)
+    }
+}
+
+impl Setup {
+    /// The mesh at rest under the tension before the run begins.
+    pub(super) fn at_rest(&self) -> Result<Body, StopReason> {
+        if Held::of(self.activation.tension()).is_zero() {
+            return Ok(self.assembly.body.clone());
+        }
+        let mut shaping = FromRestToRest::start(self, Tolerance::default())?;
+        self.settle(&mut shaping)?;
+        Ok(shaping.state.body)
+    }
 }
 
 impl Shaping for FromRestToRest<'_> {

@@ -27,6 +27,14 @@ impl Held {
         }
     }
 
+    /// Whether there is none anywhere.
+    pub(super) fn is_zero(&self) -> bool {
+        match self {
+            Self::Uniform(tension) => *tension == 0.0,
+            Self::PerElement(list) => list.iter().all(|tension| *tension == 0.0),
+        }
+    }
+
     /// One for each triangle, where they differ.
     pub(super) fn by_element(&self) -> Option<&[f64]> {
         match self {

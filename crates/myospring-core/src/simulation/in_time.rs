@@ -22,6 +22,10 @@ pub struct Prepared {
     /// Mechanical steps in each exchange interval.
     pub steps_per_exchange: usize,
     engine: EngineUsed,
+    /// At rest under the tension before the first beat.
+    start: Body,
+    /// Why it is not, but in the shape without tension.
+    pub(super) not_at_rest: Option<String>,
 }
 
 impl Simulation {
@@ -48,8 +52,14 @@ impl Simulation {
         let wanted = self.numerics.time_step.unwrap_or(SAFETY * limit.time_step);
         // Equal steps that fill the exchange interval; a hair of slack for rounding in the quotient.
         let steps = (self.numerics.exchange_interval / wanted - 1e-9).ceil().max(1.0) as usize;
+        let (start, not_at_rest) = match setup.at_rest() {
+            Ok(body) => (body, None),
+            Err(reason) => (setup.assembly.body.clone(), Some(reason.to_string())),
+        };
+        let engine = EngineUsed::Own;
+        let steps_per_exchange = steps;
         let mut prepared =
-            Prepared { setup, limit, steps_per_exchange: steps, engine: EngineUsed::Own };
+            Prepared { setup, limit, steps_per_exchange, engine, start, not_at_rest };
         let (_, engine) = prepared.stepper()?;
         prepared.engine = engine;
         Ok(prepared)
@@ -69,7 +79,7 @@ impl Prepared {
 
     fn stepper(&self) -> Result<(Box<dyn Stepper + '_>, EngineUsed), SetupError> {
         let Setup { simulation, assembly, .. } = &self.setup;
-        let (system, body) = (&assembly.system, &assembly.body);
+        let (system, body) = (&assembly.system, &self.start);
         if let Some(make) = &simulation.stepper {
             return Ok((make(system, body.clone(), self.time_step()), EngineUsed::Own));
         }
@@ -128,7 +138,7 @@ struct InTime<'a> {
 impl<'a> InTime<'a> {
     /// A motion of so many steps in each exchange interval.
     fn new(setup: &'a Setup, stepper: Box<dyn Stepper + 'a>, steps: usize) -> Self {
-        let ledger = Ledger::new(&setup.assembly.body, Held::of(setup.activation.tension()));
+        let ledger = Ledger::new(stepper.body(), Held::of(setup.activation.tension()));
         Self { setup, stepper, steps, ledger, marked: None }
     }
 

@@ -78,6 +78,14 @@ impl Ready {
                  serve {hindrance}"
             ));
         }
+        if let Self::InTime(prepared) = self
+            && let Some(cause) = &prepared.not_at_rest
+        {
+            warnings.push(format!(
+                "the run begins in the shape without tension, though the cell has tension at rest: it jerks at the start, \
+                 which can make the first beat's rates too large. Its shape at rest was not found: {cause}"
+            ));
+        }
         let (strength, simulation) = (setup.strength, &setup.simulation);
         if !ORDINARY.contains(&strength) {
             warnings.push(format!(

@@ -324,7 +324,7 @@ def run_study(
         the same call, or the program, goes on with a study that was interrupted or killed. None keeps nothing, and
         no curves.
     rows : array_like of shape (N, K) or None
-        Members of your own instead of ``[parameters]`` and ``[sampling]``: one in each row.
+        Members of your own: one in each row. The description then has neither ``[parameters]`` nor ``[sampling]``.
     names : sequence of K str or None
         What the columns of `rows` are; a DataFrame has them.
     force : bool

@@ -426,8 +426,8 @@ const FIRST_STIMULUS: f64 = 50.0;
 /// A beat lasts at least so long, ms.
 pub(super) const ONE_BEAT: f64 = 600.0;
 /// Of a misfit only that is seen which the numbers that are sought have not taken up, so the ends of an interval are
-/// so many times as far away: measured with cells that differ from their model (`docs/measured-beats.md`).
-const TAKEN_UP: f64 = 2.5;
+/// farther away by this factor: measured with cells that differ from their model (`docs/measured-beats.md`).
+const TAKEN_UP: f64 = 3.5;
 /// A misfit is known by two independent stretches of it at least.
 const FEWEST: f64 = 2.0;
 /// Part of the work that the search is.

@@ -9,7 +9,7 @@ use myospring::cell::solve::solve;
 use myospring::cell::{CellModel as _, Input};
 use myospring::integrate::Method;
 use myospring::integrate::verlet::Integrator;
-use myospring::mechanics::material::myofilament_material;
+use myospring::mechanics::material::{Stiffness, myofilament_material};
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::{built_in, lattice};
 use myospring::simulation::{Numerics, Simulation, StretchFelt};
@@ -107,6 +107,38 @@ fn a_cell_without_a_potential_records_none_but_its_calcium_and_its_crossbridges(
     let highest = calcium.iter().copied().fold(0.0, f64::max);
     assert!((highest - 0.5023).abs() < 1e-4 && calcium[52] == highest, "{highest} uM");
     assert!(signals[1].values[150] > 5.0 * signals[1].values[0]);
+}
+
+#[test]
+fn a_cell_with_tension_at_rest_stands_still_until_it_is_stimulated() {
+    // Ten times as soft, so that the tension at rest shortens it visibly.
+    let soft = |method, interval| {
+        let cell = cell(method, interval, SupportKind::MassCentre);
+        let mut material = cell.material.clone();
+        material.stiffness = Stiffness::YoungModulus(0.1 * material.young_modulus());
+        material.area_modulus *= 0.1;
+        let protocol = Protocol { start_ms: 20.0, ..cell.protocol };
+        Simulation { protocol, material, duration: 300.0, ..cell }
+    };
+    let at_rest = |felt| {
+        let moving = soft(Method::Verlet(Integrator::StoermerVerlet), 0.25);
+        let moving = Simulation { stretch_felt: felt, duration: 20.0, ..moving };
+        let outcome = moving.build().unwrap().run(|_progress| true);
+        assert!(outcome.stop.is_none(), "{:?}", outcome.stop);
+        let samples = outcome.recording.samples;
+        let energy = samples.iter().map(|sample| sample.kinetic_energy_fj).fold(0.0, f64::max);
+        (samples[0].clone(), energy)
+    };
+    let resting = soft(Method::QuasiStatic, 0.25);
+    let resting = resting.build().unwrap().run(|_progress| true);
+    let rest = &resting.recording.samples[0];
+    assert!(rest.shortening_pct > 0.1, "{}", rest.shortening_pct);
+    for felt in [StretchFelt::Cell, StretchFelt::Triangle] {
+        let (first, kinetic) = at_rest(felt);
+        // Along equilibria lengths are interpolated between load steps.
+        assert!((first.length_um - rest.length_um).abs() < 1e-4, "{first:?} {rest:?}");
+        assert!(kinetic < 1e-6 * first.elastic_energy_fj, "{kinetic} {first:?}");
+    }
 }
 
 #[test]

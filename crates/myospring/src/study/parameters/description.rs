@@ -117,6 +117,15 @@ struct Written {
     traces: Option<bool>,
 }
 
+/// `[sampling]` of a table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OfTable {
+    #[serde(rename = "sampler")]
+    _sampler: String,
+    file: String,
+}
+
 /// Populations of up to so many members keep their curves unless asked otherwise: some 15 MB.
 const TRACED: usize = 5000;
 
@@ -199,9 +208,18 @@ impl ParameterStudy {
         let base = run.resolve()?;
         let mut sampling = written.sampling.ok_or(ParameterStudyError::NoSampling)?;
         let (varied, design, values) = if sampling.get("sampler") == Some(&"table".into()) {
-            let file = sampling.get("file").and_then(toml::Value::as_str).unwrap_or_default();
+            let OfTable { file, .. } =
+                OfTable::deserialize(toml::Value::Table(sampling)).map_err(|error| {
+                    ParameterStudyError::Table { cause: error.message().to_owned() }
+                })?;
+            if !written.parameters.is_empty() {
+                let cause = format!(
+                    "the columns of `{file}` are what varies, so [parameters] would not be used: leave it out"
+                );
+                return Err(ParameterStudyError::Table { cause });
+            }
             let (varied, values) =
-                rows_of_table(file, &read_text("[sampling] file", file)?, &base)?;
+                rows_of_table(&file, &read_text("[sampling] file", &file)?, &base)?;
             (varied, Design::Table, Values::Table(values))
         } else {
             let seed = match sampling.remove("seed") {
@@ -228,6 +246,13 @@ impl ParameterStudy {
                 Kind::Cell => of_cells(&base).iter().map(|(name, _)| (*name).to_owned()).collect(),
                 Kind::Beat => OF_BEATS.iter().map(|name| (*name).to_owned()).collect(),
             };
+        }
+        for (metric, Kept([low, high])) in &written.keep {
+            // Nothing lies within NaN.
+            if low.partial_cmp(high).is_none_or(|order| order.is_gt()) {
+                let (metric, band) = (metric.clone(), [*low, *high]);
+                return Err(ParameterStudyError::Band { metric, band });
+            }
         }
         // What decides who is kept is looked at, too.
         for name in
@@ -371,9 +396,19 @@ fn varied(written: &toml::Table, base: &Run) -> Result<Vec<Varied>, ParameterStu
                     .to_owned(),
             ));
         };
-        let relative = table.remove("relative").is_some_and(|value| value.as_bool() == Some(true));
+        let relative = match table.remove("relative") {
+            None => false,
+            Some(toml::Value::Boolean(relative)) => relative,
+            Some(other) => return Err(wrong(format!("relative is true or false, not {other}"))),
+        };
         for (what, value) in table.iter_mut().filter(|(what, _)| *what != "distribution") {
             if let toml::Value::String(text) = value {
+                if relative {
+                    return Err(wrong(format!(
+                        "{what} = \"{text}\": with relative = true it is a factor, a number without quotes and unit, like \
+                         {what} = 0.9"
+                    )));
+                }
                 let failed =
                     |cause| ParameterStudyError::Unit { name: name(), what: what.clone(), cause };
                 *value = number.read(text).map_err(failed)?.into();

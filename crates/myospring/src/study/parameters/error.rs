@@ -80,6 +80,20 @@ pub enum ParameterStudyError {
     /// No sample.
     #[error("[sampling]: {0}")]
     Sampling(#[from] SamplingError),
+    /// Keys beside a table of rows that would not be used, or none for its file.
+    #[error("[sampling] with sampler = \"table\": {cause}")]
+    Table {
+        /// What is wrong.
+        cause: String,
+    },
+    /// A band in which nothing can lie.
+    #[error("[keep] {metric} = [{}, {}]: write the least and the largest value", .band[0], .band[1])]
+    Band {
+        /// The metric.
+        metric: String,
+        /// As written.
+        band: [f64; 2],
+    },
     /// A table of rows that is none.
     #[error("[sampling] file `{path}`: {cause}")]
     Rows {

@@ -198,6 +198,24 @@ fn a_description_that_cannot_be_says_where_and_why() {
         (format!("[parameters]\n{sampling}"), "no parameter varies"),
         (format!("run = \"none.toml\"\n{one}{sampling}"), "cannot read `none.toml`"),
         (format!("[run.cell]\nmodle = \"x\"\n{one}{sampling}"), "modle"),
+        (
+            one.replace(" }", ", relative = \"true\" }") + sampling,
+            "relative is true or false, not \"true\"",
+        ),
+        (one.replace(" }", ", relative = 1 }") + sampling, "relative is true or false, not 1"),
+        (
+            one.replace("low = 1", "low = \"0.9 kPa\"").replace(" }", ", relative = true }")
+                + sampling,
+            "[parameters.tau_si]: low = \"0.9 kPa\": with relative = true it is a factor",
+        ),
+        (
+            format!("{one}{sampling}[keep]\npeak_shortening = [nan, 3]\n"),
+            "[keep] peak_shortening = [NaN, 3]",
+        ),
+        (
+            format!("{one}{sampling}[keep]\npeak_shortening = [3, 1]\n"),
+            "write the least and the largest value",
+        ),
     ] {
         let error = ParameterStudy::from_toml(&text, no_file).unwrap_err().to_string();
         assert!(error.contains(expected), "{expected}: {error}");
@@ -236,6 +254,21 @@ fn a_table_of_rows_is_taken_as_it_stands() {
         ("tau_si\n", "no rows"),
     ] {
         let error = read(table).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let beside = |keys: &str| {
+        let text = format!("{text}{keys}");
+        ParameterStudy::from_toml(&text, |_| Ok(b"tau_si\n1.7\n".to_vec())).unwrap_err().to_string()
+    };
+    for (keys, expected) in [
+        ("size = 3\n", "unknown field `size`"),
+        ("seed = 3\n", "unknown field `seed`"),
+        (
+            "[parameters]\ntau_si = { distribution = \"fixed\", value = 2 }\n",
+            "[parameters] would not be used: leave it out",
+        ),
+    ] {
+        let error = beside(keys);
         assert!(error.contains(expected), "{error}");
     }
 }
