@@ -21,6 +21,7 @@ mod level;
 mod measure;
 mod neighbours;
 mod rest;
+mod sarcomeres;
 mod spline;
 mod stage;
 mod stripes;
@@ -30,7 +31,9 @@ pub use error::MotionError;
 pub use headline::{Headline, Measure, Reason};
 pub use measure::Stretches;
 pub use rest::Rest;
+pub use sarcomeres::Estimate;
 pub use stage::Stage;
+pub use stripes::FEWEST_PARTS;
 
 use crate::fibres::FibreField;
 use crate::film::Film;
@@ -135,6 +138,10 @@ pub struct Motion {
     pub sarcomeres_um: Vec<Option<f64>>,
     /// Places at which they were read.
     pub sarcomere_places: usize,
+    /// Parts of the cell in which these lie, so far apart that what one shows is not seen in another.
+    pub sarcomere_parts: usize,
+    /// Mean length in each frame, in each of these parts, um; no parts where they are too few for a mean.
+    pub sarcomeres_by_part_um: Vec<Vec<Option<f64>>>,
     /// Median standard error of a point's displacement that the noise makes, um.
     pub error_um: Option<f64>,
     /// Standard deviation of the noise, grey levels.
@@ -434,7 +441,7 @@ impl<'a> Follower<'a> {
         }
         let periods: Vec<Vec<Option<f32>>> =
             done.iter().map(|frame| frame.periods.clone()).collect();
-        let (sarcomeres_um, sarcomere_places) = stripes::mean_lengths(&periods, pixel_um);
+        let sarcomeres = self.stripes.lengths(&periods, pixel_um);
         let time = |number: &usize| 1000.0 * *number as f64 / self.settings.frames_per_second;
         let side = (2 * self.fine.half() + 1) as f64 * pixel_um;
         Ok(Motion {
@@ -455,8 +462,10 @@ impl<'a> Follower<'a> {
                 .collect(),
             stage,
             stage_um,
-            sarcomeres_um,
-            sarcomere_places,
+            sarcomeres_um: sarcomeres.mean_um,
+            sarcomere_places: sarcomeres.places,
+            sarcomere_parts: sarcomeres.parts,
+            sarcomeres_by_part_um: sarcomeres.by_part_um,
             error_um: self.fine.error(self.rest.noise).map(|error| error * pixel_um),
             noise: self.rest.noise,
             subset_um: side,

@@ -113,6 +113,19 @@ pub(crate) fn number(setting: &Setting, number: f64) -> Value {
     }
 }
 
+/// Whether a value is True or False, of Python or NumPy, which Python takes for 1 and 0.
+fn is_truth(value: &Bound<'_, PyAny>) -> bool {
+    let named = |name: &Bound<'_, PyString>| {
+        name.to_str().is_ok_and(|name| matches!(name, "bool" | "bool_"))
+    };
+    value.get_type().name().is_ok_and(|name| named(&name))
+}
+
+/// A number.
+fn float(value: &Bound<'_, PyAny>) -> Option<f64> {
+    value.extract().ok().filter(|_| !is_truth(value))
+}
+
 fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     let wrong = |wanted: &str| {
         let found = value.get_type().name().map_or_else(|_| String::new(), |name| name.to_string());
@@ -124,11 +137,11 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
             Err(_) => return wrong("True or False"),
         },
         Kind::Whole { .. } => match value.extract() {
-            Ok(whole) if !value.is_instance_of::<PyBool>() => Value::Whole(whole),
+            Ok(whole) if !is_truth(value) => Value::Whole(whole),
             _ => return wrong("a whole number"),
         },
-        Kind::Quantity { .. } => match value.extract::<f64>() {
-            Ok(given) if !value.is_instance_of::<PyString>() => {
+        Kind::Quantity { .. } => match float(value) {
+            Some(given) => {
                 // As text it could not be told from a unit.
                 if !given.is_finite() {
                     let message = format!("`{}` = {given} is not a finite number", name(setting));
@@ -147,9 +160,12 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
             let Ok(rows) = value.cast::<PyDict>() else { return wrong("a dict of name to number") };
             let mut named = BTreeMap::new();
             for (name, value) in rows {
-                let value = match value.extract::<f64>() {
-                    Ok(number) => Value::Number(number),
-                    Err(_) => Value::Text(value.extract()?),
+                let value = match float(&value) {
+                    Some(number) => Value::Number(number),
+                    None => match value.extract() {
+                        Ok(text) => Value::Text(text),
+                        Err(_) => return wrong("a dict of name to number"),
+                    },
                 };
                 named.insert(name.extract()?, value);
             }
@@ -160,13 +176,15 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
                 Value::Text(text)
             } else if let Ok(place) = value.extract::<(f64, f64)>() {
                 Value::Text(format!("{}, {}", place.0, place.1))
+            } else if is_truth(value) {
+                return wrong("text");
             } else if let Ok(whole) = value.extract::<i64>() {
                 if setting.takes_numbers() && setting.bounds().is_some() {
                     Value::Number(whole as f64)
                 } else {
                     Value::Text(whole.to_string())
                 }
-            } else if let Ok(number) = value.extract::<f64>() {
+            } else if let Some(number) = float(value) {
                 Value::Number(number)
             } else {
                 return wrong("text");

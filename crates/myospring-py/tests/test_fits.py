@@ -75,6 +75,15 @@ def test_python_and_the_program_find_the_same_numbers(small, table, run, tmp_pat
     assert found.simulate().metrics["peak_shortening"] == pytest.approx(height, abs=0.05)
 
 
+def test_values_that_a_mask_hides_are_missing(small, curves):
+    times, length = curves["usual"]
+    spoilt = length.copy()
+    spoilt[40:44] = 1e20
+    hidden = np.ma.masked_greater(spoilt, 1e19)
+    found, there = (myospring.fit((times, values), small, starts=1) for values in (hidden, np.where(spoilt > 1e19, np.nan, length)))
+    assert same(found, there)
+
+
 def test_a_fit_is_numbers_a_table_and_a_figure_and_can_be_pickled(small, curves):
     found = myospring.fit(curves["strong"], small, stimulus_times_ms=[50.0])
     truth = 55 / 308

@@ -92,6 +92,20 @@ def test_errors_are_pythons_own_and_say_what_to_do(cell, tmp_path):
         myospring.simulate(cell, integrator="quasi-static", area_law="barycentric")
 
 
+def test_true_is_no_number_and_what_a_mask_hides_is_not_measured(cell):
+    for given in (True, np.True_):
+        with pytest.raises(TypeError, match="`peak_tension_kpa` is of type .*; give a number in kPa"):
+            myospring.simulate(cell, peak_tension_kpa=given)
+        with pytest.raises(TypeError, match="give a dict of name to number"):
+            myospring.simulate(cell, parameters={"tau_si": given})
+    hidden = np.ma.masked_equal([[30.0], [60.0]], 60.0)
+    with pytest.raises(ValueError, match="nan"):
+        myospring.simulate_batch(hidden, ["peak_tension_kpa"], cell)
+    picture = np.ma.masked_equal(np.tile(np.array([0, 1], dtype=np.uint8), (40, 20)), 1)
+    with pytest.raises(ValueError, match="fill what the mask hides"):
+        myospring.Cell.from_mask(picture, pixel_size_um=1.0)
+
+
 def test_a_run_that_stops_early_has_its_time_its_place_and_what_was_computed(cell):
     with pytest.raises(myospring.SimulationError, match="t = .* ms.*kPa") as caught:
         myospring.simulate(cell, integrator="quasi-static", peak_tension_kpa=500, young_modulus_kpa=5, area_modulus_kpa=0)

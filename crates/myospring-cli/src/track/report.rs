@@ -1,7 +1,7 @@
 //! What was measured, for machines and for people.
 
 use super::follow::Followed;
-use myospring::microscopy::motion::{self, Measure, Motion, Stage};
+use myospring::microscopy::motion::{self, FEWEST_PARTS, Measure, Motion, Stage};
 use myospring::microscopy::report::ShapeReport;
 use myospring::output::track::TrackRow;
 use myospring::settings::FibreReport;
@@ -52,8 +52,14 @@ pub(crate) struct Report<'a> {
     least_stretch: f64,
     least_stretch_frame: usize,
     sarcomere_places: usize,
+    /// So far apart that none shows the stripes of another.
+    sarcomere_parts: usize,
     sarcomere_rest_um: Option<f64>,
+    /// 95 %, from how much the parts differ.
+    sarcomere_rest_interval_um: Option<[f64; 2]>,
     sarcomere_least_um: Option<f64>,
+    sarcomere_shortening_pct: Option<f64>,
+    sarcomere_shortening_interval_pct: Option<[f64; 2]>,
     rest_picture_sha256: String,
     cell: Option<&'a ShapeReport>,
     fibres: FibreReport,
@@ -115,7 +121,9 @@ impl<'a> Report<'a> {
             |of: &dyn Fn(&TrackRow) -> f64| rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         let peak = rows.iter().max_by(|a, b| a.shortening_pct.total_cmp(&b.shortening_pct));
         let strained = rows.iter().min_by(|a, b| a.stretch_1.total_cmp(&b.stretch_1));
-        let lengths = || rows.iter().filter_map(|row| row.sarcomere_um);
+        let lengths = (0..rows.len()).filter_map(|at| Some((at, rows[at].sarcomere_um?)));
+        let shortest = lengths.min_by(|a, b| a.1.total_cmp(&b.1));
+        let shortening = shortest.and_then(|(at, _)| motion.sarcomere_shortening_pct(at));
         let stage = match motion.stage {
             Stage::Background { points } => format!("background, median over {points} places"),
             Stage::CellMean => "mean of the cell (the background has no texture)".to_owned(),
@@ -161,8 +169,12 @@ impl<'a> Report<'a> {
             least_stretch: strained.map_or(1.0, |row| row.stretch_1),
             least_stretch_frame: strained.map_or(0, |row| row.frame),
             sarcomere_places: motion.sarcomere_places,
+            sarcomere_parts: motion.sarcomere_parts,
             sarcomere_rest_um: rows[rest].sarcomere_um,
-            sarcomere_least_um: lengths().reduce(f64::min),
+            sarcomere_rest_interval_um: motion.sarcomere_length_um(rest).map(|it| it.interval),
+            sarcomere_least_um: shortest.map(|(_, least)| least),
+            sarcomere_shortening_pct: shortening.map(|it| it.value),
+            sarcomere_shortening_interval_pct: shortening.map(|it| it.interval),
             rest_picture_sha256: sha256(&followed.rest_picture),
             cell: picture.map(|(_, cell)| &cell.shape),
             fibres: fibres.report(),
@@ -194,10 +206,18 @@ impl<'a> Report<'a> {
             "strains of the whole cell: stretch_1 at least {:.4} (frame {})",
             self.least_stretch, self.least_stretch_frame
         ));
-        if let (Some(rest), Some(least)) = (self.sarcomere_rest_um, self.sarcomere_least_um) {
+        if let (Some(rest), Some([low, high])) =
+            (self.sarcomere_rest_um, self.sarcomere_rest_interval_um)
+            && let (Some(least), Some(shorter), Some([from, to])) = (
+                self.sarcomere_least_um,
+                self.sarcomere_shortening_pct,
+                self.sarcomere_shortening_interval_pct,
+            )
+        {
             lines.push(format!(
-                "sarcomeres {rest:.3} um at rest, {least:.3} um at least (mean over {} places)",
-                self.sarcomere_places
+                "sarcomeres {rest:.3} um at rest ({low:.3} to {high:.3}), {least:.3} um at least: {shorter:.1} % shorter \
+                 ({from:.1} to {to:.1}); mean of {} places in {} parts of the cell, 95 % intervals",
+                self.sarcomere_places, self.sarcomere_parts
             ));
         }
         lines.push(format!(
@@ -257,6 +277,13 @@ fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> 
                  often how fast it is to be shown)"
             ));
         }
+    }
+    if motion.sarcomere_places > 0 && motion.sarcomeres_by_part_um.is_empty() {
+        warnings.push(format!(
+            "there is no sarcomere_um: stripes can be read in nearly all frames at {} places in {} parts of the cell only, \
+             and sarcomeres differ from part to part, so fewer than {FEWEST_PARTS} parts say little of the cell",
+            motion.sarcomere_places, motion.sarcomere_parts
+        ));
     }
     let worst = rows.iter().max_by(|a, b| a.healed_pct.total_cmp(&b.healed_pct));
     if let Some(row) = worst.filter(|row| row.healed_pct > MANY_HEALED_PCT) {

@@ -28,8 +28,11 @@ const STEPS: usize = 27;
 const LEAST_POWER: f32 = 0.25;
 /// Part of the frames in which a place must be read to count.
 const OFTEN: f64 = 0.8;
-/// Fewest places that say how long sarcomeres are.
-const FEWEST: usize = 5;
+/// Fewest parts of a cell that say how long its sarcomeres are.
+pub const FEWEST_PARTS: usize = 5;
+/// Least distance of the middles of two parts, periods: nearer profiles show mostly the same stripes, so two are no surer
+/// than one.
+const PARTS_APART: f32 = HALF_PERIODS;
 
 /// A place with stripes.
 #[derive(Debug, Clone, Copy)]
@@ -41,6 +44,17 @@ struct Place {
     /// Unit vector along the fibre at rest, y downward.
     along: [f32; 2],
     period: f32,
+}
+
+/// How long sarcomeres are in each frame.
+pub(super) struct Lengths {
+    /// Mean over all places, um.
+    pub(super) mean_um: Vec<Option<f64>>,
+    /// Places that were read, and the parts of the cell in which they lie.
+    pub(super) places: usize,
+    pub(super) parts: usize,
+    /// Mean over the places of each part, um; nothing where they are too few.
+    pub(super) by_part_um: Vec<Vec<Option<f64>>>,
 }
 
 /// Places with stripes at rest.
@@ -77,6 +91,79 @@ impl Stripes {
         };
         let places = striped.into_iter().filter_map(place).collect();
         Self { places, half_width: (HALF_WIDTH_UM / pixel_um) as f32 }
+    }
+
+    /// The part of the cell, from 0, to which each of some places belongs: that of the nearest middle, all of which are
+    /// places that lie apart.
+    fn parts(&self, places: &[usize]) -> Vec<usize> {
+        let apart = |a: usize, b: usize| {
+            let [a, b] = [a, b].map(|place| self.places[place].middle);
+            (a[0] - b[0]).hypot(a[1] - b[1])
+        };
+        let mut middles: Vec<usize> = Vec::new();
+        for &place in places {
+            let least = PARTS_APART * self.places[place].period;
+            if middles.iter().all(|&middle| apart(place, middle) >= least) {
+                middles.push(place);
+            }
+        }
+        let nearest = |&place: &usize| {
+            let far = |at: &usize| apart(place, middles[*at]);
+            (0..middles.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or_default()
+        };
+        places.iter().map(nearest).collect()
+    }
+
+    /// Mean lengths in each frame from the periods of the places by frame; the places are those that were read in nearly
+    /// all frames, so that none comes and goes. No length where they lie in too few parts of the cell.
+    pub(super) fn lengths(&self, periods: &[Vec<Option<f32>>], pixel_um: f64) -> Lengths {
+        let often = (OFTEN * periods.len() as f64).ceil() as usize;
+        let known: Vec<(usize, f64)> = (0..self.places.len())
+            .filter_map(|place| {
+                let read: Vec<f32> = periods.iter().filter_map(|frame| frame[place]).collect();
+                (read.len() >= often.max(1))
+                    .then(|| (place, f64::from(super::neighbours::median(read))))
+            })
+            .collect();
+        let places: Vec<usize> = known.iter().map(|(place, _)| *place).collect();
+        let parts = self.parts(&places);
+        let count = parts.iter().max().map_or(0, |last| last + 1);
+        if count < FEWEST_PARTS {
+            let none = vec![None; periods.len()];
+            return Lengths {
+                mean_um: none,
+                places: known.len(),
+                parts: count,
+                by_part_um: Vec::new(),
+            };
+        }
+        // What a place is longer than others it is in every frame, also where it is not read.
+        let mean_of = |frame: &[Option<f32>], of_part: &dyn Fn(usize) -> bool| {
+            let own =
+                || known.iter().zip(&parts).filter(|(_, part)| of_part(**part)).map(|(it, _)| it);
+            let usual = own().map(|(_, usual)| usual).sum::<f64>() / own().count() as f64;
+            let ratios: Vec<f64> = own()
+                .filter_map(|&(place, usual)| Some(f64::from(frame[place]?) / usual))
+                .collect();
+            let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+            (ratios.len(), mean * usual * pixel_um)
+        };
+        let mean = |frame: &Vec<Option<f32>>| {
+            let (read, mean) = mean_of(frame, &|_| true);
+            (read >= FEWEST_PARTS).then_some(mean)
+        };
+        let by_part = |frame: &Vec<Option<f32>>| {
+            let mean = |part: usize| mean_of(frame, &|of| of == part);
+            (0..count)
+                .map(|part| Some(mean(part)).filter(|(read, _)| *read > 0).map(|it| it.1))
+                .collect()
+        };
+        Lengths {
+            mean_um: periods.iter().map(mean).collect(),
+            places: known.len(),
+            parts: count,
+            by_part_um: periods.iter().map(by_part).collect(),
+        }
     }
 
     /// Period of the stripes of each place in a frame, pixels.
@@ -183,38 +270,34 @@ fn period(profile: &mut [f32], known: f32) -> Option<f32> {
     Some(wave(top as f32 + shift.clamp(-0.5, 0.5)).recip())
 }
 
-/// Mean length over the places in each frame, um, from their periods by frame; the places are those that were read in
-/// nearly all frames, so that none comes and goes. How many there are.
-pub(super) fn mean_lengths(
-    periods: &[Vec<Option<f32>>],
-    pixel_um: f64,
-) -> (Vec<Option<f64>>, usize) {
-    let places = periods.first().map_or(0, Vec::len);
-    let often = (OFTEN * periods.len() as f64).ceil() as usize;
-    let known: Vec<(usize, f64)> = (0..places)
-        .filter_map(|place| {
-            let read: Vec<f32> = periods.iter().filter_map(|frame| frame[place]).collect();
-            (read.len() >= often.max(1))
-                .then(|| (place, f64::from(super::neighbours::median(read))))
-        })
-        .collect();
-    if known.len() < FEWEST {
-        return (vec![None; periods.len()], known.len());
-    }
-    let usual = known.iter().map(|(_, usual)| usual).sum::<f64>() / known.len() as f64;
-    let lengths = periods.iter().map(|frame| {
-        let ratios: Vec<f64> = (known.iter())
-            .filter_map(|&(place, usual)| Some(f64::from(frame[place]?) / usual))
-            .collect();
-        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-        (ratios.len() >= FEWEST).then_some(mean * usual * pixel_um)
-    });
-    (lengths.collect(), known.len())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Places that lie in two rows, 1 um apart, of as many columns; pixels of 0.2 um.
+    fn two_rows(columns: u16) -> Stripes {
+        let place = |at: u16| {
+            let middle = [5.0 * f32::from(at / 2), 5.0 * f32::from(at % 2)];
+            Place { point: 0, offset: [0.0; 2], middle, along: [1.0, 0.0], period: 9.0 }
+        };
+        Stripes { places: (0..2 * columns).map(place).collect(), half_width: 2.5 }
+    }
+
+    #[test]
+    fn places_whose_profiles_overlap_are_one_part_and_few_parts_say_nothing() {
+        // Parts are three periods of 1.8 um apart, so they need 6 columns each.
+        for (columns, parts) in [(4, 1), (20, 4), (24, 4), (25, 5), (60, 10)] {
+            let stripes = two_rows(columns);
+            let frames = vec![vec![Some(9.0); stripes.places.len()]; 3];
+            let found = stripes.lengths(&frames, 0.2);
+            assert_eq!((found.places, found.parts), (2 * usize::from(columns), parts));
+            let wanted = (parts >= FEWEST_PARTS).then_some(1.8);
+            for mean in found.mean_um {
+                assert_eq!(mean.is_some(), wanted.is_some());
+                assert!(mean.is_none_or(|mean| (mean - 1.8).abs() < 1e-9), "{mean:?}");
+            }
+        }
+    }
 
     #[test]
     fn the_period_of_a_wave_is_read_between_the_samples() {

@@ -11,7 +11,7 @@ from myospring import _native
 from myospring._cell import Cell
 from myospring._functions import BEAT_KEYS, BeatSettings
 from myospring._errors import warn
-from myospring._given import cell_of, changed
+from myospring._given import cell_of, changed, floats
 from myospring._lists import METRICS
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def simulate_batch(
     >>> values.shape, bool(values[0, 0] < values[1, 0])
     ((2, 1), True)
     """
-    matrix = np.ascontiguousarray(params, dtype=np.float64)
+    matrix = floats(params)
     if matrix.ndim != 2 or matrix.shape[1] != len(names):
         raise ValueError(f"params has the shape {matrix.shape}; with {len(names)} names it must be (N, {len(names)})")
     if len(set(names)) != len(names):

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
 from myospring._errors import warn
-from myospring._given import changed, path_or_bytes
+from myospring._given import changed, floats, path_or_bytes
 from myospring._svg import cell_svg
 
 
@@ -359,7 +359,7 @@ class Cell:
         if isinstance(outline, (str, PathLike)):
             path = os.fspath(outline)
         else:
-            points = np.asarray(outline, dtype=np.float64)
+            points = floats(outline)
             if points.ndim != 2 or points.shape[1] != 2:
                 raise ValueError(f"an outline has the shape (points, 2), not {points.shape}")
             rows = "".join(f"{float(x)!r},{float(y)!r}\n" for x, y in points)

@@ -18,7 +18,7 @@ from myospring._beat import Beat
 from myospring._cell import Cell
 from myospring._errors import warn
 from myospring._functions import BEAT_KEYS, BeatSettings
-from myospring._given import cell_of, changed, ended
+from myospring._given import cell_of, changed, ended, floats
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -313,7 +313,7 @@ class Reading:
         if isinstance(curve, (str, PathLike)):
             lists = {"columns": list(self.columns), "sheets": list(self.sheets)}
             return _native.read_curves(os.fspath(curve), {**self.__dict__, **lists})
-        times, values = (np.ascontiguousarray(array, dtype=np.float64) for array in curve)
+        times, values = (floats(array) for array in curve)
         if times.ndim != 1 or times.shape != values.shape:
             raise ValueError(
                 f"times and values have the shapes {times.shape} and {values.shape}; give two of shape (frames,)"
@@ -441,7 +441,7 @@ def fit(
     mean, skip_gaps : bool
         Takes the mean of all columns; leaves out frames without a number.
     threads : int or None
-        Starts and profiles at a time; None takes as many as there are cores. The numbers do not hang on it.
+        Starts and profiles at a time; None takes as many as there are cores. It does not change the numbers.
     **settings
         What is known of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first.
 

@@ -32,10 +32,19 @@ def changed(*settings: tuple[str, Any, Any]) -> dict[str, Any]:
     }
 
 
+def floats(array: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """An array of numbers, in order in memory; NaN where a mask hides them."""
+    if isinstance(array, np.ma.MaskedArray):
+        array = array.astype(np.float64).filled(np.nan)
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
 def path_or_bytes(image: ArrayLike | str | PathLike[str], name: str) -> tuple[str, dict[str, bytes]]:
     """The path of a picture, or a name that stands for its bytes."""
     if isinstance(image, (str, PathLike)):
         return os.fspath(image), {}
+    if np.ma.is_masked(image):
+        raise ValueError("a picture has a value at every pixel; fill what the mask hides, as image.filled(0) does")
     return name, {name: _native.tiff(_pixels(np.asarray(image)))}
 
 

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from myospring import _native
 from myospring._engine import Run, StudyTasks
 from myospring._errors import warn
+from myospring._given import floats
 
 ROWS = "rows.csv"
 
@@ -264,7 +265,7 @@ def _csv(rows: ArrayLike, names: Sequence[str] | None) -> bytes:
     """A table of rows, every number to its last bit."""
     columns = getattr(rows, "columns", None)
     names = list(columns) if names is None and columns is not None else names
-    matrix = np.asarray(rows, dtype=np.float64)
+    matrix = floats(rows)
     if names is None or matrix.ndim != 2 or matrix.shape[1] != len(names):
         known = "no names" if names is None else f"{len(names)} names"
         raise ValueError(f"rows has the shape {matrix.shape} and {known}; give (N, K) with K names")

@@ -41,6 +41,8 @@ fn motion(displacement: impl Fn([f64; 2], usize) -> [f64; 2]) -> Motion {
         stage_um: vec![[0.0; 2]; FRAMES],
         sarcomeres_um: vec![None; FRAMES],
         sarcomere_places: 0,
+        sarcomere_parts: 0,
+        sarcomeres_by_part_um: Vec::new(),
         error_um: Some(0.01),
         noise: 1.0,
         subset_um: 4.0,
