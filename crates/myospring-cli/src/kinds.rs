@@ -3,6 +3,9 @@
 use crate::failure::Failure;
 use crate::input::{ending, text};
 use myospring::measured::{self, Options};
+use myospring::mesh::outline::Outline;
+use myospring::mesh::pixel_size::PixelSize;
+use myospring::microscopy::outlines::{CoordinateUnit, Placement, ReadOptions, read_outlines};
 use myospring::settings::PICTURE_ENDINGS;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,6 +21,8 @@ pub(crate) enum Kind {
     Curves,
     /// An outline that can be nothing else.
     Outline,
+    /// A table or archive that holds none of these.
+    Strange,
     RunFile,
     /// The description of a study.
     Study,
@@ -27,12 +32,18 @@ pub(crate) enum Kind {
     Results,
     /// A folder with pictures.
     Pictures,
+    /// A folder with tables and no pictures.
+    Tables,
+    EmptyFolder,
 }
 
 const FILMS: [&str; 12] =
     ["avi", "y4m", "mp4", "m4v", "mov", "mkv", "webm", "wmv", "mpg", "mpeg", "flv", "ogv"];
 
 const TABLES: [&str; 5] = ["csv", "txt", "tsv", "dat", "xlsx"];
+
+/// Least number of rows of a table whose columns have no names, for it to be a curve and no list of corners.
+const LONG: usize = 20;
 
 impl Kind {
     /// What is there, where that is certain.
@@ -45,7 +56,11 @@ impl Kind {
             if has("run.toml") && has("traces.csv") {
                 return Some(Self::Results);
             }
-            return (any(PICTURE_ENDINGS) && !any(&TABLES)).then_some(Self::Pictures);
+            return match (any(PICTURE_ENDINGS), any(&TABLES)) {
+                (true, false) => Some(Self::Pictures),
+                (false, true) => Some(Self::Tables),
+                _ => endings.is_empty().then_some(Self::EmptyFolder),
+            };
         }
         match ending(path).as_str() {
             _ if !path.exists() => None,
@@ -60,10 +75,19 @@ impl Kind {
             "geojson" | "roi" => Some(Self::Outline),
             kind if PICTURE_ENDINGS.contains(&kind) => Some(Self::Picture),
             kind if FILMS.contains(&kind) => Some(Self::Film),
-            kind if TABLES.contains(&kind) => {
-                let table = measured::read(path, &Options::default()).ok()?;
-                let known = |curve: &measured::Curve| curve.kind != measured::Kind::Unknown;
-                table.curves.iter().any(known).then_some(Self::Curves)
+            kind if TABLES.contains(&kind) && is_curves(path) => Some(Self::Curves),
+            kind if TABLES.contains(&kind) || ["json", "zip"].contains(&kind) => {
+                let bytes = fs::read(path).ok()?;
+                if is_outline(path, &bytes) {
+                    return Some(Self::Outline);
+                }
+                let holds = |letters: &[u8]| bytes.windows(letters.len()).any(|it| it == letters);
+                let strange = match kind {
+                    "zip" => !holds(b".roi"),
+                    "xlsx" | "json" => false,
+                    _ => !bytes.iter().any(u8::is_ascii_digit),
+                };
+                strange.then_some(Self::Strange)
             }
             _ => None,
         }
@@ -76,21 +100,30 @@ impl Kind {
             Self::Film => "a film",
             Self::Curves => "a table of measured curves",
             Self::Outline => "an outline",
+            Self::Strange => "a file with neither curves nor an outline in it",
             Self::RunFile => "a run file",
             Self::Study => "the description of a study",
             Self::Doses => "a file of doses",
             Self::Results => "the results of a run",
             Self::Pictures => "a folder of pictures",
+            Self::Tables => "a folder of tables",
+            Self::EmptyFolder => "an empty folder",
         }
     }
 
     /// The commands that take it.
-    fn answer(self, path: &Path) -> String {
-        let path = shown(path);
+    fn answer(self, raw: &Path) -> String {
+        let path = shown(raw);
         match self {
             Self::Picture => format!(
                 "`myospring run {path}` beats its cell, `myospring segment {path}` finds its outline"
             ),
+            Self::Strange if ending(raw) == "zip" => {
+                "unpack it, and give the file or the folder that was in it".to_owned()
+            }
+            Self::Strange => "a curve has a column of times and one of values, an outline one of x and one of y; \
+                              myospring --help says what each command takes"
+                .to_owned(),
             Self::Film => format!("`myospring track {path}` follows its cell"),
             Self::Curves => format!(
                 "`myospring analyse {path}` measures its beats, `myospring fit --to {path}` fits a cell to it"
@@ -105,8 +138,33 @@ impl Kind {
                 "`myospring batch {path}` beats the cells of all of them; if they are frames of a film, \
                  `myospring track {path}` follows its cell"
             ),
+            Self::Tables => format!(
+                "`myospring analyse {path}` measures the beats of all of them, `myospring fit --to {path}` fits a \
+                 cell to each"
+            ),
+            Self::EmptyFolder => "give a file, or a folder that holds some".to_owned(),
         }
     }
+}
+
+/// Whether it is one in any form, whatever the size of its pixels.
+fn is_outline(path: &Path, bytes: &[u8]) -> bool {
+    let of_points = str::from_utf8(bytes).is_ok_and(|text| Outline::from_csv(text).is_ok());
+    let drawn = || {
+        let placement = Placement::Bounds { pixel_size: PixelSize::new(1.0).ok()? };
+        let options = ReadOptions { placement, silent_unit: CoordinateUnit::default() };
+        read_outlines(bytes, &path.to_string_lossy(), &options).ok()
+    };
+    of_points || drawn().is_some()
+}
+
+/// Whether a table has curves: known ones by their names, others by a column of times that is long.
+fn is_curves(path: &Path) -> bool {
+    let Ok(table) = measured::read(path, &Options::default()) else { return false };
+    let is_curve = |curve: &measured::Curve| {
+        curve.kind != measured::Kind::Unknown || curve.values.len() >= LONG
+    };
+    table.curves.iter().any(is_curve)
 }
 
 /// The failure of a file or folder where a command was to be.
@@ -134,4 +192,43 @@ pub(crate) fn refusal<'a>(
     let (file, what) = (path.display(), kind.name());
     let message = format!("`{file}` is {what}, which `myospring {command}` does not take");
     Some(Failure::new(message).advise(kind.answer(path)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_what_it_holds_and_is_told_its_command() {
+        let folder = tempfile::tempdir().unwrap();
+        let beat = |i: u32| f64::from(i % 30).min(10.0);
+        let curve: String =
+            (0..90).map(|i| format!("{}\t{}\n", 16.7 * f64::from(i), beat(i))).collect();
+        let circle: String = (0..60)
+            .map(|i| f64::from(i) * 0.1)
+            .map(|angle| format!("{},{}\n", 30.0 * angle.cos(), 30.0 * angle.sin()))
+            .collect();
+        let square = r#"{"type":"Polygon","coordinates":[[[0,0],[60,0],[60,60],[0,60],[0,0]]]}"#;
+        for (name, content, kind, answer) in [
+            ("unnamed.tsv", curve.as_str(), Some(Kind::Curves), "myospring analyse"),
+            ("circle.csv", &circle, Some(Kind::Outline), "myospring run"),
+            ("named.csv", "x_um,y_um\n0,0\n60,0\n60,60\n", Some(Kind::Outline), "myospring run"),
+            ("square.json", square, Some(Kind::Outline), "myospring run"),
+            ("notes.txt", "the first dish\n", Some(Kind::Strange), "column of times"),
+            ("pictures.zip", "PK\u{3}\u{4} a.png", Some(Kind::Strange), "unpack"),
+            // Whatever is wrong with these, their own command says.
+            ("damaged.csv", "x_um,y_um\n0,0\n60,zero\n", None, ""),
+            ("damaged.zip", "PK\u{3}\u{4} a.roi", None, ""),
+        ] {
+            let path = folder.path().join(name);
+            fs::write(&path, content).unwrap();
+            assert_eq!(Kind::of(&path), kind, "{name}");
+            let said = kind.map_or_else(String::new, |kind| kind.answer(&path));
+            assert!(said.contains(answer), "{name}: {said}");
+        }
+        let within = |name: &str| folder.path().join(name);
+        assert_eq!(Kind::of(folder.path()), Some(Kind::Tables));
+        fs::create_dir(within("empty")).unwrap();
+        assert_eq!(Kind::of(&within("empty")), Some(Kind::EmptyFolder));
+    }
 }

@@ -91,13 +91,18 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
             refusal("track", [&args.input], &takes).map_or_else(|| track::track(args), Err)
         }
         Some(Command::Batch(args)) => {
-            with("batch", &args.folder, &[Kind::Pictures], batch::batch(args))
+            // Before it takes the figures of results for pictures of cells.
+            refusal("batch", &args.folder, &[Kind::Pictures])
+                .map_or_else(|| batch::batch(args), Err)
         }
-        Some(Command::Analyse(args)) => {
-            with("analyse", &args.inputs, &[Kind::Curves, Kind::Results], analyse::analyse(args))
-        }
+        Some(Command::Analyse(args)) => with(
+            "analyse",
+            &args.inputs,
+            &[Kind::Curves, Kind::Tables, Kind::Results],
+            analyse::analyse(args),
+        ),
         Some(Command::Fit(args)) => {
-            let takes = [Kind::Curves, Kind::Film, Kind::Picture, Kind::Pictures];
+            let takes = [Kind::Curves, Kind::Tables, Kind::Film, Kind::Picture, Kind::Pictures];
             with("fit", &args.to, &takes, fit::fit(args))
         }
         Some(Command::Compare(args)) => {

@@ -13,6 +13,17 @@ use std::path::{Path, PathBuf};
 /// The keys that choose one cell.
 const CHOICES: [&str; 3] = ["segmentation.cell", "segmentation.seed", "shape.label"];
 
+/// Files by which results are known: of runs, fits, comparisons, batches and studies, `segment`, `track`, `analyse`.
+const RESULTS: [[&str; 2]; 7] = [
+    ["run.toml", "summary.json"],
+    ["run.toml", "fit.json"],
+    ["comparison.json", "metrics.csv"],
+    ["settings.toml", "progress.jsonl"],
+    ["report.json", "overlay.png"],
+    ["track.json", "track.csv"],
+    ["metrics.csv", "summary.json"],
+];
+
 /// The pictures of the table or the folder, and what there is to say about them.
 pub(super) fn pictures(
     args: &BatchArgs,
@@ -88,6 +99,11 @@ fn of_folder(
     Ok((wanted.into_iter().map(named).collect(), unread.into_iter().collect()))
 }
 
+/// Whether a folder is one that a command of this program has written.
+fn holds_results(folder: &Path) -> bool {
+    RESULTS.iter().any(|files| files.iter().all(|file| folder.join(file).is_file()))
+}
+
 /// What to do about pictures of kinds that are not read.
 fn unread(files: &[PathBuf]) -> Option<String> {
     let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
@@ -103,7 +119,8 @@ fn unread(files: &[PathBuf]) -> Option<String> {
     Some(format!("not read: {} (a {advice})", kinds.join(", ")))
 }
 
-/// Every file in a folder and all folders in it, sorted, without what is hidden and without one folder.
+/// Every file in a folder and all folders in it, sorted, without what is hidden, without one folder and without
+/// results, whose figures are no pictures of cells.
 fn within(folder: &Path, but: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
     let but = but.and_then(|but| std::path::absolute(but).ok());
     let mut found = Vec::new();
@@ -122,7 +139,9 @@ fn within(folder: &Path, but: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
             // A link to a folder could lead in a circle.
             if !kind.is_dir() {
                 found.push(path);
-            } else if but.is_none() || std::path::absolute(&path).ok() != but {
+            } else if (but.is_none() || std::path::absolute(&path).ok() != but)
+                && !holds_results(&path)
+            {
                 folders.push(path);
             }
         }
@@ -169,4 +188,32 @@ pub(super) fn which(settings: &Settings<Beat>, picture: &Picture) -> Which {
 
 fn is_all_cells(given: &Given) -> bool {
     given.key == "segmentation.cell" && given.value.as_text() == Some("all")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn figures_of_results_are_no_pictures_of_cells() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for (within, files) in [
+            ("results/a", &["run.toml", "summary.json", "figures/cell.png"][..]),
+            ("results/b", &["report.json", "overlay.png"]),
+            ("dish", &["b.png", "run.toml", "metrics.csv"]),
+            (".", &["a.png"]),
+        ] {
+            for file in files {
+                let path = at(within).join(file);
+                fs::create_dir_all(path.parent().unwrap()).unwrap();
+                fs::write(path, "").unwrap();
+            }
+        }
+        let found = within(folder.path(), None).unwrap();
+        let pictures = found.iter().filter(|path| is_picture(path));
+        let names: Vec<String> = pictures.map(|path| name(folder.path(), path)).collect();
+        assert_eq!(names, ["a.png", "dish/b.png"]);
+    }
 }

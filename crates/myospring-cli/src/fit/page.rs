@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::inputs::Inputs;
 use crate::page::parameters;
 use myospring::cell::CellModel;
-use myospring::fit::{Estimate, Fit, Unknown};
+use myospring::fit::{Estimate, Fit, FitVerdict, Unknown};
 use myospring::output::field::Field;
 use myospring::output::figure::{Figure, FigureError, FittedCurve};
 use myospring::output::page::{self, FittedNumber, Page, PageFigure, PageFit, PageRun};
@@ -66,6 +66,9 @@ pub(super) fn html(
         .zip(words::table(fit))
         .map(|(estimate, [name, value, interval, verdict])| {
             let meaning = meaning(estimate, model);
+            // The verdict says it.
+            let interval =
+                if fit.verdict == FitVerdict::DoesNotFit { String::new() } else { interval };
             FittedNumber { name: name.replace('_', " "), meaning, value, interval, verdict }
         })
         .collect();

@@ -135,9 +135,7 @@ impl<'a> Shapes<'a> {
         let Followed { motion, shaped, fibres, .. } = self.followed;
         let fields = Fields::new(&motion.mesh, &fibres.directions, None)?;
         let [measured, fitted] = &self.strains;
-        let all = || measured.iter().chain(fitted);
-        let limits =
-            [all().fold(0.0, |a: f64, b| a.min(*b)), all().fold(0.0, |a: f64, b| a.max(*b))];
+        let limits = usual(measured.iter().chain(fitted));
         let maps = [
             strain("Measured, at its peak", &self.measured, measured, limits),
             strain("Fitted, at its peak", &self.fitted, fitted, limits),
@@ -160,6 +158,19 @@ impl<'a> Shapes<'a> {
     }
 }
 
+/// The share of the points at each end whose colour is that of the end: few points that were followed badly leave the
+/// others their colours.
+const BEYOND: f64 = 0.01;
+
+/// Least and greatest of all strains but the outermost, with 0.
+fn usual<'v>(strains: impl Iterator<Item = &'v f64>) -> [f64; 2] {
+    let mut sorted: Vec<f64> = strains.copied().filter(|strain| strain.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let Some(last) = sorted.len().checked_sub(1) else { return [0.0; 2] };
+    let beyond = (BEYOND * last as f64).floor() as usize;
+    [sorted[beyond].min(0.0), sorted[last - beyond].max(0.0)]
+}
+
 fn strain<'f>(name: &str, frame: &'f Frame, values: &[f64], limits: [f64; 2]) -> Map<'f> {
     Map {
         name: name.to_owned(),
@@ -168,5 +179,20 @@ fn strain<'f>(name: &str, frame: &'f Frame, values: &[f64], limits: [f64; 2]) ->
         quantity: "Strain along the fibre (%)".to_owned(),
         limits: Some(limits),
         doubts: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::usual;
+
+    #[test]
+    fn a_few_points_that_were_followed_badly_leave_the_others_their_colours() {
+        let mut strains: Vec<f64> = (0..1000).map(|i| -6.0 + 0.007 * f64::from(i)).collect();
+        assert_eq!(usual([].iter()), [0.0; 2]);
+        strains.extend([80.0, 90.0, -70.0, f64::NAN]);
+        let [low, high] = usual(strains.iter());
+        // One per cent of the points is 0.07 of the range.
+        assert!((-6.0..-5.8).contains(&low) && (0.8..1.0).contains(&high), "{low} {high}");
     }
 }

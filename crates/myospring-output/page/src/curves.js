@@ -27,7 +27,9 @@ import { quantity, unitText } from "./numbers.js";
  * @property {Band | null} band
  * @property {string} note What is to be known of what is drawn; empty where nothing is.
  * @property {Series[]} series
- * @property {number[]} stimuli_ms
+ * @property {number[]} stimuli_ms Those that each run captured, or may have.
+ * @property {number[]} missed_ms Those that a run did not.
+ * @property {boolean} isSignal Whether it is one of the cell model's own, beside potential, tension and shortening.
  */
 
 /**
@@ -35,6 +37,7 @@ import { quantity, unitText } from "./numbers.js";
  * @property {() => string} ink Of the axes' text.
  * @property {() => string} grid
  * @property {() => string} band
+ * @property {() => string} paper
  * @property {(name: string) => string} curve The colour that a name stands for.
  */
 
@@ -66,6 +69,20 @@ export function peakOf({ t_ms: times, values }) {
     }
   });
   return best;
+}
+
+/**
+ * Numbers beside an axis, short enough for its room.
+ *
+ * @param {number[]} ticks Equally far apart.
+ */
+export function tickTexts(ticks) {
+  const most = Math.max(...ticks.map(Math.abs));
+  const power = most >= 1e5 || (most > 0 && most < 1e-3) ? Math.floor(Math.log10(most)) : 0;
+  return ticks.map((tick) => {
+    const mantissa = String(Number((tick / 10 ** power).toPrecision(6))).replace("-", "\u2212");
+    return power === 0 || tick === 0 ? mantissa : `${mantissa}e${power}`.replace("-", "\u2212");
+  });
 }
 
 /** A chart in an element of its own. */
@@ -102,7 +119,7 @@ export class Chart {
       {
         width: Math.max(place.clientWidth, 50),
         height: Chart.LEAST,
-        padding: [8, 14, 0, 0],
+        padding: [8, 18, 0, 0],
         legend: { show: false },
         cursor: { show: false },
         scales: {
@@ -113,9 +130,9 @@ export class Chart {
           {
             ...axis,
             size: () => (this.#labelled ? Chart.AXIS : 8),
-            values: (_, ticks) => ticks.map((tick) => (this.#labelled ? String(tick) : "")),
+            values: (_, ticks) => (this.#labelled ? tickTexts(ticks) : ticks.map(() => "")),
           },
-          { ...axis, size: 52, space: 26 },
+          { ...axis, size: 52, space: 26, values: (_, ticks) => tickTexts(ticks) },
         ],
         series: [
           {},
@@ -168,15 +185,38 @@ export class Chart {
       pen.fillRect(bbox.left, top, bbox.width, bottom - top);
     }
     pen.strokeStyle = palette.ink();
-    pen.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
-    for (const stimulus of this.data.stimuli_ms) {
-      const x = plot.valToPos(stimulus, "x", true);
-      pen.beginPath();
-      pen.moveTo(x, bbox.top);
-      pen.lineTo(x, bbox.top + bbox.height);
-      pen.stroke();
-    }
+    pen.lineWidth = devicePixelRatio;
+    for (const stimulus of this.data.stimuli_ms) this.#stimulus(plot, stimulus, palette.ink(), [4, 4]);
+    for (const stimulus of this.data.missed_ms) this.#stimulus(plot, stimulus, palette.paper(), [1, 5]);
     pen.restore();
+  }
+
+  /**
+   * A line through the plot and a small triangle above it.
+   *
+   * @param {uPlot} plot
+   * @param {number} time ms.
+   * @param {string} filling Of the triangle.
+   * @param {number[]} dash Of the line, px.
+   */
+  #stimulus(plot, time, filling, dash) {
+    const { ctx: pen, bbox } = plot;
+    const pixel = devicePixelRatio;
+    const x = plot.valToPos(time, "x", true);
+    pen.setLineDash(dash.map((length) => length * pixel));
+    pen.beginPath();
+    pen.moveTo(x, bbox.top);
+    pen.lineTo(x, bbox.top + bbox.height);
+    pen.stroke();
+    pen.setLineDash([]);
+    pen.beginPath();
+    pen.moveTo(x, bbox.top);
+    pen.lineTo(x - 4 * pixel, bbox.top - 7 * pixel);
+    pen.lineTo(x + 4 * pixel, bbox.top - 7 * pixel);
+    pen.closePath();
+    pen.fillStyle = filling;
+    pen.fill();
+    pen.stroke();
   }
 
   /** The element over which a pointer moves. */
@@ -233,10 +273,10 @@ export class Chart {
  * What was measured and what was fitted to it, and below it the residual: two charts for each curve.
  *
  * @param {FittedCurve[]} curves
- * @param {number[]} stimuli Of the run, ms.
+ * @param {{ stimuli_ms: number[], missed_ms: number[] }} run Of the fitted cell.
  * @returns {ChartData[]}
  */
-export function chartsOfFit(curves, stimuli) {
+export function chartsOfFit(curves, { stimuli_ms, missed_ms }) {
   return curves.flatMap(({ label, unit, t_ms, measured, left_out: leftOut, fitted, residual, noise }) => {
     const dots = { dash: [], dots: true, t_ms };
     const bad = leftOut.some((value) => value !== null);
@@ -252,41 +292,52 @@ export function chartsOfFit(curves, stimuli) {
           ...(bad ? [{ ...dots, label: "left out", colour: "--tension", values: leftOut }] : []),
           { label: "fitted", colour: "--shortening", dash: [], t_ms, values: fitted },
         ],
-        stimuli_ms: stimuli,
+        isSignal: false,
+        stimuli_ms,
+        missed_ms,
       },
       {
-        name: `${shown}, measured minus fitted`,
+        name: curves.length > 1 ? `${shown}, residual` : "Residual",
         unit,
         band: { low: -noise, high: noise, scope: "" },
-        note: "grey: noise at rest",
+        note: "measured \u2212 fitted, grey: noise",
         series: [{ ...dots, label: "residual", colour: "--measured", values: residual }],
-        stimuli_ms: stimuli,
+        isSignal: false,
+        stimuli_ms,
+        missed_ms,
       },
     ];
   });
 }
 
+/** @param {string} key Of a curve. */
+const isSignal = (key) => !["potential", "tension", "shortening"].includes(key);
+
 /**
  * The curves of several runs, one chart for each quantity that the first run has.
  *
- * @param {{ label: string, colour: string, dash: number[], t_ms: number[], list: Curve[], stimuli_ms: number[] }[]} runs
- * @param {(key: string) => string} colourOf Of a quantity, where there is one run.
+ * @param {{
+ *   label: string, colour: string, dash: number[], t_ms: number[], list: Curve[],
+ *   stimuli_ms: number[], missed_ms: number[],
+ * }[]} runs
+ * @param {(key: string, isSignal: boolean) => string} colourOf Of a quantity, where there is one run.
  * @returns {ChartData[]}
  */
 export function chartsOf(runs, colourOf) {
+  const stimuli = [...new Set(runs.flatMap((run) => run.stimuli_ms))];
+  const missed = [...new Set(runs.flatMap((run) => run.missed_ms))];
   return runs[0].list.map(({ key, name, unit, band }) => ({
     name,
     unit,
     band,
-    note:
-      band === null
-        ? ""
-        : `grey: ${band.low} to ${band.high} ${unit}, measured peaks`,
-    stimuli_ms: [...new Set(runs.flatMap((run) => run.stimuli_ms))],
+    note: band === null ? "" : `grey: measured peaks, ${band.low} to ${band.high} ${unit}`,
+    isSignal: isSignal(key),
+    stimuli_ms: stimuli.filter((time) => !missed.includes(time)),
+    missed_ms: missed,
     series: runs.flatMap(({ label, colour, dash, t_ms, list }) => {
       const curve = list.find((other) => other.key === key && other.unit === unit);
       if (curve === undefined) return [];
-      const own = runs.length === 1 ? colourOf(key) : colour;
+      const own = runs.length === 1 ? colourOf(key, isSignal(key)) : colour;
       return [{ label, colour: own, dash, t_ms, values: curve.values }];
     }),
   }));

@@ -37,3 +37,8 @@ export function find(id, kind) {
   if (!(element instanceof kind)) throw new Error(`the page has no ${kind.name} #${id}`);
   return element;
 }
+
+/** @param {string} text Is spoken by a screen reader. */
+export function say(text) {
+  find("said", HTMLElement).textContent = text;
+}

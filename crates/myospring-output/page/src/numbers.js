@@ -41,6 +41,15 @@ export function plain(value) {
 }
 
 /**
+ * A text whose numbers have at most six significant digits.
+ *
+ * @param {string} text
+ */
+export function shortened(text) {
+  return text.replace(/(?<![\w./])\d+\.\d{5,}(e[+-]?\d+)?(?![\w./-])/g, (digits) => String(Number(Number(digits).toPrecision(6))));
+}
+
+/**
  * A unit as it is printed.
  *
  * @param {string} unit

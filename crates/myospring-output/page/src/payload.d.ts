@@ -91,7 +91,10 @@ export interface Run {
   label: string;
   /** What was run, a fact each. */
   facts: string[];
+  /** Stimuli that raised an action potential, or may have. */
   stimuli_ms: number[];
+  /** Stimuli that raised none. */
+  missed_ms: number[];
   curves: Curves;
   cell: Cell;
   metrics: MetricGroup[];

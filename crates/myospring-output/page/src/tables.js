@@ -1,7 +1,7 @@
 // Numbers and parameters as tables; of several runs with a column each and their differences.
 
 import { make } from "./elements.js";
-import { number, quantity, unitText, words } from "./numbers.js";
+import { number, quantity, shortened, unitText, words } from "./numbers.js";
 
 /** @import { Band, Difference, FittedNumber, Metric, ParameterGroup, Run } from "./payload.js" */
 
@@ -164,7 +164,7 @@ export function differenceTable(differences, runs) {
       "tr",
       {},
       make("th", { scope: "row" }, name),
-      ...values.map((value) => make("td", {}, value)),
+      ...values.map((value) => make("td", {}, shortened(value))),
     ),
   );
   const table = make(
@@ -303,7 +303,7 @@ export function parameterTables(groups) {
         "tr",
         row.changed ? { class: "changed" } : {},
         make("th", { scope: "row" }, row.name),
-        make("td", { class: "number" }, `${row.value} ${unitText(row.unit)}`.trim()),
+        make("td", { class: "number" }, `${shortened(row.value)} ${unitText(row.unit)}`.trim()),
         make("td", { class: "meaning" }, row.meaning),
         make("td", { class: "source" }, row.source),
       ),

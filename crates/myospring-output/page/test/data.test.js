@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { ramp, STEPS, stepOf } from "../src/colours.js";
 import { blankShape, lastBefore, recordedShapes } from "../src/data.js";
 import { fillField } from "../src/fields.js";
-import { number, plain, roundLength, unitText, words } from "../src/numbers.js";
+import { number, plain, roundLength, shortened, unitText, words } from "../src/numbers.js";
 import { beat, payloadOf } from "./program.js";
 
 test("the library for curves is the one that npm has", async () => {
@@ -93,4 +93,12 @@ test("numbers are written for people", () => {
   assert.deepEqual([0.9, 1, 3, 7, 24].map(roundLength), [0.5, 1, 2, 5, 20]);
   assert.deepEqual(["um", "L0/s", "um^2", "kPa"].map(unitText), ["\u00b5m", "L\u2080/s", "\u00b5m\u00b2", "kPa"]);
   assert.equal(words("action_potential_duration_90"), "APD90");
+});
+
+test("settings are shown with digits that people read", () => {
+  assert.equal(shortened("92.45038608302155 kPa"), "92.4504 kPa");
+  assert.equal(shortened("{ c_0 = 0.007930791973277703, a = 2 }"), "{ c_0 = 0.00793079, a = 2 }");
+  assert.equal(shortened("data/2024.123456.tif"), "data/2024.123456.tif");
+  assert.equal(shortened("2024.123456.tif"), "2024.123456.tif");
+  assert.equal(shortened("long axis"), "long axis");
 });

@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { beat, compare, fit, folder } from "./program.js";
+import { beat, compare, fit, folder, payloadOf } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
@@ -22,6 +22,8 @@ let report;
 let comparison;
 /** @type {string} */
 let fitted;
+/** @type {string} Of a curve that the model does not follow. */
+let unfitted;
 
 before(async () => {
   // Containers and continuous integration have no user namespaces for its sandbox; the page is our own.
@@ -32,6 +34,9 @@ before(async () => {
   const curve = join(folder, "measured.csv");
   await writeFile(curve, await measured(join(report, "../traces.csv")));
   fitted = await fit("fitted", "--to", curve, "--spacing", "4 um");
+  const other = join(folder, "plateau.csv");
+  await writeFile(other, plateau());
+  unfitted = await fit("unfitted", "--to", other, "--spacing", "4 um");
 });
 after(() => browser?.close());
 
@@ -81,6 +86,15 @@ async function measured(traces) {
     const [time, length] = columns.map((column) => Number(row.split(",")[column]));
     return `${time},${(length + noise(index)).toFixed(4)}`;
   });
+  return `time_ms,length_um\n${lines.join("\n")}\n`;
+}
+
+/** A cell that becomes shorter, stays so for a while and lets go, as no setting of the default model does. */
+function plateau() {
+  const shortening = (/** @type {number} */ time) =>
+    12 * Math.min(Math.max((time - 50) / 60, 0), Math.max(Math.min((420 - time) / 120, 1), 0), 1);
+  const times = Array.from({ length: 150 }, (_, index) => 4 * index);
+  const lines = times.map((time) => `${time},${(140 - shortening(time) + 0.05 * Math.sin(7 * time * time)).toFixed(4)}`);
   return `time_ms,length_um\n${lines.join("\n")}\n`;
 }
 
@@ -210,9 +224,9 @@ test("it can be used by keyboard alone", async () => {
   });
 });
 
-const PAGES = /** @type {const} */ (["run", "comparison", "fit"]);
+const PAGES = /** @type {const} */ (["run", "comparison", "fit", "fit that does not fit"]);
 /** @param {typeof PAGES[number]} kind */
-const pathOf = (kind) => ({ run: report, comparison, fit: fitted })[kind];
+const pathOf = (kind) => ({ run: report, comparison, fit: fitted, "fit that does not fit": unfitted })[kind];
 
 for (const kind of PAGES) {
   for (const colorScheme of /** @type {const} */ (["light", "dark"])) {
@@ -252,7 +266,7 @@ const SHAPES = {
 /** @param {string} path Cell and curves are seen whole, without scrolling. */
 async function seenAtOnce(path) {
   await opened(path, { ...STILL, viewport: { width: 1400, height: 900 } }, async (page) => {
-    const parts = await page.$$eval("#cells canvas, #controls, .chart", (all) =>
+    const parts = await page.$$eval("#cells canvas, #controls, #charts .chart", (all) =>
       all.map((part) => part.getBoundingClientRect()).map(({ top, bottom, height }) => [top, bottom, height]),
     );
     assert.ok(parts.length >= 5);
@@ -265,6 +279,66 @@ async function seenAtOnce(path) {
 test("a long cell, a fit and their curves are seen on one screen", async () => {
   await seenAtOnce(report);
   await seenAtOnce(fitted);
+  await seenAtOnce(unfitted);
+});
+
+test("what is to be looked at is read without scrolling in a box, and unfolds where it is long", async () => {
+  for (const width of [1400, 390]) {
+    await opened(unfitted, { ...STILL, viewport: { width, height: 900 } }, async (page) => {
+      const within = await page.$$eval("#warnings, #warnings *", (all) =>
+        all.filter((it) => it.scrollHeight > it.clientHeight + 1 && getComputedStyle(it).overflowY !== "visible").length,
+      );
+      assert.equal(within, 0);
+      assert.ok(await page.locator("#warning-list li").first().isVisible());
+      const box = await page.locator("#warnings").boundingBox();
+      assert.ok(box !== null && box.height < 900 / 3, `${box?.height}`);
+      await openAll(page);
+      assert.match((await page.textContent("#warnings")) ?? "", /do not take these numbers/);
+      assert.ok(await page.getByText("do not take these numbers").isVisible());
+    });
+  }
+});
+
+test("stimuli that raised no action potential are marked apart, and the page says how", async () => {
+  const path = await beat("missed", "--integrator", "quasi-static", "--spacing", "4 um", "--beats", "4", "--cycle-length", "300 ms");
+  const { runs } = await payloadOf(path);
+  assert.deepEqual([runs[0].stimuli_ms, runs[0].missed_ms], [[50, 650], [350, 950]]);
+  await opened(path, STILL, async (page) => {
+    const [first, ...others] = await page.$$eval(".chart h3", (all) => all.map((title) => title.textContent ?? ""));
+    assert.match(first, /\u25bc stimulus, \u25bd not captured/);
+    assert.ok(others.every((title) => !title.includes("\u25bd")));
+    // The middle of each triangle: filled for one that was captured, the colour of the page for the other.
+    const filled = await page.evaluate((times) => {
+      const canvas = /** @type {HTMLCanvasElement} */ (document.querySelector(".chart canvas"));
+      const over = /** @type {HTMLElement} */ (document.querySelector(".chart .u-over")).getBoundingClientRect();
+      const box = canvas.getBoundingClientRect();
+      const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+      const span = Number(/** @type {HTMLInputElement} */ (document.querySelector("#time")).max);
+      const row = pen.getImageData(0, Math.round(over.top - box.top) - 5, canvas.width, 1).data;
+      return times.map((time) => {
+        const x = Math.round(over.left - box.left + (time / span) * over.width) - 1;
+        const [red, , , alpha] = row.slice(4 * x, 4 * x + 4);
+        return alpha > 0 && red < 200;
+      });
+    }, [50, 350, 650, 950]);
+    assert.deepEqual(filled, [true, false, true, false]);
+  });
+});
+
+test("of a cell model with many curves the first leads, and the others unfold", async () => {
+  const path = await beat("currents", "--model", "tor_ord_land", "--integrator", "quasi-static", "--spacing", "6 um");
+  await seenAtOnce(path);
+  await opened(path, STILL, async (page) => {
+    const shown = await page.$$eval("#charts .chart h3", (all) => all.map((title) => title.textContent ?? ""));
+    assert.equal(shown.length, 4, shown.join());
+    assert.match(shown[3], /^Ca_i/);
+    assert.ok(!(await page.locator("#more-charts .chart").first().isVisible()));
+    assert.match((await page.textContent("#more-curves-title")) ?? "", /^\d+ more curves of the cell model$/);
+    await page.click("#more-curves-title");
+    assert.ok(await page.locator("#more-charts .chart").last().isVisible());
+    const pages = await printedPages(page);
+    assert.ok(pages <= 4, `${pages} pages`);
+  });
 });
 
 for (const [name, points] of Object.entries(SHAPES)) {
@@ -298,7 +372,7 @@ test("the page of a fit has its numbers, its curves and the beating cell", async
     assert.match((await page.textContent("h1")) ?? "", /^Fit of /);
     const charts = await page.$$eval(".chart h3", (all) => all.map((title) => title.textContent));
     assert.match(charts[0] ?? "", /^Length \(\u00b5m\).*dots: measured, line: fitted/);
-    assert.match(charts[1] ?? "", /measured minus fitted/);
+    assert.match(charts[1] ?? "", /measured \u2212 fitted/);
     assert.equal(await page.locator(".profile").count(), await page.locator(".tiles > div").count());
     const term = page.locator(".tiles .term").first();
     await term.focus();

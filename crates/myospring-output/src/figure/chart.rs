@@ -67,8 +67,8 @@ impl Axis {
     /// as their labels leave room for.
     pub(super) fn across(label: &str, ends: [f64; 2], width: f64) -> Self {
         Self::around(label, ends, |axis| {
-            let ticks = axis.ticks().count() as f64;
-            ticks * (axis.tick_width() + 8.0) <= width
+            let apart = axis.step / (axis.range[1] - axis.range[0]) * width;
+            axis.tick_width() + 8.0 <= apart
         })
     }
 
@@ -386,6 +386,19 @@ mod tests {
                 assert!(axis.tick_width() < 40.0, "{scale} {ends:?}: {}", axis.tick_width());
                 let texts: Vec<String> = axis.ticks().map(|(_, text)| text).collect();
                 assert!(texts.len() > 1 && texts.windows(2).all(|pair| pair[0] != pair[1]));
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_below_an_axis_stay_apart_however_close_its_ends_are() {
+        for middle in [0.01666, 0.1624, 140.446, -3.0] {
+            for span in [1e-4, 7e-4, 0.01, 0.3] {
+                let ends = [middle - span, middle + 1.1 * span];
+                let axis = Axis::across("", ends, 140.0);
+                let apart = axis.step / (axis.range[1] - axis.range[0]) * 140.0;
+                let count = axis.ticks().count();
+                assert!(count < 2 || axis.tick_width() < apart, "{ends:?}: {apart}");
             }
         }
     }

@@ -29,7 +29,8 @@ struct Payload<'a> {
 struct Run<'a> {
     label: &'a str,
     facts: &'a [String],
-    stimuli_ms: &'a [f64],
+    stimuli_ms: Vec<f64>,
+    missed_ms: Vec<f64>,
     curves: Curves,
     cell: CellData,
     metrics: Vec<MetricGroup<'a>>,
@@ -75,10 +76,14 @@ pub(super) fn json(page: &Page<'_>) -> Result<String, PageError> {
 
 fn of_run<'a>(run: &'a PageRun<'_>, share: usize) -> Result<Run<'a>, PageError> {
     let picture = run.picture.as_ref();
+    let missed = run.summary.beats.iter().filter(|beat| beat.is_missed());
+    let missed: Vec<f64> = missed.map(|beat| beat.stimulus_ms).collect();
+    let stimuli = run.stimulus_times_ms.iter().copied().filter(|time| !missed.contains(time));
     Ok(Run {
         label: run.label,
         facts: &run.facts,
-        stimuli_ms: run.stimulus_times_ms,
+        stimuli_ms: stimuli.collect(),
+        missed_ms: missed,
         curves: curves::of(run.recording),
         cell: cell::of(run, share)?,
         metrics: metrics(run.summary),

@@ -14,7 +14,7 @@ macro_rules! modules {
 }
 
 /// The modules of the page, each after those that it imports.
-const MODULES: [(&str, &str); 13] = modules![
+const MODULES: [(&str, &str); 19] = modules![
     "numbers.js",
     "colours.js",
     "elements.js",
@@ -25,8 +25,14 @@ const MODULES: [(&str, &str); 13] = modules![
     "overlay-view.js",
     "player.js",
     "curves.js",
+    "charts.js",
+    "controls.js",
     "profiles.js",
     "tables.js",
+    "header.js",
+    "sections.js",
+    "layout.js",
+    "paper.js",
     "report.js",
 ];
 
