@@ -120,6 +120,10 @@ impl Observer<Picture> for Seen<'_> {
     }
 }
 
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 fn summary(outcome: &Outcome) -> String {
     let Outcome { pictures, cells, left_out, failed, seconds, .. } = outcome;
     let count = |count: &usize, words: &str| match count {
@@ -127,7 +131,9 @@ fn summary(outcome: &Outcome) -> String {
         count => format!(", {count} {words}"),
     };
     format!(
-        "{pictures} pictures: {cells} cells beat{}{}\nresults in {} ({seconds:.1} s)",
+        "{}: {} beat{}{}\nresults in {} ({seconds:.1} s)",
+        counted(*pictures, "picture"),
+        counted(*cells, "cell"),
         count(left_out, "left out (cut by the frame, of unusual size or doubtful)"),
         count(failed, "failed (the column reason says why)"),
         outcome.results.display()

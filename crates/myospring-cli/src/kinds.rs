@@ -202,12 +202,11 @@ mod tests {
     fn a_file_is_what_it_holds_and_is_told_its_command() {
         let folder = tempfile::tempdir().unwrap();
         let beat = |i: u32| f64::from(i % 30).min(10.0);
-        let curve: String =
-            (0..90).map(|i| format!("{}\t{}\n", 16.7 * f64::from(i), beat(i))).collect();
-        let circle: String = (0..60)
-            .map(|i| f64::from(i) * 0.1)
-            .map(|angle| format!("{},{}\n", 30.0 * angle.cos(), 30.0 * angle.sin()))
-            .collect();
+        let lines = |all: Vec<String>| all.join("\n");
+        let curve = (0..90).map(|i| format!("{}\t{}", 16.7 * f64::from(i), beat(i)));
+        let corner = |angle: f64| format!("{},{}", 30.0 * angle.cos(), 30.0 * angle.sin());
+        let circle = (0..60).map(|i| corner(0.1 * f64::from(i)));
+        let (curve, circle) = (lines(curve.collect()), lines(circle.collect()));
         let square = r#"{"type":"Polygon","coordinates":[[[0,0],[60,0],[60,60],[0,60],[0,0]]]}"#;
         for (name, content, kind, answer) in [
             ("unnamed.tsv", curve.as_str(), Some(Kind::Curves), "myospring analyse"),

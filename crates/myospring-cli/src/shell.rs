@@ -4,7 +4,8 @@ use crate::args::Cli;
 use crate::failure::Failure;
 use crate::kinds;
 use clap::CommandFactory;
-use myospring::units;
+use myospring::settings::Problem;
+use myospring::{cell, units};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
@@ -21,6 +22,13 @@ pub(crate) fn arguments(
     {
         *first = known;
     }
+    // `myospring run help`
+    if let [_, _, help] = &mut *all
+        && help == "help"
+        && !Path::new(help).exists()
+    {
+        *help = "--help".into();
+    }
     let words: Vec<&str> = all.iter().skip(1).map(|word| word.to_str().unwrap_or("-")).collect();
     match parted_quantity(&words).or_else(|| parted_path(&words)) {
         Some(failure) => Err(failure),
@@ -31,7 +39,7 @@ pub(crate) fn arguments(
 /// The command that a first word in other letters is.
 ///
 /// # Errors
-/// A file or folder without a command: which takes it.
+/// A file or folder without a command, an option of a command, anything else: what to write instead.
 fn command_of(word: &OsStr) -> Result<Option<OsString>, Failure> {
     let text = word.to_string_lossy().to_lowercase();
     let all = Cli::command();
@@ -41,10 +49,44 @@ fn command_of(word: &OsStr) -> Result<Option<OsString>, Failure> {
     if is_known {
         return Ok(Some(text.into()));
     }
-    match kinds::without_command(Path::new(word)) {
-        Some(failure) if !text.starts_with('-') => Err(failure),
-        _ => Ok(None),
+    if let Some(option) = text.strip_prefix("--") {
+        let name = option.split('=').next().unwrap_or_default();
+        let of_program = all.get_arguments().any(|own| own.get_long() == Some(name));
+        return if of_program { Ok(None) } else { option_of(&all, name).map_or(Ok(None), Err) };
     }
+    if text.starts_with('-') || text == "help" || text.is_empty() {
+        return Ok(None);
+    }
+    Err(kinds::without_command(Path::new(word)).unwrap_or_else(|| no_command(&all, word)))
+}
+
+/// What to write where an option stands without its command: the first that has it.
+fn option_of(all: &clap::Command, name: &str) -> Option<Failure> {
+    let has =
+        |command: &&clap::Command| command.get_arguments().any(|own| own.get_long() == Some(name));
+    let command = all.get_subcommands().find(has)?.get_name();
+    let message = format!("--{name} is an option of a command, and none was given");
+    Some(Failure::new(message).advise(format!("write myospring {command} --{name} ...")))
+}
+
+fn no_command(all: &clap::Command, word: &OsStr) -> Failure {
+    let text = word.to_string_lossy();
+    let file = Path::new(word);
+    if cell::model(&text).is_ok() {
+        return Failure::new(format!("`{text}` is a cell model, and no command")).advise(format!(
+            "`myospring run --model {text}` beats a cell with it, `myospring models {text}` lists its parameters"
+        ));
+    }
+    if file.extension().is_some() || file.components().count() > 1 {
+        let message =
+            format!("`{text}` is no command, and no file or folder of this name is there");
+        return Failure::new(message)
+            .advise("check the path and its spelling; `myospring --help` lists the commands");
+    }
+    let known: Vec<&str> = all.get_subcommands().map(clap::Command::get_name).collect();
+    let near = Problem::nearest(&text, &known).map(|near| format!("; did you mean `{near}`?"));
+    Failure::new(format!("there is no command `{text}`{}", near.unwrap_or_default()))
+        .advise(format!("there are: {}; myospring --help says what each does", known.join(", ")))
 }
 
 /// A quantity whose bytes are Latin-1, as some terminals send `µ` and `°`; all else stays, since paths are any bytes.
@@ -153,6 +195,28 @@ mod tests {
         std::fs::write(&path, "").unwrap();
         let refused = refusal(&[path.to_str().unwrap()]).unwrap_or_default();
         assert!(refused.contains("`myospring track "), "{refused}");
+    }
+
+    #[test]
+    fn what_is_no_command_is_told_what_to_write() {
+        for (words, answer) in [
+            (&["xyz"][..], "there are: run, paper, segment"),
+            (&["fitt"], "did you mean `fit`?"),
+            (&["--model", "land_2017"], "write myospring run --model"),
+            (&["--frame-rate=30", "a.avi"], "write myospring track --frame-rate"),
+            (&["land_2017"], "`myospring run --model land_2017` beats"),
+            (&["nowhere.tif"], "no file or folder of this name"),
+        ] {
+            let refused = refusal(words).unwrap_or_default();
+            assert!(refused.contains(answer), "{words:?}: {refused}");
+        }
+        for words in
+            [&["--cite"][..], &["--help"], &["help", "fit"], &["-V"], &["run", "--model=x"]]
+        {
+            assert_eq!(refusal(words), None, "{words:?}");
+        }
+        let given = ["myospring", "run", "help"].map(OsString::from);
+        assert_eq!(arguments(given).ok().unwrap()[2], "--help");
     }
 
     #[cfg(unix)]

@@ -276,7 +276,8 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         (vec!["init", "file/beat.toml"], &["cannot write", "beat.toml"]),
         (vec!["film.avi"], &["a film, and no command", "`myospring track film.avi`"]),
         (vec!["study"], &["Usage: myospring study [OPTIONS] <COMMAND>", "init"]),
-        (vec!["rum"], &["unrecognized subcommand", "run"]),
+        (vec!["rum"], &["there is no command `rum`; did you mean `run`?"]),
+        (vec!["--model", "land_2017"], &["write myospring run --model"]),
         (vec!["run", "--thicknes", "1 um"], &["unexpected argument", "--thickness"]),
         (vec![], &["Usage: myospring"]),
     ];

@@ -2,7 +2,7 @@
 
 use crate::cell::Cell;
 use crate::waiting::interruptible;
-use crate::{errors, settings};
+use crate::{errors, settings, words};
 use myospring::settings::{Kind, Number, Run};
 use myospring::study::parameters::{
     Common, ParameterStudy, ParameterStudyError, Shard, Variation, VariationRow, run_members,
@@ -101,7 +101,7 @@ pub(crate) fn simulate_batch<'py>(
         let threads = Threads::new(threads)?;
         let mut matrix = Matrix::new(width, study.values.members());
         for members in study.in_turn(Shard::WHOLE, AT_ONCE) {
-            matrix.add(rows_of(&common, &members, &threads, stop)?, settings::in_python);
+            matrix.add(rows_of(&common, &members, &threads, stop)?, words::in_python);
         }
         Ok::<_, ParameterStudyError>(matrix)
     })?;

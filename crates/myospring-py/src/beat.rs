@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, Inner, pairs, triangles};
 use crate::waiting::interruptible;
-use crate::{errors, settings};
+use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::Beats;
@@ -211,13 +211,14 @@ impl Beat {
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
+        self.warnings.iter().map(|text| words::in_python(text)).collect()
     }
 
     /// What is known of the cell model and seen in this beat, in a sentence.
     #[getter]
     fn about_model(&self) -> Option<String> {
-        about_model(&self.made.simulation.pace(&self.beats))
+        let about = about_model(&self.made.simulation.pace(&self.beats))?;
+        Some(words::in_python(&about))
     }
 
     /// Why it stopped early, and when, ms.
@@ -283,7 +284,7 @@ impl Beat {
             let threads = Threads::new(None).map_err(|error| error.to_string())?;
             threads.install(|| over.save(&folder, force, outputs.as_deref(), self.warnings.clone()))
         });
-        saved.map_err(|message| pyo3::exceptions::PyOSError::new_err(settings::in_python(&message)))
+        saved.map_err(|message| pyo3::exceptions::PyOSError::new_err(words::in_python(&message)))
     }
 
     /// All that makes the beat again, but for the cell.

@@ -1,6 +1,6 @@
 //! A cell: its outline and its mesh, from a picture, a mask, an outline or the program.
 
-use crate::{errors, settings};
+use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::mesh::Mesh;
 use myospring::mesh::quality::MeshReport;
@@ -75,7 +75,7 @@ impl Cell {
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.0.shaped.report.warnings.clone()
+        self.0.shaped.report.warnings.iter().map(|text| words::in_python(text)).collect()
     }
 
     /// Positions of the masses at rest, um: (nodes, 2).

@@ -1,6 +1,6 @@
 //! What goes wrong, as Python's own exceptions.
 
-use crate::settings;
+use crate::words;
 use myospring::measured::ReadError;
 use myospring::run_file::RunFileError;
 use myospring::settings::{MakeError, Problem, ShapeError};
@@ -21,7 +21,7 @@ pub(crate) fn unknown(py: Python<'_>, message: String) -> PyErr {
 
 /// A problem of a setting: names that do not exist are a `KeyError`, all else is a `ValueError`.
 pub(crate) fn of_settings(py: Python<'_>, error: &RunFileError) -> PyErr {
-    let mut message = settings::in_python(&error.to_string());
+    let mut message = words::in_python(&error.to_string());
     if let Some(advice) = advice(&error.problem) {
         message = format!("{message}; {advice}");
     }
@@ -54,7 +54,7 @@ fn advice(problem: &Problem) -> Option<String> {
 
 /// A shape that gives no mesh.
 pub(crate) fn of_shape(error: &ShapeError) -> PyErr {
-    let message = settings::in_python(&error.to_string());
+    let message = words::in_python(&error.to_string());
     match error {
         ShapeError::Read { cause, .. } => of_reading(cause, message),
         _ => PyValueError::new_err(message),
@@ -63,7 +63,7 @@ pub(crate) fn of_shape(error: &ShapeError) -> PyErr {
 
 /// A shape that was meshed and gives no simulation.
 pub(crate) fn of_making(error: &MakeError) -> PyErr {
-    PyValueError::new_err(settings::in_python(&error.to_string()))
+    PyValueError::new_err(words::in_python(&error.to_string()))
 }
 
 /// A study that cannot be.
@@ -79,8 +79,10 @@ pub(crate) fn of_description(py: Python<'_>, error: &ParameterStudyError, of_tex
         ParameterStudyError::Metric { name, known, .. } => {
             unknown_among(py, name, known.iter().copied())
         }
-        ParameterStudyError::Name(_) => unknown(py, error.to_string()),
-        ParameterStudyError::Read { cause, .. } => of_reading(cause, error.to_string()),
+        ParameterStudyError::Name(_) => unknown(py, words::in_python(&error.to_string())),
+        ParameterStudyError::Read { cause, .. } => {
+            of_reading(cause, words::in_python(&error.to_string()))
+        }
         ParameterStudyError::Study(error) => of_journal(error),
         // A description that was a dict has no lines.
         ParameterStudyError::Toml(cause) if !of_text => value(cause.message()),
@@ -90,13 +92,13 @@ pub(crate) fn of_description(py: Python<'_>, error: &ParameterStudyError, of_tex
 
 /// A folder of results that cannot be gone on with.
 pub(crate) fn of_journal(error: &StudyError) -> PyErr {
-    PyOSError::new_err(error.to_string())
+    PyOSError::new_err(words::in_python(&error.to_string()))
 }
 
 /// A table of measured curves that cannot be read.
 pub(crate) fn of_measured(error: &ReadError) -> PyErr {
     match error {
-        ReadError::Read { cause, .. } => of_reading(cause, error.to_string()),
+        ReadError::Read { cause, .. } => of_reading(cause, words::in_python(&error.to_string())),
         _ => value(error),
     }
 }
@@ -111,7 +113,7 @@ fn of_reading(cause: &io::Error, message: String) -> PyErr {
 /// Anything else that a value is to blame for.
 #[allow(clippy::needless_pass_by_value, reason = "for `map_err`")]
 pub(crate) fn value(error: impl ToString) -> PyErr {
-    PyValueError::new_err(settings::in_python(&error.to_string()))
+    PyValueError::new_err(words::in_python(&error.to_string()))
 }
 
 /// A name that is none of those that there are.

@@ -2,7 +2,7 @@
 
 use crate::cell::Cell;
 use crate::waiting::interruptible;
-use crate::{beat, errors, settings};
+use crate::{beat, errors, settings, words};
 use myospring::fit::{self, FitError, Loaded, Observed, Settings, Unknown};
 use myospring::measured::{self, Column, Curve, Kind, Options};
 use myospring::mechanics::support::SupportKind;
@@ -105,6 +105,7 @@ pub(crate) fn read_curves(
     } else {
         table.curves
     };
+    let notes = notes.iter().map(|note| words::in_python(note)).collect();
     Ok((taken.into_iter().map(curve).collect(), notes))
 }
 

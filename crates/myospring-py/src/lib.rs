@@ -16,6 +16,7 @@ mod pictures;
 mod settings;
 mod study;
 mod waiting;
+mod words;
 
 use pyo3::prelude::*;
 use std::ffi::OsString;
@@ -47,5 +48,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::with_rows, module)?)?;
     module.add_function(wrap_pyfunction!(settings::settings, module)?)?;
     module.add_function(wrap_pyfunction!(settings::models, module)?)?;
-    module.add_function(wrap_pyfunction!(settings::parameters, module)?)
+    module.add_function(wrap_pyfunction!(settings::parameters, module)?)?;
+    module.add_function(wrap_pyfunction!(words::said, module)?)
 }

@@ -58,33 +58,6 @@ pub(crate) fn is_of_cell(setting: &Setting) -> bool {
     ["shape.", "segmentation."].iter().any(|table| setting.key.starts_with(table))
 }
 
-/// What the program says of its own options, as Python says it.
-const OF_THE_PROGRAM: [(&str, &str); 4] = [
-    (" with --output DIR", ""),
-    ("--output DIR names", "choose"),
-    ("--output ", ""),
-    ("--force", "force=True"),
-];
-
-/// A message with the names of Python instead of those of run files and options.
-pub(crate) fn in_python(message: &str) -> String {
-    let mut message = message.to_owned();
-    for (option, in_python) in OF_THE_PROGRAM {
-        message = message.replace(option, in_python);
-    }
-    for setting in table() {
-        let name = name(setting);
-        message = message.replace(&format!("`{}`", setting.key), &format!("`{name}`"));
-        if let Some(option) = setting.option.filter(|option| !option.value.is_empty()) {
-            for end in [" ", ",", ";", ")"] {
-                message =
-                    message.replace(&format!("{}{end}", option.name), &format!("{name}{end}"));
-            }
-        }
-    }
-    message
-}
-
 /// Puts what Python gave into a run file, by key.
 ///
 /// # Errors

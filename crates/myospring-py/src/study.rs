@@ -2,7 +2,7 @@
 
 use crate::batch::{Matrix, numbers_of, rows_of};
 use crate::waiting::interruptible;
-use crate::{errors, head};
+use crate::{errors, head, words};
 use myospring::study::parameters::{
     Answer, Common, Kind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
     VariationRow,
@@ -308,7 +308,7 @@ impl Study {
             let value = |at| row.metrics.get(at).copied().flatten().unwrap_or(f64::NAN);
             flat.extend((0..width).map(value));
             statuses.push(row.status.to_string());
-            reasons.push(Some(row.reason.clone()).filter(|reason| !reason.is_empty()));
+            reasons.push(Some(words::in_python(&row.reason)).filter(|reason| !reason.is_empty()));
         }
         let metrics = PyArray1::from_vec(py, flat).reshape([kept.len(), width])?;
         Ok((metrics, statuses, reasons, PyArray1::from_vec(py, kept)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence, Union
@@ -308,6 +308,11 @@ class Reading:
     mean: bool = False
     skip_gaps: bool = False
 
+    @classmethod
+    def among(cls, arguments: Mapping[str, Any]) -> Reading:
+        """Those arguments of a function that say how a table is read."""
+        return cls(**{one.name: arguments[one.name] for one in fields(cls) if one.name in arguments})
+
     def curves(self, curve: Curve, name: str) -> tuple[list[Read], list[str]]:
         """The curves of a table, or the one of two arrays, and what was taken for granted."""
         if isinstance(curve, (str, PathLike)):
@@ -469,21 +474,7 @@ def fit(
     >>> bool(abs(estimate.value / (40 / 308) - 1) < 0.01), estimate.verdict
     (True, 'determined')
     """
-    reading = Reading(
-        columns,
-        time,
-        kind,
-        unit,
-        time_unit,
-        frame_rate_per_s,
-        pixel_size_um,
-        sheets,
-        from_ms,
-        until_ms,
-        ignore_marks,
-        mean,
-        skip_gaps,
-    )
+    reading = Reading.among(locals())
     asked, given = asked_and_given("fit", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings))
     one, notes = _single(reading, curve, "curve")
     between = []

@@ -243,25 +243,11 @@ def fit_many(
     >>> fits, [reason is None for reason in fits.reasons]
     (<myospring.Fits: 2 cells, 1 failed>, [True, False])
     """
+    reading = Reading.among(locals())
     if not 0.5 <= batch_seconds <= 30:
         raise ValueError(f"batch_seconds = {batch_seconds} is outside its bounds, 0.5 to 30 s")
     if tries < 1:
         raise ValueError(f"tries = {tries} is below 1")
-    reading = Reading(
-        columns,
-        time,
-        kind,
-        unit,
-        time_unit,
-        frame_rate_per_s,
-        pixel_size_um,
-        sheets,
-        from_ms,
-        until_ms,
-        ignore_marks,
-        False,
-        skip_gaps,
-    )
     asked, given = asked_and_given(
         "fit_many", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings)
     )
