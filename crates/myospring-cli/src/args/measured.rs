@@ -142,8 +142,8 @@ pub(crate) struct TableArgs {
     myospring fit --to cell.csv --model land_2017 --fix k_ws\n  \
     myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30     follows the cell of a film, and fits to that\n  \
     myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     stiffness and tension both\n\n\
-    A curve of a free cell tells tension over stiffness, not either; what else it does not tell is said. Delays and the\n\
-    length at rest are always sought. Several curves (columns, files) are several cells.\n\n\
+    A curve of a free cell determines the ratio of tension to stiffness, not either one; verdicts say what else it does not\n\
+    determine. Delays and the length at rest are always sought. Several curves (columns, files) are several cells.\n\n\
     Results: fit.json (every number with its unit, 95 % interval, profile and verdict), curve.csv (measured, fitted,\n\
     left), run.toml (what `myospring run` repeats the beat with), figures/fit (SVG and PNG), report.html; of several\n\
     cells fits.csv, a row each, and these in cells/N.\n\

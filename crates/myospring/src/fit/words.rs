@@ -89,7 +89,7 @@ pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
         words.push("a height in arbitrary units says nothing of how far the cell shortens: timing alone was fitted".to_owned());
     } else if !free(&Unknown::YoungModulus) && free(&Unknown::TensionOverStiffness) {
         words.push(format!(
-            "the curve tells tension over stiffness, not either; in kPa they rest on the Young's modulus that was taken, {} kPa",
+            "the curve determines the ratio of tension to stiffness, not either one; values in kPa assume a Young's modulus of {} kPa",
             (1e4 * modulus).round() / 1e4
         ));
     }
