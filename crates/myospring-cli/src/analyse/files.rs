@@ -258,10 +258,7 @@ pub(crate) fn figure(read: &Read, analysis: &Analysis) -> Result<Figure, FigureE
     let means = means(analysis);
     let line = |name: &str| {
         let mean = means.iter().find(|mean| mean.name == name)?;
-        Some([
-            mean.name.replace('_', " "),
-            value(mean)?.replace("um", "\u{b5}m").replace("uM", "\u{b5}M"),
-        ])
+        Some([in_words(mean.name), printed(&value(mean)?)])
     };
     let numbers: Vec<[String; 2]> = BESIDE.iter().filter_map(|name| line(name)).collect();
     measured(&Measured {
@@ -275,6 +272,24 @@ pub(crate) fn figure(read: &Read, analysis: &Analysis) -> Result<Figure, FigureE
     })
 }
 
+/// The name of a metric beside a figure: `rise time 10–90 %`, `APD90`.
+fn in_words(metric: &str) -> String {
+    if let Some(part) = metric.strip_prefix("action_potential_duration_") {
+        return format!("APD{part}");
+    }
+    let name = metric.replace("10_90", "10\u{2013}90").replace('_', " ");
+    let is_part = name.ends_with(|letter: char| letter.is_ascii_digit());
+    if is_part { name + " %" } else { name }
+}
+
+/// A value with real minus signs and units as they are printed.
+fn printed(value: &str) -> String {
+    // The font of figures has no subscript 0.
+    [("-", "\u{2212}"), ("um", "\u{b5}m"), ("uM", "\u{b5}M")]
+        .iter()
+        .fold(value.to_owned(), |text, (written, sign)| text.replace(written, sign))
+}
+
 /// `9.81 ± 0.12 %`; `None` where no beat shows it.
 pub(crate) fn value(mean: &Mean) -> Option<String> {
     let spread = mean.standard_deviation.map(|spread| format!(" \u{b1} {}", number(spread)));
@@ -283,4 +298,19 @@ pub(crate) fn value(mean: &Mean) -> Option<String> {
             .trim_end()
             .to_owned(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{in_words, printed};
+
+    #[test]
+    fn numbers_beside_a_figure_have_the_words_of_people() {
+        assert_eq!(in_words("rise_time_10_90"), "rise time 10\u{2013}90 %");
+        assert_eq!(in_words("relaxation_time_50"), "relaxation time 50 %");
+        assert_eq!(in_words("action_potential_duration_90"), "APD90");
+        assert_eq!(in_words("peak_shortening"), "peak shortening");
+        assert_eq!(printed("-72.22 mV"), "\u{2212}72.22 mV");
+        assert_eq!(printed("1.63 \u{b1} 0.02 um"), "1.63 \u{b1} 0.02 \u{b5}m");
+    }
 }
