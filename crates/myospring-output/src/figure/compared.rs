@@ -3,8 +3,8 @@
 use super::chart::{Axis, Chart, Curve};
 use super::font::text_width;
 use super::shapes::draw_scale_bar;
-use super::sheet::{Path, Sheet, Style};
-use super::theme::{DOUBLE, LABEL, LETTER, MUTED, TICK, fixed, time};
+use super::sheet::{Path, Sheet, Stroke, Style};
+use super::theme::{CURVES, DOUBLE, LABEL, LETTER, MUTED, TICK, fixed, time};
 use super::traces::{ACTIVE_TENSION, Drives, Quantity, SHORTENING, extent, peak, pen, points};
 use super::{Figure, FigureError};
 use myospring_core::recording::Recording;
@@ -62,6 +62,14 @@ pub fn compared(runs: &[Compared<'_>]) -> Result<Figure, FigureError> {
     Ok(sheet.finish(DOUBLE, bottom))
 }
 
+/// Dashes of the lines of runs, px: where curves of several runs lie upon each other all are seen.
+const DASHES: [Option<[f64; 2]>; 4] = [None, Some([6.0, 2.5]), Some([1.5, 2.0]), Some([9.0, 4.0])];
+
+/// The line of a run; those of up to 24 differ.
+fn line_of(index: usize) -> Stroke {
+    Stroke { dash: DASHES[(index + index / CURVES.len()) % DASHES.len()], ..pen(index) }
+}
+
 /// The runs with their greatest shortening; returns where the charts begin, px.
 fn draw_legend(sheet: &mut Sheet, runs: &[Compared<'_>]) -> f64 {
     let texts: Vec<String> = runs
@@ -77,7 +85,7 @@ fn draw_legend(sheet: &mut Sheet, runs: &[Compared<'_>]) -> f64 {
     for (index, text) in texts.iter().enumerate() {
         let left = 8.0 + (index % columns) as f64 * column;
         let middle = 6.0 + ROW * ((index / columns) as f64 + 0.5);
-        sheet.line([left, middle], [left + SWATCH - 6.0, middle], pen(index));
+        sheet.line([left, middle], [left + SWATCH - 6.0, middle], line_of(index));
         sheet.text([left + SWATCH, middle + 3.5], text, Style::new(TICK));
     }
     14.0 + ROW * texts.len().div_ceil(columns) as f64
@@ -108,8 +116,8 @@ fn draw_curves(
         let range = extent(curves.iter().map(Vec::as_slice), 1);
         let curve = |(index, points): (usize, &Vec<[f64; 2]>)| Curve {
             points: points.clone(),
-            colour: pen(index).colour,
-            dash: pen(index).dash,
+            colour: line_of(index).colour,
+            dash: line_of(index).dash,
         };
         charts.push(Chart {
             place: [0.0, top + row as f64 * (HEIGHT + GAP)],
@@ -180,7 +188,7 @@ fn draw_cells(
                     },
                 ));
             }
-            sheet.path(path, pen(*index));
+            sheet.path(path, line_of(*index));
         }
     }
     let below = top + 2.0 * (drawn + 34.0) - 2.0;
@@ -188,4 +196,18 @@ fn draw_cells(
     let note = "each about its own middle at rest";
     let style = Style::new(TICK).colour(MUTED);
     sheet.text([DOUBLE - 12.0 - text_width(note, TICK), below + 3.5], note, style);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_with_equal_curves_are_all_seen_and_no_two_lines_are_alike() {
+        let lines: Vec<String> =
+            (0..24).map(line_of).map(|line| format!("{:?} {:?}", line.colour, line.dash)).collect();
+        let different: std::collections::BTreeSet<&String> = lines.iter().collect();
+        assert_eq!(different.len(), lines.len());
+        assert!((1..4).all(|index| line_of(index).dash.is_some()));
+    }
 }
