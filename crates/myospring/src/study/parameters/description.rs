@@ -249,7 +249,7 @@ impl ParameterStudy {
         }
         for (metric, Kept([low, high])) in &written.keep {
             // Nothing lies within NaN.
-            if low.partial_cmp(high).is_none_or(|order| order.is_gt()) {
+            if low.partial_cmp(high).is_none_or(std::cmp::Ordering::is_gt) {
                 let (metric, band) = (metric.clone(), [*low, *high]);
                 return Err(ParameterStudyError::Band { metric, band });
             }
