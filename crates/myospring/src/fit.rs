@@ -52,6 +52,7 @@ mod repeat;
 mod settings;
 mod slopes;
 mod step;
+mod sure;
 mod table;
 mod unknown;
 mod words;

@@ -4,12 +4,12 @@ use super::answer::{Estimate, Fit, FitVerdict, FittedCurve};
 use super::contraction::Contraction;
 use super::error::FitError;
 use super::least_squares::{Least, squares};
-use super::likelihood::{Profile, Top, covariance, profile, rise_at_ends};
 use super::misfit::Misfit;
 use super::observed::{Frames, Observed, Scale};
 use super::physics::{Physics, Train, scale_of};
 use super::problem::{Layout, Role, Source, shortening};
 use super::settings::Settings;
+use super::sure::{SEARCH, Sure};
 use super::table::Shelf;
 use super::unknown::Unknown;
 use super::words::verdicts;
@@ -37,10 +37,6 @@ const BEFORE: usize = 10;
 /// A profile that goes so far below the answer shows a better one, of which this many are followed.
 const BETTER: f64 = -0.05;
 const ANSWERS: usize = 3;
-/// An answer that is this much worse than the ends of an interval tells nothing of it.
-const FAR: f64 = 4.0;
-/// Answers that differ by less than so many steps of each unknown are one.
-const ONE_ANSWER: f64 = 10.0;
 
 /// A curve of the same cell that was held otherwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -425,76 +421,6 @@ impl Fitter {
 const FIRST_STIMULUS: f64 = 50.0;
 /// A beat lasts at least so long, ms.
 pub(super) const ONE_BEAT: f64 = 600.0;
-/// Of a misfit only that is seen which the numbers that are sought have not taken up, so the ends of an interval are
-/// farther away by this factor: measured with cells that differ from their model (`docs/measured-beats.md`).
-const TAKEN_UP: f64 = 3.5;
-/// A misfit is known by two independent stretches of it at least.
-const FEWEST: f64 = 2.0;
-/// Part of the work that the search is.
-const SEARCH: f64 = 0.6;
-
-/// How sure the best of several answers is.
-struct Sure {
-    profiles: Vec<Profile>,
-    covariance: Option<Vec<Vec<f64>>>,
-    /// Variance of a residual, times the factor: what is left of the curves tells it best, since few
-    /// frames are at rest.
-    unit: f64,
-    at_ends: f64,
-    reduced: f64,
-    /// The variance that counts, over that of the residuals.
-    factor: f64,
-}
-
-impl Sure {
-    /// `ends` are answers, the best first; profiles are those of the places that are shown. `None` if it was stopped.
-    fn of(layout: &Layout, ends: &[Least], shown: &[usize], work: &Work<'_>) -> Option<Self> {
-        let least = &ends[0];
-        let freedom = least.residuals.len().saturating_sub(layout.roles.len()).max(1) as f64;
-        let reduced = least.sum / freedom;
-        let together = layout.frames_together(least)?;
-        let factor = if together > 1.0 { together * TAKEN_UP.powi(2) } else { 1.0 };
-        let unit = (factor * reduced).max(f64::MIN_POSITIVE);
-        let independent = least.residuals.len() as f64 / together - shown.len() as f64;
-        let at_ends = rise_at_ends(if together > 1.0 { independent.max(FEWEST) } else { freedom });
-        let residuals = layout.counted(work);
-        let slopes = |at: &[f64], held: &[bool]| layout.slopes(at, held, work);
-        let problem = layout.problem(&residuals, &slopes);
-        let covariance = covariance(&problem, least);
-        let mut others = others(layout, ends);
-        others.retain(|other| (other.sum - least.sum) / unit < FAR * at_ends);
-        let top = Top { least, others: &others, unit, at_ends };
-        let done = AtomicUsize::new(0);
-        let profiles: Vec<Option<Profile>> = shown
-            .par_iter()
-            .map(|&place| {
-                let [low, high] = layout.bounds[place];
-                let deviation = covariance.as_ref().map(|all| (all[place][place] * unit).sqrt());
-                let guess = deviation.unwrap_or(0.01 * (high - low));
-                let profile = profile(&problem, &top, place, 2.0 * guess);
-                let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / shown.len() as f64;
-                work.done(SEARCH + (1.0 - SEARCH) * part).then_some(profile)
-            })
-            .collect();
-        let profiles = profiles.into_iter().collect::<Option<Vec<_>>>()?;
-        Some(Self { profiles, covariance, unit, at_ends, reduced, factor })
-    }
-}
-
-/// All answers but the best, each once.
-fn others(layout: &Layout, ends: &[Least]) -> Vec<Least> {
-    let is_one = |a: &Least, b: &Least| {
-        let mut both = a.at.iter().zip(&b.at).zip(&layout.steps);
-        both.all(|((a, b), step)| (a - b).abs() < ONE_ANSWER * step)
-    };
-    let mut others: Vec<Least> = Vec::new();
-    for end in &ends[1..] {
-        if !is_one(end, &ends[0]) && !others.iter().any(|other| is_one(end, other)) {
-            others.push(end.clone());
-        }
-    }
-    others
-}
 
 fn minimise(layout: &Layout, start: &[f64], work: &Work<'_>) -> Option<Least> {
     let residuals = layout.counted(work);
@@ -565,7 +491,7 @@ impl Layout {
     }
 
     /// Frames that count as one, over all curves, each by its part of the sum of squares.
-    fn frames_together(&self, least: &Least) -> Option<f64> {
+    pub(super) fn frames_together(&self, least: &Least) -> Option<f64> {
         let (mut sum, mut over_long) = (0.0, 0.0);
         for number in 0..self.sources.len() {
             let FittedCurve { noise, residual, frames_together, used, .. } =
