@@ -10,6 +10,19 @@ use myospring::settings::Fibres;
 /// Distance of the fibre ticks handed to the figure, um; it draws as many as can be told apart.
 const TICKS_UM: f64 = 0.5;
 
+/// Most warnings below a picture: those of a field of many cells would leave it no room.
+const MOST_WARNINGS: usize = 14;
+
+/// The first warnings, and how many there are more.
+fn first_of(warnings: &[String]) -> Vec<String> {
+    let mut first: Vec<String> = warnings.iter().take(MOST_WARNINGS).cloned().collect();
+    if warnings.len() > MOST_WARNINGS {
+        let more = warnings.len() - MOST_WARNINGS;
+        first.push(format!("{more} more warnings are printed and listed in the report"));
+    }
+    first
+}
+
 /// The lattice of a cell, with its fibres.
 #[derive(Clone, Copy)]
 pub(crate) struct Lattice<'a> {
@@ -62,7 +75,7 @@ pub(crate) fn of_frame(
         mesh: None,
         fibres: ticks,
         sarcomeres,
-        warnings,
+        warnings: &first_of(warnings),
     })
 }
 
@@ -108,6 +121,20 @@ pub(crate) fn draw(
         mesh: lattice.map(|lattice| lattice.mesh),
         fibres: &ticks,
         sarcomeres,
-        warnings,
+        warnings: &first_of(warnings),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_WARNINGS, first_of};
+
+    #[test]
+    fn below_a_picture_of_many_cells_are_the_first_warnings_and_the_number_of_the_others() {
+        let warnings: Vec<String> = (0..60).map(|number| format!("cell {number}")).collect();
+        let shown = first_of(&warnings);
+        assert_eq!(shown.len(), MOST_WARNINGS + 1);
+        assert!(shown.last().unwrap().starts_with("46 more warnings"), "{shown:?}");
+        assert_eq!(first_of(&warnings[..14]), warnings[..14]);
+    }
 }

@@ -22,6 +22,9 @@ const SPIKE: usize = 8;
 const SPIKE_PIXELS: usize = 40;
 /// Least pixels of a mark; a smaller one is no cell either.
 const LEAST_PIXELS: usize = 12;
+/// Least pixels of a mark that is known by itself; a smaller one must lie in line with such. A few pixels of an overexposed
+/// cell may have any shape.
+const LEAST_DRAWN: usize = 80;
 /// Largest part of the picture that one mark takes; more is the ground, or an object.
 const MOST_SHARE: f64 = 0.05;
 /// Largest part of the picture that has the grey value of a mark: what more has is the ground.
@@ -32,6 +35,9 @@ const LEAST_STEP: f32 = 0.15;
 const SHARP: f32 = 0.85;
 const SHARP_EVERYWHERE: f32 = 0.4;
 const NEARLY_ALL: f64 = 0.9;
+/// Largest part of it there: beside a stripe lies a dark gap, and beyond that the next stripe, so more than all of the
+/// step is done; beside a mark lies what lies beyond.
+const OVERSHOOT: f32 = 1.15;
 /// How far around a mark its surroundings are looked at, pixels.
 const AROUND: f64 = 6.0;
 /// Least part of its box that a bar fills, and least length of a bar relative to its width.
@@ -44,6 +50,8 @@ const STROKE_WIDTH: f64 = 0.6;
 const STROKE_FILLS: f64 = 0.75;
 /// How many times as long as wide strokes are at least.
 const STROKE_ASPECT: f64 = 3.0;
+/// And at most: overexposed stripes that hang together on coarse pixels are longer.
+const STROKE_LONGEST: f64 = 60.0;
 /// How far beyond a mark its blurred rim is painted over, too, pixels.
 const RIM: f64 = 3.0;
 /// Scales on which what surrounds a mark is continued into it, pixels; the first is taken that reaches.
@@ -233,8 +241,13 @@ impl Drawing<'_> {
         let enough = |beside: &&f32| **beside >= SHARP_EVERYWHERE * step;
         let everywhere =
             beside.iter().filter(enough).count() as f64 >= NEARLY_ALL * beside.len() as f64;
-        let sharp = step >= LEAST_STEP * self.range && mean(&beside) >= SHARP * step && everywhere;
-        let drawn = sharp && is_drawn(&own, island) && is_of_one_value(&own, &values);
+        let done = mean(&beside) / step;
+        let sharp =
+            step >= LEAST_STEP * self.range && (SHARP..=OVERSHOOT).contains(&done) && everywhere;
+        let drawn = sharp
+            && island.pixels >= LEAST_DRAWN
+            && is_drawn(&own, island)
+            && is_of_one_value(&own, &values);
         sharp.then_some(Sharp { own, window, island: *island, drawn })
     }
 }
@@ -263,7 +276,10 @@ fn is_drawn(own: &Region, island: &Island) -> bool {
     }
     let wide = 2.0 * radius + 1.0;
     let kept = own.opened((STROKE_WIDTH * radius).floor()).count() as f64;
-    fills < STROKE_FILLS && pixels >= STROKE_ASPECT * wide * wide && kept >= STROKE_KEPT * pixels
+    let long = pixels / (wide * wide);
+    fills < STROKE_FILLS
+        && (STROKE_ASPECT..=STROKE_LONGEST).contains(&long)
+        && kept >= STROKE_KEPT * pixels
 }
 
 /// Whether an island is the next letter, a dot of one, or the bar above: as high or less, and no further away than that.

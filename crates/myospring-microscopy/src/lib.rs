@@ -3,7 +3,7 @@
 //! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`hot`] takes its hot pixels
 //! out, [`burned_in`] scale bars and letters; [`segment`] finds the cells in the plane; [`outlines`] reads those that
 //! were drawn elsewhere, and writes ours; [`report`] says what shape a cell has; [`fibres`] reads the direction of its
-//! myofibrils. [`cells`] strings these together. A [`film`] is many such planes; [`motion`] follows a cell through them.
+//! myofibrils. [`cells`] strings these together; [`whole_frame`] reads fibres where no cell has an outline. A [`film`] is many such planes; [`motion`] follows a cell through them.
 
 pub mod burned_in;
 pub mod cells;
@@ -22,3 +22,4 @@ mod region;
 pub mod report;
 mod runs;
 pub mod segment;
+pub mod whole_frame;

@@ -44,6 +44,24 @@ pub(super) struct Island {
     pub(super) rows: [usize; 2],
 }
 
+impl Islands {
+    /// Part of the rim of each that lies on the frame of a plane of that size.
+    pub(super) fn on_frame(&self, width: usize, height: usize) -> Vec<f64> {
+        let mut counts = vec![[0_usize; 2]; self.list.len()];
+        for (at, &number) in self.numbers.iter().enumerate().filter(|(_, number)| **number > 0) {
+            let (column, row) = (at % width, at / width);
+            let count = &mut counts[number as usize - 1];
+            if column == 0 || row == 0 || column + 1 == width || row + 1 == height {
+                count[0] += 1;
+            } else {
+                let sides = [at - 1, at + 1, at - width, at + width];
+                count[1] += usize::from(sides.iter().any(|&side| self.numbers[side] != number));
+            }
+        }
+        counts.iter().map(|&[on, off]| on as f64 / (on + off).max(1) as f64).collect()
+    }
+}
+
 impl Island {
     /// Without any pixel, in a picture of this size.
     fn none(width: usize, height: usize) -> Self {

@@ -19,9 +19,12 @@
 
 mod brightfield;
 mod by_modality;
+mod companion;
 mod confidence;
 mod evidence;
+mod figure;
 mod fluorescence;
+mod grain;
 mod ground;
 mod labels;
 mod ladder;
@@ -517,7 +520,13 @@ impl Found<'_> {
                 confidence,
             })
             .collect();
-        let notes = sheet::weigh(&mut parts, rim_of_frame).into_iter().collect();
+        let notes = figure::note(plane).inspect(|_| {
+            for part in &mut parts {
+                part.confidence.score *= figure::FACTOR;
+                part.confidence.reasons.push(figure::REASON.to_owned());
+            }
+        });
+        let notes = notes.or_else(|| sheet::weigh(&mut parts, rim_of_frame)).into_iter().collect();
         Segmentation {
             width,
             height,

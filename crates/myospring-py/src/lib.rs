@@ -16,6 +16,7 @@ mod pictures;
 mod settings;
 mod study;
 mod waiting;
+mod whole_frame;
 mod words;
 
 use pyo3::prelude::*;
@@ -44,6 +45,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(action_potential::action_potential, module)?)?;
     module.add_function(wrap_pyfunction!(metrics::metrics, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::tiff, module)?)?;
+    module.add_function(wrap_pyfunction!(whole_frame::whole_frame, module)?)?;
     module.add_function(wrap_pyfunction!(study::study_toml, module)?)?;
     module.add_function(wrap_pyfunction!(study::with_rows, module)?)?;
     module.add_function(wrap_pyfunction!(settings::settings, module)?)?;

@@ -113,3 +113,22 @@ def test_a_run_that_stops_early_has_its_time_its_place_and_what_was_computed(cel
     assert 50 < error.time_ms < 600
     assert error.beat.t_ms[-1] <= error.time_ms and error.beat.t_ms.size > 100
     assert "stopped" in repr(error.beat)
+
+
+def test_a_sheet_is_read_without_an_outline():
+    rows, columns = np.mgrid[:240, :300]
+    # Stripes 1.9 um apart, 30 degrees from upright; rows count downward.
+    across = 0.2 * (columns * np.cos(np.pi / 6) - rows * np.sin(np.pi / 6))
+    noise = np.random.default_rng(1).normal(0, 3, rows.shape)
+    picture = (100 + 80 * np.cos(2 * np.pi * across / 1.9) + noise).astype(np.uint8)
+    sheet = myospring.whole_frame(picture, pixel_size_um=0.2, spacing_um=2)
+    assert sheet.read_pct > 90 and sheet.sarcomere_doubt is None
+    assert sheet.median_sarcomere_um == pytest.approx(1.9, abs=0.02)
+    assert sheet.mean_direction_deg == pytest.approx(30, abs=1) and sheet.alignment > 0.99
+    assert sheet.positions.shape == (len(sheet.direction_deg), 2) and sheet.spacing_um == 2
+    assert np.nanmedian(sheet.sarcomere_um) == pytest.approx(1.9, abs=0.02)
+    assert "sarcomeres 1.90 um" in repr(sheet)
+    with pytest.raises(ValueError, match="pixel_size_um"):
+        myospring.whole_frame(picture)
+    with pytest.warns(myospring.MyospringWarning, match="no fibres"):
+        assert myospring.whole_frame(ellipse(), pixel_size_um=0.2).median_sarcomere_um is None

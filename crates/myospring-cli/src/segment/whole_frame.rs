@@ -8,19 +8,14 @@ use crate::overlay;
 use crate::print;
 use crate::results::Folder;
 use myospring::microscopy::cells::PictureCells;
-use myospring::microscopy::fibres::{
-    Fibre as Place, FibreField, FibreSettings, SarcomereDoubt, Stain,
-};
+use myospring::microscopy::fibres::{Fibre as Place, FibreSettings, SarcomereDoubt, Stain};
+use myospring::microscopy::whole_frame::WholeFrame;
 use myospring::output::fibres::{FibreRow, to_csv};
 use myospring::output::figure::{Sarcomeres, Tick};
 use myospring::output::json;
 use myospring::settings::{Fibre, PictureSource, Run};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-
-/// Distance of neighbouring rows of `fibres.csv` unless `--spacing` says it, um, and most rows.
-const SPACING_UM: f64 = 1.0;
-const MOST_ROWS: f64 = 20_000.0;
 
 /// What was read.
 #[derive(Serialize)]
@@ -75,30 +70,21 @@ pub(super) fn read(
     };
     let bytes = run.shape.bytes(|file| std::fs::read(file))?;
     let cells = source.unsegmented(&bytes)?;
-    let field = cells.fibres_of_frame(&settings).map_err(Failure::new)?;
-    let frame = cells.frame().map_err(Failure::new)?;
-    let [right, top] = frame.to_um([cells.plane.width() as f64, 0.0]);
-    let spacing_um =
-        run.shape.spacing.unwrap_or_else(|| SPACING_UM.max((right * top / MOST_ROWS).sqrt()));
-    let places = field.on_grid(spacing_um);
-    let fibres = report(&field, &places, &settings);
+    let frame = WholeFrame::read(&cells, &settings, run.shape.spacing).map_err(Failure::new)?;
+    let fibres = report(&frame, &settings);
     let mut notes = cells.notes.clone();
-    if fibres.read_pct == 0.0 {
-        notes.push(
-            "the picture shows no fibres: is the pixel size right, and what does the stain show (--stain)?".to_owned(),
-        );
-    }
+    notes.extend(frame.note().map(str::to_owned));
     let report = Report {
         picture: args.input.display().to_string(),
-        width_um: right,
-        height_um: top,
+        width_um: frame.size_um[0],
+        height_um: frame.size_um[1],
         pixel_size_um: cells.pixel_size.um(),
         pixel_size_source: cells.pixel_size_source,
-        spacing_um,
+        spacing_um: frame.spacing_um,
         fibres,
         notes: &notes,
     };
-    let written = write(args, &target, &cells, &field, &places, &report)?;
+    let written = write(args, &target, &cells, &frame, &report)?;
     if args.json {
         print::out(&json::pretty(&report)?)?;
     } else {
@@ -114,27 +100,14 @@ pub(super) fn read(
 }
 
 /// Of the places that were read.
-fn report(
-    field: &FibreField,
-    places: &[([f64; 2], Place)],
-    settings: &FibreSettings,
-) -> FibreReport {
-    let summary = field.summary();
-    let read: Vec<&Place> =
-        places.iter().map(|(_, place)| place).filter(|place| place.from_picture).collect();
-    let count = read.len() as f64;
-    // Directions are lines: twice their angle is that of a vector.
-    let [x, y] = read.iter().fold([0.0, 0.0], |[x, y], place| {
-        let (sine, cosine) = (2.0 * place.angle_deg().to_radians()).sin_cos();
-        [x + cosine, y + sine]
-    });
-    let some = |value: f64| (count > 0.0).then_some(value);
+fn report(frame: &WholeFrame, settings: &FibreSettings) -> FibreReport {
+    let summary = &frame.summary;
     let quartiles = summary.sarcomere_quartiles_um;
     FibreReport {
         stain: settings.stain,
         read_pct: 100.0 * summary.share_from_picture,
-        direction_deg: some(0.5 * y.atan2(x).to_degrees()),
-        alignment: some(x.hypot(y) / count),
+        direction_deg: frame.direction_deg,
+        alignment: frame.alignment,
         sarcomere_um: summary.median_sarcomere_um,
         sarcomere_q1_um: quartiles.map(|[first, _]| first),
         sarcomere_q3_um: quartiles.map(|[_, third]| third),
@@ -177,10 +150,10 @@ fn write(
     args: &SegmentArgs,
     target: &Path,
     cells: &PictureCells,
-    field: &FibreField,
-    places: &[([f64; 2], Place)],
+    frame: &WholeFrame,
     report: &Report<'_>,
 ) -> Result<PathBuf, Failure> {
+    let places = &frame.places;
     let ticks: Vec<Tick> = places.iter().map(overlay::tick).collect();
     let lengths: Vec<f64> = places.iter().filter_map(|(_, place)| place.sarcomere_um).collect();
     let sarcomeres = report.fibres.sarcomere_um.map(|median_um| Sarcomeres {
@@ -189,7 +162,7 @@ fn write(
         read_pct: report.fibres.read_pct,
     });
     let figure = overlay::of_frame(&report.picture, cells, &ticks, sarcomeres, report.notes)?;
-    let is_doubtful = field.doubtful_lengths();
+    let is_doubtful = frame.doubtful_lengths();
     let row = |&(point_um, place): &([f64; 2], Place)| FibreRow {
         point_um,
         direction_deg: place.from_picture.then(|| place.angle_deg()),

@@ -5,6 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::confidence::Candidate;
+use super::grain::{Grain, noise_of};
 use super::ladder::Climbed;
 use super::parting::Seen;
 use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
@@ -47,6 +48,10 @@ const BAND_UM: [f64; 2] = [2.6, 1.2];
 const BAY_UM: f64 = 3.0;
 /// Smoothing of the final outline, um.
 const OUTLINE_UM: f64 = 0.6;
+
+/// Strength of grains within relative to the change of brightness over a um at the outline: of a smooth thing, and of a
+/// cell.
+const GRAIN: [f64; 2] = [0.03, 0.09];
 
 pub(super) fn segment(
     plane: &Plane,
@@ -126,6 +131,7 @@ pub(super) fn segment(
     // Relative to the surroundings, which are as bright as the cell.
     let seen = Seen { brightness: &relative, dark: -1.0, pixel_um: pixel, smallest_um2 };
     let found = Found { region, seen, factor, modality: Modality::Brightfield, threshold };
+    let grain_of_ground = noise_of(&relative);
     let judge = |candidate: &Candidate<'_>| {
         let place = |&pixel: &u32| {
             let at = pixel as usize;
@@ -148,6 +154,19 @@ pub(super) fn segment(
                 100.0 * (1.0 - seen)
             )
         });
+        if let Some(own) = candidate.region(factor, [working.width(), working.height()])
+            && let Some(grain) = Grain::within(&relative, &own, pixel, grain_of_ground)
+        {
+            // What noise may hide counts for it.
+            let step = contrast * f64::from(noise) / pixel;
+            let part = grain.most / step.max(f64::MIN_POSITIVE);
+            confidence.weigh(part, GRAIN[0], GRAIN[1], || {
+                format!(
+                    "it is smooth within: its grains are {part:.2} times as strong as its outline changes over a um, those \
+                     of cells 0.2 times and more; is it a mark, a bubble, a post, or a halo?"
+                )
+            });
+        }
         let bridged = closing_um >= CLOSING_UM[CLOSING_UM.len() - 1];
         confidence.weigh(if bridged { 0.7 } else { 1.0 }, 0.0, 1.0, || {
             format!("its outline closes only if gaps of {:.0} um are bridged", 2.0 * closing_um)

@@ -1,5 +1,6 @@
 //! How sure a cell is, as a number and in words.
 
+use crate::region::Region;
 use geo::{Area, ConvexHull, MultiPoint, Point};
 use serde::Serialize;
 
@@ -45,6 +46,19 @@ pub(super) struct Candidate<'a> {
 }
 
 impl Candidate<'_> {
+    /// Its pixels on a grid of that size whose pixels have `factor` of the plane's along their side.
+    pub(super) fn region(&self, factor: usize, [columns, rows]: [usize; 2]) -> Option<Region> {
+        let mut inside = vec![false; columns * rows];
+        for &pixel in self.pixels {
+            let at = pixel as usize;
+            let (column, row) = (at % self.width / factor, at / self.width / factor);
+            if column < columns && row < rows {
+                inside[row * columns + column] = true;
+            }
+        }
+        inside.contains(&true).then(|| Region::new(columns, rows, inside.into_iter()))
+    }
+
     /// Part of its box that it fills; and how far its rim is from a circle, which nothing is that the frame cuts.
     fn figure(&self, width: usize) -> (f64, f64) {
         let place =

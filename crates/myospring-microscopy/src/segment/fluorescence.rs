@@ -137,7 +137,7 @@ pub(super) fn segment(
 ) -> Result<Segmentation, SegmentError> {
     let region = bright.region(settings);
     let Bright { working, climbed, .. } = bright;
-    let Climbed { evidence, rough, .. } = climbed;
+    let Climbed { evidence, rough, grid, .. } = climbed;
     let (factor, pixel) = (working.factor, working.pixel_um);
     let largest = rough.iter().max_by(|a, b| a.explained.area_um2.total_cmp(&b.explained.area_um2));
     let level = largest.map_or_else(|| evidence.least(), |rough| rough.level);
@@ -150,7 +150,7 @@ pub(super) fn segment(
             pixel_size,
         });
     }
-    let tissue = Tissue::of(&working, &evidence.lifted, evidence.noise);
+    let tissue = Tissue::of(&working, &evidence, grid);
     let view = View { lifted: &evidence.lifted, tissue, factor, pixel, noise: evidence.noise };
     let smallest_um2 = settings.smallest_cell_um2;
     let seen =

@@ -5,8 +5,10 @@
 //! clear as cells. Each question here is independent of the others, and answers with a factor and a reason.
 
 use super::Working;
+use super::companion::Blocks;
 use super::confidence::{Candidate, Confidence, PATCH};
-use super::evidence::{TEXTURE_UM, texture_of};
+use super::evidence::{Evidence, Grid, texture_of};
+use super::grain::{Grain, noise_of, texture_of_noise};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Islands, Region, Window};
@@ -14,8 +16,10 @@ use crate::region::{Connectivity, Islands, Region, Window};
 /// Relative strength of the texture between the scales of stripes and grains: of something without, and of a cell.
 /// Cells have 0.04 (a dissolved dye at 1 um a pixel) to 0.7 (z-discs).
 const TEXTURE: [f64; 2] = [0.008, 0.025];
-/// Part of the background's noise that texture can hide in: where this is more than a cell's texture, nobody can say.
-const HIDDEN: f64 = 0.15;
+/// Factor where noise may hide all texture that a cell has: neither is it seen, nor is it sure that there is none.
+const HIDDEN: f64 = 0.6;
+/// Texture, relative, that noise may hide where this holds: as little as that of a dissolved dye.
+const MAY_HIDE: f64 = 0.04;
 /// The quietest places have so much less noise than the mean, by chance.
 const QUIETEST: f32 = 1.3;
 /// Coarsest pixel that shows what kind of texture there is, um.
@@ -51,7 +55,10 @@ const GOES_ON: [f64; 2] = [0.8, 0.45];
 /// The picture as it is judged: its light above the ground, and its texture.
 pub(super) struct Tissue<'a> {
     lifted: &'a Plane,
+    plane: &'a Plane,
     texture: Plane,
+    /// Standard deviation of the noise of the quietest places, per pixel.
+    noise: f32,
     /// Its brightness, and the least of it.
     plain: Plane,
     darkest: f32,
@@ -60,19 +67,21 @@ pub(super) struct Tissue<'a> {
     /// What stands out of the ground, each island with the part of its rim that lies on the frame.
     standing: Islands,
     on_frame: Vec<f64>,
+    blocks: Blocks,
     factor: usize,
     pixel_um: f64,
 }
 
 impl<'a> Tissue<'a> {
-    /// `noise` is the standard deviation of the ground.
-    pub(super) fn of(working: &Working, lifted: &'a Plane, noise: f32) -> Self {
+    pub(super) fn of(working: &'a Working, evidence: &'a Evidence, grid: Grid) -> Self {
+        let (lifted, noise) = (&evidence.lifted, evidence.noise);
         let texture = texture_of(working);
         let pixel_um = working.pixel_um;
         // Where texture is everywhere, the quietest places have some, too; noise alone changes from pixel to pixel.
         let quietest = quantile(&filter::sample(texture.values(), 100_000), 0.05);
-        let quiet =
-            (noise_of(&working.plane) * texture_of_noise(pixel_um)).min(QUIETEST * quietest);
+        let unit = texture_of_noise(pixel_um).max(f32::MIN_POSITIVE);
+        let quiet = (noise_of(&working.plane) * unit).min(QUIETEST * quietest);
+        let noise_per_pixel = quiet / unit;
         let bright = quantile(&filter::sample(lifted.values(), 100_000), 0.999);
         let least = (STANDS_OUT * noise).max(STANDS_OUT_LEAST * bright);
         let (width, height) = (lifted.width(), lifted.height());
@@ -80,11 +89,25 @@ impl<'a> Tissue<'a> {
         let tidy = (TIDY_UM / pixel_um).max(1.0);
         let standing = Region::new(width, height, above).closed(tidy).opened(tidy);
         let standing = standing.islands(Connectivity::Four);
-        let on_frame = on_frame(&standing, width, height);
+        let on_frame = standing.on_frame(width, height);
         let plain = filter::slow_part(&working.plane, LIGHT_UM / pixel_um);
         let darkest = quantile(&filter::sample(working.plane.values(), 100_000), 0.01);
         let factor = working.factor;
-        Self { lifted, texture, plain, darkest, quiet, standing, on_frame, factor, pixel_um }
+        let plane = &working.plane;
+        Self {
+            lifted,
+            plane,
+            texture,
+            noise: noise_per_pixel,
+            plain,
+            darkest,
+            quiet,
+            standing,
+            on_frame,
+            blocks: Blocks::of(&evidence.plain, grid, bright),
+            factor,
+            pixel_um,
+        }
     }
 
     /// Asks whether a candidate is a heart cell.
@@ -105,14 +128,7 @@ impl<'a> Tissue<'a> {
         let bright = bright.max(f32::MIN_POSITIVE);
         let squares = (within.powi(2) - self.quiet.powi(2)).max(0.0);
         let relative = f64::from(squares.sqrt() / bright);
-        let hidden = HIDDEN * f64::from(self.quiet / bright);
-        confidence.weigh(relative.max(hidden), TEXTURE[0], TEXTURE[1], || {
-            format!(
-                "it is uniform: its brightness varies by {:.1} % on the scale of sarcomeres and organelles, that of \
-                 cells by 4 % and more; is it a bead, a post, a mark or an overexposed place?",
-                100.0 * relative
-            )
-        });
+        self.weigh_grain(confidence, &own, &window, f64::from(bright));
         let [from, to] = BEYOND_UM.map(|um| own.grown((um / self.pixel_um).max(1.0)));
         let ring: Vec<usize> = (0..own.pixels())
             .filter(|&at| to.contains(at) && !from.contains(at) && !others.contains(at))
@@ -153,6 +169,18 @@ impl<'a> Tissue<'a> {
         });
         let left_out = if asked { left_out.count() as f64 } else { 0.0 };
         let share = left_out / (left_out + own.count() as f64);
+        let hidden = |light: f32| !asked || relative * f64::from(light) < f64::from(self.quiet);
+        let dim = self.blocks.beside(&own, &others, &window, self.pixel_um, hidden);
+        if dim > share {
+            confidence.weigh(-dim, -LEFT_OUT[0], -LEFT_OUT[1], || {
+                format!(
+                    "it may be part of something larger: {:.0} % of what stands out there, so dim that it shows no texture, \
+                     lies beyond the outline; a lower --threshold or a larger --smooth takes it in",
+                    100.0 * dim
+                )
+            });
+            return;
+        }
         confidence.weigh(-share, -LEFT_OUT[0], -LEFT_OUT[1], || {
             format!(
                 "it is part of something larger: {:.0} % of what stands out there, dimmer but of the same texture, lies \
@@ -160,6 +188,38 @@ impl<'a> Tissue<'a> {
                 100.0 * share
             )
         });
+    }
+
+    /// Asks whether it varies within, as sarcomeres and organelles make all cells do.
+    fn weigh_grain(&self, confidence: &mut Confidence, own: &Region, window: &Window, bright: f64) {
+        let within = own.window(1, 1);
+        let (own, within) = (own.cut(&within), window.part(&within));
+        let values = within.cut(self.plane.values(), self.plane.width());
+        let Some(plane) = Plane::new(within.width(), within.height(), values) else { return };
+        let Some(Grain { least, most }) = Grain::within(&plane, &own, self.pixel_um, self.noise)
+        else {
+            return;
+        };
+        let [least, most] = [least, most].map(|strength| strength / bright);
+        let [none, enough] = TEXTURE;
+        let seen = ((least - none) / (enough - none)).clamp(0.0, 1.0);
+        if most < MAY_HIDE || seen >= HIDDEN {
+            confidence.weigh(least, none, enough, || {
+                format!(
+                    "it is uniform: its brightness varies by {:.1} % on the scale of sarcomeres and organelles, that of \
+                     cells by 4 % and more; is it a bead, a post, a mark or an overexposed place?",
+                    100.0 * least
+                )
+            });
+        } else {
+            confidence.weigh(HIDDEN, 0.0, 1.0, || {
+                format!(
+                    "noise hides whether it has a texture as cells have: less than {:.0} % of its brightness would not be \
+                     seen; is it a cell?",
+                    100.0 * most
+                )
+            });
+        }
     }
 
     /// The island of what stands out in which a region lies, unless the frame cuts that.
@@ -195,14 +255,17 @@ impl<'a> Tissue<'a> {
             return None;
         }
         let [column, row] = place(&candidate.pixels[candidate.pixels.len() / 2]);
+        let both = |range: std::ops::Range<usize>, [first, last]: [usize; 2]| {
+            range.start.min(first)..range.end.max(last + 1)
+        };
         let number = self.standing.numbers[row * width + column];
         if let Some(island) = (number as usize).checked_sub(1).map(|at| self.standing.list[at])
             && self.on_frame[number as usize - 1] <= MOST_ON_FRAME
         {
-            let both = |range: std::ops::Range<usize>, [first, last]: [usize; 2]| {
-                range.start.min(first)..range.end.max(last + 1)
-            };
             (columns, rows) = (both(columns, island.columns), both(rows, island.rows));
+        }
+        if let Some([across, down]) = self.blocks.bounds(column, row) {
+            (columns, rows) = (both(columns, across), both(rows, down));
         }
         let window = Window { columns: widened(columns, width), rows: widened(rows, height) };
         let middle = self.factor / 2;
@@ -219,54 +282,6 @@ impl<'a> Tissue<'a> {
         let others = region(&|number| number != 0 && number != candidate.number);
         (own.count() > 0).then_some(Seen { own, others, window })
     }
-}
-
-/// Standard deviation of white noise: the mixed second difference knows no stripes, and its median no edges (Immerkaer
-/// 1996).
-fn noise_of(plane: &Plane) -> f32 {
-    let (width, height) = (plane.width(), plane.height());
-    let stride = (width * height / 200_000).max(1) | 1;
-    let difference = |at: usize| {
-        let (column, row) = (at % width, at / width);
-        if column == 0 || row == 0 || column + 1 >= width || row + 1 >= height {
-            return None;
-        }
-        let value = |x: usize, y: usize| plane.at(column + x - 1, row + y - 1);
-        let corners = value(0, 0) + value(2, 0) + value(0, 2) + value(2, 2);
-        let sides = value(1, 0) + value(0, 1) + value(2, 1) + value(1, 2);
-        Some((corners - 2.0 * sides + 4.0 * value(1, 1)).abs())
-    };
-    let differences: Vec<f32> =
-        (0..width * height).step_by(stride).filter_map(difference).collect();
-    // Of a normal distribution half lies within 0.6745 standard deviations; the weights' squares sum to 36.
-    quantile(&differences, 0.5) / (0.6745 * 6.0)
-}
-
-/// Texture of white noise of standard deviation 1: that of a single pixel, over the whole plane.
-fn texture_of_noise(pixel_um: f64) -> f32 {
-    let reach = (3.0 * TEXTURE_UM[1] / pixel_um).ceil() as usize;
-    let side = 2 * reach + 1;
-    let pixel = (0..side * side).map(|at| f32::from(u8::from(at == side * reach + reach)));
-    let Some(pixel) = Plane::new(side, side, pixel.collect()) else { return 0.0 };
-    let [fine, rough] = TEXTURE_UM.map(|um| filter::gaussian(&pixel, um / pixel_um));
-    let squares = fine.values().iter().zip(rough.values()).map(|(a, b)| (a - b).powi(2));
-    squares.sum::<f32>().sqrt()
-}
-
-/// Part of the rim of each island that lies on the frame.
-fn on_frame(islands: &Islands, width: usize, height: usize) -> Vec<f64> {
-    let mut counts = vec![[0_usize; 2]; islands.list.len()];
-    for (at, &number) in islands.numbers.iter().enumerate().filter(|(_, number)| **number > 0) {
-        let (column, row) = (at % width, at / width);
-        let count = &mut counts[number as usize - 1];
-        if column == 0 || row == 0 || column + 1 == width || row + 1 == height {
-            count[0] += 1;
-        } else {
-            let sides = [at - 1, at + 1, at - width, at + width];
-            count[1] += usize::from(sides.iter().any(|&side| islands.numbers[side] != number));
-        }
-    }
-    counts.iter().map(|&[on, off]| on as f64 / (on + off).max(1) as f64).collect()
 }
 
 /// A candidate in a window around it and what it is part of.

@@ -20,6 +20,7 @@ from myospring._functions import action_potential, simulate
 from myospring._lists import METRICS, Metric, Parameter, models, parameters
 from myospring._native import __version__
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
+from myospring._whole_frame import WholeFrame, whole_frame
 
 __all__ = [
     "METRICS",
@@ -39,6 +40,7 @@ __all__ = [
     "Sobol",
     "StudyResult",
     "UnknownNameError",
+    "WholeFrame",
     "__version__",
     "action_potential",
     "fit",
@@ -48,4 +50,5 @@ __all__ = [
     "run_study",
     "simulate",
     "simulate_batch",
+    "whole_frame",
 ]

@@ -124,3 +124,24 @@ pub(crate) fn picture(object: Object, taken: Taken) -> Plane {
     }
     Plane::new(side, side, values).unwrap()
 }
+
+/// A straight-edged thing without texture, turned, `size_um` long, in noise (counts) like that of a camera: it grows
+/// with the light. Its light is 400 counts above a background of 100.
+pub(crate) fn uniform_block(size_um: f64, pixel_um: f64, noise: f64, lens_um: f64) -> Plane {
+    let side = ((3.0 * size_um).max(60.0) / pixel_um).round() as usize;
+    let place = |at: usize| (at as f64 + 0.5 - 0.5 * side as f64) * pixel_um / size_um;
+    let inside = (0..side * side).map(|at| {
+        let (x, y) = (place(at % side), place(at / side));
+        let (along, across) = (0.9 * x + 0.436 * y, 0.9 * y - 0.436 * x);
+        if along.abs() < 0.5 && across.abs() < 0.3 { 1.0 } else { 0.0 }
+    });
+    let plane = Plane::new(side, side, inside.collect()).unwrap();
+    let mut random = Random(7);
+    let blurred = filter::gaussian(&plane, lens_um / pixel_um);
+    let seen = blurred.values().iter().map(|&light| {
+        let light = f64::from(light);
+        let grain = noise * (0.3 + 0.7 * light).sqrt() * random.normal();
+        (100.0 + 400.0 * light + grain).clamp(0.0, 65535.0).round() as f32
+    });
+    Plane::new(side, side, seen.collect()).unwrap()
+}

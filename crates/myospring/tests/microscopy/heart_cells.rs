@@ -2,7 +2,7 @@
 //! one does not score less.
 
 use crate::common::{pixels_of, shared_data};
-use crate::no_cell::{Object, Taken, picture};
+use crate::no_cell::{Object, Taken, picture, uniform_block};
 use crate::synthetic_cell::Scene;
 use myospring::microscopy::burned_in;
 use myospring::microscopy::cells::{Options, PictureCells};
@@ -112,6 +112,79 @@ fn the_whole_of_a_cell_with_a_dim_half_is_found_and_scores_more_than_its_bright_
     }
 }
 
+#[test]
+fn a_uniform_block_is_never_surely_a_cell_whatever_its_size_noise_blur_and_pixel() {
+    for (size_um, pixel_um) in [(25.0, 0.25), (60.0, 0.25), (60.0, 0.65), (110.0, 0.5)] {
+        for lens_um in [0.3, 0.8] {
+            for noise in [4.0, 40.0, 100.0, 200.0, 400.0] {
+                let plane = uniform_block(size_um, pixel_um, noise, lens_um);
+                let Some(found) = found(&plane, pixel_um) else { continue };
+                // Where noise hides all texture, it may be a cell; that is said.
+                let hidden = noise / 400.0 >= if pixel_um < 0.3 { 0.5 } else { 0.25 };
+                let most = if hidden { 0.61 } else { 0.01 };
+                for cell in found.cells.iter().filter(|cell| cell.area_um2 > 150.0) {
+                    let way = (size_um, pixel_um, lens_um, noise);
+                    assert!(cell.confidence.score <= most, "{way:?}: {cell:?}");
+                    assert!(!cell.confidence.reasons.is_empty(), "{way:?}: {cell:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_dim_half_that_noise_hides_from_single_pixels_is_not_forgotten() {
+    for (pixel_um, dim_half, noise) in [
+        (0.25, 0.06, 50.0),
+        (0.4, 0.06, 50.0),
+        (0.8, 0.06, 5.0),
+        (0.8, 0.06, 20.0),
+        (0.8, 0.03, 5.0),
+    ] {
+        let scene = Scene { dim_half, noise, pixel_um, field_um: 130.0, ..Scene::default() };
+        let truth = scene.fluorescence();
+        let found = found(&truth.plane, pixel_um).unwrap();
+        let cell = found.choose(Choice::Largest, true).unwrap();
+        let dice = truth.dice(found.numbers.iter().map(|&number| number == cell.number));
+        assert!(dice < 0.8, "the half is found: this asks nothing");
+        let way = (pixel_um, dim_half, noise);
+        assert!(cell.confidence.score < 0.75, "{way:?}: {:?}", cell.confidence);
+        let words = cell.confidence.reasons.join("; ");
+        assert!(words.contains("part of something larger"), "{way:?}: {words}");
+    }
+}
+
+#[test]
+fn a_cell_on_a_page_is_doubtful_and_the_page_is_named() {
+    let truth = Scene { noise: 20.0, ..Scene::default() }.fluorescence();
+    let width = truth.plane.width();
+    let page = |paper: f32, border: usize| {
+        let side = width + 2 * border;
+        let value = |at: usize| {
+            let (column, row) = (at % side, at / side);
+            let inside = |place: usize| (border..border + width).contains(&place);
+            if inside(column) && inside(row) {
+                truth.plane.at(column - border, row - border)
+            } else {
+                paper
+            }
+        };
+        Plane::new(side, side, (0..side * side).map(value).collect()).unwrap()
+    };
+    let [_, high] = truth.plane.range();
+    for paper in [high, 0.8 * high] {
+        let Some(found) = found(&page(paper, 60), 0.25) else { continue };
+        assert!(
+            found.notes.join("; ").contains("looks like a figure or a page"),
+            "{:?}",
+            found.notes
+        );
+        assert!(found.cells.iter().all(|cell| cell.confidence.is_doubtful()), "{:?}", found.cells);
+    }
+    let own = found(&truth.plane, 0.25).unwrap();
+    assert!(own.notes.is_empty() && own.cells[0].confidence.score > 0.95);
+}
+
 /// The cells of a real picture.
 fn real(file: &str, pixel_um: Option<f64>) -> Option<PictureCells> {
     let bytes = std::fs::read(shared_data(&format!("images/{file}"))?).unwrap();
@@ -188,5 +261,24 @@ fn stripes_of_a_cell_are_no_marks_however_crisp() {
         };
         let plane = Plane::new(240, 120, (0..240 * 120).map(value).collect()).unwrap();
         assert!(burned_in::painted_over(&plane).is_none(), "pixels of {pixel_um} um");
+    }
+}
+
+#[test]
+fn overexposed_stripes_are_no_marks() {
+    for pixel_um in [0.1, 0.2, 0.4, 0.5, 0.65, 0.8, 1.0] {
+        // Along rows and columns of coarser pixels they are as crisp and straight as what is drawn.
+        let turns: &[f64] = if pixel_um > 0.6 { &[20.0, 50.0] } else { &[0.0, 20.0, 90.0] };
+        for &turn_deg in turns {
+            let scene =
+                Scene { pixel_um, turn_deg, blur_um: 0.25, field_um: 120.0, ..Scene::default() };
+            let plane = scene.fluorescence().plane;
+            // Of a peak of 1000 counts, as eight bits store it.
+            for largest in [800.0, 500.0, 380.0, 260.0] {
+                let stored = plane.map(|value| (value.min(largest) / largest * 255.0).round());
+                let painted = burned_in::painted_over(&stored);
+                assert!(painted.is_none(), "{pixel_um} um, {turn_deg} deg, {largest}");
+            }
+        }
     }
 }
