@@ -40,10 +40,12 @@ def test_no_message_of_the_library_names_an_option_in_python() -> None:
     option = re.compile(r"(?<![\w-])--[a-z]")
     told = []
     for crate in LIBRARY:
-        for file in sorted((CRATES / crate / "src").rglob("*.rs")):
+        # Python follows no films.
+        files = [file for file in sorted((CRATES / crate / "src").rglob("*.rs")) if "motion" not in file.parts]
+        for file in files:
             code = "\n".join(line for line in file.read_text().splitlines() if not line.strip().startswith("//"))
             texts = (text.strip('"').replace('\\"', '"') for text in literal.findall(code))
-            # What is an option's own name is in the table of settings.
-            told += [text for text in texts if option.search(text) and " " in text]
+            # An option's own name is in the table of settings, and what names the program means the program.
+            told += [text for text in texts if option.search(text) and " " in text and "`myospring " not in text]
     assert len(told) > 20
     assert [text for text in told if option.search(_native.in_python(text))] == []
