@@ -34,6 +34,7 @@ use answer::LEAST_FRAMES;
 pub use answer::{Analysis, Artefact, CurveBeat, CurveError, Mark, State, Treatment};
 use beat::Reader;
 use detect::Known;
+use noise::Noise;
 use std::cmp::Ordering;
 
 /// Noise that is smoothed down to, as a part of a beat's height.
@@ -84,19 +85,23 @@ pub fn analyse(
 ) -> Result<Analysis, CurveError> {
     check(times, values)?;
     let plateau = kind == Kind::Potential;
-    let Cleaned { rises, mut signal, bad, artefacts, usual, replaced } = clean(times, values, kind);
+    let Cleaned { rises, mut signal, bad, artefacts, against, usual, replaced } =
+        clean(times, values, kind);
+    let height = usual.as_ref().map(|usual| usual.height);
     let sign = if rises { 1.0 } else { -1.0 };
     let hum = noise::hum(times, &signal);
     if let Some(hum) = &hum {
         signal.iter_mut().zip(&hum.wave).for_each(|(value, wave)| *value -= wave);
     }
     // Lines have no noise.
-    let level = noise::level(&artefacts::without(&signal, &replaced));
+    let noise = noise_of(&artefacts::without(&signal, &replaced), usual.as_ref());
+    let level = noise.sd;
     let stimuli = stimuli_within(times, &options.stimuli_ms)?;
     let known = Known {
         plateau,
-        height: usual,
-        noise: Some(level),
+        height,
+        width: usual.as_ref().map(|usual| usual.width),
+        noise: Some(noise),
         stimuli: stimuli.as_deref().unwrap_or_default(),
     };
     let found = detect::beats(times, &signal, known);
@@ -111,17 +116,17 @@ pub fn analyse(
         };
         return Err(CurveError::NoBeat { noise: level, least: found.least, unit, hint });
     }
-    let half = half_window(times, &signal, &found, level, options);
+    let half = half_window(times, &signal, &found, noise, options);
     let smoothed = smooth::smooth(times, &signal, half);
-    let steep = half_of_slopes(times, &signal, &found, level, options);
+    let steep = half_of_slopes(times, &signal, &found, noise, options);
     let slopes = (steep > 0).then(|| smooth::slopes(times, &signal, steep));
     let reader = Reader {
         slopes: slopes.as_deref(),
         times,
         signal: &signal,
         smoothed: &smoothed,
-        level,
-        noise: level * smooth::gain(half),
+        level: noise.rough,
+        noise: noise.behind(half),
         sign,
         kind,
         unit,
@@ -143,7 +148,9 @@ pub fn analyse(
     }
     let mut remarks = artefact_remarks(&artefacts, &beats);
     remarks.extend(rhythm::remarks(&mut beats, stimuli.is_some()));
-    remarks.extend(doubts(times, &signal, &beats, &found, kind, rises));
+    let rivalled = usual.as_ref().is_some_and(|usual| usual.rivalled);
+    remarks.extend(rhythm::crowded(&beats, artefacts.len() + bad.len(), rivalled));
+    remarks.extend(doubts(times, &signal, &beats, &found, kind, rises, against));
     let step = median_step(times);
     let window =
         |half: usize| format!("{} frames, {:.1} ms", 2 * half + 1, 2.0 * half as f64 * step);
@@ -208,10 +215,37 @@ struct Cleaned {
     /// Single frames that were replaced.
     bad: Vec<usize>,
     artefacts: Vec<Artefact>,
-    /// The height of the usual beat.
-    usual: Option<f64>,
+    /// Whether the curve itself goes the other way.
+    against: bool,
+    /// What the beats are like.
+    usual: Option<artefacts::Beats>,
     /// Frames that lines replace.
     replaced: Vec<bool>,
+}
+
+/// One direction of a curve: whether it rises, and what is left of it without the artefacts of that direction.
+type Side = (bool, artefacts::Bridged);
+
+/// Whether the beats of a curve rise, by what either direction makes of it.
+fn rises_by_itself(up: &Side, down: &Side) -> bool {
+    // Both say the same where artefacts do not hide it. Where they do not, artefacts are rare: the wrong way takes the
+    // beats for them.
+    let upward = departs_upward(&up.1.0);
+    let downward = departs_upward(&down.1.0);
+    if upward != downward {
+        return upward;
+    }
+    let alike = |of: &Side| of.1.2.as_ref().map_or(0.0, |beats| beats.alike);
+    match removed(up).cmp(&removed(down)) {
+        Ordering::Less => true,
+        Ordering::Greater => false,
+        Ordering::Equal => alike(up) >= alike(down),
+    }
+}
+
+/// Frames that artefacts take.
+fn removed(of: &Side) -> usize {
+    of.1.1.iter().map(|artefact| artefact.to + 1 - artefact.from).sum()
 }
 
 /// Bridges artefacts and finds the direction of a curve whose kind does not fix it.
@@ -222,36 +256,24 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
         let signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
         (rises, artefacts::bridge(&signal, plateau))
     };
-    let (rises, (mut signal, found, beats)) = if let Some(rises) = kind.rises() {
-        of(rises)
-    } else {
-        let (up, down) = (of(true), of(false));
-        // Both say the same where artefacts do not hide it. Where they do not, artefacts are rare: the wrong way takes the
-        // beats for them.
-        let upward = departs_upward(&up.1.0);
-        let downward = departs_upward(&down.1.0);
-        let alike = |of: &(bool, artefacts::Bridged)| of.1.2.as_ref().map_or(0.0, |b| b.alike);
-        let removed = |of: &(bool, artefacts::Bridged)| -> usize {
-            of.1.1.iter().map(|artefact| artefact.to + 1 - artefact.from).sum()
-        };
-        let up_first = match removed(&up).cmp(&removed(&down)) {
-            _ if upward != downward => upward,
-            Ordering::Less => true,
-            Ordering::Greater => false,
-            Ordering::Equal => alike(&up) >= alike(&down),
-        };
-        if up_first { up } else { down }
-    };
-    let usual = beats.map(|beats| beats.height);
+    let (up, down) = (of(true), of(false));
+    let seen = rises_by_itself(&up, &down);
+    let (own, other) = if kind.rises().unwrap_or(seen) { (up, down) } else { (down, up) };
+    // Nothing of the other way is an artefact, and of this way more than chance leaves.
+    let against = seen != own.0 && removed(&own) > 2 * removed(&other) + values.len() / 20;
+    let (rises, (mut signal, found, beats)) = own;
     let (single, longer): (Vec<_>, Vec<_>) =
         found.into_iter().partition(|artefact| artefact.from == artefact.to);
     let mut replaced = vec![false; signal.len()];
     for artefact in &longer {
         replaced[artefact.from..=artefact.to].fill(true);
     }
-    let range = usual.unwrap_or_else(|| noise::range(&signal, 0.02));
-    let mut bad =
-        noise::bad_frames(&signal, noise::level(&artefacts::without(&signal, &replaced)), range);
+    let range = beats.as_ref().map_or_else(|| noise::range(&signal, 0.02), |beats| beats.height);
+    let mut bad = noise::bad_frames(
+        &signal,
+        noise_of(&artefacts::without(&signal, &replaced), beats.as_ref()).sd,
+        range,
+    );
     for &at in &bad {
         let part = (times[at] - times[at - 1]) / (times[at + 1] - times[at - 1]);
         signal[at] = signal[at - 1] + part * (signal[at + 1] - signal[at - 1]);
@@ -268,7 +290,13 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
         long: artefact.long,
     });
     let artefacts = artefacts.collect();
-    Cleaned { rises, signal, bad, artefacts, usual, replaced }
+    Cleaned { rises, signal, bad, artefacts, against, usual: beats, replaced }
+}
+
+/// The noise of a curve; it forgets sooner than a beat lasts.
+fn noise_of(values: &[f64], beats: Option<&artefacts::Beats>) -> Noise {
+    let longest = beats.map_or(usize::MAX, |beats| (0.25 * beats.width) as usize);
+    Noise::up_to(longest, values)
 }
 
 /// Whether a curve spends less time above its middle than below: beats are shorter than rest.
@@ -288,14 +316,14 @@ fn half_window(
     times: &[f64],
     signal: &[f64],
     found: &detect::Found,
-    level: f64,
+    noise: Noise,
     options: &Options,
 ) -> usize {
     let step = median_step(times);
     if let Some(half_ms) = options.smoothing_ms {
         return (half_ms / step).round().max(0.0) as usize;
     }
-    if level <= SMOOTH_TO * found.usual {
+    if noise.sd <= SMOOTH_TO * found.usual {
         return 0;
     }
     let rough = smooth::smooth(times, signal, found.half);
@@ -303,8 +331,8 @@ fn half_window(
         found.peaks.iter().map(|peak| detect::width_at_half(times, &rough, peak)).collect();
     widths.sort_by(f64::total_cmp);
     let width = widths.get(widths.len() / 2).copied().unwrap_or(0.0);
-    // 3/2 / sqrt(2 half + 1) level = SMOOTH_TO usual
-    let wanted = ((1.5 * level / (SMOOTH_TO * found.usual)).powi(2) - 1.0) / 2.0;
+    // 3/2 / sqrt((2 half + 1) / memory) sd = SMOOTH_TO usual
+    let wanted = (noise.memory * (1.5 * noise.sd / (SMOOTH_TO * found.usual)).powi(2) - 1.0) / 2.0;
     wanted.min(width / 8.0 / step).round().max(0.0) as usize
 }
 
@@ -314,10 +342,10 @@ fn half_of_slopes(
     times: &[f64],
     signal: &[f64],
     found: &detect::Found,
-    level: f64,
+    noise: Noise,
     options: &Options,
 ) -> usize {
-    if level <= SMOOTH_TO * SMOOTH_TO * found.usual || options.smoothing_ms == Some(0.0) {
+    if noise.sd <= SMOOTH_TO * SMOOTH_TO * found.usual || options.smoothing_ms == Some(0.0) {
         return 0;
     }
     let rough = smooth::smooth(times, signal, found.half);
@@ -337,8 +365,9 @@ fn half_of_slopes(
     let Some(&rise) = rises.get(rises.len() / 2) else { return 0 };
     let step = median_step(times);
     let slope = 0.8 * found.usual / rise.max(step);
-    // level sqrt(12 / frames^3) / step = slope / 50
-    let frames = (12.0 * (50.0 * level / (slope * step)).powi(2)).cbrt().min(0.5 * rise / step);
+    // sd sqrt(12 memory / frames^3) / step = slope / 50
+    let wanted = (12.0 * noise.memory * (50.0 * noise.sd / (slope * step)).powi(2)).cbrt();
+    let frames = wanted.min(0.5 * rise / step);
     ((frames - 1.0) / 2.0).round().max(0.0) as usize
 }
 
@@ -429,13 +458,15 @@ fn doubts(
     found: &detect::Found,
     kind: Kind,
     rises: bool,
+    against: bool,
 ) -> Vec<String> {
     let mut doubts = Vec::new();
     if kind.rises().is_some() {
         let turned: Vec<f64> = signal.iter().map(|value| -value).collect();
         let other = detect::beats(times, &turned, Known::default());
         // A curve of beats with rest between them is lopsided; turned over, rest makes broad pulses.
-        if !departs_upward(signal) && other.usual > 0.8 * found.usual {
+        let lopsided = !departs_upward(signal) && other.usual > 0.8 * found.usual;
+        if against || lopsided && beats.len() > 1 {
             doubts.push(format!(
                 "the curve departs from its rest {}, and {} {} in a beat: is its kind right?",
                 if rises { "downward" } else { "upward" },

@@ -11,7 +11,7 @@ mod usual;
 mod windows;
 
 use super::detect::persistent;
-use super::noise::{self, median};
+use super::noise::{self, Noise, median};
 pub(super) use usual::Beats;
 
 /// Windows go up to this part of a beat's width at half height, about a third of the beat.
@@ -48,12 +48,23 @@ pub(super) fn bridge(measured: &[f64], plateau: bool) -> Bridged {
     let mut signal = measured.to_vec();
     bridge_over(&mut signal, &bad);
     let values = &signal[..];
-    let sigma = noise::level(&without(values, &bad));
+    let undisturbed = without(values, &bad);
     let windows = windows::widths(values.len());
     let filtered = windows::behind(values, &windows);
-    let Some(beats) = usual::usual(values, &windows, &filtered, sigma) else {
+    // Noise that goes on for a fourth of a beat is beats that were taken for it.
+    let mut noise = Noise::of(&undisturbed);
+    let beats = loop {
+        let beats = usual::usual(values, &windows, &filtered, noise);
+        let fits = |beats: &Beats| 4.0 * noise.memory <= beats.width;
+        if noise.memory <= 1.0 || beats.as_ref().is_some_and(fits) {
+            break beats;
+        }
+        noise = Noise::up_to(noise.memory as usize / 2, &undisturbed);
+    };
+    let Some(beats) = beats else {
         return (measured.to_vec(), Vec::new(), None);
     };
+    let sigma = noise.sd;
     narrow(values, &windows, &filtered, &beats, sigma, plateau, &mut bad);
     let mut clean = values.to_vec();
     bridge_over(&mut clean, &bad);

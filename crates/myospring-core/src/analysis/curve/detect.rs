@@ -1,13 +1,16 @@
 //! Beats in a curve: pulses that stand above its noise.
 
-use super::noise;
-use super::smooth::{gain, smooth};
+use super::noise::{self, Noise};
+use super::smooth::smooth;
 
 /// How high a pulse is, and how large (height times width), of the usual ones, to be a beat and not a bump of one.
 const BUMP: f64 = 0.2;
 
 /// How high a pulse that follows a stimulus is, of the usual ones, to be a beat.
 const EXPECTED: f64 = 0.08;
+
+/// How high a pulse is at least, of usual ones that are known, where noise may be higher.
+const KNOWN: f64 = 0.6;
 
 /// A candidate for a beat.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,32 +40,37 @@ pub(super) struct Known<'a> {
     pub(super) plateau: bool,
     /// Height of the usual beat.
     pub(super) height: Option<f64>,
-    /// Standard deviation of the noise.
-    pub(super) noise: Option<f64>,
+    /// Width of the usual beat at half its height, frames.
+    pub(super) width: Option<f64>,
+    pub(super) noise: Option<Noise>,
     /// Times of stimuli, ms, each of which should be followed by a beat.
     pub(super) stimuli: &'a [f64],
 }
 
 /// The beats of a curve that rises in a beat.
 pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
-    let Known { plateau, height, noise, stimuli } = known;
-    let sigma = noise.unwrap_or_else(|| noise::level(values));
+    let Known { plateau, height, width, noise, stimuli } = known;
+    let noise = noise.unwrap_or_else(|| Noise::of(values));
     let count = values.len();
     // Few samples tell the noise the less well.
-    let sigma = sigma * (1.0 + 3.0 / (count as f64).sqrt());
-    // The narrowest window in which noise can no longer look like a beat.
+    let sigma = |half: usize| noise.behind(half) * (1.0 + 3.0 / (count as f64).sqrt());
+    // The narrowest window in which noise can no longer look like a beat; what is wider than a beat hides it.
+    let widest = (count as f64 / 12.0).min(width.map_or(f64::INFINITY, |width| 1.5 * width));
     let mut half = 0;
     let (smoothed, least) = loop {
         let smoothed = smooth(times, values, half);
         // The highest and lowest of so many samples of noise are this far apart, and a margin.
-        let samples = (count as f64 / (2 * half + 1) as f64).max(2.0);
-        let least = (2.0 * (2.0 * samples.ln()).sqrt() + 3.0) * gain(half) * sigma;
-        let height = noise::range(&smoothed, 0.01);
-        if least <= BUMP * height || (2 * half + 1) * 12 > count {
+        let [_, reach] = noise::reach(noise.samples(count, 2 * half + 1));
+        let least = reach * sigma(half);
+        let usual = height.unwrap_or_else(|| noise::range(&smoothed, 0.01));
+        let next = half + 1 + half / 2;
+        if least <= BUMP * usual || (2 * next + 1) as f64 > widest {
             break (smoothed, least);
         }
-        half += 1 + half / 2;
+        half = next;
     };
+    // Where beats are known, what is more like them than like nothing is one.
+    let least = height.map_or(least, |height| least.min(KNOWN * height));
     let least = least.max(1e-9 * noise::range(&smoothed, 0.0));
     let mut all = persistent(&smoothed);
     all.retain(|peak| peak.at > 0 && peak.at + 1 < count);
@@ -93,8 +101,8 @@ pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
         if peaks.iter().any(|peak| (from..to).contains(&peak.at)) {
             continue;
         }
-        let samples = ((to - from) as f64 / (2 * half + 1) as f64).max(2.0);
-        let reach = (2.0 * (2.0 * samples.ln()).sqrt() + 2.0) * gain(half) * sigma;
+        let [reach, _] = noise::reach(noise.samples(to - from, 2 * half + 1));
+        let reach = reach * sigma(half);
         let is_beat = |peak: &&Peak| {
             (from..to).contains(&peak.at) && peak.prominence > reach.max(EXPECTED * usual)
         };

@@ -25,16 +25,85 @@ const BAD_FRAME_RANGE: f64 = 0.1;
 /// By how much a line of the mains stands out of its neighbourhood, to be hum.
 const HUM_CONTRAST: f64 = 4.0;
 
+/// Fewest differences, each of its own frames, that a lag is judged by.
+const APART: usize = 8;
+
+/// The noise of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Noise {
+    /// Standard deviation.
+    pub(super) sd: f64,
+    /// Frames after which it is another; 1 of white noise.
+    pub(super) memory: f64,
+    /// Standard deviation of white noise with the same differences from frame to frame.
+    pub(super) rough: f64,
+}
+
+impl Noise {
+    /// The noise of a curve, by its fourth differences at lags that double. Those of noise grow by the root of 2 at most, which
+    /// is the growth of a random walk, and less and less the more the lag exceeds its memory; those of the beats' bends grow
+    /// more and more, up to 16-fold. So lags count until the growth increases.
+    pub(super) fn of(values: &[f64]) -> Self {
+        Self::up_to(usize::MAX, values)
+    }
+
+    /// As `of`, with no longer memory than this.
+    pub(super) fn up_to(longest: usize, values: &[f64]) -> Self {
+        let rough = level(values);
+        // A quarter of the frames at least is at rest.
+        let quarter = |lag: usize| {
+            let mut sizes = differences(values, lag);
+            sizes.sort_by(f64::total_cmp);
+            sizes.get(sizes.len() / 4).copied().unwrap_or(0.0)
+        };
+        let first = quarter(1);
+        let mut seen = vec![(1, rough)];
+        let (mut lag, mut most) = (2, std::f64::consts::SQRT_2);
+        while lag <= longest && lag * 4 * APART <= values.len() {
+            let here = rough * quarter(lag) / first;
+            let growth = here / seen.last().map_or(rough, |(_, before)| *before);
+            let chance = 1.05 + (lag as f64 / values.len() as f64).sqrt();
+            if !(growth <= most * chance) {
+                break;
+            }
+            most = most.min(growth.max(1.0));
+            seen.push((lag, here));
+            lag *= 2;
+        }
+        let sd = seen.iter().map(|(_, level)| *level).fold(0.0, f64::max);
+        // A quarter more may be chance.
+        if sd <= 1.25 * rough {
+            return Self { sd: rough, memory: 1.0, rough };
+        }
+        let memory = seen.iter().find(|(_, level)| *level >= 0.8 * sd).map_or(1, |(lag, _)| *lag);
+        Self { sd, memory: memory as f64, rough }
+    }
+
+    /// How many of its frames, in a number of them, are independent behind a window.
+    pub(super) fn samples(&self, frames: usize, window: usize) -> f64 {
+        (frames as f64 / self.memory.max(window as f64)).max(2.0)
+    }
+
+    /// Its standard deviation behind local parabolas over `half` frames either side.
+    pub(super) fn behind(&self, half: usize) -> f64 {
+        let frames = (2 * half + 1) as f64;
+        let gain = if half == 0 { 1.0 } else { (1.5 / (frames / self.memory).sqrt()).min(1.0) };
+        gain * self.sd
+    }
+}
+
+/// How far apart, in standard deviations, the highest and the lowest of so many samples of noise lie in one of a hundred
+/// recordings, and in one of ten thousand.
+pub(super) fn reach(samples: f64) -> [f64; 2] {
+    // Each end lies beyond sqrt(2 ln n) + y with the probability exp(-y sqrt(2 ln n)) (Gumbel), both together with
+    // (1 + z) exp(-z). The ends of a few hundred normal deviates lie 0.3 lower each.
+    let end = (2.0 * samples.max(2.0).ln()).sqrt();
+    [6.6, 11.8].map(|z| 2.0 * end - 0.6 + z / end)
+}
+
 /// The standard deviation of white noise, from the curve itself: the median of its fourth differences.
 pub(super) fn level(values: &[f64]) -> f64 {
-    let held = |five: &&[f64]| five.iter().all(|value| *value == five[0]);
-    let of = |five: &[f64]| {
-        five.iter().zip(FOURTH).map(|(value, weight)| value * weight).sum::<f64>().abs()
-    };
-    // What an instrument that lost the cell holds tells nothing of its noise.
-    let frozen = values.windows(5).filter(held).count();
-    let all = 2 * frozen >= values.len();
-    let mut sizes: Vec<f64> = values.windows(5).filter(|five| all || !held(five)).map(of).collect();
+    let mut sizes = differences(values, 1);
     if sizes.is_empty() {
         return 0.0;
     }
@@ -52,6 +121,20 @@ pub(super) fn level(values: &[f64]) -> f64 {
     } else {
         part(0.9) / 1.645
     }
+}
+
+/// The sizes of fourth differences between frames that lie a number of frames apart.
+fn differences(values: &[f64], lag: usize) -> Vec<f64> {
+    let five = |at: usize| std::array::from_fn::<f64, 5, _>(|step| values[at + step * lag]);
+    let held = |five: &[f64; 5]| five.iter().all(|value| *value == five[0]);
+    let of = |five: [f64; 5]| {
+        five.iter().zip(FOURTH).map(|(value, weight)| value * weight).sum::<f64>().abs()
+    };
+    let places = || (0..values.len().saturating_sub(4 * lag)).map(five);
+    // What an instrument that lost the cell holds tells nothing of its noise.
+    let frozen = places().filter(held).count();
+    let all = 2 * frozen >= values.len();
+    places().filter(|five| all || !held(five)).map(of).collect()
 }
 
 /// What lies between the lower and the upper quantile.

@@ -31,8 +31,49 @@ pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
     remarks
 }
 
-/// Marks beats whose area is far from that of all others: an artefact may be one of them.
-fn unlike(beats: &mut [CurveBeat]) -> Option<String> {
+/// That artefacts are so many, or beats so few, that either may be the other, or that other pulses may be the beats.
+pub(super) fn crowded(beats: &[CurveBeat], artefacts: usize, rivalled: bool) -> Option<String> {
+    let whole = beats.iter().filter(|beat| beat.state == State::Whole).count();
+    if artefacts == 0 || artefacts <= whole && whole > 2 {
+        return rivalled.then(|| {
+            "the curve has pulses of two lengths: which of them are beats cannot be told for sure; look at the figure"
+                .to_owned()
+        });
+    }
+    let plural = |count: usize, word: &str| match count {
+        0 => format!("no {word}"),
+        1 => format!("1 {word}"),
+        count => format!("{count} {word}s"),
+    };
+    Some(format!(
+        "{} and {}: which of them are which cannot be told for sure; look at the figure",
+        plural(artefacts, "artefact"),
+        plural(whole, "undisturbed beat"),
+    ))
+}
+
+/// Marks beats whose area is far above that of all others, or that last far shorter: an artefact may be one of them.
+fn unlike(beats: &mut [CurveBeat]) -> Vec<String> {
+    let large =
+        unlike_in(beats, area, |area, usual| area > UNLIKE * usual, "its area", "far larger than");
+    let short = unlike_in(
+        beats,
+        duration,
+        |own, usual| UNLIKE * own < usual,
+        "its duration",
+        "far shorter than",
+    );
+    large.into_iter().chain(short).collect()
+}
+
+/// Marks beats that differ from all others.
+fn unlike_in(
+    beats: &mut [CurveBeat],
+    size: fn(&CurveBeat) -> Option<f64>,
+    differs: fn(f64, f64) -> bool,
+    what_differs: &str,
+    how: &str,
+) -> Option<String> {
     let median = |mut list: Vec<f64>| {
         list.sort_by(f64::total_cmp);
         list.get(list.len() / 2).copied()
@@ -41,7 +82,7 @@ fn unlike(beats: &mut [CurveBeat]) -> Option<String> {
         .iter()
         .enumerate()
         .filter(|(_, beat)| beat.state == State::Whole)
-        .filter_map(|(at, beat)| Some((at, area(beat)?)))
+        .filter_map(|(at, beat)| Some((at, size(beat)?)))
         .collect();
     if areas.len() < LEAST_ALIKE {
         return None;
@@ -56,29 +97,33 @@ fn unlike(beats: &mut [CurveBeat]) -> Option<String> {
         // After a pause a beat is stronger.
         let rested = value(&beats[at].metrics, "interval").zip(interval);
         let rested = rested.is_some_and(|(own, usual)| own > LATE * usual);
-        if area > UNLIKE * usual && area - usual > 9.0 * spread && !rested {
+        if differs(area, usual) && (area - usual).abs() > 9.0 * spread && !rested {
             found.push((at, area / usual));
         }
     }
     // Every other one, or a third, are no exceptions.
     if found.len() * FEW_UNLIKE > areas.len() {
-        return None;
+        return Some(format!(
+            "{} of {} pulses are {how} the others: which of them are beats cannot be told for sure; look at the figure",
+            found.len(),
+            areas.len()
+        ));
     }
     let mut odd = Vec::new();
     for (at, times) in found {
         let beat = &mut beats[at];
         beat.state = State::Disturbed;
         beat.remarks.push(format!(
-            "its area is {times:.1} times that of the others: it may be an artefact, and counts in no mean"
+            "{what_differs} is {times:.1} times that of the others: it may be an artefact, and counts in no mean"
         ));
         odd.push(beat.number.to_string());
     }
-    let (what, ask) = if odd.len() == 1 {
-        ("beat", "is far larger than all others: look whether it is a beat")
+    let [what, is, ask] = if odd.len() == 1 {
+        ["beat", "is", "look whether it is a beat"]
     } else {
-        ("beats", "are far larger than all others: look whether they are beats")
+        ["beats", "are", "look whether they are beats"]
     };
-    (!odd.is_empty()).then(|| format!("{what} {} {ask}", odd.join(", ")))
+    (!odd.is_empty()).then(|| format!("{what} {} {is} {how} all others: {ask}", odd.join(", ")))
 }
 
 /// The area of a beat over its baseline; height times duration at half of it where that is no metric of its kind.
@@ -87,14 +132,18 @@ fn area(beat: &CurveBeat) -> Option<f64> {
     if let Some(area) = areas.into_iter().find_map(|name| value(&beat.metrics, name)) {
         return Some(area);
     }
+    Some(height(beat)? * duration(beat)?)
+}
+
+/// How long a beat stays above half of its height, ms.
+fn duration(beat: &CurveBeat) -> Option<f64> {
     let durations = [
         "contraction_duration_50",
         "twitch_duration_50",
         "transient_duration_50",
         "action_potential_duration_50",
     ];
-    let duration = durations.into_iter().find_map(|name| value(&beat.metrics, name))?;
-    Some(height(beat)? * duration)
+    durations.into_iter().find_map(|name| value(&beat.metrics, name))
 }
 
 fn intervals(beats: &mut [CurveBeat]) -> Vec<String> {

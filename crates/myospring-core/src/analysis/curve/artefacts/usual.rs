@@ -2,7 +2,7 @@
 
 use super::windows::mean_over;
 use crate::analysis::curve::detect::{Peak, persistent};
-use crate::analysis::curve::noise::{self, median};
+use crate::analysis::curve::noise::{self, Noise, median};
 
 /// Pulses of one class differ by at most this factor in height and in width.
 const ALIKE: f64 = 1.6;
@@ -22,6 +22,8 @@ pub(in crate::analysis::curve) struct Beats {
     pub(super) heights: Vec<f64>,
     /// How many are alike.
     pub(in crate::analysis::curve) alike: f64,
+    /// Whether other pulses might be the beats.
+    pub(in crate::analysis::curve) rivalled: bool,
 }
 
 impl Beats {
@@ -38,6 +40,19 @@ impl Beats {
             && (0.35..=1.05).contains(&(self.width / wider.width))
     }
 
+    /// Whether these are other pulses, of another length, and might be the beats instead: they are nearly as many, or fewer,
+    /// but far longer, as beats are among artefacts.
+    fn rivals(&self, beats: &Self) -> bool {
+        let apart = |top: &&usize| {
+            let there = beats.tops.get(beats.nearest(**top));
+            there.is_none_or(|there| there.abs_diff(**top) as f64 > self.width.max(beats.width))
+        };
+        let others = self.tops.iter().filter(apart).count() as f64;
+        let longer = self.width / beats.width;
+        let many = (longer > ALIKE || longer * ALIKE < 1.0) && others >= 0.7 * beats.alike;
+        self.alike >= 2.0 && others >= 2.0 && (many || longer > 2.0 && others >= 0.2 * beats.alike)
+    }
+
     /// The beat that a frame is nearest to.
     pub(super) fn nearest(&self, at: usize) -> usize {
         let right = self.tops.partition_point(|top| *top < at);
@@ -49,10 +64,10 @@ impl Beats {
     }
 }
 
-/// The standard deviation that white noise of 1 keeps behind a window and the mean over it.
-fn kept(window: usize) -> f64 {
+/// The standard deviation that noise of 1 keeps behind a window and the mean over it.
+fn kept(window: usize, memory: f64) -> f64 {
     // Measured; see the tests.
-    if window == 0 { 1.0 } else { 0.72 / (window as f64).powf(0.36) }
+    if window == 0 { 1.0 } else { (0.72 / (window as f64 / memory).powf(0.36)).min(1.0) }
 }
 
 /// What pulses are alike and most frequent, whatever the window.
@@ -60,15 +75,15 @@ pub(in crate::analysis::curve) fn usual(
     values: &[f64],
     windows: &[usize],
     filtered: &[Vec<f64>],
-    sigma: f64,
+    noise: Noise,
 ) -> Option<Beats> {
     let mut classes: Vec<Beats> = Vec::new();
     for (&window, values_here) in windows.iter().zip(filtered) {
         // Nothing behind a window is finer than it.
         let stride = (window / 4).max(1);
         let coarse: Vec<f64> = mean_over(values_here, window).into_iter().step_by(stride).collect();
-        let samples = (values.len() as f64 / (window + 1) as f64).max(2.0);
-        let least = (2.0 * (2.0 * samples.ln()).sqrt() + 3.0) * kept(window) * sigma;
+        let [_, reach] = noise::reach(noise.samples(values.len(), window + 1));
+        let least = reach * kept(window, noise.memory) * noise.sd;
         let least = least.max(1e-9 * noise::range(&coarse, 0.0));
         let mut peaks = persistent(&coarse);
         peaks.retain(|peak| peak.at > 0 && peak.at + 1 < coarse.len() && peak.prominence > least);
@@ -80,13 +95,16 @@ pub(in crate::analysis::curve) fn usual(
     let highest = classes.iter().map(|class| class.height).fold(0.0, f64::max);
     classes.retain(|class| class.height >= 0.03 * highest);
     let most = classes.iter().map(|class| class.alike).reduce(f64::max)?;
-    let size = |class: &Beats| class.height * class.width;
+    // Artefacts are up to twenty times as high as beats, and at most a third as long.
+    let size = |class: &Beats| class.height.cbrt() * class.width;
     let seen = classes
         .iter()
         .filter(|class| class.alike >= WIDER * most)
         .reduce(|best, other| if size(other) > 1.05 * size(best) { other } else { best })?;
     // Windows round beats off: the first that shows the same ones shows them best.
-    classes.iter().find(|class| class.shows(seen)).cloned()
+    let mut beats = classes.iter().find(|class| class.shows(seen)).cloned()?;
+    beats.rivalled = classes.iter().any(|class| class.rivals(&beats));
+    Some(beats)
 }
 
 /// A pulse, in frames of the whole curve.
@@ -141,7 +159,7 @@ fn class(values: &[f64], pulses: &[Pulse], window: usize) -> Option<Beats> {
     let tops = of_beats.iter().map(|pulse| pulse.at).collect();
     // The highest of all is measured from the lowest point of the curve.
     let heights = of_beats.iter().map(|pulse| pulse.height.min(2.0 * height)).collect();
-    Some(Beats { height, width, tops, heights, alike: weight })
+    Some(Beats { height, width, tops, heights, alike: weight, rivalled: false })
 }
 
 /// How much a class counts: one that jumps up and back down, or of two frames, hardly is of beats.
