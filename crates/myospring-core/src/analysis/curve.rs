@@ -256,11 +256,19 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
         let signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
         (rises, artefacts::bridge(&signal, plateau))
     };
-    let (up, down) = (of(true), of(false));
-    let seen = rises_by_itself(&up, &down);
-    let (own, other) = if kind.rises().unwrap_or(seen) { (up, down) } else { (down, up) };
-    // Nothing of the other way is an artefact, and of this way more than chance leaves.
-    let against = seen != own.0 && removed(&own) > 2 * removed(&other) + values.len() / 20;
+    let (own, against) = if let Some(rises) = kind.rises() {
+        let own = of(rises);
+        // The wrong way takes the beats for artefacts.
+        let against = removed(&own) > values.len() / 20 && {
+            let other = of(!rises);
+            let (up, down) = if rises { (&own, &other) } else { (&other, &own) };
+            rises_by_itself(up, down) != rises && removed(&own) > 2 * removed(&other)
+        };
+        (own, against)
+    } else {
+        let (up, down) = (of(true), of(false));
+        (if rises_by_itself(&up, &down) { up } else { down }, false)
+    };
     let (rises, (mut signal, found, beats)) = own;
     let (single, longer): (Vec<_>, Vec<_>) =
         found.into_iter().partition(|artefact| artefact.from == artefact.to);

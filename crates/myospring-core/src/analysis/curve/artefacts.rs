@@ -7,6 +7,7 @@
 //! do not lose at their tops, is an artefact; so is what jumps there and back as no beat does, lies far below the rest, or
 //! stands far above the usual beat.
 
+mod lost;
 mod usual;
 mod windows;
 
@@ -44,7 +45,7 @@ pub(super) type Bridged = (Vec<f64>, Vec<Artefact>, Option<Beats>);
 /// Bridges the artefacts of a curve that rises in a beat.
 pub(super) fn bridge(measured: &[f64], plateau: bool) -> Bridged {
     let mut bad = vec![false; measured.len()];
-    garbage(measured, &mut bad);
+    lost::mark(measured, &mut bad);
     let mut signal = measured.to_vec();
     bridge_over(&mut signal, &bad);
     let values = &signal[..];
@@ -388,62 +389,6 @@ fn cycle(beats: &Beats) -> f64 {
     let distances = beats.tops.windows(2).map(|pair| (pair[1] - pair[0]) as f64);
     let usual = median(distances.collect());
     usual.max(if usual > 0.0 { 1.5 } else { 4.0 } * beats.width)
-}
-
-/// Frames in a block whose noise is estimated, and the number of blocks in a row that no beat lasts.
-const BLOCK: usize = 24;
-const BLOCKS: usize = 6;
-
-/// Of a recording, what at most is held, and in how many stretches: rests of whole pixels are more.
-const HELD: f64 = 1.0 / 3.0;
-const HELD_STRETCHES: usize = 3;
-
-/// Marks long stretches of nothing but noise, far larger than elsewhere, or of one value that is held among noise: the
-/// instrument had lost the cell.
-fn garbage(values: &[f64], bad: &mut [bool]) {
-    let blocks: Vec<&[f64]> = values.chunks(BLOCK).collect();
-    let levels: Vec<f64> = blocks.iter().map(|block| noise::level(block)).collect();
-    let usual = median(levels.clone());
-    let is_noise: Vec<bool> = blocks
-        .iter()
-        .zip(&levels)
-        .map(|(block, level)| {
-            let mean = block.iter().sum::<f64>() / block.len() as f64;
-            let variance = block.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-            // Beats go on from frame to frame, noise does not.
-            *level > 6.0 * usual && level * level > 0.05 * variance / block.len() as f64
-        })
-        .collect();
-    let is_held: Vec<bool> =
-        blocks.iter().map(|block| block.iter().all(|value| *value == block[0])).collect();
-    let long = |of: &[bool]| -> Vec<[usize; 2]> {
-        runs(of).into_iter().filter(|[from, to]| to + 1 - from >= BLOCKS).collect()
-    };
-    let mut held = long(&is_held);
-    let frozen: usize = held.iter().map(|[from, to]| to + 1 - from).sum();
-    // Noise is the same in all other blocks; what a smooth curve bends is not.
-    let mut other: Vec<f64> =
-        levels.iter().zip(&is_held).filter(|(_, held)| !**held).map(|(level, _)| *level).collect();
-    other.sort_by(f64::total_cmp);
-    let part = |part: usize| other.get(other.len() / part).copied().unwrap_or(0.0);
-    let noisy = part(20) > 0.4 * part(2) && part(2) > 1e-9 * noise::range(values, 0.0);
-    if !noisy || frozen as f64 > HELD * blocks.len() as f64 || held.len() > HELD_STRETCHES {
-        held.clear();
-    }
-    for [from, to] in held {
-        let (mut from, mut to) = (from * BLOCK, ((to + 1) * BLOCK).min(values.len()));
-        while from > 0 && values[from - 1] == values[from] {
-            from -= 1;
-        }
-        while to < values.len() && values[to] == values[to - 1] {
-            to += 1;
-        }
-        bad[from..to].fill(true);
-    }
-    for [from, to] in long(&is_noise) {
-        let (from, to) = (from.saturating_sub(1) * BLOCK, (to + 2) * BLOCK);
-        bad[from..to.min(values.len())].fill(true);
-    }
 }
 
 /// The values that are not marked.

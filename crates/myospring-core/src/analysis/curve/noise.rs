@@ -84,7 +84,8 @@ impl Noise {
         (frames as f64 / self.memory.max(window as f64)).max(2.0)
     }
 
-    /// Its standard deviation behind local parabolas over `half` frames either side.
+    /// Its standard deviation behind local parabolas over `half` frames either side: 3/2 over the root of the window's
+    /// independent frames, of a parabola at its middle.
     pub(super) fn behind(&self, half: usize) -> f64 {
         let frames = (2 * half + 1) as f64;
         let gain = if half == 0 { 1.0 } else { (1.5 / (frames / self.memory).sqrt()).min(1.0) };
@@ -124,7 +125,7 @@ pub(super) fn level(values: &[f64]) -> f64 {
 }
 
 /// The sizes of fourth differences between frames that lie a number of frames apart.
-fn differences(values: &[f64], lag: usize) -> Vec<f64> {
+pub(super) fn differences(values: &[f64], lag: usize) -> Vec<f64> {
     let five = |at: usize| std::array::from_fn::<f64, 5, _>(|step| values[at + step * lag]);
     let held = |five: &[f64; 5]| five.iter().all(|value| *value == five[0]);
     let of = |five: [f64; 5]| {

@@ -57,12 +57,6 @@ fn parabola(times: &[f64], values: &[f64], from: usize, to: usize, at: f64) -> O
     Some(values[from] + constant / determinant).filter(|value| value.is_finite())
 }
 
-/// By what factor the standard deviation of white noise falls: 3/2 over the root of the window, of a parabola at its
-/// middle.
-pub(super) fn gain(half: usize) -> f64 {
-    if half == 0 { 1.0 } else { (1.5 / ((2 * half + 1) as f64).sqrt()).min(1.0) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -260,12 +260,17 @@ fn a_stretch_in_which_the_cell_was_lost_is_cut_out_and_the_other_beats_stay() {
         ("zero", |_, _| 10.0),
         ("far off", |_, _| -5.0),
         ("held", |_, _| 0.3),
+        ("a random walk of small steps", |walk, _| 0.05 * walk),
+        ("a random walk", |walk, _| 0.15 * walk),
+        ("a random walk of large steps", |walk, _| 0.5 * walk),
     ] {
         let mut random = Noise::new(9);
+        let mut walk = 0.0;
         let values = recording.times.iter().zip(&recording.clean).map(|(t, beat)| {
             let noise = random.normal();
             let lost = (20_000.0..32_000.0).contains(t);
-            120.0 - 12.0 * if lost { garbage(*t, noise) } else { beat + 0.01 * noise }
+            walk += if lost { noise } else { 0.0 };
+            120.0 - 12.0 * if lost { garbage(walk, noise) } else { beat + 0.01 * noise }
         });
         let values: Vec<f64> = values.collect();
         let found = analyse(&recording.times, &values, Kind::Length, "um", &Options::default());
