@@ -10,6 +10,9 @@ const ALIKE: f64 = 1.6;
 /// A wider class is that of the beats when it has this part of the members of the most frequent one.
 const WIDER: f64 = 0.4;
 
+/// Fewest pulses that are beats among more frequent ones, which they exceed.
+const RARE: f64 = 3.0;
+
 /// What the beats of a curve are like, whatever else is in it.
 #[derive(Debug, Clone)]
 pub(in crate::analysis::curve) struct Beats {
@@ -94,12 +97,19 @@ pub(in crate::analysis::curve) fn usual(
     // Wiggles a thirtieth as high as what else repeats are of the instrument.
     let highest = classes.iter().map(|class| class.height).fold(0.0, f64::max);
     classes.retain(|class| class.height >= 0.03 * highest);
-    let most = classes.iter().map(|class| class.alike).reduce(f64::max)?;
-    // Artefacts are up to twenty times as high as beats, and at most a third as long.
-    let size = |class: &Beats| class.height.cbrt() * class.width;
+    let frequent =
+        classes.iter().reduce(|most, other| if other.alike > most.alike { other } else { most })?;
+    // Artefacts are shorter than beats, drift is lower: what is both higher and longer is the beats, though it may be rare.
+    let exceeds = |class: &Beats| {
+        class.height > ALIKE * frequent.height && class.width > ALIKE * frequent.width
+    };
+    let least = |class: &Beats| {
+        if exceeds(class) { RARE.max(0.1 * frequent.alike) } else { WIDER * frequent.alike }
+    };
+    let size = |class: &Beats| class.height * class.width;
     let seen = classes
         .iter()
-        .filter(|class| class.alike >= WIDER * most)
+        .filter(|class| class.alike >= least(class))
         .reduce(|best, other| if size(other) > 1.05 * size(best) { other } else { best })?;
     // Windows round beats off: the first that shows the same ones shows them best.
     let mut beats = classes.iter().find(|class| class.shows(seen)).cloned()?;
