@@ -3,7 +3,7 @@
 //! artefacts that are not listed, and means that artefacts move; and how many of these recordings the program calls doubtful.
 //!
 //! ```text
-//! cargo run --release -p myospring --example curve_robustness [RECORDINGS [SEED]]
+//! cargo run --release -p myospring --example curve_robustness [RECORDINGS [SEED [SHOW [ONE]]]]
 //! ```
 #![allow(clippy::print_stdout, reason = "it prints tables of curves of its own")]
 
@@ -423,8 +423,8 @@ fn main() {
         std::env::args().nth(place).and_then(|word| word.parse().ok()).unwrap_or(default)
     };
     let (count, seed) = (number(1, 1000), number(2, 1));
-    let show = number(3, 0);
-    let only = number(4, u64::MAX);
+    // 1 shows the recordings that went wrong without a word, 2 all that went wrong; then one of them alone.
+    let (show, only) = (number(3, 0), number(4, u64::MAX));
     let mut sums: BTreeMap<String, Sum> = BTreeMap::new();
     let mut slowest = 0.0_f64;
     for turn in 0..count {
@@ -463,11 +463,6 @@ fn main() {
                 outcome.clean,
                 if outcome.doubtful { ", said" } else { "" },
             );
-        }
-        if show > 2 && turn + 1 == count {
-            for (time, value) in recording.times.iter().zip(&recording.values) {
-                println!("{time:.3},{value}");
-            }
         }
     }
     println!(

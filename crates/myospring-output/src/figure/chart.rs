@@ -3,7 +3,7 @@
 use super::font::text_width;
 use super::sheet::{Anchor, Look, Path, Sheet, Stroke, Style};
 use super::theme::{
-    AXIS_WIDTH, BAND, CURVE_WIDTH, Colour, HAIR, INK, LABEL, MUTED, TICK, decimals, fixed,
+    AXIS_WIDTH, BAND, CURVE_WIDTH, Colour, HAIR, INK, LABEL, MISSED, MUTED, TICK, decimals, fixed,
     nice_step,
 };
 
@@ -225,6 +225,29 @@ impl Chart {
         for &t in self.marks.iter().filter(|t| (first..=last).contains(*t)) {
             let stroke = Stroke::new(MUTED, HAIR).dash(3.0, 2.0);
             sheet.line(self.at([t, bottom]), self.at([t, top]), stroke);
+        }
+    }
+
+    /// Stimuli that no beat follows: dashed lines of a colour of their own, the first one named at its upper end.
+    pub(super) fn draw_missed(&self, sheet: &mut Sheet, missed: &[f64], word: &str) {
+        let [[first, last], [bottom, top]] = [self.x.range, self.y.range];
+        for (place, &t) in missed.iter().filter(|t| (first..=last).contains(*t)).enumerate() {
+            sheet.line(
+                self.at([t, bottom]),
+                self.at([t, top]),
+                Stroke::new(MISSED, 1.0).dash(2.0, 3.0),
+            );
+            if place == 0 {
+                let [x, y] = self.at([t, top]);
+                let room = self.place[0] + self.size[0] - x - text_width(word, TICK) - 3.0;
+                let style = Style::new(TICK).colour(MISSED);
+                let (x, style) = if room > 0.0 {
+                    (x + 3.0, style)
+                } else {
+                    (x - 3.0, style.anchor(Anchor::End))
+                };
+                sheet.text([x, y + 9.0], word, style);
+            }
         }
     }
 

@@ -149,7 +149,8 @@ fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Cha
         curves.push(plain(raw.collect(), RAW));
     }
     curves.push(plain(read.collect(), colour(curve.kind)));
-    let stimuli = curve.analysis.beats.iter().filter_map(|beat| beat.stimulus_ms);
+    let beats = curve.analysis.beats.iter().filter(|beat| beat.state != State::Missed);
+    let stimuli = beats.filter_map(|beat| beat.stimulus_ms);
     let marks = stimuli.map(|time| time * scale).collect();
     let (place, size) = ([0.0, 0.0], [0.0, height]);
     Chart { place, size, x, y, curves, bands: Vec::new(), marks }
@@ -176,12 +177,11 @@ fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
                 sheet.text([x, y], &beat.number.to_string(), style);
             }
         }
-        if let (State::Missed, Some(time)) = (beat.state, beat.stimulus_ms) {
-            let [x, _] = chart.at([time * scale, 0.0]);
-            let style = Style::new(TICK).colour(TENSION);
-            sheet.text([x + 3.0, place[1] + 9.0], "missed", style);
-        }
     }
+    let missed = curve.analysis.beats.iter().filter(|beat| beat.state == State::Missed);
+    let missed: Vec<f64> =
+        missed.filter_map(|beat| beat.stimulus_ms).map(|time| time * scale).collect();
+    chart.draw_missed(sheet, &missed, "no beat");
     for artefact in &curve.analysis.treatment.artefacts {
         let [from, to] = [artefact.from_ms, artefact.to_ms]
             .map(|time| chart.at([time * scale, 0.0])[0].clamp(place[0], place[0] + size[0]));

@@ -59,6 +59,8 @@ pub(super) const POTENTIAL: Colour = Colour(0x0072b2);
 pub(super) const CALCIUM: Colour = Colour(0xb0578d);
 /// Tension (Okabe-Ito vermillion).
 pub(super) const TENSION: Colour = Colour(0xd55e00);
+/// Stimuli that no beat follows.
+pub(super) const MISSED: Colour = TENSION;
 /// Shortening (Okabe-Ito bluish green).
 pub(super) const SHORTENING: Colour = Colour(0x009e73);
 /// Curves that are compared, in order (Okabe-Ito).

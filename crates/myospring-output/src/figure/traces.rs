@@ -8,6 +8,7 @@ use super::theme::{
     fixed, time,
 };
 use super::{Figure, FigureError};
+use myospring_core::analysis::beat::Beats;
 use myospring_core::analysis::trace;
 use myospring_core::recording::{Recording, Sample, Signal};
 use std::borrow::Cow;
@@ -176,6 +177,9 @@ impl Stack<'_> {
         }
         let times = extent(curves.iter().map(Vec::as_slice), 0);
         let last = self.quantities.len().saturating_sub(1);
+        let missed = missed(self.recording, self.stimulus_times_ms);
+        let captured: Vec<f64> =
+            self.stimulus_times_ms.iter().copied().filter(|t| !missed.contains(t)).collect();
         let mut charts: Vec<Chart> = Vec::new();
         for (row, quantity) in self.quantities.iter().enumerate() {
             let [low, high] = extent([curves[row].as_slice()], 1);
@@ -192,7 +196,7 @@ impl Stack<'_> {
                     dash: None,
                 }],
                 bands: Vec::new(),
-                marks: self.stimulus_times_ms.to_vec(),
+                marks: captured.clone(),
             });
         }
         // The plots of all panels begin and end together, right of the widest labels; half a tick
@@ -205,6 +209,7 @@ impl Stack<'_> {
         }
         for (row, chart) in charts.iter().enumerate() {
             chart.draw(sheet, offset);
+            chart.draw_missed(sheet, &missed, if row == 0 { NOT_CAPTURED } else { "" });
             let letter = char::from_u32(self.letter as u32 + row as u32).unwrap_or(self.letter);
             let corner = [self.sides[0], chart.place[1] + 4.0];
             sheet.text(corner, &letter.to_string(), Style::new(LETTER).bold());
@@ -217,6 +222,14 @@ impl Stack<'_> {
         }
         Ok(charts.last().map_or(self.top, |chart| chart.place[1] + self.height + 37.0))
     }
+}
+
+const NOT_CAPTURED: &str = "not captured";
+
+/// The stimuli that raised no action potential.
+fn missed(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<f64> {
+    let beats = Beats::of(recording, stimulus_times_ms, None);
+    beats.iter().filter(|beat| beat.is_missed()).map(|beat| beat.stimulus_ms).collect()
 }
 
 /// Names the first stimulus above the plot.
@@ -259,7 +272,7 @@ fn note_peak(sheet: &mut Sheet, chart: &Chart, top: [f64; 2], quantity: &Quantit
 /// Action potential and active tension over one time axis (the paper's Fig. 3), and calcium of a cell that has it.
 ///
 /// The potential is in mV where the cell model defines it and dimensionless otherwise; where there is none, calcium
-/// stands in its place. Dashed lines mark the stimuli. Width: one column, 85 mm.
+/// stands in its place. Dashed lines mark the stimuli, those that were not captured in another colour. Width: one column, 85 mm.
 ///
 /// # Errors
 /// A recording without a finite sample.
@@ -323,6 +336,11 @@ pub fn contraction(
     if recordings.is_empty() {
         return Err(FigureError::Nothing { what: "recordings" });
     }
+    let stimuli = &options.stimulus_times_ms;
+    // Of several runs a stimulus is missed where all of them miss it.
+    let mut missed_by = recordings.iter().map(|(_, recording)| missed(recording, stimuli));
+    let mut missed = missed_by.next().unwrap_or_default();
+    missed_by.for_each(|by| missed.retain(|t| by.contains(t)));
     let mut curves = Vec::new();
     let mut legend = Vec::new();
     for (index, (label, recording)) in recordings.iter().enumerate() {
@@ -362,7 +380,7 @@ pub fn contraction(
         x: Axis::time(extent(curves.iter().map(|curve| curve.points.as_slice()), 0)),
         y: Axis::values(&SHORTENING.label, [values[0], high], 168.0),
         bands: options.reference_band.iter().map(|(band, _)| *band).collect(),
-        marks: options.stimulus_times_ms.clone(),
+        marks: stimuli.iter().copied().filter(|t| !missed.contains(t)).collect(),
         curves,
     };
     let left = (chart.label_offset() + 14.0).max(44.0);
@@ -373,6 +391,7 @@ pub fn contraction(
     }
     let mut sheet = Sheet::default();
     chart.draw(&mut sheet, chart.label_offset());
+    chart.draw_missed(&mut sheet, &missed, NOT_CAPTURED);
     mark_stimulus(&mut sheet, &chart);
     for curve in &chart.curves {
         if let Some(top) = peak(&curve.points) {

@@ -12,7 +12,7 @@ mod usual;
 mod windows;
 
 use super::detect::persistent;
-use super::noise::{self, Noise, median};
+use super::noise::{Noise, median};
 pub(super) use usual::Beats;
 
 /// Windows go up to this part of a beat's width at half height, about a third of the beat.

@@ -63,7 +63,7 @@ impl Noise {
             let here = rough * quarter(lag) / first;
             let growth = here / seen.last().map_or(rough, |(_, before)| *before);
             let chance = 1.05 + (lag as f64 / values.len() as f64).sqrt();
-            if !(growth <= most * chance) {
+            if growth.is_nan() || growth > most * chance {
                 break;
             }
             most = most.min(growth.max(1.0));

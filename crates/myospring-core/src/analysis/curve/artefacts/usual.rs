@@ -52,7 +52,9 @@ impl Beats {
         };
         let others = self.tops.iter().filter(apart).count() as f64;
         let longer = self.width / beats.width;
-        let many = (longer > ALIKE || longer * ALIKE < 1.0) && others >= 0.7 * beats.alike;
+        let wiggles = longer * ALIKE < 1.0 && self.height * ALIKE < beats.height;
+        let other = longer > ALIKE || longer * ALIKE < 1.0;
+        let many = other && !wiggles && others >= 0.7 * beats.alike;
         self.alike >= 2.0 && others >= 2.0 && (many || longer > 2.0 && others >= 0.2 * beats.alike)
     }
 
