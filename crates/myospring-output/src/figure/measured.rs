@@ -296,6 +296,7 @@ fn numbers(sheet: &mut Sheet, curve: &Measured, [left, top]: [f64; 2]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::theme::MISSED;
     use super::*;
     use myospring_core::analysis::curve::{Options, analyse};
 
@@ -337,6 +338,34 @@ mod tests {
                 assert!(beyond.is_empty(), "{kind} {beat:?}: {beyond:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_stimulus_that_no_beat_follows_has_a_colour_of_its_own() {
+        let times: Vec<f64> = (0..1500).map(|frame| 4.0 * f64::from(frame)).collect();
+        let pulse = |t: f64| (t / 80.0).min((300.0 - t) / 220.0).max(0.0);
+        let beats = [0.0, 1.0, 3.0, 4.0, 5.0].map(|second| 1e3 * second + 210.0);
+        let value = |t: &f64| 1.0 + beats.iter().map(|begin| pulse(t - begin)).fold(0.0, f64::max);
+        let values: Vec<f64> = times.iter().map(value).collect();
+        let of = |stimuli: &[f64]| {
+            let options = Options { stimuli_ms: stimuli.to_vec(), ..Options::default() };
+            let analysis = analyse(&times, &values, Kind::Calcium, "uM", &options).unwrap();
+            let curve = Measured {
+                title: "cell",
+                kind: Kind::Calcium,
+                unit: "uM",
+                times_ms: &times,
+                values: &values,
+                analysis: &analysis,
+                numbers: &[],
+            };
+            let svg = measured(&curve).unwrap().to_svg();
+            let of_missed = MISSED.to_string();
+            (svg.matches("no beat").count(), svg.matches(&of_missed).count())
+        };
+        assert_eq!(of(&beats), (0, 0));
+        // The line and its name.
+        assert_eq!(of(&[200.0, 1200.0, 2200.0, 3200.0, 4200.0, 5200.0]), (1, 2));
     }
 
     #[test]
