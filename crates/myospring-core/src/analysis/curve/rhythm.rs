@@ -26,7 +26,7 @@ pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
     if !paced {
         remarks.extend(intervals(beats));
     }
-    remarks.extend(unlike(beats));
+    remarks.extend(UNLIKES.iter().filter_map(|in_what| unlike_in(beats, in_what)));
     remarks.extend(alternans(beats));
     remarks
 }
@@ -52,28 +52,38 @@ pub(super) fn crowded(beats: &[CurveBeat], artefacts: usize, rivalled: bool) -> 
     ))
 }
 
-/// Marks beats whose area is far above that of all others, or that last far shorter: an artefact may be one of them.
-fn unlike(beats: &mut [CurveBeat]) -> Vec<String> {
-    let large =
-        unlike_in(beats, area, |area, usual| area > UNLIKE * usual, "its area", "far larger than");
-    let short = unlike_in(
-        beats,
-        duration,
-        |own, usual| UNLIKE * own < usual,
-        "its duration",
-        "far shorter than",
-    );
-    large.into_iter().chain(short).collect()
+/// In what a beat may be unlike the others.
+struct Unlike {
+    size: fn(&CurveBeat) -> Option<f64>,
+    /// Whether a size differs from the usual one.
+    differs: fn(f64, f64) -> bool,
+    name: &'static str,
+    how: &'static str,
+    /// Whether every other beat, or a third of them, may differ so.
+    may_be_many: bool,
 }
 
+/// An artefact that was taken for a beat. A third of the beats may be far larger than others, but none lasts far shorter.
+const UNLIKES: [Unlike; 2] = [
+    Unlike {
+        size: area,
+        differs: |area, usual| area > UNLIKE * usual,
+        name: "its area",
+        how: "far larger than",
+        may_be_many: true,
+    },
+    Unlike {
+        size: duration,
+        differs: |own, usual| UNLIKE * own < usual,
+        name: "its duration",
+        how: "far shorter than",
+        may_be_many: false,
+    },
+];
+
 /// Marks beats that differ from all others.
-fn unlike_in(
-    beats: &mut [CurveBeat],
-    size: fn(&CurveBeat) -> Option<f64>,
-    differs: fn(f64, f64) -> bool,
-    what_differs: &str,
-    how: &str,
-) -> Option<String> {
+fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
+    let Unlike { size, differs, name, how, may_be_many } = *in_what;
     let median = |mut list: Vec<f64>| {
         list.sort_by(f64::total_cmp);
         list.get(list.len() / 2).copied()
@@ -101,20 +111,21 @@ fn unlike_in(
             found.push((at, area / usual));
         }
     }
-    // Every other one, or a third, are no exceptions.
     if found.len() * FEW_UNLIKE > areas.len() {
-        return Some(format!(
-            "{} of {} pulses are {how} the others: which of them are beats cannot be told for sure; look at the figure",
-            found.len(),
-            areas.len()
-        ));
+        return (!may_be_many).then(|| {
+            format!(
+                "{} of {} pulses are {how} the others: which of them are beats cannot be told for sure; look at the figure",
+                found.len(),
+                areas.len()
+            )
+        });
     }
     let mut odd = Vec::new();
     for (at, times) in found {
         let beat = &mut beats[at];
         beat.state = State::Disturbed;
         beat.remarks.push(format!(
-            "{what_differs} is {times:.1} times that of the others: it may be an artefact, and counts in no mean"
+            "{name} is {times:.1} times that of the others: it may be an artefact, and counts in no mean"
         ));
         odd.push(beat.number.to_string());
     }
