@@ -160,13 +160,13 @@ impl Reader<'_> {
             let before = if index == 0 { cycle } else { stimulus - stimuli[index - 1] };
             let first = self.times.partition_point(|time| *time < stimulus);
             let tops = self.found.peaks.iter().zip(&owners);
-            let tops = tops.filter(|(_, owner)| **owner == Some(index)).map(|(peak, _)| peak.at);
-            // The highest; further ones are remarked upon.
-            let top = tops.reduce(
-                |best, at| {
-                    if self.smoothed[at] > self.smoothed[best] { at } else { best }
-                },
-            );
+            let tops: Vec<usize> =
+                tops.filter(|(_, owner)| **owner == Some(index)).map(|(peak, _)| peak.at).collect();
+            // The first beat answers the stimulus, though a spontaneous one after it may be higher. A bump is no answer.
+            let highest =
+                tops.iter().map(|top| self.smoothed[*top]).fold(f64::NEG_INFINITY, f64::max);
+            let enough = highest - 0.5 * self.found.usual;
+            let top = tops.into_iter().find(|top| self.smoothed[*top] >= enough);
             let Some(peak) = top else {
                 let end = stimuli.get(index + 1).copied().unwrap_or(last);
                 let hidden = self.artefacts_within(stimulus, end);
@@ -218,7 +218,7 @@ impl Reader<'_> {
             let count = owners.iter().filter(|owner| **owner == Some(index)).count();
             if count > 1 {
                 beats[index].remarks.push(format!(
-                    "{count} beats follow the stimulus at {stimulus:.1} ms before the next; the highest is measured"
+                    "{count} beats follow the stimulus at {stimulus:.1} ms before the next; the first is measured"
                 ));
             }
         }
@@ -344,6 +344,7 @@ impl Reader<'_> {
         let last = next
             .map_or(self.times.len(), |next| next.rest[1].max(span.peak + 2))
             .min(self.times.len());
+        let last = self.before_another(span, last);
         let times = &self.times[first..last];
         let base = |time: f64| span.rest_at.value + slope * (time - span.rest_at.time);
         let heights: Vec<f64> = times
@@ -435,6 +436,17 @@ impl Reader<'_> {
             marks: self.marks(&pulse, onset, &base),
             baseline: Some(baseline),
         }
+    }
+
+    /// Where a beat ends that another follows before `last`, as a spontaneous one after a paced one: where the curve is lowest
+    /// between them, if it is more than half back at rest.
+    fn before_another(&self, span: &Span, last: usize) -> usize {
+        let mut tops = self.found.peaks.iter().map(|peak| peak.at);
+        let Some(next) = tops.find(|at| *at > span.peak) else { return last };
+        let low = self.lowest(span.peak, next);
+        let rest = span.rest_at.value;
+        let is_back = self.smoothed[low] - rest < 0.5 * (self.smoothed[span.peak] - rest);
+        if next < last && is_back { last.min((low + 1).max(span.peak + 2)) } else { last }
     }
 
     /// The upstroke of a potential, without the drift below it.

@@ -202,6 +202,26 @@ fn stimuli_give_the_beats_and_name_those_that_are_missed() {
     );
 }
 
+/// A spontaneous beat, a fifth higher, follows each paced one.
+#[test]
+fn the_first_beat_answers_a_stimulus_though_a_later_one_is_higher() {
+    let times = frames(500.0, 6.0);
+    let paced = each_second(&times, half_sine);
+    let values: Vec<f64> = (times.iter().zip(paced))
+        .map(|(t, h)| 100.0 - 8.0 * h - 9.6 * half_sine((t - 750.0).rem_euclid(1000.0)))
+        .collect();
+    let stimuli_ms = (0..6).map(|i| 200.0 + 1000.0 * f64::from(i)).collect();
+    let options = Options { stimuli_ms, ..Options::default() };
+    let analysis = analyse(&times, &values, Kind::Length, "um", &options).unwrap();
+    assert_eq!(analysis.beats.len(), 6);
+    for beat in &analysis.beats {
+        let time = crate::analysis::value(&beat.metrics, "time_to_peak_from_stimulus").unwrap();
+        assert!((time - 200.0).abs() < 1.0, "{}: {time}", beat.number);
+        let said = beat.remarks.join("; ");
+        assert!(said.contains("2 beats follow"), "{}: {said}", beat.number);
+    }
+}
+
 /// After a short beat a step, and from it a slow rise to a second one: the line through 10 % and 50 % of it meets rest
 /// before the first beat began.
 #[test]
