@@ -8,11 +8,13 @@
 //! stands far above the usual beat.
 
 mod lost;
+mod runs;
 mod usual;
 mod windows;
 
 use super::detect::persistent;
 use super::noise::{Noise, median};
+use runs::runs;
 pub(super) use usual::Beats;
 
 /// Windows go up to this part of a beat's width at half height, about a third of the beat.
@@ -416,18 +418,6 @@ fn close_up(cycle: f64, bad: &mut [bool]) {
         }
         first = last + 1;
     }
-}
-
-/// Runs of marked frames, first and last.
-fn runs(bad: &[bool]) -> Vec<[usize; 2]> {
-    let mut runs: Vec<[usize; 2]> = Vec::new();
-    for (at, _) in bad.iter().enumerate().filter(|(_, bad)| **bad) {
-        match runs.last_mut() {
-            Some(run) if run[1] + 1 == at => run[1] = at,
-            _ => runs.push([at, at]),
-        }
-    }
-    runs
 }
 
 /// Lines over what is marked, between the medians of three frames on either side.

@@ -1,6 +1,6 @@
 //! Stretches in which the instrument had lost the cell.
 
-use super::runs;
+use super::runs::runs;
 use crate::analysis::curve::noise::{self, median};
 
 /// Frames in a block whose noise is estimated, and the number of blocks in a row that no beat lasts.
