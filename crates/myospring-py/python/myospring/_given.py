@@ -34,9 +34,9 @@ def changed(*settings: tuple[str, Any, Any]) -> dict[str, Any]:
 
 def floats(array: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
     """An array of numbers, in order in memory; NaN where a mask hides them."""
-    if isinstance(array, np.ma.MaskedArray):
-        array = array.astype(np.float64).filled(np.nan)
-    return np.ascontiguousarray(array, dtype=np.float64)
+    values = np.ascontiguousarray(array, dtype=np.float64)
+    hidden: np.ndarray[Any, np.dtype[np.bool_]] = np.ma.getmaskarray(np.ma.asanyarray(array))
+    return np.where(hidden, np.nan, values) if hidden.any() else values
 
 
 def path_or_bytes(image: ArrayLike | str | PathLike[str], name: str) -> tuple[str, dict[str, bytes]]:
