@@ -8,10 +8,11 @@ mod words;
 use crate::args::AnalyseArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::reads;
 use crate::results::Folder;
 use crate::{interrupt, print, progress};
 use myospring::analysis::curve::{self, Analysis};
-use myospring::measured::{self, Curve};
+use myospring::measured::Curve;
 use myospring::output::figure::Theme;
 use myospring::output::json;
 use std::collections::BTreeSet;
@@ -43,9 +44,12 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     let beats = table::Beats::of(&args.stimuli, args.smooth.as_deref(), args.keep_drift)?;
     let (mut all, mut notes) = (Vec::new(), Vec::new());
     let inputs = folder::tables(&args.inputs)?;
+    inputs.iter().for_each(|path| reads::note(path));
+    let target = args.output.output.clone().unwrap_or_else(|| folder(&args.inputs));
+    Folder::check(&target, args.output.force)?;
     for path in &inputs {
         let file = path.display().to_string();
-        let table = match measured::read(path, &options) {
+        let table = match reads::table(path, &options) {
             Ok(table) => table,
             Err(error) if inputs.len() == 1 => return Err(Failure::new(error)),
             // The others are as good as they were.
@@ -66,7 +70,6 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     if let Some(failure) = none_beats(&all, &notes) {
         return Err(failure);
     }
-    let target = args.output.output.clone().unwrap_or_else(|| folder(&args.inputs));
     let folder = Folder::claim(&target, args.output.force)?;
     interrupt::heed(interrupt::WRITING);
     folder.write("metrics.csv", files::metrics(&all)?)?;

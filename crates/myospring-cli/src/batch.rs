@@ -6,10 +6,11 @@ mod members;
 use crate::args::BatchArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::{inputs, interrupt, print, progress};
+use crate::{inputs, interrupt, print, progress, reads};
 use indicatif::ProgressBar;
 use kept::Kept;
-use myospring::output::{files, json};
+use myospring::output::files::Manifest;
+use myospring::output::json;
 use myospring::settings::{Run, Value};
 use myospring::study::pictures::{self, CellRow, Picture};
 use myospring::study::{self, Cause, Journal, Observer, Row, Status, Threads};
@@ -48,20 +49,22 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         }
     }
     let journal = if args.output.force {
-        Journal::begin_anew(&target, &settings, &kept::RESULTS)?
+        Journal::begin_anew(&target, &settings, &reads::all())?
     } else {
-        Journal::open(&target, &settings)?
+        Journal::open_beside(&target, &settings, &reads::all())?
     };
+    let manifest = journal.manifest().unwrap_or_else(|| Manifest::of(&target));
     interrupt::heed("the pictures under way are given up");
     let bar = progress::of_members(args.output.quiet, pictures.len(), "pictures");
-    let seen = Seen { bar: &bar, quiet: args.output.quiet, target: &target };
-    let kept = Kept { figures: args.figures, target: &target };
+    let seen = Seen { bar: &bar, quiet: args.output.quiet, manifest: &manifest };
+    let kept = Kept { figures: args.figures, manifest: &manifest };
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let report = study::run(&pictures, &journal, &threads, &seen, |picture| {
         let run = members::settled(args, picture)?;
         pictures::rows(picture, &run, members::which(&args.settings, picture), &kept)
     })?;
     bar.finish_and_clear();
+    manifest.settle()?;
 
     let outcome = Outcome {
         results: target.clone(),
@@ -93,7 +96,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
 struct Seen<'a> {
     bar: &'a ProgressBar,
     quiet: bool,
-    target: &'a Path,
+    manifest: &'a Manifest,
 }
 
 impl Observer<Picture> for Seen<'_> {
@@ -102,6 +105,10 @@ impl Observer<Picture> for Seen<'_> {
             print::note(&format!("going on: {done} of {pictures} pictures are done"));
         }
         self.bar.inc(done as u64);
+    }
+
+    fn damaged(&self, pictures: usize) {
+        print::warn(&damaged(pictures, "pictures"));
     }
 
     fn finished(&self, picture: &Picture, rows: &[CellRow]) -> bool {
@@ -115,13 +122,20 @@ impl Observer<Picture> for Seen<'_> {
 
     fn table(&self, rows: &[CellRow]) -> Result<(), Cause> {
         let table = CellRow::table(rows);
-        files::write(&self.target.join(kept::CSV), table.clone().for_people().to_csv()?)?;
-        Ok(files::write(&self.target.join(kept::PARQUET), table.to_parquet()?)?)
+        self.manifest.write(kept::CSV, table.clone().for_people().to_csv()?)?;
+        Ok(self.manifest.write(kept::PARQUET, table.to_parquet()?)?)
     }
 }
 
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// What to say of members whose kept results are damaged.
+pub(crate) fn damaged(count: usize, members: &str) -> String {
+    format!(
+        "the results of {count} {members} that were kept here were changed or damaged since; they are computed anew"
+    )
 }
 
 fn summary(outcome: &Outcome) -> String {

@@ -74,7 +74,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let mut sides = sides?;
     let mut inputs = Inputs::default();
     for side in &mut sides {
-        inputs.keep(&folder, side.file.clone(), |file| std::fs::read(file))?;
+        inputs.keep(&folder, side.file.clone(), |file| crate::reads::bytes(file))?;
         side.file = inputs.renamed(side.file.clone(), "../");
         if Path::new(&side.source).is_absolute() {
             side.source = inputs::relative(Path::new(&side.source), &target)

@@ -1,6 +1,7 @@
 //! What goes wrong, as people see it, and the exit code that it gives.
 
 use crate::exit::ExitCode;
+use crate::print;
 use miette::{
     Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, Report, SourceCode,
 };
@@ -33,12 +34,12 @@ pub(crate) struct Failure {
 impl Failure {
     /// A message without advice.
     pub(crate) fn new(message: impl fmt::Display) -> Self {
-        Self { message: message.to_string(), advice: None, source: None }
+        Self { message: print::message(&message.to_string()), advice: None, source: None }
     }
 
     /// Adds how to mend it.
     pub(crate) fn advise(mut self, advice: impl Into<String>) -> Self {
-        self.advice = Some(advice.into());
+        self.advice = Some(print::message(&advice.into()));
         self
     }
 
@@ -54,12 +55,13 @@ impl Failure {
     /// A problem of a run file; `text` is the file's, if it was read from one.
     pub(crate) fn of_run_file(error: &RunFileError, text: Option<&str>) -> Self {
         let source = match (&error.origin, text) {
-            (Origin::Text { file, span, .. }, Some(text)) => {
+            (Origin::Text { file, span, .. }, Some(text)) if is_shown(text, span) => {
                 Some((NamedSource::new(file, text.to_owned()), span.clone()))
             }
             _ => None,
         };
-        Self { message: error.to_string(), advice: error.advice(), source }
+        let advice = error.advice().map(|advice| print::message(&advice));
+        Self { message: print::message(&error.to_string()), advice, source }
     }
 
     /// Message and advice, for whoever prints it elsewhere.
@@ -77,6 +79,14 @@ impl Failure {
         crate::print::note(&format!("{:?}", Report::new(self)));
         ExitCode::from(BAD_INPUT)
     }
+}
+
+/// Whether the line around a place is one that a person can read.
+fn is_shown(text: &str, span: &std::ops::Range<usize>) -> bool {
+    const LONGEST: usize = 1000;
+    let start = text[..span.start.min(text.len())].rfind('\n').map_or(0, |at| at + 1);
+    let end = text[start..].find('\n').map_or(text.len(), |at| start + at);
+    end - start <= LONGEST && span.len() <= LONGEST
 }
 
 /// Lines are broken for a terminal only, so that scripts can search for a message.
@@ -127,8 +137,23 @@ impl From<StudyError> for Failure {
             StudyError::Journal { .. } => {
                 Self::new(error).advise("--output names another folder, like --output results/mine")
             }
+            StudyError::File(error) => error.into(),
             error => Self::new(error),
         }
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        let of_folder = matches!(
+            error,
+            FileError::Read { .. }
+                | FileError::Foreign { .. }
+                | FileError::NotOurs { .. }
+                | FileError::NoManifest { .. }
+        );
+        let failure = Self::new(error);
+        if of_folder { failure.advise("--output DIR names another folder") } else { failure }
     }
 }
 
@@ -143,7 +168,6 @@ macro_rules! plain {
 }
 
 plain!(
-    FileError,
     SetupError,
     CsvError,
     TracesError,

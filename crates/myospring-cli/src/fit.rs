@@ -14,13 +14,14 @@ use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::input::{self, Input};
 use crate::options::Given;
+use crate::reads;
 use crate::results::Folder;
 use crate::track::report::Report;
 use crate::{interrupt, print, progress};
 use files::Cell;
 use map::Mapped;
 use myospring::fit::{Fit, FitError, Fitter, Loaded, Observed, Settings, Unknown, of_each_cell};
-use myospring::measured::{self, Curve, Options};
+use myospring::measured::{Curve, Options};
 use myospring::mechanics::support::SupportKind;
 use myospring::output::json;
 use myospring::settings::{self, Run, Value};
@@ -41,6 +42,10 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let options =
         table::options(&args.table, pixel, args.until.as_deref().map(|until| ("--until", until)))?;
     let beats = Beats::of(&args.stimuli, None, false)?;
+    args.input.iter().chain(&args.to).for_each(|path| reads::note(path));
+    if let Some(target) = &args.output.output {
+        Folder::check(target, args.output.force)?;
+    }
     let film = film::named(args)?;
     let (overrides, taken) = overrides(args);
     let followed = film.as_deref().map(|film| film::follow(args, film, &overrides)).transpose()?;
@@ -80,7 +85,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             (name, run, shaped)
         }
     };
-    let made = run.make(shaped, |file| std::fs::read(file))?;
+    let made = run.make(shaped, |file| reads::bytes(file))?;
     run.fibre = made.fibres.taken;
     let (report, outline) = (made.report, made.outline);
     let fitter = Fitter::new(made.simulation).map_err(Failure::new)?;
@@ -243,7 +248,7 @@ fn curves(paths: &[PathBuf], options: &Options) -> Result<(Vec<Named>, Vec<Strin
     let several = paths.len() > 1;
     for path in paths {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let table = match measured::read(path, options) {
+        let table = match reads::table(path, options) {
             Ok(table) => table,
             Err(error) if several => {
                 curves.push((stem.into_owned(), Err(error.to_string())));
@@ -291,7 +296,8 @@ fn held(text: &str, options: &Options, beats: &Beats) -> Result<Loaded, Failure>
         return Err(Failure::new(format!("--loaded: {stiffness} nN/um; it must be above 0")));
     }
     let path = PathBuf::from(path.trim());
-    let table = measured::read(&path, options).map_err(Failure::new)?;
+    reads::note(&path);
+    let table = reads::table(&path, options).map_err(Failure::new)?;
     let [curve] = table.curves.as_slice() else {
         return Err(Failure::new(format!(
             "`{}` has {} curves; a loaded curve is one",

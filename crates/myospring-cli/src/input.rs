@@ -3,6 +3,7 @@
 use crate::args::OutputArgs;
 use crate::failure::Failure;
 use crate::options::Given;
+use crate::reads;
 use crate::refused::{Place, Refused};
 use crate::segment;
 use myospring::measured;
@@ -35,7 +36,7 @@ pub(crate) fn read(
 
 /// Meshes the shape of a run, as [`read()`] does.
 pub(crate) fn mesh(name: String, run: Run, results: Option<&OutputArgs>) -> Result<Input, Failure> {
-    let bytes = run.shape.bytes(|file| fs::read(file))?;
+    let bytes = run.shape.bytes(|file| reads::bytes(file))?;
     let shaped = match (&run.shape.source, results) {
         (Source::Picture(_), Some(args)) => {
             let folder = args.output.as_ref().and_then(|output| {
@@ -112,6 +113,9 @@ pub(crate) fn settle_with(
         reader = reader.overriding(origin, key, value);
     }
     let run = reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
+    for path in run.to_run_file().paths_mut() {
+        reads::note(Path::new(path));
+    }
     let name = path
         .and_then(Path::file_stem)
         .map_or_else(|| run.shape.name().to_owned(), |stem| stem.to_string_lossy().into_owned());
@@ -157,7 +161,7 @@ pub(crate) fn ending(path: &Path) -> String {
 
 /// The text of a file that a person wrote, in any encoding of an editor.
 pub(crate) fn text(path: &Path) -> Result<String, Failure> {
-    let bytes = fs::read(path).map_err(|error| cannot_read(path, &error))?;
+    let bytes = reads::bytes(path).map_err(|error| cannot_read(path, &error))?;
     measured::decoded(&bytes)
         .map_err(|what| Failure::new(format!("`{}` is {what}", path.display())))
 }

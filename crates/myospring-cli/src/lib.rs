@@ -28,6 +28,7 @@ mod page;
 mod paper;
 mod print;
 mod progress;
+mod reads;
 mod refused;
 mod results;
 mod run;
@@ -48,7 +49,7 @@ pub use run::Over;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
-pub use study::{RESULTS as STUDY_RESULTS, save as save_study};
+pub use study::save as save_study;
 
 /// The whole program, with the arguments of a command line, its own name first; the code to end with.
 ///

@@ -3,7 +3,7 @@
 use crate::args::{Cli, CompletionsArgs, ManualArgs};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::print;
+use crate::{print, results};
 use clap::CommandFactory;
 use myospring::output::files;
 
@@ -28,6 +28,6 @@ fn pages(command: &clap::Command, args: &ManualArgs) -> Result<usize, Failure> {
     let page = clap_mangen::Man::new(command.clone());
     let mut text = Vec::new();
     page.render(&mut text).map_err(Failure::new)?;
-    files::write(&args.folder.join(page.get_filename()), text)?;
+    results::write_file(&args.folder.join(page.get_filename()), text)?;
     command.get_subcommands().try_fold(1, |count, command| Ok(count + pages(command, args)?))
 }

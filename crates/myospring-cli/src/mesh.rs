@@ -29,20 +29,18 @@ struct Numbers<'a> {
 
 pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
-    let Input { name, run, shaped, .. } =
-        input::read(args.input.as_deref(), args.settings.overrides(), Some(&args.output))?;
+    let (name, run) = input::settle(args.input.as_deref(), args.settings.overrides())?;
+    let mut target = args.output.output.clone();
+    let target = target.get_or_insert_with(|| Path::new("results").join(format!("{name}_mesh")));
+    Folder::check(target, args.output.force)?;
+    let Input { name, run, shaped, .. } = input::mesh(name, run, Some(&args.output))?;
     let Shaped { mesh, mut report, outline, picture } = shaped;
     let fibres = run.fibre.on(&mesh, picture.as_ref().map(|(cells, cell)| (cells, cell)))?;
     report.warnings.extend(fibres.warnings.iter().cloned());
     let of_picture = picture.is_some().then(|| fibres.report());
     let numbers = Numbers { mesh: &report, fibres: of_picture.as_ref() };
-    let target = args
-        .output
-        .output
-        .clone()
-        .unwrap_or_else(|| Path::new("results").join(format!("{name}_mesh")));
     interrupt::heed(interrupt::WRITING);
-    let folder = Folder::claim(&target, args.output.force)?;
+    let folder = Folder::claim(target, args.output.force)?;
     folder.write("mesh.json", json::for_people(&numbers)?)?;
     folder.write("outline.geojson", outline.to_geojson())?;
     folder.figures(Theme::default(), &[("mesh", &|| figure::mesh(&mesh))])?;

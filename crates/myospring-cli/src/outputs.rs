@@ -65,8 +65,6 @@ pub(crate) struct Output {
     pub(crate) word: &'static str,
     /// What it is, for the help.
     about: &'static str,
-    /// Names of the files that it may write, within the folder of results; `*` stands for anything.
-    files: &'static [&'static str],
     /// The file that people open, if they open one.
     look: Option<&'static str>,
     /// Whether it is written unless others are asked for.
@@ -81,7 +79,6 @@ const OUTPUTS: [Output; 6] = [
     Output {
         word: "report",
         about: "the beating cell with curves, numbers and sources, a page for the browser (report.html)",
-        files: &[page::FILE],
         look: Some(page::FILE),
         by_default: true,
         available: || Ok(()),
@@ -90,15 +87,6 @@ const OUTPUTS: [Output; 6] = [
     Output {
         word: "figures",
         about: "cell, curves and lattice as in a paper, SVG and PNG (figures/)",
-        files: &[
-            "figures/overview.*",
-            "figures/cell.*",
-            "figures/mesh.*",
-            "figures/action_potential_and_tension.*",
-            "figures/contraction.*",
-            "figures/work_loop.*",
-            "figures/overlay.*",
-        ],
         look: Some("figures/overview.png"),
         by_default: true,
         available: || Ok(()),
@@ -107,7 +95,6 @@ const OUTPUTS: [Output; 6] = [
     Output {
         word: "gif",
         about: "film of the first beat, slowed 5 times and in real time (beat.gif, beat_real_time.gif)",
-        files: &["beat.gif", "beat_real_time.gif"],
         look: Some("beat.gif"),
         by_default: false,
         available: || Ok(()),
@@ -116,7 +103,6 @@ const OUTPUTS: [Output; 6] = [
     Output {
         word: "mp4",
         about: "the same as video, where ffmpeg is installed (beat.mp4, beat_real_time.mp4)",
-        files: &["beat.mp4", "beat_real_time.mp4"],
         look: None,
         by_default: false,
         available: || Ok(()),
@@ -125,7 +111,6 @@ const OUTPUTS: [Output; 6] = [
     Output {
         word: "vtu",
         about: "frames for ParaView: open cell.pvd (and the folder vtu/)",
-        files: &["cell.pvd", "vtu/cell_*.vtu"],
         look: None,
         by_default: false,
         available: || Ok(()),
@@ -134,18 +119,12 @@ const OUTPUTS: [Output; 6] = [
     Output {
         word: "frames",
         about: "frames for NumPy: positions, mesh and fibres (frames.npz)",
-        files: &["frames.npz"],
         look: None,
         by_default: false,
         available: || Ok(()),
         write: frames,
     },
 ];
-
-/// Names of the files of all outputs; `*` stands for anything.
-pub(crate) fn files() -> impl Iterator<Item = &'static str> {
-    OUTPUTS.iter().flat_map(|output| output.files).copied()
-}
 
 /// What `--outputs` takes.
 pub(crate) fn words() -> PossibleValuesParser {
@@ -244,10 +223,10 @@ impl Record {
 pub(crate) fn write(folder: &Folder, outputs: &[&Output], finished: &Finished<'_>) -> Record {
     let mut record = Record::default();
     for output in outputs {
-        let (start, before) = (Instant::now(), folder.bytes());
+        let (start, before, names) = (Instant::now(), folder.bytes(), folder.names());
         let outcome = (output.write)(folder, finished);
         if outcome.is_err() {
-            folder.withdraw(output.files);
+            folder.withdraw_all_but(&names);
         }
         let written = Written {
             seconds: start.elapsed().as_secs_f64(),

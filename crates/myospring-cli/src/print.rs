@@ -4,9 +4,43 @@ use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, IsTerminal, Write};
 
+/// Letters of a message that are printed, and of a word in it: a field of a damaged file may be as long as the file.
+const LONGEST: usize = 6000;
+const LONGEST_WORD: usize = 300;
+
 /// Data, to stdout. A reader that has gone away, like `head`, is no error; a full disk is one.
 pub(crate) fn out(text: &str) -> Result<(), Failure> {
-    check(write(io::stdout().lock(), text))
+    check(write(io::stdout().lock(), &visible(text)))
+}
+
+/// A text whose control characters are written out, so that a name of a file does nothing to the terminal.
+fn visible(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if letter.is_control() && !['\n', '\t'].contains(&letter) {
+            plain.extend(letter.escape_default());
+        } else {
+            plain.push(letter);
+        }
+    }
+    plain
+}
+
+/// A message that is safe to print and no longer than a person reads.
+pub(crate) fn message(text: &str) -> String {
+    let words = text.split_inclusive(char::is_whitespace).map(|word| shortened(word, LONGEST_WORD));
+    visible(&shortened(&words.collect::<String>(), LONGEST))
+}
+
+/// The start and the end of a text that is longer.
+fn shortened(text: &str, longest: usize) -> String {
+    let length = text.chars().count();
+    if length <= longest {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(longest * 2 / 3).collect();
+    let end: String = text.chars().skip(length - longest / 4).collect();
+    format!("{start} ... ({length} characters) ... {end}")
 }
 
 /// A message, to stderr.
@@ -36,7 +70,7 @@ fn write(mut stream: impl Write, text: &str) -> io::Result<()> {
 pub(crate) fn warn(text: &str) {
     let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let (start, end) = if colour { ("\u{1b}[33m", "\u{1b}[0m") } else { ("", "") };
-    note(&format!("{start}warning:{end} {text}"));
+    note(&format!("{start}warning:{end} {}", message(text)));
 }
 
 /// A bar on a terminal, else one that is not seen.
@@ -50,4 +84,18 @@ pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_comes_from_files_neither_moves_the_cursor_nor_fills_the_terminal() {
+        assert_eq!(message("a\u{1b}[2Jb.csv\nc"), "a\\u{1b}[2Jb.csv\nc");
+        let long = message(&format!("`{}` is no number", "9".repeat(100_000)));
+        assert!(long.len() < 400 && long.contains("(100002 characters)"), "{long}");
+        assert!(long.ends_with("9` is no number"), "{long}");
+        assert!(message(&"9 ".repeat(100_000)).len() < 7000);
+    }
 }

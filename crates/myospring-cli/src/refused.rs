@@ -2,11 +2,13 @@
 
 use crate::failure::Failure;
 use crate::overlay;
-use crate::results::Folder;
+use crate::reads;
+use crate::results::{self, Folder};
 use crate::segment::report::{Chosen, Report};
 use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
 use myospring::microscopy::segment::{Choice, SegmentError};
-use myospring::output::{files, json};
+use myospring::output::files::{MANIFEST, Manifest};
+use myospring::output::json;
 use myospring::run_file::{Shape, ShapeBytes, ShapeError, Source};
 use std::path::{Path, PathBuf};
 
@@ -113,11 +115,7 @@ impl Refused<'_> {
         match &self.place {
             Place::File(file) => {
                 let file = if file.exists() { &refused_beside(file) } else { file };
-                if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty())
-                {
-                    files::create_folder(folder)?;
-                }
-                files::write(file, figure.to_png(DPI)?)?;
+                results::write_file(file, figure.to_png(DPI)?)?;
                 Ok(file.clone())
             }
             Place::Folder(target) => {
@@ -148,8 +146,12 @@ pub(crate) fn is_all_there_is(folder: &Path) -> bool {
     let Ok(entries) = std::fs::read_dir(folder) else { return false };
     let names: Vec<String> =
         entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    let ours = |name: &String| name == OVERLAY || name == REPORT || name.starts_with('.');
-    names.iter().any(|name| name == OVERLAY) && names.iter().all(ours)
+    let ours = |name: &String| {
+        [OVERLAY, REPORT, MANIFEST].contains(&name.as_str()) || name.starts_with('.')
+    };
+    names.iter().any(|name| name == OVERLAY)
+        && names.iter().all(ours)
+        && Manifest::of(folder).check_replaceable(&reads::all()).is_ok()
 }
 
 /// Whether the picture shows what the refusal is about.

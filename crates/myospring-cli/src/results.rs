@@ -1,12 +1,11 @@
 //! The folder of results: whole or not at all.
 
 use crate::failure::Failure;
-use crate::fibres;
-use crate::outputs;
+use crate::reads;
 use myospring::output::figure::{Figure, FigureError, Theme};
-use myospring::output::files::{self, Draft, FileError};
+use myospring::output::files::{self, Draft, FileError, Manifest, Reads};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -22,15 +21,64 @@ pub(crate) struct Folder {
     target: PathBuf,
     draft: Draft,
     force: bool,
+    /// Where the files are to be listed.
+    manifest: Manifest,
+    /// Whether that list is the folder's own.
+    has_manifest: bool,
+    reads: Reads,
     /// Names of the files that were written, and their sizes.
     written: Mutex<BTreeMap<String, u64>>,
 }
 
 impl Folder {
-    /// Makes room for results in `target`; refuses a folder that holds anything unless `force`, and one that
-    /// another run is writing to.
+    /// Makes room for results in `target`. Refused: what [`Folder::check`] refuses, and a folder that another run is
+    /// writing to.
     pub(crate) fn claim(target: &Path, force: bool) -> Result<Self, Failure> {
-        let draft = Draft::begin(target).map_err(|error| match error {
+        Self::claim_beside(target, force, reads::all())
+    }
+
+    /// As [`Folder::claim`], for results that must not replace any of these files.
+    pub(crate) fn claim_beside(target: &Path, force: bool, reads: Reads) -> Result<Self, Failure> {
+        Self::check_beside(target, force, &reads)?;
+        let (draft, manifest) = (Self::begin(target)?, Manifest::of(target));
+        let (target, written) = (target.to_owned(), Mutex::default());
+        Ok(Self { target, draft, force, manifest, has_manifest: true, reads, written })
+    }
+
+    /// Refuses a folder that holds anything, unless `force`; and then one with files that its manifest does not list,
+    /// that were changed since, or that were read.
+    pub(crate) fn check(target: &Path, force: bool) -> Result<(), Failure> {
+        Self::check_beside(target, force, &reads::all())
+    }
+
+    fn check_beside(target: &Path, force: bool, reads: &Reads) -> Result<(), Failure> {
+        reads.check_folder(target)?;
+        if fs::symlink_metadata(target).is_ok() && !target.is_dir() {
+            return Err(Failure::new(format!("`{}` is no folder", target.display()))
+                .advise("give a folder like --output results/mine"));
+        }
+        if is_occupied(target).map_err(|error| unusable(target, &error))? {
+            if !force {
+                let message = format!("`{}` already holds files", target.display());
+                return Err(Failure::new(message).advise(
+                    "choose another folder with --output DIR, or replace results with --force",
+                ));
+            }
+            Manifest::of(target).check_replaceable(reads)?;
+        }
+        Ok(())
+    }
+
+    /// Makes room in a part of a folder whose manifest lists these files, too; what it lists there is replaced.
+    pub(crate) fn claim_part(part: Manifest) -> Result<Self, Failure> {
+        let target = part.folder();
+        let (draft, reads, written) = (Self::begin(&target)?, reads::all(), Mutex::default());
+        part.check_replaceable(&reads)?;
+        Ok(Self { target, draft, force: true, manifest: part, has_manifest: false, reads, written })
+    }
+
+    fn begin(target: &Path) -> Result<Draft, Failure> {
+        Draft::begin(target).map_err(|error| match error {
             FileError::NoName { .. } => {
                 Failure::new(format!("`{}` names no folder", target.display()))
                     .advise("give a folder like --output results/mine")
@@ -40,35 +88,11 @@ impl Folder {
             }
             FileError::Folder { source, .. } => unusable(target, &source),
             error => error.into(),
-        })?;
-        let written = Mutex::default();
-        let folder = Self { target: target.to_owned(), draft, force, written };
-        if !force && folder.is_occupied().map_err(|error| unusable(target, &error))? {
-            let message = format!("`{}` already holds files", target.display());
-            return Err(Failure::new(message).advise(
-                "choose another folder with --output DIR, or replace results with --force",
-            ));
-        }
-        Ok(folder)
-    }
-
-    /// Whether the folder holds anything beside what is under way.
-    fn is_occupied(&self) -> std::io::Result<bool> {
-        let entries = match fs::read_dir(&self.target) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
-            entries => entries?,
-        };
-        for entry in entries {
-            if !self.draft.is(&entry?.path()) {
-                return Ok(true);
-            }
-        }
-        Ok(false)
+        })
     }
 
     /// Writes one file.
     pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), Failure> {
-        debug_assert!(is_ours(name), "{name} is not in the list of what runs write");
         let path = self.draft.folder().join(name);
         if let Some(parent) = path.parent() {
             files::create_folder(parent)?;
@@ -95,7 +119,6 @@ impl Folder {
         name: &str,
         make: impl FnOnce(&Path) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        debug_assert!(is_ours(name), "{name} is not in the list of what runs write");
         let path = self.draft.folder().join(name);
         let size = make(&path).and_then(|()| match fs::metadata(&path) {
             Ok(file) => Ok(file.len()),
@@ -113,10 +136,15 @@ impl Folder {
         self.written().values().sum()
     }
 
-    /// Takes back files that were written; `*` stands for anything.
-    pub(crate) fn withdraw(&self, names: &[&str]) {
+    /// Names of all files that were written.
+    pub(crate) fn names(&self) -> BTreeSet<String> {
+        self.written().keys().cloned().collect()
+    }
+
+    /// Takes back the files that were written since there were only these.
+    pub(crate) fn withdraw_all_but(&self, names: &BTreeSet<String>) {
         self.written().retain(|name, _| {
-            let stays = !any(names.iter().copied(), name);
+            let stays = names.contains(name);
             if !stays {
                 // One that cannot be removed is whole.
                 fs::remove_file(self.draft.folder().join(name)).ok();
@@ -154,57 +182,75 @@ impl Folder {
         }
     }
 
-    /// Gives the folder its name. Earlier results there go, all of them; what no run writes stays. Where somebody
-    /// else has put files there since it was claimed, the results get a name beside it.
+    /// Gives the folder its name. Earlier results there go, all that the manifest lists. Where that cannot be done without
+    /// the loss of another file, which came since it was claimed, the results get a name beside it.
     pub(crate) fn finish(self) -> Result<PathBuf, Failure> {
         let target = &self.target;
         let failed = |error: std::io::Error| {
             Failure::new(format!("cannot write results to `{}`: {error}", target.display()))
         };
         let work = self.draft.folder();
+        let names = self.names();
+        let new_folder = |to: &Path| {
+            let own = Manifest::of(&work);
+            let manifest = if self.has_manifest { &own } else { &self.manifest };
+            manifest.announce(&names, &work)?;
+            fs::rename(&work, to).map_err(failed)
+        };
         if !target.exists() {
-            fs::rename(&work, target).map_err(failed)?;
+            new_folder(target)?;
             return Ok(target.clone());
         }
-        if !self.force && self.is_occupied().map_err(failed)? {
+        let refused = match self.manifest.check_replaceable(&self.reads) {
+            Err(error) => Some(error.to_string()),
+            Ok(()) if !self.force && is_occupied(target).map_err(failed)? => {
+                Some(format!("`{}` has got files in the meantime, which stay", target.display()))
+            }
+            Ok(()) => None,
+        };
+        if let Some(why) = refused {
             let name = target.file_name().unwrap_or_default().to_string_lossy();
             let beside = |number: u32| target.with_file_name(format!("{name}_{number}"));
             let free = (2..10_000).map(beside).find(|path| !path.exists()).unwrap_or(beside(2));
-            fs::rename(&work, &free).map_err(failed)?;
-            crate::print::warn(&format!(
-                "`{}` has got files in the meantime, which stay; the results are in `{}`",
-                target.display(),
-                free.display()
-            ));
+            new_folder(&free)?;
+            crate::print::warn(&format!("{why}; the results are in `{}`", free.display()));
             return Ok(free);
         }
-        remove_ours(target, "").and_then(|()| merge(&work, target)).map_err(failed)?;
+        // Listed before they are there, so that also a folder that is half replaced can be replaced.
+        self.manifest.announce(&names, &work)?;
+        self.manifest.clear(&[]).and_then(|()| merge(&work, target)).map_err(failed)?;
+        self.manifest.settle()?;
         Ok(target.clone())
     }
+}
+
+/// Refuses a file that a person named where it is one that is read, or where the name is that of no file.
+pub(crate) fn check_file(path: &Path) -> Result<(), Failure> {
+    reads::all().check_file(path)?;
+    Ok(files::check_writable(path)?)
+}
+
+/// Writes a file that a person named, unless [`check_file`] refuses it.
+pub(crate) fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
+    check_file(path)?;
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        files::create_folder(folder)?;
+    }
+    Ok(files::write(path, content)?)
+}
+
+/// Whether a folder holds anything that is not hidden.
+fn is_occupied(folder: &Path) -> std::io::Result<bool> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+        entries => entries?.collect::<std::io::Result<Vec<_>>>()?,
+    };
+    Ok(entries.iter().any(|entry| !entry.file_name().to_string_lossy().starts_with('.')))
 }
 
 fn unusable(target: &Path, error: &std::io::Error) -> Failure {
     Failure::new(format!("cannot write results to `{}`: {error}", target.display()))
         .advise("choose a folder that you may write to, like --output results/mine")
-}
-
-/// Removes the files that runs write from a folder; `within` is its place in the results.
-fn remove_ours(folder: &Path, within: &str) -> std::io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        let name = format!("{within}{}", entry.file_name().to_string_lossy());
-        let inner = format!("{name}/");
-        if entry.file_type()?.is_dir() {
-            if ours().any(|pattern| pattern.starts_with(&inner)) {
-                remove_ours(&entry.path(), &inner)?;
-                // Where something else stands in it, it stays.
-                fs::remove_dir(entry.path()).ok();
-            }
-        } else if is_ours(&name) {
-            fs::remove_file(entry.path())?;
-        }
-    }
-    Ok(())
 }
 
 /// Moves every file of one folder into another.
@@ -220,70 +266,4 @@ fn merge(from: &Path, to: &Path) -> std::io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Whether a command that makes a folder of results writes a file of this name.
-fn is_ours(name: &str) -> bool {
-    any(ours(), name)
-}
-
-/// Names of the files that commands write to a folder of results; `*` stands for anything.
-fn ours() -> impl Iterator<Item = &'static str> {
-    const FILES: [&str; 48] = [
-        "inputs/*",
-        "traces.csv",
-        fibres::FILE,
-        "summary.json",
-        "run.toml",
-        "run.json",
-        "paper.json",
-        "traces_*_kPa.csv",
-        "figures/fig3_action_potential_and_tension.*",
-        "figures/fig5_cell.*",
-        "figures/fig6_contraction.*",
-        "mesh.json",
-        "outline.geojson",
-        "mask.png",
-        "cell.roi",
-        "cells.zip",
-        "overlay.png",
-        "report.json",
-        "comparison.json",
-        "metrics.csv",
-        "summary.csv",
-        "fit.json",
-        "track/track.csv",
-        "track/rest.tif",
-        "track/outline.geojson",
-        "fits.csv",
-        "curve.csv",
-        "report.html",
-        "figures/fit.*",
-        "tension_map.csv",
-        "tension_map.vtu",
-        "figures/tension_map.*",
-        "figures/shapes.*",
-        "cells/*/fit.json",
-        "cells/*/curve.csv",
-        "cells/*/run.toml",
-        "cells/*/report.html",
-        "figures/fit_*.*",
-        "figures/trace_*.*",
-        "runs/run_*.toml",
-        "runs/traces_*.csv",
-        "figures/compared.*",
-        "figures/contraction.*",
-        "track.csv",
-        "track.json",
-        "track.gif",
-        "rest.tif",
-        "figures/track.*",
-    ];
-    FILES.into_iter().chain(outputs::files())
-}
-
-/// Whether a name is one of those; `*` stands for anything.
-fn any<'a>(patterns: impl IntoIterator<Item = &'a str>, name: &str) -> bool {
-    let matches = |pattern: &str| glob::Pattern::new(pattern).is_ok_and(|it| it.matches(name));
-    patterns.into_iter().any(matches)
 }

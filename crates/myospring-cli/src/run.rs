@@ -37,9 +37,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     if let Some(factors) = &args.scale {
         factor::scale(&mut run, &factor::parse(factors)?)?;
     }
+    let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join(&name));
+    if !args.dry_run {
+        Folder::check(&target, args.output.force)?;
+    }
     let Input { name, mut run, bytes, shaped } = input::mesh(name, run, results)?;
     let Made { mut simulation, report, outline, fibres, picture } =
-        run.make(shaped, |file| std::fs::read(file))?;
+        run.make(shaped, |file| crate::reads::bytes(file))?;
     // What repeats the run is what was taken.
     run.fibre = fibres.taken;
     timings.mesh_s = start.elapsed().as_secs_f64();
@@ -57,7 +61,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             print::warn(warning);
         }
     }
-    let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join(&name));
     let of_picture = picture.is_some().then(|| fibres.report());
     if args.dry_run {
         let fibres = of_picture.as_ref();
@@ -87,7 +90,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         fibres: &fibres,
         picture: picture.as_ref(),
         outcome: &outcome,
-        read: &|file| std::fs::read(file),
+        read: &|file| crate::reads::bytes(file),
     };
     let summary = over.summary(warnings);
     let numbers =

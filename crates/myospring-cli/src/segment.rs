@@ -10,7 +10,7 @@ use crate::fibres;
 use crate::overlay::{self, Lattice};
 use crate::refused::{self, Place, Refused};
 use crate::results::Folder;
-use crate::{input, interrupt, print};
+use crate::{input, interrupt, print, reads, results};
 use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
 use myospring::microscopy::outlines::raster::{write_labels_png, write_mask_png};
 use myospring::microscopy::outlines::{
@@ -18,7 +18,7 @@ use myospring::microscopy::outlines::{
 };
 use myospring::microscopy::segment::{Choice, SegmentError};
 use myospring::output::figure::Figure;
-use myospring::output::{files, json};
+use myospring::output::json;
 use myospring::run_file::{Shape, ShapeError, Source};
 use myospring::settings::PictureSource;
 use report::{Chosen, LeftOut, Report};
@@ -49,9 +49,14 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     if args.whole_frame {
         return whole_frame::read(args, &name, &run, source);
     }
-    let bytes = run.shape.bytes(|file| std::fs::read(file))?;
-    let picture = args.input.display().to_string();
     let target = into.unwrap_or_else(|| folder(&name));
+    if args.output.iter().all(|output| *output == target) {
+        Folder::check(&target, args.force || refused::is_all_there_is(&target))?;
+    } else {
+        may_be_written(args)?;
+    }
+    let bytes = run.shape.bytes(|file| reads::bytes(file))?;
+    let picture = args.input.display().to_string();
     let place = match args.output.first().filter(|file| **file != target) {
         Some(first) => Place::File(beside(first)),
         None => Place::Folder(target.clone()),
@@ -194,7 +199,6 @@ fn write(
         return Ok(vec![folder.finish()?.display().to_string()]);
     }
     let overlay = beside(&args.output[0]);
-    may_be_written(args, &overlay)?;
     let encoded: Vec<Vec<u8>> =
         args.output.iter().map(|file| encoded(file, &named, &frame)).collect::<Result<_, _>>()?;
     let png = figure.to_png(DPI)?;
@@ -209,12 +213,16 @@ fn named<'a>(cells: impl Iterator<Item = &'a PictureCell>) -> Vec<NamedOutline> 
     cells.map(named).collect()
 }
 
-/// Refuses to write over what is there.
-fn may_be_written(args: &SegmentArgs, overlay: &PathBuf) -> Result<(), Failure> {
-    let taken = args.output.iter().chain([overlay]).find(|file| file.exists());
-    if let (Some(file), false) = (taken, args.force) {
-        let message = format!("`{}` already exists", file.display());
-        return Err(Failure::new(message).advise("choose another name, or replace it with --force"));
+/// Refuses to write over what is there, and ever over what is read.
+fn may_be_written(args: &SegmentArgs) -> Result<(), Failure> {
+    let overlay = args.output.first().map(|first| beside(first));
+    for file in args.output.iter().chain(&overlay) {
+        results::check_file(file)?;
+        if file.exists() && !args.force {
+            let message = format!("`{}` already exists", file.display());
+            let failure = Failure::new(message);
+            return Err(failure.advise("choose another name, or replace it with --force"));
+        }
     }
     Ok(())
 }
@@ -224,10 +232,7 @@ fn write_files<'a>(
 ) -> Result<Vec<String>, Failure> {
     files
         .map(|(file, content)| {
-            if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-                files::create_folder(folder)?;
-            }
-            files::write(file, content)?;
+            results::write_file(file, content)?;
             Ok(file.display().to_string())
         })
         .collect()

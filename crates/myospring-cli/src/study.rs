@@ -7,15 +7,19 @@ use crate::args::{
     SchemaOf, StudyArgs, StudyCommand, StudyFiguresArgs, StudyInitArgs, StudyMergeArgs,
     StudyRunArgs,
 };
+use crate::batch::damaged;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::{input, interrupt, lists, print, progress};
+use crate::{input, interrupt, lists, print, progress, reads};
+use files::TABLE;
+pub use files::save;
 use files::{FIGURES, draw, write};
-pub use files::{RESULTS, save};
 use indicatif::ProgressBar;
+use myospring::output::files::Manifest;
 use myospring::output::json;
 use myospring::study::parameters::{
     Answer, Common, ParameterStudy, Shard, Variation, VariationRow, merge_traces, run,
+    with_whole_curves,
 };
 use myospring::study::{Journal, Observer, Row as _, Status, Threads};
 use std::io;
@@ -49,7 +53,7 @@ fn read_study(path: &Path) -> Result<(String, ParameterStudy), Failure> {
 /// Reads files as a description names them: beside it.
 fn beside(path: &Path) -> impl Fn(&str) -> io::Result<Vec<u8>> + Sync {
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    move |file: &str| std::fs::read(folder.join(file))
+    move |file: &str| reads::bytes(folder.join(file))
 }
 
 fn target(output: Option<&PathBuf>, study: &Path) -> PathBuf {
@@ -73,16 +77,22 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let (start, output) = (Instant::now(), &args.output);
     let (text, study) = read_study(&args.study)?;
     let read = beside(&args.study);
-    let common = Common::new(&study, read).map_err(Failure::new)?;
     let target = target(output.output.as_ref(), &args.study);
     let shard: Shard =
         args.shard.as_deref().map_or(Ok(Shard::WHOLE), str::parse).map_err(Failure::new)?;
     let folder = if args.shard.is_some() { shard_folder(&target, shard) } else { target.clone() };
+    // Before anything beats, and once more when all files are known.
+    reads::all().check_folder(&folder)?;
+    if output.force {
+        Manifest::of(&folder).check_replaceable(&reads::all())?;
+    }
+    let common = Common::new(&study, read).map_err(Failure::new)?;
     let journal = if output.force {
-        Journal::begin_anew(&folder, &study.settings(&common), &RESULTS)?
+        Journal::begin_anew(&folder, &study.settings(&common), &reads::all())?
     } else {
-        Journal::open(&folder, &study.settings(&common))?
+        Journal::open_beside(&folder, &study.settings(&common), &reads::all())?
     };
+    let manifest = journal.manifest().unwrap_or_else(|| Manifest::of(&folder));
     let common = common.keeping_traces(&folder, shard)?;
     interrupt::heed("the members under way are finished and kept");
     let threads = Threads::new(args.jobs.map(usize::from))?;
@@ -110,7 +120,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let answer = Answer::new(&study, &common.units, report.rows);
-    finish(&study, &common, &answer, &target, &text, output.json)?;
+    finish(&study, &common, &answer, &manifest, &text, output.json)?;
     let took = format!("results in {} ({:.1} s)", target.display(), start.elapsed().as_secs_f64());
     if !output.json {
         print::out(&took)?;
@@ -126,6 +136,9 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
     let failed =
         |error: io::Error| Failure::new(format!("cannot read `{}`: {error}", target.display()));
     let all = study.values.members();
+    let manifest = Manifest::of(&target);
+    reads::all().check_folder(&target)?;
+    manifest.check_reads(&reads::all())?;
     let mut rows = Vec::new();
     let mut parts: Vec<(Shard, PathBuf)> = Vec::new();
     for entry in std::fs::read_dir(&target).map_err(failed)? {
@@ -135,7 +148,11 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
         {
             let journal: Journal<Variation> =
                 Journal::open(&entry.path(), &study.settings(&common))?;
-            rows.extend(study.noted(part, &journal)?);
+            let noted = study.noted(part, &journal)?;
+            rows.extend(match &common.axes {
+                Some(axes) => with_whole_curves(&entry.path(), axes, part, all, noted)?,
+                None => noted,
+            });
             parts.push((part, entry.path()));
         }
     }
@@ -161,7 +178,7 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
             parts.iter().map(|(part, folder)| (*part, folder.as_path())).collect();
         merge_traces(&target, axes, all, &parts)?;
     }
-    finish(&study, &common, &answer, &target, &text, args.json)?;
+    finish(&study, &common, &answer, &manifest, &text, args.json)?;
     if !args.json {
         print::out(&format!("results in {}", target.display()))?;
     }
@@ -172,11 +189,11 @@ fn finish(
     study: &ParameterStudy,
     common: &Common,
     answer: &Answer<'_>,
-    target: &Path,
+    manifest: &Manifest,
     text: &str,
     as_json: bool,
 ) -> Result<(), Failure> {
-    let (outcome, left_out) = write(study, common, answer, target, text)?;
+    let (outcome, left_out) = write(study, common, answer, manifest, text)?;
     for warning in &left_out {
         print::warn(warning);
     }
@@ -193,15 +210,18 @@ fn figures(args: &StudyFiguresArgs) -> Result<ExitCode, Failure> {
     let read = beside(&args.study);
     let common = Common::new(&study, read).map_err(Failure::new)?;
     let target = target(args.output.as_ref(), &args.study);
-    let table = target.join(RESULTS[0]);
+    let table = target.join(TABLE);
     let named = |cause: &dyn std::fmt::Display| {
         Failure::new(format!("`{}`: {cause}", table.display()))
             .advise("`myospring study run` or `myospring study merge` writes it")
     };
-    let rows = std::fs::read(&table).map_err(|error| named(&error))?;
+    let rows = reads::bytes(&table).map_err(|error| named(&error))?;
     let answer = Answer::from_csv(&study, &common.units, &rows).map_err(|error| named(&error))?;
     let sensitivity = answer.sensitivity().unwrap_or_default();
-    let (count, left_out) = draw(&answer, &common, &sensitivity, &target)?;
+    let manifest = Manifest::of(&target);
+    manifest.check_reads(&reads::all())?;
+    let (count, left_out) = draw(&answer, &common, &sensitivity, &manifest)?;
+    manifest.settle()?;
     for warning in &left_out {
         print::warn(warning);
     }
@@ -221,6 +241,10 @@ impl Observer<Variation> for Seen<'_> {
             print::note(&format!("going on: {done} of {members} members are done"));
         }
         self.bar.inc(done as u64);
+    }
+
+    fn damaged(&self, members: usize) {
+        print::warn(&damaged(members, "members"));
     }
 
     fn finished(&self, member: &Variation, rows: &[VariationRow]) -> bool {

@@ -23,6 +23,7 @@ use std::path::Path;
 pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
     let asked = Asked::of(args)?;
+    asked.settled()?;
     let name = open::name(&args.input)?;
     let target = args.output.output.clone();
     let target = target.unwrap_or_else(|| Path::new("results").join(format!("{name}_track")));

@@ -145,7 +145,7 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         ),
         (
             vec!["run", "--myofibril-content", "content.csv"],
-            &["content.csv", "line 3", "content is -1", "0 or above"],
+            &["content.csv", "line 3", "content is -1", "from 0 to 100"],
         ),
         (
             vec!["run", "--myofibril-content", "beside.csv"],

@@ -255,7 +255,8 @@ fn an_output_that_cannot_be_written_leaves_the_curves_and_numbers() {
     }
     let results = folder.path().join("results/adult_ventricular");
     let kept = ["run.json", "run.toml", "summary.json", "traces.csv"];
-    let found = names(&results).into_iter().filter(|name| !name.ends_with('/'));
+    let found = names(&results).into_iter();
+    let found = found.filter(|name| !name.ends_with('/') && name != "myospring.sha256");
     assert_eq!(found.collect::<Vec<_>>(), kept);
     let record = fs::read_to_string(results.join("run.json")).unwrap();
     assert!(record.contains("\"error\": \"cannot write"), "{record}");

@@ -172,10 +172,6 @@ fn results_that_were_moved_repeat_their_run_without_the_files_that_it_was_made_f
     std::fs::remove_dir_all(at("data")).unwrap();
     let again = myospring(elsewhere.path(), &["run", "moved/run.toml", "-o", "again"]);
     assert!(again.status.success(), "{}", text(&again.stderr));
-    // In its own place, too.
-    let over = ["run", "moved/run.toml", "-o", "moved", "--force"];
-    let over = myospring(elsewhere.path(), &over);
-    assert!(over.status.success(), "{}", text(&over.stderr));
     for file in ["traces.csv", "summary.json", "run.toml", "inputs/cell.png", "inputs/calcium.csv"]
     {
         let [again, moved] = ["again", "moved"]

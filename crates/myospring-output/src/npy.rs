@@ -70,15 +70,16 @@ impl Records {
         self.count
     }
 
-    /// Writes a record; numbers beyond its length are left out, missing ones are NaN.
+    /// Writes a record, and returns it as it was written: numbers beyond its length are left out, missing ones are NaN.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&mut self, record: usize, numbers: &[f32]) -> Result<(), FileError> {
+    pub fn write(&mut self, record: usize, numbers: &[f32]) -> Result<Vec<f32>, FileError> {
         let numbers = numbers.iter().copied().chain(std::iter::repeat(f32::NAN));
-        let bytes: Vec<u8> = numbers.take(self.length).flat_map(f32::to_le_bytes).collect();
+        let numbers: Vec<f32> = numbers.take(self.length).collect();
+        let bytes: Vec<u8> = numbers.iter().copied().flat_map(f32::to_le_bytes).collect();
         let written = self.at(record).and_then(|()| self.file.write_all(&bytes));
-        written.map_err(|source| self.failed(source))
+        written.map(|()| numbers).map_err(|source| self.failed(source))
     }
 
     /// Reads a record.

@@ -77,16 +77,24 @@ impl Column {
         }
     }
 
-    /// What stands in a row of a CSV; nothing for none.
+    /// What a row of a CSV has; nothing for none.
     fn field(&self, row: usize) -> String {
         match self {
-            Self::Text { values, .. } => values.get(row).cloned().flatten().unwrap_or_default(),
+            Self::Text { values, .. } => {
+                values.get(row).and_then(Option::as_deref).map(no_formula).unwrap_or_default()
+            }
             Self::Number { values, .. } => {
                 let value = values.get(row).copied().flatten().filter(|value| value.is_finite());
                 value.map(digits::written).unwrap_or_default()
             }
         }
     }
+}
+
+/// A text that no spreadsheet takes for a formula: before one that begins like a formula comes an apostrophe.
+fn no_formula(text: &str) -> String {
+    let apostrophe = if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { "'" } else { "" };
+    format!("{apostrophe}{text}")
 }
 
 impl Table {
@@ -106,7 +114,8 @@ impl Table {
         self
     }
 
-    /// The table as CSV: a line of names, then a line for each row.
+    /// The table as CSV: a line of names, then a line for each row. Words that begin with `=`, `+`, `-` or `@` have an
+    /// apostrophe before them, so that a spreadsheet takes none for a formula.
     ///
     /// # Errors
     /// None that a table can cause; the writer's signature has one.
@@ -118,6 +127,10 @@ impl Table {
     /// let area = Column::Number { name: "area_um2".into(), values: vec![None, Some(2.5)] };
     /// let table = Table { columns: vec![cell, area] };
     /// assert_eq!(String::from_utf8(table.to_csv()?).unwrap(), "cell,area_um2\n1,\n,2.5\n");
+    ///
+    /// let cell = Column::Text { name: "cell".into(), values: vec![Some("=1+1.tif".into())] };
+    /// let table = Table { columns: vec![cell] };
+    /// assert_eq!(String::from_utf8(table.to_csv()?).unwrap(), "cell\n'=1+1.tif\n");
     /// # Ok::<(), myospring::output::csv::CsvError>(())
     /// ```
     pub fn to_csv(&self) -> Result<Vec<u8>, CsvError> {
@@ -169,7 +182,7 @@ pub fn write_csv<T: Borrow<Table>>(
     for (index, piece) in pieces.into_iter().enumerate() {
         let piece = piece.borrow();
         if index == 0 {
-            let names = piece.columns.iter().map(Column::name);
+            let names = piece.columns.iter().map(|column| no_formula(column.name()));
             writer.write_record(names).map_err(|error| failed(0, error))?;
         }
         for row in 0..piece.rows() {

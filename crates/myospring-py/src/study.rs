@@ -3,6 +3,7 @@
 use crate::batch::{Matrix, numbers_of, rows_of};
 use crate::waiting::interruptible;
 use crate::{errors, head, words};
+use myospring::output::files::{Manifest, Reads};
 use myospring::study::parameters::{
     Answer, Common, Kind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
     VariationRow,
@@ -82,9 +83,10 @@ struct Progress {
 impl Study {
     /// Reads a description, TOML, whose files are those of `files` or else in a folder; makes what its members share,
     /// beats the run without any change, and goes on with the journal in the folder `output`, or begins one there.
-    /// `of_text` is whether a person wrote the description as text.
+    /// `of_text` is whether a person wrote the description as text, `description` the file that the text was read from.
     #[new]
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    #[allow(clippy::too_many_arguments, reason = "the parts of a study, each once")]
     fn new(
         py: Python<'_>,
         text: String,
@@ -93,6 +95,7 @@ impl Study {
         output: Option<PathBuf>,
         force: bool,
         of_text: bool,
+        description: Option<PathBuf>,
     ) -> PyResult<Self> {
         let made = py.detach(|| {
             let seen = Mutex::new(BTreeMap::new());
@@ -109,16 +112,27 @@ impl Study {
             study.traces &= output.is_some();
             let mut common = Common::new(&study, read)?;
             let mut journal = Journal::in_memory();
-            if let Some(folder) = &output {
+            let seen = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+            if let Some(output) = &output {
                 let settings = study.settings(&common);
+                let mut reads = Reads::new();
+                let on_disk = seen.keys().filter(|path| !files.contains_key(*path));
+                on_disk.map(|path| folder.join(path)).for_each(|path| reads.add(&path));
+                description.iter().for_each(|path| reads.add(path));
                 journal = if force {
-                    Journal::begin_anew(folder, &settings, &myospring_cli::STUDY_RESULTS)?
+                    Journal::begin_anew(output, &settings, &reads)?
                 } else {
-                    Journal::open(folder, &settings)?
+                    Journal::open_beside(output, &settings, &reads)?
                 };
-                common = common.keeping_traces(folder, Shard::WHOLE)?;
+                common = common.keeping_traces(output, Shard::WHOLE)?;
+                common.check_curves(&study.members(Shard::WHOLE), &journal)?;
+                let manifest = Manifest::of(output);
+                manifest.write("study.toml", &text)?;
+                for (name, content) in &files {
+                    manifest.write(name, content)?;
+                }
             }
-            let files = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let files = seen;
             Ok::<_, ParameterStudyError>((study, common, journal, files))
         });
         let (parameters, common, journal, files) =
@@ -144,6 +158,12 @@ impl Study {
     #[getter]
     fn title(&self) -> &str {
         &self.parameters.title
+    }
+
+    /// How many members' kept results were damaged, and are worked on anew.
+    #[getter]
+    fn damaged(&self) -> usize {
+        self.progress().journal.damaged()
     }
 
     /// What every member is: `"beat"` or `"cell"`.
@@ -249,28 +269,30 @@ impl Study {
             return Err(errors::value("these rows are not of this study"));
         }
         let curves = curves.as_array();
-        let done: Vec<(Variation, Vec<f32>)> = if curves.dim().1 == 0 {
-            Vec::new()
-        } else {
-            let rows = numbers.iter().zip(curves.outer_iter()).zip(&reasons);
-            let done = rows.filter(|(_, reason)| reason.is_none());
-            done.map(|((&number, curves), _)| (Variation::new(number, Vec::new()), curves.to_vec()))
-                .collect()
-        };
+        let done = numbers.iter().zip(curves.outer_iter()).zip(&reasons).map(
+            |((&number, curves), reason)| {
+                let curves = if reason.is_none() { curves.to_vec() } else { Vec::new() };
+                (Variation::new(number, Vec::new()), curves)
+            },
+        );
+        let (members, curves): (Vec<Variation>, Vec<Vec<f32>>) = done.unzip();
         let rows = numbers.into_iter().zip(metrics.outer_iter()).zip(reasons);
-        let rows: Vec<VariationRow> = rows
+        let mut rows: Vec<VariationRow> = rows
             .map(|((member, metrics), reason)| match reason {
                 None => {
                     let metrics = metrics.iter().map(|&it| Some(it).filter(|it| !it.is_nan()));
                     let (status, reason) = (Status::Ok, String::new());
-                    VariationRow { member, status, reason, metrics: metrics.collect() }
+                    let (metrics, curves) = (metrics.collect(), String::new());
+                    VariationRow { member, status, reason, metrics, curves }
                 }
                 Some(reason) => failed(member, reason),
             })
             .collect();
         let noted = py.detach(|| {
-            let (members, curves): (Vec<Variation>, Vec<Vec<f32>>) = done.into_iter().unzip();
-            self.common.keep(&members.iter().collect::<Vec<_>>(), &curves)?;
+            let hashes = self.common.keep(&members.iter().collect::<Vec<_>>(), &curves)?;
+            for (row, hash) in rows.iter_mut().zip(hashes) {
+                row.curves = hash;
+            }
             self.parameters.note(&self.progress().journal, rows)
         });
         noted.map_err(|error| errors::of_journal(&error))
@@ -326,13 +348,10 @@ impl Study {
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<String>> {
         let saved = py.detach(|| {
             let answer = self.answer().map_err(|error| error.to_string())?;
-            if let (Some(_), Some(output)) = (&self.common.axes, &self.output)
-                && *output != folder
-            {
-                let copied = fs::create_dir_all(&folder)
-                    .and_then(|()| fs::copy(output.join(TRACES), folder.join(TRACES)));
-                copied.map_err(|error| format!("cannot write `{}`: {error}", folder.display()))?;
-            }
+            let traces = self.output.as_ref().filter(|_| self.common.axes.is_some());
+            let traces =
+                traces.filter(|output| output.canonicalize().ok() != folder.canonicalize().ok());
+            let traces = traces.map(|output| output.join(TRACES));
             let threads = Threads::new(None).map_err(|error| error.to_string())?;
             threads.install(|| {
                 myospring_cli::save_study(
@@ -341,6 +360,7 @@ impl Study {
                     &answer,
                     &folder,
                     &self.text,
+                    traces.as_deref(),
                 )
             })
         });
@@ -366,7 +386,8 @@ impl Study {
 }
 
 fn failed(member: usize, reason: String) -> VariationRow {
-    VariationRow { member, status: Status::Failed, reason, metrics: Vec::new() }
+    let curves = String::new();
+    VariationRow { member, status: Status::Failed, reason, metrics: Vec::new(), curves }
 }
 
 /// What members share, in a worker.

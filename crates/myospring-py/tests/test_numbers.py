@@ -62,11 +62,16 @@ def test_saved_results_are_the_programs_files(beat, run, tmp_path):
     files = {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
     other = tmp_path / "beat"
     assert files == {path.relative_to(other) for path in other.rglob("*") if path.is_file()}
-    for name in files - {next(file for file in files if file.name == "run.json")}:
+    # Times of the clock, and the hash of the file that has them.
+    for name in (name for name in files if name.name not in ("run.json", "myospring.sha256")):
         assert (folder / name).read_bytes() == (other / name).read_bytes(), name
     with pytest.raises(OSError, match="already holds files"):
         beat.save(folder)
     beat.save(folder, force=True, outputs=[])
+    (folder / "notes.txt").write_text("mine", encoding="utf-8")
+    with pytest.raises(OSError, match="did not write, or that were changed since: notes.txt"):
+        beat.save(folder, force=True)
+    assert (folder / "notes.txt").read_text(encoding="utf-8") == "mine"
 
 
 def test_arrays_have_the_shapes_that_are_stated(cell, beat):

@@ -64,7 +64,6 @@
 
 pub mod cells;
 mod error;
-mod hash;
 mod journal;
 mod member;
 mod observer;
@@ -75,8 +74,8 @@ pub mod sampling;
 pub mod sensitivity;
 mod threads;
 
+pub use crate::output::files::sha256;
 pub use error::{Cause, Interrupted, StudyError};
-pub use hash::sha256;
 pub use journal::Journal;
 pub use member::{Member, Row, Status};
 pub use observer::{Observer, TABLE_EVERY};

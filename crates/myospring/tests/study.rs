@@ -7,6 +7,7 @@ use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::{CellModel, coelho_2021};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
+use myospring::output::files::{Manifest, Reads};
 use myospring::output::table::{Column, Table};
 use myospring::run_file::Reader;
 use myospring::study::cells::{self, BeatRow, PacedCell};
@@ -158,18 +159,22 @@ fn results_of_other_settings_are_kept_unless_it_begins_anew() {
     let folder = tempfile::tempdir().unwrap();
     let numbers = numbers(2);
     squares(&numbers, &Journal::open(folder.path(), "a = 1").unwrap(), &());
-    std::fs::create_dir(folder.path().join("drawings")).unwrap();
-    std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+    Manifest::of(folder.path()).write("drawings/a.svg", "ours").unwrap();
     let open = |settings| Journal::<Number>::open(folder.path(), settings);
     let other = open("a = 2").err().unwrap();
     assert!(matches!(&other, StudyError::OtherSettings { .. }), "{other}");
     assert!(other.to_string().contains("results of other settings; choose another"), "{other}");
     assert_eq!(squares(&numbers, &open("a = 1").unwrap(), &()).resumed, 2);
 
-    let anew = Journal::begin_anew(folder.path(), "a = 2", &["drawings", "never there"]).unwrap();
-    assert_eq!(squares(&numbers, &anew, &()).resumed, 0);
-    let is_there = |name| folder.path().join(name).exists();
-    assert!(!is_there("drawings") && is_there("notes.txt"));
+    let notes = folder.path().join("notes.txt");
+    std::fs::write(&notes, "mine").unwrap();
+    let begin = || Journal::begin_anew(folder.path(), "a = 2", &Reads::new());
+    let refused = begin().err().unwrap().to_string();
+    assert!(refused.contains("did not write") && refused.contains("notes.txt"), "{refused}");
+    assert!(folder.path().join("drawings/a.svg").exists());
+    std::fs::remove_file(notes).unwrap();
+    assert_eq!(squares(&numbers, &begin().unwrap(), &()).resumed, 0);
+    assert!(!folder.path().join("drawings").exists());
     assert!(matches!(open("a = 1"), Err(StudyError::OtherSettings { .. })));
 }
 
@@ -194,7 +199,7 @@ fn a_second_study_in_one_folder_is_refused_while_the_first_goes_on() {
     let first = Journal::open(folder.path(), "").unwrap();
     for second in [
         Journal::<Number>::open(folder.path(), ""),
-        Journal::<Number>::begin_anew(folder.path(), "", &["drawings"]),
+        Journal::<Number>::begin_anew(folder.path(), "", &Reads::new()),
     ] {
         let refused = second.err().unwrap().to_string();
         assert!(refused.contains("another run is writing to"), "{refused}");
@@ -207,11 +212,13 @@ fn a_second_study_in_one_folder_is_refused_while_the_first_goes_on() {
 #[test]
 fn a_study_that_died_before_its_settings_were_written_begins_again() {
     let folder = tempfile::tempdir().unwrap();
-    for left in ["progress.jsonl", "settings.toml.part"] {
-        std::fs::write(folder.path().join(left), "").unwrap();
+    let journal = Manifest::of(folder.path()).changing("progress.jsonl").unwrap();
+    let part = folder.path().join(".myospring-0123456789abcdef.part");
+    for left in [&journal, &part] {
+        std::fs::write(left, "").unwrap();
     }
     assert_eq!(squares(&numbers(2), &Journal::open(folder.path(), "").unwrap(), &()).rows.len(), 2);
-    assert!(!folder.path().join("settings.toml.part").exists());
+    assert!(!part.exists());
 }
 
 #[test]

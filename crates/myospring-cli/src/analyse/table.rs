@@ -73,6 +73,9 @@ pub(crate) fn frame_rate(text: &str) -> Result<f64, Failure> {
     .advise("give it like --frame-rate 30, as the camera was set"))
 }
 
+/// Shortest interval between stimuli, ms: a tenth of what the fastest hearts beat at, and a bound on how many there are.
+const LEAST_PERIOD_MS: f64 = 10.0;
+
 /// A time with its unit, or a number of ms.
 fn time(option: &str, text: &str) -> Result<f64, Failure> {
     match text.trim().parse::<f64>() {
@@ -114,10 +117,11 @@ impl Beats {
         }
         let times = stimuli.stimulus_times.iter().map(|text| time("--stimulus-times", text));
         let period_ms = of("--stimulus-period", stimuli.stimulus_period.as_deref())?;
-        if let Some(period) = period_ms.filter(|period| *period <= 0.0) {
+        if let Some(period) = period_ms.filter(|period| *period < LEAST_PERIOD_MS) {
             return Err(Failure::new(format!(
-                "--stimulus-period is {period} ms; it must be above 0"
-            )));
+                "--stimulus-period is {period} ms; it must be at least {LEAST_PERIOD_MS} ms"
+            ))
+            .advise("give it with its unit, like --stimulus-period \"1 s\""));
         }
         let smoothing_ms = of("--smooth", smooth)?;
         if let Some(smooth) = smoothing_ms.filter(|smooth| *smooth < 0.0) {

@@ -7,7 +7,7 @@ use crate::results::Folder;
 use crate::summary::{self, Numbers};
 use crate::{interrupt, outputs, overlay};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::output::files;
+use myospring::output::files::Manifest;
 use myospring::study::Cause;
 use myospring::study::pictures::{Beaten, Keeper, Picture};
 use std::path::{Component, Path};
@@ -18,9 +18,6 @@ pub(super) const PARQUET: &str = "cells.parquet";
 const OVERLAYS: &str = "overlays";
 const CELLS: &str = "cells";
 
-/// All that a batch leaves beside its journal.
-pub(super) const RESULTS: [&str; 4] = [OVERLAYS, CELLS, CSV, PARQUET];
-
 /// Resolution of the overlays, dots per inch.
 const DPI: f64 = 150.0;
 
@@ -28,7 +25,7 @@ const DPI: f64 = 150.0;
 pub(super) struct Kept<'a> {
     /// Whether each cell gets a folder of curves and figures.
     pub(super) figures: bool,
-    pub(super) target: &'a Path,
+    pub(super) manifest: &'a Manifest,
 }
 
 impl Keeper for Kept<'_> {
@@ -40,11 +37,8 @@ impl Keeper for Kept<'_> {
         notes: &[String],
     ) -> Result<(), Cause> {
         let figure = overlay::draw(&picture.name, cells, to_beat, None, notes)?;
-        let file = self.target.join(OVERLAYS).join(format!("{}.png", own(&picture.name)));
-        if let Some(folder) = file.parent() {
-            files::create_folder(folder)?;
-        }
-        Ok(files::write(&file, figure.to_png(DPI)?)?)
+        let file = format!("{OVERLAYS}/{}.png", own(&picture.name));
+        Ok(self.manifest.write(&file, figure.to_png(DPI)?)?)
     }
 
     fn beaten(&self, beaten: &Beaten<'_>) -> Result<(), Cause> {
@@ -53,7 +47,7 @@ impl Keeper for Kept<'_> {
         }
         let Beaten { picture, cell, run, simulation, outline, fibres, finished, summary } = beaten;
         let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
-        let folder = Folder::claim(&self.target.join(CELLS).join(name), true)?;
+        let folder = Folder::claim_part(self.manifest.part(&format!("{CELLS}/{name}")))?;
         let report = fibres.report();
         let numbers = Numbers { summary, fibres: Some(&report), integration: finished.effort };
         let stimuli = run.stimulus_times();

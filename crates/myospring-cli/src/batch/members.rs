@@ -38,7 +38,7 @@ pub(super) fn pictures(
 }
 
 fn of_table(table: &Path, folder: Option<&Path>) -> Result<(Vec<Picture>, Vec<String>), Failure> {
-    let bytes = std::fs::read(table).map_err(|error| input::cannot_read(table, &error))?;
+    let bytes = crate::reads::bytes(table).map_err(|error| input::cannot_read(table, &error))?;
     let beside = folder.or(table.parent()).unwrap_or(Path::new(""));
     let pictures = read_table(&bytes, &table.display().to_string(), beside).map_err(|error| {
         Failure::new(error).advise(

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::input::{self, Input};
 use crate::interrupt;
 use crate::options::Given;
+use crate::reads;
 use indicatif::ProgressBar;
 use myospring::compare::factor::{self, Factor, Scaled};
 use myospring::compare::setting;
@@ -13,6 +14,7 @@ use myospring::mesh::carried::Carried;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::quality::MeshReport;
 use myospring::output::figure::{Compared, key_shapes};
+use myospring::output::files::{MANIFEST, Manifest};
 use myospring::output::{csv, frames};
 use myospring::recording::{Frame, Recording};
 use myospring::run_file::RunFile;
@@ -26,6 +28,9 @@ pub(super) const PROGRESS: u64 = 1000;
 /// What a result folder has to hold.
 const CURVES: &str = "traces.csv";
 const RUN_FILE: &str = "run.toml";
+const RECORD: &str = "run.json";
+/// What it may hold beside them.
+const FRAMES: &str = "frames.npz";
 
 /// A run to be.
 pub(super) struct Job {
@@ -94,15 +99,44 @@ impl Side {
     }
 }
 
-/// Refuses a folder without results.
+/// Refuses a folder without results, and one whose results are not those that the run wrote.
 pub(super) fn check_folder(folder: &Path) -> Result<(), Failure> {
+    reads::note(folder);
     let missing = [RUN_FILE, CURVES].into_iter().find(|name| !folder.join(name).is_file());
-    missing.map_or(Ok(()), |name| {
+    if let Some(name) = missing {
         let message =
             format!("`{}` holds no results of a run: {name} is missing", folder.display());
-        Err(Failure::new(message)
-            .advise("give a folder that myospring run has written, or a run file"))
-    })
+        return Err(Failure::new(message)
+            .advise("give a folder that myospring run has written, or a run file"));
+    }
+    let file = folder.join(RUN_FILE);
+    let advice = format!("`myospring run {}` makes the results anew", file.display());
+    let manifest = Manifest::of(folder);
+    if manifest.is_there() {
+        let check = |name| manifest.check_unchanged(name);
+        return [CURVES, RUN_FILE, RECORD, FRAMES]
+            .into_iter()
+            .try_for_each(check)
+            .map_err(|error| Failure::new(error).advise(advice));
+    }
+    // Written before there were manifests, or copied without it: what run.json knows.
+    let record = record(folder);
+    match record["run_file_sha256"].as_str() {
+        Some(hash) if hash != sha256(read(&file)?.as_bytes()) => {
+            let message = format!(
+                "`{}` is not the file that myospring wrote there: it was changed or damaged since, as {RECORD} shows",
+                file.display()
+            );
+            Err(Failure::new(message).advise(advice))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What `run.json` has; nothing where it cannot be read.
+fn record(folder: &Path) -> serde_json::Value {
+    let text = read(&folder.join(RECORD)).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
 }
 
 /// What to say where runs name one picture, but it was another then.
@@ -168,8 +202,13 @@ impl Job {
             ));
         }
         bar.inc(PROGRESS);
-        let record = read(&folder.join("run.json")).unwrap_or_default();
-        let record: serde_json::Value = serde_json::from_str(&record).unwrap_or_default();
+        let record = record(&folder);
+        if !Manifest::of(&folder).is_there() {
+            notes.push(format!(
+                "whether {CURVES} in `{}` is as its run wrote it is not known: there is no {MANIFEST}",
+                folder.display()
+            ));
+        }
         let stop = record["stop"]["message"].as_str().map(str::to_owned);
         notes.extend(stop.iter().map(|stop| format!("{} stopped early: {stop}", self.label)));
         Ok(Side {
@@ -200,7 +239,7 @@ impl Job {
         let path = self.path.as_deref();
         let (name, run, scaled) = self.run()?;
         let Input { mut run, bytes, shaped, .. } = input::mesh(name, run, None)?;
-        let mut made = run.make(shaped, |file| std::fs::read(file))?;
+        let mut made = run.make(shaped, |file| crate::reads::bytes(file))?;
         run.fibre = made.fibres.taken;
         // One thread each: the runs go side by side.
         made.simulation.numerics.engine.threads = 1;
@@ -252,13 +291,13 @@ impl Shown {
 
 /// A run on its mesh, where what it is made of is there.
 fn meshed(run: &Run) -> Option<Made> {
-    let shaped = run.shape.mesh(&run.shape.bytes(|file| std::fs::read(file)).ok()?).ok()?;
-    run.make(shaped, |file| std::fs::read(file)).ok()
+    let shaped = run.shape.mesh(&run.shape.bytes(|file| crate::reads::bytes(file)).ok()?).ok()?;
+    run.make(shaped, |file| crate::reads::bytes(file)).ok()
 }
 
 /// The frames that a run has kept, where it has.
 fn frames_of(folder: &Path) -> Option<frames::Kept> {
-    frames::read(&std::fs::read(folder.join("frames.npz")).ok()?).ok()?
+    frames::read(&crate::reads::bytes(folder.join(FRAMES)).ok()?).ok()?
 }
 
 /// An outline of its rings, the rim first.

@@ -82,7 +82,7 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
     let records = records(cells, context);
     let shared = context.fitter.simulation().shared_path(Tolerance::default()).ok();
     let mut inputs = Inputs::default();
-    inputs.keep(folder, context.run.to_run_file(), |file| std::fs::read(file))?;
+    inputs.keep(folder, context.run.to_run_file(), |file| crate::reads::bytes(file))?;
     for (number, (cell, record)) in cells.iter().zip(&records).enumerate() {
         let within = if cells.len() > 1 { format!("cells/{}/", number + 1) } else { String::new() };
         let up = if within.is_empty() { "" } else { "../../" };

@@ -10,6 +10,7 @@ use crate::summary::{self, Numbers};
 use myospring::mesh::outline::Outline;
 use myospring::mesh::quality::MeshReport;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
+use myospring::output::files::Reads;
 use myospring::output::json;
 use myospring::output::report::Summary;
 use myospring::settings::{Fibres, Run, ShapeBytes};
@@ -73,7 +74,12 @@ impl Over<'_> {
         let start = Instant::now();
         let write = || {
             let outputs = outputs::chosen(outputs)?;
-            let folder = Folder::claim(target, force)?;
+            let mut reads = Reads::new();
+            let mut file = self.run.to_run_file();
+            for path in file.paths_mut() {
+                reads.add(Path::new(path));
+            }
+            let folder = Folder::claim_beside(target, force, reads)?;
             let summary = self.summary(warnings);
             let fibres = self.picture.map(|_| self.fibres.report());
             let integration = self.outcome.effort;

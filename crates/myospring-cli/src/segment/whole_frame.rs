@@ -60,6 +60,7 @@ pub(super) fn read(
         return Err(Failure::new(message).advise("leave --output away, or name a folder"));
     }
     let target = target.unwrap_or_else(|| folder(name));
+    Folder::check(&target, args.force)?;
     let settings = match run.fibre {
         Fibre::Auto(asked) => asked.settings(),
         Fibre::Picture(settings) => settings,
@@ -68,7 +69,7 @@ pub(super) fn read(
             return Err(Failure::new(message).advise("leave --fibre away, or give --fibre picture"));
         }
     };
-    let bytes = run.shape.bytes(|file| std::fs::read(file))?;
+    let bytes = run.shape.bytes(|file| crate::reads::bytes(file))?;
     let cells = source.unsegmented(&bytes)?;
     let frame = WholeFrame::read(&cells, &settings, run.shape.spacing).map_err(Failure::new)?;
     let fibres = report(&frame, &settings);

@@ -2,17 +2,19 @@
 
 use crate::failure::Failure;
 use crate::inputs::{self, Inputs};
+use myospring::output::files::{FileError, Manifest};
+use myospring::output::json;
 use myospring::output::table::{write_csv, write_parquet};
-use myospring::output::{files, json};
 use myospring::study::parameters::{
     Acceptance, Answer, Common, ParameterStudy, Sensitivity, TRACES, TraceAxes,
 };
 use serde::Serialize;
+use std::fs::File;
+use std::io;
 use std::path::Path;
 
-/// What is written anew, and what is drawn.
-pub const RESULTS: [&str; 7] =
-    ["members.csv", "members.parquet", "study.toml", "study.json", FIGURES, TRACES, inputs::FOLDER];
+/// The table, a row for each member.
+pub(super) const TABLE: &str = "members.csv";
 pub(super) const FIGURES: &str = "figures";
 /// Resolution of PNG, dots per inch.
 const DPI: f64 = 300.0;
@@ -40,37 +42,45 @@ struct Usual<'a> {
 }
 
 /// Writes table, description, numbers and figures of a study into a folder, as `myospring study run` does; `text` is
-/// its description. What was left out, and why.
+/// its description, `traces` where the curves are now. What was left out, and why.
 ///
 /// # Errors
-/// A file that cannot be written, in words for people.
+/// A file that cannot be written, or that would replace another than an earlier study's, in words for people.
 pub fn save(
     study: &ParameterStudy,
     common: &Common,
     answer: &Answer<'_>,
     folder: &Path,
     text: &str,
+    traces: Option<&Path>,
 ) -> Result<Vec<String>, String> {
-    let written = files::create_folder(folder).map_err(Failure::from);
-    let written = written.and_then(|()| write(study, common, answer, folder, text));
-    written.map(|(_, left_out)| left_out).map_err(|failure| failure.in_words())
+    let manifest = Manifest::of(folder);
+    let save = || {
+        if let Some(from) = traces {
+            let failed = |source| FileError::Write { path: folder.join(TRACES), source };
+            manifest.write_with(TRACES, |file| {
+                io::copy(&mut File::open(from).map_err(failed)?, file).map_err(failed)?;
+                Ok::<_, FileError>(())
+            })?;
+        }
+        write(study, common, answer, &manifest, text)
+    };
+    save().map(|(_, left_out)| left_out).map_err(|failure: Failure| failure.in_words())
 }
 
-/// Writes all files into a folder that is there; what stands in `study.json`, and what was left out.
+/// Writes all files into a folder; what stands in `study.json`, and what was left out.
 pub(super) fn write<'a>(
     study: &'a ParameterStudy,
     common: &'a Common,
     answer: &Answer<'_>,
-    folder: &Path,
+    manifest: &Manifest,
     text: &str,
 ) -> Result<(Outcome<'a>, Vec<String>), Failure> {
-    files::write_with(&folder.join(RESULTS[0]), |file| {
-        write_csv(file, answer.pieces()).map_err(Failure::from)
-    })?;
-    files::write_with(&folder.join(RESULTS[1]), |file| {
+    manifest.write_with(TABLE, |file| write_csv(file, answer.pieces()).map_err(Failure::from))?;
+    manifest.write_with("members.parquet", |file| {
         write_parquet(file, answer.pieces()).map_err(Failure::new)
     })?;
-    files::write(&folder.join(RESULTS[2]), with_inputs(common, folder, text)?)?;
+    manifest.write("study.toml", with_inputs(common, manifest, text)?)?;
     let mut left_out = Vec::new();
     let sensitivity = answer.sensitivity().unwrap_or_else(|error| {
         left_out.push(error.to_string());
@@ -85,22 +95,20 @@ pub(super) fn write<'a>(
         traces: common.axes.as_ref(),
         sensitivity,
     };
-    files::write(&folder.join(RESULTS[3]), json::pretty(&outcome)?)?;
-    left_out.extend(draw(answer, common, &outcome.sensitivity, folder)?.1);
+    manifest.write("study.json", json::pretty(&outcome)?)?;
+    left_out.extend(draw(answer, common, &outcome.sensitivity, manifest)?.1);
+    manifest.settle()?;
     Ok((outcome, left_out))
 }
 
 /// Copies the files of a study into its folder; its description, which names the copies.
-fn with_inputs(common: &Common, folder: &Path, text: &str) -> Result<String, Failure> {
+fn with_inputs(common: &Common, manifest: &Manifest, text: &str) -> Result<String, Failure> {
     let (mut inputs, mut text) = (Inputs::default(), text.to_owned());
     for (path, bytes) in common.files() {
         if bytes.len() as u64 > inputs::LARGEST_COPY {
             continue;
         }
-        inputs.copy(path, bytes, |name, bytes| {
-            files::create_folder(&folder.join(inputs::FOLDER))?;
-            Ok(files::write(&folder.join(name), bytes)?)
-        })?;
+        inputs.copy(path, bytes, |name, bytes| Ok(manifest.write(name, bytes)?))?;
         // As TOML has strings, of either kind of quote.
         let name = format!("\"{}\"", inputs.name(path, ""));
         for written in [format!("{path:?}"), format!("'{path}'")] {
@@ -115,20 +123,18 @@ pub(super) fn draw(
     answer: &Answer<'_>,
     common: &Common,
     sensitivity: &[Sensitivity],
-    folder: &Path,
+    manifest: &Manifest,
 ) -> Result<(usize, Vec<String>), Failure> {
     let (mut count, mut left_out) = (0, Vec::new());
-    let traces = answer.trace_figure(common, folder).unwrap_or_else(|error| {
+    let traces = answer.trace_figure(common, &manifest.folder()).unwrap_or_else(|error| {
         left_out.push(format!("figure traces is left out: {error}"));
         None
     });
-    let folder = folder.join(FIGURES);
-    files::create_folder(&folder)?;
     for drawn in answer.figures(&common.usual, sensitivity).into_iter().chain(traces) {
         match drawn.figure.and_then(|figure| Ok((figure.to_svg(), figure.to_png(DPI)?))) {
             Ok((svg, png)) => {
-                files::write(&folder.join(format!("{}.svg", drawn.name)), svg)?;
-                files::write(&folder.join(format!("{}.png", drawn.name)), png)?;
+                manifest.write(&format!("{FIGURES}/{}.svg", drawn.name), svg)?;
+                manifest.write(&format!("{FIGURES}/{}.png", drawn.name), png)?;
                 count += 1;
             }
             Err(error) => left_out.push(format!("figure {} is left out: {error}", drawn.name)),

@@ -8,6 +8,7 @@ use crate::input;
 use crate::interrupt;
 use crate::options::Given;
 use crate::progress;
+use crate::reads;
 use crate::refused::Place;
 use crate::segment;
 use myospring::microscopy::film::Film;
@@ -16,7 +17,6 @@ use myospring::microscopy::picture::{PixelSizeSource, StatedPixelSize};
 use myospring::run_file::{Origin, Shaped, Source};
 use myospring::settings::{Fibres, PictureSource, Run, ShapeBytes, Value};
 use myospring::units::{self, Dimension};
-use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -65,6 +65,15 @@ impl Asked {
     }
 }
 
+impl Asked {
+    /// The run that the settings make of the cell of a film.
+    pub(crate) fn settled(&self) -> Result<Run, Failure> {
+        // A film has endings that pictures do not have; the picture at rest is a TIFF.
+        let own = [(Origin::Unknown, "shape.picture", Value::Text("rest.tif".to_owned()))];
+        Ok(input::settle_with(None, self.overrides.clone(), own)?.1)
+    }
+}
+
 fn subset(text: &str) -> Result<f64, Failure> {
     let [least, most] = SUBSETS_UM;
     let um = units::parse(text, Dimension::Length)
@@ -108,9 +117,7 @@ pub(crate) fn cell(path: &Path, asked: &Asked, quiet: bool) -> Result<Found, Fai
         return Err(Failure::new(format!("`{}` is not UTF-8", path.display())));
     };
     let name = open::name(path)?;
-    // A film has endings that pictures do not have; the picture at rest is a TIFF.
-    let own = [(Origin::Unknown, "shape.picture", Value::Text("rest.tif".to_owned()))];
-    let (_, mut run) = input::settle_with(None, asked.overrides.clone(), own)?;
+    let mut run = asked.settled()?;
     let failed = |error: &dyn std::fmt::Display| Failure::new(format!("`{text}`: {error}"));
     let Source::Picture(source) = &mut run.shape.source else {
         return Err(failed(&"it is not a film"));
@@ -149,8 +156,9 @@ pub(crate) fn cell(path: &Path, asked: &Asked, quiet: bool) -> Result<Found, Fai
 }
 
 fn outline(source: &PictureSource) -> Result<Option<Vec<u8>>, Failure> {
-    let read =
-        |path: &String| fs::read(path).map_err(|error| input::cannot_read(Path::new(path), &error));
+    let read = |path: &String| {
+        reads::bytes(path).map_err(|error| input::cannot_read(Path::new(path), &error))
+    };
     source.outline.as_ref().map(read).transpose()
 }
 

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::input::{cannot_read, ending, unread_picture};
+use crate::reads;
 use myospring::microscopy::film::{Film, FilmError};
 use myospring::microscopy::picture::Selection;
 use myospring::settings::PICTURE_ENDINGS;
@@ -16,6 +17,7 @@ const FILM_ENDINGS: [&str; 4] = ["tif", "tiff", "avi", "y4m"];
 pub(super) fn name(path: &Path) -> Result<String, Failure> {
     // Before anything else is said about it.
     let about = fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
+    reads::note(path);
     let whole = fs::canonicalize(path).map_err(|error| cannot_read(path, &error))?;
     let name = if about.is_dir() { whole.file_name() } else { whole.file_stem() };
     Ok(name.unwrap_or_default().to_string_lossy().trim_end_matches(".ome").to_owned())
@@ -50,7 +52,7 @@ pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> 
         }
         return Film::read(through_ffmpeg(path, None)?, selection).map_err(failed);
     }
-    let bytes = fs::read(path).map_err(|error| cannot_read(path, &error))?;
+    let bytes = reads::bytes(path).map_err(|error| cannot_read(path, &error))?;
     match Film::read(bytes, selection) {
         Err(FilmError::Codec { codec }) => {
             Film::read(through_ffmpeg(path, Some(&codec))?, selection).map_err(failed)
@@ -67,7 +69,7 @@ fn pictures(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let is_picture = PICTURE_ENDINGS.contains(&ending(&path).as_str());
         if is_picture && path.is_file() && !name.starts_with('.') {
-            files.push((name, fs::read(&path).map_err(|error| cannot_read(&path, &error))?));
+            files.push((name, reads::bytes(&path).map_err(|error| cannot_read(&path, &error))?));
         }
     }
     if files.is_empty() {

@@ -19,6 +19,9 @@ use crate::plane::Plane;
 /// Weights of red, green and blue in the luminance, as of pictures (ITU-R BT.709-6, item 3.2).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
+/// How deep lists of pictures may be nested; cameras write one, two at most.
+const DEEPEST: usize = 8;
+
 /// A film.
 #[derive(Debug, Clone)]
 pub(crate) struct Avi {
@@ -26,7 +29,7 @@ pub(crate) struct Avi {
     size: [usize; 2],
     rate: Option<f64>,
     coding: Coding,
-    /// Where each frame stands; an empty one repeats the last.
+    /// Where each frame is; one that the camera dropped is where the one before it is.
     frames: Vec<Range<usize>>,
 }
 
@@ -164,7 +167,7 @@ impl Avi {
                     (b"LIST", Some(b"movi")) => {
                         cut |= chunk.cut;
                         let stream = header.stream.unwrap_or(0);
-                        cut |= pictures(&bytes, inside, stream, &mut frames);
+                        cut |= pictures(&bytes, inside, stream, &mut frames, 0)?;
                     }
                     _ => {}
                 }
@@ -190,9 +193,8 @@ impl Avi {
                 cut = true;
             }
         }
-        while frames.first().is_some_and(Range::is_empty) {
-            frames.remove(0);
-        }
+        let first = frames.iter().position(|frame| !frame.is_empty()).unwrap_or(frames.len());
+        frames.drain(..first);
         let mut notes = Vec::new();
         if cut || header.declared > frames.len() {
             let declared = header.declared.max(frames.len());
@@ -209,6 +211,13 @@ impl Avi {
             notes.push(format!(
                 "{repeated} frames were dropped by the camera; each repeats the one before it"
             ));
+            let mut last = 0..0;
+            for frame in &mut frames {
+                if Range::is_empty(frame) {
+                    frame.clone_from(&last);
+                }
+                last.clone_from(frame);
+            }
         }
         Ok((Self { bytes, size, rate: header.rate, coding, frames }, notes))
     }
@@ -226,8 +235,7 @@ impl Avi {
     }
 
     pub(crate) fn frame(&self, index: usize) -> Result<Plane, PictureError> {
-        let shown = self.frames[..=index].iter().rfind(|frame| !frame.is_empty());
-        let bytes = shown.map_or(&[][..], |frame| &self.bytes[frame.clone()]);
+        let bytes = &self.bytes[self.frames[index].clone()];
         let [width, height] = self.size;
         let unreadable = |reason: String| PictureError::Unreadable { format: "AVI", reason };
         let values: Vec<f32> = match &self.coding {
@@ -286,11 +294,16 @@ fn pictures(
     list: Range<usize>,
     stream: usize,
     frames: &mut Vec<Range<usize>>,
-) -> bool {
+    depth: usize,
+) -> Result<bool, FilmError> {
+    if depth > DEEPEST {
+        return Err(damaged(format!("its lists of pictures are nested more than {DEEPEST} deep")));
+    }
     let mut cut = false;
     for chunk in chunks(bytes, list) {
         if &chunk.name == b"LIST" && bytes[chunk.content.clone()].starts_with(b"rec ") {
-            cut |= pictures(bytes, chunk.content.start + 4..chunk.content.end, stream, frames);
+            let inside = chunk.content.start + 4..chunk.content.end;
+            cut |= pictures(bytes, inside, stream, frames, depth + 1)?;
             continue;
         }
         let [tens, ones, kind @ ..] = chunk.name;
@@ -305,7 +318,7 @@ fn pictures(
             }
         }
     }
-    cut
+    Ok(cut)
 }
 
 impl Coding {

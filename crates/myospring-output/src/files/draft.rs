@@ -38,6 +38,10 @@ impl Draft {
         let part = format!(".{}.part", name.to_string_lossy());
         let folder = if target.is_dir() { target.join(part) } else { target.with_file_name(part) };
         let failed = |source| FileError::Folder { path: target.to_owned(), source };
+        let has_files = fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_some());
+        if has_files && !folder.join(LOCK).exists() {
+            return Err(FileError::Foreign { path: folder });
+        }
         let in_use = || FileError::InUse { path: target.to_owned() };
         let lock = Self::lock(&folder, failed)?.ok_or_else(in_use)?;
         let files = folder.join(FILES);
@@ -81,11 +85,6 @@ impl Draft {
         self.folder.join(FILES)
     }
 
-    /// Whether this is the hidden folder itself, which no user has put there.
-    pub fn is(&self, path: &Path) -> bool {
-        path == self.folder
-    }
-
     /// Removes the hidden folders beside this one that no live process holds.
     fn clear_leftovers(&self) {
         let Some(entries) = self.folder.parent().and_then(|place| fs::read_dir(place).ok()) else {
@@ -94,7 +93,7 @@ impl Draft {
         for entry in entries.flatten() {
             let (name, path) = (entry.file_name(), entry.path());
             let name = name.to_string_lossy();
-            if name.starts_with('.') && name.ends_with(".part") && !self.is(&path) {
+            if name.starts_with('.') && name.ends_with(".part") && path != self.folder {
                 // A leftover that cannot be removed disturbs nobody.
                 if let Ok(Hold::Ours(lock)) = try_hold(&path.join(LOCK), false) {
                     drop(Self { folder: path, lock: Some(lock) });
@@ -157,7 +156,9 @@ mod tests {
             fs::write(place.path().join(name).join(LOCK), "").unwrap();
             fs::write(place.path().join(name).join(FILES).join("traces.csv"), "t_").unwrap();
         }
-        fs::create_dir(place.path().join(".mine.part")).unwrap();
+        fs::create_dir_all(place.path().join(".mine.part/files/notes")).unwrap();
+        let error = Draft::begin(&place.path().join("mine")).unwrap_err();
+        assert!(matches!(error, FileError::Foreign { .. }), "{error}");
         let draft = Draft::begin(&place.path().join("beat")).unwrap();
         assert_eq!(names(&draft.folder()), [""; 0]);
         drop(draft);

@@ -1,5 +1,6 @@
 //! Why a file was not written.
 
+use super::manifest::MANIFEST;
 use std::io;
 use std::path::PathBuf;
 
@@ -46,5 +47,61 @@ pub enum FileError {
         path: PathBuf,
         /// What the system says.
         source: io::Error,
+    },
+    /// The name is taken by something that is no file.
+    #[error("`{path}` is {what}, which is never replaced; give another name")]
+    NotAFile {
+        /// The path that was given.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+    },
+    /// The file is there, and not one that may be replaced.
+    #[error(
+        "`{path}` was not written by myospring, or was changed since, so it is not replaced; move it elsewhere, or \
+         choose another folder"
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is not as it was written.
+    #[error(
+        "`{path}` is not the file that myospring wrote there: it was changed, damaged, removed or put there since, as \
+         {MANIFEST} shows"
+    )]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder holds files that no command wrote.
+    #[error(
+        "`{folder}` holds files that myospring did not write, or that were changed since: {names}. Nothing was \
+         replaced; move these files elsewhere, or choose another folder"
+    )]
+    NotOurs {
+        /// The folder.
+        folder: PathBuf,
+        /// The first few of the files.
+        names: String,
+    },
+    /// The folder has no list of what was written there.
+    #[error(
+        "`{folder}` holds files ({names}) and no list of those that myospring wrote, {MANIFEST}, which earlier versions \
+         did not keep. Nothing was replaced; choose another folder, or remove this one yourself"
+    )]
+    NoManifest {
+        /// The folder.
+        folder: PathBuf,
+        /// The first few of the files.
+        names: String,
+    },
+    /// What would be written or removed is read.
+    #[error(
+        "this command reads `{path}`, which its results would replace or remove; choose another place for them"
+    )]
+    Read {
+        /// The file.
+        path: PathBuf,
     },
 }

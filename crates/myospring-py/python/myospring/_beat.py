@@ -215,7 +215,8 @@ class Beat:
         folder : path
             Made if it is not there.
         force : bool
-            Replaces results that the folder holds.
+            Replaces results that the folder holds. Refused where it holds anything that no command wrote, or that was
+            changed since; a file that the beat was made from is never replaced.
         outputs : sequence of str, str or None
             What to write beside curves and numbers, the words of ``myospring run --outputs``; None writes report and
             figures.

@@ -351,6 +351,10 @@ def asked_and_given(
     """What is sought, and the settings of the run by key."""
     if starts < 1:
         raise ValueError(f"starts = {starts} is below 1")
+    if starts > 10_000:
+        raise ValueError(f"starts = {starts} is above 10000; tens of starts find what there is to find")
+    if not 0 <= seed < 2**64:
+        raise ValueError(f"seed = {seed} is outside its bounds, 0 to 2**64 - 1")
     unknown = [name for name in settings if name not in BEAT_KEYS]
     if unknown:
         raise TypeError(f"{function}() got an unexpected keyword argument '{unknown[0]}'")

@@ -120,7 +120,10 @@ class Study:
         output: str | PathLike[str] | None,
         force: bool,
         of_text: bool,
+        description: str | PathLike[str] | None,
     ) -> Study: ...
+    @property
+    def damaged(self) -> int: ...
     @property
     def text(self) -> str: ...
     @property

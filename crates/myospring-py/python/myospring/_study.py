@@ -190,7 +190,7 @@ class StudyResult:
         Parameters
         ----------
         folder : path
-            Made if it is not there; files of a study in it are replaced.
+            Made if it is not there; files of an earlier study in it are replaced, if nobody changed them since.
 
         Returns
         -------
@@ -200,7 +200,7 @@ class StudyResult:
         Raises
         ------
         OSError
-            The folder cannot be written to.
+            The folder cannot be written to, or a file of somebody else has the name of a result.
         """
         warn(self._native.save(os.fspath(folder)))
         return Path(folder)
@@ -242,14 +242,27 @@ def _restored(
     return StudyResult(native)
 
 
-def _read(study: str | PathLike[str] | Mapping[str, Any]) -> tuple[str, str]:
-    """The text of a description, and the folder of its files."""
+def _read(study: str | PathLike[str] | Mapping[str, Any]) -> tuple[str, str, str | None]:
+    """The text of a description, the folder of its files, and its own file if it has one."""
     if isinstance(study, Mapping):
-        return _native.study_toml(json.dumps(study, default=_plain)), ""
+        _check_finite(study, "")
+        return _native.study_toml(json.dumps(study, default=_plain)), "", None
     if isinstance(study, str) and ("\n" in study or "=" in study):
-        return study, ""
+        return study, "", None
     path = Path(study)
-    return path.read_text(encoding="utf-8"), os.fspath(path.parent)
+    return path.read_text(encoding="utf-8"), os.fspath(path.parent), os.fspath(path)
+
+
+def _check_finite(value: Any, place: str) -> None:
+    """Refuses numbers that are none, with the key that has them."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            _check_finite(inner, f"{place}.{key}" if place else str(key))
+    elif isinstance(value, (list, tuple)):
+        for number, inner in enumerate(value, 1):
+            _check_finite(inner, f"{place}, entry {number},")
+    elif isinstance(value, (float, np.floating)) and not np.isfinite(value):
+        raise ValueError(f"{place} is {value}; a study has finite numbers")
 
 
 def _plain(value: Any) -> Any:
@@ -329,7 +342,8 @@ def run_study(
     names : sequence of K str or None
         What the columns of `rows` are; a DataFrame has them.
     force : bool
-        Begins anew in a folder that holds results.
+        Begins anew in a folder that holds results. Refused where it holds anything that no command wrote, or that was
+        changed since.
     threads : int or None
         Without an executor, members at a time: None takes as many as there are cores. With one, threads of each batch:
         None takes one, for as many workers as there are cores; give all cores to a single worker on a machine.
@@ -354,7 +368,7 @@ def run_study(
     UnknownNameError
         A parameter or a metric that does not exist.
     OSError
-        An output folder that holds something else, or cannot be written to.
+        An output folder that holds something else, that holds a file which the study reads, or that cannot be written to.
     RuntimeError
         Workers that die whatever they work on, or an executor that takes no more work.
     KeyboardInterrupt
@@ -375,17 +389,16 @@ def run_study(
         raise ValueError(f"batch_seconds = {batch_seconds} is outside its bounds, 0.5 to 30 s")
     if tries < 1:
         raise ValueError(f"tries = {tries} is below 1")
-    text, folder = _read(study)
+    text, folder, description = _read(study)
     files: dict[str, bytes] = {}
     if rows is not None:
         files[ROWS] = _csv(rows, names)
         text = _native.with_rows(text, ROWS)
-    native = _native.Study(text, files, folder, None if output is None else os.fspath(output), force, not isinstance(study, Mapping))
+    results = None if output is None else os.fspath(output)
+    native = _native.Study(text, files, folder, results, force, not isinstance(study, Mapping), description)
     try:
-        if output is not None:
-            (Path(output) / "study.toml").write_text(text, encoding="utf-8")
-            for name, content in files.items():
-                (Path(output) / name).write_bytes(content)
+        if native.damaged:
+            warn([f"the results of {native.damaged} members that were kept in {results} were changed or damaged since; they are computed anew"])
         watch: Callable[[int, int, float | None], None] | None
         if callable(progress):
             watch = progress

@@ -31,12 +31,23 @@ use toml::{Spanned, Table};
 pub struct Reader {
     table: Table,
     origins: BTreeMap<String, Place>,
+    /// Name and text of the file.
+    file: String,
+    text: String,
+}
+
+/// Where a key and its value stand.
+#[derive(Debug, Clone)]
+struct Place {
+    key: Spot,
+    value: Spot,
 }
 
 #[derive(Debug, Clone)]
-struct Place {
-    key: Origin,
-    value: Origin,
+enum Spot {
+    /// In the text; line and column are counted only where somebody asks, since that takes as long as the text.
+    Span(Range<usize>),
+    Elsewhere(Origin),
 }
 
 impl Reader {
@@ -57,8 +68,9 @@ impl Reader {
         };
         let spans = DeTable::parse(text).map_err(|error| failed(&error))?;
         let table: Table = toml::from_str(text).map_err(|error| failed(&error))?;
-        self.note(file, text, "", spans.get_ref());
+        self.note("", spans.get_ref());
         self.table = table;
+        (self.file, self.text) = (file.to_owned(), text.to_owned());
         Ok(self)
     }
 
@@ -90,13 +102,13 @@ impl Reader {
         self
     }
 
-    fn note(&mut self, file: &str, text: &str, prefix: &str, table: &DeTable<'_>) {
-        let place = |span: Range<usize>| Origin::in_text(file, text, span);
+    fn note(&mut self, prefix: &str, table: &DeTable<'_>) {
         for (key, value) in table {
             let path = join(prefix, key.get_ref());
-            let spots = Place { key: place(key.span()), value: place(Spanned::span(value)) };
+            let (key, at) = (Spot::Span(key.span()), Spot::Span(Spanned::span(value)));
+            let spots = Place { key, value: at };
             if let DeValue::Table(inner) = value.get_ref() {
-                self.note(file, text, &path, inner);
+                self.note(&path, inner);
             }
             self.origins.insert(path, spots);
         }
@@ -116,7 +128,8 @@ impl Reader {
             self.remove(other);
         }
         let value = to_toml(&value);
-        self.origins.insert(key.to_owned(), Place { key: origin.clone(), value: origin });
+        let spot = Spot::Elsewhere(origin);
+        self.origins.insert(key.to_owned(), Place { key: spot.clone(), value: spot });
         if let Some((table, name)) = key.split_once('.') {
             let table = self.table.entry(table).or_insert_with(|| Table::new().into());
             if let toml::Value::Table(table) = table {
@@ -138,7 +151,14 @@ impl Reader {
 
     /// Where a key's value came from.
     pub fn origin(&self, key: &str) -> Origin {
-        self.place(key).map_or(Origin::Unknown, |place| place.value.clone())
+        self.place(key).map_or(Origin::Unknown, |place| self.origin_of(&place.value))
+    }
+
+    fn origin_of(&self, spot: &Spot) -> Origin {
+        match spot {
+            Spot::Span(span) => Origin::in_text(&self.file, &self.text, span.clone()),
+            Spot::Elsewhere(origin) => origin.clone(),
+        }
     }
 
     /// The place of a key, or else of the table that should hold it.
@@ -151,7 +171,7 @@ impl Reader {
         let place = self.place(&key);
         let at_key = matches!(problem, Problem::UnknownKey { .. });
         let origin = place.map_or(Origin::Unknown, |place| {
-            if at_key { place.key.clone() } else { place.value.clone() }
+            self.origin_of(if at_key { &place.key } else { &place.value })
         });
         RunFileError { origin, key, problem }
     }

@@ -81,8 +81,8 @@ pub enum ContentError {
 const COLUMN: Column = Column {
     name: "content",
     of: "the content of myofibrils",
-    within: 0.0..=f64::INFINITY,
-    must: "a finite number, 0 or above",
+    within: 0.0..=100.0,
+    must: "from 0 to 100, where 1 is the content that gives the cell's tension",
 };
 
 /// The content of myofibrils in each triangle of a mesh that a file has, and what a person should know of it; `read` reads a file by its name as

@@ -56,7 +56,7 @@ pub use figures::Drawn;
 pub use member::{Variation, VariationRow};
 pub use schema::schema;
 pub use shard::Shard;
-pub use traces::{TRACES, TraceAxes, merge_traces};
+pub use traces::{TRACES, TraceAxes, merge_traces, with_whole_curves};
 pub use values::Values;
 pub use work::Common;
 
@@ -99,6 +99,7 @@ pub fn run_members(
     threads: &Threads,
     observer: &impl Observer<Variation>,
 ) -> Result<Report<VariationRow>, StudyError> {
+    common.check_curves(members, journal)?;
     let shares = |groups: usize| members.len().div_ceil(groups * threads.count());
     let together = match common.kind() {
         Kind::Cell if common.stiff => shares(1).clamp(1, STIFF_CELLS_TOGETHER),

@@ -63,6 +63,9 @@ pub fn run_together<M: Member>(
     }
     let left = journal.left(members);
     let resumed = members.len() - left.len();
+    if journal.damaged() > 0 {
+        observer.damaged(journal.damaged());
+    }
     observer.begins(resumed, members.len());
     let last_table = Mutex::new(Instant::now());
     let group = |group: &[&M]| {

@@ -96,6 +96,44 @@ fn dropped_frames_repeat_the_one_before() {
     assert_eq!(film.notes, ["1 frames were dropped by the camera; each repeats the one before it"]);
 }
 
+/// A film with whatever is between its header and its end.
+fn with_pictures(pictures: &[u8]) -> Vec<u8> {
+    let whole = avi([2, 2], 8, *b"Y800", &[]);
+    // Its list of pictures is the last that it has, and empty.
+    let inside = [&whole[8..whole.len() - 12], pictures].concat();
+    chunk(*b"RIFF", &inside)
+}
+
+#[test]
+fn lists_that_are_nested_without_end_are_refused() {
+    // Outermost first: each holds all that follow.
+    let nested = (0..100_000_u32)
+        .rev()
+        .flat_map(|inner| [&b"LIST"[..], &(12 * inner + 4).to_le_bytes(), b"rec "].concat());
+    let nested: Vec<u8> = nested.collect();
+    let film = with_pictures(&list(*b"movi", &[nested]));
+    let said = read(film).unwrap_err().to_string();
+    assert!(said.contains("nested more than 8 deep"), "{said}");
+    let one = list(*b"rec ", &[chunk(*b"00db", &[1; 4]), chunk(*b"00db", &[2; 4])]);
+    assert_eq!(read(with_pictures(&list(*b"movi", &[one.clone(), one]))).unwrap().len(), 4);
+}
+
+#[test]
+fn a_million_empty_frames_take_a_moment() {
+    let begun = std::time::Instant::now();
+    let empty = chunk(*b"00db", &[]).repeat(1_000_000);
+    let all = [chunk(*b"00db", &[1; 4]), empty.clone(), chunk(*b"00db", &[2; 4])];
+    let film = read(with_pictures(&list(*b"movi", &all))).unwrap();
+    assert_eq!(film.len(), 1_000_002);
+    for frame in (0..1_000_000).step_by(100) {
+        assert_eq!(film.frame(frame).unwrap().values(), [1.0; 4]);
+    }
+    let all = [empty, chunk(*b"00db", &[1; 4]), chunk(*b"00db", &[2; 4])];
+    assert_eq!(read(with_pictures(&list(*b"movi", &all))).unwrap().len(), 2);
+    // A second on a busy machine; they took minutes.
+    assert!(begun.elapsed() < std::time::Duration::from_secs(20), "{:?}", begun.elapsed());
+}
+
 #[test]
 fn compression_that_is_not_read_is_named() {
     let frames = [vec![1; 4], vec![2; 4], vec![3; 4]];

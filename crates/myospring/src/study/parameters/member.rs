@@ -50,12 +50,15 @@ pub struct VariationRow {
     /// The metrics that the study wants, in its order; `None` where the curve does not show one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub metrics: Vec<Option<f64>>,
+    /// The hash of its curves in [`TRACES`](super::TRACES), by which damage there is seen; empty where there are none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub curves: String,
 }
 
 impl VariationRow {
     /// Of a member that was done.
     pub(super) fn done(member: usize, metrics: Vec<Option<f64>>) -> Self {
-        Self { member, status: Status::Ok, reason: String::new(), metrics }
+        Self { member, status: Status::Ok, reason: String::new(), metrics, curves: String::new() }
     }
 
     /// The same with what is to be said of it, as of stimuli that raised no action potential.
@@ -67,7 +70,7 @@ impl VariationRow {
 impl Row for VariationRow {
     fn failed(member: &str, reason: String) -> Self {
         let member = member.parse().unwrap_or(0);
-        Self { member, status: Status::Failed, reason, metrics: Vec::new() }
+        Self { member, status: Status::Failed, reason, metrics: Vec::new(), curves: String::new() }
     }
 
     fn status(&self) -> Status {

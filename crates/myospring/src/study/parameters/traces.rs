@@ -1,9 +1,9 @@
 //! Curves of the members: potential, tension and shortening at a few hundred times each, in one file.
 
 use super::super::{Cause, Interrupted, StudyError};
-use super::member::Variation;
+use super::member::{Variation, VariationRow};
 use super::shard::Shard;
-use crate::output::files::FileError;
+use crate::output::files::{FileError, Manifest, sha256};
 use crate::output::npy::Records;
 use serde::Serialize;
 use std::path::Path;
@@ -86,25 +86,49 @@ impl Traces {
         members: usize,
     ) -> Result<Self, StudyError> {
         let shape = [members, axes.quantities.len(), axes.times];
-        let records = Mutex::new(Records::open(&folder.join(TRACES), &shape)?);
+        let path = Manifest::of(folder).changing(TRACES)?;
+        let records = Mutex::new(Records::open(&path, &shape)?);
         Ok(Self { records, part, failed: Mutex::new(None) })
+    }
+
+    /// Where the curves of a member are.
+    fn place(&self, member: usize) -> usize {
+        (member - self.part.part) / self.part.of
+    }
+
+    /// Whether the curves of a row are as they were when it was noted.
+    pub(super) fn has(&self, row: &VariationRow) -> Result<bool, FileError> {
+        let curves = self.records().read(self.place(row.member))?;
+        Ok(if row.curves.is_empty() {
+            curves.iter().all(|number| number.is_nan())
+        } else {
+            hash(&curves) == row.curves
+        })
     }
 
     fn records(&self) -> MutexGuard<'_, Records> {
         self.records.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps the curves of some members, which are on the disk when this returns.
+    /// Keeps the curves of some members, which are on the disk when this returns: the hash of each, empty of a member
+    /// without curves.
     ///
     /// # Errors
     /// [`Interrupted`], where the disk does not take them; the study ends, and [`Traces::failure`] says why.
-    pub(super) fn keep(&self, members: &[&Variation], curves: &[Vec<f32>]) -> Result<(), Cause> {
+    pub(super) fn keep(
+        &self,
+        members: &[&Variation],
+        curves: &[Vec<f32>],
+    ) -> Result<Vec<String>, Cause> {
         let mut records = self.records();
         let mut all = || {
+            let mut hashes = Vec::with_capacity(members.len());
             for (member, curves) in members.iter().zip(curves) {
-                records.write((member.number - self.part.part) / self.part.of, curves)?;
+                let written = records.write(self.place(member.number), curves)?;
+                hashes.push(if curves.is_empty() { String::new() } else { hash(&written) });
             }
-            records.sync()
+            records.sync()?;
+            Ok(hashes)
         };
         all().map_err(|error| {
             *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
@@ -115,6 +139,27 @@ impl Traces {
     pub(super) fn failure(&self) -> Option<FileError> {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
+}
+
+fn hash(curves: &[f32]) -> String {
+    sha256(&curves.iter().copied().flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
+}
+
+/// The rows of a part whose curves in its folder are as they were when the row was noted.
+///
+/// # Errors
+/// A file that cannot be read or written.
+pub fn with_whole_curves(
+    folder: &Path,
+    axes: &TraceAxes,
+    part: Shard,
+    members: usize,
+    mut rows: Vec<VariationRow>,
+) -> Result<Vec<VariationRow>, StudyError> {
+    let traces = Traces::open(folder, axes, part, part.size(members))?;
+    let mut failed = None;
+    rows.retain(|row| traces.has(row).unwrap_or_else(|error| failed.replace(error).is_some()));
+    failed.map_or(Ok(rows), |error| Err(error.into()))
 }
 
 /// Puts the curves of parts, each in its folder, together in `target`.
@@ -128,7 +173,8 @@ pub fn merge_traces(
     parts: &[(Shard, &Path)],
 ) -> Result<(), StudyError> {
     let shape = |members: usize| [members, axes.quantities.len(), axes.times];
-    let mut whole = Records::open(&target.join(TRACES), &shape(members))?;
+    let path = Manifest::of(target).changing(TRACES)?;
+    let mut whole = Records::open(&path, &shape(members))?;
     for (shard, folder) in parts {
         let Shard { part, of } = *shard;
         let count = (members + of - part) / of;

@@ -1,6 +1,6 @@
 //! The work on members: whole beats, or cells side by side.
 
-use super::super::{Cause, Interrupted, StudyError};
+use super::super::{Cause, Interrupted, Journal, StudyError};
 use super::course::Sampled;
 use super::description::{Kind, ParameterStudy, Varied, Which, is_minimal, of_cells, run_of};
 use super::error::ParameterStudyError;
@@ -209,18 +209,46 @@ impl Common {
         handed.remove(&member).unwrap_or_default()
     }
 
-    /// Keeps curves that were handed on elsewhere; empty ones of members that have none.
+    /// Keeps curves that were handed on elsewhere, empty ones of members that have none; what their rows are to have as
+    /// [`VariationRow::curves`].
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn keep(&self, members: &[&Variation], curves: &[Vec<f32>]) -> Result<(), StudyError> {
-        match &self.traces {
-            Some(traces) if traces.keep(members, curves).is_err() => match traces.failure() {
-                Some(error) => Err(error.into()),
-                None => Ok(()),
-            },
-            _ => Ok(()),
+    pub fn keep(
+        &self,
+        members: &[&Variation],
+        curves: &[Vec<f32>],
+    ) -> Result<Vec<String>, StudyError> {
+        let none = vec![String::new(); members.len()];
+        let Some(traces) = &self.traces else { return Ok(none) };
+        match (traces.keep(members, curves), traces.failure()) {
+            (_, Some(error)) => Err(error.into()),
+            (hashes, None) => Ok(hashes.unwrap_or(none)),
         }
+    }
+
+    /// Takes members of a journal for not done whose curves on the disk are not those that were noted.
+    ///
+    /// # Errors
+    /// Curves or a journal that cannot be read.
+    pub fn check_curves(
+        &self,
+        members: &[Variation],
+        journal: &Journal<Variation>,
+    ) -> Result<(), StudyError> {
+        let Some(traces) = &self.traces else { return Ok(()) };
+        let by_number: BTreeMap<usize, &Variation> =
+            members.iter().map(|member| (member.number, member)).collect();
+        let mut damaged = Vec::new();
+        for row in journal.rows(members)? {
+            if let Some(member) = by_number.get(&row.member)
+                && !traces.has(&row)?
+            {
+                damaged.push(*member);
+            }
+        }
+        journal.forget(damaged);
+        Ok(())
     }
 
     /// Why curves were not kept.
@@ -232,15 +260,20 @@ impl Common {
     fn kept(
         &self,
         members: &[&Variation],
-        done: Vec<Result<Done, Cause>>,
+        mut done: Vec<Result<Done, Cause>>,
     ) -> Vec<Result<VariationRow, Cause>> {
         if let Some(traces) = &self.traces {
             let curves = |done: &Result<Done, Cause>| {
                 done.as_ref().map_or_else(|_| Vec::new(), |(_, curves)| curves.clone())
             };
             let curves: Vec<Vec<f32>> = done.iter().map(curves).collect();
-            if traces.keep(members, &curves).is_err() {
+            let Ok(hashes) = traces.keep(members, &curves) else {
                 return members.iter().map(|_| Err(Interrupted.into())).collect();
+            };
+            for (done, hash) in done.iter_mut().zip(hashes) {
+                if let Ok((row, _)) = done {
+                    row.curves = hash;
+                }
             }
         }
         if let Some(handed) = self.handed.as_ref().filter(|_| self.axes.is_some()) {

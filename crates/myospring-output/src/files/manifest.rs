@@ -1,0 +1,433 @@
+//! The list of the files that commands wrote to a folder of results: what they may replace there, and nothing else.
+
+use super::error::FileError;
+use super::reads::Reads;
+use super::{create_folder, write, write_and};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Read as _, Write};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Name of the list in its folder. Its lines are those of `sha256sum`, so `sha256sum -c myospring.sha256` checks results.
+pub const MANIFEST: &str = "myospring.sha256";
+
+const TITLE: &str = "# myospring wrote these files; `sha256sum -c myospring.sha256` checks them. What is not in this list, \
+                     or was changed since, is never replaced or removed.\n";
+/// How the first line begins.
+const MARK: &str = "# myospring wrote these files";
+/// Before the name of a file that changes as long as a study goes on.
+const CHANGING: &str = "# changes while a study goes on: ";
+/// What systems put into folders that people look at.
+const OF_THE_SYSTEM: [&str; 3] = ["Thumbs.db", "desktop.ini", "Icon\r"];
+/// Files that an error names.
+const NAMED: usize = 3;
+
+/// The manifest of a folder of results.
+///
+/// A file is listed with its hash before it gets its name, so that also what an interrupted command left is known.
+/// Only a listed file whose content has a listed hash is ever replaced or removed.
+#[derive(Debug, Clone)]
+pub struct Manifest {
+    folder: PathBuf,
+    /// The part of the folder that this is about, ending in `/`; empty for all of it.
+    within: String,
+    writing: Arc<Mutex<()>>,
+}
+
+/// What a manifest lists.
+#[derive(Debug, Default)]
+struct Listed {
+    /// Hashes that each file has or is about to have, the newest last.
+    hashes: BTreeMap<String, Vec<String>>,
+    changing: BTreeSet<String>,
+}
+
+impl Manifest {
+    /// Of a folder, which need not be there.
+    pub fn of(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), within: String::new(), writing: Arc::default() }
+    }
+
+    /// The same list, for what is in one of its folders alone.
+    #[must_use]
+    pub fn part(&self, name: &str) -> Self {
+        Self { within: format!("{}{name}/", self.within), ..self.clone() }
+    }
+
+    /// The folder of the results, or of this part of them.
+    pub fn folder(&self) -> PathBuf {
+        self.folder.join(&self.within)
+    }
+
+    /// Whether the folder has a manifest.
+    pub fn is_there(&self) -> bool {
+        let path = self.folder.join(MANIFEST);
+        let mut start = [0; MARK.len()];
+        let read = File::open(&path).and_then(|mut file| file.read_exact(&mut start));
+        is_file(&path) && read.is_ok() && start == MARK.as_bytes()
+    }
+
+    /// Begins the list where there is none.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to, or a file of that name that is no manifest.
+    pub fn begin(&self) -> Result<(), FileError> {
+        let path = self.folder.join(MANIFEST);
+        if self.is_there() {
+            return Ok(());
+        }
+        if fs::symlink_metadata(&path).is_ok() {
+            return Err(FileError::Foreign { path });
+        }
+        create_folder(&self.folder)?;
+        write(&path, TITLE)
+    }
+
+    /// Refuses to replace what is in the folder where that would lose a file: one that the manifest does not list, one
+    /// that was changed since, or one that is read. Hidden files and those of other results in it stay and do not matter.
+    ///
+    /// # Errors
+    /// [`FileError::NoManifest`], [`FileError::NotOurs`] or [`FileError::Read`]; a folder that cannot be read.
+    pub fn check_replaceable(&self, reads: &Reads) -> Result<(), FileError> {
+        let folder = self.folder();
+        reads.check_folder(&folder)?;
+        let failed = |source| FileError::Folder { path: folder.clone(), source };
+        let listed = self.listed().map_err(failed)?;
+        let mut foreign = Vec::new();
+        self.foreign(listed.as_ref(), &folder, &self.within, &mut foreign).map_err(failed)?;
+        if !foreign.is_empty() {
+            let more = if foreign.len() > NAMED { ", ..." } else { "" };
+            foreign.truncate(NAMED);
+            let names = foreign.join(", ") + more;
+            return Err(match listed {
+                Some(_) => FileError::NotOurs { folder, names },
+                None => FileError::NoManifest { folder, names },
+            });
+        }
+        self.check_reads(reads)
+    }
+
+    /// Refuses where a file that is read, under whatever name or link, is one that may be replaced.
+    ///
+    /// # Errors
+    /// [`FileError::Read`].
+    pub fn check_reads(&self, reads: &Reads) -> Result<(), FileError> {
+        let listed = self.listed().ok().flatten().unwrap_or_default();
+        reads.check(self.names(&listed).map(|name| self.folder.join(name)))
+    }
+
+    /// Writes a file by its name in the folder; one that is there is replaced if it is listed and unchanged.
+    ///
+    /// # Errors
+    /// [`FileError::Foreign`] for another one; what [`write()`](super::write()) says.
+    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
+        let contents = contents.as_ref();
+        let path = self.room_for(name)?;
+        self.append(&line(&self.full(name), &sha256(contents)))?;
+        write(&path, contents)
+    }
+
+    /// As [`Manifest::write`], with what `fill` writes.
+    ///
+    /// # Errors
+    /// Those of [`Manifest::write`] and of `fill`.
+    pub fn write_with<E: From<FileError>>(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let path = self.room_for(name)?;
+        write_and(&path, fill, |written| {
+            let failed = |source| FileError::Write { path: path.clone(), source };
+            let hash = hash_of(written).map_err(failed)?;
+            self.append(&line(&self.full(name), &hash))
+        })
+    }
+
+    /// Lists a file that goes on changing, and returns its path: it may be replaced whatever it holds.
+    ///
+    /// # Errors
+    /// [`FileError::Foreign`] where a file of this name is there that is not listed.
+    pub fn changing(&self, name: &str) -> Result<PathBuf, FileError> {
+        let path = self.room_for(name)?;
+        let full = self.full(name);
+        let listed = self.listed().ok().flatten().unwrap_or_default();
+        if !listed.changing.contains(&full) {
+            self.append(&format!("{CHANGING}{full}\n"))?;
+        }
+        Ok(path)
+    }
+
+    /// Lists files that are about to be moved here, each by its name with the place where it is now.
+    ///
+    /// # Errors
+    /// A file that cannot be read, a manifest that cannot be written.
+    pub fn announce<'a>(
+        &self,
+        names: impl IntoIterator<Item = &'a String>,
+        from: &Path,
+    ) -> Result<(), FileError> {
+        let mut lines = String::new();
+        for name in names {
+            let path = from.join(name);
+            let hash = hash_of(&path).map_err(|source| FileError::Write { path, source })?;
+            lines.push_str(&line(&self.full(name), &hash));
+        }
+        self.append(&lines)
+    }
+
+    /// Removes every file that is listed and unchanged, and the folders that are empty then; files whose names are in
+    /// `but` stay.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn clear(&self, but: &[&str]) -> io::Result<()> {
+        let Some(listed) = self.listed()? else { return Ok(()) };
+        let mut folders = BTreeSet::new();
+        for name in self.names(&listed) {
+            let stays = but.iter().any(|but| self.full(but) == *name);
+            let path = self.folder.join(name);
+            if !stays && is_file(&path) && listed.knows(name, &path)? {
+                fs::remove_file(&path)?;
+                let above = Path::new(name).ancestors().skip(1);
+                folders.extend(above.filter(|it| !it.as_os_str().is_empty()).map(Path::to_owned));
+            }
+        }
+        for folder in folders.iter().rev() {
+            // Where something else is in it, it stays.
+            fs::remove_dir(self.folder.join(folder)).ok();
+        }
+        Ok(())
+    }
+
+    /// Lists each file that is there once, with the hash that it has.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn settle(&self) -> Result<(), FileError> {
+        let path = self.folder.join(MANIFEST);
+        let failed = |source| FileError::Write { path: path.clone(), source };
+        let Some(listed) = self.listed().map_err(failed)? else { return Ok(()) };
+        let mut text = TITLE.to_owned();
+        for (name, hashes) in &listed.hashes {
+            let file = self.folder.join(name);
+            match hashes.as_slice() {
+                _ if !is_file(&file) => {}
+                [one] => text.push_str(&line(name, one)),
+                several => {
+                    let now = hash_of(&file).map_err(failed)?;
+                    let known = several.iter().find(|hash| **hash == now).or(several.last());
+                    text.extend(known.map(|hash| line(name, hash)));
+                }
+            }
+        }
+        for name in listed.changing.iter().filter(|name| self.folder.join(name).exists()) {
+            text.push_str(CHANGING);
+            text.push_str(name);
+            text.push('\n');
+        }
+        let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        write(&path, text)
+    }
+
+    /// Refuses a file that is not as it was written: that was changed, has gone, or came from elsewhere. A file that
+    /// neither is there nor is listed is as it was.
+    ///
+    /// # Errors
+    /// [`FileError::Changed`].
+    pub fn check_unchanged(&self, name: &str) -> Result<(), FileError> {
+        let full = self.full(name);
+        let path = self.folder.join(&full);
+        let is_listed = |listed: &Listed| listed.hashes.contains_key(&full);
+        let same = match self.listed() {
+            Ok(Some(listed)) if path.exists() => listed.knows(&full, &path).unwrap_or(false),
+            Ok(Some(listed)) => !is_listed(&listed),
+            _ => false,
+        };
+        if same { Ok(()) } else { Err(FileError::Changed { path }) }
+    }
+
+    fn full(&self, name: &str) -> String {
+        format!("{}{name}", self.within)
+    }
+
+    /// The listed names of this part.
+    fn names<'a>(&'a self, listed: &'a Listed) -> impl Iterator<Item = &'a String> {
+        let all = listed.hashes.keys().chain(&listed.changing);
+        all.filter(|name| name.starts_with(&self.within))
+    }
+
+    /// The path of a file that may be written, with the folders above it.
+    fn room_for(&self, name: &str) -> Result<PathBuf, FileError> {
+        let full = self.full(name);
+        let path = self.folder.join(&full);
+        let failed = |source| FileError::Write { path: path.clone(), source };
+        match fs::symlink_metadata(&path) {
+            Ok(_) => {
+                let listed = self.listed().map_err(failed)?.unwrap_or_default();
+                if !is_file(&path) || !listed.knows(&full, &path).map_err(failed)? {
+                    return Err(FileError::Foreign { path });
+                }
+            }
+            Err(_) => path.parent().map_or(Ok(()), create_folder)?,
+        }
+        Ok(path)
+    }
+
+    /// What of a folder is not listed or was changed, one more than errors name.
+    fn foreign(
+        &self,
+        listed: Option<&Listed>,
+        folder: &Path,
+        within: &str,
+        found: &mut Vec<String>,
+    ) -> io::Result<()> {
+        let entries = match fs::read_dir(folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            entries => entries?.collect::<io::Result<Vec<_>>>()?,
+        };
+        let mut entries: Vec<_> =
+            entries.into_iter().map(|entry| (entry.file_name(), entry.path())).collect();
+        entries.sort();
+        for (name, path) in entries {
+            let name = name.to_string_lossy();
+            let of_nobody = name.starts_with('.') || OF_THE_SYSTEM.contains(&&*name);
+            let full = format!("{within}{name}");
+            let is_folder = fs::symlink_metadata(&path)?.is_dir();
+            if found.len() > NAMED {
+                break;
+            }
+            if of_nobody || name == MANIFEST && listed.is_some() {
+                continue;
+            } else if is_folder {
+                // Results of another command have a manifest of their own.
+                if !Self::of(&path).is_there() {
+                    self.foreign(listed, &path, &format!("{full}/"), found)?;
+                }
+            } else if !(is_file(&path)
+                && listed.is_some_and(|listed| listed.knows(&full, &path).unwrap_or(false)))
+            {
+                found.push(full);
+            }
+        }
+        Ok(())
+    }
+
+    fn append(&self, lines: &str) -> Result<(), FileError> {
+        self.begin()?;
+        let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        let path = self.folder.join(MANIFEST);
+        let append = || {
+            let mut file = OpenOptions::new().append(true).open(&path)?;
+            file.write_all(lines.as_bytes())?;
+            file.sync_data()
+        };
+        append().map_err(|source| FileError::Write { path: path.clone(), source })
+    }
+
+    /// What is listed; `None` where there is no manifest.
+    fn listed(&self) -> io::Result<Option<Listed>> {
+        let path = self.folder.join(MANIFEST);
+        let text = match fs::read(&path) {
+            Ok(bytes) if is_file(&path) => String::from_utf8_lossy(&bytes).into_owned(),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => return Ok(None),
+        };
+        // The end of the title may change from version to version.
+        let Some((_, lines)) = text.split_once('\n').filter(|(title, _)| title.starts_with(MARK))
+        else {
+            return Ok(None);
+        };
+        let mut listed = Listed::default();
+        // A line that was cut off or damaged lists nothing: its file is then taken for somebody else's.
+        for line in lines.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n')) {
+            if let Some(name) = line.strip_prefix(CHANGING) {
+                listed.changing.extend(Some(name.to_owned()).filter(|name| is_inside(name)));
+            } else if let Some((name, hash)) = parsed(line) {
+                let hashes = listed.hashes.entry(name).or_default();
+                hashes.retain(|other| *other != hash);
+                hashes.push(hash);
+            }
+        }
+        Ok(Some(listed))
+    }
+}
+
+impl Listed {
+    /// Whether a file is one that was written under this name.
+    fn knows(&self, name: &str, path: &Path) -> io::Result<bool> {
+        if self.changing.contains(name) {
+            return Ok(true);
+        }
+        let Some(hashes) = self.hashes.get(name) else { return Ok(false) };
+        Ok(hashes.contains(&hash_of(path)?))
+    }
+}
+
+/// Whether this is a file itself: no link, no device.
+fn is_file(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|about| about.is_file())
+}
+
+/// Whether a name leads nowhere but into the folder.
+fn is_inside(name: &str) -> bool {
+    !name.is_empty() && Path::new(name).components().all(|it| matches!(it, Component::Normal(_)))
+}
+
+/// A line as `sha256sum` writes it, which marks names with a line break.
+fn line(name: &str, hash: &str) -> String {
+    if name.contains(['\n', '\\', '\r']) {
+        let name = name.replace('\\', r"\\").replace('\n', r"\n").replace('\r', r"\r");
+        format!("\\{hash}  {name}\n")
+    } else {
+        format!("{hash}  {name}\n")
+    }
+}
+
+/// Name and hash of a line.
+fn parsed(line: &str) -> Option<(String, String)> {
+    let (line, marked) = line.strip_prefix('\\').map_or((line, false), |line| (line, true));
+    let (hash, name) = line.split_once("  ")?;
+    let is_hash = hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let mut plain = String::with_capacity(name.len());
+    let mut letters = name.chars();
+    while let Some(letter) = letters.next() {
+        match letter {
+            '\\' if marked => plain.push(match letters.next()? {
+                'n' => '\n',
+                'r' => '\r',
+                other => other,
+            }),
+            letter => plain.push(letter),
+        }
+    }
+    (is_hash && is_inside(&plain)).then(|| (plain, hash.to_ascii_lowercase()))
+}
+
+fn hash_of(path: &Path) -> io::Result<String> {
+    let mut hasher = Sha256::new();
+    io::copy(&mut File::open(path)?, &mut hasher)?;
+    Ok(in_hexadecimal(&hasher.finalize()))
+}
+
+/// The SHA-256 of some bytes in hexadecimal digits.
+///
+/// # Example
+/// ```
+/// let hash = myospring::study::sha256(b"abc");
+/// assert!(hash.starts_with("ba7816bf") && hash.len() == 64); // FIPS 180-2, appendix B.1
+/// ```
+pub fn sha256(bytes: &[u8]) -> String {
+    in_hexadecimal(&Sha256::digest(bytes))
+}
+
+fn in_hexadecimal(hash: &[u8]) -> String {
+    hash.iter().fold(String::with_capacity(64), |mut text, byte| {
+        // Writing to a string does not fail.
+        write!(text, "{byte:02x}").ok();
+        text
+    })
+}
