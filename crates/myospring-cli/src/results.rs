@@ -54,8 +54,9 @@ impl Folder {
     fn check_beside(target: &Path, force: bool, reads: &Reads) -> Result<(), Failure> {
         reads.check_folder(target)?;
         if fs::symlink_metadata(target).is_ok() && !target.is_dir() {
-            return Err(Failure::new(format!("`{}` is no folder", target.display()))
-                .advise("give a folder like --output results/mine"));
+            let message =
+                format!("cannot write results to `{}`: it is not a folder", target.display());
+            return Err(Failure::new(message).advise("give a folder like --output results/mine"));
         }
         if is_occupied(target).map_err(|error| unusable(target, &error))? {
             if !force {

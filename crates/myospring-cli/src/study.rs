@@ -219,7 +219,7 @@ fn figures(args: &StudyFiguresArgs) -> Result<ExitCode, Failure> {
     let answer = Answer::from_csv(&study, &common.units, &rows).map_err(|error| named(&error))?;
     let sensitivity = answer.sensitivity().unwrap_or_default();
     let manifest = Manifest::of(&target);
-    manifest.check_reads(&reads::all())?;
+    manifest.part(FIGURES).check_reads(&reads::all())?;
     let (count, left_out) = draw(&answer, &common, &sensitivity, &manifest)?;
     manifest.settle()?;
     for warning in &left_out {

@@ -61,7 +61,7 @@ const TRIALS: &[Trial] = &[
     refused("track P -o P --force", &["P/1.png", READS]),
     refused("run D/run.toml -o D --force", &["D/run.toml", READS]),
     refused("run D/run.toml -o T --force", &["T/calcium.csv", READS]),
-    refused("compare D/run.toml --scale c_0=0.5 -o D --force", &["D/run.toml", READS]),
+    refused("compare D/run.toml --scale k_ws=0.5 -o D --force", &["D/run.toml", READS]),
     refused("study run S/study.toml -o S --force", &["S/study.toml", READS]),
     refused("study run S/study.toml -o S", &["S/study.toml", READS]),
     refused("batch P --pixel-size 0.5um -o P --force", &["P/1.png", READS]),
@@ -103,7 +103,8 @@ const TRIALS: &[Trial] = &[
         &["no list of those that myospring wrote", "earlier versions"],
     ),
     // Names that are no files.
-    refused("analyse A/curve.csv -o A/curve.csv --force", &["`A/curve.csv` is no folder"]),
+    refused("analyse A/curve.csv -o A/curve.csv --force", &["A/curve.csv", READS]),
+    refused("analyse A/curve.csv -o D/run.toml --force", &["`D/run.toml`: it is not a folder"]),
     refused("init C --force", &["`C` is a folder, which is never replaced"]),
 ];
 

@@ -59,7 +59,10 @@ impl Manifest {
 
     /// The folder of the results, or of this part of them.
     pub fn folder(&self) -> PathBuf {
-        self.folder.join(&self.within)
+        match self.within.strip_suffix('/') {
+            Some(within) => self.folder.join(within),
+            None => self.folder.clone(),
+        }
     }
 
     /// Whether the folder has a manifest.
@@ -430,4 +433,65 @@ fn in_hexadecimal(hash: &[u8]) -> String {
         write!(text, "{byte:02x}").ok();
         text
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_name_is_listed_as_sha256sum_does_and_none_leads_out_of_the_folder() {
+        let place = tempfile::tempdir().unwrap();
+        let (folder, outside) = (place.path().join("res"), place.path().join("mine.csv"));
+        let manifest = Manifest::of(&folder);
+        let names = if cfg!(unix) {
+            ["a b.csv", "x\ny.csv", "c\\d.csv"]
+        } else {
+            ["a b.csv", "x.csv", "c.csv"]
+        };
+        for name in names {
+            manifest.write(name, "abc").unwrap();
+            manifest.part("inner").write(name, "abc").unwrap();
+        }
+        // FIPS 180-2, appendix B.1.
+        let hash = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        let path = folder.join(MANIFEST);
+        let mut text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains(&format!("\n{hash}  a b.csv\n")), "{text}");
+        assert!(!cfg!(unix) || text.contains(&format!("\n\\{hash}  x\\ny.csv\n")), "{text}");
+        fs::write(&outside, "abc").unwrap();
+        text.push_str(&line("../mine.csv", hash));
+        fs::write(&path, text).unwrap();
+        manifest.check_replaceable(&Reads::new()).unwrap();
+        manifest.clear(&[]).unwrap();
+        assert!(outside.exists());
+        let left = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
+        assert_eq!(left.collect::<Vec<_>>(), [MANIFEST]);
+    }
+
+    #[test]
+    fn a_file_that_was_changed_is_neither_written_nor_removed() {
+        let place = tempfile::tempdir().unwrap();
+        let manifest = Manifest::of(place.path());
+        let at = |name: &str| place.path().join(name);
+        manifest.write("a.csv", "old").unwrap();
+        manifest.write("a.csv", "new").unwrap();
+        manifest.check_unchanged("a.csv").unwrap();
+        manifest.settle().unwrap();
+        assert_eq!(fs::read_to_string(at(MANIFEST)).unwrap().lines().count(), 2);
+        fs::write(at("a.csv"), "mine").unwrap();
+        assert!(matches!(manifest.write("a.csv", "x"), Err(FileError::Foreign { .. })));
+        assert!(matches!(manifest.check_unchanged("a.csv"), Err(FileError::Changed { .. })));
+        let refused = manifest.check_replaceable(&Reads::new()).unwrap_err().to_string();
+        assert!(refused.contains("a.csv"), "{refused}");
+        manifest.clear(&[]).unwrap();
+        assert_eq!(fs::read_to_string(at("a.csv")).unwrap(), "mine");
+        // Old content again is ours again.
+        fs::write(at("a.csv"), "new").unwrap();
+        let mut reads = Reads::new();
+        reads.add(&at("a.csv"));
+        assert!(matches!(manifest.check_reads(&reads), Err(FileError::Read { .. })));
+        manifest.clear(&["a.csv"]).unwrap();
+        assert!(at("a.csv").exists());
+    }
 }

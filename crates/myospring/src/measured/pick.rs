@@ -10,7 +10,7 @@ use super::sheet::{Row, Sheet};
 use super::times::{Clock, Timed};
 use super::workbook;
 use crate::analysis::kind::Kind;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Columns from which on a table without names may have a curve in each row.
@@ -31,6 +31,8 @@ pub(super) struct Picked<'a> {
     sheet: Sheet,
     options: &'a Options,
     notes: Vec<String>,
+    /// Notes that many columns share, each said once.
+    shared: BTreeSet<String>,
 }
 
 /// The curves of a file's bytes.
@@ -166,7 +168,7 @@ impl<'a> Picked<'a> {
                 sheet.above
             ));
         }
-        Self { path, stems, sheet, options, notes }
+        Self { path, stems, sheet, options, notes, shared: BTreeSet::new() }
     }
 
     /// The curves.
@@ -587,7 +589,7 @@ impl<'a> Picked<'a> {
         let dead: Vec<usize> = others.iter().copied().filter(still).collect();
         if dead.len() < others.len() && !dead.is_empty() {
             let note = passed_over(&dead, "they only count, or never change");
-            others.retain(|at| !dead.contains(at));
+            others.retain(|at| dead.binary_search(at).is_err());
             self.notes.push(note);
         }
         if others.is_empty() {
@@ -690,7 +692,7 @@ impl<'a> Picked<'a> {
                 .iter()
                 .any(|name| name == &curve.name && !column::title(name).unit.is_empty());
         let mut note = |text: String| {
-            if !self.notes.contains(&text) {
+            if self.shared.insert(text.clone()) {
                 self.notes.push(text);
             }
         };
