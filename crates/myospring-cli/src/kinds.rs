@@ -77,7 +77,7 @@ impl Kind {
             kind if FILMS.contains(&kind) => Some(Self::Film),
             kind if TABLES.contains(&kind) && is_curves(path) => Some(Self::Curves),
             kind if TABLES.contains(&kind) || ["json", "zip"].contains(&kind) => {
-                let bytes = fs::read(path).ok()?;
+                let bytes = crate::reads::bytes(path).ok()?;
                 if is_outline(path, &bytes) {
                     return Some(Self::Outline);
                 }
@@ -160,7 +160,7 @@ fn is_outline(path: &Path, bytes: &[u8]) -> bool {
 
 /// Whether a table has curves: known ones by their names, others by a column of times that is long.
 fn is_curves(path: &Path) -> bool {
-    let Ok(table) = measured::read(path, &Options::default()) else { return false };
+    let Ok(table) = crate::reads::table(path, &Options::default()) else { return false };
     let is_curve = |curve: &measured::Curve| {
         curve.kind != measured::Kind::Unknown || curve.values.len() >= LONG
     };

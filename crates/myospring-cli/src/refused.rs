@@ -115,7 +115,7 @@ impl Refused<'_> {
         match &self.place {
             Place::File(file) => {
                 let file = if file.exists() { &refused_beside(file) } else { file };
-                results::write_file(file, figure.to_png(DPI)?)?;
+                results::write_in_folder(file, figure.to_png(DPI)?)?;
                 Ok(file.clone())
             }
             Place::Folder(target) => {

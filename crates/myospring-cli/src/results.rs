@@ -234,10 +234,15 @@ pub(crate) fn check_file(path: &Path) -> Result<(), Failure> {
 /// Writes a file that a person named, unless [`check_file`] refuses it.
 pub(crate) fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     check_file(path)?;
+    Ok(files::write(path, content)?)
+}
+
+/// As [`write_file`], with the folder of the file where there is none.
+pub(crate) fn write_in_folder(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         files::create_folder(folder)?;
     }
-    Ok(files::write(path, content)?)
+    write_file(path, content)
 }
 
 /// Whether a folder holds anything that is not hidden.

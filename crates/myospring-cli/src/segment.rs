@@ -232,7 +232,7 @@ fn write_files<'a>(
 ) -> Result<Vec<String>, Failure> {
     files
         .map(|(file, content)| {
-            results::write_file(file, content)?;
+            results::write_in_folder(file, content)?;
             Ok(file.display().to_string())
         })
         .collect()

@@ -133,7 +133,7 @@ fn workplace(at: &Path) {
         (
             "S/study.toml",
             b"kind = \"cell\"\n[parameters]\ntau_si = { distribution = \"uniform\", low = 1.0, high = 2.0 }\n\
-              [sampling]\nsampler = \"random\"\nsize = 2\n",
+              [sampling]\nsampler = \"latin-hypercube\"\nsize = 2\n",
         ),
         ("x.toml.part", b"mine"),
     ];

@@ -686,11 +686,8 @@ impl<'a> Picked<'a> {
         let mean = curve.values.iter().sum::<f64>() / count;
         let most = curve.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let says_unit = self.options.unit.is_some()
-            || self
-                .sheet
-                .header
-                .iter()
-                .any(|name| name == &curve.name && !column::title(name).unit.is_empty());
+            || !column::title(&curve.name).unit.is_empty()
+                && self.sheet.header.contains(&curve.name);
         let mut note = |text: String| {
             if self.shared.insert(text.clone()) {
                 self.notes.push(text);
