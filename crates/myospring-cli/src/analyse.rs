@@ -47,7 +47,9 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     let beats = table::Beats::of(&args.stimuli, args.smooth.as_deref(), args.keep_drift)?;
     let (mut all, mut notes) = (Vec::new(), Vec::new());
     let inputs = folder::tables(&args.inputs)?;
-    inputs.iter().for_each(|path| reads::note(path));
+    for path in &inputs {
+        reads::note(path);
+    }
     let target = args.output.output.clone().unwrap_or_else(|| folder(&args.inputs));
     Folder::check(&target, args.output.force)?;
     for path in &inputs {

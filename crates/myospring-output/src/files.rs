@@ -126,7 +126,7 @@ fn part_of(path: &Path) -> io::Result<(PathBuf, File)> {
         let part = path.with_file_name(format!("{before}{random:016x}{after}"));
         match File::create_new(&part) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists && tries < TRIES => {
-                tries += 1
+                tries += 1;
             }
             made => return Ok((part, made?)),
         }

@@ -118,7 +118,9 @@ impl Study {
                 let mut reads = Reads::new();
                 let on_disk = seen.keys().filter(|path| !files.contains_key(*path));
                 on_disk.map(|path| folder.join(path)).for_each(|path| reads.add(&path));
-                description.iter().for_each(|path| reads.add(path));
+                if let Some(path) = &description {
+                    reads.add(path);
+                }
                 journal = if force {
                     Journal::begin_anew(output, &settings, &reads)?
                 } else {
@@ -127,9 +129,9 @@ impl Study {
                 common = common.keeping_traces(output, Shard::WHOLE)?;
                 common.check_curves(&study.members(Shard::WHOLE), &journal)?;
                 let manifest = Manifest::of(output);
-                manifest.write("study.toml", &text)?;
+                manifest.write("study.toml", &text).map_err(StudyError::from)?;
                 for (name, content) in &files {
-                    manifest.write(name, content)?;
+                    manifest.write(name, content).map_err(StudyError::from)?;
                 }
             }
             let files = seen;

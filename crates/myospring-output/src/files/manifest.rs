@@ -100,7 +100,7 @@ impl Manifest {
         let failed = |source| FileError::Folder { path: folder.clone(), source };
         let listed = self.listed().map_err(failed)?;
         let mut foreign = Vec::new();
-        self.foreign(listed.as_ref(), &folder, &self.within, &mut foreign).map_err(failed)?;
+        Self::foreign(listed.as_ref(), &folder, &self.within, &mut foreign).map_err(failed)?;
         if !foreign.is_empty() {
             let more = if foreign.len() > NAMED { ", ..." } else { "" };
             foreign.truncate(NAMED);
@@ -282,7 +282,6 @@ impl Manifest {
 
     /// What of a folder is not listed or was changed, one more than errors name.
     fn foreign(
-        &self,
         listed: Option<&Listed>,
         folder: &Path,
         within: &str,
@@ -305,10 +304,11 @@ impl Manifest {
             }
             if of_nobody || name == MANIFEST && listed.is_some() {
                 continue;
-            } else if is_folder {
+            }
+            if is_folder {
                 // Results of another command have a manifest of their own.
                 if !Self::of(&path).is_there() {
-                    self.foreign(listed, &path, &format!("{full}/"), found)?;
+                    Self::foreign(listed, &path, &format!("{full}/"), found)?;
                 }
             } else if !(is_file(&path)
                 && listed.is_some_and(|listed| listed.knows(&full, &path).unwrap_or(false)))
