@@ -116,7 +116,7 @@ fn the_whole_of_a_cell_with_a_dim_half_is_found_and_scores_more_than_its_bright_
 fn a_uniform_block_is_never_surely_a_cell_whatever_its_size_noise_blur_and_pixel() {
     for (size_um, pixel_um) in [(25.0, 0.25), (60.0, 0.25), (60.0, 0.65), (110.0, 0.5)] {
         for lens_um in [0.3, 0.8] {
-            for noise in [4.0, 40.0, 100.0, 200.0, 400.0] {
+            for noise in [4.0, 100.0, 200.0, 400.0] {
                 let plane = uniform_block(size_um, pixel_um, noise, lens_um);
                 let Some(found) = found(&plane, pixel_um) else { continue };
                 // Where noise hides all texture, it may be a cell; that is said.
