@@ -113,22 +113,20 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
             Ok(whole) if !is_truth(value) => Value::Whole(whole),
             _ => return wrong("a whole number"),
         },
-        Kind::Quantity { .. } => match float(value) {
-            Some(given) => {
-                // As text it could not be told from a unit.
-                if !given.is_finite() {
-                    let message = format!("`{}` = {given} is not a finite number", name(setting));
-                    return Err(errors::value(message));
-                }
-                number(setting, given)
-            }
-            _ => {
+        Kind::Quantity { .. } => {
+            let Some(given) = float(value) else {
                 let unit = setting.unit().filter(|unit| !unit.is_empty());
                 return wrong(
                     &unit.map_or("a number".to_owned(), |unit| format!("a number in {unit}")),
                 );
+            };
+            // As text it could not be told from a unit.
+            if !given.is_finite() {
+                let message = format!("`{}` = {given} is not a finite number", name(setting));
+                return Err(errors::value(message));
             }
-        },
+            number(setting, given)
+        }
         Kind::Named { .. } => {
             let Ok(rows) = value.cast::<PyDict>() else { return wrong("a dict of name to number") };
             let mut named = BTreeMap::new();

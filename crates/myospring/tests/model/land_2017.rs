@@ -127,7 +127,7 @@ fn a_cell_with_tension_at_rest_stands_still_until_it_is_stimulated() {
         assert!(outcome.stop.is_none(), "{:?}", outcome.stop);
         let samples = outcome.recording.samples;
         let energy = samples.iter().map(|sample| sample.kinetic_energy_fj).fold(0.0, f64::max);
-        (samples[0].clone(), energy)
+        (samples[0], energy)
     };
     let resting = soft(Method::QuasiStatic, 0.25);
     let resting = resting.build().unwrap().run(|_progress| true);
