@@ -142,7 +142,7 @@ impl Kind {
                 "`myospring analyse {path}` measures the beats of all of them, `myospring fit --to {path}` fits a \
                  cell to each"
             ),
-            Self::EmptyFolder => "give a file, or a folder that holds some".to_owned(),
+            Self::EmptyFolder => "give a file, or a folder with files in it; --help says which kinds".to_owned(),
         }
     }
 }

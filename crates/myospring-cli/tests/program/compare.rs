@@ -179,7 +179,7 @@ fn what_cannot_be_compared_says_why_and_writes_nothing() {
     fs::write(place.join("drug.toml"), "[drug]\nparameter = \"tau_si\"\n").unwrap();
     for (arguments, said) in [
         (&["cell.toml"][..], "one run is nothing to compare"),
-        (&["cell.toml", "empty"], "holds no results of a run: run.toml is missing"),
+        (&["cell.toml", "empty"], "`empty` is an empty folder"),
         (&["cell.toml", "none.toml"], "cannot read `none.toml`"),
         (&["cell.toml", "--scale", "tau_sii=2"], "the nearest are tau_si"),
         (&["cell.toml", "--scale", "tau_si"], "like tau_si=1.2"),

@@ -134,7 +134,7 @@ fn what_cannot_be_followed_says_why_and_leaves_nothing() {
     );
     refused(&[&["film/t8.png"], &GIVEN[..]].concat(), &["only one frame", "at least 3"]);
     fs::create_dir(path.join("empty")).unwrap();
-    refused(&[&["empty"], &GIVEN[..]].concat(), &["`empty` holds no pictures"]);
+    refused(&[&["empty"], &GIVEN[..]].concat(), &["`empty` is an empty folder"]);
     fs::write(path.join("film.czi"), b"ZISRAWFILE").unwrap();
     refused(&[&["film.czi"], &GIVEN[..]].concat(), &["Zeiss CZI", "OME-TIFF"]);
     fs::write(path.join("film.avi"), b"RIFF....AVI ").unwrap();

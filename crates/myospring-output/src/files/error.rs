@@ -1,6 +1,6 @@
 //! Why a file was not written.
 
-use super::manifest::MANIFEST;
+use super::names::MANIFEST;
 use std::io;
 use std::path::PathBuf;
 

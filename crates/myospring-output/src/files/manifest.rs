@@ -1,8 +1,9 @@
 //! The list of the files that commands wrote to a folder of results: what they may replace there, and nothing else.
 
 use super::error::FileError;
+use super::names::MANIFEST;
 use super::reads::Reads;
-use super::{create_folder, write, write_and};
+use super::write::{create_folder, write, write_and};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -10,9 +11,6 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Read as _, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Name of the list in its folder. Its lines are those of `sha256sum`, so `sha256sum -c myospring.sha256` checks results.
-pub const MANIFEST: &str = "myospring.sha256";
 
 const TITLE: &str = "# myospring wrote these files; `sha256sum -c myospring.sha256` checks them. What is not in this list, \
                      or was changed since, is never replaced or removed.\n";
