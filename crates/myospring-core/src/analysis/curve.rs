@@ -37,6 +37,11 @@ use detect::Known;
 use noise::Noise;
 use std::cmp::Ordering;
 
+/// No beat is shorter at half its height, ms: action potentials of mice last some 5 ms, their contractions and transients
+/// some 50. Lamps and cameras flicker faster.
+const SHORTEST_MS: f64 = 15.0;
+const SHORTEST_POTENTIAL_MS: f64 = 2.0;
+
 /// Noise that is smoothed down to, as a part of a beat's height.
 const SMOOTH_TO: f64 = 0.005;
 
@@ -251,10 +256,11 @@ fn removed(of: &Side) -> usize {
 /// Bridges artefacts and finds the direction of a curve whose kind does not fix it.
 fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
     let plateau = kind == Kind::Potential;
+    let shortest = if plateau { SHORTEST_POTENTIAL_MS } else { SHORTEST_MS } / median_step(times);
     let of = |rises: bool| {
         let sign = if rises { 1.0 } else { -1.0 };
         let signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
-        (rises, artefacts::bridge(&signal, plateau))
+        (rises, artefacts::bridge(&signal, plateau, shortest))
     };
     let (own, against) = if let Some(rises) = kind.rises() {
         let own = of(rises);

@@ -237,7 +237,7 @@ def _restored(
     metrics: NDArray[np.float64],
     reasons: list[str | None],
 ) -> StudyResult:
-    native = _native.Study(text, files, "", None, False, True)
+    native = _native.Study(text, files, "", None, False, True, None)
     native.note(numbers, metrics, reasons, np.empty((len(numbers), 0), dtype=np.float32))
     return StudyResult(native)
 

@@ -2,6 +2,7 @@
 
 use crate::common;
 use crate::workbook_bytes;
+use myospring::analysis::curve::analyse;
 use myospring::measured::{Column, Kind, Options, Table, read, read_bytes};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -124,6 +125,21 @@ fn workbooks_of_instruments_are_read_as_they_are() {
         let names: Vec<&str> = table.curves.iter().map(|curve| &*curve.name).collect();
         assert_eq!(names, ["Cell1 Ratio", "Cell 2 Ratio", "Cell6 Ratio", "Cell7 Ratio"]);
         assert_eq!(table.curves[0].frame_rate_per_s().map(f64::round), Some(1000.0));
+        for curve in &table.curves {
+            let found = analyse(
+                &curve.times_ms,
+                &curve.values,
+                curve.kind,
+                curve.unit,
+                &Default::default(),
+            );
+            let found = found.unwrap();
+            // The cells were paced every two seconds.
+            let interval = found.mean("interval").unwrap();
+            let beats = found.beats.len();
+            assert!((5..=7).contains(&beats), "{}: {beats} beats", curve.name);
+            assert!((interval / 2000.0 - 1.0).abs() < 0.03, "{}: {interval} ms", curve.name);
+        }
     }
     if let Some(path) = file("ionoptix_Z5_first60s_all_columns.TXT") {
         let table = read(&path, &Options::default()).unwrap();

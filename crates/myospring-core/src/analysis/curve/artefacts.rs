@@ -44,8 +44,8 @@ pub(super) struct Artefact {
 /// A curve with lines in the place of its artefacts, these, and the beats, where there are any.
 pub(super) type Bridged = (Vec<f64>, Vec<Artefact>, Option<Beats>);
 
-/// Bridges the artefacts of a curve that rises in a beat.
-pub(super) fn bridge(measured: &[f64], plateau: bool) -> Bridged {
+/// Bridges the artefacts of a curve that rises in a beat; no beat is shorter than this at half its height, frames.
+pub(super) fn bridge(measured: &[f64], plateau: bool, shortest: f64) -> Bridged {
     let mut bad = vec![false; measured.len()];
     lost::mark(measured, &mut bad);
     let mut signal = measured.to_vec();
@@ -57,7 +57,7 @@ pub(super) fn bridge(measured: &[f64], plateau: bool) -> Bridged {
     // Noise that goes on for a fourth of a beat is beats that were taken for it.
     let mut noise = Noise::of(&undisturbed);
     let beats = loop {
-        let beats = usual::usual(values, &windows, &filtered, noise);
+        let beats = usual::usual(values, &windows, &filtered, noise, shortest);
         let fits = |beats: &Beats| 4.0 * noise.memory <= beats.width;
         if noise.memory <= 1.0 || beats.as_ref().is_some_and(fits) {
             break beats;

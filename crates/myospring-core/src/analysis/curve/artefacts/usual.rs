@@ -75,12 +75,13 @@ fn kept(window: usize, memory: f64) -> f64 {
     if window == 0 { 1.0 } else { (0.72 / (window as f64 / memory).powf(0.36)).min(1.0) }
 }
 
-/// What pulses are alike and most frequent, whatever the window.
+/// What pulses are alike and most frequent, whatever the window; none is shorter than this, frames.
 pub(in crate::analysis::curve) fn usual(
     values: &[f64],
     windows: &[usize],
     filtered: &[Vec<f64>],
     noise: Noise,
+    shortest: f64,
 ) -> Option<Beats> {
     let mut classes: Vec<Beats> = Vec::new();
     for (&window, values_here) in windows.iter().zip(filtered) {
@@ -94,7 +95,7 @@ pub(in crate::analysis::curve) fn usual(
         peaks.retain(|peak| peak.at > 0 && peak.at + 1 < coarse.len() && peak.prominence > least);
         let pulses: Vec<Pulse> =
             peaks.iter().map(|peak| Pulse::of(&coarse, *peak, stride)).collect();
-        classes.extend(class(values, &pulses, window));
+        classes.extend(class(values, &pulses, window, shortest));
     }
     // Wiggles a thirtieth as high as what else repeats are of the instrument.
     let highest = classes.iter().map(|class| class.height).fold(0.0, f64::max);
@@ -143,7 +144,7 @@ impl Pulse {
 }
 
 /// The most frequent kind of pulse behind a window; none where beats would not be wider than it.
-fn class(values: &[f64], pulses: &[Pulse], window: usize) -> Option<Beats> {
+fn class(values: &[f64], pulses: &[Pulse], window: usize, shortest: f64) -> Option<Beats> {
     let alike = |one: &Pulse, other: &Pulse| {
         let near = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
         near(one.height, other.height) && near(one.width(), other.width())
@@ -153,7 +154,8 @@ fn class(values: &[f64], pulses: &[Pulse], window: usize) -> Option<Beats> {
     let mut best: Option<(f64, Vec<&Pulse>)> = None;
     for centre in pulses.iter().step_by(step) {
         // The whole curve is no pulse of it, and a window that is as wide would make what it shows.
-        if centre.width() < 1.2 * window as f64 || centre.width() > 0.4 * values.len() as f64 {
+        let least = shortest.max(1.2 * window as f64);
+        if centre.width() < least || centre.width() > 0.4 * values.len() as f64 {
             continue;
         }
         let members: Vec<&Pulse> = pulses.iter().filter(|other| alike(centre, other)).collect();

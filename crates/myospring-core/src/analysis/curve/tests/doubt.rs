@@ -3,6 +3,7 @@
 use super::super::*;
 use super::{Noise, each_second, frames, half_sine};
 use crate::analysis::kind::Kind;
+use std::f64::consts::PI;
 
 fn length(height: f64) -> f64 {
     120.0 - 12.0 * height
@@ -66,6 +67,30 @@ fn noise_that_goes_on_for_some_frames_is_no_beats() {
                 assert!((shortening - 10.0).abs() < 0.1 + 10.0 * size, "{case}: {shortening}");
             }
         }
+    }
+}
+
+/// As in a published recording of Fura at 1000 frames a second, where a ratio of two noisy numbers has spikes upwards too;
+/// before, its six beats were 59.
+#[test]
+fn light_that_flickers_more_than_a_beat_is_high_is_no_beats() {
+    for seed in 0..3 {
+        let times = frames(1000.0, 12.0);
+        let (mut random, mut phase) = (Noise::new(seed), 0.0);
+        let values: Vec<f64> = times
+            .iter()
+            .map(|t| {
+                phase += 0.2 * PI * (1.0 + 0.3 * random.normal());
+                let height = half_sine((t - 250.0).rem_euclid(2000.0));
+                let flicker = 0.03 * phase.sin() + 0.015 * random.normal();
+                0.86 + 0.044 * height + flicker + 12.0 * flicker.max(0.0).powi(2)
+            })
+            .collect();
+        let options = Options::default();
+        let found = analyse(&times, &values, Kind::CalciumRatio, "", &options).unwrap();
+        assert!((5..=6).contains(&found.beats.len()), "seed {seed}: {} beats", found.beats.len());
+        let interval = found.mean("interval").unwrap();
+        assert!((interval - 2000.0).abs() < 40.0, "seed {seed}: {interval} ms");
     }
 }
 
