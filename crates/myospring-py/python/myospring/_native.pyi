@@ -27,6 +27,7 @@ __all__ = [
     "settings",
     "models",
     "parameters",
+    "in_python",
 ]
 
 __version__: str
