@@ -2,7 +2,7 @@
 
 use crate::common;
 use crate::workbook_bytes;
-use myospring::analysis::curve::analyse;
+use myospring::analysis::curve as curves;
 use myospring::measured::{Column, Kind, Options, Table, read, read_bytes};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -126,13 +126,9 @@ fn workbooks_of_instruments_are_read_as_they_are() {
         assert_eq!(names, ["Cell1 Ratio", "Cell 2 Ratio", "Cell6 Ratio", "Cell7 Ratio"]);
         assert_eq!(table.curves[0].frame_rate_per_s().map(f64::round), Some(1000.0));
         for curve in &table.curves {
-            let found = analyse(
-                &curve.times_ms,
-                &curve.values,
-                curve.kind,
-                curve.unit,
-                &Default::default(),
-            );
+            let options = curves::Options::default();
+            let found =
+                curves::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options);
             let found = found.unwrap();
             // The cells were paced every two seconds.
             let interval = found.mean("interval").unwrap();
