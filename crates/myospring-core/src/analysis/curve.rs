@@ -228,7 +228,7 @@ struct Cleaned {
     replaced: Vec<bool>,
 }
 
-/// One direction of a curve: whether it rises, and what is left of it without the artefacts of that direction.
+/// One direction of a curve: whether beats rise, and the curve without the artefacts that are found for that direction.
 type Side = (bool, artefacts::Bridged);
 
 /// Whether the beats of a curve rise, by what either direction makes of it.

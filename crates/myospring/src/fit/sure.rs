@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// An answer that is this much worse than the ends of an interval tells nothing of it.
 const FAR: f64 = 4.0;
-/// Answers that differ by less than so many steps of each unknown are one.
+/// Answers that differ by fewer steps than this in each unknown are one.
 const ONE_ANSWER: f64 = 10.0;
 /// Of a misfit only that is seen which the numbers that are sought have not taken up, so the ends of an interval are
 /// farther away by this factor: measured with cells that differ from their model (`docs/measured-beats.md`).

@@ -11,7 +11,7 @@ pub trait Observer<M: Member>: Sync {
     /// The study begins; so many of its members were done before.
     fn begins(&self, _done: usize, _members: usize) {}
 
-    /// What was kept of so many members is damaged: they are worked on anew.
+    /// How many members have damaged results, which are computed anew.
     fn damaged(&self, _members: usize) {}
 
     /// A member was done and stands in the journal; `false` begins no other.

@@ -93,7 +93,7 @@ impl Noise {
     }
 }
 
-/// How far apart, in standard deviations, the highest and the lowest of so many samples of noise lie in one of a hundred
+/// How far apart, in standard deviations, the highest and the lowest of this number of noise samples lie in one of a hundred
 /// recordings, and in one of ten thousand.
 pub(super) fn reach(samples: f64) -> [f64; 2] {
     // Each end lies beyond sqrt(2 ln n) + y with the probability exp(-y sqrt(2 ln n)) (Gumbel), both together with
