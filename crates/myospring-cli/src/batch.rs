@@ -54,7 +54,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         Journal::open_beside(&target, &settings, &reads::all())?
     };
     let manifest = journal.manifest().unwrap_or_else(|| Manifest::of(&target));
-    interrupt::heed("the pictures under way are given up");
+    interrupt::heed_soon("the pictures under way are given up");
     let bar = progress::of_members(args.output.quiet, pictures.len(), "pictures");
     let seen = Seen { bar: &bar, quiet: args.output.quiet, manifest: &manifest };
     let kept = Kept { figures: args.figures, manifest: &manifest };

@@ -63,7 +63,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     jobs.iter().filter(|job| job.folder.is_none()).try_for_each(|job| job.run().map(drop))?;
     let target =
         args.output.output.clone().unwrap_or_else(|| Path::new("results").join("comparison"));
-    interrupt::heed("nothing is written");
+    interrupt::heed_soon("nothing is written");
     let folder = Folder::claim(&target, args.output.force)?;
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let bar = progress_bar(args.output.quiet);
@@ -71,6 +71,9 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let sides: Result<Vec<Side>, Failure> =
         threads.install(|| jobs.into_par_iter().map(|job| job.side(&bar)).collect());
     bar.finish_and_clear();
+    if interrupt::asked() {
+        return Ok(ExitCode::from(1));
+    }
     let mut sides = sides?;
     let mut inputs = Inputs::default();
     for side in &mut sides {
@@ -80,9 +83,6 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
             side.source = inputs::relative(Path::new(&side.source), &target)
                 .unwrap_or_else(|| side.source.clone());
         }
-    }
-    if interrupt::asked() {
-        return Ok(ExitCode::from(1));
     }
 
     let labels: Vec<&str> = sides.iter().map(|side| side.label.as_str()).collect();

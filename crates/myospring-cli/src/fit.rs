@@ -24,7 +24,7 @@ use myospring::fit::{Fit, FitError, Fitter, Loaded, Observed, Settings, Unknown,
 use myospring::measured::{Curve, Options};
 use myospring::mechanics::support::SupportKind;
 use myospring::output::json;
-use myospring::settings::{self, Run, Value};
+use myospring::settings::{self, Run, Setting, Value};
 use myospring::study::Threads;
 use myospring::units::Dimension;
 use shapes::Shapes;
@@ -140,7 +140,16 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     }
     bar.finish_and_clear();
     if cells.is_empty() {
-        print::note("interrupted: nothing was fitted");
+        let (Some(followed), Some(report)) = (&followed, &tracked) else {
+            print::note("interrupted: nothing was fitted");
+            return Ok(ExitCode::from(1));
+        };
+        film::write(&folder, &target, followed, report, &name, &mut run, own)?;
+        let target = folder.finish()?;
+        print::note(&format!(
+            "interrupted: nothing was fitted; the frames that were followed are in {}",
+            target.display()
+        ));
         return Ok(ExitCode::from(1));
     }
     // Of the film's own shape: that of another picture has other points.
@@ -156,6 +165,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     };
     let first = cells.first().and_then(|cell| cell.found.as_ref().ok());
     let shapes = match followed.as_ref().filter(|_| own).zip(first) {
+        Some(_) if interrupt::asked() => None,
         Some((followed, fit)) => Shapes::of(followed, &fitter, &run, fit)?,
         None => None,
     };
@@ -292,8 +302,10 @@ fn held(text: &str, options: &Options, beats: &Beats) -> Result<Loaded, Failure>
     };
     let (stiffness, path) = text.split_once('=').ok_or_else(wrong)?;
     let stiffness = quantity("--loaded", stiffness.trim(), Dimension::Stiffness)?;
-    if stiffness.is_nan() || stiffness <= 0.0 {
-        return Err(Failure::new(format!("--loaded: {stiffness} nN/um; it must be above 0")));
+    let bounds = settings::find("mechanics.end_stiffness").and_then(Setting::bounds);
+    if let Some(bounds) = bounds.filter(|bounds| !bounds.contains(stiffness)) {
+        let words = bounds.words().unwrap_or_default();
+        return Err(Failure::new(format!("--loaded: {stiffness} nN/um; it must be {words}")));
     }
     let path = PathBuf::from(path.trim());
     reads::note(&path);

@@ -2,6 +2,7 @@
 
 use crate::args::OutputArgs;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::options::Given;
 use crate::reads;
 use crate::refused::{Place, Refused};
@@ -38,17 +39,19 @@ pub(crate) fn read(
 pub(crate) fn mesh(name: String, run: Run, results: Option<&OutputArgs>) -> Result<Input, Failure> {
     let bytes = run.shape.bytes(|file| reads::bytes(file))?;
     let shaped = match (&run.shape.source, results) {
-        (Source::Picture(_), Some(args)) => {
-            let folder = args.output.as_ref().and_then(|output| {
-                let beside = output.file_name()?.to_string_lossy();
-                Some(output.with_file_name(format!("{beside}_outline")))
-            });
-            let place = Place::Folder(folder.unwrap_or_else(|| segment::folder(&name)));
-            mesh_picture(&run, &bytes, place)?
-        }
+        (Source::Picture(_), Some(args)) => mesh_picture(&run, &bytes, refusals(args, &name))?,
         _ => run.shape.mesh(&bytes)?,
     };
     Ok(Input { name, run, bytes, shaped })
+}
+
+/// Where the overlay of a picture goes that is refused: beside the results that there will not be.
+pub(crate) fn refusals(args: &OutputArgs, name: &str) -> Place {
+    let folder = args.output.as_ref().and_then(|output| {
+        let beside = output.file_name()?.to_string_lossy();
+        Some(output.with_file_name(format!("{beside}_outline")))
+    });
+    Place::Folder(folder.unwrap_or_else(|| segment::folder(name)))
 }
 
 /// Meshes the cell of a picture; of one that gives none an overlay is written to `place`.
@@ -112,7 +115,9 @@ pub(crate) fn settle_with(
     for (origin, key, value) in own {
         reader = reader.overriding(origin, key, value);
     }
-    let run = reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
+    let mut run =
+        reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
+    run.interruption = interrupt::interruption();
     for path in run.to_run_file().paths_mut() {
         reads::note(Path::new(path));
     }

@@ -77,6 +77,13 @@ impl Inputs {
         Ok(())
     }
 
+    /// Names a file that is not copied as it is seen from a folder of the results.
+    pub(crate) fn stays(&mut self, path: &str, folder: &Path) {
+        if let Some(name) = relative(Path::new(path), folder) {
+            self.names.insert(path.to_owned(), name);
+        }
+    }
+
     /// A name for the copy of a file that no other copy has.
     fn free(&self, path: &Path) -> String {
         let name = path.file_name().unwrap_or_default().to_string_lossy();

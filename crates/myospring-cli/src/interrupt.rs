@@ -3,24 +3,32 @@
 
 use crate::exit::ExitCode;
 use crate::print;
+use myospring::interruption::Interruption;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::io;
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Once, OnceLock};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Which signal came, 0 as long as none did.
 static ASKED: AtomicUsize = AtomicUsize::new(0);
 /// Whether the next one ends the program.
 static AGAIN: AtomicBool = AtomicBool::new(false);
 
+/// When it was heard.
+static SINCE: OnceLock<Instant> = OnceLock::new();
+
 /// What is done where writing has begun.
 pub(crate) const WRITING: &str = "what was begun is still written";
 
 /// How soon people hear that they were heard.
 const SOON: Duration = Duration::from_millis(50);
+/// How long figures and pages are still begun after a signal: those of an ordinary cell are there by then.
+const LATE: Duration = Duration::from_millis(400);
+/// How long work under way has to end, where all that is done is kept already.
+const GIVEN_UP: Duration = Duration::from_millis(900);
 
 /// From now on a signal asks for an end in good order; `doing` says what that is, once it is asked for.
 pub(crate) fn heed(doing: &'static str) {
@@ -32,9 +40,25 @@ pub(crate) fn heed(doing: &'static str) {
                 while !asked() {
                     thread::sleep(SOON);
                 }
+                SINCE.get_or_init(Instant::now);
                 print::note(&format!("interrupted: {doing} (again ends at once)"));
             });
         }
+    });
+}
+
+/// As [`heed`], where all that is done is kept as soon as it is done: work that does not heed the signal soon, such as that
+/// on a huge picture, is ended with the program.
+pub(crate) fn heed_soon(doing: &'static str) {
+    static ONCE: Once = Once::new();
+    heed(doing);
+    ONCE.call_once(|| {
+        thread::spawn(|| {
+            while SINCE.get().is_none_or(|since| since.elapsed() < GIVEN_UP) {
+                thread::sleep(SOON);
+            }
+            end(ExitCode::from(1));
+        });
     });
 }
 
@@ -52,6 +76,16 @@ fn register(signal: i32) -> io::Result<()> {
 /// Whether the program is to end.
 pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst) != 0
+}
+
+/// Whether the program was to end some time ago, so that pictures of its results are not drawn any more.
+pub(crate) fn is_late() -> bool {
+    SINCE.get().is_some_and(|since| since.elapsed() > LATE)
+}
+
+/// Ends work of the library once the program is to end.
+pub(crate) fn interruption() -> Interruption {
+    Interruption::when(asked)
 }
 
 /// Ends the program: of the signal, if one came, so that a shell's loop over many runs ends as well.

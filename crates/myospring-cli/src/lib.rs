@@ -45,6 +45,7 @@ pub use exit::ExitCode;
 use failure::Failure;
 use kinds::{Kind, refusal};
 pub use outputs::output_words;
+pub use print::with_powers;
 pub use run::Over;
 use std::ffi::OsString;
 use std::io::Write;

@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use crate::film;
 use crate::inputs::Inputs;
+use crate::interrupt;
 use crate::look::Look;
 use crate::overlay::{self, Lattice};
 use crate::page;
@@ -69,6 +70,9 @@ pub(crate) struct Output {
     look: Option<&'static str>,
     /// Whether it is written unless others are asked for.
     by_default: bool,
+    /// Whether it is drawn from curves and shapes; that is left out where the program was interrupted and would take long
+    /// to end.
+    is_drawn: bool,
     /// Whether it can be written here; asked before anything beats.
     available: fn() -> Result<(), Failure>,
     write: fn(&Folder, &Finished<'_>) -> Result<(), Failure>,
@@ -81,6 +85,7 @@ const OUTPUTS: [Output; 6] = [
         about: "the beating cell with curves, numbers and sources, a page for the browser (report.html)",
         look: Some(page::FILE),
         by_default: true,
+        is_drawn: true,
         available: || Ok(()),
         write: page::write,
     },
@@ -89,6 +94,7 @@ const OUTPUTS: [Output; 6] = [
         about: "cell, curves and lattice as in a paper, SVG and PNG (figures/)",
         look: Some("figures/overview.png"),
         by_default: true,
+        is_drawn: true,
         available: || Ok(()),
         write: figures,
     },
@@ -97,6 +103,7 @@ const OUTPUTS: [Output; 6] = [
         about: "film of the first beat, slowed 5 times and in real time (beat.gif, beat_real_time.gif)",
         look: Some("beat.gif"),
         by_default: false,
+        is_drawn: true,
         available: || Ok(()),
         write: film::gif,
     },
@@ -105,6 +112,7 @@ const OUTPUTS: [Output; 6] = [
         about: "the same as video, where ffmpeg is installed (beat.mp4, beat_real_time.mp4)",
         look: None,
         by_default: false,
+        is_drawn: true,
         available: || Ok(()),
         write: film::mp4,
     },
@@ -113,6 +121,7 @@ const OUTPUTS: [Output; 6] = [
         about: "frames for ParaView: open cell.pvd (and the folder vtu/)",
         look: None,
         by_default: false,
+        is_drawn: false,
         available: || Ok(()),
         write: vtu,
     },
@@ -121,6 +130,7 @@ const OUTPUTS: [Output; 6] = [
         about: "frames for NumPy: positions, mesh and fibres (frames.npz)",
         look: None,
         by_default: false,
+        is_drawn: false,
         available: || Ok(()),
         write: frames,
     },
@@ -224,7 +234,11 @@ pub(crate) fn write(folder: &Folder, outputs: &[&Output], finished: &Finished<'_
     let mut record = Record::default();
     for output in outputs {
         let (start, before, names) = (Instant::now(), folder.bytes(), folder.names());
-        let outcome = (output.write)(folder, finished);
+        let outcome = if output.is_drawn && interrupt::is_late() {
+            Err(Failure::new("it is left out, since the program was interrupted"))
+        } else {
+            (output.write)(folder, finished)
+        };
         if outcome.is_err() {
             folder.withdraw_all_but(&names);
         }

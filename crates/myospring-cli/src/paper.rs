@@ -41,7 +41,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let Input { run, shaped: Shaped { mesh, outline, .. }, .. } =
         input::read(None, overrides.collect(), None)?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
-    interrupt::heed("nothing is written");
+    interrupt::heed_soon("nothing is written");
     let folder = Folder::claim(&target, args.output.force)?;
 
     let threads = Threads::new(args.threads)?;
@@ -69,10 +69,10 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     let outcomes: Result<Vec<Outcome>, Failure> =
         threads.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
     bar.finish_and_clear();
-    let outcomes = outcomes?;
     if interrupt::asked() {
         return Ok(ExitCode::from(1));
     }
+    let outcomes = outcomes?;
 
     let runs: Vec<PaperRun<'_>> = TENSIONS
         .iter()

@@ -1,6 +1,7 @@
 //! The folder of results: whole or not at all.
 
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::reads;
 use myospring::output::figure::{Figure, FigureError, Theme};
 use myospring::output::files::{self, Draft, FileError, Manifest, Reads};
@@ -166,7 +167,14 @@ impl Folder {
         figures: &[(&str, Draw<'_>)],
     ) -> Result<(), Failure> {
         let themed = |draw: Draw<'_>| draw().map(|figure| figure.themed(theme));
-        figures.par_iter().try_for_each(|(name, draw)| self.figure(name, themed(*draw)))
+        figures.par_iter().try_for_each(|(name, draw)| {
+            if interrupt::is_late() {
+                return Err(Failure::new(
+                    "figures that were not drawn yet are left out, since it was interrupted",
+                ));
+            }
+            self.figure(name, themed(*draw))
+        })
     }
 
     /// Writes a figure as SVG and PNG; one that cannot be drawn becomes a warning.

@@ -15,6 +15,7 @@ use files::TABLE;
 pub use files::save;
 use files::{FIGURES, draw, write};
 use indicatif::ProgressBar;
+use myospring::interruption::Interruption;
 use myospring::output::files::Manifest;
 use myospring::output::json;
 use myospring::study::parameters::{
@@ -94,7 +95,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     };
     let manifest = journal.manifest().unwrap_or_else(|| Manifest::of(&folder));
     let common = common.keeping_traces(&folder, shard)?;
-    interrupt::heed("the members under way are finished and kept");
+    interrupt::heed_soon("the members under way are given up");
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let members = shard.size(study.values.members());
     let bar = progress::of_members(output.quiet, members, "members");
@@ -254,6 +255,10 @@ impl Observer<Variation> for Seen<'_> {
         }
         self.bar.inc(1);
         !interrupt::asked()
+    }
+
+    fn interruption(&self) -> Interruption {
+        interrupt::interruption()
     }
 
     fn wants_tables(&self) -> bool {

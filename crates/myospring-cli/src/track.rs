@@ -29,7 +29,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     let target = target.unwrap_or_else(|| Path::new("results").join(format!("{name}_track")));
     // Before the work, so that nothing is worked on that cannot be written.
     let folder = Folder::claim(&target, args.output.force)?;
-    let found = follow::cell(&args.input, &asked, args.output.quiet)?;
+    let found = follow::cell(&args.input, &asked, &args.output)?;
     interrupt::heed("the frames that are done are written");
     let followed = follow::film(found, &asked, args.output.quiet)?;
     let report = Report::of(&args.input, &followed);

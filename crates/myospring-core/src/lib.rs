@@ -7,6 +7,7 @@ pub mod analysis;
 pub mod cell;
 pub mod exchange;
 pub mod integrate;
+pub mod interruption;
 pub mod mechanics;
 pub mod mesh;
 pub mod parameter;

@@ -59,6 +59,7 @@ use crate::integrate::Method;
 use crate::integrate::engine::Engine;
 use crate::integrate::stepper::Stepper;
 use crate::integrate::verlet::Integrator;
+use crate::interruption::Interruption;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::{Material, default_material};
 use crate::mechanics::support::SupportKind;
@@ -200,6 +201,8 @@ pub struct Simulation {
     /// Another way through time than Verlet's, for a motion in time. Its time step is that of the numerical
     /// settings, however long; unless stated, what Verlet's method would have.
     pub stepper: Option<MakeStepper>,
+    /// What may end the preparation or the run early; a run keeps what it has recorded.
+    pub interruption: Interruption,
 }
 
 /// Makes a stepper for a system of forces, a body at rest and a time step in ms.
@@ -233,6 +236,7 @@ impl Simulation {
             duration: 600.0,
             numerics: Numerics::default(),
             stepper: None,
+            interruption: Interruption::default(),
         }
     }
 }

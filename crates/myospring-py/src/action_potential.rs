@@ -4,7 +4,7 @@ use crate::waiting::interruptible;
 use crate::{errors, settings};
 use myospring::analysis::action_potential as analysis;
 use myospring::analysis::s2::S1S2;
-use myospring::cell::solve::solve;
+use myospring::cell::solve::solve_interruptible;
 use myospring::run_file::RunFile;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -23,11 +23,14 @@ pub(crate) fn action_potential<'py>(
 )> {
     let mut file = RunFile::default();
     settings::put(&mut file, given)?;
+    // A cell alone exchanges nothing with a mesh, so that samples need not be a multiple of that interval.
+    file.set("numerics.exchange_interval", "0.001 ms").map_err(errors::value)?;
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let (cell, _warning) = run.driven(|path| std::fs::read(path)).map_err(errors::value)?;
-    let solved = interruptible(py, |_stop| {
+    let solved = interruptible(py, |interruption| {
         let interval = run.numerics.output_interval;
-        solve(&*cell, run.protocol, run.numerics.cell, run.duration, interval)
+        let (protocol, settings) = (run.protocol, run.numerics.cell);
+        solve_interruptible(&*cell, protocol, settings, run.duration, interval, interruption)
     })?;
     let trace = solved.map_err(errors::value)?;
     let times = &trace.time_ms;

@@ -3,6 +3,7 @@
 use crate::cell::Cell;
 use crate::waiting::interruptible;
 use crate::{errors, settings, words};
+use myospring::interruption::Interruption;
 use myospring::settings::{Kind, Number, Run};
 use myospring::study::parameters::{
     Common, ParameterStudy, ParameterStudyError, Shard, Variation, VariationRow, run_members,
@@ -11,7 +12,6 @@ use myospring::study::{Journal, Observer, StudyError, Threads};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// So many members are worked on before their rows are handed on: what they take beside these is bounded.
 const AT_ONCE: usize = 8192;
@@ -95,27 +95,28 @@ pub(crate) fn simulate_batch<'py>(
     let width = wanted.len();
     let study = ParameterStudy::of_rows(file, numbers, wanted, rows)
         .map_err(|error| errors::of_study(py, &error))?;
-    let matrix = interruptible(py, |stop| {
+    let matrix = interruptible(py, |interruption| {
         let inner = &cell.0;
+        let study = ParameterStudy { interruption: interruption.clone(), ..study };
         let common = Common::still(&study, |path| inner.read(path), Some(&inner.shaped))?;
         let threads = Threads::new(threads)?;
         let mut matrix = Matrix::new(width, study.values.members());
         for members in study.in_turn(Shard::WHOLE, AT_ONCE) {
-            matrix.add(rows_of(&common, &members, &threads, stop)?, words::in_python);
+            matrix.add(rows_of(&common, &members, &threads, interruption)?, words::in_python);
         }
         Ok::<_, ParameterStudyError>(matrix)
     })?;
     matrix.map_err(|error| errors::of_study(py, &error))?.into_python(py)
 }
 
-/// The rows of some members, in order; fewer once `stop` is set.
+/// The rows of some members, in order; fewer once they are asked to end early.
 pub(crate) fn rows_of(
     common: &Common,
     members: &[Variation],
     threads: &Threads,
-    stop: &AtomicBool,
+    interruption: &Interruption,
 ) -> Result<Vec<VariationRow>, StudyError> {
-    Ok(run_members(common, members, &Journal::in_memory(), threads, &Stopped(stop))?.rows)
+    Ok(run_members(common, members, &Journal::in_memory(), threads, &Stopped(interruption))?.rows)
 }
 
 /// Numbers of members.
@@ -124,15 +125,15 @@ pub(crate) fn numbers_of(numbers: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<us
     numbers.as_array().iter().map(number).collect()
 }
 
-/// Ends a study once its flag is set.
-struct Stopped<'a>(&'a AtomicBool);
+/// Ends a study early.
+struct Stopped<'a>(&'a Interruption);
 
 impl Observer<Variation> for Stopped<'_> {
     fn finished(&self, _member: &Variation, _rows: &[VariationRow]) -> bool {
-        self.goes_on()
+        !self.0.is_asked()
     }
 
-    fn goes_on(&self) -> bool {
-        !self.0.load(Ordering::Relaxed)
+    fn interruption(&self) -> Interruption {
+        self.0.clone()
     }
 }

@@ -8,6 +8,7 @@ use myospring::analysis::Metric;
 use myospring::analysis::beat::Beats;
 use myospring::integrate::engine::EngineUsed;
 use myospring::integrate::stencil;
+use myospring::interruption::Interruption;
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, FigureError};
 use myospring::output::report::about_model;
@@ -23,7 +24,6 @@ use pyo3::types::{PyBytes, PyDict};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 /// Name and value of a column.
 type Column = (&'static str, fn(&Sample) -> f64);
@@ -88,11 +88,12 @@ fn beat(py: Python<'_>, cell: &Cell, file: RunFile, threads: Option<usize>) -> P
     made.simulation.numerics.engine.threads = threads.unwrap_or_else(most);
     let (ended, raised) = {
         let mut ended = None;
-        let raised = interruptible(py, |stop| {
+        let raised = interruptible(py, |interruption| {
+            made.simulation.interruption = interruption.clone();
             ended = Some(made.simulation.build().map(|ready| {
                 let mut warnings = run.warnings(&made.report);
                 warnings.extend(ready.warnings());
-                let outcome = ready.run(|_progress| !stop.load(Ordering::Relaxed));
+                let outcome = ready.run(|_progress| true);
                 warnings.extend(ready.warnings_after(&outcome));
                 (outcome, warnings)
             }));
@@ -109,8 +110,13 @@ fn beat(py: Python<'_>, cell: &Cell, file: RunFile, threads: Option<usize>) -> P
 /// The run of a run file and its simulation on a cell.
 pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Run, Made)> {
     let mut run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
-    let made = py.detach(|| run.make(cell.shaped.clone(), |path| cell.read(path)));
-    let made = made.map_err(|error| errors::of_making(&error))?;
+    let made = interruptible(py, |interruption| {
+        let run = Run { interruption: interruption.clone(), ..run.clone() };
+        run.make(cell.shaped.clone(), |path| cell.read(path))
+    })?;
+    let mut made = made.map_err(|error| errors::of_making(&error))?;
+    // That of the work that follows is another.
+    made.simulation.interruption = Interruption::default();
     // What repeats the run is what was taken.
     run.fibre = made.fibres.taken;
     Ok((run, made))

@@ -1,5 +1,6 @@
 //! A cell: its outline and its mesh, from a picture, a mask, an outline or the program.
 
+use crate::waiting::interruptible;
 use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::mesh::Mesh;
@@ -134,13 +135,13 @@ impl Cell {
 impl Cell {
     fn made(py: Python<'_>, file: RunFile, mut files: BTreeMap<String, Vec<u8>>) -> PyResult<Self> {
         let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
-        let shaped = py.detach(|| {
+        let shaped = interruptible(py, |_interruption| {
             let read =
                 |path: &str| files.get(path).map_or_else(|| fs::read(path), |it| Ok(it.clone()));
             let bytes = run.shape.bytes(read)?;
             let shaped = run.shape.mesh(&bytes)?;
             Ok((bytes, shaped))
-        });
+        })?;
         let (bytes, shaped) = shaped.map_err(|error| errors::of_shape(&error))?;
         // A cell stays what it is, also where its files are not.
         let drawn = run.shape.source.picture().and_then(|picture| picture.outline.as_deref());

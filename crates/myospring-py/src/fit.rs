@@ -13,7 +13,6 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
 
 /// A curve: name, kind, unit, times (ms), values, stimuli that its file has marks of (ms).
 type Measured = (String, String, String, Vec<f64>, Vec<f64>, Vec<f64>);
@@ -91,7 +90,7 @@ pub(crate) fn read_curves(
         skip_gaps: reading.skip_gaps,
         ..Options::default()
     };
-    let table = py.detach(|| measured::read(&path, &options));
+    let table = interruptible(py, |_interruption| measured::read(&path, &options))?;
     let table = table.map_err(|error| errors::of_measured(&error))?;
     let curve = |curve: Curve| {
         let [times, values] = [curve.times_ms, curve.values].map(|all| PyArray1::from_vec(py, all));
@@ -156,9 +155,9 @@ impl Fitter {
             seed: asked.seed,
         };
         let threads = Threads::new(threads).map_err(errors::value)?;
-        let found = interruptible(py, |stop| {
-            let goes_on = |_done: f64| !stop.load(Ordering::Relaxed);
-            threads.install(|| self.fits.fit_loaded(&curves, &settings, &goes_on))
+        let found = interruptible(py, |interruption| {
+            let fits = self.fits.interrupted_by(interruption.clone());
+            threads.install(|| fits.fit_loaded(&curves, &settings, &|_done| true))
         })?;
         let found = found.map_err(|error| of_fit(py, &error))?;
         let found = found.ok_or_else(|| errors::value("the fit came to no end"))?;

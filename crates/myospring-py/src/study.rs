@@ -3,6 +3,7 @@
 use crate::batch::{Matrix, numbers_of, rows_of};
 use crate::waiting::interruptible;
 use crate::{errors, head, words};
+use myospring::interruption::Interruption;
 use myospring::output::files::{Manifest, Reads};
 use myospring::study::parameters::{
     Answer, Common, Kind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
@@ -17,7 +18,7 @@ use std::fs;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Members, their metrics (n, M), why one has none, their curves (n, L) where they are wanted, and the seconds that
@@ -45,7 +46,7 @@ pub(crate) struct Study {
     /// Where what is done is kept.
     output: Option<PathBuf>,
     progress: Mutex<Progress>,
-    stop: AtomicBool,
+    stop: Arc<AtomicBool>,
 }
 
 /// A description, JSON, as TOML.
@@ -97,7 +98,7 @@ impl Study {
         of_text: bool,
         description: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let made = py.detach(|| {
+        let made = interruptible(py, |interruption| {
             let seen = Mutex::new(BTreeMap::new());
             let read = |path: &str| -> io::Result<Vec<u8>> {
                 let bytes = files
@@ -110,6 +111,7 @@ impl Study {
             let mut study = ParameterStudy::from_toml(&text, read)?;
             // Without a folder there is no place for curves.
             study.traces &= output.is_some();
+            study.interruption = interruption.clone();
             let mut common = Common::new(&study, read)?;
             let mut journal = Journal::in_memory();
             let seen = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -136,11 +138,11 @@ impl Study {
             }
             let files = seen;
             Ok::<_, ParameterStudyError>((study, common, journal, files))
-        });
+        })?;
         let (parameters, common, journal, files) =
             made.map_err(|error| errors::of_description(py, &error, of_text))?;
         let progress = Progress { journal, rows: Vec::new(), lost: Vec::new() };
-        let (progress, stop) = (Mutex::new(progress), AtomicBool::new(false));
+        let (progress, stop) = (Mutex::new(progress), Arc::default());
         Ok(Self { text, files, parameters, common, output, progress, stop })
     }
 
@@ -241,7 +243,9 @@ impl Study {
         let begun = Instant::now();
         let rows = py.detach(|| {
             let threads = Threads::new(Some(1))?;
-            rows_of(&self.common, &members, &threads, &self.stop)
+            let stop = Arc::clone(&self.stop);
+            let interruption = Interruption::when(move || stop.load(Ordering::Relaxed));
+            rows_of(&self.common, &members, &threads, &interruption)
         });
         let rows = rows.map_err(errors::value)?;
         back(py, rows, self.parameters.metrics.len(), &self.common, begun)
@@ -428,9 +432,9 @@ impl Members {
         let members: Vec<Variation> =
             members.map(|(number, values)| Variation::new(number, values.to_vec())).collect();
         let begun = Instant::now();
-        let rows = interruptible(py, |stop| {
+        let rows = interruptible(py, |interruption| {
             let threads = Threads::new(Some(threads))?;
-            rows_of(&self.common, &members, &threads, stop)
+            rows_of(&self.common, &members, &threads, interruption)
         })?;
         back(py, rows.map_err(errors::value)?, self.width, &self.common, begun)
     }

@@ -1,9 +1,10 @@
 //! Waiting for work so that Python goes on: the lock of the interpreter is released, and Ctrl-C is heard.
 
+use myospring::interruption::Interruption;
 use pyo3::prelude::*;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -11,20 +12,22 @@ use std::time::Duration;
 const SOON: Duration = Duration::from_millis(50);
 
 /// Does work on a thread of its own, without the interpreter, while this one listens for signals. Once one has come
-/// the flag is set, for the work to heed, and what the signal raised is the error.
+/// the work is asked to end early, and what the signal raised is the error.
 ///
 /// # Errors
 /// What a signal raised, such as `KeyboardInterrupt`.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce(&AtomicBool) -> T + Send,
+    work: impl FnOnce(&Interruption) -> T + Send,
 ) -> PyResult<T> {
-    let stop = AtomicBool::new(false);
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    let interruption = Interruption::when(move || asked.load(Ordering::Relaxed));
     let (done, bell) = (Mutex::new(false), Condvar::new());
     thread::scope(|scope| {
         let worker = scope.spawn(|| {
             let _ring = Ring { done: &done, bell: &bell };
-            work(&stop)
+            work(&interruption)
         });
         let mut raised = None;
         loop {

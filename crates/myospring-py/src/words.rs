@@ -33,7 +33,7 @@ const OF_FOLDERS: [(&str, &str); 3] =
 
 /// A message with the names of Python instead of those of run files and options.
 pub(crate) fn in_python(message: &str) -> String {
-    let mut message = message.to_owned();
+    let mut message = myospring_cli::with_powers(message);
     for (said, in_python) in OF_FOLDERS {
         message = message.replace(said, in_python);
     }

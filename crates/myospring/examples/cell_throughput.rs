@@ -19,6 +19,7 @@ use myospring::cell::minimal::{Identity, MinimalModel};
 use myospring::cell::pacing::Protocol;
 use myospring::cell::population::{self, Cell};
 use myospring::cell::{CellModel, coelho_2021};
+use myospring::interruption::Interruption;
 use myospring::output::table::Table;
 use myospring::parameter::ParameterSet;
 use myospring::study::parameters::{Answer, Common, ParameterStudy, Shard};
@@ -108,7 +109,7 @@ fn study(model: &str) -> Result<Table, Box<dyn Error>> {
     // This thread and no other, whose time is measured.
     let rows = study.members(Shard::WHOLE);
     let groups = rows.chunks(64).map(|group| group.iter().collect::<Vec<_>>());
-    let rows = groups.flat_map(|group| common.rows(&group, &|| true));
+    let rows = groups.flat_map(|group| common.rows(&group, &Interruption::default()));
     let rows = rows.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
     Ok(Answer::new(&study, &common.units, rows).table())
 }

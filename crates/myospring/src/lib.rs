@@ -51,8 +51,8 @@
 
 #[doc(inline)]
 pub use myospring_core::{
-    analysis, cell, exchange, integrate, mechanics, mesh, parameter, recording, references,
-    simulation, units,
+    analysis, cell, exchange, integrate, interruption, mechanics, mesh, parameter, recording,
+    references, simulation, units,
 };
 
 pub mod prelude;

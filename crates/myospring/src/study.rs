@@ -74,8 +74,11 @@ pub mod sampling;
 pub mod sensitivity;
 mod threads;
 
+/// What the work on a member says when it ends early because the study is to stop: the member is not done, and
+/// stands in no row; a study that goes on does it anew.
+pub use crate::interruption::Interrupted;
 pub use crate::output::files::sha256;
-pub use error::{Cause, Interrupted, StudyError};
+pub use error::{Cause, StudyError};
 pub use journal::Journal;
 pub use member::{Member, Row, Status};
 pub use observer::{Observer, TABLE_EVERY};

@@ -57,24 +57,30 @@ pub(crate) fn options(
     })
 }
 
+/// No camera takes more frames a second.
+pub(crate) const HIGHEST_FRAME_RATE: f64 = 1e6;
+
 /// `250`, `250 /s`, `250 Hz`, `250 fps`, frames a second.
 pub(crate) fn frame_rate(text: &str) -> Result<f64, Failure> {
     let number = text.trim().parse::<f64>();
     // 1/ms to 1/s
     let rate = number.or_else(|_| units::parse(text, Dimension::Rate).map(|rate| 1e3 * rate));
     let wrong = match rate {
-        Ok(rate) if rate.is_finite() && rate > 0.0 => return Ok(rate),
+        Ok(rate) if rate > 0.0 && rate <= HIGHEST_FRAME_RATE => return Ok(rate),
         Ok(_) => String::new(),
         Err(error) => format!("; {error}"),
     };
     Err(Failure::new(format!(
-        "--frame-rate is `{text}`; it must be a number of frames a second above 0{wrong}"
+        "--frame-rate is `{text}`; it must be a number of frames a second above 0, at most {HIGHEST_FRAME_RATE}{wrong}"
     ))
     .advise("give it like --frame-rate 30, as the camera was set"))
 }
 
-/// Shortest interval between stimuli, ms: a tenth of what the fastest hearts beat at, and a bound on how many there are.
-const LEAST_PERIOD_MS: f64 = 10.0;
+/// Shortest and longest interval between stimuli, ms: a tenth of what the fastest hearts beat at, which bounds how many
+/// there are, and that of the setting.
+const PERIODS_MS: [f64; 2] = [10.0, 1e5];
+/// Longest smoothing, ms.
+const MOST_SMOOTHING_MS: f64 = 1e5;
 
 /// A time with its unit, or a number of ms.
 fn time(option: &str, text: &str) -> Result<f64, Failure> {
@@ -117,15 +123,20 @@ impl Beats {
         }
         let times = stimuli.stimulus_times.iter().map(|text| time("--stimulus-times", text));
         let period_ms = of("--stimulus-period", stimuli.stimulus_period.as_deref())?;
-        if let Some(period) = period_ms.filter(|period| *period < LEAST_PERIOD_MS) {
+        let [least, most] = PERIODS_MS;
+        if let Some(period) = period_ms.filter(|period| !(least..=most).contains(period)) {
             return Err(Failure::new(format!(
-                "--stimulus-period is {period} ms; it must be at least {LEAST_PERIOD_MS} ms"
+                "--stimulus-period is {period} ms; it must be at least {least} ms, at most {most} ms"
             ))
             .advise("give it with its unit, like --stimulus-period \"1 s\""));
         }
         let smoothing_ms = of("--smooth", smooth)?;
-        if let Some(smooth) = smoothing_ms.filter(|smooth| *smooth < 0.0) {
-            return Err(Failure::new(format!("--smooth is {smooth} ms; it must not be negative")));
+        if let Some(smooth) =
+            smoothing_ms.filter(|smooth| !(0.0..=MOST_SMOOTHING_MS).contains(smooth))
+        {
+            return Err(Failure::new(format!(
+                "--smooth is {smooth} ms; it must be 0 to {MOST_SMOOTHING_MS} ms"
+            )));
         }
         Ok(Self {
             stimuli_ms: times.collect::<Result<_, _>>()?,

@@ -4,8 +4,9 @@ use crate::inputs::Inputs;
 use crate::look::Look;
 use crate::outputs::Finished;
 use crate::results::Folder;
+use crate::run::resolved;
 use crate::summary::{self, Numbers};
-use crate::{interrupt, outputs, overlay};
+use crate::{outputs, overlay};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files::Manifest;
 use myospring::study::Cause;
@@ -45,13 +46,23 @@ impl Keeper for Kept<'_> {
         if !self.figures {
             return Ok(());
         }
-        let Beaten { picture, cell, run, simulation, outline, fibres, finished, summary } = beaten;
+        let Beaten { picture, cell, run, simulation, outline, fibres, finished, summary, .. } =
+            beaten;
         let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
-        let folder = Folder::claim_part(self.manifest.part(&format!("{CELLS}/{name}")))?;
+        let place = format!("{CELLS}/{name}");
+        let folder = Folder::claim_part(self.manifest.part(&place))?;
         let report = fibres.report();
         let numbers = Numbers { summary, fibres: Some(&report), integration: finished.effort };
         let stimuli = run.stimulus_times();
         summary::write(&folder, run, simulation, fibres, finished, &numbers)?;
+        // Pictures stay where they are, and the run file names them as seen from its folder.
+        let mut inputs = Inputs::default();
+        for path in run.to_run_file().paths_mut() {
+            inputs.stays(path, &self.manifest.folder().join(&place));
+        }
+        let step = finished.effort.time_step();
+        let run_file = resolved(run, (&inputs, ""), simulation, beaten.spacing_um, step);
+        folder.write("run.toml", run_file)?;
         outputs::figures(
             &folder,
             &Finished {
@@ -71,10 +82,6 @@ impl Keeper for Kept<'_> {
         )?;
         folder.finish()?;
         Ok(())
-    }
-
-    fn goes_on(&self) -> bool {
-        !interrupt::asked()
     }
 }
 

@@ -5,6 +5,7 @@ use super::page;
 use super::shapes::{self, Shapes};
 use crate::failure::Failure;
 use crate::inputs::Inputs;
+use crate::interrupt;
 use crate::page::FILE;
 use crate::results::Folder;
 use crate::run::resolved;
@@ -93,6 +94,9 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
         let simulation = fitted(context.fitter, &run);
         let run_file = resolved(&run, (&inputs, up), &simulation, context.report.spacing_um, None);
         folder.write(&format!("{within}run.toml"), &run_file)?;
+        if interrupt::is_late() {
+            continue;
+        }
         let draw = || figure::fit(&drawn(fit), &profiles(fit));
         let figure = if cells.len() > 1 { format!("fit_{}", number + 1) } else { "fit".to_owned() };
         folder.figures(Theme::Light, &[(&figure, &draw)])?;

@@ -50,8 +50,8 @@ pub(super) fn follow(
 ) -> Result<Followed, Failure> {
     let rate = args.table.frame_rate.as_deref().map(analyse::table::frame_rate).transpose()?;
     let asked = Asked::new(overrides.to_vec(), rate);
-    let found = follow::cell(film, &asked, args.output.quiet)?;
-    interrupt::heed("the frames that are done are fitted to");
+    let found = follow::cell(film, &asked, &args.output)?;
+    interrupt::heed("the frames that are done are written");
     follow::film(found, &asked, args.output.quiet)
 }
 

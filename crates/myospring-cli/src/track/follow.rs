@@ -1,16 +1,14 @@
 //! From a film to the motion of its cell.
 
 use super::open;
-use crate::analyse::table::frame_rate;
-use crate::args::TrackArgs;
+use crate::analyse::table::{HIGHEST_FRAME_RATE, frame_rate};
+use crate::args::{OutputArgs, TrackArgs};
 use crate::failure::Failure;
 use crate::input;
 use crate::interrupt;
 use crate::options::Given;
 use crate::progress;
 use crate::reads;
-use crate::refused::Place;
-use crate::segment;
 use myospring::microscopy::film::Film;
 use myospring::microscopy::motion::{self, Cell, Motion, Rest, Settings};
 use myospring::microscopy::picture::{PixelSizeSource, StatedPixelSize};
@@ -112,7 +110,7 @@ pub(crate) struct Followed {
 }
 
 /// Opens a film and finds the cell at rest.
-pub(crate) fn cell(path: &Path, asked: &Asked, quiet: bool) -> Result<Found, Failure> {
+pub(crate) fn cell(path: &Path, asked: &Asked, output: &OutputArgs) -> Result<Found, Failure> {
     let Some(text) = path.to_str() else {
         return Err(Failure::new(format!("`{}` is not UTF-8", path.display())));
     };
@@ -134,7 +132,14 @@ pub(crate) fn cell(path: &Path, asked: &Asked, quiet: bool) -> Result<Found, Fai
         return Err(failed(&"the film does not say how many frames a second it has")
             .advise("give it like --frame-rate 30, as the camera was set"));
     };
-    let bar = progress::of_members(quiet, 1, "frame at rest");
+    if !(f64::MIN_POSITIVE..=HIGHEST_FRAME_RATE).contains(&frames_per_second) {
+        let most = HIGHEST_FRAME_RATE;
+        let message = format!(
+            "the film says that it has {frames_per_second} frames a second; that must be above 0, at most {most}"
+        );
+        return Err(failed(&message).advise("give it like --frame-rate 30, as the camera was set"));
+    }
+    let bar = progress::of_members(output.quiet, 1, "frame at rest");
     let rest = match asked.rest {
         Some(frame) => Rest::at(&film, frame),
         None => Rest::find(&film),
@@ -145,8 +150,7 @@ pub(crate) fn cell(path: &Path, asked: &Asked, quiet: bool) -> Result<Found, Fai
     let selection = &mut source.options.selection;
     (selection.frame, selection.channel, selection.depth) = (0, None, None);
     let bytes = ShapeBytes { shape: rest_picture.clone(), outline: outline(source)? };
-    let place = Place::Folder(segment::folder(&name));
-    let shaped = input::mesh_picture(&run, &bytes, place)?;
+    let shaped = input::mesh_picture(&run, &bytes, input::refusals(output, &name))?;
     let Some((cells, cell)) = &shaped.picture else {
         return Err(failed(&"it shows no cell"));
     };

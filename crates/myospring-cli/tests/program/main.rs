@@ -4,6 +4,7 @@
 
 mod analyse;
 mod compare;
+mod damaged;
 mod drive;
 mod equilibria;
 mod fit;

@@ -1,6 +1,7 @@
 //! Methods in time with their settings, and what can go wrong on the way.
 
 use super::pacing::ProtocolError;
+use crate::interruption::Interrupted;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -108,6 +109,9 @@ impl Settings {
 /// Why a cell could not be moved in time.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SolveError {
+    /// It was asked to end early.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// The method is not made for the model.
     #[error("cell model `{model}` cannot be integrated by `{method}`, {reason}; take {instead}")]
     Unsuited {

@@ -16,6 +16,7 @@ use super::cell_model::{CellModel, TensionKind};
 use super::integrator::Steps;
 use super::pacing::Protocol;
 use super::trace::{CellTrace, Instant};
+use crate::interruption::Interruption;
 
 /// Runs a cell of resting length from 0 ms to `duration_ms` and samples it every
 /// `sample_interval_ms`, first at 0 ms.
@@ -42,9 +43,26 @@ pub fn solve(
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
+    let never = Interruption::default();
+    solve_interruptible(model, protocol, settings, duration_ms, sample_interval_ms, &never)
+}
+
+/// As [`solve`], unless it is asked to end early.
+///
+/// # Errors
+/// As [`solve`]; [`SolveError::Interrupted`].
+pub fn solve_interruptible(
+    model: &(dyn CellModel + 'static),
+    protocol: Protocol,
+    settings: Settings,
+    duration_ms: f64,
+    sample_interval_ms: f64,
+    interruption: &Interruption,
+) -> Result<CellTrace, SolveError> {
     let mut steps = Steps::new(model, protocol, settings)?;
     steps.hold();
     CellTrace::sample(model, duration_ms, sample_interval_ms, |time_ms| {
+        interruption.check()?;
         steps.advance_to(model, time_ms, 1.0, 0.0)?;
         Ok(Instant { state: steps.state().to_vec(), outputs: steps.outputs(model) })
     })

@@ -9,6 +9,7 @@ use super::CellModel;
 use super::integrator::CellIntegrator;
 use super::pacing::Protocol;
 use super::settings::{Settings, SolveError};
+use crate::interruption::{Interrupted, Interruption};
 use std::sync::Arc;
 
 /// Beats over which a change is looked at.
@@ -37,6 +38,9 @@ pub enum SteadyError {
     /// The cell cannot be followed.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// It was asked to end early.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// It goes on changing.
     #[error(
         "after {MOST_BEATS} beats `{variable}` of `{model}` still changes by {change:.2e} over {WINDOW} beats, more than \
@@ -55,18 +59,20 @@ pub enum SteadyError {
 }
 
 /// The state of a cell that was paced by a protocol (its stimulus, cycle length and start, at which the first stimulus of
-/// the run comes, without an S2) until it changes by no more than `tolerance`.
+/// the run comes, without an S2) until it changes by no more than `tolerance`, unless it
+/// is asked to end early.
 ///
 /// # Errors
-/// A cell that cannot be followed, or that goes on changing.
+/// A cell that cannot be followed, or that goes on changing; [`SteadyError::Interrupted`].
 ///
 /// # Example
 /// ```
 /// use myospring::cell::{CellModel, coelho_2021, pacing::Protocol, solve::Settings, steady};
+/// use myospring::interruption::Interruption;
 /// use std::sync::Arc;
 /// let model: Arc<dyn CellModel> = Arc::new(coelho_2021::model());
 /// let protocol = Protocol { cycle_length_ms: 600.0, ..Protocol::once(model.default_stimulus()) };
-/// let found = steady::pace(&model, protocol, Settings::default(), 1e-3)?;
+/// let found = steady::pace(&model, protocol, Settings::default(), 1e-3, &Interruption::default())?;
 /// assert!(found.beats >= 10 && found.change <= 1e-3);
 /// # Ok::<(), steady::SteadyError>(())
 /// ```
@@ -75,6 +81,7 @@ pub fn pace(
     protocol: Protocol,
     settings: Settings,
     tolerance: f64,
+    interruption: &Interruption,
 ) -> Result<SteadyState, SteadyError> {
     let cycle = protocol.cycle_length_ms;
     let start_ms = protocol.start_ms.max(APART_MS).min(cycle - APART_MS);
@@ -85,6 +92,7 @@ pub fn pace(
     for beat in 1..=MOST_BEATS {
         let mut size = vec![0.0; cell.state().len()];
         for sample in 1..=SAMPLES {
+            interruption.check()?;
             let time = f64::from(beat - 1) + f64::from(sample) / f64::from(SAMPLES);
             cell.advance_to(time * cycle, 1.0, 0.0)?;
             for (size, value) in size.iter_mut().zip(cell.state()) {

@@ -39,6 +39,7 @@ pub use field::Equilibrium;
 pub use shapes::Shapes;
 pub use tolerance::Tolerance;
 
+use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
@@ -124,9 +125,22 @@ impl<'a, const D: usize> Path<'a, D> {
         body: &'a Body<D>,
         tolerance: Tolerance,
     ) -> Result<Self, PathError> {
-        check_forces(system, body)?;
+        Self::start_interruptible(system, body, tolerance, &Interruption::default())
+    }
+
+    /// As [`Path::start`], of a path whose search, here and later, may be asked to end early.
+    ///
+    /// # Errors
+    /// As [`Path::start`]; [`PathError::Interrupted`].
+    pub fn start_interruptible(
+        system: &'a System<D>,
+        body: &'a Body<D>,
+        tolerance: Tolerance,
+        interruption: &Interruption,
+    ) -> Result<Self, PathError> {
+        check_forces(system, body, interruption)?;
         let extent = extent(body);
-        let mut solver = Solver::new(system, body);
+        let mut solver = Solver::new(system, body, interruption);
         let rest = solver
             .find(&body.positions, 0.0, tolerance.equilibrium * extent)
             .map_err(|failure| ending(failure, body, [0.0; 2], None))?;
@@ -157,9 +171,14 @@ impl<'a, const D: usize> Path<'a, D> {
         Ok(Self { solver, shapes })
     }
 
-    /// A path that goes on from shapes found before for the same forces and body.
-    pub fn resume(system: &'a System<D>, body: &'a Body<D>, shapes: Shapes<D>) -> Self {
-        Self { solver: Solver::new(system, body), shapes }
+    /// A path that goes on from shapes found before for the same forces and body; its search may be asked to end early.
+    pub fn resume(
+        system: &'a System<D>,
+        body: &'a Body<D>,
+        shapes: Shapes<D>,
+        interruption: &Interruption,
+    ) -> Self {
+        Self { solver: Solver::new(system, body, interruption), shapes }
     }
 
     /// The shapes, without the body and its forces.
@@ -171,7 +190,8 @@ impl<'a, const D: usize> Path<'a, D> {
     ///
     /// # Errors
     /// [`PathError::Unstable`], [`PathError::Lost`] or [`PathError::TooLarge`] if the path ends before;
-    /// it then reaches as far as it goes. [`PathError::NotFinite`] for a tension that is no number.
+    /// it then reaches as far as it goes. [`PathError::NotFinite`] for a tension that is no number;
+    /// [`PathError::Interrupted`] of a search that was asked to end early, which can go on later.
     pub fn extend(&mut self, tension: f64) -> Result<(), PathError> {
         if !tension.is_finite() {
             return Err(PathError::NotFinite { tension });
@@ -219,6 +239,8 @@ impl<'a, const D: usize> Path<'a, D> {
                     self.shapes.steps[side] = step * (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
                     (shortest && !kept).then_some(Failure::NoRest)
                 }
+                // The path is then as if this step had not begun, so that it can go on.
+                Err(Failure::Interrupted) => return Err(PathError::Interrupted),
                 Err(failure) => {
                     self.shapes.steps[side] = 0.5 * step;
                     (shortest || failure == Failure::TooLarge).then_some(failure)
@@ -319,11 +341,16 @@ fn ending<const D: usize>(
         Failure::Indefinite => PathError::Unstable { tension, beyond, place },
         Failure::NoRest => PathError::Lost { tension, beyond, place },
         Failure::TooLarge => PathError::TooLarge { masses: body.len() },
+        Failure::Interrupted => PathError::Interrupted,
     }
 }
 
 /// Whether the forces are such that the shape depends on the tension alone.
-fn check_forces<const D: usize>(system: &System<D>, body: &Body<D>) -> Result<(), PathError> {
+fn check_forces<const D: usize>(
+    system: &System<D>,
+    body: &Body<D>,
+    interruption: &Interruption,
+) -> Result<(), PathError> {
     let still = zeros(body.len());
     let at = Configuration { positions: &body.positions, velocities: &still, tension: 1.0.into() };
     // A mass centre at rest takes from outer forces what moves the body, and that has no energy.
@@ -332,6 +359,7 @@ fn check_forces<const D: usize>(system: &System<D>, body: &Body<D>) -> Result<()
     let passive = system.passive.iter().map(|force| (force, held));
     for (force, may_be_external) in passive.chain(system.active.iter().map(|force| (force, false)))
     {
+        interruption.check()?;
         let name = force.name();
         if force.energy(&at).is_none() {
             return Err(PathError::NoEnergy { force: name });

@@ -14,6 +14,7 @@
 
 use super::support::Support;
 use super::{Body, Configuration, System, Tension, Vectors, zeros};
+use crate::interruption::{Interrupted, Interruption};
 use std::array::from_fn;
 
 /// The limit and where it comes from.
@@ -44,6 +45,20 @@ impl StabilityLimit {
         body: &Body<D>,
         tension: impl Into<Tension<'a>>,
     ) -> Self {
+        let never = Interruption::default();
+        Self::of_interruptible(system, body, tension, &never).unwrap_or_else(|_| unreachable!())
+    }
+
+    /// As [`StabilityLimit::of`], unless it is asked to end early.
+    ///
+    /// # Errors
+    /// [`Interrupted`].
+    pub fn of_interruptible<'a, const D: usize>(
+        system: &System<D>,
+        body: &Body<D>,
+        tension: impl Into<Tension<'a>>,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
         let (count, tension) = (body.len(), tension.into());
         // Small against the shortest spring, large against rounding.
         let step = 1e-6 * shortest_scale(body);
@@ -70,18 +85,18 @@ impl StabilityLimit {
                 evaluate(system, body, &body.positions, &velocities, tension)
             })
         };
-        let (lambda, mode) = largest_eigenvalue(&stiffness, &body.masses);
-        let (mu, _) = largest_eigenvalue(&damping, &body.masses);
+        let (lambda, mode) = largest_eigenvalue(&stiffness, &body.masses, interruption)?;
+        let (mu, _) = largest_eigenvalue(&damping, &body.masses, interruption)?;
         let mu = mu.max(0.0);
         let square = |node: usize| mode.iter().map(|axis| axis[node].powi(2)).sum::<f64>();
         let stiffest_node =
             (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or_default();
-        Self {
+        Ok(Self {
             time_step: ((mu * mu + 4.0 * lambda).sqrt() - mu) / lambda,
             angular_frequency: lambda.sqrt(),
             damping_rate: mu,
             stiffest_node,
-        }
+        })
     }
 }
 
@@ -122,7 +137,8 @@ fn shortest_scale<const D: usize>(body: &Body<D>) -> f64 {
 fn largest_eigenvalue<const D: usize>(
     apply: &dyn Fn(&Vectors<D>) -> Vectors<D>,
     masses: &[f64],
-) -> (f64, Vectors<D>) {
+    interruption: &Interruption,
+) -> Result<(f64, Vectors<D>), Interrupted> {
     let count = masses.len();
     let inner = |a: &Vectors<D>, b: &Vectors<D>| -> f64 {
         (0..D)
@@ -144,6 +160,7 @@ fn largest_eigenvalue<const D: usize>(
     let (mut diagonal, mut off) = (Vec::new(), Vec::new());
     let mut seen = 0.0;
     for step in 1..=ITERATIONS.min(D * count) {
+        interruption.check()?;
         let Some(current) = basis.last() else { break };
         let mut next = apply(current);
         for axis in &mut next {
@@ -195,7 +212,7 @@ fn largest_eigenvalue<const D: usize>(
             }
         }
     }
-    (lambda, mode)
+    Ok((lambda, mode))
 }
 
 /// Largest eigenvalue of a symmetric tridiagonal matrix by bisection on its Sturm sequence.

@@ -446,6 +446,10 @@ impl Setup {
         let exchanges = if stop.is_some() { 0 } else { exchanges };
         for index in 0..=exchanges {
             let time = index as f64 * exchange;
+            if self.simulation.interruption.is_asked() {
+                stop = Some(StopReason::Interrupted { time });
+                break;
+            }
             if index > 0
                 && let Err(reason) = meeting.pass(time, shaping, observer)
             {

@@ -84,7 +84,9 @@ impl<'a> FromRestToRest<'a> {
         let Assembly { system, body, .. } = &*setup.assembly;
         let broken_off =
             |error: PathError| StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
-        let equilibrium = Equilibrium::new(system, body, tolerance).map_err(broken_off)?;
+        let equilibrium =
+            Equilibrium::new_interruptible(system, body, tolerance, &setup.simulation.interruption);
+        let equilibrium = equilibrium.map_err(broken_off)?;
         let tension = Held::of(setup.activation.tension());
         let state = State { tension: tension.clone(), body: body.clone(), active_work: 0.0 };
         let mut shaping = Self { setup, equilibrium, marked: state.clone(), state, solved: 0 };
@@ -115,9 +117,12 @@ impl Shaping for FromRestToRest<'_> {
         let Setup { simulation, assembly, fibre_stretch, volumes, .. } = self.setup;
         self.solved += 1;
         let positions = self.equilibrium.find(&self.state.body.positions, tensions[1]);
-        let positions = positions.map_err(|cause| {
-            let tension = Held::of(tensions[1]).average(volumes);
-            StopReason::NoEquilibrium { time, tension, cause: cause.to_string() }
+        let positions = positions.map_err(|cause| match cause {
+            PathError::Interrupted => StopReason::Interrupted { time },
+            cause => {
+                let tension = Held::of(tensions[1]).average(volumes);
+                StopReason::NoEquilibrium { time, tension, cause: cause.to_string() }
+            }
         })?;
         let tension = match (tensions[1], fibre_stretch) {
             (Tension::Following(law), Some(meter)) => {

@@ -14,6 +14,9 @@ use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::{Body, System, Tension, Vectors};
 use crate::recording::Recording;
 
+/// Steps times masses after which an interruption is asked for: less than half a second.
+const STEPS_OF_MASSES: usize = 10_000_000;
+
 /// A run in time made ready: forces assembled, time step chosen, the engine tried.
 pub struct Prepared {
     pub(super) setup: Setup,
@@ -38,7 +41,9 @@ impl Simulation {
     pub fn prepare(&self) -> Result<Prepared, SetupError> {
         let setup = self.set_up()?;
         let (system, body) = (&setup.assembly.system, &setup.assembly.body);
-        let limit = setup.under_strongest(|tension| StabilityLimit::of(system, body, tension));
+        let limit = setup.under_strongest(|tension| {
+            StabilityLimit::of_interruptible(system, body, tension, &self.interruption)
+        })?;
         // A stepper from outside may bear more than Verlet's method.
         if let Some(time_step) = self.numerics.time_step
             && self.stepper.is_none()
@@ -54,6 +59,7 @@ impl Simulation {
         let steps = (self.numerics.exchange_interval / wanted - 1e-9).ceil().max(1.0) as usize;
         let (start, not_at_rest) = match setup.at_rest() {
             Ok(body) => (body, None),
+            Err(StopReason::Interrupted { .. }) => return Err(SetupError::Interrupted),
             Err(reason) => (setup.assembly.body.clone(), Some(reason.to_string())),
         };
         let engine = EngineUsed::Own;
@@ -142,6 +148,36 @@ impl<'a> InTime<'a> {
         Self { setup, stepper, steps, ledger, marked: None }
     }
 
+    /// Moves on by an exchange interval, in parts where that takes long, so that it may be interrupted.
+    fn advance(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
+        let Simulation { mesh, interruption, .. } = &self.setup.simulation;
+        let at_once = (STEPS_OF_MASSES / mesh.len().max(1)).max(1);
+        let [from, to] = match tensions {
+            [Tension::Uniform(from), Tension::Uniform(to)] if self.steps > at_once => [from, to],
+            // One that differs from place to place follows the mesh, and is not cut in parts.
+            _ => return self.step(self.steps, time, tensions),
+        };
+        let all = self.steps;
+        let after = |steps: usize| from + (to - from) * steps as f64 / all as f64;
+        for done in (0..all).step_by(at_once) {
+            interruption.check().map_err(|_| StopReason::Interrupted { time })?;
+            let until = (done + at_once).min(all);
+            let tensions = [after(done), after(until)].map(Tension::Uniform);
+            self.step(until - done, time, tensions)?;
+        }
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        steps: usize,
+        time: f64,
+        tensions: [Tension<'_>; 2],
+    ) -> Result<(), StopReason> {
+        let moved = self.stepper.advance(steps, tensions);
+        moved.map_err(|cause| StopReason::BrokenOff { time, cause: cause.to_string() })
+    }
+
     /// A tension as it now is in each triangle.
     fn now(&self, tension: Tension<'_>) -> Held {
         let (Tension::Following(law), Some(meter)) = (tension, &self.setup.fibre_stretch) else {
@@ -160,9 +196,7 @@ impl Shaping for InTime<'_> {
 
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
         let Simulation { mesh, numerics, .. } = &self.setup.simulation;
-        self.stepper
-            .advance(self.steps, tensions)
-            .map_err(|cause| StopReason::BrokenOff { time, cause: cause.to_string() })?;
+        self.advance(time, tensions)?;
         let tension = self.now(tensions[1]);
         let body = self.stepper.body();
         let average = tension.average(&self.setup.volumes);

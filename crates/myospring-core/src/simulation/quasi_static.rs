@@ -18,6 +18,7 @@ use super::setup::{Assembly, Setup};
 use super::{SettingError, SetupError, Simulation, StopReason};
 use crate::exchange::Sites;
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
+use crate::interruption::{Interrupted, Interruption};
 use crate::mechanics::{Configuration, Tension, Vectors, zeros};
 use crate::mesh::Mesh;
 use crate::recording::Recording;
@@ -63,9 +64,11 @@ impl Simulation {
         let setup = self.set_up()?;
         setup.check_path()?;
         let Assembly { system, body, .. } = &*setup.assembly;
-        let mut path = Path::start(system, body, tolerance)?;
+        let mut path = Path::start_interruptible(system, body, tolerance, &self.interruption)?;
         let end = path.extend(setup.peak()).err();
-        let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
+        self.interruption.check()?;
+        let mesh = &setup.simulation.mesh;
+        let curve = Arc::new(Curve::along(&path, mesh, &setup.assembly, &self.interruption)?);
         let shapes = path.into_shapes();
         let loaded = setup.loaded(shapes.tolerance())?;
         Ok(PreparedPath { setup, shapes, end, curve, loaded })
@@ -126,12 +129,14 @@ impl Simulation {
         tolerance: Tolerance,
     ) -> Result<Equilibria, SetupError> {
         self.check()?;
+        self.interruption.check()?;
         let assembly = self.assembled_at_rest()?;
-        let mut path = Path::start(&assembly.system, &assembly.body, tolerance)?;
+        let Assembly { system, body, .. } = &assembly;
+        let mut path = Path::start_interruptible(system, body, tolerance, &self.interruption)?;
         for &tension in tensions {
             path.extend(tension)?;
         }
-        let curve = Curve::along(&path, &self.mesh, &assembly);
+        let curve = Curve::along(&path, &self.mesh, &assembly, &self.interruption)?;
         Ok(Equilibria { shapes: path.into_shapes(), curve, held_length: assembly.held_length })
     }
 
@@ -159,9 +164,10 @@ impl Simulation {
         tolerance: Tolerance,
     ) -> Result<Equilibria, SetupError> {
         self.check()?;
+        self.interruption.check()?;
         let assembly = self.assembled_at_rest()?;
         let Assembly { system, body, meter, held_length, .. } = &assembly;
-        let mut path = Path::start(system, body, tolerance)?;
+        let mut path = Path::start_interruptible(system, body, tolerance, &self.interruption)?;
         let mut tension = FIRST_TENSION;
         let enough = |path: &Path<'_>| {
             let [_, highest] = path.range();
@@ -171,7 +177,8 @@ impl Simulation {
         while tension < LARGEST_TENSION && path.extend(tension).is_ok() && !enough(&path) {
             tension *= 2.0;
         }
-        let curve = Curve::along(&path, &self.mesh, &assembly);
+        self.interruption.check()?;
+        let curve = Curve::along(&path, &self.mesh, &assembly, &self.interruption)?;
         Ok(Equilibria { shapes: path.into_shapes(), curve, held_length: assembly.held_length })
     }
 }
@@ -192,10 +199,14 @@ impl Setup {
     /// The other path of an afterloaded cell, up to the peak of tension or as far as it goes.
     pub(super) fn loaded(&self, tolerance: Tolerance) -> Result<Option<Box<Loaded>>, SetupError> {
         let Some(assembly) = self.simulation.loaded(&self.assembly) else { return Ok(None) };
-        let mut path = Path::start(&assembly.system, &assembly.body, tolerance)?;
+        let Assembly { system, body, .. } = &assembly;
+        let interruption = &self.simulation.interruption;
+        let mut path = Path::start_interruptible(system, body, tolerance, interruption)?;
         // One that ends before says so in the run, if it comes to that.
         let _ = path.extend(self.peak());
-        let curve = Arc::new(Curve::along(&path, &self.simulation.mesh, &assembly));
+        interruption.check()?;
+        let curve = Curve::along(&path, &self.simulation.mesh, &assembly, interruption)?;
+        let curve = Arc::new(curve);
         let shapes = path.into_shapes();
         Ok(Some(Box::new(Loaded { assembly, shapes, curve })))
     }
@@ -216,11 +227,11 @@ impl PreparedPath {
     /// As [`PreparedPath::run`], for an observer that also hears which part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
         let setup = &self.setup;
-        let held = Branch::resume(&setup.assembly, &self.shapes, &self.curve);
-        let loaded = self
-            .loaded
-            .as_deref()
-            .map(|Loaded { assembly, shapes, curve }| Branch::resume(assembly, shapes, curve));
+        let interruption = &setup.simulation.interruption;
+        let held = Branch::resume(&setup.assembly, &self.shapes, &self.curve, interruption);
+        let loaded = self.loaded.as_deref().map(|Loaded { assembly, shapes, curve }| {
+            Branch::resume(assembly, shapes, curve, interruption)
+        });
         let start = setup.activation.tension().at(0);
         let state = Lagging { tension: start, work: 0.0 };
         let mut shaping =
@@ -340,7 +351,12 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    pub(super) fn along(shapes: &Shapes, mesh: &Mesh, assembly: &Assembly) -> Self {
+    pub(super) fn along(
+        shapes: &Shapes,
+        mesh: &Mesh,
+        assembly: &Assembly,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
         let Assembly { system, meter, ends, .. } = assembly;
         let knots = shapes.tensions();
         let mut tensions: Vec<f64> = knots
@@ -358,6 +374,7 @@ impl Curve {
         let mut before: Option<(f64, Vectors)> = None;
         let mut added = Vec::new();
         for &tension in &curve.tensions {
+            interruption.check()?;
             let Some(positions) = shapes.positions(tension) else { break };
             let energy = |positions: &Vectors, tension: f64| {
                 let tension = tension.into();
@@ -399,7 +416,7 @@ impl Curve {
         let down = sound[..=rest].iter().rev().take_while(|sound| **sound).count();
         curve.intact =
             [curve.tensions[rest + 1 - down.max(1)], curve.tensions[rest + up.max(1) - 1]];
-        curve
+        Ok(curve)
     }
 
     /// Cubic through the four nearest tensions of the load step (Lagrange's).
@@ -438,20 +455,33 @@ struct Branch<'a> {
 }
 
 impl<'a> Branch<'a> {
-    fn resume(assembly: &'a Assembly, shapes: &Shapes, curve: &Arc<Curve>) -> Self {
+    fn resume(
+        assembly: &'a Assembly,
+        shapes: &Shapes,
+        curve: &Arc<Curve>,
+        interruption: &Interruption,
+    ) -> Self {
         let Assembly { system, body, .. } = assembly;
-        let path = Path::resume(system, body, shapes.clone());
+        let path = Path::resume(system, body, shapes.clone(), interruption);
         Self { assembly, path, curve: Arc::clone(curve) }
     }
 
     /// Goes on to a tension.
-    fn reach(&mut self, mesh: &Mesh, time: f64, tension: f64) -> Result<(), StopReason> {
+    fn reach(
+        &mut self,
+        simulation: &Simulation,
+        time: f64,
+        tension: f64,
+    ) -> Result<(), StopReason> {
         if self.path.reaches(tension) {
             return Ok(());
         }
         let reached = self.path.extend((1.0 + MARGIN) * tension);
-        self.curve = Arc::new(Curve::along(&self.path, mesh, self.assembly));
+        let Simulation { mesh, interruption, .. } = simulation;
+        let curve = Curve::along(&self.path, mesh, self.assembly, interruption);
+        self.curve = Arc::new(curve.map_err(|_| StopReason::Interrupted { time })?);
         match reached {
+            Err(PathError::Interrupted) => Err(StopReason::Interrupted { time }),
             Err(cause) if !self.path.reaches(tension) => {
                 let cause = cause.to_string();
                 Err(StopReason::NoEquilibrium { time, tension, cause })
@@ -543,10 +573,10 @@ impl Shaping for AlongPath<'_> {
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
         let acting = tensions.map(|tension| tension.at(0));
         let tension = self.lagging(time, acting);
-        let mesh = &self.setup.simulation.mesh;
-        self.held.reach(mesh, time, tension)?;
+        let simulation = &self.setup.simulation;
+        self.held.reach(simulation, time, tension)?;
         if let Some(loaded) = &mut self.loaded {
-            loaded.reach(mesh, time, tension)?;
+            loaded.reach(simulation, time, tension)?;
         }
         if self.keeps_account() {
             let [before, after] = [self.state.tension, tension].map(|at| self.at(at)[PER_TENSION]);
@@ -556,7 +586,7 @@ impl Shaping for AlongPath<'_> {
         let [lowest, highest] = self.branch(tension).curve.intact;
         if !(lowest..=highest).contains(&tension) {
             let positions = self.positions();
-            if let Some(reason) = fault(mesh, &positions, time, tension) {
+            if let Some(reason) = fault(&simulation.mesh, &positions, time, tension) {
                 return Err(reason);
             }
         }

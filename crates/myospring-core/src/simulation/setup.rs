@@ -87,11 +87,13 @@ impl EndForce {
 impl Simulation {
     pub(super) fn set_up(&self) -> Result<Setup, SetupError> {
         self.check()?;
+        self.interruption.check()?;
         self.set_up_on(Arc::new(self.assembled_at_rest()?))
     }
 
     /// As [`Simulation::set_up`], checked before, on forces that are assembled already.
     pub(super) fn set_up_on(&self, assembly: Arc<Assembly>) -> Result<Setup, SetupError> {
+        self.interruption.check()?;
         let (activation, strength) = self.activation()?;
         let strongest = activation.strongest();
         check_strongest(strongest)?;
@@ -208,7 +210,8 @@ impl Simulation {
         }
         let Assembly { body, system, meter, .. } = &mut assembly;
         body.positions = self.drawn_out(self.end_stretch);
-        let path = Path::start(system, body, Tolerance::default())?;
+        let tolerance = Tolerance::default();
+        let path = Path::start_interruptible(system, body, tolerance, &self.interruption)?;
         let rest = path.positions(0.0).unwrap_or_else(|| body.positions.clone());
         assembly.held_length = meter.measure(&rest).length;
         assembly.body.positions = rest;

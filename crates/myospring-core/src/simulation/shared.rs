@@ -4,6 +4,7 @@ use super::quasi_static::{Curve, PreparedPath};
 use super::setup::{Assembly, Setup};
 use super::{SettingError, SetupError, Simulation};
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
+use crate::interruption::Interrupted;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// One mesh with its forces, and its path of equilibria as far as any of its runs has needed it.
@@ -49,8 +50,9 @@ impl Simulation {
         let setup = self.set_up()?;
         setup.check_path()?;
         let Assembly { system, body, .. } = &*setup.assembly;
-        let path = Path::start(system, body, tolerance)?;
-        let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
+        let path = Path::start_interruptible(system, body, tolerance, &self.interruption)?;
+        let mesh = &setup.simulation.mesh;
+        let curve = Arc::new(Curve::along(&path, mesh, &setup.assembly, &self.interruption)?);
         let solved = Mutex::new(Arc::new(Solved { shapes: path.into_shapes(), curve, end: None }));
         Ok(SharedPath { simulation: self.clone(), assembly: setup.assembly, solved })
     }
@@ -73,7 +75,7 @@ impl SharedPath {
         let setup = simulation.set_up_on(Arc::clone(&self.assembly))?;
         setup.check_path()?;
         let peak = setup.peak();
-        let solved = self.up_to(peak, &setup);
+        let solved = self.up_to(peak, &setup)?;
         let (shapes, curve) = (solved.shapes.clone(), Arc::clone(&solved.curve));
         let end = solved.end.clone().filter(|_| !shapes.reaches(peak));
         let loaded = setup.loaded(shapes.tolerance())?;
@@ -81,17 +83,20 @@ impl SharedPath {
     }
 
     /// The path up to a tension, or as far as it goes.
-    fn up_to(&self, tension: f64, setup: &Setup) -> Arc<Solved> {
+    fn up_to(&self, tension: f64, setup: &Setup) -> Result<Arc<Solved>, Interrupted> {
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
         if solved.shapes.reaches(tension) || solved.end.is_some() {
-            return Arc::clone(&solved);
+            return Ok(Arc::clone(&solved));
         }
         let Assembly { system, body, .. } = &*self.assembly;
-        let mut path = Path::resume(system, body, solved.shapes.clone());
+        let interruption = &setup.simulation.interruption;
+        let mut path = Path::resume(system, body, solved.shapes.clone(), interruption);
         let end = path.extend(tension).err();
-        let curve = Arc::new(Curve::along(&path, &setup.simulation.mesh, &setup.assembly));
+        interruption.check()?;
+        let mesh = &setup.simulation.mesh;
+        let curve = Arc::new(Curve::along(&path, mesh, &self.assembly, interruption)?);
         *solved = Arc::new(Solved { shapes: path.into_shapes(), curve, end });
-        Arc::clone(&solved)
+        Ok(Arc::clone(&solved))
     }
 
     fn has_mechanics_of(&self, other: &Simulation) -> bool {

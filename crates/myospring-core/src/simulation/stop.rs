@@ -3,6 +3,7 @@
 use super::check::SettingError;
 use crate::integrate::engine::EngineError;
 use crate::integrate::quasi_static::PathError;
+use crate::interruption::Interrupted;
 use serde::{Deserialize, Serialize};
 
 /// Why a run cannot start.
@@ -33,7 +34,10 @@ pub enum SetupError {
     },
     /// There is no path of equilibria.
     #[error("no quasi-static run: {0}")]
-    NoPath(#[from] PathError),
+    NoPath(PathError),
+    /// The preparation was asked to end early.
+    #[error("the preparation of the run was interrupted")]
+    Interrupted,
     /// The cell model cannot start, or makes no tension to scale.
     #[error("the cell model `{model}` cannot be run: {cause}")]
     CellModel {
@@ -42,6 +46,21 @@ pub enum SetupError {
         /// What went wrong.
         cause: String,
     },
+}
+
+impl From<PathError> for SetupError {
+    fn from(error: PathError) -> Self {
+        match error {
+            PathError::Interrupted => Self::Interrupted,
+            error => Self::NoPath(error),
+        }
+    }
+}
+
+impl From<Interrupted> for SetupError {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
 }
 
 /// Why a run stopped before its end.

@@ -40,7 +40,7 @@ pub enum FilmError {
     #[error(
         "there {}; at least {FEWEST_FRAMES} are needed to follow a cell: is this a picture, or was the \
          recording cut off?",
-        match frames { 1 => "is only one frame".to_owned(), count => format!("are only {count} frames") }
+        match frames { 0 => "is no frame".to_owned(), 1 => "is only one frame".to_owned(), count => format!("are only {count} frames") }
     )]
     TooFew {
         /// How many there are.

@@ -19,9 +19,9 @@ import { quantity } from "./numbers.js";
  * @property {HTMLElement} now The values of now.
  */
 
-/** Of at most so many runs the values of now stand beside the name of a chart. */
+/** Largest number of runs for which a chart shows the current values beside its name. */
 const TOLD = 4;
-/** Of so many curves of a cell model beside potential, tension and shortening all lead; of more the first. */
+/** Up to this number of further curves of the cell model, all are shown from the start; of more only the first. */
 const SIGNALS = 3;
 
 /**

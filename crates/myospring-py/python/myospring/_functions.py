@@ -229,8 +229,8 @@ def simulate(
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed steps or with steps of its own choice.
     cell_step_ms : float or None
-        Largest time step of the cell model, for a method with fixed steps. In ms, above 0 ms, at
-        most 1 ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
+        Largest time step of the cell model, for a method with fixed steps. In ms, 0.00001 ms to 1
+        ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
     cell_tolerance : float or None
         Largest error of a step over the size of each variable, for a method that chooses its steps.
         0.0000000001 to 0.01. None: 0.00001.
@@ -471,8 +471,8 @@ def action_potential(
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed steps or with steps of its own choice.
     cell_step_ms : float or None
-        Largest time step of the cell model, for a method with fixed steps. In ms, above 0 ms, at
-        most 1 ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
+        Largest time step of the cell model, for a method with fixed steps. In ms, 0.00001 ms to 1
+        ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
     cell_tolerance : float or None
         Largest error of a step over the size of each variable, for a method that chooses its steps.
         0.0000000001 to 0.01. None: 0.00001.

@@ -15,6 +15,7 @@ use super::unknown::Unknown;
 use super::words::verdicts;
 use super::work::Work;
 use crate::cell::TensionKind;
+use crate::interruption::Interruption;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
 use crate::settings::Run;
@@ -22,6 +23,7 @@ use crate::simulation::{Simulation, TensionScale};
 use crate::study::sampling::Sampler;
 use rayon::prelude::*;
 use std::io;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Starts lie within this factor of the run's parameters, either way.
@@ -58,7 +60,7 @@ struct Found {
 /// One cell, ready to be fitted to curves.
 pub struct Fitter {
     simulation: Simulation,
-    shelf: Shelf,
+    shelf: Arc<Shelf>,
 }
 
 impl Fitter {
@@ -98,7 +100,7 @@ impl Fitter {
             }
             _ => {}
         }
-        Ok(Self { simulation, shelf: Shelf::default() })
+        Ok(Self { simulation, shelf: Arc::default() })
     }
 
     /// The run's peak tension over its Young's modulus; of a tension in kPa the model's greatest tension over it.
@@ -121,6 +123,13 @@ impl Fitter {
             Stiffness::YoungModulus(modulus) => modulus,
             Stiffness::Spring(stiffness) => stiffness / (0.75 * self.simulation.material.thickness),
         }
+    }
+
+    /// The same, whose work may be asked to end early.
+    #[must_use]
+    pub fn interrupted_by(&self, interruption: Interruption) -> Self {
+        let simulation = Simulation { interruption, ..self.simulation.clone() };
+        Self { simulation, shelf: Arc::clone(&self.shelf) }
     }
 
     /// The cell.
@@ -178,7 +187,7 @@ impl Fitter {
     }
 
     /// Fits the cell to curves of it, all held as the run says. `goes_on` hears how much of the work is done, from 0 to
-    /// 1, and ends it by `false`: then there is no answer.
+    /// 1, and ends it by `false`: then there is no answer, as where the simulation's own interruption ends it.
     ///
     /// # Errors
     /// Curves without a beat, unknowns that are none, or a cell that no start makes beat.
@@ -204,6 +213,17 @@ impl Fitter {
         settings: &Settings,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Option<Fit>, FitError> {
+        let found = self.fit_unless_interrupted(curves, settings, goes_on);
+        // Whatever else it says then comes of that.
+        if self.simulation.interruption.is_asked() { Ok(None) } else { found }
+    }
+
+    fn fit_unless_interrupted(
+        &self,
+        curves: &[Loaded],
+        settings: &Settings,
+        goes_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Result<Option<Fit>, FitError> {
         let arbitrary = curves.iter().all(|curve| curve.observed.scale == Scale::Arbitrary);
         let sought =
             settings.sought(&*self.simulation.cell, |unknown| self.usual(unknown), arbitrary)?;
@@ -211,7 +231,7 @@ impl Fitter {
         // A train may begin from rest or go on: nobody says so, and the curve knows.
         let trains = curves.iter().any(|curve| curve.observed.stimuli.times().len() > 1);
         let paced = if trains { &[BEFORE, 0][..] } else { &[0] };
-        let work = Work::new(goes_on);
+        let work = Work::new(goes_on, &self.simulation.interruption);
         let mut best: Option<Found> = None;
         for (number, &before) in paced.iter().enumerate() {
             let sources = curves

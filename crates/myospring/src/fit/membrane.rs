@@ -22,6 +22,7 @@ use crate::cell::land_2017::{Myofilaments, STATES};
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::Settings;
 use crate::cell::tomek_2019::{TomekModel, Variant};
+use crate::interruption::Interruption;
 use crate::simulation::Simulation;
 use std::any::Any;
 use std::sync::Arc;
@@ -38,6 +39,7 @@ pub(super) struct Membrane {
     lag: f64,
     intervals: usize,
     interval: f64,
+    interruption: Interruption,
 }
 
 impl Membrane {
@@ -61,6 +63,7 @@ impl Membrane {
             lag: simulation.material.retardation_time,
             intervals: train.beats * a_cycle as usize,
             interval: train.cycle / a_cycle,
+            interruption: simulation.interruption.clone(),
         }
     }
 
@@ -103,6 +106,7 @@ impl Membrane {
         // theta at the end of an interval over which the tension goes evenly.
         let (share, e) = self.share();
         for interval in 1..=waits as usize + self.intervals {
+            self.interruption.check().ok()?;
             let stretch = past[0];
             let next = 3.0 * (past[0] - past[1]) + past[2];
             let (middle, rate) = (f64::midpoint(foretold, next), (next - foretold) / self.interval);

@@ -1,5 +1,6 @@
 //! The work of a fit: how much was done, and whether it goes on.
 
+use crate::interruption::Interruption;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -14,12 +15,17 @@ pub(super) struct Work<'a> {
     /// How much of all, and when somebody heard of it.
     heard: Mutex<(f64, Instant)>,
     goes_on: &'a (dyn Fn(f64) -> bool + Sync),
+    interruption: &'a Interruption,
 }
 
 impl<'a> Work<'a> {
-    pub(super) fn new(goes_on: &'a (dyn Fn(f64) -> bool + Sync)) -> Self {
+    pub(super) fn new(
+        goes_on: &'a (dyn Fn(f64) -> bool + Sync),
+        interruption: &'a Interruption,
+    ) -> Self {
         let (evaluations, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-        Self { evaluations, stopped, heard: Mutex::new((0.0, Instant::now())), goes_on }
+        let heard = Mutex::new((0.0, Instant::now()));
+        Self { evaluations, stopped, heard, goes_on, interruption }
     }
 
     /// So much of all is done; whether to go on.
@@ -42,7 +48,7 @@ impl<'a> Work<'a> {
     }
 
     pub(super) fn is_wanted(&self) -> bool {
-        !self.stopped.load(Ordering::Relaxed)
+        !self.stopped.load(Ordering::Relaxed) && !self.interruption.is_asked()
     }
 
     pub(super) fn evaluations(&self) -> usize {

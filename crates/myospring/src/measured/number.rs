@@ -55,6 +55,24 @@ fn number(field: &str, decimal: Decimal) -> Option<f64> {
     plain.parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
+/// Numbers beyond these were not measured, in any unit, and calculations with them would overflow.
+const LARGEST: f64 = 1e30;
+const SMALLEST: f64 = 1e-30;
+
+/// Why a number was not measured, if it is so large.
+pub(super) fn is_too_large(number: f64) -> Option<String> {
+    (number.abs() > LARGEST)
+        .then(|| format!("{number:e} is larger than anything measured; mend or delete the row"))
+}
+
+/// Why numbers were not measured, if the largest is so small and not 0.
+pub(super) fn are_too_small(numbers: &[f64]) -> Option<String> {
+    let largest = numbers.iter().fold(0.0, |most: f64, number| most.max(number.abs()));
+    (largest > 0.0 && largest < SMALLEST).then(|| {
+        format!("{largest:e} is the largest value, smaller than anything measured; mend the column")
+    })
+}
+
 /// The mark of decimals that these fields have: a comma where one of them needs it to be a number, or where commas are
 /// the only marks. Where commas part the fields, too, a quoted `1,234` has its thousands parted.
 pub(super) fn decimal<'a>(fields: impl Iterator<Item = &'a str>, delimiter: char) -> Decimal {

@@ -647,6 +647,9 @@ impl<'a> Picked<'a> {
                     if let Some(error) = gap.take() {
                         return Err(error);
                     }
+                    if let Some(cause) = number::is_too_large(value) {
+                        return Err(field(cause));
+                    }
                     times_ms.push(time);
                     values.push(value * scale.factor);
                     lines.push(line);
@@ -668,6 +671,9 @@ impl<'a> Picked<'a> {
         }
         if values.is_empty() {
             return Err(self.error(format!("column `{name}` has no number")));
+        }
+        if let Some(cause) = number::are_too_small(&values) {
+            return Err(self.error(format!("column `{name}`: {cause}")));
         }
         Ok(Curve {
             name,

@@ -9,6 +9,9 @@ use crate::analysis::curve;
 use crate::analysis::kind::{Family, Kind};
 use crate::units::{self, Dimension};
 
+/// Latest time that is read, ms: 30 000 years, more than any clock says.
+const LONGEST_MS: f64 = 1e15;
+
 /// By how much times and a frame rate may differ.
 const AGREE: f64 = 0.02;
 
@@ -164,18 +167,19 @@ impl Clock {
             Self::Times { column, to_ms } => (column, 0.0, to_ms),
             Self::Frames { column, first, ms } => (column, first, ms),
         };
+        let wrong = |cause| {
+            let (line, column) = sheet.place(row, column);
+            Err(ReadError::Field { path: path.to_owned(), line, column, cause })
+        };
         match sheet.cell(row, column) {
-            Cell::Number(number) => Ok(Some((number - offset) * factor)),
+            Cell::Number(number) => match (number - offset) * factor {
+                ms if ms.abs() <= LONGEST_MS => Ok(Some(ms)),
+                ms => wrong(format!(
+                    "time {ms:e} ms is later than any clock says (at most {LONGEST_MS:e} ms); is the unit of time right?"
+                )),
+            },
             Cell::Missing => Ok(None),
-            Cell::Text => {
-                let (line, name) = sheet.place(row, column);
-                Err(ReadError::Field {
-                    path: path.to_owned(),
-                    line,
-                    column: name,
-                    cause: format!("\"{}\" is no finite number", row.fields[column]),
-                })
-            }
+            Cell::Text => wrong(format!("\"{}\" is no finite number", row.fields[column])),
         }
     }
 }

@@ -7,6 +7,7 @@ use super::least::not_negative;
 use super::seen::Seen;
 use super::smoothing::{Problem, Smoothing};
 use crate::integrate::quasi_static::{Equilibrium, PathError, Tolerance};
+use crate::interruption::Interruption;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::{System, Tension, Vectors, zeros};
 use crate::mesh::Mesh;
@@ -92,16 +93,27 @@ impl TensionMap {
         let spacing = mesh.lattice.as_ref().map_or(0.0, |lattice| lattice.spacing);
         let grid = Grid::new(mesh, apart.max(FINEST * spacing));
         let (body, system) = simulation.mechanics();
-        let equilibrium = Equilibrium::new(&system, &body, Tolerance::default())?;
+        let (interruption, tolerance) = (&simulation.interruption, Tolerance::default());
+        let equilibrium = Equilibrium::new_interruptible(&system, &body, tolerance, interruption)?;
         let positions = body.positions.clone();
         let values = DVector::zeros(grid.len());
-        let mut search =
-            Search { mesh, system: &system, seen, squares, grid, equilibrium, positions, values };
+        let mut search = Search {
+            mesh,
+            system: &system,
+            seen,
+            squares,
+            grid,
+            equilibrium,
+            positions,
+            values,
+            interruption,
+        };
         search.even()?;
         // A cell that is held where it contracted can only rest under tension, so that of a whole one comes first.
         let (mut body, mut system) = simulation.mechanics();
         if cut::hold(mesh, seen, &mut body, &mut system) {
-            let mut equilibrium = Equilibrium::new(&system, &body, Tolerance::default())?;
+            let mut equilibrium =
+                Equilibrium::new_interruptible(&system, &body, tolerance, interruption)?;
             let tensions = search.grid.in_triangles(search.values.as_slice());
             search.positions = equilibrium.find(&body.positions, Tension::PerElement(&tensions))?;
             (search.system, search.equilibrium) = (&system, equilibrium);
@@ -135,6 +147,7 @@ struct Search<'a> {
     positions: Vectors,
     /// These, at the points of the grid, kPa.
     values: DVector<f64>,
+    interruption: &'a Interruption,
 }
 
 impl Search<'_> {
@@ -235,6 +248,7 @@ impl Search<'_> {
         let mut columns = DMatrix::zeros(2 * self.squares.points.len(), count);
         let mut unit = vec![0.0; count];
         for number in 0..count {
+            self.interruption.check()?;
             unit[number] = 1.0;
             columns.set_column(number, &DVector::from_vec(self.column(&unit)));
             unit[number] = 0.0;

@@ -9,6 +9,7 @@ use super::shape::{Shape, Shaped, Source};
 use super::steady::{self, CacheError};
 use crate::cell::pacing::Protocol;
 use crate::cell::{CellModel, TensionKind, coelho_2021};
+use crate::interruption::Interruption;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::{Material, default_material};
@@ -79,6 +80,8 @@ pub struct Run {
     pub numerics: Numerics,
     /// Time simulated, ms.
     pub duration: f64,
+    /// What may end the work on it early: pacing, fibres, preparation and the run itself. No file has it.
+    pub interruption: Interruption,
 }
 
 /// A run on its mesh.
@@ -161,6 +164,7 @@ impl Run {
             end_stretch: 1.0,
             duration: usual_duration(&protocol, &numerics),
             numerics,
+            interruption: Interruption::default(),
         }
     }
 
@@ -284,7 +288,8 @@ impl Run {
         let folder = Some(&self.steady_state_cache).filter(|folder| !folder.is_empty());
         let (protocol, settings) = (self.protocol, self.numerics.cell);
         let folder = folder.map(Path::new);
-        let (found, told) = steady::steady_state(cell, protocol, settings, tolerance, folder)?;
+        let (found, told) =
+            steady::steady_state(cell, protocol, settings, tolerance, folder, &self.interruption)?;
         Ok((Some(found.state), told))
     }
 
@@ -316,6 +321,7 @@ impl Run {
             resting_stretch,
             wave_speed: self.wave_speed,
             stepper: None,
+            interruption: self.interruption.clone(),
             start_state: None,
             protocol: self.protocol,
             peak_tension: self.peak_tension,

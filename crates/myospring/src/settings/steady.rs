@@ -10,6 +10,7 @@ use crate::cell::Input;
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::solve::Settings;
 use crate::cell::steady::{SteadyError, SteadyState, pace};
+use crate::interruption::Interruption;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
@@ -107,8 +108,9 @@ pub(super) fn steady_state(
     settings: Settings,
     tolerance: f64,
     folder: Option<&Path>,
+    interruption: &Interruption,
 ) -> Result<(SteadyState, Option<String>), CacheError> {
-    let paced = || pace(model, protocol, settings, tolerance);
+    let paced = || pace(model, protocol, settings, tolerance, interruption);
     let Some(folder) = folder else { return Ok((paced()?, None)) };
     let key = key(&**model, protocol, settings, tolerance);
     let path = folder.join(format!("{}-{}.json", model.name(), hash(&key)));
@@ -210,8 +212,17 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let model = cell::model("coelho_2021").unwrap();
         let (pacing, settings) = (protocol(&model, 600.0), model.usual_settings());
-        let find =
-            |model| steady_state(model, pacing, settings, 1e-3, Some(folder.path())).unwrap();
+        let find = |model| {
+            steady_state(
+                model,
+                pacing,
+                settings,
+                1e-3,
+                Some(folder.path()),
+                &Interruption::default(),
+            )
+            .unwrap()
+        };
         let files = || {
             let names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
             names.collect::<Vec<_>>()

@@ -9,12 +9,6 @@ use std::path::PathBuf;
 /// Anything that can go wrong with one member, or with whoever watches.
 pub type Cause = Box<dyn Error + Send + Sync>;
 
-/// What the work on a member says when it ends early because the study is to stop: the member is not done, and
-/// stands in no row; a study that goes on does it anew.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the study was stopped")]
-pub struct Interrupted;
-
 /// Why a study did not begin or go on; what is wrong with one member is a row instead.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {

@@ -1,6 +1,7 @@
 //! Whoever watches a study.
 
 use super::{Cause, Member};
+use crate::interruption::Interruption;
 use std::time::Duration;
 
 /// How often [`Observer::table`] is called while members are under way.
@@ -19,10 +20,9 @@ pub trait Observer<M: Member>: Sync {
         true
     }
 
-    /// Asked often while members are worked on; `false` leaves those under way undone, with
-    /// [`Interrupted`](super::Interrupted).
-    fn goes_on(&self) -> bool {
-        true
+    /// What may end the work on members under way; they are left undone, with [`Interrupted`](super::Interrupted).
+    fn interruption(&self) -> Interruption {
+        Interruption::default()
     }
 
     /// Whether [`Observer::table`] is called while members are under way; of very many that takes long.

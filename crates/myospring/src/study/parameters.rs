@@ -107,8 +107,9 @@ pub fn run_members(
         Kind::Beat => shares(GROUPS).clamp(1, BEATS_TOGETHER),
     };
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
+    let interruption = observer.interruption();
     let report = run_together(members, journal, threads, observer, together, |group| {
-        let rows = common.rows(group, &|| observer.goes_on());
+        let rows = common.rows(group, &interruption);
         rows.into_iter().map(|row| row.map(|row| vec![row])).collect()
     })?;
     match common.failure() {

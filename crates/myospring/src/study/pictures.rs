@@ -15,7 +15,7 @@ use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::report::Summary;
 use crate::settings::{Fibres, Made, PictureSource, Run, ShapeError, Source};
-use crate::simulation::{Outcome, Progress, Simulation, StopReason};
+use crate::simulation::{Outcome, Simulation, StopReason};
 use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -92,8 +92,10 @@ pub struct Beaten<'a> {
     pub picture: &'a Picture,
     /// The cell's name.
     pub cell: &'a str,
-    /// The settings.
+    /// The settings, which choose this cell.
     pub run: &'a Run,
+    /// Distance between neighbouring nodes, um.
+    pub spacing_um: f64,
     /// The cell on its mesh.
     pub simulation: &'a Simulation,
     /// The outline that was meshed, um.
@@ -130,11 +132,6 @@ pub trait Keeper: Sync {
     fn beaten(&self, _beaten: &Beaten<'_>) -> Result<(), Cause> {
         Ok(())
     }
-
-    /// Asked often while a cell beats; `false` leaves the picture undone, with [`Interrupted`].
-    fn goes_on(&self) -> bool {
-        true
-    }
 }
 
 impl Keeper for () {}
@@ -145,7 +142,7 @@ impl Keeper for () {}
 /// Each beat is moved by as many threads as the run says, one unless told otherwise.
 ///
 /// # Errors
-/// [`Interrupted`], where `keeper` ends the beats; nothing else.
+/// [`Interrupted`], where the run is asked to end early; nothing else.
 pub fn rows(
     picture: &Picture,
     run: &Run,
@@ -153,7 +150,8 @@ pub fn rows(
     keeper: &impl Keeper,
 ) -> Result<Vec<CellRow>, Cause> {
     let mut rows = match found_and_beaten(picture, run, which, keeper) {
-        Err(cause) if cause.is::<Interrupted>() => return Err(cause),
+        // Whatever else it says then comes of that.
+        Err(_) if run.interruption.is_asked() => return Err(Interrupted.into()),
         Err(cause) => vec![picture.failed(cause.to_string())],
         Ok(rows) => rows,
     };
@@ -197,9 +195,7 @@ fn found_and_beaten(
         if pointed_at { None } else { LeftOut::of(&cells, cell, source.allow_cut) }
     };
     let to_beat: Vec<&PictureCell> = chosen.iter().filter(|cell| reason(cell).is_none()).collect();
-    if !keeper.goes_on() {
-        return Err(Interrupted.into());
-    }
+    run.interruption.check()?;
     let mut notes = notes(&cells, &chosen, reason);
     notes.extend(rows.iter().map(|row: &CellRow| row.reason.clone()));
     keeper.found(picture, &cells, &to_beat, &notes)?;
@@ -209,9 +205,7 @@ fn found_and_beaten(
         if let Some(reason) = reason(&cell) {
             row.is_not_ok(Status::LeftOut, reason.to_string());
         } else if let Err(cause) = beat(picture, run, &cells, cell, &mut row, keeper) {
-            if cause.is::<Interrupted>() {
-                return Err(cause);
-            }
+            run.interruption.check()?;
             row.is_not_ok(Status::Failed, cause.to_string());
         }
         rows.push(row);
@@ -262,17 +256,18 @@ fn beat(
     keeper: &impl Keeper,
 ) -> Result<(), Cause> {
     let start = Instant::now();
-    let name = cell.name.clone();
+    let (name, number) = (cell.name.clone(), cell.number);
     let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
     let Made { simulation, report, outline, fibres, .. } =
         run.make(shaped, |file| std::fs::read(file))?;
-    row.number("spacing_um", report.spacing_um);
+    let spacing_um = report.spacing_um;
+    row.number("spacing_um", spacing_um);
     row.number("masses", simulation.mesh.len() as f64);
     row.number("springs", simulation.mesh.springs.len() as f64);
     row.number("triangles", simulation.mesh.simplices.len() as f64);
     row.fibres(&fibres.report());
     let prepared = simulation.build()?;
-    let finished = prepared.run(|Progress { .. }| keeper.goes_on());
+    let finished = prepared.run(|_progress| true);
     if matches!(finished.stop, Some(StopReason::Interrupted { .. })) {
         return Err(Interrupted.into());
     }
@@ -284,11 +279,16 @@ fn beat(
     let summary = Summary::new(&finished.recording, &stimuli, s2_ms, report, warnings)
         .with_pace(&simulation.pace(&finished.beats()));
     row.metrics(&summary);
-    let (simulation, finished) = (&simulation, &finished);
+    let mut own = Run { fibre: fibres.taken, ..run.clone() };
+    if let Some(choice) = own.shape.source.choice_mut() {
+        *choice = Choice::Number(number);
+    }
+    let (simulation, finished, run) = (&simulation, &finished, &own);
     keeper.beaten(&Beaten {
         picture,
         cell: &name,
         run,
+        spacing_um,
         simulation,
         outline: &outline,
         fibres: &fibres,

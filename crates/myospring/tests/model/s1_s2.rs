@@ -10,6 +10,7 @@ use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{Method, Settings, solve};
 use myospring::cell::{self, CellModel, TensionKind, steady};
 use myospring::integrate::Method as Way;
+use myospring::interruption::Interruption;
 use myospring::mechanics::material::myofilament_material;
 use myospring::mesh::lattice;
 use myospring::simulation::{Numerics, Simulation, TensionScale};
@@ -171,6 +172,8 @@ fn a_steady_state_is_that_of_the_train_whatever_the_extra_stimulus() {
     let settings = model.usual_settings();
     let with = protocol(&*model, 330.0);
     let train = Protocol { s2_interval_ms: None, ..with };
-    let steady = |protocol| steady::pace(&model, protocol, settings, 1e-3).unwrap();
+    let steady = |protocol| {
+        steady::pace(&model, protocol, settings, 1e-3, &Interruption::default()).unwrap()
+    };
     assert_eq!(steady(with), steady(train));
 }

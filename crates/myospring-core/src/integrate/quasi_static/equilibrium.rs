@@ -12,6 +12,7 @@
 //! a place of its own and nothing of this is needed.
 
 use super::factor::{Factor, FactorError};
+use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
@@ -26,6 +27,8 @@ pub(super) enum Failure {
     NoRest,
     /// The factors do not fit into memory.
     TooLarge,
+    /// It was interrupted.
+    Interrupted,
 }
 
 impl From<FactorError> for Failure {
@@ -33,6 +36,7 @@ impl From<FactorError> for Failure {
         match error {
             FactorError::Indefinite => Self::Indefinite,
             FactorError::TooLarge => Self::TooLarge,
+            FactorError::Interrupted => Self::Interrupted,
         }
     }
 }
@@ -64,10 +68,16 @@ pub(super) struct Solver<'a, const D: usize = 2> {
     stiffness: StiffnessMatrix<D>,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
+    /// Asked within each factorisation.
+    interruption: Interruption,
 }
 
 impl<'a, const D: usize> Solver<'a, D> {
-    pub(super) fn new(system: &'a System<D>, body: &'a Body<D>) -> Self {
+    pub(super) fn new(
+        system: &'a System<D>,
+        body: &'a Body<D>,
+        interruption: &Interruption,
+    ) -> Self {
         let count = body.len();
         let mut free: [Vec<bool>; D] = from_fn(|_| vec![true; count]);
         match &system.support {
@@ -90,6 +100,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             factor: Factor::new(&body.positions, free),
             stiffness: StiffnessMatrix::new(count),
             factorisations: 0,
+            interruption: interruption.clone(),
         }
     }
 
@@ -143,7 +154,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             force.add_stiffness(&at, &mut self.stiffness);
         }
         self.factorisations += 1;
-        Ok(self.factor.factorise(&self.stiffness)?)
+        Ok(self.factor.factorise(&self.stiffness, &self.interruption)?)
     }
 
     /// Displacements (um) under forces (nN), by the last stiffness that was factorised.
@@ -451,7 +462,9 @@ mod tests {
                 [1.0, 0.0],
                 20.0,
             );
-            let rest = Solver::new(&system, &body).find(&body.positions, 50.0, 1e-9).unwrap();
+            let rest = Solver::new(&system, &body, &Interruption::default())
+                .find(&body.positions, 50.0, 1e-9)
+                .unwrap();
             let sizes = rest.corrections;
             // Once near, each correction is of the order of the square of the one before, in um.
             let pairs: Vec<_> =

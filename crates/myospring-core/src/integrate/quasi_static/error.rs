@@ -1,5 +1,7 @@
 //! Why a path of equilibria cannot start, and why it ends.
 
+use crate::interruption::Interrupted;
+
 /// Where a cell gives way: the node that moves most in its softest deformation at the end of the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
@@ -15,6 +17,12 @@ fn words(place: Option<&Place>) -> String {
     place.map_or_else(String::new, |Place { node, x, y }| {
         format!(" near x = {x:.1} um, y = {y:.1} um (node {node})")
     })
+}
+
+impl From<Interrupted> for PathError {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
 }
 
 /// Why there is no path, or none so far.
@@ -96,6 +104,9 @@ pub enum PathError {
         /// How many masses there are.
         masses: usize,
     },
+    /// It was asked to end early.
+    #[error("the search for equilibria was interrupted")]
+    Interrupted,
     /// The tension asked for is not a number.
     #[error("a tension of {tension} kPa has no equilibrium; give a finite one")]
     NotFinite {

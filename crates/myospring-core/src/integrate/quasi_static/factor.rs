@@ -12,6 +12,7 @@ mod fronts;
 
 pub(super) use error::FactorError;
 
+use crate::interruption::Interruption;
 use crate::mechanics::Vectors;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use dense::Eliminate;
@@ -49,27 +50,36 @@ impl<'a, const D: usize> Factor<'a, D> {
     }
 
     /// Factorises a stiffness.
-    pub(super) fn factorise(&mut self, stiffness: &StiffnessMatrix<D>) -> Result<(), FactorError> {
+    pub(super) fn factorise(
+        &mut self,
+        stiffness: &StiffnessMatrix<D>,
+        interruption: &Interruption,
+    ) -> Result<(), FactorError> {
         let fronts = match self.fronts.take() {
             Some(fronts) if self.blocks == stiffness.blocks() => fronts,
-            _ => self.find_fronts(stiffness)?,
+            _ => self.find_fronts(stiffness, interruption)?,
         };
         self.blocks = stiffness.blocks();
         self.stacks.iter_mut().for_each(Vec::clear);
-        let done = fronts.list.iter().try_for_each(|front| {
-            if self.eliminate(stiffness, &fronts, front) {
-                Ok(())
-            } else {
-                Err(FactorError::Indefinite)
-            }
-        });
+        let mut fronts_in_order = fronts.list.iter();
+        let done = fronts_in_order
+            .try_for_each(|front| self.eliminate(stiffness, &fronts, front, interruption));
         self.fronts = Some(fronts);
         done
     }
 
-    fn find_fronts(&mut self, stiffness: &StiffnessMatrix<D>) -> Result<Fronts<D>, FactorError> {
+    fn find_fronts(
+        &mut self,
+        stiffness: &StiffnessMatrix<D>,
+        interruption: &Interruption,
+    ) -> Result<Fronts<D>, FactorError> {
         let graph = Graph::new(stiffness);
-        let fronts = Fronts::new(stiffness, &graph, dissect(&graph, self.positions))?;
+        let fronts = Fronts::new(
+            stiffness,
+            &graph,
+            dissect(&graph, self.positions, interruption),
+            interruption,
+        )?;
         let reserve = |memory: &mut Vec<f64>, size: usize| {
             memory.clear();
             memory.try_reserve_exact(size).map_err(|_| FactorError::TooLarge)
@@ -82,13 +92,14 @@ impl<'a, const D: usize> Factor<'a, D> {
         Ok(fronts)
     }
 
-    /// Eliminates a front and leaves its update on the stack; whether all pivots were positive.
+    /// Eliminates a front and leaves its update on the stack.
     fn eliminate(
         &mut self,
         stiffness: &StiffnessMatrix<D>,
         fronts: &Fronts<D>,
         front: &Front<D>,
-    ) -> bool {
+        interruption: &Interruption,
+    ) -> Result<(), FactorError> {
         let panel = &mut self.entries[front.entries.clone()];
         front.fill(panel, stiffness, &fronts.order, &self.free);
         let [even, odd] = &mut self.stacks;
@@ -103,7 +114,7 @@ impl<'a, const D: usize> Factor<'a, D> {
         }
         let [rows, columns] = front.size();
         let packed = &mut self.packed;
-        pulp::Arch::new().dispatch(Eliminate { panel, rows, columns, rest, packed })
+        pulp::Arch::new().dispatch(Eliminate { panel, rows, columns, rest, packed, interruption })
     }
 
     /// Displacements (um) under forces (nN) on the free coordinates; held ones stay.

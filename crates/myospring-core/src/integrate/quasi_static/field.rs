@@ -2,6 +2,7 @@
 
 use super::equilibrium::Solver;
 use super::{PathError, Tolerance, check_forces, ending, extent};
+use crate::interruption::Interruption;
 use crate::mechanics::{Body, System, Tension, Vectors};
 
 /// Finds the equilibrium of a body under any tension from a guess near it.
@@ -46,8 +47,21 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
         body: &'a Body<D>,
         tolerance: Tolerance,
     ) -> Result<Self, PathError> {
-        check_forces(system, body)?;
-        let solver = Solver::new(system, body);
+        Self::new_interruptible(system, body, tolerance, &Interruption::default())
+    }
+
+    /// As [`Equilibrium::new`], whose searches may be asked to end early.
+    ///
+    /// # Errors
+    /// As [`Equilibrium::new`].
+    pub fn new_interruptible(
+        system: &'a System<D>,
+        body: &'a Body<D>,
+        tolerance: Tolerance,
+        interruption: &Interruption,
+    ) -> Result<Self, PathError> {
+        check_forces(system, body, interruption)?;
+        let solver = Solver::new(system, body, interruption);
         let tolerance = tolerance.equilibrium * extent(body);
         Ok(Self { solver, tolerance, newton_iterations: 0 })
     }
@@ -55,7 +69,8 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
     /// Positions at rest near a guess, um.
     ///
     /// # Errors
-    /// [`PathError::Unstable`], [`PathError::Lost`] or [`PathError::TooLarge`] if there is none near it.
+    /// [`PathError::Unstable`], [`PathError::Lost`] or [`PathError::TooLarge`] if there is none near it;
+    /// [`PathError::Interrupted`].
     pub fn find(
         &mut self,
         guess: &Vectors<D>,

@@ -159,7 +159,8 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "cell.step",
         "Largest time step of the cell model, for a method with fixed steps.",
-        Bounds::any(Dimension::Time, "0.005 ms").above(0.0).to(1.0),
+        // Shorter ones need minutes for a beat, and change nothing.
+        Bounds::any(Dimension::Time, "0.005 ms").from(1e-5).to(1.0),
         |run| {
             let Settings { method, step_ms, .. } = run.numerics.cell;
             (!method.chooses_steps()).then_some(step_ms)

@@ -5,6 +5,7 @@ use super::error::ParameterStudyError;
 use super::tor_ord::{self, tor_ord};
 use super::values::Values;
 use crate::cell::minimal::MinimalModel;
+use crate::interruption::Interruption;
 use crate::measured::decoded;
 use crate::run_file::{RunFile, RunFileError};
 use crate::settings::{Named, Number, Run, Value};
@@ -91,6 +92,17 @@ pub struct ParameterStudy {
     pub traces: bool,
     /// The values of each member.
     pub values: Values,
+    /// What may end early what is made before any member is worked on ([`Common::new`](super::Common::new)). No file has it.
+    pub interruption: Interruption,
+}
+
+/// What is wrong in the table `[sampling]`, in the words of who wrote it.
+fn in_sampling(error: &toml::de::Error) -> ParameterStudyError {
+    let whole = "a whole number from 0 on";
+    let cause = ["usize", "u64", "u32"].iter().fold(error.message().to_owned(), |text, kind| {
+        text.replace(&format!("expected {kind}"), &format!("expected {whole}"))
+    });
+    ParameterStudyError::Design { cause }
 }
 
 /// As it is written.
@@ -224,9 +236,10 @@ impl ParameterStudy {
         } else {
             let seed = match sampling.remove("seed") {
                 None => 1,
-                Some(seed) => u64::deserialize(seed)?,
+                Some(seed) => u64::deserialize(seed).map_err(|error| in_sampling(&error))?,
             };
-            let sampler = Sampler::deserialize(toml::Value::Table(sampling))?;
+            let sampler = Sampler::deserialize(toml::Value::Table(sampling));
+            let sampler = sampler.map_err(|error| in_sampling(&error))?;
             let varied = varied(&written.parameters, &base)?;
             let distributions: Vec<Distribution> =
                 varied.iter().filter_map(|varied| varied.distribution).collect();
@@ -278,6 +291,7 @@ impl ParameterStudy {
             keep: written.keep,
             traces,
             values,
+            interruption: Interruption::default(),
         })
     }
 
@@ -347,6 +361,7 @@ impl ParameterStudy {
             keep: BTreeMap::new(),
             traces: false,
             values: Values::Table(values),
+            interruption: Interruption::default(),
         })
     }
 

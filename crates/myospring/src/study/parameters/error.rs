@@ -80,6 +80,12 @@ pub enum ParameterStudyError {
     /// No sample.
     #[error("[sampling]: {0}")]
     Sampling(#[from] SamplingError),
+    /// A key of the sampling that cannot be read.
+    #[error("[sampling]: {cause}")]
+    Design {
+        /// What is wrong.
+        cause: String,
+    },
     /// Keys beside a table of rows that would not be used, or none for its file.
     #[error("[sampling] with sampler = \"table\": {cause}")]
     Table {

@@ -8,6 +8,7 @@ use super::tor_ord::tor_ord;
 use super::traces::TraceAxes;
 use crate::cell::beside::{Cell, Outcome, Sampled, Settings, run_while};
 use crate::cell::pacing::Protocol;
+use crate::interruption::Interruption;
 use crate::run_file::RunFile;
 
 /// A sample and its time, ms.
@@ -26,7 +27,7 @@ pub(super) struct Wanted<'a> {
 pub(super) fn cells(
     common: &Wanted<'_>,
     members: &[&Variation],
-    goes_on: &dyn Fn() -> bool,
+    interruption: &Interruption,
 ) -> Vec<Result<(VariationRow, Vec<f32>), Cause>> {
     let run = match common.run.resolve() {
         Ok(run) => run,
@@ -38,7 +39,7 @@ pub(super) fn cells(
     let tasks: Vec<Result<(Cell, Protocol), Cause>> =
         members.iter().map(|member| cell(common, member)).collect();
     let cells: Vec<Cell> = tasks.iter().flatten().map(|(cell, _)| cell.clone()).collect();
-    let outcomes = match run_while(&cells, &settings, goes_on) {
+    let outcomes = match run_while(&cells, &settings, &|| !interruption.is_asked()) {
         Ok(Some(outcomes)) => outcomes,
         Ok(None) => return members.iter().map(|_| Err(Interrupted.into())).collect(),
         Err(error) => return members.iter().map(|_| Err(error.clone().into())).collect(),

@@ -6,10 +6,12 @@ use super::{
     run_members,
 };
 use crate::cell::solve::{Settings, solve};
+use crate::interruption::Interruption;
 use crate::output::npy::Records;
 use crate::run_file::RunFile;
 use crate::settings::Number;
 use std::io;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn no_file(_file: &str) -> io::Result<Vec<u8>> {
@@ -331,13 +333,16 @@ fn rows_from_elsewhere_are_those_of_the_study_itself() {
     assert_eq!((report.resumed, report.rows), (2, whole));
 }
 
-/// Says so many times that the study goes on.
-struct For(AtomicUsize);
+/// Lets the study go on when it is asked for the first so many times.
+struct For(Arc<AtomicUsize>);
 
 impl Observer<Variation> for For {
-    fn goes_on(&self) -> bool {
-        let left = |left: usize| left.checked_sub(1);
-        self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, left).is_ok()
+    fn interruption(&self) -> Interruption {
+        let left = Arc::clone(&self.0);
+        let less = |left: usize| left.checked_sub(1);
+        Interruption::when(move || {
+            left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).is_err()
+        })
     }
 }
 
@@ -351,7 +356,7 @@ fn a_member_under_way_when_a_study_stops_has_no_row() {
         let common = Common::new(&study, no_file).unwrap();
         let members = study.members(Shard::WHOLE);
         let threads = Threads::new(Some(1)).unwrap();
-        let stops = For(AtomicUsize::new(3));
+        let stops = For(Arc::new(AtomicUsize::new(3)));
         let report =
             run_members(&common, &members, &Journal::in_memory(), &threads, &stops).unwrap();
         assert!(report.stopped && report.rows.is_empty(), "{:?}", report.rows);

@@ -18,6 +18,7 @@ use crate::cell::solve::SolveError;
 use crate::cell::{CellModel as _, TensionKind};
 use crate::integrate::Method;
 use crate::integrate::quasi_static::Tolerance;
+use crate::interruption::Interruption;
 use crate::mesh::Mesh;
 use crate::output::files::FileError;
 use crate::recording::Sample;
@@ -27,7 +28,7 @@ use crate::simulation::{Outcome, Ready, SharedPath, Simulation, StopReason, Tens
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::{io, iter};
 
 /// What all members of a study have in common, made once.
@@ -78,7 +79,7 @@ struct Body {
     meshed: Option<Meshed>,
     /// Whether all that is left to differ is the course of tension, so that members share their equilibria.
     shares_path: bool,
-    path: OnceLock<Result<SharedPath, String>>,
+    path: Mutex<Option<Result<Arc<SharedPath>, String>>>,
 }
 
 struct Meshed {
@@ -108,8 +109,8 @@ impl Common {
         let usual = common.varied.iter().map(|varied| varied.number.get(&run).unwrap_or(f64::NAN));
         let usual = Variation::new(0, usual.collect());
         let row = match common.kind {
-            Kind::Cell => common.cells(&[&usual], &|| true).remove(0),
-            Kind::Beat => common.beat(None, &|| true),
+            Kind::Cell => common.cells(&[&usual], &study.interruption).remove(0),
+            Kind::Beat => common.beat(None, &study.interruption),
         };
         let (row, curves) = row.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
         (common.usual, common.usual_curves) = (row.metrics, curves);
@@ -126,7 +127,8 @@ impl Common {
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
         shaped: Option<&Shaped>,
     ) -> Result<Self, ParameterStudyError> {
-        let run = study.run.resolve()?;
+        let interruption = study.interruption.clone();
+        let run = Run { interruption, ..study.run.resolve()? };
         let at_rest = run.cell.initial_state();
         let in_mv = run.cell.membrane_potential_mv(&at_rest).is_some();
         let mut quantities = Vec::new();
@@ -351,38 +353,36 @@ impl Common {
             shaped: Some(shaped).filter(|_| same_shape && !same_mesh),
             meshed: Some(Meshed { mesh, places }).filter(|_| same_mesh),
             shares_path,
-            path: OnceLock::new(),
+            path: Mutex::default(),
         });
         self.files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(())
     }
 
-    /// The rows of some members; `goes_on` is asked often, and once it says no, those that are not done yet are
-    /// [`Interrupted`].
+    /// The rows of some members; once they are asked to end early, those that are not done yet are [`Interrupted`].
     pub fn rows(
         &self,
         members: &[&Variation],
-        goes_on: &(dyn Fn() -> bool + Sync),
+        interruption: &Interruption,
     ) -> Vec<Result<VariationRow, Cause>> {
         let done = match self.kind {
-            Kind::Cell => self.cells(members, goes_on),
-            Kind::Beat => members.iter().map(|member| self.beat(Some(member), goes_on)).collect(),
+            Kind::Cell => self.cells(members, interruption),
+            Kind::Beat => {
+                members.iter().map(|member| self.beat(Some(member), interruption)).collect()
+            }
         };
         self.kept(members, done)
     }
 
     /// The row of a member, or of the run without any change.
-    fn beat(
-        &self,
-        member: Option<&Variation>,
-        goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Done, Cause> {
-        if !goes_on() {
-            return Err(Interrupted.into());
-        }
+    fn beat(&self, member: Option<&Variation>, interruption: &Interruption) -> Result<Done, Cause> {
+        interruption.check()?;
         let values = member.map_or(&[][..], |member| &member.values);
         let file = run_of(&self.run, &self.varied, values)?;
-        let outcome = self.ready(&file)?.run(|_progress| goes_on());
+        let ready = self.ready(&file, interruption);
+        // Whatever else it says then comes of that.
+        interruption.check()?;
+        let outcome = ready?.run(|_progress| !interruption.is_asked());
         match &outcome.stop {
             Some(StopReason::Interrupted { .. }) => return Err(Interrupted.into()),
             Some(reason) => return Err(reason.to_string().into()),
@@ -415,9 +415,9 @@ impl Common {
     }
 
     /// The simulation of a run, on the mesh that members share or on its own.
-    fn ready(&self, file: &RunFile) -> Result<Ready, Cause> {
+    fn ready(&self, file: &RunFile, interruption: &Interruption) -> Result<Ready, Cause> {
         let body = self.body.as_ref().ok_or("cells have no mesh")?;
-        let run = file.resolve()?;
+        let run = Run { interruption: interruption.clone(), ..file.resolve()? };
         let mut simulation = self.simulation(body, &run)?;
         if !file.has("numerics.frame_interval") {
             // Nobody looks at the shapes in between.
@@ -430,11 +430,17 @@ impl Common {
         if !has_path || !body.shares_path {
             return Ok(simulation.build()?);
         }
-        let path = body.path.get_or_init(|| {
-            let path = simulation.shared_path(Tolerance::default());
-            path.map_err(|error| error.to_string())
-        });
-        Ok(Ready::AlongPath(path.as_ref().map_err(String::as_str)?.prepare(&simulation)?))
+        let path = {
+            let mut path = body.path.lock().unwrap_or_else(PoisonError::into_inner);
+            if path.is_none() {
+                let solved = simulation.shared_path(Tolerance::default());
+                // A search that was interrupted says nothing of the path.
+                interruption.check()?;
+                *path = Some(solved.map(Arc::new).map_err(|error| error.to_string()));
+            }
+            path.clone().ok_or("there is no path")??
+        };
+        Ok(Ready::AlongPath(path.prepare(&simulation)?))
     }
 
     fn simulation(&self, body: &Body, run: &Run) -> Result<Simulation, Cause> {
@@ -467,12 +473,12 @@ impl Common {
     fn cells(
         &self,
         members: &[&Variation],
-        goes_on: &(dyn Fn() -> bool + Sync),
+        interruption: &Interruption,
     ) -> Vec<Result<Done, Cause>> {
         if self.stiff {
             let Self { run, varied, metrics, beat, axes, .. } = self;
             let wanted = Wanted { run, varied, metrics, beat: *beat, axes: axes.as_ref() };
-            return paced::cells(&wanted, members, goes_on);
+            return paced::cells(&wanted, members, interruption);
         }
         let tasks: Vec<Result<Alone, Cause>> =
             members.iter().map(|member| self.cell(member)).collect();
@@ -492,7 +498,8 @@ impl Common {
         let failed =
             |error: SolveError| members.iter().map(|_| Err(error.clone().into())).collect();
         let interrupted = || members.iter().map(|_| Err(Interrupted.into())).collect();
-        let outcomes = match population::run_while(&cells, &settings, goes_on) {
+        let goes_on = || !interruption.is_asked();
+        let outcomes = match population::run_while(&cells, &settings, &goes_on) {
             Ok(Some(outcomes)) => outcomes,
             Ok(None) => return interrupted(),
             Err(error) => return failed(error),
@@ -507,7 +514,7 @@ impl Common {
             .filter(|(_, outcome)| by_samples(outcome))
             .map(|(cell, _)| cell.clone())
             .collect();
-        let mut sampled = match population::run_while(&again, &every(numerics), goes_on) {
+        let mut sampled = match population::run_while(&again, &every(numerics), &goes_on) {
             Ok(Some(outcomes)) => outcomes.into_iter(),
             Ok(None) => return interrupted(),
             Err(error) => return failed(error),

@@ -1,5 +1,7 @@
 //! Elimination of the first columns of a dense symmetric matrix.
 
+use super::error::FactorError;
+use crate::interruption::Interruption;
 use pulp::{Simd, WithSimd};
 
 /// Columns that are eliminated one by one before the others hear of them.
@@ -27,24 +29,27 @@ pub(super) struct Eliminate<'a> {
     pub(super) rest: &'a mut [f64],
     /// Memory for tiles.
     pub(super) packed: &'a mut [Vec<f64>; 2],
+    /// Asked after each block of columns.
+    pub(super) interruption: &'a Interruption,
 }
 
 impl WithSimd for Eliminate<'_> {
-    /// Whether all pivots were positive.
-    type Output = bool;
+    /// An error where a pivot is not positive.
+    type Output = Result<(), FactorError>;
 
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { panel, rows, columns, rest, packed } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { panel, rows, columns, rest, packed, interruption } = self;
         if columns == 0 {
             // Between parts that do not meet there is no separator.
-            return true;
+            return Ok(());
         }
         for start in (0..columns).step_by(BLOCK) {
+            interruption.check()?;
             let end = columns.min(start + BLOCK);
             if !factorise(panel, rows, start, end) {
-                return false;
+                return Err(FactorError::Indefinite);
             }
             let (block, others) = panel.split_at_mut(end * rows);
             if end < columns {
@@ -55,7 +60,7 @@ impl WithSimd for Eliminate<'_> {
         }
         let size = [rows - columns; 2];
         subtract_square(simd, panel, rows, columns, size, rest, rows - columns, packed);
-        true
+        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@
 //! stands across one of the axes with half of the nodes on each side; of the axes and of the two sides the
 //! one with the smallest separator is taken.
 
+use crate::interruption::Interruption;
 use crate::mechanics::Vectors;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use std::ops::Range;
@@ -68,11 +69,20 @@ pub(super) struct Dissection {
     pub(super) parts: Vec<Part>,
 }
 
-/// Dissects a body.
-pub(super) fn dissect<const D: usize>(graph: &Graph, positions: &Vectors<D>) -> Dissection {
+/// Dissects a body; no further once it is asked to end early.
+pub(super) fn dissect<const D: usize>(
+    graph: &Graph,
+    positions: &Vectors<D>,
+    interruption: &Interruption,
+) -> Dissection {
     let count = positions[0].len();
-    let mut knife =
-        Knife { graph, positions, class: vec![Class::Elsewhere; count], parts: Vec::new() };
+    let mut knife = Knife {
+        graph,
+        positions,
+        class: vec![Class::Elsewhere; count],
+        parts: Vec::new(),
+        interruption,
+    };
     let mut order: Vec<usize> = (0..count).collect();
     knife.cut(&mut order, 0, 0);
     Dissection { order, parts: knife.parts }
@@ -92,6 +102,7 @@ struct Knife<'a> {
     positions: &'a [Vec<f64>],
     class: Vec<Class>,
     parts: Vec<Part>,
+    interruption: &'a Interruption,
 }
 
 impl Knife<'_> {
@@ -101,7 +112,7 @@ impl Knife<'_> {
             return None;
         }
         let (mut end, mut halves) = (start, [None; 2]);
-        if nodes.len() > SMALLEST {
+        if nodes.len() > SMALLEST && !self.interruption.is_asked() {
             let [below, above] = self.divide(nodes);
             halves[0] = self.cut(&mut nodes[..below], end, depth + 1);
             end += below;

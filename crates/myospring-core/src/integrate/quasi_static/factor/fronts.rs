@@ -7,6 +7,7 @@
 
 use super::dissection::{Dissection, Graph};
 use super::error::FactorError;
+use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use std::ops::Range;
 
@@ -136,6 +137,7 @@ impl<const D: usize> Fronts<D> {
         stiffness: &StiffnessMatrix<D>,
         graph: &Graph,
         Dissection { order, parts }: Dissection,
+        interruption: &Interruption,
     ) -> Result<Self, FactorError> {
         let mut places = vec![0; order.len()];
         for (place, &node) in order.iter().enumerate() {
@@ -146,6 +148,7 @@ impl<const D: usize> Fronts<D> {
         let mut entries = 0_usize;
         let (mut heights, mut stacks) = ([0; 2], [0; 2]);
         for (number, part) in parts.into_iter().enumerate() {
+            interruption.check()?;
             let later = order[part.own.clone()].iter().flat_map(|&node| graph.partners(node));
             let later = later.map(|&partner| places[partner]);
             let left = part.halves.iter().flatten().flat_map(|&half| &fronts[half].border);
