@@ -63,6 +63,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         let run = members::settled(args, picture)?;
         pictures::rows(picture, &run, members::which(&args.settings, picture), &kept)
     })?;
+    interrupt::tidies();
     bar.finish_and_clear();
     manifest.settle()?;
 

@@ -17,6 +17,9 @@ static ASKED: AtomicUsize = AtomicUsize::new(0);
 /// Whether the next one ends the program.
 static AGAIN: AtomicBool = AtomicBool::new(false);
 
+/// Whether the work is over, and what it came to is put in order.
+static TIDIES: AtomicBool = AtomicBool::new(false);
+
 /// When it was heard.
 static SINCE: OnceLock<Instant> = OnceLock::new();
 
@@ -57,9 +60,17 @@ pub(crate) fn heed_soon(doing: &'static str) {
             while SINCE.get().is_none_or(|since| since.elapsed() < GIVEN_UP) {
                 thread::sleep(SOON);
             }
-            end(ExitCode::from(1));
+            if !TIDIES.load(Ordering::SeqCst) {
+                end(ExitCode::from(1));
+                std::process::exit(1);
+            }
         });
     });
+}
+
+/// The work has ended, by itself or early: what follows is done to its end.
+pub(crate) fn tidies() {
+    TIDIES.store(true, Ordering::SeqCst);
 }
 
 fn register(signal: i32) -> io::Result<()> {

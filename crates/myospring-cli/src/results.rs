@@ -168,10 +168,12 @@ impl Folder {
     ) -> Result<(), Failure> {
         let themed = |draw: Draw<'_>| draw().map(|figure| figure.themed(theme));
         figures.par_iter().try_for_each(|(name, draw)| {
+            // What was computed is kept, whatever becomes of its pictures.
             if interrupt::is_late() {
-                return Err(Failure::new(
-                    "figures that were not drawn yet are left out, since it was interrupted",
+                crate::print::warn(&format!(
+                    "figure {name} is left out: the program was interrupted"
                 ));
+                return Ok(());
             }
             self.figure(name, themed(*draw))
         })

@@ -101,6 +101,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let bar = progress::of_members(output.quiet, members, "members");
     let seen = Seen { bar: &bar, quiet: output.quiet };
     let report = run(&study, &common, shard, &journal, &threads, &seen)?;
+    interrupt::tidies();
     bar.finish_and_clear();
     if report.stopped {
         print::note(&format!(

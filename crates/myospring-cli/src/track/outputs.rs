@@ -3,6 +3,7 @@
 use super::follow::Followed;
 use super::report::Report;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::results::{Draw, Folder};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use myospring::microscopy::plane::Plane;
@@ -52,7 +53,7 @@ pub(super) fn write(
     if named("figures") {
         drawn.figures(folder)?;
     }
-    if named("gif") {
+    if named("gif") && !interrupt::is_late() {
         drawn.gif(folder)?;
     }
     if named("frames") || named("vtu") {

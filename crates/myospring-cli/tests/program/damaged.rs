@@ -121,7 +121,7 @@ const ROWS: &[Row] = &[
     ("study.toml", Text("size = 2", "sise = 2"), STUDY, 2, &["[sampling]", "unknown field `sise`"]),
     // Results to compare.
     ("res/traces.csv", CutEnd(100), COMPARE, 2, &["`res/traces.csv`", CHANGED]),
-    ("res/traces.csv", Gone, COMPARE, 2, &["res/traces.csv"]),
+    ("res/traces.csv", Gone, COMPARE, 2, &["`res` holds no results of a run: traces.csv is missing"]),
     ("res/run.toml", All(""), COMPARE, 2, &["`res/run.toml`", CHANGED]),
     ("res/run.json", Cut(50), COMPARE, 2, &["`res/run.json`", CHANGED]),
     ("", Damage::None, "compare run.toml --scale tau_si=1e-300", 2, &["tau_si", "1e-300", "is outside its range 0.001 to 1000000 ms"]),
