@@ -51,6 +51,14 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let followed = film.as_deref().map(|film| film::follow(args, film, &overrides)).transpose()?;
     let tracked = followed.as_ref().zip(film.as_deref());
     let tracked = tracked.map(|(followed, film)| Report::of(film, followed));
+    if let (Some(followed), Some(report), true) = (&followed, &tracked, interrupt::asked()) {
+        let name = args.input.as_ref().or(film.as_ref()).and_then(|path| path.file_stem());
+        let name = name.unwrap_or_default().to_string_lossy();
+        let target = args.output.output.clone().unwrap_or_else(|| target(&name, args, &[]));
+        let folder = Folder::claim(&target, args.output.force)?;
+        film::write(&folder, &target, followed, report, &name, &mut followed.run.clone(), false)?;
+        return film::only_followed(folder);
+    }
     let (curves, mut notes) = match &tracked {
         Some(report) => {
             let curve = film::curve(args, &report.rows)?;
@@ -145,12 +153,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             return Ok(ExitCode::from(1));
         };
         film::write(&folder, &target, followed, report, &name, &mut run, own)?;
-        let target = folder.finish()?;
-        print::note(&format!(
-            "interrupted: nothing was fitted; the frames that were followed are in {}",
-            target.display()
-        ));
-        return Ok(ExitCode::from(1));
+        return film::only_followed(folder);
     }
     // Of the film's own shape: that of another picture has other points.
     let mapped = match followed.as_ref().filter(|_| own) {

@@ -2,12 +2,13 @@
 
 use crate::analyse::folder::is_of_tables;
 use crate::args::FitArgs;
+use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::options::Given;
 use crate::results::Folder;
 use crate::track::follow::{self, Asked, Followed};
 use crate::track::report::Report;
-use crate::{analyse, interrupt};
+use crate::{analyse, interrupt, print};
 use myospring::analysis::kind::Kind;
 use myospring::measured::Curve;
 use myospring::microscopy::outlines::{NamedOutline, write_geojson};
@@ -81,6 +82,16 @@ pub(super) fn curve(args: &FitArgs, rows: &[TrackRow]) -> Result<Curve, Failure>
     let lines = (0..times_ms.len() as u64).map(|row| row + 2).collect();
     let stimuli_ms = Vec::new();
     Ok(Curve { name: name.to_owned(), kind, unit, times_ms, values, lines, stimuli_ms })
+}
+
+/// Ends a fit that was interrupted before anything was fitted.
+pub(super) fn only_followed(folder: Folder) -> Result<ExitCode, Failure> {
+    let target = folder.finish()?;
+    print::note(&format!(
+        "interrupted: nothing was fitted; the frames that were followed are in {}",
+        target.display()
+    ));
+    Ok(ExitCode::from(1))
 }
 
 /// Writes what was followed; a run of the film alone (`own`) then has the shape of its frame at rest.

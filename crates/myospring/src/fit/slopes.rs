@@ -207,6 +207,7 @@ mod tests {
     use super::*;
     use crate::fit::unknown::Unknown;
     use crate::fit::{Fitter, Loaded, Observed, Stimuli};
+    use crate::interruption::Interruption;
     use crate::run_file::RunFile;
 
     /// Four beats, 100 frames a second.
@@ -267,7 +268,8 @@ mod tests {
             let (bounds, steps) = (&layout.bounds, &layout.steps);
             let plain = Problem::plain(&residuals, bounds, steps);
             let plain = plain.jacobian(&at, &held).unwrap();
-            let quick = layout.slopes(&at, &held, &Work::new(&|_| true)).unwrap();
+            let quick =
+                layout.slopes(&at, &held, &Work::new(&|_| true, &Interruption::default())).unwrap();
             for ((role, plain), quick) in layout.roles.iter().zip(&plain).zip(&quick) {
                 let most = plain.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
                 assert!(most > 0.0, "{role:?}");
@@ -290,7 +292,8 @@ mod tests {
             .map(|role| if matches!(role, Role::Level { .. }) { 99.0 } else { 0.0 })
             .collect();
         let held: Vec<bool> = (0..at.len()).map(|place| place % 2 == 0).collect();
-        let columns = layout.slopes(&at, &held, &Work::new(&|_| true)).unwrap();
+        let columns =
+            layout.slopes(&at, &held, &Work::new(&|_| true, &Interruption::default())).unwrap();
         for (column, held) in columns.iter().zip(held) {
             assert_eq!(column.values.is_empty(), held);
         }

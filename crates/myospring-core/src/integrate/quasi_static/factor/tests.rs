@@ -306,17 +306,20 @@ fn all_vector_units_give_the_same_bits() {
             panel[j * rows + i] = if i == j { 30.0 } else { value(i, j) };
         }
     }
-    let run = |work: &dyn Fn(Eliminate<'_>) -> bool| {
+    let run = |work: &dyn Fn(Eliminate<'_>) -> Result<(), FactorError>| {
         let (mut panel, mut rest) = (panel.clone(), vec![0.0; (rows - columns).pow(2)]);
         let mut packed = Default::default();
         let (panel_now, rest_now) = (&mut panel, &mut rest);
-        assert!(work(Eliminate {
+        let interruption = &Interruption::default();
+        let done = work(Eliminate {
             panel: panel_now,
             rows,
             columns,
             rest: rest_now,
-            packed: &mut packed
-        }));
+            packed: &mut packed,
+            interruption,
+        });
+        assert_eq!(done, Ok(()));
         (panel, rest)
     };
     let expected = run(&|work| pulp::Scalar::new().vectorize(work));
