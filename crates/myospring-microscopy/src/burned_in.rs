@@ -3,7 +3,10 @@
 //! They were drawn, not seen through a lens. So they have one grey value, often the largest or the least of all, and
 //! their edge is as sharp as the grid of pixels: within two pixels all of the step is done, along the whole rim. Light
 //! spreads over more than that, also around a place that is overexposed. And they are bars, or strokes of one width, or
-//! lie beside such. What is drawn is painted over with what surrounds it, so that it is no cell and shows no fibres.
+//! lie beside such, with room around them, which stripes of a cell do not leave each other. What is drawn is painted over with
+//! what surrounds it, so that it is no cell and shows no fibres. In a picture of one colour, what has another was drawn.
+
+mod colour;
 
 use super::filter;
 use super::plane::Plane;
@@ -12,11 +15,13 @@ use super::region::{Connectivity, Island, Region, Window};
 /// How far the grey values of one mark may lie apart, in parts of the picture's range: what a lossy file makes of one
 /// value.
 const ONE_VALUE: f32 = 0.04;
-/// Least part of a mark that has exactly its most frequent grey value: of what a camera has seen, noise leaves less,
-/// unless it is overexposed.
-const EXACTLY_ONE_VALUE: f64 = 0.5;
-/// Classes of the histogram in which a value of a mark is sought that is neither the largest nor the least.
-const CLASSES: usize = 128;
+/// Least part of a mark that has its middle grey value: exactly in a bar, and in letters but for a hundredth of the picture's
+/// range, which a lossy file adds. Of what a camera has seen, noise leaves less, unless it is overexposed.
+const NEARLY_ONE_VALUE: f64 = 0.5;
+const NEARLY: f32 = 0.01;
+/// Classes of the histograms in which a value of a mark is sought that is neither the largest nor the least: as it was
+/// drawn, and as a lossy file spreads it.
+const CLASSES: [usize; 2] = [128, 32];
 /// Least frequency of such a value relative to the values around it, and least number of its pixels.
 const SPIKE: usize = 8;
 const SPIKE_PIXELS: usize = 40;
@@ -25,6 +30,14 @@ const LEAST_PIXELS: usize = 12;
 /// Least pixels of a mark that is known by itself; a smaller one must lie in line with such. A few pixels of an overexposed
 /// cell may have any shape.
 const LEAST_DRAWN: usize = 80;
+/// The same of a bar, whose shape is plain.
+const LEAST_BAR: usize = 40;
+/// Least part of the surroundings of a mark that is free of its value, and of one that lies in line with such: between
+/// overexposed stripes lie gaps that are narrower than those between letters.
+const FREE: f64 = 0.6;
+const FREE_IN_LINE: f64 = 0.3;
+/// Half the width of a gap within it that is not free, pixels.
+const GAP: f64 = 1.5;
 /// Largest part of the picture that one mark takes; more is the ground, or an object.
 const MOST_SHARE: f64 = 0.05;
 /// Largest part of the picture that has the grey value of a mark: what more has is the ground.
@@ -83,6 +96,21 @@ pub struct PaintedOver {
 /// ```
 #[must_use]
 pub fn painted_over(plane: &Plane) -> Option<PaintedOver> {
+    without(plane, &grey_marks(plane)?)
+}
+
+/// The same of a colour picture, with its red, green and blue: what has another colour than the rest was drawn, too.
+#[must_use]
+pub fn painted_over_in_colour(plane: &Plane, channels: &[Plane; 3]) -> Option<PaintedOver> {
+    let mut marks = grey_marks(plane)?;
+    if let Some(drawn) = colour::drawn(channels) {
+        marks.add(&drawn, &Window { columns: 0..plane.width(), rows: 0..plane.height() });
+    }
+    without(plane, &marks)
+}
+
+/// What was drawn in one grey value; `None` for a picture that cannot have marks.
+fn grey_marks(plane: &Plane) -> Option<Region> {
     let (width, height) = (plane.width(), plane.height());
     let [low, high] = plane.range();
     let range = high - low;
@@ -96,6 +124,11 @@ pub fn painted_over(plane: &Plane) -> Option<PaintedOver> {
             marks.add(&own, &window);
         }
     }
+    Some(marks)
+}
+
+/// The plane with its marks painted over.
+fn without(plane: &Plane, marks: &Region) -> Option<PaintedOver> {
     if marks.count() == 0 {
         return None;
     }
@@ -117,22 +150,24 @@ pub fn painted_over(plane: &Plane) -> Option<PaintedOver> {
 
 /// Grey values that marks may have: the largest, the least, and those that are far more frequent than their like.
 fn values_of_marks(plane: &Plane, [low, high]: [f32; 2]) -> Vec<f32> {
-    let scale = CLASSES as f32 / (high - low);
-    let mut histogram = [0_usize; CLASSES];
-    for value in plane.values().iter().filter(|value| value.is_finite()) {
-        histogram[(((value - low) * scale) as usize).min(CLASSES - 1)] += 1;
-    }
     let mut values = vec![high, low];
-    for class in 4..CLASSES - 4 {
-        let mut around: Vec<usize> = [4, 3, 2]
-            .into_iter()
-            .flat_map(|off| [class - off, class + off])
-            .map(|at| histogram[at])
-            .collect();
-        around.sort_unstable();
-        let usual = around[around.len() / 2];
-        if histogram[class] >= SPIKE_PIXELS.max(SPIKE * usual) {
-            values.push(low + (class as f32 + 0.5) / scale);
+    for classes in CLASSES {
+        let scale = classes as f32 / (high - low);
+        let mut histogram = vec![0_usize; classes];
+        for value in plane.values().iter().filter(|value| value.is_finite()) {
+            histogram[(((value - low) * scale) as usize).min(classes - 1)] += 1;
+        }
+        for class in 4..classes - 4 {
+            let mut around: Vec<usize> = [4, 3, 2]
+                .into_iter()
+                .flat_map(|off| [class - off, class + off])
+                .map(|at| histogram[at])
+                .collect();
+            around.sort_unstable();
+            let usual = around[around.len() / 2];
+            if histogram[class] >= SPIKE_PIXELS.max(SPIKE * usual) {
+                values.push(low + (class as f32 + 0.5) / scale);
+            }
         }
     }
     values
@@ -231,7 +266,15 @@ impl Drawing<'_> {
             let ring = (0..values.len()).filter(|&at| ring(at) && !others.contains(at));
             ring.map(|at| (values[at] - self.value).abs()).collect()
         };
-        let beside = steps(&|at| second.contains(at) && !first.contains(at));
+        let close = |at: usize| second.contains(at) && !first.contains(at);
+        // Gaps within it are surroundings, too, that are not free.
+        let gaps = own.closed(GAP).count() - own.count();
+        let all = (0..values.len()).filter(|&at| close(at)).count() + gaps;
+        let beside = steps(&close);
+        let free = beside.len() as f64 / all.max(1) as f64;
+        if free < FREE_IN_LINE {
+            return None;
+        }
         let beyond = steps(&|at| far.contains(at) && !near.contains(at));
         if beside.len() < LEAST_PIXELS / 2 || beyond.len() < LEAST_PIXELS / 2 {
             return None;
@@ -244,30 +287,37 @@ impl Drawing<'_> {
         let done = mean(&beside) / step;
         let sharp =
             step >= LEAST_STEP * self.range && (SHARP..=OVERSHOOT).contains(&done) && everywhere;
-        let drawn = sharp
-            && island.pixels >= LEAST_DRAWN
-            && is_drawn(&own, island)
-            && is_of_one_value(&own, &values);
+        let off = if is_bar(island) { 0.0 } else { NEARLY * self.range };
+        let drawn =
+            sharp && free >= FREE && is_drawn(&own, island) && is_of_one_value(&own, &values, off);
         sharp.then_some(Sharp { own, window, island: *island, drawn })
     }
 }
 
-/// Whether most of a mark has exactly the same grey value.
-fn is_of_one_value(own: &Region, values: &[f32]) -> bool {
-    let mut inside: Vec<f32> =
+/// Whether most of a mark has the same grey value.
+fn is_of_one_value(own: &Region, values: &[f32], off: f32) -> bool {
+    let inside: Vec<f32> =
         (0..values.len()).filter(|&at| own.contains(at)).map(|at| values[at]).collect();
-    inside.sort_by(f32::total_cmp);
-    let most = inside.chunk_by(|a, b| a == b).map(<[f32]>::len).max().unwrap_or(0);
-    most as f64 >= EXACTLY_ONE_VALUE * inside.len() as f64
+    let middle = filter::quantile(&inside, 0.5);
+    let alike = inside.iter().filter(|&&value| (value - middle).abs() <= off).count();
+    alike as f64 >= NEARLY_ONE_VALUE * inside.len() as f64
+}
+
+/// Whether an island fills its box. So do straight stripes of a camera's picture, which noise makes uneven.
+fn is_bar(island: &Island) -> bool {
+    let [across, down] = sides(island);
+    island.pixels as f64 >= FILLS_BOX * across * down
 }
 
 /// Whether an island is a bar along rows or columns, or made of strokes of one width.
 fn is_drawn(own: &Region, island: &Island) -> bool {
     let [across, down] = sides(island);
     let pixels = island.pixels as f64;
-    let fills = pixels / (across * down);
-    if fills >= FILLS_BOX {
-        return across.max(down) >= BAR_ASPECT * across.min(down);
+    if is_bar(island) {
+        return island.pixels >= LEAST_BAR && across.max(down) >= BAR_ASPECT * across.min(down);
+    }
+    if island.pixels < LEAST_DRAWN {
+        return false;
     }
     // Half of the widest place.
     let mut radius = 0.0;
@@ -277,7 +327,7 @@ fn is_drawn(own: &Region, island: &Island) -> bool {
     let wide = 2.0 * radius + 1.0;
     let kept = own.opened((STROKE_WIDTH * radius).floor()).count() as f64;
     let long = pixels / (wide * wide);
-    fills < STROKE_FILLS
+    pixels < STROKE_FILLS * across * down
         && (STROKE_ASPECT..=STROKE_LONGEST).contains(&long)
         && kept >= STROKE_KEPT * pixels
 }

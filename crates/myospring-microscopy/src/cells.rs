@@ -221,7 +221,12 @@ impl PictureCells {
                 plane = cooled;
                 notes.push(note);
             }
-            if let Some(found) = burned_in::painted_over(&plane) {
+            let found =
+                match picture.coloured.then(|| channels(bytes, &options.selection)).flatten() {
+                    Some(channels) => burned_in::painted_over_in_colour(&plane, &channels),
+                    None => burned_in::painted_over(&plane),
+                };
+            if let Some(found) = found {
                 plane = found.plane;
                 notes.push(found.note);
                 marks = Some(Arc::new(found.marks));
@@ -448,6 +453,18 @@ impl PictureCells {
         };
         fibres(&self.plane, &inside, self.pixel_size, [1.0, 0.0], settings)
     }
+}
+
+/// Red, green and blue of a colour picture of which no channel was asked for.
+fn channels(bytes: &[u8], selection: &Selection) -> Option<[Plane; 3]> {
+    if selection.channel.is_some() {
+        return None;
+    }
+    let of = |channel| {
+        let selection = Selection { channel: Some(channel), ..*selection };
+        Some(read_picture(bytes, &selection).ok()?.plane)
+    };
+    Some([of(0)?, of(1)?, of(2)?])
 }
 
 fn words(source: PixelSizeSource) -> &'static str {

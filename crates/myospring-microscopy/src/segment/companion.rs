@@ -1,16 +1,17 @@
 //! Whether something dim lies beside a bright candidate that single pixels do not show for noise: the other half of a
-//! cell that is stained unevenly. Light that is averaged over blocks shows what is far below the noise of a pixel.
+//! cell that is stained unevenly. Light that is averaged over blocks shows what is far below the noise of a pixel, the
+//! larger they are, the dimmer it may be. The candidate's own light is left out of the blocks beside it.
 
 use super::evidence::Grid;
 use crate::filter::{self, bulk, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Islands, Region, Window};
 
-/// Side of the blocks over which light is averaged, um.
-const BLOCK_UM: f64 = 4.0;
+/// Sides of the blocks over which light is averaged, um.
+const BLOCKS_UM: [f64; 3] = [4.0, 8.0, 16.0];
 /// What stands out, in standard deviations of the blocks of the ground, and at least in parts of the brightest.
 const STANDS_OUT: f32 = 4.0;
-const STANDS_OUT_LEAST: f32 = 0.01;
+const STANDS_OUT_LEAST: f32 = 0.003;
 /// Scattered light fades from the outline on; a part of a cell stays as bright. The light from and to so far away, um, is
 /// compared with that beyond, which must have at least so much of it.
 const NEAR_UM: [f64; 2] = [6.0, 14.0];
@@ -19,41 +20,68 @@ const FADES: f32 = 0.6;
 const RIM_UM: f64 = 2.0;
 /// What reaches the frame with more of its rim is several cells.
 const MOST_ON_FRAME: f64 = 0.25;
+/// Fewer blocks do not show how much the ground scatters.
+const FEWEST_BLOCKS: usize = 40;
+/// Least part of a block that lies beside the candidate.
+const LEAST_BESIDE: f32 = 0.5;
 
-/// A picture in blocks.
+/// A picture in blocks of several sizes.
 pub(super) struct Blocks {
-    light: Plane,
+    /// Light above the ground, on a coarse grid with `factor` pixels along the side of its own.
+    plain: Plane,
+    factor: usize,
+    sizes: Vec<Size>,
+}
+
+/// A picture in blocks of one size.
+struct Size {
+    /// Pixels of the coarse grid along the side of a block.
+    blocks: usize,
+    /// Standard deviation of the blocks of the ground, and from what light on one stands out.
+    scatter: f32,
+    middle: f32,
+    least: f32,
+    /// Blocks across, and what stands out.
+    columns: usize,
     islands: Islands,
     on_frame: Vec<f64>,
-    /// Pixels along the side of a block.
-    factor: usize,
 }
 
 impl Blocks {
     /// Of light above the ground on a coarse grid; `bright` is the brightness of the brightest.
     pub(super) fn of(plain: &Plane, grid: Grid, bright: f32) -> Self {
-        let blocks = ((BLOCK_UM / grid.pixel_um()).round() as usize).max(1);
-        let factor = blocks * grid.factor;
-        let light = filter::coarse(plain, blocks);
-        let [middle, scatter] = bulk(light.values());
-        let least = middle + (STANDS_OUT * scatter).max(STANDS_OUT_LEAST * bright);
-        let above = light.values().iter().map(|&value| value > least);
-        let standing = Region::new(light.width(), light.height(), above);
-        let islands = standing.islands(Connectivity::Four);
-        let on_frame = islands.on_frame(light.width(), light.height());
-        Self { light, islands, on_frame, factor }
+        let mut sizes: Vec<Size> = Vec::new();
+        for um in BLOCKS_UM {
+            let blocks = ((um / grid.pixel_um()).round() as usize).max(1);
+            let light = filter::coarse(plain, blocks);
+            if light.values().len() < FEWEST_BLOCKS && !sizes.is_empty() {
+                break;
+            }
+            let [middle, scatter] = bulk(light.values());
+            let least = middle + (STANDS_OUT * scatter).max(STANDS_OUT_LEAST * bright);
+            let above = light.values().iter().map(|&value| value > least);
+            let standing = Region::new(light.width(), light.height(), above);
+            let islands = standing.islands(Connectivity::Four);
+            let on_frame = islands.on_frame(light.width(), light.height());
+            let columns = light.width();
+            sizes.push(Size { blocks, scatter, middle, least, columns, islands, on_frame });
+        }
+        Self { plain: plain.clone(), factor: grid.factor, sizes }
     }
 
     /// The columns and rows of what stands out at a pixel, the first and the last, unless it is of several cells.
     pub(super) fn bounds(&self, column: usize, row: usize) -> Option<[[usize; 2]; 2]> {
-        let (column, row) = (column / self.factor, row / self.factor);
-        let inside = column < self.light.width() && row < self.light.height();
-        let number = inside.then(|| self.islands.numbers[row * self.light.width() + column])?;
-        let island = (number as usize).checked_sub(1)?;
-        let part = self.islands.list[island];
-        let pixels =
-            |[first, last]: [usize; 2]| [first * self.factor, (last + 1) * self.factor - 1];
-        (self.on_frame[island] <= MOST_ON_FRAME).then(|| [part.columns, part.rows].map(pixels))
+        let both = |a: [[usize; 2]; 2], b: [[usize; 2]; 2]| {
+            [0, 1].map(|side| [a[side][0].min(b[side][0]), a[side][1].max(b[side][1])])
+        };
+        let bounds = self.sizes.iter().filter_map(|size| {
+            let side = size.blocks * self.factor;
+            let island = size.island(column / side, row / side)?;
+            let part = size.islands.list[island];
+            let pixels = |[first, last]: [usize; 2]| [first * side, (last + 1) * side - 1];
+            Some([part.columns, part.rows].map(pixels))
+        });
+        bounds.reduce(both)
     }
 
     /// Part of all that stands out there and lies beyond a region, where `hidden` says that light as dim shows no texture;
@@ -66,34 +94,70 @@ impl Blocks {
         pixel_um: f64,
         hidden: impl Fn(f32) -> bool,
     ) -> f64 {
-        let [near, far] = NEAR_UM.map(|um| own.grown((um / pixel_um).max(1.0)));
-        let columns = self.light.width();
-        let place = |at: usize| {
+        let grown = |um: f64| own.grown((um / pixel_um).max(1.0));
+        let around = Around { own, rim: grown(RIM_UM), others, near: NEAR_UM.map(grown), window };
+        let shares = self.sizes.iter().map(|size| self.share(size, &around, &hidden));
+        shares.fold(0.0, f64::max)
+    }
+
+    /// The same for blocks of one size.
+    fn share(&self, size: &Size, around: &Around<'_>, hidden: &impl Fn(f32) -> bool) -> f64 {
+        let Around { own, rim, others, near: [near, far], window } = around;
+        let side = size.blocks * self.factor;
+        let [left, top] = [window.columns.start / side, window.rows.start / side];
+        let width = window.columns.end.div_ceil(side) - left;
+        let height = window.rows.end.div_ceil(side) - top;
+        let mut blocks = vec![Block::default(); width * height];
+        for at in 0..own.pixels() {
             let [column, row] = window.place(at % window.width(), at / window.width());
-            let (column, row) = (column / self.factor, row / self.factor);
-            (row < self.light.height() && column < columns).then(|| row * columns + column)
-        };
-        let mut counts = vec![0_usize; self.on_frame.len() + 1];
-        for at in (0..own.pixels()).filter(|&at| own.contains(at)) {
-            counts[place(at).map_or(0, |at| self.islands.numbers[at] as usize)] += 1;
+            let block = &mut blocks[(row / side - top) * width + column / side - left];
+            block.pixels += 1;
+            block.own += usize::from(own.contains(at));
+            let (x, y) = (column / self.factor, row / self.factor);
+            if !rim.contains(at)
+                && !others.contains(at)
+                && x < self.plain.width()
+                && y < self.plain.height()
+            {
+                block.beside += 1;
+                block.light += f64::from(self.plain.at(x, y));
+                block.near += usize::from(near.contains(at));
+                block.far += usize::from(far.contains(at));
+            }
         }
-        let island = (1..counts.len()).max_by_key(|&number| counts[number]).unwrap_or(0);
-        if island == 0 || counts[island] == 0 || self.on_frame[island - 1] > MOST_ON_FRAME {
+        let whole = (side * side) as f32;
+        let stands = |block: &Block| {
+            let part = block.beside as f32 / whole;
+            // Of fewer pixels the mean scatters more.
+            let least = size.least + STANDS_OUT * size.scatter * (part.max(1e-3).powf(-0.5) - 1.0);
+            part >= LEAST_BESIDE && block.mean() > least
+        };
+        let is_own = |block: &Block| 2 * block.own > block.pixels;
+        let standing = blocks.iter().map(|block| is_own(block) || stands(block));
+        let islands = Region::new(width, height, standing).islands(Connectivity::Four);
+        let mut counts = vec![0_usize; islands.list.len() + 1];
+        for (block, &number) in blocks.iter().zip(&islands.numbers) {
+            counts[number as usize] += usize::from(number > 0) * block.own;
+        }
+        let number = (1..counts.len()).max_by_key(|&number| counts[number]).unwrap_or(0);
+        let middle = (0..own.pixels()).filter(|&at| own.contains(at)).nth(own.count() / 2);
+        let several = middle.is_none_or(|at| {
+            let [column, row] = window.place(at % window.width(), at / window.width());
+            size.island(column / side, row / side).is_none()
+        });
+        if number == 0 || counts[number] == 0 || several {
             return 0.0;
         }
-        let rim = own.grown((RIM_UM / pixel_um).max(1.0));
         let (mut beyond, mut close, mut away) = (0_usize, Vec::new(), Vec::new());
-        for at in (0..own.pixels()).filter(|&at| !rim.contains(at) && !others.contains(at)) {
-            let Some(block) =
-                place(at).filter(|&block| self.islands.numbers[block] as usize == island)
-            else {
+        for (block, &island) in blocks.iter().zip(&islands.numbers) {
+            if island as usize != number || !stands(block) {
                 continue;
-            };
-            beyond += 1;
-            let light = self.light.values()[block];
-            match (near.contains(at), far.contains(at)) {
-                (false, true) if hidden(light) => close.push(light),
-                (false, false) if hidden(light) => away.push(light),
+            }
+            beyond += block.beside;
+            let light = block.mean();
+            match (2 * block.near > block.beside, 2 * block.far > block.beside) {
+                (false, true) if hidden(light) => close.push(light - size.middle),
+                (false, false) if hidden(light) => away.push(light - size.middle),
                 _ => {}
             }
         }
@@ -101,5 +165,40 @@ impl Blocks {
             return 0.0;
         }
         beyond as f64 / (beyond + own.count()) as f64
+    }
+}
+
+impl Size {
+    /// The island of a block, unless it is of several cells.
+    fn island(&self, column: usize, row: usize) -> Option<usize> {
+        let at = (column < self.columns).then(|| row * self.columns + column)?;
+        let island = (*self.islands.numbers.get(at)? as usize).checked_sub(1)?;
+        (self.on_frame[island] <= MOST_ON_FRAME).then_some(island)
+    }
+}
+
+/// A candidate with what surrounds it.
+struct Around<'a> {
+    own: &'a Region,
+    rim: Region,
+    others: &'a Region,
+    near: [Region; 2],
+    window: &'a Window,
+}
+
+/// Pixels of one block: all in the window, those of the candidate, and those beside it with their light.
+#[derive(Debug, Clone, Default)]
+struct Block {
+    pixels: usize,
+    own: usize,
+    beside: usize,
+    near: usize,
+    far: usize,
+    light: f64,
+}
+
+impl Block {
+    fn mean(&self) -> f32 {
+        (self.light / self.beside.max(1) as f64) as f32
     }
 }

@@ -136,7 +136,7 @@ pub(super) fn segment(
     settings: &Settings,
 ) -> Result<Segmentation, SegmentError> {
     let region = bright.region(settings);
-    let Bright { working, climbed, .. } = bright;
+    let Bright { working, climbed, smooth_um } = bright;
     let Climbed { evidence, rough, grid, .. } = climbed;
     let (factor, pixel) = (working.factor, working.pixel_um);
     let largest = rough.iter().max_by(|a, b| a.explained.area_um2.total_cmp(&b.explained.area_um2));
@@ -151,7 +151,8 @@ pub(super) fn segment(
         });
     }
     let tissue = Tissue::of(&working, &evidence, grid);
-    let view = View { lifted: &evidence.lifted, tissue, factor, pixel, noise: evidence.noise };
+    let noise = evidence.noise;
+    let view = View { lifted: &evidence.lifted, tissue, factor, pixel, noise, smooth_um };
     let smallest_um2 = settings.smallest_cell_um2;
     let seen =
         Seen { brightness: &working.plane, dark: evidence.middle, pixel_um: pixel, smallest_um2 };
@@ -167,6 +168,7 @@ struct View<'a> {
     factor: usize,
     pixel: f64,
     noise: f32,
+    smooth_um: f64,
 }
 
 impl View<'_> {
@@ -226,7 +228,10 @@ impl View<'_> {
         confidence.weigh(-fall_um / width_um, -0.7, -0.2, || {
             format!("its rim is blurred: its brightness falls over some {fall_um:.1} um; is it out of focus?")
         });
-        self.tissue.weigh(&mut confidence, candidate);
+        // Smoothing blurs the rim, too; an edge of one falls as steeply as a Gaussian's middle.
+        let blur_um =
+            (fall_um.powi(2) / std::f64::consts::TAU - self.smooth_um.powi(2)).max(0.0).sqrt();
+        self.tissue.weigh(&mut confidence, candidate, blur_um);
         confidence.weigh_shape(candidate, width);
         confidence
     }

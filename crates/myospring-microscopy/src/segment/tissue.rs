@@ -20,6 +20,15 @@ const TEXTURE: [f64; 2] = [0.008, 0.025];
 const HIDDEN: f64 = 0.6;
 /// Texture, relative, that noise may hide where this holds: as little as that of a dissolved dye.
 const MAY_HIDE: f64 = 0.04;
+/// Blur, um, that hides texture: from the first on some of it, from the second on all, since a lens that spreads light over
+/// half a sarcomere shows no stripe. Its standard deviation is that of the rim.
+const BLURS_UM: [f64; 2] = [0.9, 1.1];
+/// Texture passes a finer blur in part. Its coarsest period, um, of which most passes.
+const COARSE_UM: f64 = 3.5;
+/// Blur that is worth a word, um.
+const TELLS_BLUR_UM: f64 = 0.6;
+/// Factor where blur hides all texture: a sharper picture would show it.
+const BLURRED: f64 = 0.5;
 /// The quietest places have so much less noise than the mean, by chance.
 const QUIETEST: f32 = 1.3;
 /// Coarsest pixel that shows what kind of texture there is, um.
@@ -110,8 +119,13 @@ impl<'a> Tissue<'a> {
         }
     }
 
-    /// Asks whether a candidate is a heart cell.
-    pub(super) fn weigh(&self, confidence: &mut Confidence, candidate: &Candidate<'_>) {
+    /// Asks whether a candidate is a heart cell; `blur_um` is the blur of its rim.
+    pub(super) fn weigh(
+        &self,
+        confidence: &mut Confidence,
+        candidate: &Candidate<'_>,
+        blur_um: f64,
+    ) {
         let Some(Seen { own, others, window }) = self.seen(candidate) else { return };
         let columns = self.texture.width();
         let texture = window.cut(self.texture.values(), columns);
@@ -128,7 +142,7 @@ impl<'a> Tissue<'a> {
         let bright = bright.max(f32::MIN_POSITIVE);
         let squares = (within.powi(2) - self.quiet.powi(2)).max(0.0);
         let relative = f64::from(squares.sqrt() / bright);
-        self.weigh_grain(confidence, &own, &window, f64::from(bright));
+        self.weigh_grain(confidence, &own, &window, f64::from(bright), blur_um);
         let [from, to] = BEYOND_UM.map(|um| own.grown((um / self.pixel_um).max(1.0)));
         let ring: Vec<usize> = (0..own.pixels())
             .filter(|&at| to.contains(at) && !from.contains(at) && !others.contains(at))
@@ -191,7 +205,14 @@ impl<'a> Tissue<'a> {
     }
 
     /// Asks whether it varies within, as sarcomeres and organelles make all cells do.
-    fn weigh_grain(&self, confidence: &mut Confidence, own: &Region, window: &Window, bright: f64) {
+    fn weigh_grain(
+        &self,
+        confidence: &mut Confidence,
+        own: &Region,
+        window: &Window,
+        bright: f64,
+        blur_um: f64,
+    ) {
         let within = own.window(1, 1);
         let (own, within) = (own.cut(&within), window.part(&within));
         let values = within.cut(self.plane.values(), self.plane.width());
@@ -203,7 +224,17 @@ impl<'a> Tissue<'a> {
         let [least, most] = [least, most].map(|strength| strength / bright);
         let [none, enough] = TEXTURE;
         let seen = ((least - none) / (enough - none)).clamp(0.0, 1.0);
-        if most < MAY_HIDE || seen >= HIDDEN {
+        let [some, all] = BLURS_UM;
+        let blurred = ((blur_um - some) / (all - some)).clamp(0.0, 1.0);
+        let passes = (-2.0 * (std::f64::consts::PI * blur_um / COARSE_UM).powi(2)).exp();
+        if seen < BLURRED && blurred >= 1.0 {
+            confidence.weigh(BLURRED, 0.0, 1.0, || {
+                format!(
+                    "it is out of focus: a blur of {blur_um:.1} um, as at its rim, hides sarcomeres and organelles, so nobody \
+                     can say whether it is a cell; take a sharper picture, or look whether the outline is right"
+                )
+            });
+        } else if most < MAY_HIDE * passes * (1.0 - blurred) || seen >= HIDDEN {
             confidence.weigh(least, none, enough, || {
                 format!(
                     "it is uniform: its brightness varies by {:.1} % on the scale of sarcomeres and organelles, that of \
@@ -213,8 +244,9 @@ impl<'a> Tissue<'a> {
             });
         } else {
             confidence.weigh(HIDDEN, 0.0, 1.0, || {
+                let hide = if blur_um > TELLS_BLUR_UM { "noise and blur hide" } else { "noise hides" };
                 format!(
-                    "noise hides whether it has a texture as cells have: less than {:.0} % of its brightness would not be \
+                    "{hide} whether it has a texture as cells have: less than {:.0} % of its brightness would not be \
                      seen; is it a cell?",
                     100.0 * most
                 )
@@ -265,6 +297,12 @@ impl<'a> Tissue<'a> {
             (columns, rows) = (both(columns, island.columns), both(rows, island.rows));
         }
         if let Some([across, down]) = self.blocks.bounds(column, row) {
+            // The rest of a cell lies within the length of what was found.
+            let reach = columns.len().max(rows.len());
+            let near = |[first, last]: [usize; 2], own: &std::ops::Range<usize>| {
+                [first.max(own.start.saturating_sub(reach)), last.min(own.end + reach)]
+            };
+            let [across, down] = [near(across, &columns), near(down, &rows)];
             (columns, rows) = (both(columns, across), both(rows, down));
         }
         let window = Window { columns: widened(columns, width), rows: widened(rows, height) };

@@ -65,6 +65,11 @@ fn from_stroke([x, y]: [f64; 2], [x0, y0, x1, y1]: [f64; 4]) -> f64 {
     (x - x0 - part * along).hypot(y - y0 - part * down)
 }
 
+/// Distances of a place from the strokes of the letters, in heights of a letter.
+pub(crate) fn letters([x, y]: [f64; 2]) -> [f64; 12] {
+    STROKES.map(|[place, x0, y0, x1, y1]| from_stroke([x - place, y], [x0, y0, x1, y1]))
+}
+
 /// A field of view of 120 um.
 pub(crate) fn picture(object: Object, taken: Taken) -> Plane {
     let Taken { pixel_um, bright, noise, largest, seed } = taken;
@@ -107,11 +112,8 @@ pub(crate) fn picture(object: Object, taken: Taken) -> Plane {
     if object == Object::Caption {
         let height = side as f64 / 10.0;
         let drawn = |x: f64, y: f64| {
-            let letters = STROKES.iter().any(|&[place, x0, y0, x1, y1]| {
-                let at =
-                    [(x - 0.5 * side as f64) / height - place, (y - 0.85 * side as f64) / height];
-                from_stroke(at, [x0, y0, x1, y1]) < 0.09
-            });
+            let at = [(x - 0.5 * side as f64) / height, (y - 0.85 * side as f64) / height];
+            let letters = letters(at).iter().any(|&off| off < 0.09);
             let bar =
                 (0.5..0.9).contains(&(x / side as f64)) && (0.8..0.82).contains(&(y / side as f64));
             letters || bar
