@@ -176,7 +176,7 @@ fn a_blurred_cell_is_neither_sure_nor_hopeless_and_the_blur_is_said() {
             (1.2, 0.3, 50.0),
             (2.0, 1.0, 10.0),
         ] {
-            let scene = Scene { pixel_um, blur_um, contrast, noise, ..Scene::default() };
+            let scene = Scene { pixel_um, contrast, noise, blur_um, ..Scene::default() };
             let truth = scene.fluorescence();
             let found = found(&truth.plane, pixel_um).unwrap();
             let cell = found.choose(Choice::Largest, true).unwrap();
