@@ -21,6 +21,10 @@ const BOX: [f64; 2] = [0.985, 0.955];
 /// Standard deviation of the rim's distance from the middle, over its mean: of a circle, and of a round cell.
 const CIRCLE: [f64; 2] = [0.012, 0.03];
 
+/// What to do about a doubtful outline.
+const ADVICE: &str = "if it is wrong, draw it (in ImageJ, say) and give --outline; of a tissue, `myospring segment \
+                      --whole-frame` reads the fibres without one";
+
 /// How the reasons begin that the report of a cell's shape would repeat.
 const CUT: &str = "the frame cuts it";
 const RAGGED: &str = "it fills little of its convex hull";
@@ -127,13 +131,16 @@ impl Confidence {
     ///     sure.warning().unwrap(),
     ///     "look at the outline (confidence 0.50 of 1): the frame cuts it"
     /// );
+    /// let doubtful = Confidence { score: 0.3, ..sure };
+    /// assert!(doubtful.warning().unwrap().contains("if it is wrong, draw it"));
     /// ```
     pub fn warning(&self) -> Option<String> {
-        let what =
-            if self.is_doubtful() { "the outline is doubtful" } else { "look at the outline" };
+        let doubtful = self.is_doubtful();
+        let what = if doubtful { "the outline is doubtful" } else { "look at the outline" };
+        let advice = if doubtful { format!("; {ADVICE}") } else { String::new() };
         let reasons = self.reasons.join("; ");
         (!reasons.is_empty())
-            .then(|| format!("{what} (confidence {:.2} of 1): {reasons}", self.score))
+            .then(|| format!("{what} (confidence {:.2} of 1): {reasons}{advice}", self.score))
     }
 
     /// Whether the reasons have that the frame cuts it.

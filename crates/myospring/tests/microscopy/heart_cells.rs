@@ -244,6 +244,11 @@ fn of_real_sheets_tissues_and_captions_no_cell_is_sure() {
         let Some(cells) = real(file, Some(pixel_um)) else { return };
         for cell in &cells.segmentation().unwrap().cells {
             assert!(cell.confidence.is_doubtful(), "{file}: {cell:?}");
+            let warning = cell.confidence.warning().unwrap();
+            assert!(
+                warning.contains("--outline") && warning.contains("--whole-frame"),
+                "{warning}"
+            );
         }
         let notes = cells.notes.join("; ");
         assert!(words.iter().all(|word| notes.contains(word)), "{file}: {notes}");
