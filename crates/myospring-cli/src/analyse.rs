@@ -18,6 +18,9 @@ use myospring::output::json;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+/// Curves of which a figure is drawn, at most: each takes some 50 ms.
+const FIGURES: usize = 500;
+
 /// Notes that a failure has.
 const NAMED: usize = 10;
 
@@ -68,12 +71,21 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
             let options = beats.within(&curve);
             let found =
                 curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options);
-            let found = found.map_err(|error| error.to_string());
+            let found = found.map_err(|error| match error.frame() {
+                Some(frame) => format!("{error} (line {} of the file)", curve.lines[frame - 1]),
+                None => error.to_string(),
+            });
             all.push(Read { file: file.clone(), curve, found });
         }
     }
     if let Some(failure) = none_beats(&all, &notes) {
         return Err(failure);
+    }
+    if all.len() > FIGURES {
+        notes.push(format!(
+            "figures are drawn of the first {FIGURES} of {} curves; --columns chooses others",
+            all.len()
+        ));
     }
     let folder = Folder::claim(&target, args.output.force)?;
     interrupt::heed(interrupt::WRITING);
@@ -81,9 +93,10 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     folder.write("summary.csv", files::summary(&all)?)?;
     let record = files::Record::of(&all, &notes);
     folder.write("summary.json", json::for_people(&record)?)?;
-    let bar = progress::of_members(args.output.quiet, all.len(), "figures");
+    let drawn = all.len().min(FIGURES);
+    let bar = progress::of_members(args.output.quiet, drawn, "figures");
     let names = files::figure_names(&all);
-    for (read, name) in all.iter().zip(&names) {
+    for (read, name) in all.iter().zip(&names).take(FIGURES) {
         if let Ok(analysis) = &read.found {
             let draw = || files::figure(read, analysis);
             folder.figures(Theme::Light, &[(name, &draw)])?;

@@ -9,9 +9,12 @@ pub mod beat;
 pub mod capture;
 pub mod contraction;
 pub mod curve;
+pub mod holes;
 pub mod kind;
 pub mod load;
+mod missing;
 pub mod pulse;
+pub mod rest;
 pub mod rhythm;
 pub mod rows;
 pub mod s2;
@@ -22,6 +25,7 @@ mod tests;
 pub mod trace;
 pub mod transient;
 
+pub use missing::{Missing, Reading};
 use serde::Serialize;
 
 /// A number with its unit and the convention it was taken by.
@@ -29,17 +33,48 @@ use serde::Serialize;
 pub struct Metric {
     /// Name in whole words, snake case.
     pub name: &'static str,
-    /// Value in `unit`; `None` if the curve does not show it (a beat cut short, say).
+    /// Value in `unit`, finite; `None` if the curve does not show it (a beat cut short, say).
     pub value: Option<f64>,
+    /// Why there is no value, where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub missing: Option<Missing>,
     /// Unit as written for people.
     pub unit: &'static str,
     /// How it is defined.
     pub definition: &'static str,
 }
 
+impl Metric {
+    /// A metric that was read, or why it was not; what is no finite number was divided by too little.
+    pub fn new(
+        name: &'static str,
+        reading: Reading,
+        unit: &'static str,
+        definition: &'static str,
+    ) -> Self {
+        let reading =
+            reading.and_then(|value| value.is_finite().then_some(value).ok_or(Missing::TooSmall));
+        Self { name, value: reading.ok(), missing: reading.err(), unit, definition }
+    }
+
+    /// Takes its value away, for a reason.
+    pub fn lose(&mut self, why: Missing) {
+        (self.value, self.missing) = (None, Some(why));
+    }
+}
+
 /// The value of a named metric, if it is there.
 pub fn value(metrics: &[Metric], name: &str) -> Option<f64> {
     metrics.iter().find(|metric| metric.name == name)?.value
+}
+
+/// A named metric, or why it has no value.
+///
+/// # Errors
+/// Without a value.
+pub fn reading(metrics: &[Metric], name: &str) -> Reading {
+    let metric = metrics.iter().find(|metric| metric.name == name).ok_or(Missing::NotRecorded)?;
+    metric.value.ok_or(metric.missing.unwrap_or(Missing::NotRecorded))
 }
 
 /// Mean and standard deviation of one metric over beats.

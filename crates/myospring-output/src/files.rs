@@ -1,5 +1,6 @@
 //! Whole files or none: the only place of the library that writes to the disk, beside the journal of a study.
 
+mod bounded;
 mod draft;
 mod error;
 mod hold;
@@ -8,6 +9,7 @@ mod names;
 mod reads;
 mod write;
 
+pub use bounded::read;
 pub use draft::Draft;
 pub use error::FileError;
 pub use hold::{Hold, hold};

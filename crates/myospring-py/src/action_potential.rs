@@ -5,6 +5,7 @@ use crate::{errors, settings};
 use myospring::analysis::action_potential as analysis;
 use myospring::analysis::s2::S1S2;
 use myospring::cell::solve::solve_interruptible;
+use myospring::output::files;
 use myospring::run_file::RunFile;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -26,7 +27,7 @@ pub(crate) fn action_potential<'py>(
     // A cell alone exchanges nothing with a mesh, so that samples need not be a multiple of that interval.
     file.set("numerics.exchange_interval", "0.001 ms").map_err(errors::value)?;
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
-    let (cell, _warning) = run.driven(|path| std::fs::read(path)).map_err(errors::value)?;
+    let (cell, _warning) = run.driven(|path| files::read(path.as_ref())).map_err(errors::value)?;
     let solved = interruptible(py, |interruption| {
         let interval = run.numerics.output_interval;
         let (protocol, settings) = (run.protocol, run.numerics.cell);

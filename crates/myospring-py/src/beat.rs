@@ -193,6 +193,16 @@ impl Beat {
         all.map(row).collect()
     }
 
+    /// Name of each metric that has no value, and why.
+    #[getter]
+    fn missing(&self) -> Vec<(&'static str, &'static str)> {
+        let Some(first) = self.beats.usual() else { return Vec::new() };
+        let s2 = self.beats.s2().into_iter().flat_map(|beat| &beat.s2);
+        let all = first.metrics().chain(s2).chain(&self.beats.energy);
+        let without = all.filter(|metric| self.beats.mean(metric.name).is_none());
+        without.filter_map(|metric| Some((metric.name, metric.missing?.words()))).collect()
+    }
+
     /// Name and value of the metrics of each beat.
     #[getter]
     fn metrics_by_beat(&self) -> Vec<Vec<(&'static str, Option<f64>)>> {

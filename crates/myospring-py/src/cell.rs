@@ -5,14 +5,13 @@ use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::mesh::Mesh;
 use myospring::mesh::quality::MeshReport;
-use myospring::output::figure;
+use myospring::output::{figure, files};
 use myospring::run_file::RunFile;
 use myospring::settings::{ShapeBytes, Shaped};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::sync::Arc;
 
@@ -136,8 +135,9 @@ impl Cell {
     fn made(py: Python<'_>, file: RunFile, mut files: BTreeMap<String, Vec<u8>>) -> PyResult<Self> {
         let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
         let shaped = interruptible(py, |_interruption| {
-            let read =
-                |path: &str| files.get(path).map_or_else(|| fs::read(path), |it| Ok(it.clone()));
+            let read = |path: &str| {
+                files.get(path).map_or_else(|| files::read(path.as_ref()), |it| Ok(it.clone()))
+            };
             let bytes = run.shape.bytes(read)?;
             let shaped = run.shape.mesh(&bytes)?;
             Ok((bytes, shaped))
@@ -155,7 +155,7 @@ impl Cell {
 impl Inner {
     /// Reads a file by its name as written.
     pub(crate) fn read(&self, path: &str) -> io::Result<Vec<u8>> {
-        self.files.get(path).map_or_else(|| fs::read(path), |bytes| Ok(bytes.clone()))
+        self.files.get(path).map_or_else(|| files::read(path.as_ref()), |bytes| Ok(bytes.clone()))
     }
 }
 

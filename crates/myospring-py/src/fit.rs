@@ -4,8 +4,9 @@ use crate::cell::Cell;
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
 use myospring::fit::{self, FitError, Loaded, Observed, Settings, Unknown};
-use myospring::measured::{self, Column, Curve, Kind, Options};
+use myospring::measured::{self, Column, Curve, Kind, Options, ReadError};
 use myospring::mechanics::support::SupportKind;
+use myospring::output::files;
 use myospring::output::json;
 use myospring::settings::Run;
 use myospring::study::Threads;
@@ -90,7 +91,11 @@ pub(crate) fn read_curves(
         skip_gaps: reading.skip_gaps,
         ..Options::default()
     };
-    let table = interruptible(py, |_interruption| measured::read(&path, &options))?;
+    let name = path.display().to_string();
+    let table = interruptible(py, |_interruption| match files::read(&path) {
+        Ok(bytes) => measured::read_bytes(&name, &bytes, &options),
+        Err(cause) => Err(ReadError::Read { path: name.clone(), cause }),
+    })?;
     let table = table.map_err(|error| errors::of_measured(&error))?;
     let curve = |curve: Curve| {
         let [times, values] = [curve.times_ms, curve.values].map(|all| PyArray1::from_vec(py, all));

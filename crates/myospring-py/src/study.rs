@@ -4,7 +4,7 @@ use crate::batch::{Matrix, numbers_of, rows_of};
 use crate::waiting::interruptible;
 use crate::{errors, head, words};
 use myospring::interruption::Interruption;
-use myospring::output::files::{Manifest, Reads};
+use myospring::output::files::{self, Manifest, Reads};
 use myospring::study::parameters::{
     Answer, Common, Kind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
     VariationRow,
@@ -14,7 +14,6 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1, PyReadonl
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -103,7 +102,7 @@ impl Study {
             let read = |path: &str| -> io::Result<Vec<u8>> {
                 let bytes = files
                     .get(path)
-                    .map_or_else(|| fs::read(folder.join(path)), |it| Ok(it.clone()))?;
+                    .map_or_else(|| files::read(&folder.join(path)), |it| Ok(it.clone()))?;
                 let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
                 seen.insert(path.to_owned(), bytes.clone());
                 Ok(bytes)

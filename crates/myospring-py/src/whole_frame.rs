@@ -3,6 +3,7 @@
 use crate::cell::pairs;
 use crate::{errors, settings, words};
 use myospring::microscopy::whole_frame::WholeFrame;
+use myospring::output::files;
 use myospring::run_file::RunFile;
 use myospring::settings::Fibre;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2};
@@ -10,7 +11,6 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::collections::BTreeMap;
-use std::fs;
 
 type Places<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyDict>);
 
@@ -35,8 +35,9 @@ pub(crate) fn whole_frame<'py>(
     };
     let shape = &run.shape;
     let made = py.detach(move || {
-        let read =
-            |path: &str| arrays.get(path).map_or_else(|| fs::read(path), |it| Ok(it.clone()));
+        let read = |path: &str| {
+            arrays.get(path).map_or_else(|| files::read(path.as_ref()), |it| Ok(it.clone()))
+        };
         let bytes = shape.bytes(read)?;
         source.unsegmented(&bytes)
     });

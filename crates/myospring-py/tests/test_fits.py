@@ -82,6 +82,20 @@ def test_values_that_a_mask_hides_are_none(small, curves):
         myospring.fit((times, hidden), small)
 
 
+def test_a_curve_that_cannot_be_a_length_is_refused(small, curves):
+    times, length = curves["usual"]
+    with pytest.raises(ValueError, match="a length is above 0; it seems to be a change of length"):
+        myospring.fit((times, length - length.max()), small)
+
+
+def test_a_device_is_no_table(small, tmp_path):
+    link = tmp_path / "endless.csv"
+    link.symlink_to("/dev/zero")
+    for path in (link, "/dev/urandom"):
+        with pytest.raises(OSError, match="it is a device"):
+            myospring.fit(path, small)
+
+
 def test_a_fit_is_numbers_a_table_and_a_figure_and_can_be_pickled(small, curves):
     found = myospring.fit(curves["strong"], small, stimulus_times_ms=[50.0])
     truth = 55 / 308

@@ -55,6 +55,13 @@ def test_a_beat_has_the_programs_numbers_to_the_digits_of_its_files(cell, run, t
         np.testing.assert_array_equal(rounded, list(written.values()))
 
 
+def test_a_number_that_cannot_be_read_is_none_with_its_reason(cell):
+    beat = myospring.simulate(cell, duration_ms=150.0, integrator="quasi-static")
+    assert np.isnan(beat.metrics["relaxation_time_90"])
+    assert beat.missing["relaxation_time_90"] == "the curve does not reach that level within the beat"
+    assert set(beat.missing) == {name for name, value in beat.metrics.items() if np.isnan(value)}
+
+
 def test_saved_results_are_the_programs_files(beat, run, tmp_path):
     folder = beat.save(tmp_path / "saved", outputs=["vtu", "frames"])
     run("run", "--spacing", "4 um", "--integrator", "quasi-static", "--outputs", "vtu,frames", "--output", "beat",

@@ -4,10 +4,11 @@ use super::Read;
 use crate::failure::Failure;
 use crate::table::number;
 use myospring::analysis::curve::{Analysis, CurveBeat, Treatment};
-use myospring::analysis::{Metric, Spread};
+use myospring::analysis::{Metric, Missing, Spread};
 use myospring::output::figure::{Figure, FigureError, Measured, measured};
 use myospring::output::table::{Column, Table, column_name};
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// summary.json.
 #[derive(Serialize)]
@@ -45,6 +46,9 @@ pub(crate) struct Mean {
     pub(crate) beats: usize,
     pub(crate) unit: &'static str,
     pub(crate) definition: &'static str,
+    /// Why no beat that counts has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) missing: Option<Missing>,
 }
 
 /// The metrics of a curve over the beats that count, in the order of reading.
@@ -68,6 +72,7 @@ pub(crate) fn means(analysis: &Analysis) -> Vec<Mean> {
             beats: shown,
             unit: metric.unit,
             definition: metric.definition,
+            missing: metric.missing.filter(|_| shown == 0),
         });
     }
     // Times on the clock differ by the interval: their mean says nothing.
@@ -117,6 +122,14 @@ pub(crate) fn conventions(treatment: &Treatment) -> String {
             .collect();
         parts.push(format!("artefacts left out, ms: {}", times.join(" ")));
     }
+    if !treatment.holes.is_empty() {
+        let times: Vec<String> = treatment
+            .holes
+            .iter()
+            .map(|hole| format!("{:.0}-{:.0}", hole.from_ms, hole.to_ms))
+            .collect();
+        parts.push(format!("frames are missing, ms: {}", times.join(" ")));
+    }
     if let Some([frequency, amplitude]) = treatment.hum {
         parts.push(format!("hum of {frequency:.2} Hz taken off, amplitude {amplitude:.4}"));
     }
@@ -157,6 +170,11 @@ pub(crate) fn metrics(all: &[Read]) -> Result<Vec<u8>, Failure> {
         let is = |metric: &&Metric| (metric.name, metric.unit) == (name, unit);
         number(&column_name(name, unit), &|beat: &CurveBeat| beat.metrics.iter().find(is)?.value)
     }));
+    let missing = |beat: &CurveBeat| {
+        let why = |metric: &Metric| Some(format!("{}: {}", metric.name, metric.missing?.words()));
+        beat.metrics.iter().filter_map(why).collect::<Vec<_>>().join("; ")
+    };
+    columns.push(text("not_read", rows.iter().map(|(_, _, beat)| missing(beat))));
     columns.push(text("remarks", rows.iter().map(|(_, _, beat)| beat.remarks.join("; "))));
     columns.push(text(
         "conventions",
@@ -173,8 +191,15 @@ pub(crate) fn summary(all: &[Read]) -> Result<Vec<u8>, Failure> {
             rows.extend(means(analysis).into_iter().map(|mean| (read, mean)));
         } else {
             let (unit, definition) = ("", "");
-            let none =
-                Mean { name: "", mean: None, standard_deviation: None, beats: 0, unit, definition };
+            let none = Mean {
+                name: "",
+                mean: None,
+                standard_deviation: None,
+                beats: 0,
+                unit,
+                definition,
+                missing: None,
+            };
             rows.push((read, none));
         }
     }
@@ -201,6 +226,12 @@ pub(crate) fn summary(all: &[Read]) -> Result<Vec<u8>, Failure> {
         text("definition", of(|mean| mean.definition).into_iter()),
         text("conventions", rows.iter().map(|(read, _)| conventions(read))),
         text(
+            "not_read",
+            rows.iter().map(|(_, mean)| {
+                mean.missing.map_or_else(String::new, |why| why.words().to_owned())
+            }),
+        ),
+        text(
             "error",
             rows.iter().map(|(read, _)| read.found.as_ref().err().cloned().unwrap_or_default()),
         ),
@@ -208,21 +239,37 @@ pub(crate) fn summary(all: &[Read]) -> Result<Vec<u8>, Failure> {
     Ok(Table { columns }.for_people().to_csv()?)
 }
 
-/// Names of the figures, one for each curve: its column's, with its file's where there are several files.
+/// Letters of a figure's name at most: file systems take 255 bytes, a letter has up to four, and a number and an ending follow.
+const LONGEST_NAME: usize = 50;
+
+/// Names of the figures, one for each curve: its column's, with its file's where there are several files. No two are the same,
+/// not even to a file system that takes `A` for `a`.
 pub(crate) fn figure_names(all: &[Read]) -> Vec<String> {
     let several = all.iter().any(|read| read.file != all[0].file);
-    let mut names: Vec<String> = Vec::new();
-    for read in all {
-        let whole = if several { read.title() } else { read.curve.name.clone() };
-        let safe = |letter: char| {
-            if letter.is_alphanumeric() || "-.".contains(letter) { letter } else { '_' }
-        };
-        let name: String = whole.chars().map(safe).collect();
+    let titles =
+        all.iter().map(|read| if several { read.title() } else { read.curve.name.clone() });
+    file_names(titles)
+}
+
+fn file_names(titles: impl Iterator<Item = String>) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    // The number that the next curve of a name gets.
+    let mut next = BTreeMap::<String, usize>::new();
+    let safe = |letter: char| {
+        if letter.is_alphanumeric() || "-.".contains(letter) { letter } else { '_' }
+    };
+    let name = |title: String| {
+        let name: String = title.chars().map(safe).take(LONGEST_NAME).collect();
         let name = format!("trace_{}", name.trim_matches(['_', '.']));
-        let taken = names.iter().filter(|other| **other == name).count();
-        names.push(if taken > 0 { format!("{name}_{}", names.len() + 1) } else { name });
-    }
-    names
+        let number = next.entry(name.to_lowercase()).or_insert(1);
+        let mut own = name.clone();
+        while !taken.insert(own.to_lowercase()) {
+            *number += 1;
+            own = format!("{name}_{number}");
+        }
+        own
+    };
+    titles.map(name).collect()
 }
 
 /// Metrics that stand beside a figure, as far as a curve has them.

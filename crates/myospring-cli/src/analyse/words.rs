@@ -67,8 +67,14 @@ fn one(read: &Read) -> String {
     );
     let Ok(analysis) = &read.found else { return format!("{head}\n") };
     let count = |state| analysis.beats.iter().filter(|beat| beat.state == state).count();
-    let states =
-        [State::Whole, State::CutAtStart, State::CutAtEnd, State::Disturbed, State::Missed];
+    let states = [
+        State::Whole,
+        State::CutAtStart,
+        State::CutAtEnd,
+        State::Disturbed,
+        State::Interrupted,
+        State::Missed,
+    ];
     let states: Vec<String> = states
         .into_iter()
         .filter(|state| count(*state) > 0)
@@ -80,6 +86,7 @@ fn one(read: &Read) -> String {
         "SD".to_owned(),
         "beats".to_owned(),
         "unit".to_owned(),
+        String::new(),
     ]];
     for mean in means(analysis) {
         let show = |value: Option<f64>| value.map(number).unwrap_or_default();
@@ -89,6 +96,7 @@ fn one(read: &Read) -> String {
             show(mean.standard_deviation),
             mean.beats.to_string(),
             mean.unit.to_owned(),
+            mean.missing.map_or_else(String::new, |why| format!("none: {}", why.words())),
         ]);
     }
     format!(

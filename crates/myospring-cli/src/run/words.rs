@@ -81,9 +81,8 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         return text;
     };
     for (metric, words) in ROWS {
-        let Some(Metric { value, unit, .. }) = first.metrics().find(|m| m.name == metric) else {
-            continue;
-        };
+        let found = first.metrics().find(|m| m.name == metric);
+        let Some(Metric { value, missing, unit, .. }) = found else { continue };
         let shorter = first.value("peak_shortening").unwrap_or(0.0);
         if metric == LENGTHENING && value.is_none_or(|longer| longer <= shorter) {
             continue;
@@ -103,7 +102,7 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
                 format!("{ends:<12}{}", band.place(value).words())
             }
             (Some(_), None) => String::new(),
-            (None, _) => why_not(first, metric).to_owned(),
+            (None, _) => missing.map_or_else(String::new, |why| format!("none: {}", why.words())),
         };
         row.extend([(*unit).to_owned(), measured]);
         rows.push(row);
@@ -144,20 +143,6 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
 
 fn or_dash(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), number)
-}
-
-/// Why a beat has no such metric.
-fn why_not(beat: &Beat, metric: &str) -> &'static str {
-    if beat.is_missed() {
-        return "none: no action potential";
-    }
-    let of_shortening = beat.contraction.iter().chain(&beat.shape).any(|row| row.name == metric)
-        || metric == "lag_of_shortening";
-    if of_shortening && beat.value("peak_shortening").is_none() {
-        "none: the cell does not shorten"
-    } else {
-        "none: not reached within the beat"
-    }
 }
 
 /// What the run took, in a line.

@@ -163,3 +163,117 @@ fn what_is_no_measurement_is_refused_and_nothing_is_written() {
     }
     assert!(!folder.path().join("results").exists());
 }
+
+/// A table of times and of columns of a cell of 120 um that shortens by 8 %.
+fn table(header: &str, row: impl Fn(usize, f64, f64) -> String) -> String {
+    let rows = times().enumerate().map(|(at, t)| row(at, t, 120.0 - 9.6 * height(t)));
+    rows.fold(format!("{header}\n"), |text, row| text + &row + "\n")
+}
+
+#[test]
+fn what_a_column_cannot_be_is_refused_with_its_line_and_what_it_seems_to_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("change.csv", &table("t_ms,length_um", |_, t, l| format!("{t},{}", l - 120.0)));
+    write("sarc.csv", &table("t_ms,sarcomere_um", |_, t, l| format!("{t},{}", (l - 120.0) / 48.0)));
+    let twelve = |l: f64| 11.6 * (120.0 - l);
+    write("short.csv", &table("t_ms,shortening_pct", |_, t, l| format!("{t},{}", twelve(l))));
+    write(
+        "third.csv",
+        &table("t_ms,length_um", |at, t, l| {
+            format!("{t},{l}{}", if at == 300 { ",9" } else { "" })
+        }),
+    );
+    write("shifted.csv", &table("t_ms,length_um", |at, t, l| format!("{at},{t},{l}")));
+    for (file, part) in [
+        ("change.csv", "a length is above 0; it seems to be a change of length"),
+        ("sarc.csv", "a length is above 0; it seems to be a change of length"),
+        ("short.csv", "no cell shortens by more than 100 %; its unit seems to be another one"),
+        ("third.csv", "line 302, column `3`: \"9\" is one field too many: the line of names has 2"),
+        (
+            "shifted.csv",
+            "line 2, column `3`: \"120\" is one field too many: the line of names has 2",
+        ),
+    ] {
+        let output = myospring(folder.path(), &["analyse", file]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{file}: {said}");
+        assert!(said.contains(part) && said.contains("line "), "{file}: {said}");
+    }
+    let fit = myospring(folder.path(), &["fit", "--to", "change.csv", "--starts", "1"]);
+    assert_eq!(fit.status.code(), Some(2));
+    assert!(stderr(&fit).contains("a length is above 0"), "{}", stderr(&fit));
+    assert!(!folder.path().join("results").exists());
+}
+
+#[test]
+fn columns_of_one_name_of_like_names_and_of_long_names_have_a_figure_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = "x".repeat(300);
+    let header = format!(
+        "t_ms;length a,b (um);length a_b (um);length a b (um);length A b (um);twin (um);twin (um);length {long} (um)"
+    );
+    let text = table(&header, |_, t, l| {
+        format!("{t};{l};{};{};{};{l};{};{l}", l + 1.0, l + 2.0, l + 3.0, l + 4.0)
+    });
+    fs::write(folder.path().join("names.csv"), text.replace("twin", "length twin")).unwrap();
+    let output = myospring(folder.path(), &["analyse", "names.csv", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let summary = json(&output);
+    let curves = summary["curves"].as_array().unwrap();
+    assert_eq!(curves.len(), 7);
+    assert_eq!(curves[5]["curve"], "length twin (um) (column 7)");
+    assert!(stderr(&output).contains("several columns have one name"), "{}", stderr(&output));
+    let figures = names(&folder.path().join("results/names_beats/figures"));
+    assert_eq!(figures.len(), 2 * curves.len(), "{figures:?}");
+    let lower: std::collections::BTreeSet<String> =
+        figures.iter().map(|name| name.to_lowercase()).collect();
+    assert_eq!(lower.len(), figures.len(), "{figures:?}");
+}
+
+#[test]
+fn a_metric_that_cannot_be_read_is_empty_with_its_reason_in_every_file() {
+    let folder = tempfile::tempdir().unwrap();
+    // Frames are missing across the second peak, and the recording ends in the last beat.
+    let text = table("t_ms,length_um", |_, t, l| format!("{t},{l}"));
+    let kept =
+        text.lines().enumerate().filter(|(line, _)| !(340..360).contains(line) && *line < 1120);
+    let text = kept.fold(String::new(), |text, (_, line)| text + line + "\n");
+    fs::write(folder.path().join("hole.csv"), text).unwrap();
+    let output = myospring(folder.path(), &["analyse", "hole.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("1 with missing frames"), "{}", stdout(&output));
+    let said = stderr(&output);
+    assert!(said.contains("frames are missing from 1352 to 1436 ms"), "{said}");
+    let rows = fs::read_to_string(folder.path().join("results/hole_beats/metrics.csv")).unwrap();
+    assert!(rows.contains("peak_shortening: frames are missing there"), "{rows}");
+    let summary =
+        fs::read_to_string(folder.path().join("results/hole_beats/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let beats = summary["curves"][0]["beats"].as_array().unwrap();
+    let of = |beat: usize, name: &str| {
+        beats[beat]["metrics"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|row| row["name"] == name)
+            .unwrap()
+            .clone()
+    };
+    assert_eq!(of(1, "peak_shortening")["missing"], "frames are missing there");
+    assert_eq!(of(1, "peak_shortening")["value"], serde_json::Value::Null);
+    assert_eq!(of(0, "interval")["missing"], "no beat comes before");
+    let last = beats.len() - 1;
+    assert_eq!(of(last, "area_under_curve")["missing"], "the recording ends before");
+    let mean = |name: &str| {
+        summary["curves"][0]["metrics"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|row| row["name"] == name)
+            .unwrap()
+            .clone()
+    };
+    assert!((mean("peak_shortening")["mean"].as_f64().unwrap() - 8.0).abs() < 0.01);
+    assert_eq!(mean("peak_shortening")["beats"], 4);
+}

@@ -1,9 +1,9 @@
 //! Metrics of an action potential, per beat.
 
-use super::Metric;
 use super::pulse::{Pulse, Top};
-use super::rows::{Context, between, row};
-use super::trace;
+use super::rows::{Context, between, recorded, row};
+use super::{Metric, Missing, Reading};
+use super::{rest, trace};
 
 /// Metrics of one action potential from a potential over time (ms), in any unit.
 ///
@@ -12,7 +12,7 @@ use super::trace;
 pub fn metrics(times: &[f64], potential: &[f64], stimulus: f64, unit: &'static str) -> Vec<Metric> {
     let rest = trace::baseline(times, potential, stimulus);
     let stimuli = [stimulus, f64::INFINITY];
-    above(times, potential, stimuli, unit, rest, "mean potential before the stimulus")
+    above(times, potential, stimuli, unit, rest, rest::BEFORE_STIMULUS)
 }
 
 /// As [`metrics`], above a rest that is known, of an action potential during which another stimulus may come: upstroke
@@ -34,8 +34,8 @@ pub fn above(
     let mut rows = of_pulse(&upstroke.followed_by(times, &heights), rest, unit, &context);
     // The sample itself, without the rounding of rest and height.
     let peak = trace::largest(&times[..own], &potential[..own]);
-    if let Some(peak) = peak.filter(|_| upstroke.peak().is_some()) {
-        rows[1].value = Some(peak.value);
+    if let Some(peak) = peak.filter(|_| upstroke.peak().is_ok()) {
+        (rows[1].value, rows[1].missing) = (Some(peak.value), None);
     }
     rows
 }
@@ -46,18 +46,18 @@ const MEASURED_UPSTROKE: &str = "largest slope of the upstroke: of the least-squ
 /// What else a measured upstroke has: the time over which its slope was read; and, of a cell without a stimulus, the
 /// maximum diastolic potential after it and the time since the upstroke before.
 pub(super) fn of_upstroke(
-    window_ms: Option<f64>,
-    spontaneous: Option<[Option<f64>; 2]>,
+    window: Reading,
+    spontaneous: Option<Reading>,
     unit: &'static str,
 ) -> Vec<Metric> {
     let mut rows = vec![row(
         "upstroke_window",
-        window_ms,
+        window,
         "ms",
         "time over which the largest slope was read: a quarter of the time that the whole potential would take at that \
          slope, up to 0.7 of it where noise asks for it",
     )];
-    if let Some([diastolic, cycle]) = spontaneous {
+    if let Some(diastolic) = spontaneous {
         rows.push(row(
             "maximum_diastolic_potential",
             diastolic,
@@ -66,7 +66,7 @@ pub(super) fn of_upstroke(
         ));
         rows.push(row(
             "cycle_length",
-            cycle,
+            Err(Missing::First),
             "ms",
             "from the steepest rise of the action potential before",
         ));
@@ -84,16 +84,19 @@ pub fn of_pulse(
 ) -> Vec<Metric> {
     let peak = pulse.peak();
     let upstroke = pulse.upstroke();
-    let start = context.stimulus.or(upstroke.map(|upstroke| upstroke.time));
+    let start = match context.stimulus {
+        Some(stimulus) => Ok(stimulus),
+        None => upstroke.map(|upstroke| upstroke.time),
+    };
     let duration = |part: f64| between(pulse.falls(1.0 - part), start);
     let from = |stimulus: &'static str, upstroke: &'static str| {
         if context.stimulus.is_some() { stimulus } else { upstroke }
     };
     let mut rows = vec![
-        row("resting_potential", rest, unit, context.rest),
+        row("resting_potential", recorded(rest), unit, context.rest),
         row(
             "peak_potential",
-            Some(()).and_then(|()| Some(rest? + peak?.value)),
+            recorded(rest).and_then(|rest| Ok(rest + peak?.value)),
             unit,
             "largest potential",
         ),

@@ -3,10 +3,11 @@
 use super::capture::{self, Window};
 use super::pulse::{Pulse, Top};
 use super::rhythm::Rhythm;
-use super::rows::{Context, between, row};
+use super::rows::{Context, recorded, row};
 use super::s2::{self, S1S2};
 use super::{
-    Metric, Spread, action_potential, beat_to_beat, contraction, load, tension, trace, value,
+    Metric, Missing, Spread, action_potential, beat_to_beat, contraction, load, reading, rest,
+    tension, trace, value,
 };
 use crate::recording::{END_FORCE, Recording, Sample, Signal};
 use serde::Serialize;
@@ -191,6 +192,9 @@ pub struct Beats {
     pub rhythm: Rhythm,
 }
 
+/// Rise of the tension, as a part of that at rest, below which there is nothing but rounding.
+const LEAST: f64 = 1e-9;
+
 /// Metrics by which alternans shows, in words.
 const HEIGHTS: [(&str, &str); 3] = [
     ("peak_tension", "peak tension"),
@@ -311,7 +315,7 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
     of_beat
         .chain(s2::rows(None, None, &[], &[]))
         .chain(energy)
-        .map(|metric| Metric { value: None, ..metric })
+        .map(|metric| Metric { value: None, missing: None, ..metric })
         .collect()
 }
 
@@ -349,12 +353,12 @@ fn beat(
         &lengths[own],
         stimulus,
         trace::baseline(&times, &lengths, stimulus),
-        "mean length before the stimulus",
+        rest::BEFORE_STIMULUS,
     );
     let action_potential = match potential(samples) {
         Some((potential, unit)) => {
             let rest = trace::baseline(&times, &potential, stimulus);
-            let rest_is = "mean potential before the stimulus";
+            let rest_is = rest::BEFORE_STIMULUS;
             let stimuli = [stimulus, window.next_ms];
             action_potential::above(&times, &potential, stimuli, unit, rest, rest_is)
         }
@@ -362,7 +366,7 @@ fn beat(
     };
     let active = column(|s| s.ta_kpa);
     let rest = trace::baseline(&times, &active, stimulus).unwrap_or_default();
-    let rest = (rest, "mean active tension before the stimulus");
+    let rest = (rest, rest::BEFORE_STIMULUS);
     let own = trace::twitch(&times, &active, stimulus);
     let tension = tension(&times[own.clone()], &active[own], stimulus, rest, &contraction);
     let at_rest = |read| trace::baseline(&times, &column(read), stimulus);
@@ -406,7 +410,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
         &lengths[within.clone()],
         s2_ms,
         rest(&lengths),
-        "mean length before the last S1",
+        rest::BEFORE_S1,
     );
     let shape = shape(&samples[within], &|read| rest(&column(read)), &contraction);
     let active = column(|s| s.ta_kpa);
@@ -415,7 +419,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
         &times[within.clone()],
         &active[within],
         s2_ms,
-        (pair.rest(&active), "mean active tension before the last S1"),
+        (pair.rest(&active), rest::BEFORE_S1),
         &contraction,
     );
     let force = signals.iter().find(|signal| signal.name == END_FORCE);
@@ -427,7 +431,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
             &force.values[within],
             s2_ms,
             rest(&force.values),
-            "mean force at the ends before the last S1",
+            rest::BEFORE_S1,
         )
     });
     let (mut action_potential, mut captured, mut diastolic) = (Vec::new(), None, None);
@@ -455,7 +459,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
 
 /// Of a stimulus that raised no action potential.
 fn without_values(groups: &mut [Vec<Metric>]) {
-    groups.iter_mut().flatten().for_each(|metric| metric.value = None);
+    groups.iter_mut().flatten().for_each(|metric| metric.lose(Missing::NotCaptured));
 }
 
 fn tension(
@@ -466,11 +470,14 @@ fn tension(
     contraction: &[Metric],
 ) -> Vec<Metric> {
     let heights: Vec<f64> = active.iter().map(|tension| tension - rest).collect();
-    let pulse = Pulse::new(times, &heights, stimulus, Top::Vertex);
+    let pulse = Pulse::new(times, &heights, stimulus, Top::Vertex).above(LEAST * rest.abs());
     let context = Context { stimulus: Some(stimulus), onset: None, rest: rest_is };
     let peak = pulse.peak();
-    let lag = between(value(contraction, "time_of_peak"), peak.map(|peak| peak.time));
-    let at_end = peak.and_then(|peak| Some(100.0 * active.last()? / (rest + peak.value)));
+    let shortest = reading(contraction, "time_of_peak");
+    // The cell may be shortest before its tension is largest.
+    let lag = shortest.and_then(|shortest| Ok(shortest - peak?.time));
+    let at_end =
+        peak.and_then(|peak| Ok(100.0 * recorded(active.last().copied())? / (rest + peak.value)));
     let mut rows = tension::of_pulse(&pulse, rest, "kPa", &context);
     rows.extend([
         row("lag_of_shortening", lag, "ms", "from the largest tension to the largest shortening"),
@@ -496,7 +503,9 @@ fn shape(
     let isovolumic_width = ratio.map(|ratio| 100.0 * (ratio.powf(-0.5) - 1.0));
     let isovolumic_area = ratio.map(|ratio| 100.0 * (ratio.sqrt() - 1.0));
     let off = Some(()).and_then(|()| Some(width? - isovolumic_width?));
-    let row = |name, value, definition| Metric { name, value, unit: "%", definition };
+    let why = reading(contraction, "time_of_peak").err().unwrap_or(Missing::NotRecorded);
+    let row =
+        |name, value: Option<f64>, definition| Metric::new(name, value.ok_or(why), "%", definition);
     vec![
         row(
             "width_change_at_peak",
@@ -535,7 +544,8 @@ pub fn energy(samples: &[Sample]) -> Vec<Metric> {
         let gap = 100.0 * (work? - spent?) / most_stored?;
         Some(gap).filter(|gap| gap.is_finite())
     });
-    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
+    let row =
+        |name, value: Option<f64>, unit, definition| row(name, recorded(value), unit, definition);
     vec![
         row("active_work", work, "fJ", "work of the active force over the run"),
         row("stored_energy", stored, "fJ", "elastic energy at the end, above the start"),

@@ -4,6 +4,7 @@
 //! 80 % of the height of the last action potential before it, as is usual for the effective refractory period. A
 //! stimulus without an action potential before it is captured if the potential rises by [`least_height`] or more.
 
+use super::rest;
 use std::ops::Range;
 
 /// Part of the last action potential's height that the next one exceeds.
@@ -13,8 +14,6 @@ const RESPONSE: f64 = 0.8;
 const REPOLARISED: f64 = 0.2;
 /// An action potential has its peak within this time, ms.
 const LATEST_PEAK_MS: f64 = 50.0;
-/// The time before each later stimulus over which its rest is taken, ms.
-pub const BASELINE_MS: f64 = 20.0;
 
 /// Rise of the potential, in its unit, that only an action potential makes: half of one. A stimulus alone, which
 /// stays below the threshold, raises the potential by less.
@@ -84,8 +83,8 @@ pub fn of(times: &[f64], potential: &[f64], unit: &str, stimuli_ms: &[f64]) -> V
     let response = |(place, &stimulus_ms): (usize, &f64)| {
         let first = at(stimulus_ms);
         let end = stimuli_ms.get(place + 1).map_or(times.len(), |next| at(*next));
-        let start = if place == 0 { 0 } else { at(stimulus_ms - BASELINE_MS) };
-        let before = potential.get(start..first).filter(|before| !before.is_empty());
+        let before = rest::before(times, stimuli_ms, place, 0.0).filter(|_| first > 0);
+        let before = before.and_then(|before| potential.get(before));
         let after = potential.get(first..end).filter(|after| !after.is_empty());
         let begin = potential.get(first).copied().unwrap_or(f64::NAN);
         let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
@@ -125,12 +124,12 @@ pub fn windows(times: &[f64], stimuli_ms: &[f64], captured: &[Option<bool>]) -> 
     let at = |time_ms: f64| times.partition_point(|time| *time < time_ms);
     let missed = |place: usize| captured.get(place) == Some(&Some(false));
     let window = |(place, &stimulus_ms): (usize, &f64)| {
-        let start = if place == 0 { f64::NEG_INFINITY } else { stimulus_ms - BASELINE_MS };
+        let start = rest::before(times, stimuli_ms, place, 0.0).map_or(0, |rest| rest.start);
         let mut later =
             (place + 1..stimuli_ms.len()).filter(|&next| missed(place) || !missed(next));
         let end_ms = later.next().map_or(f64::INFINITY, |next| stimuli_ms[next]);
         let next_ms = stimuli_ms.get(place + 1).copied().unwrap_or(f64::INFINITY);
-        let within = at(start)..at(end_ms);
+        let within = start..at(end_ms).max(start);
         (!within.is_empty()).then_some(Window { place, stimulus_ms, within, next_ms })
     };
     stimuli_ms.iter().enumerate().filter_map(window).collect()

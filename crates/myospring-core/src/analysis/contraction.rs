@@ -3,10 +3,10 @@
 //! Two conventions for the time to peak are in use: from the stimulus (`IonOptix`) and from the
 //! crossing of 10 % of the peak (`MUSCLEMOTION`); both are given under names that say so.
 
-use super::Metric;
 use super::pulse::{Pulse, Top};
-use super::rows::{Context, ONSET, between, per_second, row, times_ms};
-use super::trace;
+use super::rows::{Context, ONSET, between, per_second, recorded, row, times_ms};
+use super::{Metric, Missing};
+use super::{rest, trace};
 
 /// Peak shortening below which there is no contraction to speak of: a millionth of the length.
 const LEAST: f64 = 1e-6;
@@ -29,7 +29,7 @@ const LEAST: f64 = 1e-6;
 /// ```
 pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
     let rest = trace::baseline(times, length, stimulus);
-    above(times, length, stimulus, rest, "mean length before the stimulus")
+    above(times, length, stimulus, rest, rest::BEFORE_STIMULUS)
 }
 
 /// As [`metrics`], from a length at rest that is known.
@@ -57,12 +57,12 @@ pub fn of_length(
     let peak = pulse.peak();
     // 1/ms to 1/s
     let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
-    let velocity = |sign: f64| Some(fastest(sign)? * rest?);
+    let velocity = |sign: f64| Ok(fastest(sign)? * recorded(rest)?);
     let mut rows = vec![
-        row("resting_length", rest, unit, context.rest),
+        row("resting_length", recorded(rest), unit, context.rest),
         row(
             "minimum_length",
-            Some(()).and_then(|()| Some(rest? * (1.0 - peak?.value))),
+            recorded(rest).and_then(|rest| Ok(rest * (1.0 - peak?.value))),
             unit,
             "length at the peak of shortening",
         ),
@@ -89,7 +89,7 @@ pub fn of_length(
         ),
         row(
             "shortening_rate_over_peak",
-            Some(()).and_then(|()| Some(fastest(1.0)? / peak?.value)),
+            peak.and_then(|peak| Ok(fastest(1.0)? / peak.value)),
             "1/s",
             "largest rate of shortening over the peak shortening: the shape of a beat, whatever its size",
         ),
@@ -137,6 +137,8 @@ pub fn of_length(
             "shortening at the end of the beat",
         ),
     ]);
+    let without_peak = rows.iter_mut().filter(|row| row.missing == Some(Missing::NoRise));
+    without_peak.for_each(|row| row.lose(Missing::NoShortening));
     rows
 }
 
@@ -152,16 +154,16 @@ fn timing(pulse: &Pulse, context: &Context) -> Vec<Metric> {
     if let Some(stimulus) = context.stimulus {
         rows.push(row(
             "time_to_peak_from_stimulus",
-            between(peak, Some(stimulus)),
+            between(peak, Ok(stimulus)),
             "ms",
             "from the stimulus to the largest shortening (IonOptix)",
         ));
     }
     if let Some(onset) = context.onset {
-        rows.push(row("time_of_onset", Some(onset), "ms", ONSET));
+        rows.push(row("time_of_onset", Ok(onset), "ms", ONSET));
         rows.push(row(
             "time_to_peak_from_onset",
-            between(peak, Some(onset)),
+            between(peak, Ok(onset)),
             "ms",
             "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
         ));
@@ -219,7 +221,7 @@ pub fn of_motion(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context
     let peak = pulse.peak().map(|peak| peak.value);
     let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
     let mut rows = vec![
-        row("baseline", Some(rest), unit, context.rest),
+        row("baseline", Ok(rest), unit, context.rest),
         row("peak_amplitude", peak, unit, "largest value above the baseline"),
     ];
     rows.extend(timing(pulse, context));
@@ -232,7 +234,7 @@ pub fn of_motion(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context
         ),
         row(
             "shortening_rate_over_peak",
-            Some(()).and_then(|()| Some(fastest(1.0)? / peak?)),
+            peak.and_then(|peak| Ok(fastest(1.0)? / peak)),
             "1/s",
             "largest slope of the rise over the peak: the shape of a beat, whatever its size",
         ),

@@ -10,7 +10,8 @@
 //! 3. *Noise* is the median of fourth differences, which a smooth curve has none of.
 //! 4. *Beats*: maxima whose prominence noise of this size would not reach in as many samples, and at least a fifth of the
 //!    usual beat's, as is their height times width. With stimuli a beat is what follows one before the next.
-//! 5. *Rest* of a beat is the mean of the last 15 % of the cycle before it (with a stimulus: before that).
+//! 5. *Rest* of a beat is the mean of the last 15 % of the cycle before it; with a stimulus, of 20 ms before that, and more
+//!    where there is noise (`rest`).
 //! 6. *Drift*: the line from this rest to the next, each the median of three neighbours, so that one early beat does not
 //!    tilt it, is taken off the beat; the last beat drifts as the one before and up to the
 //!    end of the recording, as far as these agree.
@@ -22,14 +23,16 @@ mod artefacts;
 mod beat;
 mod detect;
 mod noise;
+mod possible;
 mod rhythm;
 mod smooth;
 #[cfg(test)]
 mod tests;
 mod upstroke;
 
+use super::holes::{self, Hole};
 use super::kind::Kind;
-use super::{Metric, trace};
+use super::{Metric, rest, trace};
 use answer::LEAST_FRAMES;
 pub use answer::{Analysis, Artefact, CurveBeat, CurveError, Mark, State, Treatment};
 use beat::Reader;
@@ -44,6 +47,9 @@ const SHORTEST_POTENTIAL_MS: f64 = 2.0;
 
 /// Noise that is smoothed down to, as a part of a beat's height.
 const SMOOTH_TO: f64 = 0.005;
+
+/// Noise of the mean that is a beat's rest, as a part of a beat's height.
+const REST_TO: f64 = 0.002;
 
 /// What a user may say.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -60,7 +66,7 @@ pub struct Options {
 ///
 /// # Errors
 /// Lists of different length, less than 8 frames, numbers that are none, a curve that is still, or in which nothing stands
-/// above its noise; stimuli outside.
+/// above its noise; values that no curve of its kind has, such as a negative length; stimuli outside.
 ///
 /// # Example
 /// ```
@@ -89,6 +95,7 @@ pub fn analyse(
     options: &Options,
 ) -> Result<Analysis, CurveError> {
     check(times, values)?;
+    possible::check_values(values, kind, unit)?;
     let plateau = kind == Kind::Potential;
     let Cleaned { rises, mut signal, bad, artefacts, against, usual, replaced } =
         clean(times, values, kind);
@@ -125,6 +132,7 @@ pub fn analyse(
     let smoothed = smooth::smooth(times, &signal, half);
     let steep = half_of_slopes(times, &signal, &found, noise, options);
     let slopes = (steep > 0).then(|| smooth::slopes(times, &signal, steep));
+    let holes = holes::of(times);
     let reader = Reader {
         slopes: slopes.as_deref(),
         times,
@@ -132,12 +140,15 @@ pub fn analyse(
         smoothed: &smoothed,
         level: noise.rough,
         noise: noise.behind(half),
+        noise_ms: noise.memory * (noise.sd / (REST_TO * found.usual)).powi(2) * median_step(times),
         sign,
         kind,
         unit,
         found: &found,
         keep_drift: options.keep_drift,
         artefacts: &artefacts,
+        holes: &holes,
+        half: half.max(steep),
     };
     let mut beats = match &stimuli {
         Some(stimuli) => reader.after(stimuli),
@@ -151,7 +162,10 @@ pub fn analyse(
             hint: " after any stimulus",
         });
     }
+    possible::check_beats(&beats, times, kind, unit)?;
     let mut remarks = artefact_remarks(&artefacts, &beats);
+    remarks.extend(hole_remark(&holes));
+    remarks.extend(possible::doubt(&beats, kind));
     remarks.extend(rhythm::remarks(&mut beats, stimuli.is_some()));
     let rivalled = usual.as_ref().is_some_and(|usual| usual.rivalled);
     remarks.extend(rhythm::crowded(&beats, artefacts.len() + bad.len(), rivalled));
@@ -168,7 +182,7 @@ pub fn analyse(
                 found.least.max(0.2 * found.usual)
             ),
         },
-        baseline: if stimuli.is_some() { beat::REST_STIMULUS } else { beat::REST_ONSET },
+        baseline: if stimuli.is_some() { rest::BEFORE_STIMULUS } else { rest::BEFORE_ONSET },
         drift: if options.keep_drift {
             "left in"
         } else {
@@ -186,6 +200,7 @@ pub fn analyse(
         noise: level,
         bad_frames: bad.iter().map(|at| at + 1).collect(),
         artefacts,
+        holes,
         hum: hum.map(|hum| [hum.frequency_hz, hum.amplitude]),
     };
     let read = smoothed.iter().map(|value| sign * value).collect();
@@ -442,6 +457,24 @@ fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> 
         ));
     }
     remarks
+}
+
+/// Where frames are missing.
+fn hole_remark(holes: &[Hole]) -> Option<String> {
+    let times: Vec<String> = holes
+        .iter()
+        .take(LISTED)
+        .map(|hole| format!("{:.0} to {:.0} ms", hole.from_ms, hole.to_ms))
+        .collect();
+    let more = match holes.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let usual = holes.first()?.usual_ms;
+    Some(format!(
+        "frames are missing from {}{more}, where one should come every {usual:.4} ms: no metric is read across such a hole",
+        times.join(", ")
+    ))
 }
 
 /// Artefacts that a remark lists by their times, at most.

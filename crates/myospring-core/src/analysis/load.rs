@@ -1,6 +1,6 @@
 //! What a cell does at its ends where both are held: its force, and the loop of force and length.
 
-use super::{Metric, trace};
+use super::{Metric, Missing, rest, trace};
 
 /// The metrics of one beat from length (um) and the force at the ends (nN) over time (ms).
 ///
@@ -23,7 +23,7 @@ use super::{Metric, trace};
 /// ```
 pub fn metrics(times: &[f64], lengths: &[f64], forces: &[f64], stimulus: f64) -> Vec<Metric> {
     let rest = trace::baseline(times, forces, stimulus);
-    above(times, lengths, forces, stimulus, rest, "mean force at the ends before the stimulus")
+    above(times, lengths, forces, stimulus, rest, rest::BEFORE_STIMULUS)
 }
 
 /// As [`metrics`], with a force at rest that is known.
@@ -48,7 +48,9 @@ pub fn above(
         let part = |k: usize| 0.5 * (forces[k] + forces[k + 1]) * (lengths[k] - lengths[k + 1]);
         (after..end).map(part).sum::<f64>()
     });
-    let row = |name, value, unit, definition| Metric { name, value, unit, definition };
+    let row = |name, value: Option<f64>, unit, definition| {
+        Metric::new(name, value.ok_or(Missing::NoRise), unit, definition)
+    };
     vec![
         row("end_force_at_rest", rest, "nN", rest_is),
         row(

@@ -2,6 +2,7 @@
 //! was simulated or measured.
 
 use super::trace::{self, Point};
+use super::{Missing, Reading};
 
 /// Height, as a part of the peak, below which noise tells more about the logarithm of a height than the fall does: a
 /// twentieth of that height.
@@ -36,8 +37,10 @@ pub enum Top {
 pub struct Pulse<'a> {
     times: &'a [f64],
     heights: &'a [f64],
+    /// From when on its heights are its own, its foot and the rest before it.
+    rest: f64,
     start: f64,
-    peak: Option<Point>,
+    peak: Result<Point, Missing>,
     /// Samples among which its rise is.
     rise: usize,
     noise: f64,
@@ -48,21 +51,38 @@ pub struct Pulse<'a> {
 }
 
 impl<'a> Pulse<'a> {
-    /// Of heights over times (ms), which begins at `start`; without a peak where no height is above zero.
+    /// Of heights over times (ms), which begins at `start`: it has no peak before. Without a peak where no height is above
+    /// zero.
     pub fn new(times: &'a [f64], heights: &'a [f64], start: f64, top: Top) -> Self {
+        Self::resting_from(start, times, heights, start, top)
+    }
+
+    /// As [`Pulse::new`], with heights from `rest` on that belong to it, such as those of a foot, though it begins at `start`.
+    pub fn resting_from(
+        rest: f64,
+        times: &'a [f64],
+        heights: &'a [f64],
+        start: f64,
+        top: Top,
+    ) -> Self {
+        let first = times.partition_point(|time| *time < start).min(heights.len());
+        let (own_times, own) = (&times[first..], &heights[first..]);
         let peak = match top {
-            Top::Vertex => trace::peak(times, heights),
-            Top::Sample => trace::largest(times, heights),
+            Top::Vertex => trace::peak(own_times, own),
+            Top::Sample => trace::largest(own_times, own),
         };
-        let peak = peak.filter(|peak| peak.value > 0.0);
+        let peak = peak.filter(|peak| peak.value > 0.0).ok_or(Missing::NoRise);
         let rise = times.len();
-        Self { times, heights, start, peak, rise, noise: 0.0, slopes: None, steepest: None }
+        Self { times, heights, rest, start, peak, rise, noise: 0.0, slopes: None, steepest: None }
     }
 
     /// With a peak only where it is above this height.
     #[must_use]
     pub fn above(self, least: f64) -> Self {
-        Self { peak: self.peak.filter(|peak| peak.value > least), ..self }
+        let peak = self
+            .peak
+            .and_then(|peak| if peak.value > least { Ok(peak) } else { Err(Missing::NoRise) });
+        Self { peak, ..self }
     }
 
     /// The same pulse with the samples that follow it: they show how it falls, and may rise again.
@@ -95,32 +115,53 @@ impl<'a> Pulse<'a> {
     }
 
     /// Its top: time and height.
-    pub fn peak(&self) -> Option<Point> {
+    ///
+    /// # Errors
+    /// Where it has none, as all that is read of it.
+    pub fn peak(&self) -> Result<Point, Missing> {
         self.peak
     }
 
     /// When it last rises through a part of its peak before the peak, ms.
-    pub fn rises(&self, part: f64) -> Option<f64> {
+    ///
+    /// # Errors
+    /// Where it does not.
+    pub fn rises(&self, part: f64) -> Reading {
         let Point { time, value } = self.peak?;
-        trace::last_rise_through(self.times, self.heights, part * value, self.start, time)
+        let level = part * value;
+        let found = trace::last_rise_through(self.times, self.heights, level, self.rest, time);
+        found.ok_or(Missing::NotReached)
     }
 
     /// When it first falls through a part of its peak after the peak, ms.
-    pub fn falls(&self, part: f64) -> Option<f64> {
+    ///
+    /// # Errors
+    /// Where it does not.
+    pub fn falls(&self, part: f64) -> Reading {
         let Point { time, value } = self.peak?;
-        trace::falls_through(self.times, self.heights, part * value, time)
+        let found = trace::falls_through(self.times, self.heights, part * value, time);
+        found.ok_or(Missing::NotReached)
     }
 
     /// Time that it is above a part of its peak, ms.
-    pub fn duration(&self, part: f64) -> Option<f64> {
-        Some(self.falls(part)? - self.rises(part)?)
+    ///
+    /// # Errors
+    /// Where it does not rise or fall through it.
+    pub fn duration(&self, part: f64) -> Reading {
+        Ok(self.falls(part)? - self.rises(part)?)
     }
 
     /// The steepest rise (`sign` 1), or fall (-1), after the pulse begins, as a positive slope per ms: between two samples,
     /// unless slopes, or the steepest rise itself, were given.
-    pub fn fastest(&self, sign: f64) -> Option<Point> {
-        if sign > 0.0 && self.steepest.is_some() {
-            return self.steepest.filter(|_| self.peak.is_some());
+    ///
+    /// # Errors
+    /// Where nothing is steep in this direction.
+    pub fn fastest(&self, sign: f64) -> Result<Point, Missing> {
+        self.peak?;
+        if sign > 0.0
+            && let Some(steepest) = self.steepest
+        {
+            return Ok(steepest);
         }
         // The two samples that the start is between belong to the pulse.
         let before = self.times.partition_point(|time| *time <= self.start).saturating_sub(1);
@@ -130,11 +171,15 @@ impl<'a> Pulse<'a> {
             None => trace::slopes(times, heights),
         };
         let slopes: Vec<f64> = slopes.iter().map(|slope| sign * slope).collect();
-        trace::largest(&places, &slopes).filter(|_| self.peak.is_some())
+        let found = trace::largest(&places, &slopes).filter(|slope| slope.value > 0.0);
+        found.ok_or(Missing::NotReached)
     }
 
     /// The steepest rise, not among samples that follow the pulse.
-    pub fn upstroke(&self) -> Option<Point> {
+    ///
+    /// # Errors
+    /// Where it does not rise.
+    pub fn upstroke(&self) -> Result<Point, Missing> {
         if self.slopes.is_some() {
             return self.fastest(1.0);
         }
@@ -144,11 +189,14 @@ impl<'a> Pulse<'a> {
 
     /// Time constant of an exponential fitted to the fall from half to a tenth of the peak, ms: the slope of the
     /// logarithm, in which samples count the less the more of them is noise.
-    pub fn time_constant(&self) -> Option<f64> {
+    ///
+    /// # Errors
+    /// Where it does not fall so far, in less than three samples, or not like an exponential.
+    pub fn time_constant(&self) -> Reading {
         let (times, values) =
             trace::window(self.times, self.heights, self.falls(0.5)?, self.falls(0.1)?);
         if times.len() < 3 || values.iter().any(|value| *value <= 0.0) {
-            return None;
+            return Err(Missing::NotReached);
         }
         let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
         // 1 for all without noise.
@@ -162,22 +210,32 @@ impl<'a> Pulse<'a> {
         let samples = || weights.iter().zip(times.iter().zip(&logs));
         let covariance: f64 = samples().map(|(w, (t, l))| w * (t - mean_t) * (l - mean_l)).sum();
         let variance: f64 = samples().map(|(w, (t, _))| w * (t - mean_t).powi(2)).sum();
-        Some(-variance / covariance).filter(|tau| tau.is_finite() && *tau > 0.0)
+        let tau = -variance / covariance;
+        if tau.is_finite() && tau > 0.0 { Ok(tau) } else { Err(Missing::NotReached) }
     }
 
     /// Area between it and its baseline, of all its samples, unit times ms.
-    pub fn area(&self) -> Option<f64> {
+    ///
+    /// # Errors
+    /// Without a peak.
+    pub fn area(&self) -> Reading {
         self.peak.map(|_| trace::integral(self.times, self.heights))
     }
 
     /// Its lowest height.
-    pub fn lowest(&self) -> Option<f64> {
-        self.heights.iter().copied().reduce(f64::min)
+    ///
+    /// # Errors
+    /// Without samples.
+    pub fn lowest(&self) -> Reading {
+        self.heights.iter().copied().reduce(f64::min).ok_or(Missing::NotRecorded)
     }
 
     /// Height of its last sample.
-    pub fn last(&self) -> Option<f64> {
-        self.heights.last().copied()
+    ///
+    /// # Errors
+    /// Without samples.
+    pub fn last(&self) -> Reading {
+        self.heights.last().copied().ok_or(Missing::NotRecorded)
     }
 }
 

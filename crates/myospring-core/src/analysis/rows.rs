@@ -1,6 +1,6 @@
 //! Rows of metrics, and the units that follow from a curve's.
 
-use super::Metric;
+use super::{Metric, Missing, Reading};
 
 /// What a beat is counted from, and how its rest was taken: what definitions differ in.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,16 +19,22 @@ pub const ONSET: &str = "where the line through 10 % and 50 % of the rise meets 
 /// One row.
 pub(super) fn row(
     name: &'static str,
-    value: Option<f64>,
+    reading: Reading,
     unit: &'static str,
     definition: &'static str,
 ) -> Metric {
-    Metric { name, value, unit, definition }
+    Metric::new(name, reading, unit, definition)
 }
 
-/// The difference of two numbers that may be missing.
-pub(super) fn between(end: Option<f64>, start: Option<f64>) -> Option<f64> {
-    Some(end? - start?)
+/// The time from one instant to another, which does not come before it.
+pub(super) fn between(end: Reading, start: Reading) -> Reading {
+    let way = end? - start?;
+    if way < 0.0 { Err(Missing::Before) } else { Ok(way) }
+}
+
+/// What was read of something that may not have been recorded.
+pub(super) fn recorded(value: Option<f64>) -> Reading {
+    value.ok_or(Missing::NotRecorded)
 }
 
 /// A unit a second.

@@ -4,8 +4,8 @@
 //! S1, and what is left of S1 when S2 comes is no part of its beat: a curve of S2 begins where its largest rise does.
 
 use super::capture::{self, Response};
-use super::rows::row;
-use super::{Metric, action_potential, trace, value};
+use super::rows::{recorded, row};
+use super::{Metric, Missing, action_potential, rest, trace, value};
 use std::ops::Range;
 
 /// Part of S1's height below which a rise is none: waves of a cell that rings, rounding.
@@ -54,9 +54,8 @@ impl S1S2 {
         let s1_ms = *stimuli_ms.get(s1)?;
         let next_ms = stimuli_ms.get(s1 + 1).copied().unwrap_or(s2_ms).min(s2_ms);
         let at = |time_ms: f64| times.partition_point(|time| *time < time_ms);
-        let start = if s1 == 0 { 0 } else { at(s1_ms - capture::BASELINE_MS) };
+        let rest = rest::before(times, stimuli_ms, s1, 0.0)?;
         let (s1, next, s2) = (at(s1_ms), at(next_ms), at(s2_ms));
-        let rest = if start < s1 { start..s1 } else { s1..s1 + 1 };
         let inside = s1 < next && next <= s2 && s2 < times.len();
         let (first, own, second) = (s1..s2, s1..next, s2..times.len());
         inside.then_some(Self { s1_ms, s2_ms, rest, first, own, second })
@@ -108,14 +107,14 @@ impl S1S2 {
         // The sample before the stimulus is one of it, for the upstroke.
         let within = self.second.start - 1..self.second.end;
         let rest = Some(self.rest(potential));
-        let rest_is = "mean potential before the last S1";
+        let rest_is = rest::BEFORE_S1;
         let (own_times, own) = (&times[within.clone()], &potential[within]);
         let to_end = f64::INFINITY;
         let mut all =
             action_potential::above(own_times, own, [self.s2_ms, to_end], unit, rest, rest_is);
         if self.captured(times, potential) == Some(false) {
             for metric in &mut all {
-                metric.value = None;
+                metric.lose(Missing::NotCaptured);
             }
         }
         let diastolic = self.diastolic_interval(times, potential);
@@ -139,17 +138,18 @@ pub fn rows(
     s2: &[&[Metric]],
 ) -> Vec<Metric> {
     let of = |beat: &[&[Metric]], name| beat.iter().find_map(|metrics| value(metrics, name));
-    let part = |name| Some(100.0 * of(s2, name)? / of(s1, name)?);
+    let part =
+        |name| recorded(of(s2, name)).and_then(|own| Ok(100.0 * own / recorded(of(s1, name))?));
     vec![
         row(
             "coupling_interval",
-            pair.map(|pair| pair.s2_ms - pair.s1_ms),
+            recorded(pair.map(|pair| pair.s2_ms - pair.s1_ms)),
             "ms",
             "from the last S1 that raised an action potential to S2",
         ),
         row(
             "diastolic_interval",
-            diastolic_interval,
+            diastolic_interval.ok_or(Missing::NotReached),
             "ms",
             "from 90 % repolarisation of the last S1 to S2",
         ),

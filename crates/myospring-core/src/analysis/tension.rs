@@ -10,7 +10,7 @@ pub fn of_pulse(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context)
     let time = peak.map(|peak| peak.time);
     let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
     let mut rows = vec![
-        row("resting_tension", Some(rest), unit, context.rest),
+        row("resting_tension", Ok(rest), unit, context.rest),
         row("peak_tension", peak.map(|peak| rest + peak.value), unit, "largest tension"),
         row(
             "developed_tension",
@@ -23,16 +23,16 @@ pub fn of_pulse(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context)
     if let Some(stimulus) = context.stimulus {
         rows.push(row(
             "time_to_peak_tension",
-            between(time, Some(stimulus)),
+            between(time, Ok(stimulus)),
             "ms",
             "from the stimulus to the largest tension",
         ));
     }
     if let Some(onset) = context.onset {
-        rows.push(row("time_of_onset", Some(onset), "ms", ONSET));
+        rows.push(row("time_of_onset", Ok(onset), "ms", ONSET));
         rows.push(row(
             "time_to_peak_tension_from_onset",
-            between(time, Some(onset)),
+            between(time, Ok(onset)),
             "ms",
             "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
         ));

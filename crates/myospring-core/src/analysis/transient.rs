@@ -18,7 +18,7 @@ pub fn of_pulse(
     let time = peak.map(|peak| peak.time);
     let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
     let mut rows = vec![
-        row("diastolic_level", Some(rest), unit, context.rest),
+        row("diastolic_level", Ok(rest), unit, context.rest),
         row("systolic_level", peak.map(|peak| under + peak.value), unit, "largest value"),
         row(
             "transient_amplitude",
@@ -44,16 +44,16 @@ pub fn of_pulse(
     if let Some(stimulus) = context.stimulus {
         rows.push(row(
             "time_to_peak_from_stimulus",
-            between(time, Some(stimulus)),
+            between(time, Ok(stimulus)),
             "ms",
             "from the stimulus to the peak (IonOptix)",
         ));
     }
     if let Some(onset) = context.onset {
-        rows.push(row("time_of_onset", Some(onset), "ms", ONSET));
+        rows.push(row("time_of_onset", Ok(onset), "ms", ONSET));
         rows.push(row(
             "time_to_peak_from_onset",
-            between(time, Some(onset)),
+            between(time, Ok(onset)),
             "ms",
             "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
         ));

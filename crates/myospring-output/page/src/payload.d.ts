@@ -191,6 +191,8 @@ export interface MetricGroup {
 export interface Metric {
   name: string;
   value: number | null;
+  /** Why there is no value, in words, where there is none. */
+  missing: string | null;
   /** Standard deviation over the beats, where there are several. */
   spread: number | null;
   unit: string;

@@ -259,7 +259,9 @@ export function metricTables(runs) {
             ? []
             : [make("div", { class: "change" }, difference(of(run)?.value, row.value))];
         const own = several ? marks(of(run)) : [];
-        return make("td", { class: "number" }, value(of(run)), ...own, ...change);
+        const why = of(run)?.missing ?? null;
+        const reason = why === null ? [] : [make("div", { class: "why" }, why)];
+        return make("td", { class: "number" }, value(of(run)), ...own, ...reason, ...change);
       });
       const seen = row.band === null ? [] : [...(several ? [] : [mark(row), " "]), range(row.band)];
       return make(

@@ -166,7 +166,7 @@ fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
         if let Some(ends) = beat.baseline {
             sheet.path(Path::line(ends.map(at)), Stroke::new(MUTED, HAIR).dash(3.0, 2.0));
         }
-        let counts = !matches!(beat.state, State::CutAtStart | State::Disturbed);
+        let counts = matches!(beat.state, State::Whole | State::CutAtEnd | State::Missed);
         let dot = if counts { INK } else { REST };
         for mark in beat.marks.iter().filter(|mark| mark.name == "peak" || mark.name == "onset") {
             let [x, y] = at(mark.point);

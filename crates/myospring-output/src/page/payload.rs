@@ -8,8 +8,8 @@ use super::given::{Difference, Page, PageError, PageRun, ParameterGroup};
 use super::photograph::{self, PictureData};
 use crate::json::JsonError;
 use crate::report::Summary;
-use myospring_core::analysis::Metric;
 use myospring_core::analysis::beat::{self, Beat, Place};
+use myospring_core::analysis::{Metric, Missing};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -52,6 +52,7 @@ struct MetricGroup<'a> {
 struct MetricRow<'a> {
     name: &'a str,
     value: Option<f64>,
+    missing: Option<&'static str>,
     spread: Option<f64>,
     unit: &'a str,
     definition: &'a str,
@@ -107,6 +108,7 @@ fn metrics(summary: &Summary) -> Vec<MetricGroup<'_>> {
         MetricRow {
             name: metric.name,
             value,
+            missing: value.is_none().then(|| metric.missing.map(Missing::words)).flatten(),
             spread: over_beats.map(|spread| spread.standard_deviation),
             unit: metric.unit,
             definition: metric.definition,

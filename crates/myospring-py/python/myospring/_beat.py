@@ -109,13 +109,21 @@ class Beat:
 
     @cached_property
     def metrics(self) -> dict[str, float]:
-        """Numbers by name, of several beats their mean; NaN where the curves do not show one. `units` has the units."""
+        """Numbers by name, of several beats their mean; NaN where the curves do not show one.
+
+        `units` has the units, and `missing` says why a number is NaN.
+        """
         return {name: np.nan if value is None else value for name, value, _ in self._native.metrics}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each metric; empty for a pure number."""
         return {name: unit for name, _, unit in self._native.metrics}
+
+    @cached_property
+    def missing(self) -> dict[str, str]:
+        """Why a metric is NaN, by its name; empty where all have a value."""
+        return dict(self._native.missing)
 
     @cached_property
     def metrics_by_beat(self) -> list[dict[str, float]]:

@@ -112,9 +112,8 @@ impl Observed {
                 *value = -*value;
             }
         }
-        // Of a beat with an artefact the rest is as good as of any.
-        let whole =
-            |state: State| matches!(state, State::Whole | State::CutAtEnd | State::Disturbed);
+        // Of a beat with an artefact or a hole the rest is as good as of any.
+        let whole = |state: State| !matches!(state, State::CutAtStart | State::Missed);
         let beats: Vec<f64> = analysis
             .beats
             .iter()

@@ -14,6 +14,8 @@ pub(super) enum Holds {
     /// Which cell, sarcomere or region a row belongs to.
     Identity,
     Curve(Kind),
+    /// By its name a curve of this kind, but its unit measures something else: `I_Ca (pA)`, `calcium rise (ms)`.
+    Contradicts(Kind),
     /// Nothing that is known by this name.
     Other,
 }
@@ -99,10 +101,16 @@ pub(super) fn title(header: &str) -> Title {
             return Title { name: name.trim().to_owned(), unit };
         }
     }
+    if let Some(title) = of_ratio(header) {
+        return title;
+    }
     for mark in ['_', ' ', '/', ',', '.'] {
         let Some((name, text)) = header.rsplit_once(mark) else { continue };
         if let Some(unit) = unit(text).filter(|unit| !unit.is_empty() && !name.trim().is_empty()) {
-            return Title { name: name.trim().trim_end_matches(',').to_owned(), unit };
+            let title = Title { name: name.trim().trim_end_matches(',').to_owned(), unit };
+            if text.trim().chars().count() > 1 || agrees(&title) {
+                return title;
+            }
         }
     }
     // `Sec` alone is a column of times.
@@ -110,13 +118,70 @@ pub(super) fn title(header: &str) -> Title {
     Title { name: header.to_owned(), unit }
 }
 
+/// `mM_per_ms` at the end of a name, as our own tables write a ratio of units.
+fn of_ratio(header: &str) -> Option<Title> {
+    let (front, below) = header.rsplit_once("_per_")?;
+    let (name, above) = front.rsplit_once('_')?;
+    let is_symbol = |text: &str| !text.is_empty() && text.chars().all(char::is_alphanumeric);
+    (is_symbol(above) && is_symbol(below) && !name.is_empty())
+        .then(|| Title { name: name.to_owned(), unit: format!("{above}/{below}") })
+}
+
+/// Whether a single letter at the end of a name is its unit: `t_s`, `Vm_V`, but not `f_Ca_s`, the slow gate of a calcium
+/// current. It is one where what the name says is measured in it.
+fn agrees(title: &Title) -> bool {
+    matches!(holds(title), Holds::Time | Holds::Curve(_))
+}
+
 /// What a column of this title holds.
 pub(super) fn holds(title: &Title) -> Holds {
+    match by_name(title) {
+        Holds::Curve(kind)
+            if unit(&title.unit).is_some_and(|unit| scale(kind, &unit, None).is_err()) =>
+        {
+            Holds::Contradicts(kind)
+        }
+        held => held,
+    }
+}
+
+/// What the columns of a table hold: beside a column of times one that is called `s` or `ms` alone, such as the gate of a
+/// cell model, is none.
+pub(super) fn all_hold(titles: &[Title]) -> Vec<Holds> {
+    let mut held: Vec<Holds> = titles.iter().map(holds).collect();
+    let is_bare = |title: &Title| unit(&title.name).is_some();
+    let is_time = |at: &usize| held[*at] == Holds::Time;
+    let (bare, named): (Vec<usize>, Vec<usize>) =
+        (0..titles.len()).filter(is_time).partition(|at| is_bare(&titles[*at]));
+    if !named.is_empty() {
+        for at in bare {
+            held[at] = Holds::Other;
+        }
+    }
+    held
+}
+
+/// Letters that an index of a symbol has at most.
+const LONGEST_INDEX: usize = 3;
+
+/// Whether a name is a letter with indices: `f_Ca`, `x_s1`, but not `t`, `L_0` or `V_1`, where the indices are numbers.
+fn is_symbol(name: &str) -> bool {
+    let mut parts = name.split('_');
+    let letter = parts.next().is_some_and(|first| first.chars().count() == 1);
+    letter && parts.any(|index| index.starts_with(char::is_alphabetic))
+}
+
+/// What a column holds by its name, whatever its unit.
+fn by_name(title: &Title) -> Holds {
     // What stands in brackets and is no unit, such as a dye, tells as much as the name.
     let known = title.unit.is_empty() || unit(&title.unit).is_some();
     let whole = if known { title.name.clone() } else { format!("{} {}", title.name, title.unit) };
     let name = whole.to_lowercase().replace(['_', '-', '.'], " ");
-    let words: Vec<&str> = name.split_whitespace().collect();
+    let mut words: Vec<&str> = name.split_whitespace().collect();
+    // A letter with indices, such as `f_Ca_f` or `h_L`, is a symbol of a model: its indices are no calcium and no length.
+    if is_symbol(&whole) {
+        words.retain(|word| word.len() > LONGEST_INDEX);
+    }
     let has = |part: &str| name.contains(part);
     let word = |one: &[&str]| words.iter().any(|word| one.contains(word));
     let only = |one: &[&str]| one.contains(&name.trim());
@@ -332,7 +397,7 @@ mod tests {
 
     #[test]
     fn columns_are_known_by_their_names_in_any_form() {
-        use Holds::{Curve, Frame, Identity, MarkTime, Other, Time};
+        use Holds::{Contradicts, Curve, Frame, Identity, MarkTime, Other, Time};
         for (header, held, unit) in [
             ("time (ms)", Time, "ms"),
             ("Time [s]", Time, "s"),
@@ -385,6 +450,27 @@ mod tests {
             ("sarc.Sarc Const", Curve(Kind::SarcomereLength), ""),
             ("cell 1", Other, ""),
             ("elastic_energy_fJ", Other, ""),
+            // Units of one letter, where the name agrees; else they are part of it.
+            ("time_s", Time, "s"),
+            ("length_m", Curve(Kind::Length), "m"),
+            ("Vm_V", Curve(Kind::Potential), "V"),
+            ("force_N", Curve(Kind::Force), "N"),
+            ("Ca_M", Curve(Kind::Calcium), "M"),
+            ("f_Ca_s", Other, ""),
+            ("length_s", Curve(Kind::Length), ""),
+            ("zeta_s", Other, ""),
+            // Symbols of models.
+            ("f_Ca_f", Other, ""),
+            ("j_Ca", Other, ""),
+            ("h_L_p", Other, ""),
+            ("I_Ca_pA", Other, ""),
+            ("I_CaL_A_per_F", Other, "A/F"),
+            ("J_rel_mM_per_ms", Other, "mM/ms"),
+            ("Ca_i", Curve(Kind::Fluorescence), ""),
+            ("L_0", Curve(Kind::Length), ""),
+            // Units of something else.
+            ("length (s)", Contradicts(Kind::Length), "s"),
+            ("calcium_ms", Contradicts(Kind::Calcium), "ms"),
         ] {
             let title = title(header);
             assert_eq!((holds(&title), title.unit.as_str()), (held, unit), "{header}: {title:?}");

@@ -1,6 +1,7 @@
 //! Text to rows of fields: delimiter, comments, what stands above the table, header.
 
 use super::number::{Cell, Decimal, cell, decimal};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A row of fields and the line of the file that it stands in, from 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,10 @@ pub(super) struct Sheet {
     pub(super) decimal: Decimal,
     /// Lines of numbers above the header: another table, or another block of the recording.
     pub(super) above: usize,
+    /// Columns of one name with another one.
+    pub(super) again: BTreeSet<usize>,
+    /// Fields that most rows have.
+    pub(super) usual: usize,
     /// Of a table that was turned over, the line of the file that each column stands in; else empty.
     pub(super) turned: Vec<u64>,
 }
@@ -83,22 +88,27 @@ impl Sheet {
         Some(Try::of_rows(&fields, '\t', Some(Decimal::Point))?.sheet(rows, |_| ""))
     }
 
-    /// What a column is called: its header, with what it belongs to, or its number from 1.
+    /// What a column is called: its header, with what it belongs to, or its number from 1; of several columns of one name both.
     pub(super) fn name(&self, column: usize) -> String {
         let group = self.groups.get(column).filter(|group| !group.is_empty());
-        match (self.header.get(column).filter(|name| !name.is_empty()), group) {
+        let name = match (self.header.get(column).filter(|name| !name.is_empty()), group) {
             (Some(name), Some(group)) => format!("{group} {name}"),
             (Some(name), None) => name.clone(),
-            (None, _) => (column + 1).to_string(),
-        }
+            (None, _) => return (column + 1).to_string(),
+        };
+        if self.again.contains(&column) { format!("{name} (column {})", column + 1) } else { name }
     }
 
     /// Where a field stands in the file: its line, and what its column is called.
     pub(super) fn place(&self, row: &Row, column: usize) -> (u64, String) {
-        match self.turned.get(column) {
-            Some(line) => (*line, row.line.to_string()),
-            None => (row.line, self.name(column)),
-        }
+        let is_turned = column < self.turned.len();
+        let name = if is_turned { row.line.to_string() } else { self.name(column) };
+        (self.line(row, column), name)
+    }
+
+    /// The line of the file that a field stands in.
+    pub(super) fn line(&self, row: &Row, column: usize) -> u64 {
+        self.turned.get(column).copied().unwrap_or(row.line)
     }
 
     /// Rows become columns: the first row, or the header, is a column of times or frames of this name, and what stands before
@@ -135,9 +145,29 @@ impl Sheet {
         Self { header, groups: Vec::new(), rows, turned: lines, ..self }
     }
 
+    /// The first field with a number that stands beyond the last column: its row and its place. A table without names has as
+    /// many columns as most of its rows.
+    pub(super) fn beyond(&self) -> Option<(&Row, usize)> {
+        let columns = if self.header.is_empty() { self.usual } else { self.header.len() };
+        let number = |row: &Row| {
+            (columns..row.fields.len()).find(|at| matches!(self.cell(row, *at), Cell::Number(_)))
+        };
+        self.rows.iter().find_map(|row| Some((row, number(row)?)))
+    }
+
     /// What a field holds; nothing where the row is too short.
     pub(super) fn cell(&self, row: &Row, column: usize) -> Cell {
         row.fields.get(column).map_or(Cell::Missing, |field| cell(field, self.decimal))
+    }
+
+    /// Notes which columns have the name of another one.
+    pub(super) fn note_names(&mut self) {
+        let mut places = BTreeMap::<(&str, &str), Vec<usize>>::new();
+        for (at, name) in self.header.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
+            let group = self.groups.get(at).map_or("", String::as_str);
+            places.entry((group, name)).or_default().push(at);
+        }
+        self.again = places.into_values().filter(|places| places.len() > 1).flatten().collect();
     }
 
     /// The number of columns of the widest row.
@@ -287,6 +317,8 @@ impl Try {
             rows: all[start..].to_vec(),
             decimal: self.decimal,
             above: if above > 2 { above } else { 0 },
+            usual: self.width,
+            again: BTreeSet::new(),
             turned: Vec::new(),
         };
         let Some(at) = names else { return sheet };
@@ -384,8 +416,8 @@ fn longest_run(full: &[bool]) -> Option<usize> {
 
 /// Whether a name that is not empty stands in a header twice.
 fn come_again(header: &[String]) -> bool {
-    let again = |(at, name): (usize, &String)| !name.is_empty() && header[..at].contains(name);
-    header.iter().enumerate().any(again)
+    let mut seen = BTreeSet::new();
+    header.iter().any(|name| !name.is_empty() && !seen.insert(name))
 }
 
 /// The names of columns among lines of settings, `ChannelTitle=` and what follows it, as `LabChart` exports them; `None` where

@@ -379,3 +379,78 @@ fn another_block_of_numbers_above_the_names_is_said() {
     assert_eq!(table.curves[0].values, [120.0, 118.0, 115.0, 116.0]);
     assert!(table.notes[0].contains("3 lines of numbers above"), "{:?}", table.notes);
 }
+
+#[test]
+fn a_number_beyond_the_last_column_is_refused_with_its_line() {
+    for (text, part) in [
+        (
+            "t_ms,length_um\n0,120\n4,118\n8,117,5\n12,116\n",
+            "line 4, column `3`: \"5\" is one field too many: the line of names has 2",
+        ),
+        (
+            "t_ms,length_um\n0,0,120\n1,4,118\n2,8,117\n",
+            "line 2, column `3`: \"120\" is one field too many: the line of names has 2",
+        ),
+        (
+            "0,120\n4,118\n8,117,5\n12,116\n",
+            "line 3, column `3`: \"5\" is one field too many: most rows have 2 fields",
+        ),
+    ] {
+        let error = error(text, &NONE());
+        assert!(error.contains(part), "{text}: {error}");
+    }
+    // What follows is no number: a last delimiter, a remark.
+    let text = "t_ms,length_um\n0,120,\n4,118,,\n8,117,moved\n12,116\n";
+    assert_eq!(read(text, &NONE()).curves[0].values, [120.0, 118.0, 117.0, 116.0]);
+}
+
+#[test]
+fn columns_of_one_name_are_told_apart_and_said() {
+    let text = "t_ms,length_um,length_um\n0,120,90\n4,118,91\n8,117,92\n";
+    let Table { curves, notes } = read(text, &NONE());
+    let names: Vec<&str> = curves.iter().map(|curve| &*curve.name).collect();
+    assert_eq!(names, ["length_um (column 2)", "length_um (column 3)"]);
+    assert!(notes.iter().any(|note| note.contains("several columns have one name")), "{notes:?}");
+    assert_eq!(curves[0].unit, "um");
+    let named = |name: &str| {
+        let options = Options { values: vec![Column::of(name)], ..NONE() };
+        read(text, &options).curves.len()
+    };
+    assert_eq!([named("length_um"), named("length_um (column 3)"), named("3")], [2, 1, 1]);
+    let twice = "t_ms,t_ms,length_um\n0,0,120\n4,8,118\n8,16,117\n";
+    let Table { notes, .. } = read(twice, &NONE());
+    let said = "column `t_ms (column 1)` has times and no curve beside it";
+    assert!(notes.iter().any(|note| note.contains(said)), "{notes:?}");
+}
+
+/// Twice the columns take twice the time; a machine that does other work may need four times as long.
+#[test]
+fn the_time_to_read_a_table_grows_with_its_columns() {
+    let table = |columns: usize| {
+        let name = |at: usize| format!(",length {at} (um)");
+        let header: String = (0..columns).map(name).collect();
+        let row = ",120".repeat(columns);
+        let rows: Vec<String> = (0..8).map(|at| format!("{}{row}", 4 * at)).collect();
+        format!("t_ms{header}\n{}\n", rows.join("\n"))
+    };
+    let time = |columns: usize| {
+        let text = table(columns);
+        let best = (0..3).map(|_| {
+            let start = std::time::Instant::now();
+            assert_eq!(read(&text, &NONE()).curves.len(), columns);
+            start.elapsed()
+        });
+        best.min().unwrap_or_default().as_secs_f64()
+    };
+    let (few, many) = (time(1000), time(8000));
+    assert!(many < 4.0 * 8.0 * few, "{few} s, then {many} s");
+}
+
+#[test]
+fn a_gate_of_a_model_is_no_column_of_times() {
+    let text = "t_ms,length_um,s,f_Ca_s,h_L,j_Ca\n0,120,1,1,1,1\n4,118,0.9,0.5,0.8,1\n8,117,0.7,0.4,0.8,2\n";
+    let Table { curves, notes } = read(text, &NONE());
+    assert_eq!((curves.len(), &*curves[0].name), (1, "length_um"), "{notes:?}");
+    assert_eq!(curves[0].times_ms, [0.0, 4.0, 8.0]);
+    assert!(notes.iter().any(|note| note.contains("`s`, `f_Ca_s`, `h_L`, `j_Ca`")), "{notes:?}");
+}

@@ -7,6 +7,7 @@
 //! Ca = K (R - R_min) / (R_max - R)
 //! ```
 
+use crate::analysis::holes::{self, Hole};
 use crate::cell::CellModel;
 use crate::cell::calcium::{CalciumTrace, TraceError};
 use crate::cell::land_2017::Land2017;
@@ -20,6 +21,9 @@ pub const CALCIUM_ENDINGS: &[&str] = &["csv", "txt", "tsv"];
 
 /// Part of its height by which calcium may jump at the next stimulus before it is remarked upon.
 const JUMP: f64 = 0.05;
+
+/// The longest hole in the times of a table that may lie across the rise of calcium, ms: it rises in some 40.
+const LONGEST_HOLE_MS: f64 = 10.0;
 
 /// How a ratio of fluorescences becomes calcium.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -83,6 +87,26 @@ pub enum CalciumError {
         /// Why.
         cause: TraceError,
     },
+    /// Frames are missing where calcium rises.
+    #[error(
+        "`{path}`, line {line}, column `{column}`: the next frame is missing: from {from_ms} to {to_ms} ms there is none, and \
+         they usually come every {usual_ms} ms. Calcium rises or peaks there, so that its course is not known; give a recording \
+         without this hole"
+    )]
+    Hole {
+        /// The file.
+        path: String,
+        /// The line before the hole, from 1.
+        line: u64,
+        /// The column of calcium as its header calls it.
+        column: String,
+        /// Time before the hole, ms.
+        from_ms: f64,
+        /// Time after it, ms.
+        to_ms: f64,
+        /// The usual time between frames, ms.
+        usual_ms: f64,
+    },
     /// A ratio without what makes it calcium.
     #[error(
         "`{path}` has a ratio in the column `{column}`, and {missing} of its calibration is missing: give \
@@ -118,23 +142,42 @@ pub(super) fn with_calcium(
     let model = (&**cell as &dyn Any).downcast_ref::<Land2017>();
     let model = model.ok_or_else(|| CalciumError::Model { model: cell.name().to_owned() })?;
     let bytes = read(path).map_err(|cause| CalciumError::Read { path: path.to_owned(), cause })?;
-    let trace = of_table(path, &bytes, calibration)?;
+    let (trace, mut remarks) = of_table(path, &bytes, calibration)?;
     let [rest, last, peak] = trace.ends();
-    let jumps = (last - rest).abs() > JUMP * (peak - rest);
-    let warning = jumps.then(|| {
-        format!(
+    if (last - rest).abs() > JUMP * (peak - rest) {
+        remarks.push(format!(
             "`{path}` ends at {last:.3} uM and rests at {rest:.3} uM: calcium stays there until the next stimulus and \
              jumps then; record until it is back, or give a single beat"
-        )
-    });
+        ));
+    }
+    let warning = (!remarks.is_empty()).then(|| remarks.join("; "));
     Ok((Arc::new(model.with_trace(trace)), warning))
+}
+
+/// The holes in a course across which calcium is interpolated, in words.
+fn holes(path: &str, curve: &Curve, calcium: &[f64]) -> Result<Vec<String>, CalciumError> {
+    let top = (0..calcium.len()).max_by(|a, b| calcium[*a].total_cmp(&calcium[*b])).unwrap_or(0);
+    let mut remarks = Vec::new();
+    for hole in holes::of(&curve.times_ms) {
+        let Hole { after_frame, from_ms, to_ms, usual_ms } = hole;
+        // The highest frame may be the last before a hole that has the peak.
+        if after_frame <= top + 1 && hole.length_ms() > LONGEST_HOLE_MS {
+            let (path, column) = (path.to_owned(), curve.name.clone());
+            let line = curve.lines[after_frame - 1];
+            return Err(CalciumError::Hole { path, line, column, from_ms, to_ms, usual_ms });
+        }
+        remarks.push(format!(
+            "`{path}` has no frame from {from_ms} to {to_ms} ms; calcium is interpolated linearly there"
+        ));
+    }
+    Ok(remarks)
 }
 
 fn of_table(
     path: &str,
     bytes: &[u8],
     calibration: Calibration,
-) -> Result<CalciumTrace, CalciumError> {
+) -> Result<(CalciumTrace, Vec<String>), CalciumError> {
     let table = |cause: String| CalciumError::Table { path: path.to_owned(), cause };
     let options = Options { units_required: true, ..Options::default() };
     let read = measured::read_bytes(path, bytes, &options).map_err(|error| match error {
@@ -157,6 +200,19 @@ fn of_table(
             None => format!("it has no column of calcium or of a ratio, only of {names}"),
         }));
     };
+    let of_kind: Vec<String> = read
+        .curves
+        .iter()
+        .filter(|other| other.kind == curve.kind)
+        .map(|curve| format!("`{}`", curve.name))
+        .collect();
+    let mut remarks = Vec::new();
+    if of_kind.len() > 1 {
+        remarks.push(format!(
+            "`{path}` has several columns of calcium, {}; the first is taken: leave the others out if that is not meant",
+            of_kind.join(", ")
+        ));
+    }
     let calcium = calibrated(path, curve, calibration)?;
     let field = |sample: usize, column: &str, cause: String| CalciumError::Field {
         path: path.to_owned(),
@@ -169,10 +225,13 @@ fn of_table(
             calcium(value).map_err(|cause| field(sample, &curve.name, cause))
         });
     let values = values.collect::<Result<Vec<f64>, _>>()?;
-    CalciumTrace::new(&curve.times_ms, &values).map_err(|cause| match cause.sample() {
-        Some(sample) => field(sample, &curve.name, cause.to_string()),
-        None => CalciumError::Course { path: path.to_owned(), cause },
-    })
+    let trace =
+        CalciumTrace::new(&curve.times_ms, &values).map_err(|cause| match cause.sample() {
+            Some(sample) => field(sample, &curve.name, cause.to_string()),
+            None => CalciumError::Course { path: path.to_owned(), cause },
+        })?;
+    remarks.extend(holes(path, curve, &values)?);
+    Ok((trace, remarks))
 }
 
 /// What turns a number into calcium, uM, or says why it cannot.
@@ -214,7 +273,7 @@ mod tests {
     use crate::cell;
 
     fn read(text: &str, calibration: Calibration) -> Result<CalciumTrace, CalciumError> {
-        of_table("trace.csv", text.as_bytes(), calibration)
+        of_table("trace.csv", text.as_bytes(), calibration).map(|(trace, _)| trace)
     }
 
     const NONE: Calibration =
@@ -288,6 +347,37 @@ mod tests {
             let error = read(text, NONE).unwrap_err().to_string();
             assert!(error.contains(part), "{text}: {error}");
         }
+    }
+
+    /// A course of 400 ms that rises from 10 ms on, peaks at 60 ms, and has no frames in some times.
+    fn with_a_hole(from_ms: u32, to_ms: u32) -> String {
+        let value = |t: u32| match t {
+            0..10 => 0.08,
+            10..60 => 0.08 + 0.01 * f64::from(t - 10),
+            _ => 0.08 + 0.5 * (-f64::from(t - 60) / 80.0).exp(),
+        };
+        let times = (0..400).step_by(2).filter(|t| !(from_ms + 1..to_ms).contains(t));
+        times.fold("time (ms),calcium (uM)\n".to_owned(), |text, t| {
+            text + &format!("{t},{}\n", value(t))
+        })
+    }
+
+    #[test]
+    fn calcium_with_a_hole_across_its_rise_is_refused_and_one_behind_it_is_said() {
+        for (from, to) in [(6, 246), (30, 50), (40, 80), (60, 90)] {
+            let error = read(&with_a_hole(from, to), NONE).unwrap_err().to_string();
+            let line = from / 2 + 2;
+            assert!(error.contains(&format!("line {line}, column `calcium (uM)`")), "{error}");
+            assert!(error.contains(&format!("from {from} to {to} ms there is none")), "{error}");
+        }
+        for (from, to, said) in [(100, 160, 1), (30, 34, 0), (30, 38, 1), (0, 2, 0)] {
+            let text = with_a_hole(from, to);
+            let (_, remarks) = of_table("a.csv", text.as_bytes(), NONE).unwrap();
+            assert_eq!(remarks.len(), said, "{from} to {to} ms: {remarks:?}");
+        }
+        // Points that were read off a figure.
+        let text = "time (ms),calcium (uM)\n0,0.1\n5,0.2\n10,0.5\n20,0.8\n50,0.6\n100,0.4\n200,0.2\n500,0.1\n";
+        assert_eq!(of_table("a.csv", text.as_bytes(), NONE).unwrap().1.len(), 0);
     }
 
     #[test]

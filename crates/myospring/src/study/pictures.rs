@@ -13,10 +13,10 @@ use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
 use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
+use crate::output::files;
 use crate::output::report::Summary;
 use crate::settings::{Fibres, Made, PictureSource, Run, ShapeError, Source};
 use crate::simulation::{Outcome, Simulation, StopReason};
-use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -63,14 +63,14 @@ impl Member for Picture {
 
     /// Of the picture, and of the settings and files of its own.
     fn key(&self) -> Option<String> {
-        let picture = sha256(&fs::read(&self.path).ok()?);
+        let picture = sha256(&files::read(&self.path).ok()?);
         if self.given.is_empty() && self.group.is_none() {
             return Some(picture);
         }
         let mut parts = vec![picture, format!("{:?}", self.group)];
         parts.extend(self.given.iter().map(|given| format!("{} = {}", given.key, given.value)));
         for file in &self.files {
-            parts.push(sha256(&fs::read(file).ok()?));
+            parts.push(sha256(&files::read(file.as_ref()).ok()?));
         }
         Some(sha256(parts.join("\n").as_bytes()))
     }
@@ -171,7 +171,7 @@ fn found_and_beaten(
     let Source::Picture(source) = &run.shape.source else {
         return Err("the run takes its shape from no picture; give it shape.picture".into());
     };
-    let bytes = run.shape.bytes(|file| fs::read(file))?;
+    let bytes = run.shape.bytes(|file| files::read(file.as_ref()))?;
     // What there is to see is kept, whatever became of it.
     let refused = |seen: &PictureCells, cause: ShapeError| -> Cause {
         let notes = [vec![cause.to_string()], seen.notes.clone()].concat();
@@ -259,7 +259,7 @@ fn beat(
     let (name, number) = (cell.name.clone(), cell.number);
     let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
     let Made { simulation, report, outline, fibres, .. } =
-        run.make(shaped, |file| std::fs::read(file))?;
+        run.make(shaped, |file| files::read(file.as_ref()))?;
     let spacing_um = report.spacing_um;
     row.number("spacing_um", spacing_um);
     row.number("masses", simulation.mesh.len() as f64);

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod fit;
+mod own_runs;
 mod pull;
 #[path = "../common/pulled_film.rs"]
 mod pulled_film;
@@ -17,8 +18,7 @@ mod workbooks;
 
 use myospring::analysis::curve::{self, CurveBeat, State};
 use myospring::analysis::value;
-use myospring::measured::{Column, Kind, Options, read, read_bytes};
-use myospring::output::csv::traces;
+use myospring::measured::{Column, Kind, Options, read};
 
 fn at_30_per_s() -> Options {
     Options { frame_rate_per_s: Some(30.0), ..Options::default() }
@@ -106,41 +106,4 @@ fn the_beat_after_a_real_artefact_is_found_named_and_counts_in_no_mean() {
         found.beats.iter().map(|beat| beat.state == State::Disturbed).collect();
     assert_eq!(disturbed, [false, true, false, false, false]);
     assert!(found.remarks.iter().any(|remark| remark.contains("beat 2")), "{:?}", found.remarks);
-}
-
-/// One mechanism: the curve of a run, measured, has the run's own metrics.
-#[test]
-fn the_curves_of_a_run_measure_as_the_run_says() {
-    use myospring::prelude::*;
-    let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
-    simulation.numerics.method = Method::QuasiStatic;
-    let outcome = simulation.build().unwrap().run(|_progress| true);
-    let beats = outcome.beats();
-    let csv = traces(&outcome.recording).unwrap();
-    let table = read_bytes("traces.csv", csv.as_bytes(), &Options::default()).unwrap();
-    let kinds: Vec<Kind> = table.curves.iter().map(|curve| curve.kind).collect();
-    assert_eq!(kinds, [Kind::Tension, Kind::Length, Kind::Shortening]);
-    let stimuli_ms = vec![beats[0].stimulus_ms];
-    let options = curve::Options { stimuli_ms, keep_drift: true, ..curve::Options::default() };
-    for (curve, names) in [
-        (&table.curves[0], &["peak_tension", "time_to_peak_tension", "twitch_duration_50"][..]),
-        (
-            &table.curves[1],
-            &[
-                "peak_shortening",
-                "time_to_peak_from_stimulus",
-                "rise_time_10_90",
-                "relaxation_time_50",
-            ],
-        ),
-    ] {
-        let analysis =
-            curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options)
-                .unwrap();
-        for name in names {
-            let (measured, run) = (analysis.mean(name).unwrap(), beats[0].value(name).unwrap());
-            // Nine digits of the table.
-            assert!((measured / run - 1.0).abs() < 1e-5, "{name}: {measured}, {run}");
-        }
-    }
 }

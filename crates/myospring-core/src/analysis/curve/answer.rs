@@ -1,5 +1,6 @@
 //! What is told of a curve, and why nothing can be.
 
+use crate::analysis::holes::Hole;
 use crate::analysis::trace::Point;
 use crate::analysis::{Metric, Spread, beat_to_beat, value};
 use serde::Serialize;
@@ -59,6 +60,22 @@ pub enum CurveError {
         /// What may help.
         hint: &'static str,
     },
+    /// Values that no curve of this kind has.
+    #[error("{of} {value:.4} {unit}, such as frame {frame}, and {bound}; {seems}")]
+    Impossible {
+        /// What has this value: most frames, most beats.
+        of: &'static str,
+        /// A frame of that value, or the one at the onset or peak of a beat of it, from 1.
+        frame: usize,
+        /// A typical value.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// What it must be.
+        bound: &'static str,
+        /// What the column seems to be, and how to measure it.
+        seems: &'static str,
+    },
     /// No stimulus within the recording.
     #[error(
         "none of {count} stimuli falls into the recording, from {from} to {to} ms; stimulus times are on its clock"
@@ -73,6 +90,16 @@ pub enum CurveError {
     },
 }
 
+impl CurveError {
+    /// The frame that is to blame, from 1, if one is.
+    pub fn frame(&self) -> Option<usize> {
+        match self {
+            Self::Sample { frame, .. } | Self::Impossible { frame, .. } => Some(*frame),
+            _ => None,
+        }
+    }
+}
+
 /// How much of a beat the recording has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -85,6 +112,8 @@ pub enum State {
     CutAtEnd,
     /// An artefact touches it: what it shows is partly a line, and it does not count in means.
     Disturbed,
+    /// Frames are missing within it: no metric is read across a hole, and it does not count in means.
+    Interrupted,
     /// A stimulus without a beat.
     Missed,
 }
@@ -97,6 +126,7 @@ impl State {
             Self::CutAtStart => "cut at the start",
             Self::CutAtEnd => "cut at the end",
             Self::Disturbed => "with an artefact",
+            Self::Interrupted => "with missing frames",
             Self::Missed => "missed",
         }
     }
@@ -171,6 +201,8 @@ pub struct Treatment {
     pub bad_frames: Vec<usize>,
     /// Longer stretches that are no beats; lines replace them.
     pub artefacts: Vec<Artefact>,
+    /// Holes in the times, across which no metric is read.
+    pub holes: Vec<Hole>,
     /// What was taken off as mains hum: Hz and amplitude in the curve's unit.
     pub hum: Option<[f64; 2]>,
 }

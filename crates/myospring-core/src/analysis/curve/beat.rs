@@ -3,14 +3,15 @@
 use super::answer::{Artefact, CurveBeat, Mark, State};
 use super::detect::Found;
 use super::upstroke::{self, Upstroke};
+use crate::analysis::holes::Hole;
 use crate::analysis::kind::{Family, Kind};
 use crate::analysis::pulse::{Pulse, Top};
 use crate::analysis::rows::{Context, row};
 use crate::analysis::trace::Point;
-use crate::analysis::{Metric, action_potential, contraction, tension, trace, transient, value};
-
-/// Part of the cycle before a beat that is its rest.
-const REST: f64 = 0.15;
+use crate::analysis::{
+    Metric, Missing, action_potential, contraction, rest, tension, trace, transient, value,
+};
+use std::ops::Range;
 
 /// Part of a cycle after a peak from which on the end of the recording is at rest.
 const END: f64 = 0.6;
@@ -18,10 +19,16 @@ const END: f64 = 0.6;
 /// Part of a beat's height above which the record is not at rest.
 const AT_REST: f64 = 0.1;
 
-pub(super) const REST_ONSET: &str =
-    "mean of the frames in the last 15 % of the cycle before the beat's onset";
-pub(super) const REST_STIMULUS: &str =
-    "mean of the frames in the last 15 % of the cycle before the stimulus";
+/// Metrics that need a beat up to its end.
+const TO_THE_END: [&str; 4] =
+    ["area_under_curve", "tension_time_integral", "residual_shortening", "residual_amplitude"];
+
+/// Metrics that need the rest before a beat alone.
+const AT_REST_ALONE: [&str; 5] =
+    ["resting_length", "baseline", "resting_tension", "diastolic_level", "resting_potential"];
+
+/// Height that a beat has once its drift is taken off, at least, of that with which it was found.
+const LEAST: f64 = 0.1;
 
 /// A curve, ready to be read.
 pub(super) struct Reader<'a> {
@@ -34,6 +41,8 @@ pub(super) struct Reader<'a> {
     /// Standard deviation of the noise of `signal`, and of `smoothed`.
     pub(super) level: f64,
     pub(super) noise: f64,
+    /// Time over which the mean of `signal` has little noise, ms.
+    pub(super) noise_ms: f64,
     /// What turns `signal` into the curve's values.
     pub(super) sign: f64,
     pub(super) kind: Kind,
@@ -41,6 +50,9 @@ pub(super) struct Reader<'a> {
     pub(super) found: &'a Found,
     pub(super) keep_drift: bool,
     pub(super) artefacts: &'a [Artefact],
+    pub(super) holes: &'a [Hole],
+    /// Frames either side of one that smoothing takes in.
+    pub(super) half: usize,
 }
 
 /// Where a beat lies in the samples.
@@ -95,7 +107,8 @@ impl Reader<'_> {
             // A foot that rises before the line does is none of it.
             let foot = 0.25 * (self.times[peak] - onset).max(0.0);
             let end = self.times.partition_point(|time| *time <= onset - foot).min(peak);
-            let start = self.times.partition_point(|time| *time < onset - foot - REST * cycle);
+            let start =
+                self.times.partition_point(|time| *time < onset - foot - rest::PART * cycle);
             // Three frames at least, where there are as many after the beat before.
             let first_free = if at == 0 { 0 } else { peaks[at - 1] + 1 };
             let start = start.min(end.saturating_sub(3)).max(first_free);
@@ -150,15 +163,10 @@ impl Reader<'_> {
     /// What follows each stimulus before the next.
     pub(super) fn after(&self, stimuli: &[f64]) -> Vec<CurveBeat> {
         let last = self.times[self.times.len() - 1];
-        let mut distances: Vec<f64> = stimuli.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        distances.sort_by(f64::total_cmp);
-        let cycle = distances.get(distances.len() / 2).copied().unwrap_or(last - stimuli[0]);
         let owners = self.owners(stimuli);
         let mut spans = Vec::new();
         let mut beats: Vec<Option<CurveBeat>> = Vec::new();
         for (index, &stimulus) in stimuli.iter().enumerate() {
-            let before = if index == 0 { cycle } else { stimulus - stimuli[index - 1] };
-            let first = self.times.partition_point(|time| *time < stimulus);
             let tops = self.found.peaks.iter().zip(&owners);
             let tops: Vec<usize> =
                 tops.filter(|(_, owner)| **owner == Some(index)).map(|(peak, _)| peak.at).collect();
@@ -169,7 +177,7 @@ impl Reader<'_> {
             let top = tops.into_iter().find(|top| self.smoothed[*top] >= enough);
             let Some(peak) = top else {
                 let end = stimuli.get(index + 1).copied().unwrap_or(last);
-                let hidden = self.artefacts_within(stimulus, end);
+                let hidden = self.hidden_within(stimulus, end);
                 let hint = if hidden.is_empty() {
                     String::new()
                 } else {
@@ -189,9 +197,8 @@ impl Reader<'_> {
                 }));
                 continue;
             };
-            let from = self.times.partition_point(|time| *time < stimulus - REST * before);
-            let from = from.min(first.saturating_sub(3));
-            let to = self.times.partition_point(|time| *time <= stimulus).max(from + 1);
+            let Range { start: from, end: to } =
+                rest::before(self.times, stimuli, index, self.noise_ms).unwrap_or(0..1);
             let rest = mean(&self.signal[from..to]);
             // The top of the beat before may come after this stimulus, and is none of this beat.
             let mut before = self.found.peaks.iter().map(|other| other.at);
@@ -233,7 +240,10 @@ impl Reader<'_> {
             let begin = self.span(&peaks, at, cycle).begin;
             // Noise may put an onset a little before its stimulus.
             let slack = 0.15 * (self.times[peaks[at]] - begin).max(0.0);
-            (begin + slack).min(self.times[peaks[at]])
+            // No onset is known better than to a sample: an upstroke may begin between the one before its stimulus and the
+            // next.
+            let next = self.times.partition_point(|time| *time < begin + slack);
+            self.times[next.min(peaks[at])]
         };
         let owner = |at: usize| stimuli.partition_point(|time| *time <= onset(at)).checked_sub(1);
         (0..peaks.len()).map(owner).collect()
@@ -250,6 +260,33 @@ impl Reader<'_> {
             count if count > 3 => format!("{count} artefacts, the first at {},", times[0]),
             _ => format!("artefacts at {}", times.join(", ")),
         }
+    }
+
+    /// The holes that overlap a time, with what smoothing takes from across them, in words; empty where there are none.
+    fn holes_within(&self, from: f64, to: f64) -> String {
+        let touches = |hole: &&Hole| {
+            let margin = self.half as f64 * hole.usual_ms;
+            hole.from_ms - margin < to && hole.to_ms + margin > from
+        };
+        let within: Vec<&Hole> = self.holes.iter().filter(touches).collect();
+        match within[..] {
+            [] => String::new(),
+            [one] => {
+                format!("the hole in the times from {:.0} to {:.0} ms", one.from_ms, one.to_ms)
+            }
+            [first, ..] => format!(
+                "{} holes in the times, the first from {:.0} to {:.0} ms,",
+                within.len(),
+                first.from_ms,
+                first.to_ms
+            ),
+        }
+    }
+
+    /// What may hide a beat in a time, in words.
+    fn hidden_within(&self, from: f64, to: f64) -> String {
+        let both = [self.artefacts_within(from, to), self.holes_within(from, to)];
+        both.into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join(" and ")
     }
 
     fn read(&self, spans: &[Span]) -> Vec<CurveBeat> {
@@ -295,17 +332,19 @@ impl Reader<'_> {
             let mut beat = self.beat(at + 1, span, spans.get(at + 1), slope(at), interval);
             if let (None, Some(before), Some(last)) = (span.stimulus, before, beats.last()) {
                 // What an artefact hides may be a beat.
-                let hidden = self.artefacts_within(self.times[before.peak], span.begin);
+                let hidden = self.hidden_within(self.times[before.peak], span.begin);
                 let long = interval.is_some_and(|interval| interval > 1.5 * cycle);
                 if long && !hidden.is_empty() {
                     beat.remarks.push(format!("{hidden} may hide a beat before it"));
                 }
-                if last.state == State::Disturbed
-                    || beat.state == State::Disturbed
-                    || long && !hidden.is_empty()
-                {
+                let why = [last.state, beat.state].into_iter().find_map(|state| match state {
+                    State::Disturbed => Some(Missing::Artefact),
+                    State::Interrupted => Some(Missing::Hole),
+                    _ => None,
+                });
+                if let Some(why) = why.or((long && !hidden.is_empty()).then_some(Missing::Hidden)) {
                     let interval = beat.metrics.iter_mut().filter(|row| row.name == "interval");
-                    interval.for_each(|row| row.value = None);
+                    interval.for_each(|row| row.lose(why));
                 }
             }
             beats.push(beat);
@@ -323,7 +362,7 @@ impl Reader<'_> {
         if end - peak < END * cycle || cycle <= 0.0 {
             return None;
         }
-        let from = self.times.partition_point(|time| *time < end - REST / 3.0 * cycle);
+        let from = self.times.partition_point(|time| *time < end - rest::PART / 3.0 * cycle);
         let from = from.min(self.times.len().saturating_sub(3));
         let value = mean(&self.signal[from..]);
         let height = self.smoothed[last.peak] - last.rest_at.value;
@@ -361,13 +400,16 @@ impl Reader<'_> {
             .map(|slopes| slopes[first..last].iter().map(|steep| steep - slope).collect());
         let slopes = slopes.as_deref();
         let upstroke = self.upstroke(span, slope);
-        let pulse = Pulse::new(times, &heights, start, top)
+        // What drift leaves of a beat must still be most of what was found.
+        let least = LEAST * (self.smoothed[span.peak] - span.rest_at.value).max(0.0);
+        let pulse = Pulse::resting_from(start, times, &heights, span.begin, top)
+            .above(least)
             .with_noise(self.noise)
             .with_slopes(slopes)
             .with_steepest(upstroke.map(|upstroke| upstroke.at));
         let onset = if span.stimulus.is_some() {
             match (pulse.rises(0.1), pulse.rises(0.5)) {
-                (Some(tenth), Some(half)) => Some(tenth - 0.25 * (half - tenth)),
+                (Ok(tenth), Ok(half)) => Some(tenth - 0.25 * (half - tenth)),
                 _ => None,
             }
         } else {
@@ -376,46 +418,52 @@ impl Reader<'_> {
         let context = Context {
             stimulus: span.stimulus,
             onset,
-            rest: if span.stimulus.is_some() { REST_STIMULUS } else { REST_ONSET },
+            rest: if span.stimulus.is_some() { rest::BEFORE_STIMULUS } else { rest::BEFORE_ONSET },
         };
         let mut remarks = Vec::new();
         let mut metrics = self.metrics([times, &heights], slopes, &pulse, &base, rest, &context);
         if self.kind == Kind::Potential {
             let diastolic = self.diastolic(span, next).map(|value| self.sign * value);
-            let spontaneous = span.stimulus.is_none().then_some([diastolic, None]);
-            let window = upstroke.map(|upstroke| upstroke.window_ms);
+            let diastolic = diastolic.ok_or(Missing::Cut);
+            let spontaneous = span.stimulus.is_none().then_some(diastolic);
+            let window = upstroke.map(|upstroke| upstroke.window_ms).ok_or(Missing::NoRise);
             metrics.extend(action_potential::of_upstroke(window, spontaneous, self.unit));
         }
         let over = pulse.falls(AT_REST).unwrap_or(times[times.len() - 1]);
         let touching = self.artefacts_within(start, over);
+        let torn = self.holes_within(span.begin, over);
         let state = if span.cut_at_start {
             remarks.push("the recording begins within it: its rest is unknown".to_owned());
             State::CutAtStart
+        } else if !torn.is_empty() {
+            remarks.push(format!("no metric is read across {torn}: it counts in no mean"));
+            State::Interrupted
         } else if !touching.is_empty() {
             let verb = if touching.starts_with("an ") { "touches" } else { "touch" };
             remarks.push(format!("{touching} {verb} it: it counts in no mean"));
             State::Disturbed
-        } else if next.is_none() && pulse.falls(AT_REST).is_none() {
+        } else if next.is_none() && pulse.falls(AT_REST).is_err() {
             remarks.push("the recording ends before it is over".to_owned());
             State::CutAtEnd
         } else {
             State::Whole
         };
         if state == State::CutAtEnd {
-            let parts = [
-                "area_under_curve",
-                "tension_time_integral",
-                "residual_shortening",
-                "residual_amplitude",
-            ];
-            let cut = metrics.iter_mut().filter(|metric| parts.contains(&metric.name));
-            cut.for_each(|metric| metric.value = None);
+            let cut = metrics.iter_mut().filter(|metric| TO_THE_END.contains(&metric.name));
+            cut.for_each(|metric| metric.lose(Missing::Cut));
+        }
+        if state == State::Interrupted {
+            let across = metrics.iter_mut().filter(|metric| !AT_REST_ALONE.contains(&metric.name));
+            across.for_each(|metric| metric.lose(Missing::Hole));
+        } else if !self.holes_within(start, times[times.len() - 1]).is_empty() {
+            let across = metrics.iter_mut().filter(|metric| TO_THE_END.contains(&metric.name));
+            across.for_each(|metric| metric.lose(Missing::Hole));
         }
         metrics.insert(
             0,
             row(
                 "interval",
-                interval,
+                interval.ok_or(Missing::First),
                 "ms",
                 if span.stimulus.is_some() {
                     "from the stimulus before, missed ones left out"
@@ -500,9 +548,12 @@ impl Reader<'_> {
                 let shortening: Vec<f64> = heights.iter().map(|height| height / rest).collect();
                 let slopes: Option<Vec<f64>> =
                     slopes.map(|slopes| slopes.iter().map(|slope| slope / rest).collect());
-                let part = Pulse::new(times, &shortening, pulse.start(), Top::Vertex)
-                    .with_noise(self.noise / rest)
-                    .with_slopes(slopes.as_deref());
+                let least = if pulse.peak().is_ok() { 0.0 } else { f64::INFINITY };
+                let part =
+                    Pulse::resting_from(times[0], times, &shortening, pulse.start(), Top::Vertex)
+                        .above(least)
+                        .with_noise(self.noise / rest)
+                        .with_slopes(slopes.as_deref());
                 contraction::of_length(&part, Some(rest), self.unit, context)
             }
             Family::Contraction => contraction::of_motion(pulse, rest, self.unit, context),
@@ -520,7 +571,7 @@ impl Reader<'_> {
 
     /// Where the metrics were read, on the curve.
     fn marks(&self, pulse: &Pulse, onset: Option<f64>, base: &dyn Fn(f64) -> f64) -> Vec<Mark> {
-        let Some(peak) = pulse.peak() else { return Vec::new() };
+        let Ok(peak) = pulse.peak() else { return Vec::new() };
         let on = |name, time: Option<f64>, part: f64| {
             let time = time?;
             let value = self.sign * (base(time) + part * peak.value);
@@ -528,16 +579,16 @@ impl Reader<'_> {
         };
         let marks = [
             on("onset", onset, 0.0),
-            on("10 % up", pulse.rises(0.1), 0.1),
-            on("50 % up", pulse.rises(0.5), 0.5),
-            on("90 % up", pulse.rises(0.9), 0.9),
+            on("10 % up", pulse.rises(0.1).ok(), 0.1),
+            on("50 % up", pulse.rises(0.5).ok(), 0.5),
+            on("90 % up", pulse.rises(0.9).ok(), 0.9),
             on("peak", Some(peak.time), 1.0),
-            on("50 % down", pulse.falls(0.5), 0.5),
-            on("90 % down", pulse.falls(0.1), 0.1),
+            on("50 % down", pulse.falls(0.5).ok(), 0.5),
+            on("90 % down", pulse.falls(0.1).ok(), 0.1),
         ];
         let mut marks: Vec<Mark> = marks.into_iter().flatten().collect();
         for (name, sign) in [("fastest up", 1.0), ("fastest down", -1.0)] {
-            let Some(at) = pulse.fastest(sign) else { continue };
+            let Ok(at) = pulse.fastest(sign) else { continue };
             let right =
                 self.times.partition_point(|time| *time < at.time).min(self.times.len() - 1);
             let value = 0.5 * (self.smoothed[right.saturating_sub(1)] + self.smoothed[right]);
@@ -552,7 +603,7 @@ fn cycles(beats: &mut [CurveBeat]) {
     let upstrokes: Vec<Option<f64>> = beats
         .iter()
         .map(|beat| {
-            let whole = !matches!(beat.state, State::CutAtStart | State::Disturbed);
+            let whole = matches!(beat.state, State::Whole | State::CutAtEnd);
             value(&beat.metrics, "time_of_upstroke").filter(|_| whole)
         })
         .collect();
@@ -562,7 +613,11 @@ fn cycles(beats: &mut [CurveBeat]) {
             continue;
         }
         if let Some(cycle) = beat.metrics.iter_mut().find(|metric| metric.name == "cycle_length") {
-            cycle.value = Some(()).and_then(|()| Some(upstrokes[at]? - upstrokes[at - 1]?));
+            if let (Some(before), Some(own)) = (upstrokes[at - 1], upstrokes[at]) {
+                (cycle.value, cycle.missing) = (Some(own - before), None);
+            } else {
+                cycle.lose(Missing::Artefact);
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod doubt;
 mod grid;
+mod unread;
 
 use super::*;
 use crate::analysis::kind::Kind;
@@ -250,12 +251,15 @@ fn no_interval_is_negative_however_slowly_a_beat_rises_after_another() {
                 slopes: None,
                 level: 0.0,
                 noise: 0.0,
+                noise_ms: 0.0,
                 sign: 1.0,
                 kind: Kind::Tension,
                 unit: "kPa",
                 found: &found,
                 keep_drift: false,
                 artefacts: &[],
+                holes: &[],
+                half: 0,
             };
             let interval = crate::analysis::value(&reader.found()[1].metrics, "interval").unwrap();
             assert!(interval > 0.0, "{step}, {slow}: {interval} ms");

@@ -6,7 +6,7 @@ use crate::analysis::capture::Window;
 use crate::analysis::rhythm::Rhythm;
 use crate::analysis::rows::Context;
 use crate::analysis::s2::{self, S1S2};
-use crate::analysis::{Metric, action_potential, capture, pulse, tension, trace, value};
+use crate::analysis::{Metric, Missing, action_potential, capture, pulse, tension, trace, value};
 use crate::cell::pacing::Protocol;
 
 /// The curves of a cell over its samples.
@@ -177,7 +177,8 @@ impl Course {
             "coupling_interval" | "diastolic_interval" | "relative_peak_tension" => {
                 let peak = "peak_tension";
                 let of_s1 = self.of_train(s1, peak);
-                let of_s1 = [Metric { name: peak, value: of_s1, unit: "kPa", definition: "" }];
+                let of_s1 = of_s1.ok_or(Missing::NotReached);
+                let of_s1 = [Metric::new(peak, of_s1, "kPa", "")];
                 let diastolic = pair.diastolic_interval(times, potential);
                 let of_s2 = twitch().unwrap_or_default();
                 value(&s2::rows(Some(pair), diastolic, &[&of_s1], &[&of_s2]), name)
