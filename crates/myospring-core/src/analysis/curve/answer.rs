@@ -46,10 +46,7 @@ pub enum CurveError {
         value: f64,
     },
     /// Nothing stands above the noise.
-    #[error(
-        "there is no beat: nothing rises above the noise (standard deviation {noise:.3} {unit}) by the {least:.3} \
-         {unit} that a beat would need{hint}"
-    )]
+    #[error("there is no beat: {}{hint}", above_noise(*noise, *least, unit))]
     NoBeat {
         /// Standard deviation of the noise.
         noise: f64,
@@ -237,5 +234,32 @@ impl Analysis {
     pub fn mean(&self, name: &str) -> Option<f64> {
         let values: Vec<f64> = self.counted().iter().filter_map(|beat| value(beat, name)).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    }
+}
+
+/// What does not rise above the noise, in words.
+fn above_noise(noise: f64, least: f64, unit: &str) -> String {
+    if noise.is_finite() && least.is_finite() {
+        return format!(
+            "nothing rises above the noise (standard deviation {noise:.3} {unit}) by the {least:.3} {unit} that a beat \
+             would need"
+        );
+    }
+    "too few frames are free of artefacts to tell a beat from noise".to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_noise_that_is_not_known_is_not_stated() {
+        for (noise, least) in [(f64::NAN, 1.0), (0.1, f64::NAN), (f64::INFINITY, f64::INFINITY)] {
+            let said = CurveError::NoBeat { noise, least, unit: "um", hint: "" }.to_string();
+            assert!(!said.contains("NaN") && !said.contains("inf"), "{said}");
+            assert!(said.contains("too few frames"), "{said}");
+        }
+        let known = CurveError::NoBeat { noise: 0.1, least: 0.5, unit: "um", hint: "" };
+        assert!(known.to_string().contains("standard deviation 0.100 um"));
     }
 }
