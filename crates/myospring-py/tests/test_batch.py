@@ -117,6 +117,20 @@ def test_ctrl_c_stops_a_batch_and_a_beat_within_a_second(cell):
     params = np.linspace(10, 100, 5000)[:, None]
     assert interrupted(lambda: myospring.simulate_batch(params, ["peak_tension_kpa"], cell)) < 1
     assert interrupted(lambda: myospring.simulate(cell, integrator="quasi-static", beats=2000, frame_interval_ms=500)) < 1
+    # Pacing before a run, a path of equilibria that takes long, and a cell alone.
+    steady = {"model": "tor_ord_land", "steady_state": 1e-6}
+    assert interrupted(lambda: myospring.simulate(cell, **steady)) < 1
+    fine = myospring.Cell.builtin(spacing_um=0.25)
+    tall = {"integrator": "quasi-static", "support": "afterloaded-ends", "afterload_nn": 2000}
+    assert interrupted(lambda: myospring.simulate(fine, **tall)) < 1
+    long = {"model": "tor_ord_land", "beats": 400, "duration_ms": 4e5}
+    assert interrupted(lambda: myospring.action_potential(**long)) < 1
+
+
+def test_ctrl_c_stops_a_fit_within_a_second(cell):
+    beat = myospring.simulate(cell, integrator="quasi-static")
+    curve = (beat.t_ms[::20], beat.length_um[::20])
+    assert interrupted(lambda: myospring.fit(curve, cell, model="tor_ord_land")) < 1
 
 
 def test_python_goes_on_while_cells_beat(cell):
