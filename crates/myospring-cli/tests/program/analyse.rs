@@ -200,10 +200,10 @@ fn what_a_column_cannot_be_is_refused_with_its_line_and_what_it_seems_to_be() {
         assert_eq!(output.status.code(), Some(2), "{file}: {said}");
         assert!(said.contains(part) && said.contains("line "), "{file}: {said}");
     }
+    assert!(!folder.path().join("results").exists());
     let fit = myospring(folder.path(), &["fit", "--to", "change.csv", "--starts", "1"]);
     assert_eq!(fit.status.code(), Some(2));
     assert!(stderr(&fit).contains("a length is above 0"), "{}", stderr(&fit));
-    assert!(!folder.path().join("results").exists());
 }
 
 #[test]
