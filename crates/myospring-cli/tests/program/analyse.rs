@@ -34,7 +34,7 @@ fn the_beats_of_a_table_are_measured_drawn_and_printed_with_units() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     assert!(text.contains("beats: 5 whole") && text.contains("1250 frames at 250.0 /s"), "{text}");
-    assert!(text.contains("peak shortening") && text.contains("baseline: mean of"), "{text}");
+    assert!(text.contains("peak shortening") && text.contains("baseline: mean over"), "{text}");
     let results = folder.path().join("results/zelle_beats");
     assert_eq!(names(&results), ["figures", "metrics.csv", "summary.csv", "summary.json"]);
     assert_eq!(names(&results.join("figures")).len(), 2, "one figure as SVG and PNG");
