@@ -271,8 +271,8 @@ struct Outcome {
     listed: usize,
     /// Names of the means that artefacts moved, by how much.
     moved: Vec<(&'static str, f64)>,
-    /// Without artefacts: beats that were lost and those that are none.
-    clean: [usize; 2],
+    /// Without artefacts: beats that were lost, those that are none, and artefacts that are listed nevertheless.
+    clean: [usize; 3],
     doubtful: bool,
     refused: bool,
 }
@@ -303,6 +303,9 @@ impl Recording {
     fn judge(&self) -> Outcome {
         let clean = analyse(&self.times, &self.clean, self.kind, "", &Options::default());
         let found = analyse(&self.times, &self.values, self.kind, "", &Options::default());
+        let listed_clean = clean
+            .as_ref()
+            .map_or(0, |clean| clean.treatment.artefacts.len() + clean.treatment.bad_frames.len());
         let beats = |found: &Result<Analysis, _>| {
             found.as_ref().map_or(Vec::new(), |found: &Analysis| found.beats.clone())
         };
@@ -355,7 +358,11 @@ impl Recording {
             invented,
             listed: self.faults.iter().filter(is_listed).count(),
             moved,
-            clean: [true_pairs.iter().filter(|pair| pair.is_none()).count(), invented_clean],
+            clean: [
+                true_pairs.iter().filter(|pair| pair.is_none()).count(),
+                invented_clean,
+                listed_clean,
+            ],
             doubtful: found
                 .as_ref()
                 .is_ok_and(|found| found.remarks.iter().any(|it| it.contains("cannot be told"))),
@@ -377,7 +384,7 @@ struct Sum {
     faults: usize,
     unlisted: usize,
     moved: usize,
-    clean: [usize; 2],
+    clean: [usize; 3],
 }
 
 impl Sum {
@@ -394,13 +401,12 @@ impl Sum {
         self.faults += of.faults.len();
         self.unlisted += of.faults.len() - outcome.listed;
         self.moved += usize::from(!outcome.moved.is_empty());
-        self.clean[0] += outcome.clean[0];
-        self.clean[1] += outcome.clean[1];
+        self.clean.iter_mut().zip(outcome.clean).for_each(|(sum, one)| *sum += one);
     }
 
     fn print(&self, name: &str) {
         println!(
-            "| {name} | {} | {} | {} | {} | {} | {} of {} | {} | {} of {} | {} | {} + {} |",
+            "| {name} | {} | {} | {} | {} | {} | {} of {} | {} | {} of {} | {} | {} + {} + {} |",
             self.recordings,
             self.bad,
             self.silent,
@@ -414,6 +420,7 @@ impl Sum {
             self.moved,
             self.clean[0],
             self.clean[1],
+            self.clean[2],
         );
     }
 }
@@ -448,7 +455,7 @@ fn main() {
         ] {
             sums.entry(name.to_owned()).or_default().add(&recording, &outcome);
         }
-        let bad = outcome.is_bad(&recording) || outcome.clean != [0, 0];
+        let bad = outcome.is_bad(&recording) || outcome.clean != [0, 0, 0];
         if show > 0 && bad && (show > 1 || !(outcome.doubtful || outcome.refused)) {
             println!(
                 "{turn}: {}, {}, {}: {} lost, {} invented, {} of {} listed, moved {:?}, clean {:?}{}",
@@ -467,7 +474,7 @@ fn main() {
     }
     println!(
         "\n| recordings | all | bad | not said | doubtful | refused | beats lost | invented | artefacts not listed | means moved | \
-         clean: lost + invented |\n|---|---|---|---|---|---|---|---|---|---|---|"
+         clean: lost + invented + listed |\n|---|---|---|---|---|---|---|---|---|---|---|"
     );
     for (name, sum) in &sums {
         sum.print(name);

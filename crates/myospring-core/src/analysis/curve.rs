@@ -45,6 +45,9 @@ use std::cmp::Ordering;
 const SHORTEST_MS: f64 = 15.0;
 const SHORTEST_POTENTIAL_MS: f64 = 2.0;
 
+/// What stays above half of its height for longer, ms, may be drift: human ventricular potentials last some 400 there.
+const LONGEST_MS: f64 = 1500.0;
+
 /// Noise that is smoothed down to, as a part of a beat's height.
 const SMOOTH_TO: f64 = 0.005;
 
@@ -271,11 +274,12 @@ fn removed(of: &Side) -> usize {
 /// Bridges artefacts and finds the direction of a curve whose kind does not fix it.
 fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
     let plateau = kind == Kind::Potential;
-    let shortest = if plateau { SHORTEST_POTENTIAL_MS } else { SHORTEST_MS } / median_step(times);
+    let lasts = [if plateau { SHORTEST_POTENTIAL_MS } else { SHORTEST_MS }, LONGEST_MS];
+    let lasts = lasts.map(|ms| ms / median_step(times));
     let of = |rises: bool| {
         let sign = if rises { 1.0 } else { -1.0 };
         let signal: Vec<f64> = values.iter().map(|value| sign * value).collect();
-        (rises, artefacts::bridge(&signal, plateau, shortest))
+        (rises, artefacts::bridge(&signal, plateau, lasts))
     };
     let (own, against) = if let Some(rises) = kind.rises() {
         let own = of(rises);
@@ -477,7 +481,7 @@ fn hole_remark(holes: &[Hole]) -> Option<String> {
     ))
 }
 
-/// Artefacts that a remark lists by their times, at most.
+/// Artefacts or beats that a remark lists, at most.
 const LISTED: usize = 5;
 
 /// Over which time the slopes of upstrokes were read.

@@ -45,7 +45,7 @@ pub(super) struct Artefact {
 pub(super) type Bridged = (Vec<f64>, Vec<Artefact>, Option<Beats>);
 
 /// Bridges the artefacts of a curve that rises in a beat; no beat is shorter than this at half its height, frames.
-pub(super) fn bridge(measured: &[f64], plateau: bool, shortest: f64) -> Bridged {
+pub(super) fn bridge(measured: &[f64], plateau: bool, lasts: [f64; 2]) -> Bridged {
     let mut bad = vec![false; measured.len()];
     lost::mark(measured, &mut bad);
     let mut signal = measured.to_vec();
@@ -54,16 +54,7 @@ pub(super) fn bridge(measured: &[f64], plateau: bool, shortest: f64) -> Bridged 
     let undisturbed = without(values, &bad);
     let windows = windows::widths(values.len());
     let filtered = windows::behind(values, &windows);
-    // Noise that goes on for a fourth of a beat is beats that were taken for it.
-    let mut noise = Noise::of(&undisturbed);
-    let beats = loop {
-        let beats = usual::usual(values, &windows, &filtered, noise, shortest);
-        let fits = |beats: &Beats| 4.0 * noise.memory <= beats.width;
-        if noise.memory <= 1.0 || beats.as_ref().is_some_and(fits) {
-            break beats;
-        }
-        noise = Noise::up_to(noise.memory as usize / 2, &undisturbed);
-    };
+    let (noise, beats) = usual_in_noise(values, &windows, &filtered, &undisturbed, lasts);
     let Some(beats) = beats else {
         return (measured.to_vec(), Vec::new(), None);
     };
@@ -90,11 +81,43 @@ pub(super) fn bridge(measured: &[f64], plateau: bool, shortest: f64) -> Bridged 
     (clean, artefacts, Some(beats))
 }
 
+/// The noise of a curve and its beats. How long noise goes on is known from the beats only: those that the longest memory
+/// shows, as long as a shorter one does not show more of the same.
+fn usual_in_noise(
+    values: &[f64],
+    windows: &[usize],
+    filtered: &[Vec<f64>],
+    undisturbed: &[f64],
+    lasts: [f64; 2],
+) -> (Noise, Option<Beats>) {
+    let mut noise = Noise::of(undisturbed);
+    let mut best: Option<(Noise, Beats)> = None;
+    loop {
+        let beats = usual::usual(values, windows, filtered, noise, lasts);
+        // Noise that goes on for a fourth of a beat is beats that were taken for it.
+        let fits = |beats: &Beats| 4.0 * noise.memory <= beats.width;
+        best = match (beats, best) {
+            (Some(beats), None) if noise.memory <= 1.0 || fits(&beats) => Some((noise, beats)),
+            (Some(beats), Some((_, longer)))
+                if fits(&beats) && beats.replace(&longer, lasts[1]) =>
+            {
+                Some((noise, beats))
+            }
+            (_, best) => best,
+        };
+        if noise.memory <= 1.0 {
+            break;
+        }
+        noise = Noise::up_to(noise.memory as usize / 2, undisturbed);
+    }
+    best.map_or((noise, None), |(noise, beats)| (noise, Some(beats)))
+}
+
 /// A bound, in standard deviations, that noise does not reach in this number of frames. It is wider for few frames, whose
 /// noise is known less well.
 fn noise_reach(frames: usize) -> f64 {
     let frames = frames as f64;
-    ((2.0 * frames.ln()).sqrt() + 4.0) * (1.0 + 3.0 / frames.sqrt())
+    ((2.0 * frames.ln()).sqrt() + 2.5) * (1.0 + 3.0 / frames.sqrt())
 }
 
 /// Marks what windows narrower than a beat take away, and beats do not lose.
@@ -170,6 +193,13 @@ fn top_of_beats(lost: &[f64], beats: &Beats, window: usize, plateau: bool) -> f6
             largest[beat] = largest[beat].max(here / beats.heights[beat]);
         }
     }
+    // An artefact that was taken for a beat has another width.
+    let mut largest: Vec<f64> = largest
+        .iter()
+        .zip(&beats.usual)
+        .filter(|(_, usual)| **usual)
+        .map(|(most, _)| *most)
+        .collect();
     largest.sort_by(f64::total_cmp);
     let part = |part: f64| largest[((largest.len() - 1) as f64 * part) as usize];
     // A triangle loses half of its window over its width; other pulses of one top, less or little more.

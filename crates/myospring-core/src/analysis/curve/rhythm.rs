@@ -1,5 +1,6 @@
 //! What is odd about a series of beats: missed, early and late ones, alternans, irregular intervals.
 
+use super::LISTED;
 use super::answer::{CurveBeat, State};
 use crate::analysis::alternans::{self, Alternans};
 use crate::analysis::value;
@@ -25,6 +26,7 @@ pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
     }
     if !paced {
         remarks.extend(intervals(beats));
+        remarks.extend(between(beats));
     }
     remarks.extend(UNLIKES.iter().filter_map(|in_what| unlike_in(beats, in_what)));
     remarks.extend(alternans(beats));
@@ -59,6 +61,8 @@ struct Unlike {
     differs: fn(f64, f64) -> bool,
     name: &'static str,
     how: &'static str,
+    /// How many of their usual deviations beats differ at least.
+    deviations: f64,
     /// Whether every other beat, or a third of them, may differ so.
     may_be_many: bool,
 }
@@ -70,6 +74,7 @@ const UNLIKES: [Unlike; 2] = [
         differs: |area, usual| area > UNLIKE * usual,
         name: "its area",
         how: "far larger than",
+        deviations: 9.0,
         may_be_many: true,
     },
     Unlike {
@@ -77,13 +82,14 @@ const UNLIKES: [Unlike; 2] = [
         differs: |own, usual| UNLIKE * own < usual,
         name: "its duration",
         how: "far shorter than",
+        deviations: 5.0,
         may_be_many: false,
     },
 ];
 
 /// Marks beats that differ from all others.
 fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
-    let Unlike { size, differs, name, how, may_be_many } = *in_what;
+    let Unlike { size, differs, name, how, deviations, may_be_many } = *in_what;
     let median = |mut list: Vec<f64>| {
         list.sort_by(f64::total_cmp);
         list.get(list.len() / 2).copied()
@@ -107,7 +113,7 @@ fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
         // After a pause a beat is stronger.
         let rested = value(&beats[at].metrics, "interval").zip(interval);
         let rested = rested.is_some_and(|(own, usual)| own > LATE * usual);
-        if differs(area, usual) && (area - usual).abs() > 9.0 * spread && !rested {
+        if differs(area, usual) && (area - usual).abs() > deviations * spread && !rested {
             found.push((at, area / usual));
         }
     }
@@ -127,14 +133,67 @@ fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
         beat.remarks.push(format!(
             "{name} is {times:.1} times that of the others: it may be an artefact, and counts in no mean"
         ));
-        odd.push(beat.number.to_string());
+        odd.push(beat.number);
+        // Nor does the interval from a short one, which may be no beat at all, to the next.
+        let next = beats.get_mut(at + 1).filter(|next| next.stimulus_ms.is_none() && !may_be_many);
+        let metrics = next.into_iter().flat_map(|next| &mut next.metrics);
+        for interval in metrics.filter(|metric| metric.name == "interval") {
+            interval.value = None;
+        }
     }
-    let [what, is, ask] = if odd.len() == 1 {
-        ["beat", "is", "look whether it is a beat"]
-    } else {
-        ["beats", "are", "look whether they are beats"]
+    let is = if odd.len() == 1 { "is" } else { "are" };
+    (!odd.is_empty()).then(|| asked(&odd, &format!("{is} {how} all others")))
+}
+
+/// What is odd about some beats, and that this may be since they are none.
+fn asked(numbers: &[usize], what: &str) -> String {
+    let listed: Vec<String> = numbers.iter().take(LISTED).map(usize::to_string).collect();
+    let more = match numbers.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
     };
-    (!odd.is_empty()).then(|| format!("{what} {} {is} {how} all others: {ask}", odd.join(", ")))
+    let [beats, whether] =
+        if numbers.len() == 1 { ["beat", "it is a beat"] } else { ["beats", "they are beats"] };
+    format!(
+        "{beats} {}{more} {what}: whether {whether} cannot be told for sure; look at the figure",
+        listed.join(", ")
+    )
+}
+
+/// The middle half of intervals that come by chance is 1.6 times as wide as the usual one is long; of an irregular rhythm,
+/// with a standard deviation of a third of the mean, half as wide.
+const BY_CHANCE: f64 = 0.9;
+
+/// Fewest intervals that this is asked of.
+const LEAST_BY_CHANCE: usize = 5;
+
+/// How far an interval may be from the usual one of a regular rhythm.
+const REGULAR: f64 = 0.08;
+
+/// Fewest intervals that show a regular rhythm.
+const LEAST_REGULAR: usize = 3;
+
+/// Beats that come between two others which are one usual interval apart: a rhythm does not wait for an artefact.
+fn between(beats: &[CurveBeat]) -> Option<String> {
+    let of = |beat: &CurveBeat| value(&beat.metrics, "interval").unwrap_or(f64::NAN);
+    let intervals: Vec<f64> = beats.iter().map(of).collect();
+    let near = |interval: f64, usual: f64| (interval - usual).abs() < REGULAR * usual;
+    let split = |at: usize, usual: f64| {
+        let &[before, after] = &intervals[at..at + 2] else { return false };
+        before.max(after) < EARLY * usual && near(before + after, usual)
+    };
+    let places = || 0..intervals.len().saturating_sub(1);
+    let whole = |usual: f64| intervals.iter().filter(|own| near(**own, usual)).count();
+    let usual = intervals
+        .iter()
+        .copied()
+        .filter(|own| whole(*own) >= LEAST_REGULAR)
+        .max_by_key(|own| whole(*own) + places().filter(|at| split(*at, *own)).count())?;
+    let found: Vec<usize> =
+        places().filter(|at| split(*at, usual)).map(|at| beats[at].number).collect();
+    let come = if found.len() == 1 { "comes" } else { "come" };
+    (!found.is_empty())
+        .then(|| asked(&found, &format!("{come} between two that are one usual interval apart")))
 }
 
 /// The area of a beat over its baseline; height times duration at half of it where that is no metric of its kind.
@@ -208,6 +267,14 @@ fn intervals(beats: &mut [CurveBeat]) -> Vec<String> {
             odd(early, "early"),
             odd(late, "late")
         ));
+    }
+    let part = |part: f64| sorted[((count - 1.0) * part).round() as usize];
+    if sorted.len() >= LEAST_BY_CHANCE && part(0.75) - part(0.25) > BY_CHANCE * part(0.5) {
+        remarks.push(
+            "the pulses come as irregularly as chance would have them: whether all of them are beats cannot be told for \
+             sure; look at the figure"
+                .to_owned(),
+        );
     }
     remarks
 }

@@ -1,5 +1,6 @@
 //! Curves of closed form: what is known of them is measured.
 
+mod crowded;
 mod doubt;
 mod grid;
 mod unread;

@@ -10,8 +10,17 @@ const ALIKE: f64 = 1.6;
 /// A wider class is that of the beats when it has this part of the members of the most frequent one.
 const WIDER: f64 = 0.4;
 
+/// Longer pulses that are lower than this part of those which disturb them are wiggles of the rest.
+const WIGGLE: f64 = 0.07;
+
 /// Fewest pulses that are beats among more frequent ones, which they exceed.
 const RARE: f64 = 3.0;
+
+/// By what factor pulses exceed more frequent ones in height and in width to be the beats though there are two of them.
+const FAR: f64 = 4.0;
+
+/// Fewest pulses whose likeness shows that noise was taken for longer than it is.
+const MANY: f64 = 3.0;
 
 /// What the beats of a curve are like, whatever else is in it.
 #[derive(Debug, Clone)]
@@ -23,6 +32,10 @@ pub(in crate::analysis::curve) struct Beats {
     /// Frames of the tops of all pulses that may be beats, and their heights.
     pub(super) tops: Vec<usize>,
     pub(super) heights: Vec<f64>,
+    /// Which of them are as wide as the usual one.
+    pub(super) usual: Vec<bool>,
+    /// Where those that are alike pass half their height.
+    spans: Vec<[usize; 2]>,
     /// How many are alike.
     pub(in crate::analysis::curve) alike: f64,
     /// Whether other pulses might be the beats.
@@ -33,14 +46,24 @@ impl Beats {
     /// Whether these are the beats that a wider window shows.
     fn shows(&self, wider: &Self) -> bool {
         let near = |top: &&usize| {
-            let here = self.tops.get(self.nearest(**top));
-            here.is_some_and(|here| here.abs_diff(**top) as f64 <= 0.5 * wider.width)
+            let here = self.nearest(**top);
+            self.usual[here] && self.tops[here].abs_diff(**top) as f64 <= 0.5 * wider.width
         };
         let same = wider.tops.iter().filter(near).count();
         10 * same >= 7 * wider.tops.len()
-            && self.tops.len() * 10 <= 14 * wider.tops.len() + 10
             && self.alike >= 0.6 * wider.alike
+            && self.height >= 0.9 * wider.height
             && (0.35..=1.05).contains(&(self.width / wider.width))
+    }
+
+    /// Whether these, in less noise, are more of the same beats, or repeat where those are one drift.
+    pub(super) fn replace(&self, others: &Self, longest: f64) -> bool {
+        let near = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
+        let more = self.alike >= MANY.max(1.2 * others.alike);
+        let same = near(self.width, others.width) && near(self.height, others.height);
+        let drift =
+            others.width > longest || others.alike < 1.0 || 2.0 * self.height >= others.height;
+        more && (same || others.alike < 3.0 && drift)
     }
 
     /// Whether these are other pulses, of another length, and might be the beats instead: they are nearly as many, or fewer,
@@ -56,6 +79,41 @@ impl Beats {
         let other = longer > ALIKE || longer * ALIKE < 1.0;
         let many = other && !wiggles && others >= 0.7 * beats.alike;
         self.alike >= 2.0 && others >= 2.0 && (many || longer > 2.0 && others >= 0.2 * beats.alike)
+    }
+
+    /// Whether the curve rises at most of these where other pulses are left out.
+    fn stays_without(&self, others: &Self, values: &[f64]) -> bool {
+        let near = (1.5 * others.width) as usize;
+        let free = |range: std::ops::Range<usize>| -> Vec<f64> {
+            let far = |at: &usize| {
+                let top = others.tops.get(others.nearest(*at));
+                top.is_none_or(|top| top.abs_diff(*at) > near)
+            };
+            range.filter(far).map(|at| values[at]).collect()
+        };
+        let stays = |[from, to]: &&[usize; 2]| {
+            let width = to - from;
+            let inside = free(*from..*to + 1);
+            let sides = [
+                free(from.saturating_sub(width)..*from),
+                free(to + 1..(to + width + 1).min(values.len())),
+            ];
+            let enough =
+                3 * inside.len() >= width && sides.iter().all(|side| 5 * side.len() >= width);
+            let height = median(inside) - sides.map(median).into_iter().fold(f64::MIN, f64::max);
+            enough && height > 0.5 * self.height
+        };
+        10 * self.spans.iter().filter(stays).count() >= 7 * self.spans.len()
+    }
+
+    /// Whether they come as artefacts do, and not beats: an exponential distribution's standard deviation is its mean.
+    fn is_irregular(&self) -> bool {
+        let distances = self.spans.windows(2).map(|pair| pair[1][0].abs_diff(pair[0][0]) as f64);
+        let distances: Vec<f64> = distances.collect();
+        let count = distances.len() as f64;
+        let mean = distances.iter().sum::<f64>() / count;
+        let squares = distances.iter().map(|far| (far - mean).powi(2)).sum::<f64>();
+        count >= 3.0 && (squares / (count - 1.0)).sqrt() > 0.45 * mean
     }
 
     /// The beat that a frame is nearest to.
@@ -75,13 +133,14 @@ fn kept(window: usize, memory: f64) -> f64 {
     if window == 0 { 1.0 } else { (0.72 / (window as f64 / memory).powf(0.36)).min(1.0) }
 }
 
-/// What pulses are alike and most frequent, whatever the window; none is shorter than this, frames.
+/// What pulses are alike and most frequent, whatever the window. No beat is shorter than the first of `lasts` at half its
+/// height, frames, and few are longer than the second.
 pub(in crate::analysis::curve) fn usual(
     values: &[f64],
     windows: &[usize],
     filtered: &[Vec<f64>],
     noise: Noise,
-    shortest: f64,
+    lasts: [f64; 2],
 ) -> Option<Beats> {
     let mut classes: Vec<Beats> = Vec::new();
     for (&window, values_here) in windows.iter().zip(filtered) {
@@ -93,30 +152,56 @@ pub(in crate::analysis::curve) fn usual(
         let least = least.max(1e-9 * noise::range(&coarse, 0.0));
         let mut peaks = persistent(&coarse);
         peaks.retain(|peak| peak.at > 0 && peak.at + 1 < coarse.len() && peak.prominence > least);
+        peaks.sort_by_key(|peak| peak.at);
         let pulses: Vec<Pulse> =
             peaks.iter().map(|peak| Pulse::of(&coarse, *peak, stride)).collect();
-        classes.extend(class(values, &pulses, window, shortest));
+        classes.extend(class(values, &pulses, window, lasts[0]));
     }
     // Wiggles a thirtieth as high as what else repeats are of the instrument.
     let highest = classes.iter().map(|class| class.height).fold(0.0, f64::max);
     classes.retain(|class| class.height >= 0.03 * highest);
-    let frequent =
-        classes.iter().reduce(|most, other| if other.alike > most.alike { other } else { most })?;
-    // Artefacts are shorter than beats, drift is lower: what is both higher and longer is the beats, though it may be rare.
-    let exceeds = |class: &Beats| {
-        class.height > ALIKE * frequent.height && class.width > ALIKE * frequent.width
+    // Artefacts are shorter than beats, drift is lower: what is both higher and longer than more frequent wiggles is the beats,
+    // though it may be rare.
+    let mut pool: Vec<&Beats> = classes.iter().collect();
+    let frequent = loop {
+        let frequent = pool
+            .iter()
+            .copied()
+            .reduce(|most, other| if other.alike > most.alike { other } else { most })?;
+        let exceeds = |class: &Beats, by: f64| {
+            class.height > by * frequent.height && class.width > by * frequent.width
+        };
+        let least =
+            |class: &Beats| if exceeds(class, FAR) { 2.0 } else { RARE.max(0.1 * frequent.alike) };
+        let beats = |class: &Beats| exceeds(class, ALIKE) && class.alike >= least(class);
+        let higher: Vec<&Beats> = pool.iter().copied().filter(|class| beats(class)).collect();
+        if higher.is_empty() {
+            break frequent;
+        }
+        pool = higher;
     };
-    let least = |class: &Beats| {
-        if exceeds(class) { RARE.max(0.1 * frequent.alike) } else { WIDER * frequent.alike }
-    };
-    let size = |class: &Beats| class.height * class.width;
-    let seen = classes
-        .iter()
-        .filter(|class| class.alike >= least(class))
+    let size = |class: &Beats| class.height * class.width.powi(2);
+    let seen = pool
+        .into_iter()
+        .filter(|class| class.alike >= WIDER * frequent.alike)
         .reduce(|best, other| if size(other) > 1.05 * size(best) { other } else { best })?;
     // Windows round beats off: the first that shows the same ones shows them best.
-    let mut beats = classes.iter().find(|class| class.shows(seen)).cloned()?;
-    beats.rivalled = classes.iter().any(|class| class.rivals(&beats));
+    let first = |of: &Beats| classes.iter().find(|class| class.shows(of));
+    let mut beats = seen;
+    while let Some(better) = first(beats).filter(|better| better.width < beats.width) {
+        beats = better;
+    }
+    // Longer pulses that stay without these are what these disturb.
+    let least = |of: &Beats| (0.1 * of.alike).max(2.0);
+    let longer = classes
+        .iter()
+        .filter(|class| class.width > 2.0 * beats.width && class.width <= lasts[1])
+        .filter(|class| class.height > WIGGLE * beats.height)
+        .filter(|class| class.alike >= least(beats) && class.stays_without(beats, values))
+        .reduce(|most, other| if other.alike > most.alike { other } else { most });
+    let disturbed = longer.filter(|_| beats.is_irregular());
+    let mut beats = disturbed.unwrap_or(beats).clone();
+    beats.rivalled = longer.is_some() || classes.iter().any(|class| class.rivals(&beats));
     Some(beats)
 }
 
@@ -145,21 +230,23 @@ impl Pulse {
 
 /// The most frequent kind of pulse behind a window; none where beats would not be wider than it.
 fn class(values: &[f64], pulses: &[Pulse], window: usize, shortest: f64) -> Option<Beats> {
+    let near = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
     let alike = |one: &Pulse, other: &Pulse| {
-        let near = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
         near(one.height, other.height) && near(one.width(), other.width())
     };
     // Some forty of them, by their height, stand for all.
+    let mut centres: Vec<&Pulse> = pulses.iter().collect();
+    centres.sort_by(|a, b| b.height.total_cmp(&a.height).then(a.at.cmp(&b.at)));
     let step = pulses.len().div_ceil(40).max(1);
     let mut best: Option<(f64, Vec<&Pulse>)> = None;
-    for centre in pulses.iter().step_by(step) {
+    for centre in centres.into_iter().step_by(step) {
         // The whole curve is no pulse of it, and a window that is as wide would make what it shows.
         let least = shortest.max(1.2 * window as f64);
         if centre.width() < least || centre.width() > 0.4 * values.len() as f64 {
             continue;
         }
         let members: Vec<&Pulse> = pulses.iter().filter(|other| alike(centre, other)).collect();
-        let weight = members.len() as f64 * plausible(values, &members, window);
+        let weight = members.len() as f64 * plausible(values, pulses, &members, window);
         if best.as_ref().is_none_or(|(most, _)| weight > *most) {
             best = Some((weight, members));
         }
@@ -167,17 +254,31 @@ fn class(values: &[f64], pulses: &[Pulse], window: usize, shortest: f64) -> Opti
     let (weight, members) = best?;
     let height = median(members.iter().map(|pulse| pulse.height).collect());
     let width = median(members.iter().map(|pulse| pulse.width()).collect());
+    let spans = members.iter().map(|pulse| pulse.half).collect();
     let may_be = |pulse: &&Pulse| pulse.height >= 0.3 * height && pulse.width() >= 0.3 * width;
-    let mut of_beats: Vec<&Pulse> = pulses.iter().filter(may_be).collect();
-    of_beats.sort_by_key(|pulse| pulse.at);
+    let of_beats: Vec<&Pulse> = pulses.iter().filter(may_be).collect();
     let tops = of_beats.iter().map(|pulse| pulse.at).collect();
+    let usual = of_beats.iter().map(|pulse| near(pulse.width(), width)).collect();
     // The highest of all is measured from the lowest point of the curve.
     let heights = of_beats.iter().map(|pulse| pulse.height.min(2.0 * height)).collect();
-    Some(Beats { height, width, tops, heights, alike: weight, rivalled: false })
+    Some(Beats { height, width, tops, heights, usual, spans, alike: weight, rivalled: false })
 }
 
-/// How much a class counts: one that jumps up and back down, or of two frames, hardly is of beats.
-fn plausible(values: &[f64], members: &[&Pulse], window: usize) -> f64 {
+/// The part of its width that a beat rests before the next, at least.
+const PAUSE: f64 = 0.2;
+
+/// How much a class counts: one that jumps up and back down, or of two frames, or that hardly pauses, as what is between dips,
+/// hardly is of beats. The pulses are in order of time.
+fn plausible(values: &[f64], pulses: &[Pulse], members: &[&Pulse], window: usize) -> f64 {
+    let pause = |pulse: &&Pulse| {
+        let next = pulses.partition_point(|other| other.at <= pulse.at);
+        let next = pulses.get(next)?;
+        Some(next.half[0].saturating_sub(pulse.half[1]) as f64 / pulse.width())
+    };
+    let pauses: Vec<f64> = members.iter().filter_map(pause).collect();
+    if !pauses.is_empty() && median(pauses) < PAUSE {
+        return 0.1;
+    }
     let width = median(members.iter().map(|pulse| pulse.width()).collect());
     if width < 2.5 {
         return 0.3;

@@ -38,13 +38,13 @@ fn potential(t: f64) -> f64 {
     }
 }
 
-struct Recording {
-    times: Vec<f64>,
-    clean: Vec<f64>,
-    onsets: Vec<f64>,
+pub(super) struct Recording {
+    pub(super) times: Vec<f64>,
+    pub(super) clean: Vec<f64>,
+    pub(super) onsets: Vec<f64>,
 }
 
-fn recording(rate: f64, beats: usize, cycle: f64, pulse: fn(f64) -> f64) -> Recording {
+pub(super) fn recording(rate: f64, beats: usize, cycle: f64, pulse: fn(f64) -> f64) -> Recording {
     let seconds = (beats as f64 * cycle + 0.3 * cycle) / 1e3;
     let times: Vec<f64> = (0..(rate * seconds) as usize).map(|i| i as f64 * 1e3 / rate).collect();
     let onsets: Vec<f64> = (0..beats).map(|beat| 0.25 * cycle + cycle * beat as f64).collect();
@@ -54,20 +54,25 @@ fn recording(rate: f64, beats: usize, cycle: f64, pulse: fn(f64) -> f64) -> Reco
 }
 
 /// Artefacts that are laid over a recording.
-struct Faults {
+pub(super) struct Faults {
     /// Up or down in the direction of a beat.
-    direction: f64,
-    frames: usize,
+    pub(super) direction: f64,
+    pub(super) frames: usize,
     /// In beats.
-    height: f64,
-    count: usize,
+    pub(super) height: f64,
+    pub(super) count: usize,
     /// Half sines instead of boxes.
-    smooth: bool,
+    pub(super) smooth: bool,
 }
 
 impl Faults {
     /// Lays them over a curve, each in its share of it, and returns their first and last times.
-    fn lay(&self, times: &[f64], signal: &mut [f64], random: &mut Noise) -> Vec<[f64; 2]> {
+    pub(super) fn lay(
+        &self,
+        times: &[f64],
+        signal: &mut [f64],
+        random: &mut Noise,
+    ) -> Vec<[f64; 2]> {
         let share = times.len() as f64 / self.count as f64;
         let mut places = Vec::new();
         for number in 0..self.count {
@@ -86,7 +91,7 @@ impl Faults {
 }
 
 /// Level and height of a beat, in the direction that the kind has.
-fn scale(kind: Kind) -> [f64; 2] {
+pub(super) fn scale(kind: Kind) -> [f64; 2] {
     match kind {
         Kind::Length | Kind::SarcomereLength => [120.0, -12.0],
         Kind::Potential => [-80.0, 110.0],
@@ -96,7 +101,7 @@ fn scale(kind: Kind) -> [f64; 2] {
     }
 }
 
-fn tops(analysis: &Analysis) -> Vec<f64> {
+pub(super) fn tops(analysis: &Analysis) -> Vec<f64> {
     analysis
         .beats
         .iter()
@@ -106,9 +111,9 @@ fn tops(analysis: &Analysis) -> Vec<f64> {
 }
 
 /// Height over the time since its onset, ms.
-type Shape = fn(f64) -> f64;
+pub(super) type Shape = fn(f64) -> f64;
 
-const SHAPES: [(Kind, Shape); 7] = [
+pub(super) const SHAPES: [(Kind, Shape); 7] = [
     (Kind::Length, contraction),
     (Kind::SarcomereLength, half_sine),
     (Kind::Contraction, half_sine),
