@@ -67,6 +67,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
             }
         };
         notes.extend(table.notes.iter().map(|note| format!("{file}: {note}")));
+        let first = all.len();
         for curve in table.curves {
             let options = beats.within(&curve);
             let found =
@@ -77,6 +78,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
             });
             all.push(Read { file: file.clone(), curve, found });
         }
+        compare(&mut all[first..]);
     }
     if let Some(failure) = none_beats(&all, &notes) {
         return Err(failure);
@@ -121,6 +123,16 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     }
     let whole = all.iter().map(|read| &read.file).collect::<BTreeSet<_>>().len() == inputs.len();
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Compares the beats of a table's curves that have the same times.
+fn compare(table: &mut [Read]) {
+    let Some(times) = table.first().map(|read| read.curve.times_ms.clone()) else { return };
+    let alike = table.iter_mut().filter(|read| read.curve.times_ms == times);
+    let mut found: Vec<_> = alike
+        .filter_map(|read| Some((read.curve.name.as_str(), read.found.as_mut().ok()?)))
+        .collect();
+    curve::compare(&mut found);
 }
 
 /// The failure where no curve has a beat.

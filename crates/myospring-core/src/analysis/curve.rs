@@ -18,6 +18,7 @@
 //! 7. *Smoothing*: local parabolas over a window that leaves noise of half a per cent of a beat, and never wider than an
 //!    eighth of a beat's width either side; none where there is less noise than that.
 
+mod agreement;
 mod answer;
 mod artefacts;
 mod beat;
@@ -33,6 +34,7 @@ mod upstroke;
 use super::holes::{self, Hole};
 use super::kind::Kind;
 use super::{Metric, rest, trace};
+pub use agreement::compare;
 use answer::LEAST_FRAMES;
 pub use answer::{Analysis, Artefact, CurveBeat, CurveError, Mark, State, Treatment};
 use beat::Reader;
