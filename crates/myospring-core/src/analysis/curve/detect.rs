@@ -82,7 +82,12 @@ pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
     }
     // The highest alone may be an artefact, or stand on a drift.
     let second = peaks.get(1).or(peaks.first()).map_or(highest, |peak| peak.prominence);
-    let second = height.map_or(second, |height| second.min(1.5 * height));
+    let second = match height {
+        // What is no more than a bump of a beat is no second one, such as the foot in which a recording ends.
+        Some(height) if second < BUMP * height => 0.5 * height,
+        Some(height) => second.min(1.5 * height),
+        None => second,
+    };
     let high: Vec<f64> =
         peaks.iter().map(|peak| peak.prominence).filter(|height| *height >= 0.5 * second).collect();
     let usual = high.get(high.len() / 2).copied().unwrap_or(highest);
@@ -222,6 +227,24 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// As in a published action potential of a spontaneous cell; before, the foot was a beat, and the usual height its own.
+    #[test]
+    fn the_foot_in_which_a_recording_ends_is_no_beat() {
+        let (times, mut values) = triangles(200);
+        let mut random = Noise::new(4);
+        values[170..]
+            .iter_mut()
+            .zip(1..)
+            .for_each(|(value, step)| *value += 2e-3 * f64::from(step));
+        values.iter_mut().for_each(|value| *value += 1e-3 * random.normal());
+        // The last frame is no top; the one before it may be.
+        values[198] += 0.01;
+        let known = Known { height: Some(1.0), ..Known::default() };
+        let found = beats(&times, &values, known);
+        assert_eq!(found.peaks.len(), 1);
+        assert!((found.usual - 1.0).abs() < 0.05, "{}", found.usual);
     }
 
     #[test]
