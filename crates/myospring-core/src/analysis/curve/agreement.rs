@@ -5,7 +5,10 @@ use super::answer::{Analysis, CurveBeat};
 /// How far the same beat may peak in two curves, as a part of the interval between beats.
 const TOGETHER: f64 = 0.25;
 
-/// Adds a remark to each curve whose beats contradict those of the others. The curves are of one recording, on one clock, each
+/// How far the mean interval of a curve may be from that of the others.
+const RHYTHM: f64 = 0.15;
+
+/// Adds a remark to each curve whose rhythm contradicts that of the others. The curves are of one recording, on one clock, each
 /// with its name. Nothing is said unless more than half of them, and two at least, have the same beats: the others may be
 /// other cells.
 pub fn compare(curves: &mut [(&str, &mut Analysis)]) {
@@ -24,7 +27,9 @@ pub fn compare(curves: &mut [(&str, &mut Analysis)]) {
     };
     let beats = peaks[agreed[0]].len();
     for (at, (_, analysis)) in curves.iter_mut().enumerate() {
-        if !agreed.contains(&at) {
+        // Other cells may beat at another phase of the same rhythm.
+        let usual = cycle(&peaks[agreed[0]]);
+        if (cycle(&peaks[at]) - usual).abs() > RHYTHM * usual {
             analysis.remarks.push(format!(
                 "its {} beats are not those of the other columns ({names}: {beats} beats at the same times): which of them \
                  are beats cannot be told for sure; look at the figure",
@@ -40,13 +45,17 @@ fn peaks(beats: &[CurveBeat]) -> Vec<f64> {
     beats.iter().filter_map(peak).map(|mark| mark.point.time).collect()
 }
 
+/// The mean interval between peaks, ms; of a single one none.
+fn cycle(peaks: &[f64]) -> f64 {
+    match peaks {
+        [first, .., last] => (last - first) / (peaks.len() - 1) as f64,
+        _ => f64::NAN,
+    }
+}
+
 /// Whether all beats of two curves, but for one that the start or the end of the recording cuts, peak together.
 fn same(one: &[f64], other: &[f64]) -> bool {
     let count = one.len().min(other.len());
-    let cycle = |peaks: &[f64]| match peaks {
-        [first, .., last] => (last - first) / (peaks.len() - 1) as f64,
-        _ => f64::NAN,
-    };
     let near = TOGETHER * cycle(one).min(cycle(other));
     let together =
         one.iter().filter(|peak| other.iter().any(|there| (there - **peak).abs() <= near)).count();
@@ -86,5 +95,7 @@ mod tests {
         assert_eq!(said(&[&three, &six, &other]), [false, false, false]);
         assert_eq!(said(&[&three, &late, &six, &other]), [false, false, false, false]);
         assert_eq!(said(&[&six]), [false]);
+        let shifted = [1200.0, 2800.0, 4400.0];
+        assert_eq!(said(&[&three, &shifted, &late]), [false, false, false]);
     }
 }
