@@ -3,7 +3,7 @@
 use super::LISTED;
 use super::answer::{CurveBeat, State};
 use crate::analysis::alternans::{self, Alternans};
-use crate::analysis::value;
+use crate::analysis::{Missing, value};
 
 /// Intervals this far from the usual one are early or late.
 const EARLY: f64 = 0.8;
@@ -138,7 +138,7 @@ fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
         let next = beats.get_mut(at + 1).filter(|next| next.stimulus_ms.is_none() && !may_be_many);
         let metrics = next.into_iter().flat_map(|next| &mut next.metrics);
         for interval in metrics.filter(|metric| metric.name == "interval") {
-            interval.value = None;
+            interval.lose(Missing::Artefact);
         }
     }
     let is = if odd.len() == 1 { "is" } else { "are" };
