@@ -13,7 +13,6 @@ use crate::interrupt;
 use crate::print::{self, progress_bar};
 use crate::results::Folder;
 use myospring::analysis::beat::{Band, Beats, band};
-use myospring::cell::minimal::MinimalModel;
 use myospring::compare::PHENOMENOLOGICAL;
 use myospring::compare::dose::{self, Dose};
 use myospring::compare::factor::{self, Factor, Scaled};
@@ -26,7 +25,6 @@ use myospring::study::Threads;
 use rayon::prelude::*;
 use serde::Serialize;
 use side::{Job, Side};
-use std::any::Any;
 use std::path::Path;
 use std::time::Instant;
 
@@ -92,11 +90,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     warnings.extend(setting::warnings(&settings, &labels));
     warnings.extend(side::other_pictures(&sides));
     let parameters = settings.iter().any(|different| different.key.starts_with("cell.parameters."));
-    // Of ToR-ORd they are conductances of channels.
-    let minimal = |file: &&RunFile| {
-        file.resolve().is_ok_and(|run| (&*run.cell as &dyn Any).is::<MinimalModel>())
-    };
-    if (args.doses.is_some() || parameters) && files.iter().any(minimal) {
+    let lumped = |file: &&RunFile| file.resolve().is_ok_and(|run| run.cell.lumps_currents());
+    if (args.doses.is_some() || parameters) && files.iter().any(lumped) {
         warnings.push(PHENOMENOLOGICAL.to_owned());
     }
     if !args.output.quiet {

@@ -23,11 +23,14 @@
 //! ```
 
 pub mod adaptive;
-pub mod beside;
+pub mod batch;
+mod beat;
+mod beside;
 pub mod bueno_orovio_2008;
 pub mod calcium;
 mod cell_model;
 pub mod coelho_2021;
+mod description;
 mod exponential;
 mod fixed;
 pub mod integrator;
@@ -36,7 +39,7 @@ pub mod minimal;
 mod number;
 mod pacer;
 pub mod pacing;
-pub mod population;
+mod population;
 mod reference;
 mod settings;
 pub mod solve;
@@ -47,9 +50,9 @@ pub mod tomek_2019;
 pub mod toy;
 pub mod trace;
 
-pub use cell_model::{
-    CellModel, Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation,
-    TensionKind,
+pub use cell_model::{Adaptive, AdaptiveSteps, CellModel, Filaments, InFits, SideBySide};
+pub use description::{
+    Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
 };
 
 use std::sync::Arc;

@@ -6,24 +6,21 @@
 mod own_cell;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use myospring::cell::batch::{self, BatchSettings, Paced};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
-use myospring::cell::minimal::{Identity, MinimalModel};
+use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::population::{self, Cell};
 use myospring::cell::{CellModel, adaptive, coelho_2021, solve};
 use std::hint::black_box;
 
-fn models() -> [(Identity, MinimalModel); 2] {
-    [
-        (bueno_orovio_2008::identity(Variant::Epi), bueno_orovio_2008::model(Variant::Epi)),
-        (coelho_2021::IDENTITY, coelho_2021::model()),
-    ]
+fn models() -> [MinimalModel; 2] {
+    [bueno_orovio_2008::model(Variant::Epi), coelho_2021::model()]
 }
 
 fn beats_at_1_hz(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("cell_beats");
     group.sample_size(20);
-    for (identity, model) in models() {
+    for model in models() {
         let train = |beats| Protocol { beats, ..Protocol::once(model.default_stimulus()) };
         group.throughput(Throughput::Elements(1));
         group.bench_function(BenchmarkId::new("fixed_steps", model.name()), |bencher| {
@@ -36,18 +33,20 @@ fn beats_at_1_hz(criterion: &mut Criterion) {
             let settings = adaptive::Settings::default();
             bencher.iter(|| adaptive::beats(&model, train(20), settings, black_box(20_050.0)));
         });
-        let cells: Vec<Cell> = (0..64)
+        let cells: Vec<Paced> = (0..64)
             .filter_map(|k| {
                 let mut parameters = model.parameters().clone();
                 let tau_si = parameters.get("tau_si")?;
                 parameters.set("tau_si", tau_si * (0.8 + 0.4 * f64::from(k) / 63.0)).ok()?;
-                let cell = MinimalModel::new(identity, parameters).ok()?;
-                Cell::new(&cell, train(20), 20_050.0).ok()
+                let cell = model.with_parameters(parameters).ok()?;
+                Paced::new(cell, train(20), 20_050.0).ok()
             })
             .collect();
         group.throughput(Throughput::Elements(20 * cells.len() as u64));
         group.bench_function(BenchmarkId::new("population", model.name()), |bencher| {
-            bencher.iter(|| population::run(black_box(&cells), &population::Settings::default()));
+            let method = solve::Settings::of(solve::Method::Adaptive);
+            let settings = BatchSettings { method, sample_interval_ms: None };
+            bencher.iter(|| batch::run(black_box(&cells), &settings));
         });
     }
     group.finish();

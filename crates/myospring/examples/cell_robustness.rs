@@ -9,13 +9,15 @@
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 
+use myospring::cell::batch::{BatchSettings, Paced, run};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::coelho_2021;
 use myospring::cell::minimal::{Identity, MinimalModel};
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::population::{Cell, Settings, run};
+use myospring::cell::solve::{Method, Settings};
 use myospring::parameter::ParameterSet;
 use std::error::Error;
+use std::sync::Arc;
 
 const CELLS: usize = 1000;
 const DURATION_MS: f64 = 3000.0;
@@ -26,6 +28,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     sets.extend(variants.map(|variant| {
         (bueno_orovio_2008::identity(variant), bueno_orovio_2008::parameters(variant))
     }));
+    let method = Settings::of(Method::Adaptive);
+    let settings = BatchSettings { method, sample_interval_ms: None };
     let mut random = Random(1);
     let mut failed = 0;
     for (identity, parameters) in &sets {
@@ -33,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let cells = (0..CELLS)
                 .map(|_| cell(*identity, parameters, spread, &mut random))
                 .collect::<Result<Vec<_>, _>>()?;
-            let outcomes = run(&cells, &Settings::default())?;
+            let outcomes = run(&cells, &settings)?;
             let steps: Vec<u64> =
                 outcomes.iter().filter_map(|outcome| Some(outcome.as_ref().ok()?.steps)).collect();
             failed += CELLS - steps.len();
@@ -57,7 +61,7 @@ fn cell(
     parameters: &ParameterSet,
     spread: f64,
     random: &mut Random,
-) -> Result<Cell, Box<dyn Error>> {
+) -> Result<Paced, Box<dyn Error>> {
     let mut own = parameters.clone();
     for parameter in parameters.rows() {
         let factor = random.between(1.0 - spread, 1.0 + spread);
@@ -77,7 +81,7 @@ fn cell(
         beats: 100,
         ..Protocol::once(stimulus)
     };
-    Ok(Cell::new(&model, protocol, DURATION_MS)?)
+    Ok(Paced::new(Arc::new(model), protocol, DURATION_MS)?)
 }
 
 /// `SplitMix64` (Steele, Lea and Flood 2014).

@@ -13,17 +13,19 @@
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 
-use myospring::cell::adaptive::{self, Beat, beats};
+use myospring::cell::adaptive::{self, beats};
+use myospring::cell::batch::{self, BatchSettings, Beat, Paced};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::minimal::{Identity, MinimalModel};
 use myospring::cell::pacing::Protocol;
-use myospring::cell::population::{self, Cell};
+use myospring::cell::solve::{Method, Settings};
 use myospring::cell::{CellModel, coelho_2021};
 use myospring::interruption::Interruption;
 use myospring::output::table::Table;
 use myospring::parameter::ParameterSet;
 use myospring::study::parameters::{Answer, Common, ParameterStudy, Shard};
 use std::error::Error;
+use std::sync::Arc;
 use std::time::Instant;
 
 const CYCLE_MS: f64 = 1000.0;
@@ -46,8 +48,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (identity, parameters) in &sets {
         let model = MinimalModel::new(*identity, parameters.clone())?;
         let cells = population(*identity, parameters)?;
+        let method = Settings::of(Method::Adaptive);
+        let settings = BatchSettings { method, sample_interval_ms: None };
         report("population", &model, 20 * cells.len(), || {
-            let outcomes = population::run(&cells, &population::Settings::default())?;
+            let outcomes = batch::run(&cells, &settings)?;
             Ok(outcomes.into_iter().next().ok_or("no cell")??.beats)
         })?;
     }
@@ -72,7 +76,7 @@ fn train(model: &MinimalModel, beats: u32) -> (Protocol, f64) {
 }
 
 /// 512 cells, 20 beats each: the set itself first, then `tau_si` and `tau_so1` between 80 and 120 %.
-fn population(identity: Identity, parameters: &ParameterSet) -> Result<Vec<Cell>, Box<dyn Error>> {
+fn population(identity: Identity, parameters: &ParameterSet) -> Result<Vec<Paced>, Box<dyn Error>> {
     let mut cells = Vec::new();
     for index in 0..512_u32 {
         let mut own = parameters.clone();
@@ -84,7 +88,7 @@ fn population(identity: Identity, parameters: &ParameterSet) -> Result<Vec<Cell>
         }
         let model = MinimalModel::new(identity, own)?;
         let (protocol, duration_ms) = train(&model, 20);
-        cells.push(Cell::new(&model, protocol, duration_ms)?);
+        cells.push(Paced::new(Arc::new(model), protocol, duration_ms)?);
     }
     Ok(cells)
 }

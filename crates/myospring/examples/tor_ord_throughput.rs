@@ -9,7 +9,7 @@
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 
 use myospring::cell::CellModel;
-use myospring::cell::beside::{self, Cell};
+use myospring::cell::batch::{self, BatchSettings, Paced};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{Method, Settings, SolveError};
@@ -34,9 +34,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         paced(&endo, tolerance, BEATS)?.advance_to(CYCLE_MS * f64::from(BEATS), 1.0, 0.0)?;
         report("one cell", tolerance, f64::from(BEATS) / (now() - start), errors);
         let cells = population()?;
-        let settings = beside::Settings { tolerance, sample_interval_ms: SAMPLED_MS };
+        let method = Settings { tolerance, ..Settings::of(Method::Stiff) };
+        let settings = BatchSettings { method, sample_interval_ms: Some(SAMPLED_MS) };
         let start = now();
-        for outcome in beside::run(&cells, &settings)? {
+        for outcome in batch::run(&cells, &settings)? {
             outcome?;
         }
         let rate = f64::from(CELLS) / (now() - start);
@@ -84,7 +85,7 @@ fn last_beat(model: &Arc<dyn CellModel>, tolerance: f64) -> Result<[f64; 2], Sol
 }
 
 /// Conductances between 80 and 120 % of the published ones.
-fn population() -> Result<Vec<Cell>, Box<dyn Error>> {
+fn population() -> Result<Vec<Paced>, Box<dyn Error>> {
     const CHANGED: [(&str, f64); 4] = [
         ("P_Ca", 0.618_033_988_7),
         ("G_Kr", 0.754_877_666_2),
@@ -100,7 +101,7 @@ fn population() -> Result<Vec<Cell>, Box<dyn Error>> {
         }
         let model = TomekModel::new(Layer::Endo, Variant::Published, set)?;
         let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
-        Ok(Cell::new(&model, protocol, CYCLE_MS)?)
+        Ok(Paced::new(Arc::new(model), protocol, CYCLE_MS)?)
     };
     (0..CELLS).map(cell).collect()
 }

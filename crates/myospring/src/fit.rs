@@ -51,7 +51,6 @@ mod problem;
 mod repeat;
 mod settings;
 mod slopes;
-mod step;
 mod sure;
 mod table;
 mod unknown;

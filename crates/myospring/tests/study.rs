@@ -1,10 +1,12 @@
 //! Studies: resumed where they were, failures in their place, the same rows whatever the threads.
 #![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests")]
 
-use myospring::cell::adaptive::{self, Beat, beats};
+use myospring::cell::adaptive::{self, beats};
+use myospring::cell::batch::Beat;
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::Protocol;
+use myospring::cell::solve::{Method, Settings};
 use myospring::cell::{CellModel, coelho_2021};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files::{Manifest, Reads};
@@ -17,10 +19,11 @@ use myospring::study::{
     sha256,
 };
 use serde::{Deserialize, Serialize};
+use std::any::Any;
 use std::num::NonZeroUsize;
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 /// A number that is to be squared.
 struct Number {
@@ -301,7 +304,12 @@ fn paced_cells(count: u32) -> Vec<PacedCell> {
             ..Protocol::once(identity.stimulus)
         };
         let model = MinimalModel::new(identity, parameters).unwrap();
-        PacedCell { name: format!("cell {k}"), model, protocol, duration_ms: 1600.0 }
+        PacedCell {
+            name: format!("cell {k}"),
+            model: Arc::new(model),
+            protocol,
+            duration_ms: 1600.0,
+        }
     };
     (0..count).map(cell).collect()
 }
@@ -309,7 +317,7 @@ fn paced_cells(count: u32) -> Vec<PacedCell> {
 #[test]
 fn cells_side_by_side_have_the_bits_of_each_alone_also_from_the_journal() {
     let folder = tempfile::tempdir().unwrap();
-    let (paced, method) = (paced_cells(37), adaptive::Settings::default());
+    let (paced, method) = (paced_cells(37), Settings::of(Method::Adaptive));
     let run = |cells: &[PacedCell], observer: &StopAfter| {
         let journal = Journal::open(folder.path(), &cells::settings(method)).unwrap();
         cells::run(cells, method, &journal, &threads(2), observer).unwrap()
@@ -320,7 +328,10 @@ fn cells_side_by_side_have_the_bits_of_each_alone_also_from_the_journal() {
     assert_eq!(report.resumed, 5);
     let mut rows = report.rows.iter();
     for cell in &paced {
-        let alone = beats(&cell.model, cell.protocol, method, cell.duration_ms).unwrap();
+        let own = adaptive::Settings { tolerance: method.tolerance };
+        let model: &dyn Any = &*cell.model;
+        let model: &MinimalModel = model.downcast_ref().unwrap();
+        let alone = beats(model, cell.protocol, own, cell.duration_ms).unwrap();
         assert_eq!(alone.len(), cell.protocol.beats as usize);
         for (number, beat) in alone.iter().enumerate() {
             let row = rows.next().unwrap();
@@ -350,7 +361,7 @@ fn bits(beat: &Beat) -> [Option<u64>; 6] {
 
 #[test]
 fn a_cell_that_cannot_be_followed_fails_in_its_place_and_a_changed_one_has_another_key() {
-    let (mut paced, method) = (paced_cells(4), adaptive::Settings::default());
+    let (mut paced, method) = (paced_cells(4), Settings::of(Method::Adaptive));
     let keys: Vec<String> = paced.iter().filter_map(Member::key).collect();
     paced[1].duration_ms = f64::NAN;
     paced[3].protocol.start_ms += 1e-9;
@@ -367,7 +378,7 @@ fn a_cell_that_cannot_be_followed_fails_in_its_place_and_a_changed_one_has_anoth
     assert!(table.starts_with("cell,status,reason,beat,stimulus_ms,"), "{table}");
     assert_eq!(table.lines().count(), 1 + report.rows.len());
 
-    let impossible = adaptive::Settings { tolerance: 1.0 };
+    let impossible = Settings { tolerance: 1.0, ..method };
     let refused = cells::run(&paced, impossible, &journal, &threads(1), &());
     assert!(matches!(refused, Err(StudyError::Cells(_))));
 }

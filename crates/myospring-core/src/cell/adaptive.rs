@@ -1,6 +1,6 @@
 //! The minimal model with steps as long as the accuracy allows: one cell.
 //!
-//! For many cells at once see [`population`](super::population), which has the same bits. The
+//! Many cells at once ([`batch`](super::batch)) have the same bits. The
 //! [fixed steps](super::solve) remain the default of a run and the check on this module.
 //!
 //! # Method
@@ -51,9 +51,9 @@ mod watch;
 use branch::Pieces;
 pub(super) use course::{Course, Stuck, Task};
 pub(super) use lanes::Lanes;
-pub use watch::Beat;
 
-use super::cell_model::CellModel as _;
+use super::beat::Beat;
+use super::cell_model::{Adaptive, AdaptiveSteps, CellModel as _};
 use super::minimal::{MinimalModel, STATES};
 use super::pacing::{Protocol, same_instant};
 use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
@@ -200,6 +200,37 @@ impl AdaptiveIntegrator {
             return Ok(false);
         }
         self.course.attend(&mut self.lanes, 0).map_err(|stuck| stalled(self.model, &stuck))
+    }
+}
+
+impl AdaptiveSteps for AdaptiveIntegrator {
+    fn time(&self) -> f64 {
+        Self::time(self)
+    }
+
+    fn state(&self) -> &[f64] {
+        Self::state(self)
+    }
+
+    fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError> {
+        Self::advance_to(self, t_ms)
+    }
+
+    fn boxed(&self) -> Box<dyn AdaptiveSteps> {
+        Box::new(self.clone())
+    }
+}
+
+impl Adaptive for MinimalModel {
+    fn start(
+        &self,
+        state: &[f64],
+        protocol: Protocol,
+        tolerance: f64,
+    ) -> Result<Box<dyn AdaptiveSteps>, SolveError> {
+        let state = std::array::from_fn(|place| state[place]);
+        let settings = Settings { tolerance };
+        Ok(Box::new(AdaptiveIntegrator::starting_from(self, state, protocol, settings)?))
     }
 }
 

@@ -5,109 +5,107 @@
 //! steps. No operation of a lane knows of another lane, and none is fused: **a cell has the same bits** alone, in any
 //! company, in any order and with any vector units (AVX-512, AVX2 or none, chosen when the program runs). Against the
 //! same cell by [`CellIntegrator`](super::integrator::CellIntegrator), whose elimination orders its sums in another way,
-//! a result differs by far less than the tolerance. Threads: call [`run`] on parts of the list; it uses the caller's
-//! only.
-//!
-//! # Example
-//! The largest calcium of cells whose calcium current differs:
-//! ```
-//! use myospring::cell::beside::{Cell, Settings, run};
-//! use myospring::cell::tomek_2019::{Layer, TomekModel, Variant, parameters};
-//! use myospring::cell::{CellModel, pacing::Protocol};
-//!
-//! let mut cells = Vec::new();
-//! for percent in [75.0, 100.0] {
-//!     let mut set = parameters(Layer::Endo, Variant::Land);
-//!     set.set("P_Ca", 8.3757e-5 * percent / 100.0)?;
-//!     let model = TomekModel::new(Layer::Endo, Variant::Land, set)?;
-//!     cells.push(Cell::new(&model, Protocol::once(model.default_stimulus()), 400.0)?);
-//! }
-//! let outcomes = run(&cells, &Settings { tolerance: 1e-4, sample_interval_ms: 1.0 })?;
-//! let peak = |k: usize| -> Option<f64> {
-//!     let samples = &outcomes[k].as_ref().ok()?.samples;
-//!     Some(samples.iter().map(|sample| sample.calcium_um).fold(0.0, f64::max))
-//! };
-//! assert!(peak(0).is_some() && peak(0) < peak(1));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! a result differs by far less than the tolerance.
 
-mod cell;
 mod course;
 mod elimination;
 mod step;
 
-pub use cell::{Cell, Outcome, Sampled};
-
-use super::settings::{self, SolveError, validate_time};
-use super::tomek_2019::{Variant, lanes::LANES};
+use super::beat::Beat;
+use super::cell_model::{BatchSettings, CellModel as _, CellOutcome, Paced, SideBySide};
+use super::pacer::Pacer;
+use super::settings::{Method, SolveError};
+use super::tomek_2019::{TomekModel, Variant, lanes::LANES};
 use course::{Course, Moved};
+use std::any::Any;
 use step::{Lanes, TryStep};
 
 /// So many steps of all lanes are made before it is asked again whether to go on: a few milliseconds.
 const ASKED_EVERY: u32 = 256;
+/// Between the samples that beats are read from, ms, where none were asked for.
+const SAMPLED_MS: f64 = 0.1;
 
-/// How exactly cells are followed, and how often they are looked at.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Largest error of a step over the size of each variable, dimensionless.
-    pub tolerance: f64,
-    /// Time between samples, ms, first at 0 ms.
-    pub sample_interval_ms: f64,
+/// A cell with its constants.
+struct Member<'a> {
+    model: &'a TomekModel,
+    cell: &'a Paced,
+    pacer: Pacer,
 }
 
-/// Runs every cell to its end, on the caller's thread; outcomes in the order of the cells.
-///
-/// A cell that fails has its error in its place and does not disturb the others.
-///
-/// # Errors
-/// A tolerance or sample interval that is not possible.
-pub fn run(
-    cells: &[Cell],
-    settings: &Settings,
-) -> Result<Vec<Result<Outcome, SolveError>>, SolveError> {
-    Ok(run_while(cells, settings, &|| true)?.unwrap_or_default())
+impl SideBySide for TomekModel {
+    fn method(&self) -> Method {
+        Method::Stiff
+    }
+
+    fn tells_beats(&self) -> bool {
+        false
+    }
+
+    fn move_all(
+        &self,
+        cells: &[&Paced],
+        settings: &BatchSettings,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<Result<CellOutcome, SolveError>>> {
+        let members = members(cells);
+        let arch = pulp::Arch::new();
+        let mut outcomes = vec![None; cells.len()];
+        // Cells with myofilaments have other states than those without.
+        let goes_on = moved::<true>(&members, settings, goes_on, &mut outcomes, |lanes| {
+            arch.dispatch(TryStep(lanes));
+        }) && moved::<false>(&members, settings, goes_on, &mut outcomes, |lanes| {
+            arch.dispatch(TryStep(lanes));
+        });
+        goes_on.then(|| outcomes.into_iter().flatten().collect())
+    }
 }
 
-/// As [`run`], while `goes_on`, which is asked often, says so; `None` once it does not.
-///
-/// # Errors
-/// Those of [`run`].
-pub fn run_while(
-    cells: &[Cell],
-    settings: &Settings,
-    goes_on: &dyn Fn() -> bool,
-) -> Result<Option<Vec<Result<Outcome, SolveError>>>, SolveError> {
-    let Settings { tolerance, sample_interval_ms } = *settings;
-    settings::Settings { tolerance, ..settings::Settings::default() }.validate()?;
-    validate_time("sample interval", sample_interval_ms)?;
-    let arch = pulp::Arch::new();
-    let mut outcomes = vec![None; cells.len()];
-    // Cells with myofilaments have other states than those without.
-    let goes_on = moved::<true>(cells, settings, goes_on, &mut outcomes, |lanes| {
-        arch.dispatch(TryStep(lanes));
-    }) && moved::<false>(cells, settings, goes_on, &mut outcomes, |lanes| {
-        arch.dispatch(TryStep(lanes));
-    });
-    Ok(goes_on.then(|| outcomes.into_iter().flatten().collect()))
+/// Cells of ToR-ORd; a protocol was looked at when a cell was made.
+fn members<'a>(cells: &[&'a Paced]) -> Vec<Member<'a>> {
+    let member = |cell: &&'a Paced| {
+        let model: &dyn Any = &*cell.model;
+        let model: &TomekModel = model.downcast_ref()?;
+        let pacer = Pacer::new(&model.stimulation(), cell.protocol).ok()?;
+        Some(Member { model, cell, pacer })
+    };
+    cells.iter().filter_map(member).collect()
+}
+
+/// The outcome of a cell, with the beats that its samples show.
+fn told(member: &Member<'_>, mut outcome: CellOutcome, settings: &BatchSettings) -> CellOutcome {
+    let interval_ms = settings.sample_interval_ms.unwrap_or(SAMPLED_MS);
+    let samples = &outcome.samples;
+    let times: Vec<f64> = (0..samples.len()).map(|k| k as f64 * interval_ms).collect();
+    let potential: Vec<f64> = samples.iter().map(|it| it.potential.unwrap_or(f64::NAN)).collect();
+    let tension: Vec<f64> = samples.iter().map(|sample| sample.tension).collect();
+    let stimuli = member.cell.protocol.stimulus_times();
+    outcome.beats = Beat::of_samples(&times, &potential, &tension, stimuli);
+    if settings.sample_interval_ms.is_none() {
+        outcome.samples.clear();
+    }
+    outcome
 }
 
 /// Moves all cells with myofilaments, or all without; false if they were not to go on.
 fn moved<const LAND: bool>(
-    cells: &[Cell],
-    settings: &Settings,
+    members: &[Member<'_>],
+    settings: &BatchSettings,
     goes_on: &dyn Fn() -> bool,
-    outcomes: &mut [Option<Result<Outcome, SolveError>>],
+    outcomes: &mut [Option<Result<CellOutcome, SolveError>>],
     try_step: impl Fn(&mut Lanes<LAND>),
 ) -> bool {
-    let of_this_kind = |(_, cell): &(usize, &Cell)| (cell.model.variant() == Variant::Land) == LAND;
-    let mut queue = cells.iter().enumerate().filter(of_this_kind).peekable();
+    let of_this_kind =
+        |(_, it): &(usize, &Member<'_>)| (it.model.variant() == Variant::Land) == LAND;
+    let interval_ms = settings.sample_interval_ms.unwrap_or(SAMPLED_MS);
+    let mut queue = members.iter().enumerate().filter(of_this_kind).peekable();
     if queue.peek().is_none() {
         return true;
     }
-    let mut lanes = Lanes::new(settings.tolerance);
+    let mut lanes = Lanes::new(settings.method.tolerance);
     let mut next = |lanes: &mut Lanes<LAND>, lane| {
-        let (index, cell) = queue.next()?;
-        Some((index, Course::start(cell, settings.sample_interval_ms, lanes, lane)))
+        let (index, Member { model, cell, pacer }) = queue.next()?;
+        let course = Course::start(model, pacer, cell.duration_ms, interval_ms, lanes, lane);
+        Some((index, course))
     };
     let mut courses: [Option<(usize, Course)>; LANES] =
         std::array::from_fn(|lane| next(&mut lanes, lane));
@@ -122,7 +120,7 @@ fn moved<const LAND: bool>(
             let Some((index, course)) = &mut courses[lane] else { continue };
             let outcome = match course.follow(&mut lanes, lane) {
                 Moved::On => continue,
-                Moved::ToTheEnd => Ok(course.outcome()),
+                Moved::ToTheEnd => Ok(told(&members[*index], course.outcome(), settings)),
                 Moved::Nowhere(error) => Err(error),
             };
             outcomes[*index] = Some(outcome);

@@ -11,7 +11,7 @@ mod trace;
 
 pub use trace::{CalciumTrace, TraceError};
 
-use super::cell_model::ModelError;
+use super::description::ModelError;
 use crate::parameter::{Parameter, ParameterSet};
 
 /// Where it comes from.

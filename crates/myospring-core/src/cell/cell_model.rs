@@ -1,139 +1,22 @@
-//! What a cell model is: its equations, and data that say what they are about.
+//! What a cell model is: its equations, and what it can do besides.
 //!
 //! Nothing here needs to be known when the program is compiled: a model may read its states, parameters
-//! and equations from a file and make them at run time.
+//! and equations from a file and make them at run time. What only some models can do, such as adaptive steps
+//! or calcium that is given, is a method of [`CellModel`] with the answer "no" by default: whoever needs it asks the
+//! model, and nobody asks which model it is.
 
-use super::pacing::Stimulus;
-use super::settings::Settings;
+use super::beat::Beat;
+use super::calcium::{Calcium, CalciumTrace};
+use super::description::{
+    Gate, Input, KnownDeparture, ModelError, Output, StateVariable, Stimulation, TensionKind,
+};
+use super::land_2017::Myofilaments;
+use super::pacing::{Protocol, Stimulus};
+use super::settings::{Method, Settings, SolveError, validate_time};
+use super::tension::Tension;
 use crate::parameter::ParameterSet;
-use serde::Serialize;
 use std::any::Any;
-use std::borrow::Cow;
 use std::sync::Arc;
-
-/// What acts on a cell from outside at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Input {
-    /// Stimulus current, in the unit that the model states ([`Stimulation::current_unit`]).
-    pub stimulus: f64,
-    /// Stretch of the cell along its fibre, length over resting length; 1 at rest.
-    pub stretch: f64,
-    /// Its rate of change, 1/ms; positive while the cell lengthens.
-    pub stretch_rate: f64,
-    /// Time since the last stimulus began, ms; infinite before the first. For what is given as a course over
-    /// each beat; equations of a cell of its own do not depend on it.
-    pub since_stimulus_ms: f64,
-}
-
-impl Input {
-    /// No stimulus, now or before, on a cell of resting length.
-    pub const REST: Self =
-        Self { stimulus: 0.0, stretch: 1.0, stretch_rate: 0.0, since_stimulus_ms: f64::INFINITY };
-}
-
-/// One variable of the state vector.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StateVariable {
-    /// The field's name for it, ASCII: `Ca_i`.
-    pub name: Cow<'static, str>,
-    /// Its unit as written for people: `uM`; empty for a pure number.
-    pub unit: Cow<'static, str>,
-    /// Its value at rest, before any stimulus, in that unit.
-    pub start: f64,
-    /// What it is, in a few words.
-    pub meaning: Cow<'static, str>,
-}
-
-/// Something that a model tells beside its state: a transient of calcium, a current.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Output {
-    /// The field's name for it, ASCII: `I_CaL`.
-    pub name: Cow<'static, str>,
-    /// Its unit as written for people: `A/F`; empty for a pure number.
-    pub unit: Cow<'static, str>,
-    /// What it is, in a few words.
-    pub meaning: Cow<'static, str>,
-}
-
-/// How a model is stimulated.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stimulation {
-    /// The stimulus that makes the model beat as its authors meant.
-    pub default: Stimulus,
-    /// Unit of a stimulus current: `1/ms` for a dimensionless potential, `A/F` for one in mV.
-    pub current_unit: Cow<'static, str>,
-    /// The states that a stimulus moves, the potential first. A jump moves that one by its amplitude, in
-    /// its own unit, and the others in proportion to the weights. None where a stimulus only says when a
-    /// given course begins ([`Input::since_stimulus_ms`]).
-    pub moves: Cow<'static, [Moved]>,
-}
-
-/// A state that a stimulus moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moved {
-    /// Its place in the state vector.
-    pub state: usize,
-    /// What a stimulus current of 1 adds to its rate, in the state's unit per ms.
-    pub weight: f64,
-}
-
-impl Stimulation {
-    /// A dimensionless potential, variable 0, stimulated by a current that is its rate, 1/ms.
-    pub const fn of_first_state(default: Stimulus) -> Self {
-        Self {
-            default,
-            current_unit: Cow::Borrowed("1/ms"),
-            moves: Cow::Borrowed(&[Moved { state: 0, weight: 1.0 }]),
-        }
-    }
-}
-
-/// What the number that a model gives as its active tension means.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TensionKind {
-    /// Without dimension; a run scales it to a peak tension in kPa.
-    Relative {
-        /// Peak of one default beat ([`solve::reference_beat`](super::solve::reference_beat)) of the
-        /// *published* parameters, converged: what a peak tension in kPa stands for. A constant of the
-        /// model, whatever its present parameters are, so that they can change the strength of the cell.
-        published_peak: f64,
-    },
-    /// In kPa already; never scaled.
-    Kilopascal,
-    /// There is none: a membrane alone, which moves no cell.
-    None,
-}
-
-impl TensionKind {
-    /// The published peak of a relative tension.
-    pub fn published_peak(self) -> Option<f64> {
-        match self {
-            Self::Relative { published_peak } => Some(published_peak),
-            Self::Kilopascal | Self::None => None,
-        }
-    }
-}
-
-/// What the published parameters of a model are known to do outside the reference bands
-/// ([`BANDS`](crate::analysis::beat::BANDS)): a fact about the model, whatever run it is in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct KnownDeparture {
-    /// `shortening_rate_over_peak` of a free cell, 1/s; outside its band.
-    pub shortening_rate_over_peak: f64,
-    /// The fact, in a sentence without its full stop: "The tension rises faster than measured cells".
-    pub fact: Cow<'static, str>,
-    /// A model of the list of which it is not true.
-    pub instead: Cow<'static, str>,
-}
-
-/// Where a gate goes and how fast: `dx/dt = (steady_state - x) / time_constant_ms`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Gate {
-    /// The value that it would reach.
-    pub steady_state: f64,
-    /// How long it takes, ms; above 0.
-    pub time_constant_ms: f64,
-}
 
 /// A cell model: ordinary differential equations from stimulus to active tension.
 ///
@@ -195,6 +78,51 @@ pub trait CellModel: Any + Send + Sync {
         false
     }
 
+    /// Free calcium in the cytosol, uM; `None`, at all times, where the model has none.
+    fn calcium_um(&self, _state: &[f64], _input: &Input) -> Option<f64> {
+        None
+    }
+
+    /// Where the state is cut into groups that [`Method::StaggeredEuler`] updates one after the other: the place of the
+    /// first state of each group but the first; none by default.
+    fn staggered_groups(&self) -> &'static [usize] {
+        &[]
+    }
+    /// Whether its rates jump at thresholds, where stiff steps would shrink to nothing; not by default.
+    fn jumps(&self) -> bool {
+        false
+    }
+    /// Its way to take adaptive steps; none by default.
+    fn adaptive(&self) -> Option<&dyn Adaptive> {
+        None
+    }
+    /// Its way to move many cells at once; by default each is moved alone.
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        None
+    }
+
+    /// The same model with a measured course of calcium; `None`, as by default, where calcium is not given.
+    fn with_calcium(&self, _course: &CalciumTrace) -> Option<Arc<dyn CellModel>> {
+        None
+    }
+    /// The myofilaments of `land_2017` among its states, where it has them; none by default.
+    fn filaments(&self) -> Option<Filaments<'_>> {
+        None
+    }
+    /// The equations of a tension that follows the potential and nothing else, where the last two states are those of
+    /// [`Tension`]; none by default.
+    fn tension_of_potential(&self) -> Option<&Tension> {
+        None
+    }
+    /// What a curve of shortening tells of its parameters; nothing by default.
+    fn in_fits(&self) -> InFits<'_> {
+        InFits::default()
+    }
+    /// Whether its parameters shape currents as a whole and stand for no single channel; not by default.
+    fn lumps_currents(&self) -> bool {
+        false
+    }
+
     /// Where a free cell with the published parameters beats otherwise than measured cells do; nowhere by default.
     fn known_departure(&self) -> Option<KnownDeparture> {
         None
@@ -207,6 +135,13 @@ pub trait CellModel: Any + Send + Sync {
     /// The state at rest, before any stimulus.
     fn initial_state(&self) -> Vec<f64> {
         self.states().iter().map(|state| state.start).collect()
+    }
+    /// Unit of the potential variable as written for people; empty of a pure number and where there is none.
+    fn potential_unit(&self) -> String {
+        let first = self.stimulation().moves.first().map(|moved| moved.state);
+        first
+            .and_then(|place| self.states().get(place))
+            .map_or_else(String::new, |state| state.unit.to_string())
     }
     /// Method and step or tolerance that serve it; by default the default.
     fn usual_settings(&self) -> Settings {
@@ -222,30 +157,162 @@ pub trait CellModel: Any + Send + Sync {
     }
 }
 
-/// Why a model cannot be made from a set of parameters.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ModelError {
-    /// The set lacks a parameter of the model.
-    #[error("cell model `{model}` needs parameter `{name}`, which the set does not have")]
-    Missing {
-        /// The model.
-        model: String,
-        /// The parameter.
-        name: String,
-    },
-    /// Values that contradict each other.
-    #[error("cell model `{model}`: {reason}")]
-    Contradiction {
-        /// The model.
-        model: String,
-        /// Which values, and what they should be.
-        reason: String,
-    },
+/// What a curve of shortening tells of the parameters of a model, by their names.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct InFits<'a> {
+    /// The parameter in proportion to which a tension in kPa is.
+    pub strength: Option<&'a str>,
+    /// What a fit seeks beside the height of the tension unless it is told otherwise.
+    pub usual: &'a [&'a str],
+    /// Parameters that cannot be told apart where all of them and the height of the tension are sought.
+    pub not_together: &'a [&'a str],
 }
 
-impl ModelError {
-    /// A parameter is missing in the set.
-    pub fn missing(model: &str, name: &str) -> Self {
-        Self::Missing { model: model.to_owned(), name: name.to_owned() }
+/// The myofilaments of `land_2017` in a cell.
+#[derive(Debug, Clone, Copy)]
+pub struct Filaments<'a> {
+    /// Their equations.
+    pub equations: &'a Myofilaments,
+    /// The place of the first of their six states.
+    pub first: usize,
+    /// Calcium that is given; `None` where the cell makes its own.
+    pub calcium: Option<&'a Calcium>,
+}
+
+/// A model that can choose its steps by a tolerance although its equations jump. It does not feel its stretch.
+pub trait Adaptive {
+    /// A cell in this state at 0 ms, after whatever the protocol does then; `tolerance` is the largest error of a step
+    /// over the size of each variable.
+    ///
+    /// # Errors
+    /// A protocol that cannot be followed, or a tolerance out of range.
+    fn start(
+        &self,
+        state: &[f64],
+        protocol: Protocol,
+        tolerance: f64,
+    ) -> Result<Box<dyn AdaptiveSteps>, SolveError>;
+}
+
+/// A cell on its way through time in adaptive steps.
+pub trait AdaptiveSteps: Send + Sync {
+    /// Time reached, ms.
+    fn time(&self) -> f64;
+    /// The state at that time.
+    fn state(&self) -> &[f64];
+    /// Moves on to time `t_ms`.
+    ///
+    /// # Errors
+    /// A time before the one reached or not finite, or a cell that no step takes further.
+    fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError>;
+    /// The same cell once more, to be moved on trial.
+    fn boxed(&self) -> Box<dyn AdaptiveSteps>;
+}
+
+impl Clone for Box<dyn AdaptiveSteps> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
     }
+}
+
+/// A model whose cells can be moved many at once, in vector registers or otherwise.
+pub trait SideBySide {
+    /// The method by which they are moved; by any other each is moved alone.
+    fn method(&self) -> Method;
+    /// Whether it tells of each beat exactly, without samples.
+    fn tells_beats(&self) -> bool;
+    /// Moves cells, all of the type of this model, to their end; what became of each, in order, or `None` once
+    /// `goes_on`, which is asked often, says no. Whether a cell has company does not change its bits.
+    fn move_all(
+        &self,
+        cells: &[&Paced],
+        settings: &BatchSettings,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<Result<CellOutcome, SolveError>>>;
+}
+
+/// A cell of its resting length that is paced.
+#[derive(Clone)]
+pub struct Paced {
+    pub(super) model: Arc<dyn CellModel>,
+    pub(super) protocol: Protocol,
+    pub(super) duration_ms: f64,
+}
+
+impl Paced {
+    /// A cell in its initial state at 0 ms, to be followed for so long.
+    ///
+    /// # Errors
+    /// A protocol that cannot be followed, or a duration that is not a positive finite time.
+    pub fn new(
+        model: Arc<dyn CellModel>,
+        protocol: Protocol,
+        duration_ms: f64,
+    ) -> Result<Self, SolveError> {
+        protocol.validate()?;
+        validate_time("duration", duration_ms)?;
+        Ok(Self { model, protocol, duration_ms })
+    }
+
+    /// Its equations.
+    pub fn model(&self) -> &Arc<dyn CellModel> {
+        &self.model
+    }
+
+    /// When and how it is stimulated.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// How long it is followed, ms.
+    pub fn duration_ms(&self) -> f64 {
+        self.duration_ms
+    }
+}
+
+/// How many cells are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BatchSettings {
+    /// Method, step and tolerance.
+    pub method: Settings,
+    /// Time between samples, ms, first at 0 ms; default none, no samples.
+    pub sample_interval_ms: Option<f64>,
+}
+
+/// A cell at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CellSample {
+    /// The potential in the unit of its state, where there is one.
+    pub potential: Option<f64>,
+    /// Membrane potential, mV, where the model defines it.
+    pub potential_mv: Option<f64>,
+    /// Active tension, relative or in kPa as the model says; 0 where there is none.
+    pub tension: f64,
+    /// Free calcium in the cytosol, uM, where the model has it.
+    pub calcium_um: Option<f64>,
+}
+
+impl CellSample {
+    /// Of a model in a state.
+    pub fn of(model: &dyn CellModel, state: &[f64], input: &Input) -> Self {
+        Self {
+            potential: model.potential(state),
+            potential_mv: model.membrane_potential_mv(state),
+            tension: model.tension(state, input),
+            calcium_um: model.calcium_um(state, input),
+        }
+    }
+}
+
+/// What one of many cells did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellOutcome {
+    /// Its beats, one for each stimulus, in order; from steps where the model tells them, else from samples.
+    pub beats: Vec<Beat>,
+    /// Sample `k` is at `k` times the interval; none where none were asked for.
+    pub samples: Vec<CellSample>,
+    /// Steps taken; 0 where they are not counted.
+    pub steps: u64,
+    /// Steps tried whose error was too large.
+    pub refused: u64,
 }

@@ -97,10 +97,6 @@ pub fn model() -> MinimalModel {
     MinimalModel::published(IDENTITY, parameters())
 }
 
-/// Where the authors' step cuts the state into blocks: `u, v, w, s | Ta_i | Ta`, the index of the first
-/// variable of each block but the first.
-pub(super) const STAGGERED_BLOCKS: &[usize] = &[4, 5];
-
 /// The authors' time stepping: staggered forward Euler with 0.05 ms.
 ///
 /// First `u, v, w, s` from their old values, then `Ta_i` from the new `u`, then `Ta` from the new

@@ -1,6 +1,7 @@
 //! Fixed steps, each method in one function.
 
-use super::cell_model::{CellModel, Gate, Input};
+use super::cell_model::CellModel;
+use super::description::{Gate, Input};
 use super::pacer::Pacer;
 use super::settings::SolveError;
 

@@ -1,15 +1,12 @@
 //! Moves one cell in time, alone or inside a coupled simulation.
 
-use super::adaptive::AdaptiveIntegrator;
-use super::cell_model::{CellModel, Input};
-use super::coelho_2021::STAGGERED_BLOCKS;
+use super::cell_model::{AdaptiveSteps, CellModel};
+use super::description::Input;
 use super::fixed::{FixedSteps, Scheme};
-use super::minimal::MinimalModel;
 use super::pacer::Pacer;
 use super::pacing::Protocol;
 use super::settings::{Method, Settings, SolveError};
 use super::stiff::StiffSteps;
-use std::any::Any;
 use std::sync::Arc;
 
 /// A cell on its way through time, by any method.
@@ -127,13 +124,13 @@ pub(super) struct Steps {
 #[derive(Clone)]
 enum Way {
     Fixed(Box<FixedSteps>),
-    Adaptive(Box<AdaptiveIntegrator>),
+    Adaptive(Box<dyn AdaptiveSteps>),
     Stiff(Box<StiffSteps>),
 }
 
 impl Steps {
     pub(super) fn new(
-        model: &(dyn CellModel + 'static),
+        model: &dyn CellModel,
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
@@ -141,14 +138,13 @@ impl Steps {
     }
 
     fn starting_from(
-        model: &(dyn CellModel + 'static),
+        model: &dyn CellModel,
         state: &[f64],
         protocol: Protocol,
         settings: Settings,
     ) -> Result<Self, SolveError> {
         settings.validate()?;
         let pacer = Pacer::new(&model.stimulation(), protocol)?;
-        let minimal = (model as &dyn Any).downcast_ref::<MinimalModel>();
         let refuse = |reason, instead| SolveError::Unsuited {
             model: model.name().to_owned(),
             method: settings.method,
@@ -156,7 +152,6 @@ impl Steps {
             instead,
         };
         let for_any = "`runge-kutta-4`, or `stiff` if it needs tiny steps";
-        let only_minimal = || refuse("which serves the minimal model only", for_any);
         let fixed = |scheme| {
             let steps =
                 FixedSteps::new(model, state.to_vec(), scheme, pacer.clone(), settings.step_ms);
@@ -165,25 +160,27 @@ impl Steps {
         let way = match settings.method {
             Method::RungeKutta4 => fixed(Scheme::RungeKutta4),
             Method::ForwardEuler => fixed(Scheme::Euler { cuts: &[] }),
-            Method::StaggeredEuler => {
-                minimal.ok_or_else(only_minimal)?;
-                fixed(Scheme::Euler { cuts: STAGGERED_BLOCKS })
+            Method::StaggeredEuler if model.staggered_groups().is_empty() => {
+                return Err(refuse("which serves the minimal model only", for_any));
             }
+            Method::StaggeredEuler => fixed(Scheme::Euler { cuts: model.staggered_groups() }),
             Method::RushLarsen if model.gates().is_empty() => {
                 return Err(refuse("which needs a model that names its gates", for_any));
             }
             Method::RushLarsen => fixed(Scheme::RushLarsen),
             Method::Adaptive => {
-                let minimal = minimal.ok_or_else(only_minimal)?;
-                let settings = super::adaptive::Settings { tolerance: settings.tolerance };
-                let values = std::array::from_fn(|place| state[place]);
-                let steps = AdaptiveIntegrator::starting_from(minimal, values, protocol, settings)?;
-                Way::Adaptive(Box::new(steps))
+                let adaptive = model.adaptive();
+                let adaptive = adaptive
+                    .ok_or_else(|| refuse("which serves the minimal model only", for_any))?;
+                Way::Adaptive(adaptive.start(state, protocol, settings.tolerance)?)
             }
             // Sliding along a threshold would take millions of steps.
-            Method::Stiff if minimal.is_some() => {
-                let reason = "whose steps shrink to nothing where equations jump";
-                return Err(refuse(reason, "`adaptive`, which knows the jumps"));
+            Method::Stiff if model.jumps() => {
+                let instead = match model.adaptive() {
+                    Some(_) => "`adaptive`, which knows the jumps",
+                    None => "`runge-kutta-4`",
+                };
+                return Err(refuse("whose steps shrink to nothing where equations jump", instead));
             }
             Method::Stiff if model.stimulation().moves.is_empty() => {
                 let reason = "whose steps know no course that is given over time";

@@ -9,6 +9,7 @@ mod model;
 mod myofilaments;
 mod parameters;
 
+pub(in crate::cell) use model::IN_FITS;
 pub use model::Land2017;
 pub(in crate::cell) use myofilaments::NUMBERS;
 pub use myofilaments::{Myofilaments, STATES, states};

@@ -23,8 +23,9 @@ mod electrical;
 pub use electrical::Electrical;
 pub(super) use electrical::rows;
 
-use super::cell_model::{
-    CellModel, Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
+use super::cell_model::{Adaptive, CellModel, InFits, SideBySide};
+use super::description::{
+    Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
 };
 use super::pacing::Stimulus;
 use super::tension::Tension;
@@ -51,6 +52,9 @@ pub struct Identity {
     /// is to be known of it.
     pub pace: (f64, &'static str),
 }
+
+/// Where the authors' step cuts the state into groups: `u, v, w, s | Ta_i | Ta`.
+const STAGGERED_GROUPS: &[usize] = &[4, 5];
 
 /// Names and meanings; all are pure numbers.
 pub(super) static STATES: [StateVariable; 6] = {
@@ -185,6 +189,34 @@ impl CellModel for MinimalModel {
 
     fn tension_kind(&self) -> TensionKind {
         TensionKind::Relative { published_peak: self.identity.peak_tension }
+    }
+
+    fn staggered_groups(&self) -> &'static [usize] {
+        STAGGERED_GROUPS
+    }
+
+    fn jumps(&self) -> bool {
+        true
+    }
+
+    fn adaptive(&self) -> Option<&dyn Adaptive> {
+        Some(self)
+    }
+
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        Some(self)
+    }
+
+    fn tension_of_potential(&self) -> Option<&Tension> {
+        Some(&self.tension)
+    }
+
+    fn in_fits(&self) -> InFits<'_> {
+        InFits { strength: None, usual: &["c_0"], not_together: &[] }
+    }
+
+    fn lumps_currents(&self) -> bool {
+        true
     }
 
     fn known_departure(&self) -> Option<KnownDeparture> {

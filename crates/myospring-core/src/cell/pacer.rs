@@ -1,6 +1,6 @@
 //! Does to a cell what its protocol wants, when it wants it.
 
-use super::cell_model::{Moved, Stimulation};
+use super::description::{Moved, Stimulation};
 use super::pacing::{Event, Protocol, ProtocolError};
 
 /// A protocol on its way through time.

@@ -12,7 +12,8 @@
 pub use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
 pub use super::settings::{Method, Settings, SolveError};
 
-use super::cell_model::{CellModel, TensionKind};
+use super::cell_model::CellModel;
+use super::description::TensionKind;
 use super::integrator::Steps;
 use super::pacing::Protocol;
 use super::trace::{CellTrace, Instant};
@@ -37,7 +38,7 @@ use crate::interruption::Interruption;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn solve(
-    model: &(dyn CellModel + 'static),
+    model: &dyn CellModel,
     protocol: Protocol,
     settings: Settings,
     duration_ms: f64,
@@ -73,7 +74,7 @@ pub fn solve_interruptible(
 /// # Errors
 /// As [`solve`], or tension without a positive peak inside the beat.
 pub fn reference_beat(
-    model: &(dyn CellModel + 'static),
+    model: &dyn CellModel,
     settings: Settings,
 ) -> Result<ReferenceBeat, SolveError> {
     if model.tension_kind() == TensionKind::None {

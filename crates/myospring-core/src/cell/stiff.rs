@@ -18,7 +18,8 @@
 mod lu;
 pub(super) mod rosenbrock;
 
-use super::cell_model::{CellModel, Input, StateVariable};
+use super::cell_model::CellModel;
+use super::description::{Input, StateVariable};
 use super::pacer::Pacer;
 use super::pacing::same_instant;
 use super::settings::SolveError;

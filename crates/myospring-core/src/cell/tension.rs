@@ -6,7 +6,9 @@
 //! on them sharply: `u_peak` lower by 0.003 % raises the peak of `Ta` by about 0.09 %. So whoever
 //! changes `u_peak`, or the height of the upstroke, changes the strength of the cell.
 
-use super::cell_model::ModelError;
+pub mod step;
+
+use super::description::ModelError;
 use crate::parameter::{Parameter, ParameterSet};
 use std::f64::consts::PI;
 
@@ -91,6 +93,11 @@ impl Tension {
     /// The potential that drives tension, `V = (u - u_rest) / (u_peak - u_rest)`; not clamped.
     pub fn normalised_potential(&self, u: f64) -> f64 {
         (u - self.u_rest) / (self.u_peak - self.u_rest)
+    }
+
+    /// `x_2`: the normalised potential above which the onset of `Ta` is delayed.
+    pub fn delayed_above(&self) -> f64 {
+        self.x_2
     }
 
     /// `d(Ta_i)/dt` and `d(Ta)/dt`, 1/ms, from potential `u` and both tension variables.

@@ -22,8 +22,9 @@ mod start;
 mod state;
 mod table;
 
-use super::cell_model::{
-    CellModel, Gate, Input, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
+use super::cell_model::{CellModel, Filaments, InFits, SideBySide};
+use super::description::{
+    Gate, Input, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
 };
 use super::land_2017::{self, Myofilaments};
 use super::pacing::Stimulus;
@@ -70,6 +71,9 @@ pub struct TomekModel {
     constants: Constants<f64>,
     parameters: ParameterSet,
 }
+
+/// The place of calcium in the cytosol, mM.
+const CALCIUM: usize = 5;
 
 /// Recovery of I_CaL, which is faster where chloride moves, ms.
 const TAU_J_CA: [f64; 3] = [75.0, 72.5, 75.0];
@@ -309,6 +313,27 @@ impl CellModel for TomekModel {
             flows.fluxes.release,
             flows.fluxes.uptake,
         ]);
+    }
+
+    fn calcium_um(&self, state: &[f64], _input: &Input) -> Option<f64> {
+        Some(1e3 * state[CALCIUM])
+    }
+
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        Some(self)
+    }
+
+    fn filaments(&self) -> Option<Filaments<'_>> {
+        let equations = &self.constants.myofilaments;
+        let pull = self.variant == Variant::Land;
+        pull.then_some(Filaments { equations, first: BEHIND, calcium: None })
+    }
+
+    fn in_fits(&self) -> InFits<'_> {
+        match self.variant {
+            Variant::Land => land_2017::IN_FITS,
+            _ => InFits::default(),
+        }
     }
 
     fn gates(&self) -> &[usize] {

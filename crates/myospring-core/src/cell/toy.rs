@@ -7,8 +7,9 @@
 //! dTa/dt = (u - Ta) / tau    Ta(t) = a (t / tau) exp(-t / tau)
 //! ```
 
-use super::cell_model::{
-    CellModel, Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
+use super::cell_model::CellModel;
+use super::description::{
+    Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
 };
 use super::pacing::Stimulus;
 use crate::parameter::{Parameter, ParameterSet};

@@ -1,6 +1,7 @@
 //! What a cell did over time.
 
-use super::cell_model::{CellModel, Input};
+use super::cell_model::CellModel;
+use super::description::Input;
 use super::settings::{SolveError, validate_time};
 use crate::analysis::trace::{self, Point};
 

@@ -5,12 +5,10 @@ use super::felt::Felt;
 use super::given::Potential;
 use super::least_squares::Column;
 use super::physics::{Physics, Train};
-use super::step::{OF_TENSION, Rates};
 use super::table::{Shelf, Tables};
 use super::unknown::Unknown;
-use crate::cell::minimal::MinimalModel;
+use crate::cell::tension::step::Rates;
 use crate::simulation::Simulation;
-use std::any::Any;
 use std::sync::Arc;
 
 /// How a cell on its mesh shortens after stimuli.
@@ -40,12 +38,13 @@ impl Contraction {
             })
             .collect();
         let loaded = unknowns.contains(&Unknown::YoungModulus);
-        let minimal = (&*simulation.cell as &dyn Any).downcast_ref::<MinimalModel>();
-        let of_tension = |name: &String| OF_TENSION.iter().position(|known| known == name);
+        let cell = &simulation.cell;
+        let of_tension = |name: &String| Rates::NAMES.iter().position(|known| known == name);
         let places: Option<Vec<usize>> = names.iter().map(of_tension).collect();
-        if let (Some(model), Some(places)) = (minimal, places) {
-            let potential = Potential::solve(model, simulation.protocol, before, beats, cycle)?;
-            let rates = Rates::of(model, simulation.material.retardation_time);
+        if let (Some(tension), Some(places)) = (cell.tension_of_potential(), places) {
+            let protocol = simulation.protocol;
+            let potential = Potential::solve(cell, tension, protocol, before, beats, cycle)?;
+            let rates = Rates::of(tension, simulation.material.retardation_time);
             let peak = simulation.peak_tension;
             let tables = shelf.tables(simulation, up_to, loaded)?;
             return Ok(Self::Given { potential, rates, places, tables, peak });
@@ -65,7 +64,7 @@ impl Contraction {
         match self {
             Self::Given { potential, rates, places, tables, peak } => {
                 let mut curve = Vec::with_capacity(times.len());
-                let rates = with_free(rates, places, physics);
+                let rates = rates.with(places, physics.parameters);
                 potential.tension(&rates, stimuli, times, &mut curve);
                 let by = peak * physics.tension * physics.stiffness;
                 for value in &mut curve {
@@ -86,7 +85,7 @@ impl Contraction {
     ) -> Option<Vec<Column>> {
         match self {
             Self::Given { potential, rates, places, tables, peak } => {
-                let rates = with_free(rates, places, physics);
+                let rates = rates.with(places, physics.parameters);
                 let mut tension = Vec::with_capacity(times.len());
                 potential.tension(&rates, stimuli, times, &mut tension);
                 let by = peak * physics.tension * physics.stiffness;
@@ -136,14 +135,4 @@ impl Contraction {
         }
         Some(tension)
     }
-}
-
-/// The rates with those that are free.
-fn with_free(rates: &Rates, places: &[usize], physics: &Physics<'_>) -> Rates {
-    let mut all = [rates.c_0, rates.x_1, rates.x_3, rates.sigma];
-    for (place, value) in places.iter().zip(physics.parameters) {
-        all[*place] = *value;
-    }
-    let [c_0, x_1, x_3, sigma] = all;
-    Rates { c_0, x_1, x_3, sigma, lag: rates.lag }
 }

@@ -8,7 +8,7 @@ use super::error::FitError;
 use super::least_squares::Column;
 use super::membrane::Membrane;
 use super::myofilaments::Myofilaments;
-use super::physics::{Physics, Train, scale_of};
+use super::physics::{Physics, Train};
 use super::table::Tables;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::Method;
@@ -206,7 +206,7 @@ impl Felt {
             parameters.set(name, *value).ok()?;
         }
         if cell.tension_kind() == TensionKind::Kilopascal {
-            let name = scale_of(&**cell)?;
+            let name = cell.in_fits().strength?;
             let usual = parameters.get(name)?;
             parameters.set(name, physics.tension * physics.stiffness * usual).ok()?;
         }

@@ -6,7 +6,7 @@ use super::error::FitError;
 use super::least_squares::{Least, squares};
 use super::misfit::Misfit;
 use super::observed::{Frames, Observed, Scale};
-use super::physics::{Physics, Train, scale_of};
+use super::physics::{Physics, Train};
 use super::problem::{Layout, Role, Source, shortening};
 use super::settings::Settings;
 use super::sure::{SEARCH, Sure};
@@ -92,7 +92,7 @@ impl Fitter {
                     why: "it has no tension",
                 });
             }
-            TensionKind::Kilopascal if scale_of(&*simulation.cell).is_none() => {
+            TensionKind::Kilopascal if simulation.cell.in_fits().strength.is_none() => {
                 return Err(FitError::Setting {
                     what: "this cell model",
                     why: "its tension is in kPa, and no parameter of it scales that",
@@ -113,7 +113,11 @@ impl Fitter {
         let cell = &self.simulation.cell;
         match cell.tension_kind() {
             TensionKind::Relative { .. } => self.simulation.peak_tension,
-            _ => scale_of(&**cell).and_then(|name| cell.parameters().get(name)).unwrap_or(f64::NAN),
+            _ => cell
+                .in_fits()
+                .strength
+                .and_then(|name| cell.parameters().get(name))
+                .unwrap_or(f64::NAN),
         }
     }
 

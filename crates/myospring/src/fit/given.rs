@@ -7,11 +7,12 @@
 //! `Ta_i` passes `x_3` is cut there, so that a curve depends smoothly on every parameter.
 
 use super::least_squares::Column;
-use super::step::{Rates, State, Step, Whole, model_value};
-use crate::cell::adaptive::{self, Settings};
-use crate::cell::minimal::MinimalModel;
+use crate::cell::CellModel;
+use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::SolveError;
+use crate::cell::solve::{Method, Settings, SolveError};
+use crate::cell::tension::Tension;
+use crate::cell::tension::step::{Rates, State, Step, Whole};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -61,22 +62,25 @@ impl Potential {
     /// Solves the cell for so many stimuli after so many others, a cycle length apart, the first as long after the
     /// beginning as the protocol says.
     pub(super) fn solve(
-        model: &MinimalModel,
+        cell: &Arc<dyn CellModel>,
+        tension: &Tension,
         protocol: Protocol,
         before: usize,
         beats: usize,
         cycle_ms: f64,
     ) -> Result<Self, SolveError> {
-        let tension = *model.tension_constants();
-        let normal = |u: f64| tension.normalised_potential(u);
-        let x_2 = model_value(model, "x_2");
+        let potential = |state: &[f64]| cell.potential(state).unwrap_or(f64::NAN);
+        let normal = |state: &[f64]| tension.normalised_potential(potential(state));
+        let x_2 = tension.delayed_above();
         let train = Protocol {
             beats: u32::try_from(before + beats).unwrap_or(u32::MAX),
             cycle_length_ms: cycle_ms,
             ..protocol
         };
-        let mut cell =
-            adaptive::AdaptiveIntegrator::new(model, train, Settings { tolerance: TOLERANCE })?;
+        let usual =
+            cell.adaptive().map_or(cell.usual_settings(), |_| Settings::of(Method::Adaptive));
+        let settings = Settings { tolerance: TOLERANCE, ..usual };
+        let mut moving = CellIntegrator::new(Arc::clone(cell), train, settings)?;
         let mut all = Vec::with_capacity(beats);
         for beat in before..before + beats {
             let start = protocol.start_ms + beat as f64 * cycle_ms;
@@ -86,8 +90,8 @@ impl Potential {
                 // The state at the time of a stimulus includes it; the last node of a beat lies just before the next.
                 let until =
                     if time < cycle_ms { start + time } else { start + cycle_ms * (1.0 - 1e-12) };
-                cell.advance_to(until)?;
-                let v = normal(cell.state()[0]);
+                moving.advance_to(until, 1.0, 0.0)?;
+                let v = normal(moving.state());
                 // A node where V passes x_2, on the straight line between.
                 if let Some((last, was)) = last
                     && (was > x_2) != (v > x_2)
@@ -172,7 +176,7 @@ impl Potential {
             way.starts.push(state);
             let left = &times[way.tension.len()..];
             let (course, window) = (course(&way.courses, number), window(stimuli, number));
-            (state, way.peak) = rates.beat(course, window, state, left, &mut way.tension);
+            (state, way.peak) = one_beat(rates, course, window, state, left, &mut way.tension);
         }
         way
     }
@@ -185,7 +189,7 @@ impl Potential {
             return Arc::clone(courses);
         }
         // Not held meanwhile: other threads look for other widths.
-        let courses: Courses = self.beats.iter().map(|beat| rates.course(beat)).collect();
+        let courses: Courses = self.beats.iter().map(|beat| steps(rates, beat)).collect();
         let mut known = known();
         if known.len() >= KEPT {
             known.clear();
@@ -230,7 +234,7 @@ impl Way<'_> {
             let left = &self.times[(first + moved.tension.len()).min(self.times.len())..];
             let (course, window) = (course(&self.courses, number), window(&stimuli, number));
             let highest;
-            (state, highest) = rates.beat(course, window, state, left, &mut moved.tension);
+            (state, highest) = one_beat(rates, course, window, state, left, &mut moved.tension);
             moved.peak = (number + 1 == self.starts.len()).then_some(highest);
         }
         (first, moved)
@@ -257,65 +261,62 @@ fn grid(cycle_ms: f64) -> impl Iterator<Item = f64> {
     fine.chain(coarse).take_while(move |time| *time < cycle_ms).chain([cycle_ms])
 }
 
-impl Rates {
-    /// From node to node, until the cell rests.
-    fn course(&self, beat: &Beat) -> Vec<Step> {
-        let bell: Vec<f64> = beat.nodes.iter().map(|node| self.bell(node.off_peak)).collect();
-        let least = NOTHING * self.bell(0.0);
-        let steps = beat.nodes.windows(2).zip(bell.windows(2)).map(|(nodes, bell)| {
-            let [from, to] = [nodes[0], nodes[1]];
-            let length = to.time - from.time;
-            let slope = if length > 0.0 { (bell[1] - bell[0]) / length } else { 0.0 };
-            // Lengths of the grid are the same to the last bit, so that they share propagators.
-            let on_grid = [FINE_MS, COARSE_MS].into_iter().find(|on| (length - on).abs() < 1e-9);
-            let length = on_grid.unwrap_or(length);
-            Step { begin: from.time, length, bell: bell[0], slope, above: from.above }
-        });
-        let mut steps: Vec<Step> = steps.collect();
-        let pulls =
-            |step: &Step| step.above || step.bell.max(step.bell + step.slope * step.length) > least;
-        steps.truncate(steps.iter().rposition(pulls).map_or(0, |last| last + 1));
-        steps
-    }
+/// From node to node, until the cell rests.
+fn steps(rates: &Rates, beat: &Beat) -> Vec<Step> {
+    let bell: Vec<f64> = beat.nodes.iter().map(|node| rates.bell(node.off_peak)).collect();
+    let least = NOTHING * rates.bell(0.0);
+    let steps = beat.nodes.windows(2).zip(bell.windows(2)).map(|(nodes, bell)| {
+        let [from, to] = [nodes[0], nodes[1]];
+        let length = to.time - from.time;
+        let slope = if length > 0.0 { (bell[1] - bell[0]) / length } else { 0.0 };
+        // Lengths of the grid are the same to the last bit, so that they share propagators.
+        let on_grid = [FINE_MS, COARSE_MS].into_iter().find(|on| (length - on).abs() < 1e-9);
+        let length = on_grid.unwrap_or(length);
+        Step { begin: from.time, length, bell: bell[0], slope, above: from.above }
+    });
+    let mut steps: Vec<Step> = steps.collect();
+    let pulls =
+        |step: &Step| step.above || step.bell.max(step.bell + step.slope * step.length) > least;
+    steps.truncate(steps.iter().rposition(pulls).map_or(0, |last| last + 1));
+    steps
+}
 
-    /// One beat between its stimulus and the next, from a state on: what shapes the cell at the times that are
-    /// in it, ascending, goes `into`. Returns the state at its end and the largest `Ta`.
-    fn beat(
-        &self,
-        course: &[Step],
-        [stimulus, next]: [f64; 2],
-        start: State,
-        times: &[f64],
-        into: &mut Vec<f64>,
-    ) -> (State, f64) {
-        let wholes = [FINE_MS, COARSE_MS].map(|length| Whole::new(length, self));
-        let end = next - stimulus;
-        let due = due(times, stimulus);
-        let highest = start[1];
-        let mut walk =
-            Walk { rates: self, wholes, end, stimulus, times, due, state: start, highest };
-        let mut left = walk.pass(course);
-        while let Some((step, others)) = left.split_first()
-            && step.begin < end
-        {
-            walk.take(step, into);
-            left = walk.pass(others);
-        }
-        let rests = course.last().map_or(0.0, |last| last.begin + last.length);
-        // What lags is found in steps, else rest is one.
-        let length = if self.lag > 0.0 { COARSE_MS } else { f64::INFINITY };
-        let mut rest = Step { begin: rests, length, bell: 0.0, slope: 0.0, above: false };
-        for at in 1.. {
-            let has_peaked = walk.state[0] <= walk.state[1];
-            let is_over = end == f64::INFINITY && walk.times.is_empty() && has_peaked;
-            if rest.begin >= end || is_over {
-                break;
-            }
-            walk.take(&rest, into);
-            rest.begin = rests + f64::from(at) * length;
-        }
-        (walk.state, walk.highest.max(walk.state[1]))
+/// One beat between its stimulus and the next, from a state on: what shapes the cell at the times that are
+/// in it, ascending, goes `into`. Returns the state at its end and the largest `Ta`.
+fn one_beat(
+    rates: &Rates,
+    course: &[Step],
+    [stimulus, next]: [f64; 2],
+    start: State,
+    times: &[f64],
+    into: &mut Vec<f64>,
+) -> (State, f64) {
+    let wholes = [FINE_MS, COARSE_MS].map(|length| Whole::new(length, rates));
+    let end = next - stimulus;
+    let due = due(times, stimulus);
+    let highest = start[1];
+    let mut walk = Walk { rates, wholes, end, stimulus, times, due, state: start, highest };
+    let mut left = walk.pass(course);
+    while let Some((step, others)) = left.split_first()
+        && step.begin < end
+    {
+        walk.take(step, into);
+        left = walk.pass(others);
     }
+    let rests = course.last().map_or(0.0, |last| last.begin + last.length);
+    // What lags is found in steps, else rest is one.
+    let length = if rates.lag > 0.0 { COARSE_MS } else { f64::INFINITY };
+    let mut rest = Step { begin: rests, length, bell: 0.0, slope: 0.0, above: false };
+    for at in 1.. {
+        let has_peaked = walk.state[0] <= walk.state[1];
+        let is_over = end == f64::INFINITY && walk.times.is_empty() && has_peaked;
+        if rest.begin >= end || is_over {
+            break;
+        }
+        walk.take(&rest, into);
+        rest.begin = rests + f64::from(at) * length;
+    }
+    (walk.state, walk.highest.max(walk.state[1]))
 }
 
 /// On the way through a beat.
@@ -396,14 +397,20 @@ fn due(times: &[f64], stimulus: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cell::adaptive;
     use crate::cell::coelho_2021;
-    use crate::cell::{CellModel as _, pacing::Protocol};
 
     /// So many beats after so many others, of the published cell.
     fn potential(before: usize, beats: usize, cycle_ms: f64) -> Potential {
         let model = coelho_2021::model();
-        let protocol = Protocol::once(model.default_stimulus());
-        Potential::solve(&model, protocol, before, beats, cycle_ms).unwrap()
+        solve(Protocol::once(model.default_stimulus()), before, beats, cycle_ms)
+    }
+
+    fn solve(protocol: Protocol, before: usize, beats: usize, cycle_ms: f64) -> Potential {
+        let model = coelho_2021::model();
+        let tension = *model.tension_constants();
+        let cell: Arc<dyn CellModel> = Arc::new(model);
+        Potential::solve(&cell, &tension, protocol, before, beats, cycle_ms).unwrap()
     }
 
     const BEFORE: usize = 10;
@@ -422,12 +429,13 @@ mod tests {
         };
         let lasts = 500.0 * beats as f64;
         let whole =
-            adaptive::solve(&model, protocol, Settings { tolerance: 1e-7 }, lasts, 1.0).unwrap();
+            adaptive::solve(&model, protocol, adaptive::Settings { tolerance: 1e-7 }, lasts, 1.0)
+                .unwrap();
         // From the second of the three beats on: what was before the first is not known to the fit.
         let skipped = 500 * (BEFORE + 1);
         let late: Vec<f64> =
             whole.time_ms[skipped..].iter().map(|time| time - 500.0 * BEFORE as f64).collect();
-        let potential = Potential::solve(&model, protocol, BEFORE, 3, 500.0).unwrap();
+        let potential = solve(protocol, BEFORE, 3, 500.0);
         let mut found = Vec::new();
         let peak = potential.tension(&PUBLISHED, &[0.0, 500.0, 1000.0], &late, &mut found);
         let expected = &whole.tension[skipped..];

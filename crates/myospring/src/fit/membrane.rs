@@ -16,15 +16,13 @@
 use super::myofilaments::{is_plain, meet};
 use super::physics::Train;
 use super::table::Tables;
-use crate::cell::CellModel;
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::land_2017::{Myofilaments, STATES};
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::Settings;
-use crate::cell::tomek_2019::{TomekModel, Variant};
+use crate::cell::{CellModel, Filaments};
 use crate::interruption::Interruption;
 use crate::simulation::Simulation;
-use std::any::Any;
 use std::sync::Arc;
 
 /// Most between samples, ms: an eighth of it moves a curve by less than 1e-4 of its height.
@@ -45,8 +43,8 @@ pub(super) struct Membrane {
 impl Membrane {
     /// Whether a simulation's cell is such, and its mesh neither held nor begun in a way of its own.
     pub(super) fn serve(simulation: &Simulation) -> bool {
-        let tomek = (&*simulation.cell as &dyn Any).downcast_ref::<TomekModel>();
-        tomek.is_some_and(|model| model.variant() == Variant::Land) && is_plain(simulation)
+        let filaments = simulation.cell.filaments();
+        filaments.is_some_and(|filaments| filaments.calcium.is_none()) && is_plain(simulation)
     }
 
     pub(super) fn new(tables: Arc<Tables>, train: &Train, simulation: &Simulation) -> Self {
@@ -78,13 +76,13 @@ impl Membrane {
         cell: Arc<dyn CellModel>,
         stiffness: f64,
     ) -> Option<Arc<[f64]>> {
-        let filaments = Myofilaments::new(cell.name(), cell.parameters()).ok()?;
+        let Filaments { equations, first: places, .. } = cell.filaments()?;
+        let filaments = *equations;
         let a = filaments.distortion_per_stretch();
         let decay = decays(&filaments).map(|rate| (-rate * self.interval).exp());
         // What is left at the end of an interval of a distortion that came evenly over it.
         let reached = decays(&filaments)
             .map(|rate| -(-rate * self.interval).exp_m1() / (rate * self.interval));
-        let places = place_of_filaments(&*cell)?;
         let mut cell = CellIntegrator::new(cell, self.protocol, self.settings).ok()?;
         let of = |cell: &CellIntegrator| -> [f64; STATES] {
             std::array::from_fn(|k| cell.state()[places + k])
@@ -159,9 +157,4 @@ fn decays(filaments: &Myofilaments) -> [f64; 2] {
         state[place] = 1.0;
         -filaments.rates(&state, 0.0, 1.0, 0.0)[place]
     })
-}
-
-/// The place of the first state of the myofilaments.
-fn place_of_filaments(cell: &dyn CellModel) -> Option<usize> {
-    cell.states().iter().position(|state| state.name == "XS")
 }

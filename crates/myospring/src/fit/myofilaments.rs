@@ -22,9 +22,9 @@
 use super::physics::Train;
 use super::table::Tables;
 use crate::cell::CellModel;
-use crate::cell::land_2017::{self, Land2017, STATES};
+use crate::cell::calcium::Calcium;
+use crate::cell::land_2017::{self, STATES};
 use crate::simulation::Simulation;
-use std::any::Any;
 use std::sync::Arc;
 
 /// Most between samples, ms; steps are as long or shorter. Against steps of 0.1 ms curves are within 1e-5 of their
@@ -54,7 +54,8 @@ pub(super) struct Myofilaments {
 
 /// A cell on its way.
 struct Way<'a> {
-    model: &'a Land2017,
+    filaments: &'a land_2017::Myofilaments,
+    calcium: &'a Calcium,
     tables: &'a Tables,
     stiffness: f64,
     distortion: f64,
@@ -64,7 +65,7 @@ struct Way<'a> {
 impl Myofilaments {
     /// Whether a simulation's cell is such, and its mesh neither held nor begun in a way of its own.
     pub(super) fn serve(simulation: &Simulation) -> bool {
-        land(&*simulation.cell).is_some() && is_plain(simulation)
+        given(&*simulation.cell).is_some() && is_plain(simulation)
     }
 
     pub(super) fn new(tables: Arc<Tables>, train: Train, lag: f64) -> Self {
@@ -83,17 +84,16 @@ impl Myofilaments {
     /// Shortening at every interval from the first stimulus of those that were recorded on; `None` where there is no
     /// beat.
     pub(super) fn shortening(&self, cell: &dyn CellModel, stiffness: f64) -> Option<Arc<[f64]>> {
-        let model = land(cell)?;
-        let filaments = model.myofilaments();
+        let (filaments, calcium) = given(cell)?;
         let distortion = filaments.distortion_per_stretch();
         let (tables, lag) = (&*self.tables, self.lag);
-        let mut way = Way { model, tables, stiffness, distortion: 0.0, lag };
+        let mut way = Way { filaments, calcium, tables, stiffness, distortion: 0.0, lag };
         let Train { before, beats, cycle } = self.train;
         let (intervals, length) = (self.intervals(), self.interval());
         let steps = way.steps(cycle, length)?;
         // Before the first stimulus nothing moves, and nothing is distorted.
         let mut state = [0.0; STATES + 1];
-        state[..STATES].copy_from_slice(&filaments.steady(model.calcium().rest(), 1.0));
+        state[..STATES].copy_from_slice(&filaments.steady(calcium.rest(), 1.0));
         let mut stretch = way.stretch_at_once(&state, 1.0)?;
         state[THETA] = filaments.tension(&way.whole(&state, stretch), stretch);
         way.distortion = distortion;
@@ -164,8 +164,10 @@ pub(super) fn is_plain(simulation: &Simulation) -> bool {
         && !simulation.support.clamps()
 }
 
-fn land(cell: &dyn CellModel) -> Option<&Land2017> {
-    (cell as &dyn Any).downcast_ref::<Land2017>()
+/// The equations and the calcium of a cell that is nothing but myofilaments with given calcium.
+fn given(cell: &dyn CellModel) -> Option<(&land_2017::Myofilaments, &Calcium)> {
+    let filaments = cell.filaments().filter(|_| cell.states().len() == STATES)?;
+    Some((filaments.equations, filaments.calcium?))
 }
 
 impl Way<'_> {
@@ -206,9 +208,9 @@ impl Way<'_> {
     /// Rates of the states with `y` for the distortions, at the stretch that goes with them.
     fn rates(&self, state: &State, stretch: f64, time: f64) -> State {
         let whole = self.whole(state, stretch);
-        let filaments = self.model.myofilaments();
+        let filaments = self.filaments;
         let mut rates = [0.0; STATES + 1];
-        let of_filaments = filaments.rates(&whole, self.model.calcium().at(time), stretch, 0.0);
+        let of_filaments = filaments.rates(&whole, self.calcium.at(time), stretch, 0.0);
         rates[..STATES].copy_from_slice(&of_filaments);
         if self.lag > 0.0 {
             rates[THETA] = (filaments.tension(&whole, stretch) - state[THETA]) / self.lag;
@@ -234,15 +236,15 @@ impl Way<'_> {
 
     /// The stretch of the mesh under the tension that it makes at that stretch.
     fn stretch_at_once(&self, state: &State, guess: f64) -> Option<f64> {
-        let filaments = self.model.myofilaments();
+        let filaments = self.filaments;
         let whole = |stretch: f64| (self.whole(state, stretch), 0.0);
         meet(filaments, self.tables, self.stiffness, guess, [1.0, 0.0], whole)
     }
 
     /// Steps an interval, such that none is longer than the fastest of the equations allows.
     fn steps(&self, cycle: f64, interval: f64) -> Option<usize> {
-        let filaments = self.model.myofilaments();
-        let calcium = (0..=200).map(|at| self.model.calcium().at(cycle * f64::from(at) / 200.0));
+        let filaments = self.filaments;
+        let calcium = (0..=200).map(|at| self.calcium.at(cycle * f64::from(at) / 200.0));
         let calcium = calcium.fold(0.0, f64::max);
         // Each equation is linear in its own variable; without calcium bound, blocking is as fast as it gets.
         let none = [0.0; STATES];
@@ -275,7 +277,7 @@ mod tests {
     #[test]
     fn a_steady_beat_stands_for_those_that_follow() {
         let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
-        simulation.cell = Arc::new(Land2017::published());
+        simulation.cell = Arc::new(land_2017::Land2017::published());
         let tables = Shelf::default().tables(&simulation, 0.2, false).unwrap();
         for lag in [0.0, 25.0] {
             for (before, cycle) in [(0, 1000.0), (0, 380.0), (10, 380.0)] {

@@ -1,10 +1,5 @@
 //! What of a cell makes its curve: numbers that are sought, and how it is paced.
 
-use crate::cell::CellModel;
-
-/// Parameters that scale a tension in kPa.
-const SCALES: [&str; 1] = ["T_ref"];
-
 /// How a cell is paced.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Train {
@@ -25,9 +20,4 @@ pub(super) struct Physics<'a> {
     pub(super) stiffness: f64,
     /// Values of the parameters that are free, in the order in which they are.
     pub(super) parameters: &'a [f64],
-}
-
-/// The parameter that scales the tension of a model in kPa.
-pub(super) fn scale_of(cell: &dyn CellModel) -> Option<&'static str> {
-    SCALES.into_iter().find(|name| cell.parameters().get(name).is_some())
 }

@@ -5,16 +5,15 @@ use super::error::FitError;
 use super::fitter::Fitter;
 use super::fitter::ONE_BEAT;
 use super::given::Potential;
-use super::physics::scale_of;
-use super::step::{OF_TENSION, Rates};
 use super::unknown::Unknown;
-use crate::cell::TensionKind;
-use crate::cell::minimal::MinimalModel;
 use crate::cell::pacing::Protocol;
+use crate::cell::tension::Tension;
+use crate::cell::tension::step::Rates;
+use crate::cell::{CellModel, TensionKind};
 use crate::integrate::Method;
 use crate::mechanics::material::Stiffness;
 use crate::settings::Run;
-use std::any::Any;
+use std::sync::Arc;
 
 impl Fitter {
     /// The run with what was found, beaten as often as in the first curve, from its own first stimulus on: `myospring
@@ -47,17 +46,19 @@ impl Fitter {
         if let TensionKind::Relative { published_peak } = cell.tension_kind() {
             run.cell = cell.with_parameters(parameters)?;
             // What was fitted is the peak of this cell; a run's is that of the published parameters.
-            let own = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
             let of_tension = fit.estimates.iter().all(|estimate| match &estimate.unknown {
-                Some(Unknown::Parameter(name)) => OF_TENSION.contains(&name.as_str()),
+                Some(Unknown::Parameter(name)) => Rates::NAMES.contains(&name.as_str()),
                 _ => true,
             });
-            run.peak_tension = match own.filter(|_| of_tension) {
-                Some(model) => tension * published_peak / own_peak(model, run.protocol, fit)?,
+            let law = run.cell.tension_of_potential().filter(|_| of_tension);
+            run.peak_tension = match law {
+                Some(law) => {
+                    tension * published_peak / own_peak(&run.cell, law, run.protocol, fit)?
+                }
                 None => tension,
             };
         } else {
-            if let Some(name) = scale_of(&**cell) {
+            if let Some(name) = cell.in_fits().strength {
                 parameters.set(name, tension)?;
             }
             run.cell = cell.with_parameters(parameters)?;
@@ -82,13 +83,18 @@ impl Fitter {
 const WRITTEN: f64 = 1e6;
 
 /// The largest `Ta` of the beats that were fitted.
-fn own_peak(model: &MinimalModel, protocol: Protocol, fit: &Fit) -> Result<f64, FitError> {
+fn own_peak(
+    cell: &Arc<dyn CellModel>,
+    law: &Tension,
+    protocol: Protocol,
+    fit: &Fit,
+) -> Result<f64, FitError> {
     let stimuli = fit.curves.first().map_or(&[0.0][..], |curve| &curve.stimuli_ms);
     let beats = stimuli.len();
     let spread = stimuli[beats - 1] - stimuli[0];
     let cycle = if beats > 1 { spread / (beats - 1) as f64 } else { ONE_BEAT };
-    let potential = Potential::solve(model, protocol, fit.beats_before, beats, cycle)?;
+    let potential = Potential::solve(cell, law, protocol, fit.beats_before, beats, cycle)?;
     let regular: Vec<f64> = (0..beats).map(|beat| beat as f64 * cycle).collect();
     let end = [regular[beats - 1] + cycle];
-    Ok(potential.tension(&Rates::of(model, 0.0), &regular, &end, &mut Vec::new()))
+    Ok(potential.tension(&Rates::of(law, 0.0), &regular, &end, &mut Vec::new()))
 }

@@ -3,12 +3,7 @@
 use super::error::FitError;
 use super::unknown::Unknown;
 use crate::cell::CellModel;
-use crate::cell::minimal::MinimalModel;
-use std::any::Any;
 use std::collections::BTreeMap;
-
-/// Of these a curve tells two.
-const MYOFILAMENTS: [&str; 3] = ["tension_over_stiffness", "Ca50_ref", "k_ws"];
 
 /// Settings of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,13 +29,9 @@ impl Settings {
     /// What a curve of one cell tells: of a tension that is given its height and its rate, of myofilaments that feel
     /// their length the height alone, since calcium's sensitivity and the height can hardly be told apart.
     pub fn usual(cell: &dyn CellModel) -> Vec<Unknown> {
-        let mut free = vec![Unknown::TensionOverStiffness];
-        if (cell as &dyn Any).is::<MinimalModel>() {
-            free.push(Unknown::Parameter("c_0".to_owned()));
-        } else if cell.parameters().get("k_ws").is_some() {
-            free.push(Unknown::Parameter("k_ws".to_owned()));
-        }
-        free
+        let usual = cell.in_fits().usual.iter();
+        let of_cell = usual.map(|name| Unknown::Parameter((*name).to_owned()));
+        [Unknown::TensionOverStiffness].into_iter().chain(of_cell).collect()
     }
 
     /// What is sought where names say so: `free` beside tension over stiffness, or what a curve tells ([`Settings::usual`])
@@ -87,9 +78,13 @@ impl Settings {
         if let Some(unknown) = self.bounds.keys().find(|unknown| !free.contains(unknown)) {
             return Err(not_sought(unknown, &free));
         }
-        let together = |name: &&&str| free.iter().any(|unknown| unknown.name() == **name);
-        if MYOFILAMENTS.iter().filter(together).count() == MYOFILAMENTS.len() {
-            return Err(FitError::TooMany { names: MYOFILAMENTS.join(", ") });
+        let names: Vec<&str> = [Unknown::TensionOverStiffness.name()]
+            .into_iter()
+            .chain(cell.in_fits().not_together.iter().copied())
+            .collect();
+        let sought = |name: &&str| free.iter().any(|unknown| unknown.name() == *name);
+        if names.len() > 1 && names.iter().all(sought) {
+            return Err(FitError::TooMany { names: names.join(", ") });
         }
         let mut all: Vec<(Unknown, [f64; 2], f64)> = Vec::new();
         for unknown in free {

@@ -10,9 +10,7 @@
 use crate::analysis::holes::{self, Hole};
 use crate::cell::CellModel;
 use crate::cell::calcium::{CalciumTrace, TraceError};
-use crate::cell::land_2017::Land2017;
 use crate::measured::{self, Curve, Kind, Options, ReadError};
-use std::any::Any;
 use std::io;
 use std::sync::Arc;
 
@@ -139,8 +137,6 @@ pub(super) fn with_calcium(
     calibration: Calibration,
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
 ) -> Result<(Arc<dyn CellModel>, Option<String>), CalciumError> {
-    let model = (&**cell as &dyn Any).downcast_ref::<Land2017>();
-    let model = model.ok_or_else(|| CalciumError::Model { model: cell.name().to_owned() })?;
     let bytes = read(path).map_err(|cause| CalciumError::Read { path: path.to_owned(), cause })?;
     let (trace, mut remarks) = of_table(path, &bytes, calibration)?;
     let [rest, last, peak] = trace.ends();
@@ -151,7 +147,8 @@ pub(super) fn with_calcium(
         ));
     }
     let warning = (!remarks.is_empty()).then(|| remarks.join("; "));
-    Ok((Arc::new(model.with_trace(trace)), warning))
+    let driven = cell.with_calcium(&trace);
+    Ok((driven.ok_or_else(|| CalciumError::Model { model: cell.name().to_owned() })?, warning))
 }
 
 /// The holes in a course across which calcium is interpolated, in words.

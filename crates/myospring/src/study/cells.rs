@@ -1,25 +1,27 @@
 //! Cells without a mesh as members of a study: action potential and tension of each, one row a beat.
 //!
-//! They move side by side ([`population`]), on all threads of the study, and have the same bits as each has
-//! alone.
+//! They move side by side where their model can ([`batch`]), on all threads of the study, and have the same bits as each
+//! has alone.
 //!
 //! # Example
 //! Cells whose slow inward current differs:
 //! ```
-//! use myospring::cell::{adaptive, coelho_2021, minimal::MinimalModel, pacing::Protocol};
+//! use myospring::cell::solve::{Method, Settings};
+//! use myospring::cell::{self, pacing::Protocol};
 //! use myospring::study::cells::{PacedCell, run, settings};
 //! use myospring::study::{Journal, Threads};
 //!
+//! let published = cell::model("coelho_2021")?;
 //! let mut cells = Vec::new();
 //! for percent in [90.0, 100.0, 110.0] {
-//!     let mut parameters = coelho_2021::parameters();
+//!     let mut parameters = published.parameters().clone();
 //!     parameters.set("tau_si", 1.76816 * percent / 100.0)?;
-//!     let model = MinimalModel::new(coelho_2021::IDENTITY, parameters)?;
-//!     let protocol = Protocol::once(coelho_2021::IDENTITY.stimulus);
+//!     let model = published.with_parameters(parameters)?;
+//!     let protocol = Protocol::once(published.default_stimulus());
 //!     cells.push(PacedCell { name: format!("{percent} %"), model, protocol, duration_ms: 600.0 });
 //! }
 //! # let folder = tempfile::tempdir()?;
-//! let method = adaptive::Settings::default();
+//! let method = Settings::of(Method::Adaptive);
 //! let journal = Journal::open(&folder.path().join("tau_si"), &settings(method))?;
 //! let report = run(&cells, method, &journal, &Threads::new(None)?, &())?;
 //! let apd: Vec<f64> = report.rows.iter().filter_map(|row| row.beat?.apd90_ms).collect();
@@ -28,29 +30,28 @@
 //! ```
 
 use super::{
-    Cause, Journal, Member, Observer, Report, Row, Status, StudyError, Threads, run_together,
-    sha256,
+    Cause, Interrupted, Journal, Member, Observer, Report, Row, Status, StudyError, Threads,
+    run_together, sha256,
 };
-use crate::cell::CellModel as _;
-use crate::cell::adaptive::{self, Beat};
-use crate::cell::minimal::MinimalModel;
+use crate::cell::CellModel;
+use crate::cell::batch::{self, BatchSettings, Beat, Paced, TOGETHER};
 use crate::cell::pacing::Protocol;
-use crate::cell::population::{self, Cell, LANES};
-use crate::cell::solve::SolveError;
+use crate::cell::solve::{Settings, SolveError};
 use crate::output::table::{Column, Table};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 
 /// So many cells at most are begun, and noted, together: enough for the lanes to be full nearly all the time.
-const GROUP: usize = 8 * LANES;
+const GROUP: usize = 8 * TOGETHER;
 
 /// A cell and how it is paced.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct PacedCell {
     /// Its name in the table.
     pub name: String,
     /// Its equations and constants.
-    pub model: MinimalModel,
+    pub model: Arc<dyn CellModel>,
     /// When and how it is stimulated.
     pub protocol: Protocol,
     /// How long it is followed, ms.
@@ -149,47 +150,52 @@ impl BeatRow {
 }
 
 /// What the rows of such a study depend on beside its cells, as text for [`Journal::open`].
-pub fn settings(method: adaptive::Settings) -> String {
-    let (version, tolerance) = (env!("CARGO_PKG_VERSION"), method.tolerance);
+pub fn settings(method: Settings) -> String {
+    let Settings { method, step_ms, tolerance } = method;
+    let version = env!("CARGO_PKG_VERSION");
     format!(
-        "# What the beats in this folder depend on.\n# version {version}\ntolerance = {tolerance:?}\n"
+        "# What the beats in this folder depend on.\n# version {version}\nmethod = \"{method}\"\n\
+         step_ms = {step_ms:?}\ntolerance = {tolerance:?}\n"
     )
 }
 
 /// Follows every cell that the journal does not have to its end, many at a time.
 ///
 /// # Errors
-/// A tolerance that is not possible, and those of [`run`](super::run).
+/// A step or tolerance that is not possible, and those of [`run`](super::run).
 pub fn run(
     cells: &[PacedCell],
-    method: adaptive::Settings,
+    method: Settings,
     journal: &Journal<PacedCell>,
     threads: &Threads,
     observer: &impl Observer<PacedCell>,
 ) -> Result<Report<BeatRow>, StudyError> {
     method.validate()?;
-    let settings = population::Settings { method, sample_interval_ms: None };
+    let settings = BatchSettings { method, sample_interval_ms: None };
     // Few cells are shared out among all threads.
     let together = cells.len().div_ceil(threads.count()).clamp(1, GROUP);
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
     run_together(cells, journal, threads, observer, together, |group| {
-        side_by_side(group, &settings)
+        side_by_side(group, &settings, &|| observer.goes_on())
     })
 }
 
 /// The rows of each cell of a group.
 fn side_by_side(
     group: &[&PacedCell],
-    settings: &population::Settings,
+    settings: &BatchSettings,
+    goes_on: &dyn Fn() -> bool,
 ) -> Vec<Result<Vec<BeatRow>, Cause>> {
-    let tasks: Vec<_> =
-        group.iter().map(|cell| Cell::new(&cell.model, cell.protocol, cell.duration_ms)).collect();
-    let possible: Vec<Cell> = tasks.iter().filter_map(|task| task.clone().ok()).collect();
-    let mut outcomes = match population::run(&possible, settings) {
-        Ok(outcomes) => outcomes.into_iter(),
+    let task =
+        |cell: &&PacedCell| Paced::new(Arc::clone(&cell.model), cell.protocol, cell.duration_ms);
+    let tasks: Vec<Result<Paced, SolveError>> = group.iter().map(task).collect();
+    let possible: Vec<Paced> = tasks.iter().flatten().cloned().collect();
+    let mut outcomes = match batch::run_while(&possible, settings, goes_on) {
+        Ok(Some(outcomes)) => outcomes.into_iter(),
+        Ok(None) => return group.iter().map(|_| Err(Interrupted.into())).collect(),
         Err(error) => return group.iter().map(|_| Err(error.clone().into())).collect(),
     };
-    let rows = |(cell, task): (&&PacedCell, Result<Cell, SolveError>)| {
+    let rows = |(cell, task): (&&PacedCell, Result<Paced, SolveError>)| {
         let outcome = task.map_or_else(|error| Some(Err(error)), |_| outcomes.next())?;
         Some(outcome.map(|outcome| BeatRow::of(&cell.name, outcome.beats)).map_err(Cause::from))
     };

@@ -34,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod alone;
 mod answer;
 mod course;
 mod description;
@@ -41,10 +42,9 @@ mod elsewhere;
 mod error;
 mod figures;
 mod member;
-mod paced;
 mod schema;
 mod shard;
-mod tor_ord;
+mod told;
 mod traces;
 mod values;
 mod work;
@@ -61,13 +61,13 @@ pub use values::Values;
 pub use work::Common;
 
 use super::{Journal, Observer, Report, StudyError, Threads, run_together};
-use crate::cell::population::LANES;
+use crate::cell::batch::TOGETHER;
 use std::num::NonZeroUsize;
 
 /// So many cells go side by side, and are noted together.
-const CELLS_TOGETHER: usize = 64 * LANES;
-/// So many cells in stiff steps are noted together: a second of work for a dozen beats each.
-const STIFF_CELLS_TOGETHER: usize = 64;
+const CELLS_TOGETHER: usize = 64 * TOGETHER;
+/// So many cells that are sampled are noted together: a second of work for a dozen beats each.
+const SAMPLED_CELLS_TOGETHER: usize = 64;
 /// So many beats are noted together: half a second of work.
 const BEATS_TOGETHER: usize = 8;
 /// Every thread has at least so many groups, so that all end at about the same time.
@@ -102,8 +102,8 @@ pub fn run_members(
     common.check_curves(members, journal)?;
     let shares = |groups: usize| members.len().div_ceil(groups * threads.count());
     let together = match common.kind() {
-        Kind::Cell if common.stiff => shares(1).clamp(1, STIFF_CELLS_TOGETHER),
-        Kind::Cell => shares(1).clamp(1, CELLS_TOGETHER),
+        Kind::Cell if common.tells_beats => shares(1).clamp(1, CELLS_TOGETHER),
+        Kind::Cell => shares(1).clamp(1, SAMPLED_CELLS_TOGETHER),
         Kind::Beat => shares(GROUPS).clamp(1, BEATS_TOGETHER),
     };
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);

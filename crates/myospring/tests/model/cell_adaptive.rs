@@ -2,14 +2,13 @@
 //! the fixed-step oracle, and in its corners: switches, sliding, stimuli.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use myospring::cell::adaptive::{self, AdaptiveIntegrator, Beat, Settings, beats};
+use myospring::cell::adaptive::{self, AdaptiveIntegrator, Settings, beats};
+use myospring::cell::batch::{self, BatchSettings, Beat, Paced};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::population::{self, Cell};
 use myospring::cell::solve::{self, SolveError};
 use myospring::cell::{self, CellModel, Input, coelho_2021};
-use std::any::Any;
 use std::sync::Arc;
 
 const THETA_W: f64 = 0.00195313;
@@ -272,12 +271,13 @@ fn a_jump_on_a_sample_is_seen_at_that_sample_and_not_before() {
     let trace = adaptive::solve(&model, protocol, Settings::default(), 51.0, 0.1).unwrap();
     assert_eq!(trace.potential[499], THETA_W);
     assert_eq!(trace.potential[500], THETA_W + 0.325);
-    let cell = Cell::new(&model, protocol, 51.0).unwrap();
-    let settings = population::Settings { sample_interval_ms: Some(0.1), ..Default::default() };
-    let outcome = population::run(&[cell], &settings).unwrap().remove(0).unwrap();
+    let cell = Paced::new(Arc::new(model), protocol, 51.0).unwrap();
+    let method = solve::Settings::of(solve::Method::Adaptive);
+    let settings = BatchSettings { method, sample_interval_ms: Some(0.1) };
+    let outcome = batch::run(&[cell], &settings).unwrap().remove(0).unwrap();
     assert_eq!(outcome.samples.len(), trace.time_ms.len());
     for (sample, u) in outcome.samples.iter().zip(&trace.potential) {
-        assert_eq!(sample[0], *u);
+        assert_eq!(sample.potential, Some(*u));
     }
 }
 
@@ -383,8 +383,7 @@ fn the_reference_beat_agrees_with_the_fixed_steps_within_their_error() {
 
 #[test]
 fn the_peak_of_tension_of_the_published_parameters_is_that_of_an_independent_program() {
-    let minimal = |model: &Arc<dyn CellModel>| (&**model as &dyn Any).is::<MinimalModel>();
-    for model in cell::models().into_iter().filter(minimal) {
+    for model in cell::models().into_iter().filter(|model| model.adaptive().is_some()) {
         let name = model.name();
         let rows = converged();
         let first = |row: &&Converged| row.model == name && row.beat == 0;

@@ -2,18 +2,19 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::cell::adaptive::{self, beats};
+use myospring::cell::batch::{BatchSettings, CellOutcome, CellSample, Paced, TOGETHER, run};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::population::{Cell, LANES, Outcome, Settings, run};
-use myospring::cell::solve::SolveError;
-use myospring::cell::{CellModel, coelho_2021};
+use myospring::cell::solve::{Method, Settings, SolveError};
+use myospring::cell::{CellModel, Input, coelho_2021};
+use std::sync::Arc;
 
 /// More cells than lanes: all sets, two parameters varied, cycle lengths from 250 to 2000 ms, jumps and
 /// pulses, runs of 0.3 to 4 s.
 fn motley() -> Vec<(MinimalModel, Protocol, f64)> {
     let mut cells = Vec::new();
-    for index in 0..3 * LANES + 5 {
+    for index in 0..3 * TOGETHER + 5 {
         let vary = |row: f64, k: usize| row * (0.7 + 0.6 * ((index * k) % 11) as f64 / 10.0);
         let (identity, mut parameters) = match index % 6 {
             0 => (coelho_2021::IDENTITY, coelho_2021::parameters()),
@@ -40,16 +41,24 @@ fn motley() -> Vec<(MinimalModel, Protocol, f64)> {
     cells
 }
 
-fn run_all(cells: &[(MinimalModel, Protocol, f64)], settings: &Settings) -> Vec<Outcome> {
-    let cells: Vec<Cell> =
-        cells.iter().map(|(model, pacing, ms)| Cell::new(model, *pacing, *ms).unwrap()).collect();
+fn every(sample_interval_ms: Option<f64>) -> BatchSettings {
+    BatchSettings { method: Settings::of(Method::Adaptive), sample_interval_ms }
+}
+
+fn paced(model: &MinimalModel, protocol: Protocol, duration_ms: f64) -> Result<Paced, SolveError> {
+    Paced::new(Arc::new(model.clone()), protocol, duration_ms)
+}
+
+fn run_all(cells: &[(MinimalModel, Protocol, f64)], settings: &BatchSettings) -> Vec<CellOutcome> {
+    let cells: Vec<Paced> =
+        cells.iter().map(|(model, pacing, ms)| paced(model, *pacing, *ms).unwrap()).collect();
     run(&cells, settings).unwrap().into_iter().map(Result::unwrap).collect()
 }
 
 #[test]
 fn a_cell_has_the_same_bits_alone_and_in_any_company() {
     let cells = motley();
-    let together = run_all(&cells, &Settings::default());
+    let together = run_all(&cells, &every(None));
     assert_eq!(together.len(), cells.len());
     for ((model, protocol, duration), outcome) in cells.iter().zip(&together) {
         let alone = beats(model, *protocol, adaptive::Settings::default(), *duration).unwrap();
@@ -57,7 +66,7 @@ fn a_cell_has_the_same_bits_alone_and_in_any_company() {
     }
     let mut backwards = cells.clone();
     backwards.reverse();
-    let mut reversed = run_all(&backwards, &Settings::default());
+    let mut reversed = run_all(&backwards, &every(None));
     reversed.reverse();
     assert_eq!(together, reversed);
 }
@@ -65,7 +74,7 @@ fn a_cell_has_the_same_bits_alone_and_in_any_company() {
 #[test]
 fn sampled_states_are_those_of_one_cell_alone() {
     let cells = motley();
-    let settings = Settings { sample_interval_ms: Some(0.7), ..Settings::default() };
+    let settings = every(Some(0.7));
     for ((model, protocol, duration), outcome) in cells.iter().zip(run_all(&cells, &settings)) {
         let alone =
             adaptive::solve(model, *protocol, adaptive::Settings::default(), *duration, 0.7)
@@ -73,7 +82,8 @@ fn sampled_states_are_those_of_one_cell_alone() {
         assert_eq!(outcome.samples.len(), alone.time_ms.len());
         for (sample, k) in outcome.samples.iter().zip(0..) {
             let expected: Vec<f64> = alone.states.iter().map(|column| column[k]).collect();
-            assert_eq!(sample[..], expected, "{} sample {k}", model.name());
+            let expected = CellSample::of(model, &expected, &Input::REST);
+            assert_eq!(*sample, expected, "{} sample {k}", model.name());
         }
     }
 }
@@ -81,8 +91,8 @@ fn sampled_states_are_those_of_one_cell_alone() {
 #[test]
 fn samples_do_not_change_the_beats() {
     let cells = motley();
-    let often = Settings { sample_interval_ms: Some(0.25), ..Settings::default() };
-    let (with, without) = (run_all(&cells, &often), run_all(&cells, &Settings::default()));
+    let often = every(Some(0.25));
+    let (with, without) = (run_all(&cells, &often), run_all(&cells, &every(None)));
     for (with, without) in with.iter().zip(&without) {
         for (a, b) in with.beats.iter().zip(&without.beats) {
             // The peak of tension is that of the same cubics: equal but for where it was looked for.
@@ -98,10 +108,9 @@ fn a_cell_that_fails_has_its_error_and_leaves_the_others_alone() {
     let model = coelho_2021::model();
     let good = Protocol::once(model.default_stimulus());
     let bad = Protocol::once(Stimulus::Jump { amplitude: 1e200 });
-    let cells: Vec<Cell> = (0..20)
-        .map(|k| Cell::new(&model, if k == 7 { bad } else { good }, 600.0).unwrap())
-        .collect();
-    let outcomes = run(&cells, &Settings::default()).unwrap();
+    let cells: Vec<Paced> =
+        (0..20).map(|k| paced(&model, if k == 7 { bad } else { good }, 600.0).unwrap()).collect();
+    let outcomes = run(&cells, &every(None)).unwrap();
     let expected = outcomes[0].as_ref().unwrap();
     for (k, outcome) in outcomes.iter().enumerate() {
         if k == 7 {
@@ -117,13 +126,14 @@ fn a_cell_that_fails_has_its_error_and_leaves_the_others_alone() {
 fn impossible_cells_and_settings_are_refused() {
     let model = coelho_2021::model();
     let good = Protocol::once(model.default_stimulus());
-    assert!(run(&[], &Settings::default()).unwrap().is_empty());
-    assert!(matches!(Cell::new(&model, good, 0.0), Err(SolveError::Time { .. })));
+    assert!(run(&[], &every(None)).unwrap().is_empty());
+    assert!(matches!(paced(&model, good, 0.0), Err(SolveError::Time { .. })));
     let late = Protocol { start_ms: -1.0, ..good };
-    assert!(matches!(Cell::new(&model, late, 1.0), Err(SolveError::Protocol(_))));
-    let cell = Cell::new(&model, good, 1.0).unwrap();
-    let never = Settings { sample_interval_ms: Some(0.0), ..Settings::default() };
+    assert!(matches!(paced(&model, late, 1.0), Err(SolveError::Protocol(_))));
+    let cell = paced(&model, good, 1.0).unwrap();
+    let never = every(Some(0.0));
     assert!(matches!(run(std::slice::from_ref(&cell), &never), Err(SolveError::Time { .. })));
-    let loose = Settings { method: adaptive::Settings { tolerance: 1.0 }, ..Settings::default() };
+    let method = Settings { tolerance: 1.0, ..Settings::of(Method::Adaptive) };
+    let loose = BatchSettings { method, ..every(None) };
     assert!(matches!(run(&[cell], &loose), Err(SolveError::Tolerance { .. })));
 }

@@ -4,14 +4,12 @@
 
 use myospring::analysis::beat::Beats;
 use myospring::analysis::capture;
-use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::solve::{Method, Settings, solve};
 use myospring::cell::{self, CellModel};
 use myospring::integrate::Method as Way;
 use myospring::mesh::lattice;
 use myospring::simulation::{Numerics, Simulation};
-use std::any::Any;
 
 const BEATS: u32 = 10;
 
@@ -26,7 +24,7 @@ const MODELS: [&str; 6] = [
 ];
 
 fn exact(model: &dyn CellModel) -> Settings {
-    if (model as &dyn Any).is::<MinimalModel>() {
+    if model.adaptive().is_some() {
         Settings { tolerance: 1e-5, ..Settings::of(Method::Adaptive) }
     } else {
         Settings { tolerance: 1e-3, ..Settings::of(Method::Stiff) }

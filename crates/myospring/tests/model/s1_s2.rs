@@ -5,7 +5,6 @@
 
 use myospring::analysis::s2::S1S2;
 use myospring::analysis::value;
-use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{Method, Settings, solve};
 use myospring::cell::{self, CellModel, TensionKind, steady};
@@ -14,7 +13,6 @@ use myospring::interruption::Interruption;
 use myospring::mechanics::material::myofilament_material;
 use myospring::mesh::lattice;
 use myospring::simulation::{Numerics, Simulation, TensionScale};
-use std::any::Any;
 use std::sync::Arc;
 
 /// Ten S1 at 600 ms and S2.
@@ -30,7 +28,7 @@ fn protocol(model: &dyn CellModel, interval_ms: f64) -> Protocol {
 
 /// The method that chooses its steps.
 fn exact(model: &dyn CellModel) -> Settings {
-    if (model as &dyn Any).is::<MinimalModel>() {
+    if model.adaptive().is_some() {
         Settings { tolerance: 1e-6, ..Settings::of(Method::Adaptive) }
     } else {
         Settings { tolerance: 1e-4, ..Settings::of(Method::Stiff) }

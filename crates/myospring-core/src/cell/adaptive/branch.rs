@@ -333,8 +333,9 @@ impl Pieces {
 mod tests {
     use super::*;
     use crate::cell::bueno_orovio_2008::{self, Variant};
-    use crate::cell::cell_model::{CellModel as _, Input};
+    use crate::cell::cell_model::CellModel as _;
     use crate::cell::coelho_2021;
+    use crate::cell::description::Input;
     use crate::cell::minimal::MinimalModel;
 
     fn models() -> Vec<MinimalModel> {

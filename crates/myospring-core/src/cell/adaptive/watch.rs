@@ -3,27 +3,8 @@
 use super::branch::State;
 use super::lanes::{Lanes, repolarised};
 use super::piece::{Piece, root};
+use crate::cell::beat::Beat;
 use crate::cell::pacing::same_instant;
-use serde::{Deserialize, Serialize};
-
-/// One beat of a cell, from its stimulus to the next or to the end.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Beat {
-    /// Time of the stimulus, ms.
-    pub stimulus_ms: f64,
-    /// Potential variable just before the stimulus, dimensionless.
-    pub resting_potential: f64,
-    /// Highest potential variable, dimensionless.
-    pub peak_potential: f64,
-    /// Highest active tension, dimensionless.
-    pub peak_tension: f64,
-    /// When tension is highest, ms; the clock is that of the run, not of the beat.
-    pub peak_tension_ms: f64,
-    /// From the stimulus to 90 % repolarisation, ms: when the potential, after its highest point,
-    /// has come 90 % of the way back to that before the stimulus. `None` if it does not within the
-    /// beat.
-    pub apd90_ms: Option<f64>,
-}
 
 /// Notes the beats and the samples of one cell; the running maxima are kept by its lane.
 #[derive(Debug, Clone, Default)]

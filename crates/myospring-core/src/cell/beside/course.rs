@@ -1,9 +1,8 @@
 //! One lane's way: its events, whether a step is taken, its samples, its end.
 
-use super::cell::{Cell, Outcome, Sampled};
 use super::step::Lanes;
-use crate::cell::CellModel as _;
-use crate::cell::cell_model::Input;
+use crate::cell::cell_model::{CellModel as _, CellOutcome, CellSample};
+use crate::cell::description::Input;
 use crate::cell::pacer::Pacer;
 use crate::cell::pacing::same_instant;
 use crate::cell::settings::SolveError;
@@ -20,7 +19,7 @@ pub(super) struct Course {
     pacer: Pacer,
     duration_ms: f64,
     interval_ms: f64,
-    samples: Vec<Sampled>,
+    samples: Vec<CellSample>,
     steps: u64,
     refused: u64,
 }
@@ -35,13 +34,14 @@ pub(super) enum Moved {
 impl Course {
     /// At 0 ms, after whatever the protocol does then.
     pub(super) fn start<const LAND: bool>(
-        cell: &Cell,
+        model: &TomekModel,
+        pacer: &Pacer,
+        duration_ms: f64,
         interval_ms: f64,
         lanes: &mut Lanes<LAND>,
         lane: usize,
     ) -> Self {
-        let Cell { model, pacer, duration_ms } = cell.clone();
-        let start = lanes.cells.put(lane, &model);
+        let start = lanes.cells.put(lane, model);
         for (row, value) in lanes.end.iter_mut().zip(start) {
             row[lane] = value;
         }
@@ -51,7 +51,7 @@ impl Course {
         }
         lanes.end_ms[lane] = 0.0;
         lanes.planned_ms[lane] = f64::NAN;
-        let samples = Vec::new();
+        let (model, pacer, samples) = (model.clone(), pacer.clone(), Vec::new());
         let mut course =
             Self { model, pacer, duration_ms, interval_ms, samples, steps: 0, refused: 0 };
         course.act(lanes, lane);
@@ -109,11 +109,11 @@ impl Course {
     }
 
     /// What it did.
-    pub(super) fn outcome(&mut self) -> Outcome {
+    pub(super) fn outcome(&mut self) -> CellOutcome {
         let last = (self.duration_ms / self.interval_ms * (1.0 + 1e-12)).floor() as usize;
         self.samples.truncate(last + 1);
         let samples = std::mem::take(&mut self.samples);
-        Outcome { samples, steps: self.steps, refused: self.refused }
+        CellOutcome { beats: Vec::new(), samples, steps: self.steps, refused: self.refused }
     }
 
     /// Does what the protocol wants now.
@@ -146,11 +146,7 @@ impl Course {
         for (place, value) in SEEN.into_iter().zip(seen) {
             state[place] = value;
         }
-        self.samples.push(Sampled {
-            potential_mv: state[0],
-            tension_kpa: self.model.tension(&state, &Input::REST),
-            calcium_um: 1e3 * state[5],
-        });
+        self.samples.push(CellSample::of(&self.model, &state, &Input::REST));
     }
 
     fn stalled<const LAND: bool>(&self, lanes: &Lanes<LAND>, lane: usize) -> SolveError {

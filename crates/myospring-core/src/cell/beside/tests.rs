@@ -1,14 +1,21 @@
 use super::*;
-use crate::cell::cell_model::{CellModel as _, Input};
+use crate::cell::batch::{run, run_while};
+use crate::cell::description::Input;
 use crate::cell::integrator::Steps;
 use crate::cell::pacing::{Protocol, Stimulus};
-use crate::cell::settings::Method;
-use crate::cell::tomek_2019::{Layer, TomekModel};
+use crate::cell::settings::Settings;
+use crate::cell::tomek_2019::Layer;
+use std::sync::Arc;
 
-const SETTINGS: Settings = Settings { tolerance: 1e-3, sample_interval_ms: 1.7 };
+const SETTINGS: BatchSettings = every(1e-3, 1.7);
+
+const fn every(tolerance: f64, interval_ms: f64) -> BatchSettings {
+    let method = Settings { tolerance, ..Settings::of(Method::Stiff) };
+    BatchSettings { method, sample_interval_ms: Some(interval_ms) }
+}
 
 /// Every form and layer of the model, each paced in its own way.
-fn cells() -> Vec<Cell> {
+fn cells() -> Vec<Paced> {
     let forms = [Variant::Land, Variant::Published, Variant::MovingChloride];
     let models = Layer::ALL.iter().flat_map(|layer| forms.map(|form| (*layer, form)));
     let cell = |(k, (layer, form)): (usize, (Layer, Variant))| {
@@ -26,7 +33,7 @@ fn cells() -> Vec<Cell> {
             s2_interval_ms: (k % 2.0 != 0.0).then_some(250.0 + 9.0 * k),
             ..Protocol::once(stimulus)
         };
-        Cell::new(&model, protocol, 300.0 + 11.0 * k).unwrap()
+        Paced::new(Arc::new(model), protocol, 300.0 + 11.0 * k).unwrap()
     };
     models.enumerate().map(cell).collect()
 }
@@ -40,7 +47,7 @@ fn a_cell_has_the_same_bits_in_any_company_order_and_vector_units() {
         assert_eq!(&run(std::slice::from_ref(cell), &SETTINGS).unwrap()[0], expected);
     }
     // More cells than lanes, so that some take the place of others.
-    let many: Vec<Cell> = cells.iter().rev().cycle().take(25).cloned().collect();
+    let many: Vec<Paced> = cells.iter().rev().cycle().take(25).cloned().collect();
     let expected = together.iter().rev().cycle().take(25);
     assert!(run(&many, &SETTINGS).unwrap().iter().eq(expected));
 
@@ -52,25 +59,25 @@ fn a_cell_has_the_same_bits_in_any_company_order_and_vector_units() {
 }
 
 /// All cells to their end, with these vector units.
-fn by<S: pulp::Simd>(simd: S, cells: &[Cell]) -> Vec<Result<Outcome, SolveError>> {
+fn by<S: pulp::Simd>(simd: S, cells: &[Paced]) -> Vec<Result<CellOutcome, SolveError>> {
+    let cells = members(&cells.iter().collect::<Vec<_>>());
     let mut outcomes = vec![None; cells.len()];
     let goes_on: &dyn Fn() -> bool = &|| true;
-    moved::<true>(cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
-    moved::<false>(cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
+    moved::<true>(&cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
+    moved::<false>(&cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
     outcomes.into_iter().flatten().collect()
 }
 
 #[test]
 fn a_cell_beside_others_goes_the_way_of_one_that_stiff_steps_move_alone() {
-    let settings = settings::Settings { tolerance: 1e-5, ..settings::Settings::of(Method::Stiff) };
+    let beside = every(1e-5, 2.0);
     for form in [Variant::Land, Variant::Published, Variant::MovingChloride] {
         let model = TomekModel::published(Layer::Mid, form);
         let protocol =
             Protocol { start_ms: 5.0, beats: 2, ..Protocol::once(model.default_stimulus()) };
-        let cell = Cell::new(&model, protocol, 1200.0).unwrap();
-        let beside = Settings { tolerance: 1e-5, sample_interval_ms: 2.0 };
+        let cell = Paced::new(Arc::new(model.clone()), protocol, 1200.0).unwrap();
         let outcome = run(&[cell], &beside).unwrap().remove(0).unwrap();
-        let mut alone = Steps::new(&model, protocol, settings).unwrap();
+        let mut alone = Steps::new(&model, protocol, beside.method).unwrap();
         alone.hold();
         assert_eq!(outcome.samples.len(), 601);
         for (k, sample) in outcome.samples.iter().enumerate() {
@@ -78,9 +85,9 @@ fn a_cell_beside_others_goes_the_way_of_one_that_stiff_steps_move_alone() {
             let state = alone.state();
             let tension = model.tension(state, &Input::REST);
             // Other roundings, grown through two upstrokes of 250 mV/ms.
-            assert!((sample.potential_mv - state[0]).abs() < 1e-7, "{form:?} {k}");
-            assert!((sample.calcium_um - 1e3 * state[5]).abs() < 1e-9, "{form:?} {k}");
-            assert!((sample.tension_kpa - tension).abs() < 1e-7, "{form:?} {k}");
+            assert!((sample.potential_mv.unwrap() - state[0]).abs() < 1e-7, "{form:?} {k}");
+            assert!((sample.calcium_um.unwrap() - 1e3 * state[5]).abs() < 1e-9, "{form:?} {k}");
+            assert!((sample.tension - tension).abs() < 1e-7, "{form:?} {k}");
         }
     }
 }
@@ -90,7 +97,7 @@ fn a_cell_that_goes_nowhere_has_its_error_and_leaves_the_others_alone() {
     let model = TomekModel::published(Layer::Endo, Variant::Published);
     let usual = Protocol::once(model.default_stimulus());
     let wild = Protocol { start_ms: 5.0, ..Protocol::once(Stimulus::Jump { amplitude: 1e300 }) };
-    let cell = |protocol| Cell::new(&model, protocol, 20.0).unwrap();
+    let cell = |protocol| Paced::new(Arc::new(model.clone()), protocol, 20.0).unwrap();
     let outcomes = run(&[cell(usual), cell(wild), cell(usual)], &SETTINGS).unwrap();
     assert!(matches!(outcomes[1], Err(SolveError::Stalled { .. })), "{:?}", outcomes[1]);
     assert!(outcomes[0].is_ok() && outcomes[0] == outcomes[2]);
@@ -99,11 +106,11 @@ fn a_cell_that_goes_nowhere_has_its_error_and_leaves_the_others_alone() {
 
 #[test]
 fn what_is_not_possible_is_refused_and_who_stops_it_is_heard() {
-    let model = TomekModel::published(Layer::Endo, Variant::Land);
-    let cell = Cell::new(&model, Protocol::once(model.default_stimulus()), 1e5).unwrap();
-    assert!(Cell::new(&model, Protocol::once(model.default_stimulus()), 0.0).is_err());
-    let cells = [cell];
-    assert!(run(&cells, &Settings { tolerance: 1.0, ..SETTINGS }).is_err());
-    assert!(run(&cells, &Settings { sample_interval_ms: 0.0, ..SETTINGS }).is_err());
+    let model = Arc::new(TomekModel::published(Layer::Endo, Variant::Land));
+    let protocol = Protocol::once(model.default_stimulus());
+    assert!(Paced::new(Arc::<TomekModel>::clone(&model), protocol, 0.0).is_err());
+    let cells = [Paced::new(model, protocol, 1e5).unwrap()];
+    assert!(run(&cells, &every(1.0, 1.7)).is_err());
+    assert!(run(&cells, &every(1e-3, 0.0)).is_err());
     assert_eq!(run_while(&cells, &SETTINGS, &|| false).unwrap(), None);
 }

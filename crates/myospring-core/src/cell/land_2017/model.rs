@@ -3,8 +3,9 @@
 use super::myofilaments::{Myofilaments, STATES, states};
 use super::parameters::rows;
 use crate::cell::calcium::{self, Calcium, CalciumTrace, TwoExponential};
-use crate::cell::cell_model::{
-    CellModel, Input, ModelError, Output, StateVariable, Stimulation, TensionKind,
+use crate::cell::cell_model::{CellModel, Filaments, InFits};
+use crate::cell::description::{
+    Input, ModelError, Output, StateVariable, Stimulation, TensionKind,
 };
 use crate::cell::pacing::Stimulus;
 use crate::cell::settings::{Method, Settings};
@@ -13,6 +14,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 const NAME: &str = "land_2017";
+
+/// A faster `k_ws`, a higher sensitivity to calcium and a stronger tension make much the same curve: it tells two of them.
+pub(in crate::cell) const IN_FITS: InFits<'static> =
+    InFits { strength: Some("T_ref"), usual: &["k_ws"], not_together: &["Ca50_ref", "k_ws"] };
 
 static OUTPUTS: [Output; 1] = [Output {
     name: Cow::Borrowed("Ca_i"),
@@ -177,6 +182,23 @@ impl CellModel for Land2017 {
 
     fn recorded_states(&self) -> &[usize] {
         const { &[0, 1, 2, 3, 4, 5] }
+    }
+
+    fn calcium_um(&self, _state: &[f64], input: &Input) -> Option<f64> {
+        Some(self.calcium.at(input.since_stimulus_ms))
+    }
+
+    fn with_calcium(&self, course: &CalciumTrace) -> Option<Arc<dyn CellModel>> {
+        Some(Arc::new(self.with_trace(course.clone())))
+    }
+
+    fn filaments(&self) -> Option<Filaments<'_>> {
+        let Self { myofilaments, calcium, .. } = self;
+        Some(Filaments { equations: myofilaments, first: 0, calcium: Some(calcium) })
+    }
+
+    fn in_fits(&self) -> InFits<'_> {
+        IN_FITS
     }
 
     fn feels_stretch(&self) -> bool {

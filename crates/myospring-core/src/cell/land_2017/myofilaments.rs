@@ -2,7 +2,7 @@
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::parameters::parameters;
-use crate::cell::cell_model::{ModelError, StateVariable};
+use crate::cell::description::{ModelError, StateVariable};
 use crate::cell::number::Number;
 use crate::parameter::ParameterSet;
 use std::borrow::Cow;

@@ -1,6 +1,6 @@
 //! The electrical half of the minimal model: Eqs. (18)-(31) and their 28 parameters.
 
-use crate::cell::cell_model::ModelError;
+use crate::cell::description::ModelError;
 use crate::parameter::{Parameter, ParameterSet};
 
 /// Heaviside step with `H(0) = 1/2`.

@@ -9,7 +9,8 @@
 //! The last stage is the error. The rates do not depend on time within a step.
 
 use super::lu::Lu;
-use crate::cell::cell_model::{CellModel, Input};
+use crate::cell::cell_model::CellModel;
+use crate::cell::description::Input;
 
 pub(in crate::cell) const STAGES: usize = 6;
 pub(in crate::cell) const GAMMA: f64 = 0.25;

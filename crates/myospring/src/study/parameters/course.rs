@@ -1,7 +1,6 @@
 //! What was sampled of a cell without a mesh, and the metrics of its beats.
 
 use super::description::Which;
-use super::traces::TraceAxes;
 use crate::analysis::capture::Window;
 use crate::analysis::rhythm::Rhythm;
 use crate::analysis::rows::Context;
@@ -13,7 +12,7 @@ use crate::cell::pacing::Protocol;
 pub(super) struct Course {
     /// Times, ms.
     pub(super) times: Vec<f64>,
-    /// The potential.
+    /// The potential; empty of a cell that has none.
     pub(super) potential: Vec<f64>,
     /// Its unit: mV, or nothing.
     pub(super) unit: &'static str,
@@ -21,46 +20,6 @@ pub(super) struct Course {
     pub(super) tension: Vec<f64>,
     /// Calcium, uM; empty of a cell that has none.
     pub(super) calcium: Vec<f64>,
-}
-
-/// Samples of a cell of the minimal model.
-pub(super) struct Sampled<'a> {
-    /// Its states.
-    pub(super) samples: &'a [[f64; 6]],
-    /// Time between them, ms.
-    pub(super) interval_ms: f64,
-    /// Slope and offset of the membrane potential, mV, where the model has one.
-    pub(super) millivolts: Option<(f64, f64)>,
-    /// kPa per unit of its tension.
-    pub(super) scale: f64,
-}
-
-impl Sampled<'_> {
-    fn times(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..self.samples.len()).map(|index| index as f64 * self.interval_ms)
-    }
-
-    pub(super) fn course(&self) -> Course {
-        Course {
-            times: self.times().collect(),
-            potential: self.samples.iter().map(|state| state[0]).collect(),
-            unit: "",
-            tension: self.samples.iter().map(|state| self.scale * state[5]).collect(),
-            calcium: Vec::new(),
-        }
-    }
-
-    /// Potential and tension at the times that all curves have.
-    pub(super) fn curves(&self, axes: &TraceAxes) -> Vec<f32> {
-        let shown = |state: &[f64; 6]| {
-            let potential =
-                self.millivolts.map_or(state[0], |(slope, rest)| slope * state[0] + rest);
-            [potential, self.scale * state[5]]
-        };
-        let timed: Vec<(f64, [f64; 2])> =
-            self.times().zip(self.samples.iter().map(shown)).collect();
-        axes.resampled(&timed, |(t_ms, _)| *t_ms, &[|(_, it)| it[0], |(_, it)| it[1]])
-    }
 }
 
 /// A beat by the samples of it.
@@ -98,7 +57,7 @@ impl Course {
     pub(super) fn no_capture(&self, protocol: &Protocol) -> Option<String> {
         let beats = self.beats(protocol);
         let pair = beats.last().and_then(|beat| beat.s2.as_ref());
-        let s2 = pair.and_then(|pair| pair.captured(&self.times, &self.potential));
+        let s2 = pair.and_then(|pair| self.is_captured(pair));
         let train = || beats.iter().filter(|beat| beat.s2.is_none());
         let stimuli: Vec<f64> = train().map(|beat| beat.window.stimulus_ms).collect();
         let captured: Vec<Option<bool>> = train().map(|beat| beat.captured).collect();
@@ -108,7 +67,11 @@ impl Course {
     /// The beats; each ends at the next stimulus that is captured.
     fn beats(&self, protocol: &Protocol) -> Vec<Beat> {
         let stimuli: Vec<f64> = protocol.stimulus_times().collect();
-        let captured = capture::of(&self.times, &self.potential, self.unit, &stimuli);
+        let captured = if self.potential.is_empty() {
+            Vec::new()
+        } else {
+            capture::of(&self.times, &self.potential, self.unit, &stimuli)
+        };
         let s1 = |place: usize| {
             let before = captured.get(..place)?;
             before.iter().rposition(|captured| *captured != Some(false)).or(place.checked_sub(1))
@@ -117,7 +80,7 @@ impl Course {
             let Window { place, stimulus_ms, .. } = window;
             let s2 = protocol.s2_ms().filter(|s2_ms| *s2_ms == stimulus_ms);
             let s2 = s2.and_then(|s2_ms| S1S2::after(&self.times, &stimuli, s1(place)?, s2_ms));
-            Beat { window, captured: captured[place], s2 }
+            Beat { window, captured: captured.get(place).copied().flatten(), s2 }
         };
         let windows = capture::windows(&self.times, &stimuli, &captured).into_iter();
         // One of which there is more than its rest.
@@ -155,7 +118,7 @@ impl Course {
             "diastolic_level" => rest(self.calcium.get(within.clone())?),
             "systolic_level" => Some(trace::peak(times, self.calcium.get(within.clone())?)?.value),
             _ => {
-                let potential = &self.potential[within.clone()];
+                let potential = self.potential.get(within.clone())?;
                 let stimuli = [*stimulus_ms, *next_ms];
                 let rest = rest(potential);
                 let rows = action_potential::above(times, potential, stimuli, self.unit, rest, "");
@@ -164,10 +127,20 @@ impl Course {
         }
     }
 
+    /// The potential of a cell that has one.
+    fn has_potential(&self) -> Option<&[f64]> {
+        Some(&*self.potential).filter(|potential| !potential.is_empty())
+    }
+
+    /// Whether an S2 raised an action potential.
+    fn is_captured(&self, pair: &S1S2) -> Option<bool> {
+        pair.captured(&self.times, self.has_potential()?)
+    }
+
     /// A metric of the beat of an S2; what needs an action potential has no value without one.
     fn of_s2(&self, pair: &S1S2, s1: &Beat, name: &str) -> Option<f64> {
-        let Self { times, potential, tension, calcium, .. } = self;
-        let captured = pair.captured(times, potential) != Some(false);
+        let Self { times, tension, calcium, .. } = self;
+        let captured = self.is_captured(pair) != Some(false);
         let twitch = || {
             let within = pair.beat(tension).filter(|_| captured)?;
             let (times, rest) = (&times[within.clone()], pair.rest(tension));
@@ -179,7 +152,8 @@ impl Course {
                 let of_s1 = self.of_train(s1, peak);
                 let of_s1 = of_s1.ok_or(Missing::NotReached);
                 let of_s1 = [Metric::new(peak, of_s1, "kPa", "")];
-                let diastolic = pair.diastolic_interval(times, potential);
+                let diastolic =
+                    self.has_potential().and_then(|it| pair.diastolic_interval(times, it));
                 let of_s2 = twitch().unwrap_or_default();
                 value(&s2::rows(Some(pair), diastolic, &[&of_s1], &[&of_s2]), name)
             }
@@ -191,7 +165,7 @@ impl Course {
                     Some(calcium).filter(|all| !all.is_empty()).and_then(|all| pair.beat(all))?;
                 Some(trace::peak(&times[within.clone()], &calcium[within])?.value)
             }
-            _ => value(&pair.metrics(times, potential, self.unit), name),
+            _ => value(&pair.metrics(times, self.has_potential()?, self.unit), name),
         }
     }
 }

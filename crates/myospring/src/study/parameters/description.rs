@@ -2,9 +2,9 @@
 
 use super::super::sampling::{Distribution, Sampler, sample};
 use super::error::ParameterStudyError;
-use super::tor_ord::{self, tor_ord};
+use super::told;
 use super::values::Values;
-use crate::cell::minimal::MinimalModel;
+use crate::cell::solve::Method;
 use crate::interruption::Interruption;
 use crate::measured::decoded;
 use crate::run_file::{RunFile, RunFileError};
@@ -157,19 +157,6 @@ const OF_BEATS: [&str; 9] = [
     "action_potential_duration_90",
 ];
 
-/// What an S2 is against the last S1, with units; the last of cells that have a tension.
-const OF_S2: [(&str, &str); 3] =
-    [("coupling_interval", "ms"), ("diastolic_interval", "ms"), ("relative_peak_tension", "%")];
-
-/// Metrics of a cell of the minimal model without a mesh, with their units.
-const OF_CELLS: [(&str, &str); 5] = [
-    ("peak_tension", "kPa"),
-    ("time_to_peak_tension", "ms"),
-    ("action_potential_duration_90", "ms"),
-    ("peak_potential", ""),
-    ("resting_potential", ""),
-];
-
 impl ParameterStudy {
     /// Reads a description; `read` reads a file by its name as written: a run file, a table of rows.
     ///
@@ -213,7 +200,7 @@ impl ParameterStudy {
         if written.kind == Kind::Cell && !run.has("cell.tolerance") {
             let mut with = run.clone();
             with.set("cell.tolerance", STIFF_TOLERANCE)?;
-            if with.resolve().is_ok_and(|run| tor_ord(&run).is_some()) {
+            if with.resolve().is_ok_and(|run| run.numerics.cell.method == Method::Stiff) {
                 run = with;
             }
         }
@@ -256,7 +243,9 @@ impl ParameterStudy {
         let mut metrics = written.metrics;
         if metrics.is_empty() {
             metrics = match written.kind {
-                Kind::Cell => of_cells(&base).iter().map(|(name, _)| (*name).to_owned()).collect(),
+                Kind::Cell => {
+                    told::metrics(&base).iter().map(|(name, _)| (*name).to_owned()).collect()
+                }
                 Kind::Beat => OF_BEATS.iter().map(|name| (*name).to_owned()).collect(),
             };
         }
@@ -308,7 +297,10 @@ impl ParameterStudy {
                 let mut with = run.clone();
                 with.set(key, usual)?;
                 // Adaptive steps know some models only.
-                if with.resolve().is_ok_and(|run| key != "cell.integrator" || is_minimal(&run)) {
+                if with
+                    .resolve()
+                    .is_ok_and(|run| key != "cell.integrator" || run.cell.adaptive().is_some())
+                {
                     run = with;
                 }
             }
@@ -378,21 +370,6 @@ impl ParameterStudy {
         let fixed = |varied: &Varied| varied.distribution.is_some_and(|it| it.is_fixed());
         (0..self.varied.len()).filter(|&at| !fixed(&self.varied[at])).collect()
     }
-}
-
-/// Metrics of the cells of a run, with their units.
-pub(super) fn of_cells(run: &Run) -> Vec<(&'static str, &'static str)> {
-    let mut all = tor_ord(run).map_or(&OF_CELLS[..], tor_ord::metrics).to_vec();
-    if run.protocol.s2_interval_ms.is_some() {
-        let tension = all.iter().any(|(name, _)| *name == "peak_tension");
-        all.extend(&OF_S2[..OF_S2.len() - usize::from(!tension)]);
-    }
-    all
-}
-
-/// Whether the cell model is the minimal one, which adaptive steps know.
-pub(super) fn is_minimal(run: &Run) -> bool {
-    (&*run.cell as &dyn std::any::Any).is::<MinimalModel>()
 }
 
 /// The numbers that vary, with their distributions in the units of these numbers.

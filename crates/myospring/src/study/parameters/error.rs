@@ -136,7 +136,7 @@ pub enum ParameterStudyError {
     },
     /// What cells without a mesh do not have.
     #[error(
-        "kind = \"cell\" follows action potential and tension only, of the minimal models and of ToR-ORd: {what}; take \
+        "kind = \"cell\" follows action potential, calcium and tension of cells without a mesh: {what}; take \
          kind = \"beat\""
     )]
     NoCell {

@@ -1,21 +1,15 @@
 //! The work on members: whole beats, or cells side by side.
 
 use super::super::{Cause, Interrupted, Journal, StudyError};
-use super::course::Sampled;
-use super::description::{Kind, ParameterStudy, Varied, Which, is_minimal, of_cells, run_of};
+use super::alone::{self, Wanted};
+use super::description::{Kind, ParameterStudy, Varied, Which, run_of};
 use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
-use super::paced::{self, Wanted};
 use super::shard::Shard;
-use super::tor_ord::{self, tor_ord};
+use super::told;
 use super::traces::{TraceAxes, Traces};
 use crate::analysis::beat::{Beats, known};
-use crate::cell::adaptive;
-use crate::cell::minimal::MinimalModel;
-use crate::cell::pacing::Protocol;
-use crate::cell::population::{self, Cell};
-use crate::cell::solve::SolveError;
-use crate::cell::{CellModel as _, TensionKind};
+use crate::cell::batch;
 use crate::integrate::Method;
 use crate::integrate::quasi_static::Tolerance;
 use crate::interruption::Interruption;
@@ -25,11 +19,10 @@ use crate::recording::Sample;
 use crate::run_file::RunFile;
 use crate::settings::{Places, Run, ShapeBytes, Shaped};
 use crate::simulation::{Outcome, Ready, SharedPath, Simulation, StopReason, TensionScale};
-use std::any::Any;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::{io, iter};
 
 /// What all members of a study have in common, made once.
 pub struct Common {
@@ -52,19 +45,9 @@ pub struct Common {
     traces: Option<Traces>,
     /// Curves by member that somebody else keeps.
     handed: Option<Mutex<BTreeMap<usize, Vec<f32>>>>,
-    /// Whether the cells are of ToR-ORd.
-    pub(super) stiff: bool,
+    /// Whether cells tell of their beats without samples, so that many take little time.
+    pub(super) tells_beats: bool,
     body: Option<Body>,
-}
-
-/// A member's cell without a mesh.
-struct Alone {
-    cell: Cell,
-    protocol: Protocol,
-    /// Slope and offset of its membrane potential, mV, where its model has one.
-    millivolts: Option<(f64, f64)>,
-    /// kPa per unit of its tension.
-    scale: f64,
 }
 
 /// A member that is done, and its curves where they are wanted.
@@ -131,20 +114,10 @@ impl Common {
         let run = Run { interruption, ..study.run.resolve()? };
         let at_rest = run.cell.initial_state();
         let in_mv = run.cell.membrane_potential_mv(&at_rest).is_some();
-        let mut quantities = Vec::new();
-        if let (Kind::Cell, Some(model)) = (study.kind, tor_ord(&run)) {
-            quantities = tor_ord::quantities(model);
-        } else {
-            if in_mv {
-                quantities.push("Potential (mV)");
-            } else if run.cell.potential(&at_rest).is_some() {
-                quantities.push("Potential u (\u{2013})");
-            }
-            quantities.push("Active tension (kPa)");
-            if study.kind == Kind::Beat {
-                quantities.push("Shortening (%)");
-            }
-        }
+        let quantities = match study.kind {
+            Kind::Cell => told::quantities(&*run.cell),
+            Kind::Beat => of_runs(&run),
+        };
         let mut common = Self {
             kind: study.kind,
             run: study.run.clone(),
@@ -159,13 +132,22 @@ impl Common {
             members: study.values.members(),
             traces: None,
             handed: None,
-            stiff: tor_ord(&run).is_some(),
+            tells_beats: batch::tells_beats(&*run.cell, run.numerics.cell),
             body: None,
         };
         let units: Vec<(&str, &str)> = match study.kind {
             Kind::Cell => {
                 common.check_cells(&run)?;
-                of_cells(&run)
+                let files = Mutex::new(BTreeMap::new());
+                let driven = run.driven(|path| {
+                    let bytes = read(path)?;
+                    let mut files = files.lock().unwrap_or_else(PoisonError::into_inner);
+                    files.insert(path.to_owned(), bytes.clone());
+                    Ok(bytes)
+                });
+                driven.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
+                common.files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
+                told::metrics(&run)
             }
             Kind::Beat => {
                 // A metric that this cell does not have is one that none of its beats shows.
@@ -298,17 +280,6 @@ impl Common {
 
     fn check_cells(&self, run: &Run) -> Result<(), ParameterStudyError> {
         let no = |what: &str| Err(ParameterStudyError::NoCell { what: what.to_owned() });
-        match tor_ord(run) {
-            Some(_) => {
-                if let Some(reason) = tor_ord::refusal(run) {
-                    return no(&reason);
-                }
-            }
-            None if !is_minimal(run) => {
-                return no(&format!("the model is {}", run.cell.name()));
-            }
-            None => {}
-        }
         if run.tension_scale == TensionScale::OwnPeak {
             return no("tension_scale = \"own-peak\" needs a reference beat of each");
         }
@@ -469,123 +440,30 @@ impl Common {
         self.metrics.iter().map(of).collect()
     }
 
-    /// Some members, whose cells go side by side.
+    /// Some members, whose cells have no mesh.
     fn cells(
         &self,
         members: &[&Variation],
         interruption: &Interruption,
     ) -> Vec<Result<Done, Cause>> {
-        if self.stiff {
-            let Self { run, varied, metrics, beat, axes, .. } = self;
-            let wanted = Wanted { run, varied, metrics, beat: *beat, axes: axes.as_ref() };
-            return paced::cells(&wanted, members, interruption);
-        }
-        let tasks: Vec<Result<Alone, Cause>> =
-            members.iter().map(|member| self.cell(member)).collect();
-        let cells: Vec<Cell> =
-            tasks.iter().filter_map(|task| Some(task.as_ref().ok()?.cell.clone())).collect();
-        // What an S2 meets is seen in the curves alone.
-        let run = self.run.resolve();
-        let numerics = run.as_ref().map(|run| run.numerics.output_interval).ok();
-        let has_s2 = run.is_ok_and(|run| run.protocol.s2_interval_ms.is_some());
-        let sampled_ms = numerics.filter(|_| has_s2);
-        let every = |sample_interval_ms| population::Settings {
-            method: adaptive::Settings::default(),
-            sample_interval_ms,
-        };
-        let settings =
-            every(sampled_ms.or_else(|| self.axes.as_ref().map(|axes| axes.interval_ms)));
-        let failed =
-            |error: SolveError| members.iter().map(|_| Err(error.clone().into())).collect();
-        let interrupted = || members.iter().map(|_| Err(Interrupted.into())).collect();
-        let goes_on = || !interruption.is_asked();
-        let outcomes = match population::run_while(&cells, &settings, &goes_on) {
-            Ok(Some(outcomes)) => outcomes,
-            Ok(None) => return interrupted(),
-            Err(error) => return failed(error),
-        };
-        // A beat goes on through a stimulus that is not captured, as its samples alone show.
-        let by_samples = |outcome: &Result<population::Outcome, SolveError>| {
-            sampled_ms.is_none() && outcome.as_ref().is_ok_and(population::Outcome::needs_samples)
-        };
-        let again: Vec<Cell> = cells
-            .iter()
-            .zip(&outcomes)
-            .filter(|(_, outcome)| by_samples(outcome))
-            .map(|(cell, _)| cell.clone())
-            .collect();
-        let mut sampled = match population::run_while(&again, &every(numerics), &goes_on) {
-            Ok(Some(outcomes)) => outcomes.into_iter(),
-            Ok(None) => return interrupted(),
-            Err(error) => return failed(error),
-        };
-        let outcomes = outcomes.into_iter().map(|outcome| {
-            if by_samples(&outcome) {
-                (sampled.next().unwrap_or(outcome), numerics)
-            } else {
-                (outcome, sampled_ms)
-            }
-        });
-        let mut outcomes = outcomes.collect::<Vec<_>>().into_iter();
-        let row = |(member, task): (&&Variation, Result<Alone, Cause>)| {
-            let Alone { millivolts, scale, protocol, .. } = task?;
-            let (outcome, sampled_ms) = outcomes.next().ok_or("a cell without an outcome")?;
-            let outcome = outcome?;
-            if let Some(interval_ms) = sampled_ms {
-                let sampled = Sampled { samples: &outcome.samples, interval_ms, millivolts, scale };
-                let course = sampled.course();
-                let metrics = course.metrics(&protocol, self.beat, &self.metrics);
-                let curves = self.axes.as_ref().map(|axes| sampled.curves(axes));
-                let row = VariationRow::done(member.number, metrics);
-                return Ok((row.noting(course.no_capture(&protocol)), curves.unwrap_or_default()));
-            }
-            let value = |beat: &adaptive::Beat, name: &String| match name.as_str() {
-                "peak_tension" => Some(scale * beat.peak_tension),
-                "time_to_peak_tension" => Some(beat.peak_tension_ms - beat.stimulus_ms),
-                "action_potential_duration_90" => beat.apd90_ms,
-                "peak_potential" => Some(beat.peak_potential),
-                _ => Some(beat.resting_potential),
-            };
-            let beats = &outcome.beats;
-            let (first, last) = (beats.first(), beats.last());
-            let of = |name: &String| match self.beat {
-                Which::First => value(first?, name),
-                Which::Last => value(last?, name),
-                Which::Mean => {
-                    let values: Vec<f64> =
-                        beats.iter().filter_map(|beat| value(beat, name)).collect();
-                    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-                }
-            };
-            let curves = self.axes.as_ref().map_or_else(Vec::new, |axes| {
-                let potential = |state: &[f64; 6]| {
-                    millivolts.map_or(state[0], |(slope, rest)| slope * state[0] + rest) as f32
-                };
-                let one = |value: &dyn Fn(&[f64; 6]) -> f32| {
-                    let values = outcome.samples.iter().map(value);
-                    values.chain(iter::repeat(f32::NAN)).take(axes.times).collect::<Vec<f32>>()
-                };
-                [one(&potential), one(&|state| (scale * state[5]) as f32)].concat()
-            });
-            let metrics = self.metrics.iter().map(of).collect();
-            Ok((VariationRow::done(member.number, metrics), curves))
-        };
-        members.iter().zip(tasks).map(row).collect()
+        let Self { run, varied, metrics, beat, axes, files, .. } = self;
+        let axes = axes.as_ref();
+        let wanted = Wanted { run, varied, metrics, beat: *beat, axes, files };
+        alone::cells(&wanted, members, &|| !interruption.is_asked())
     }
+}
 
-    /// A member's cell.
-    fn cell(&self, member: &Variation) -> Result<Alone, Cause> {
-        let run = run_of(&self.run, &self.varied, &member.values)?.resolve()?;
-        let model = (&*run.cell as &dyn Any).downcast_ref::<MinimalModel>();
-        let model = model.ok_or("the model is not the minimal one")?;
-        let scale = match model.tension_kind() {
-            TensionKind::Relative { published_peak } => run.peak_tension / published_peak,
-            TensionKind::Kilopascal | TensionKind::None => 1.0,
-        };
-        let cell = Cell::new(model, run.protocol, run.duration)?;
-        let (protocol, millivolts) = (run.protocol, model.identity().millivolts);
-        Ok(Alone { cell, protocol, millivolts, scale })
+/// What curves show of runs.
+fn of_runs(run: &Run) -> Vec<&'static str> {
+    let at_rest = run.cell.initial_state();
+    let mut quantities = Vec::new();
+    if run.cell.membrane_potential_mv(&at_rest).is_some() {
+        quantities.push("Potential (mV)");
+    } else if run.cell.potential(&at_rest).is_some() {
+        quantities.push("Potential u (\u{2013})");
     }
+    quantities.extend(["Active tension (kPa)", "Shortening (%)"]);
+    quantities
 }
 
 fn starts(key: &str, list: &[&str]) -> bool {

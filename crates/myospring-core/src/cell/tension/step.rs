@@ -1,46 +1,52 @@
 //! The tension equations of `coelho_2021` over a step in which the bell `k(V)` is a straight line.
 
-use crate::cell::CellModel as _;
-use crate::cell::minimal::MinimalModel;
+use super::Tension;
 use std::f64::consts::PI;
 
 /// Parts of the lag so short that Simpson's rule is exact to 1e-13.
 const SHORT: f64 = 0.01;
 
-/// Parameters that act on the tension alone, in the order of [`Rates`].
-pub(super) const OF_TENSION: [&str; 4] = ["c_0", "x_1", "x_3", "sigma"];
-
-/// What a curve tells of the tension equations.
+/// The constants that act on the tension alone and not on the potential.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rates {
+pub struct Rates {
     /// Rate of both variables, 1/ms.
-    pub(super) c_0: f64,
+    pub c_0: f64,
     /// Rate of `Ta` while it waits, 1/ms.
-    pub(super) x_1: f64,
+    pub x_1: f64,
     /// `Ta_i` up to which it waits.
-    pub(super) x_3: f64,
+    pub x_3: f64,
     /// Width of the bell.
-    pub(super) sigma: f64,
+    pub sigma: f64,
     /// Time by which the shape of a viscous cell lags behind its tension, ms; 0 of none.
-    pub(super) lag: f64,
-}
-
-pub(super) fn model_value(model: &MinimalModel, name: &str) -> f64 {
-    model.parameters().get(name).unwrap_or(f64::NAN)
+    pub lag: f64,
 }
 
 /// `Ta_i` and `Ta`, and what a cell that lags behind makes of them.
-pub(super) type State = [f64; 3];
+pub type State = [f64; 3];
 
 impl Rates {
+    /// Their names as parameters, in the order of the fields.
+    pub const NAMES: [&str; 4] = ["c_0", "x_1", "x_3", "sigma"];
+
     /// Those of a model on a mesh whose shape lags behind its tension by a time, ms.
-    pub(super) fn of(model: &MinimalModel, lag: f64) -> Self {
-        let [c_0, x_1, x_3, sigma] = OF_TENSION.map(|name| model_value(model, name));
+    pub fn of(tension: &Tension, lag: f64) -> Self {
+        let Tension { c_0, x_1, x_3, sigma, .. } = *tension;
         Self { c_0, x_1, x_3, sigma, lag }
     }
 
+    /// With other values of these, by their places in [`Rates::NAMES`].
+    #[must_use]
+    pub fn with(self, places: &[usize], values: &[f64]) -> Self {
+        let mut all = [self.c_0, self.x_1, self.x_3, self.sigma];
+        for (place, value) in places.iter().zip(values) {
+            all[*place] = *value;
+        }
+        let [c_0, x_1, x_3, sigma] = all;
+        Self { c_0, x_1, x_3, sigma, ..self }
+    }
+
     /// Eq. (34), for `V - 1`.
-    pub(super) fn bell(&self, off_peak: f64) -> f64 {
+    pub fn bell(&self, off_peak: f64) -> f64 {
         let z = off_peak / self.sigma;
         (-0.5 * z * z).exp() / (self.sigma * (2.0 * PI).sqrt())
     }
@@ -90,15 +96,16 @@ fn risen(z: f64) -> (f64, f64) {
 
 /// What steps of one length share.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Whole {
-    pub(super) length: f64,
+pub struct Whole {
+    /// How long they are, ms.
+    pub length: f64,
     free: Propagator,
     waiting: Propagator,
 }
 
 impl Whole {
     /// Of steps so long, ms.
-    pub(super) fn new(length: f64, rates: &Rates) -> Self {
+    pub fn new(length: f64, rates: &Rates) -> Self {
         let [free, waiting] =
             [rates.c_0, rates.x_1].map(|rate| Propagator::over(length, rate, rates.c_0));
         Self { length, free, waiting }
@@ -107,18 +114,22 @@ impl Whole {
 
 /// A step from node to node.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Step {
+pub struct Step {
     /// After the stimulus, ms.
-    pub(super) begin: f64,
-    pub(super) length: f64,
-    pub(super) bell: f64,
-    pub(super) slope: f64,
-    pub(super) above: bool,
+    pub begin: f64,
+    /// How long it is, ms.
+    pub length: f64,
+    /// `k(V)` at its begin.
+    pub bell: f64,
+    /// How fast `k(V)` grows, 1/ms.
+    pub slope: f64,
+    /// Whether `V > x_2` in it.
+    pub above: bool,
 }
 
 impl Step {
     /// The state so long after the begin of the step.
-    pub(super) fn after(&self, time: f64, state: State, rates: &Rates) -> State {
+    pub fn after(&self, time: f64, state: State, rates: &Rates) -> State {
         let [later, ta] = self.pull(time, state, rates);
         if rates.lag <= 0.0 {
             return [later, ta, ta];
@@ -177,12 +188,7 @@ impl Step {
     }
 
     /// `Ta_i` and `Ta` at its end, by the propagators of that; `None` where `Ta` begins or ceases to wait.
-    pub(super) fn whole(
-        &self,
-        by: &Whole,
-        [ta_i, ta]: [f64; 2],
-        rates: &Rates,
-    ) -> Option<[f64; 2]> {
+    pub fn whole(&self, by: &Whole, [ta_i, ta]: [f64; 2], rates: &Rates) -> Option<[f64; 2]> {
         let later = by.free.early(self.bell, self.slope, ta_i);
         let waits = self.above && ta_i < rates.x_3;
         if waits != (self.above && later < rates.x_3) {
@@ -193,7 +199,7 @@ impl Step {
     }
 
     /// `Ta` where it meets `Ta_i`, which it was below before and is not any more at the end of that time.
-    pub(super) fn top(&self, time: f64, from: State, to: State, rates: &Rates) -> f64 {
+    pub fn top(&self, time: f64, from: State, to: State, rates: &Rates) -> f64 {
         let meets = if self.bell == 0.0 && self.slope == 0.0 {
             // A cell at rest, however long: Ta_i falls as exp(-c_0 t), Ta as (Ta + c_0 Ta_i t) exp(-c_0 t).
             (1.0 - from[1] / from[0]) / rates.c_0

@@ -1,0 +1,79 @@
+//! What is told of a beat of a cell without a mesh.
+
+use crate::analysis::capture::{self, Response};
+use serde::{Deserialize, Serialize};
+
+/// One beat of a cell, from its stimulus to the next or to the end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Beat {
+    /// Time of the stimulus, ms.
+    pub stimulus_ms: f64,
+    /// Potential, in the unit of its state, just before the stimulus.
+    pub resting_potential: f64,
+    /// Highest potential.
+    pub peak_potential: f64,
+    /// Highest active tension, relative or in kPa as the model says.
+    pub peak_tension: f64,
+    /// When tension is highest, ms; the clock is that of the run, not of the beat.
+    pub peak_tension_ms: f64,
+    /// From the stimulus to 90 % repolarisation, ms: when the potential, after its highest point,
+    /// has come 90 % of the way back to that before the stimulus. `None` if it does not within the
+    /// beat.
+    pub apd90_ms: Option<f64>,
+}
+
+impl Beat {
+    /// Whether these say all that there is to say: samples are needed where a stimulus may have raised no action
+    /// potential, or came while the tension of the beat before was higher than its own; `unit` is that of the potential.
+    pub fn suffice(beats: &[Self], unit: &str) -> bool {
+        let early = |beat: &Self| beat.peak_tension_ms <= beat.stimulus_ms;
+        let response = |beat: &Self| {
+            let (rest, peak) = (beat.resting_potential, beat.peak_potential);
+            Response { rest, met: rest, peak, seen: true }
+        };
+        let responses: Vec<Response> = beats.iter().map(response).collect();
+        let missed =
+            capture::captures(&responses, capture::least_height(unit)).contains(&Some(false));
+        !missed && !beats.iter().any(early)
+    }
+
+    /// Those of samples: potential (NaN where there is none) and tension at ascending times, ms, and the times of the
+    /// stimuli. The potential between two samples is a straight line.
+    pub fn of_samples(
+        times: &[f64],
+        potential: &[f64],
+        tension: &[f64],
+        stimuli_ms: impl Iterator<Item = f64>,
+    ) -> Vec<Self> {
+        let mut stimuli = stimuli_ms.peekable();
+        let mut beats = Vec::new();
+        while let Some(stimulus_ms) = stimuli.next() {
+            let first = times.partition_point(|time| *time < stimulus_ms);
+            let next_ms = stimuli.peek().copied().unwrap_or(f64::INFINITY);
+            let end = times.partition_point(|time| *time < next_ms);
+            let highest = |column: &[f64]| {
+                (first..end).fold(first, |top, at| if column[at] > column[top] { at } else { top })
+            };
+            if first >= end {
+                break;
+            }
+            let resting_potential = potential[first.saturating_sub(1)];
+            let (top, strongest) = (highest(potential), highest(tension));
+            let level = resting_potential + 0.1 * (potential[top] - resting_potential);
+            let back = (top + 1..end).find(|&at| potential[at] <= level);
+            let apd90_ms = back.map(|at| {
+                let part = (potential[at - 1] - level) / (potential[at - 1] - potential[at]);
+                times[at - 1] + part * (times[at] - times[at - 1]) - stimulus_ms
+            });
+            beats.push(Self {
+                stimulus_ms,
+                resting_potential,
+                peak_potential: potential[top],
+                peak_tension: tension[strongest],
+                peak_tension_ms: times[strongest],
+                apd90_ms,
+            });
+        }
+        beats
+    }
+}
