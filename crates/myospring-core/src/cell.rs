@@ -52,7 +52,8 @@ pub mod trace;
 
 pub use cell_model::{Adaptive, AdaptiveSteps, CellModel, Filaments, InFits, SideBySide};
 pub use description::{
-    Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
+    CALCIUM, Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation,
+    TensionKind,
 };
 
 use std::sync::Arc;

@@ -1,6 +1,9 @@
 //! Studies: resumed where they were, failures in their place, the same rows whatever the threads.
 #![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests")]
 
+#[path = "study/own_model.rs"]
+mod own_model;
+
 use myospring::cell::adaptive::{self, beats};
 use myospring::cell::batch::Beat;
 use myospring::cell::bueno_orovio_2008::{self, Variant};

@@ -99,6 +99,7 @@ pub const fn identity(variant: Variant) -> Identity {
         stimulus: Stimulus::Pulse { amplitude: 0.5, duration_ms: 1.0 },
         millivolts: Some((85.7, -84.0)),
         peak_tension: TA_PEAK[variant as usize],
+        in_authors_program: None,
         pace: (
             PACE[variant as usize],
             "Driven by this action potential, the paper's tension curve rises faster than measured cells",

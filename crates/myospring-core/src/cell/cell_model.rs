@@ -83,6 +83,11 @@ pub trait CellModel: Any + Send + Sync {
         None
     }
 
+    /// The model as its authors' own program has it, and when the first stimulus falls there, ms, where that differs from
+    /// what they printed; by default it does not.
+    fn in_authors_program(&self) -> Option<(Arc<dyn CellModel>, f64)> {
+        None
+    }
     /// Where the state is cut into groups that [`Method::StaggeredEuler`] updates one after the other: the place of the
     /// first state of each group but the first; none by default.
     fn staggered_groups(&self) -> &'static [usize] {

@@ -88,6 +88,11 @@ impl CellIntegrator {
         self.steps.outputs(&*self.model)
     }
 
+    /// Free calcium in the cytosol at that time, uM, where the model has it.
+    pub fn calcium_um(&self) -> Option<f64> {
+        self.model.calcium_um(self.state(), &self.steps.input())
+    }
+
     /// The model that is integrated.
     pub fn model(&self) -> &Arc<dyn CellModel> {
         &self.model
@@ -217,13 +222,18 @@ impl Steps {
         }
     }
 
-    pub(super) fn outputs(&self, model: &dyn CellModel) -> Vec<f64> {
+    /// What acts on the cell at the time reached.
+    fn input(&self) -> Input {
         let time_ms = self.time();
-        let input = Input {
+        Input {
             stimulus: self.protocol.current_at(time_ms),
             since_stimulus_ms: self.protocol.since_stimulus(time_ms),
             ..self.felt
-        };
+        }
+    }
+
+    pub(super) fn outputs(&self, model: &dyn CellModel) -> Vec<f64> {
+        let input = self.input();
         let mut values = vec![f64::NAN; model.outputs().len()];
         model.write_outputs(self.state(), &input, &mut values);
         values

@@ -48,6 +48,8 @@ pub struct Identity {
     pub millivolts: Option<(f64, f64)>,
     /// Peak of `Ta` of one default beat of the published parameters, converged.
     pub peak_tension: f64,
+    /// Highest `u` of the authors' own program, and when its first stimulus falls, ms, where they tell of these.
+    pub in_authors_program: Option<[f64; 2]>,
     /// Largest shortening rate over the peak of shortening of a free cell with the published parameters, 1/s, and what
     /// is to be known of it.
     pub pace: (f64, &'static str),
@@ -189,6 +191,13 @@ impl CellModel for MinimalModel {
 
     fn tension_kind(&self) -> TensionKind {
         TensionKind::Relative { published_peak: self.identity.peak_tension }
+    }
+
+    fn in_authors_program(&self) -> Option<(Arc<dyn CellModel>, f64)> {
+        let [u_peak, start_ms] = self.identity.in_authors_program?;
+        let mut parameters = self.parameters.clone();
+        parameters.set("u_peak", u_peak).ok()?;
+        Some((self.with_parameters(parameters).ok()?, start_ms))
     }
 
     fn staggered_groups(&self) -> &'static [usize] {

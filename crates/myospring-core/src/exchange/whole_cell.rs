@@ -4,7 +4,7 @@ use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Settings, SolveError};
-use crate::cell::{CellModel, Input, Output, StateVariable};
+use crate::cell::{CALCIUM, CellModel, Input, Output, StateVariable};
 use crate::mechanics::Tension;
 use std::sync::Arc;
 
@@ -78,20 +78,34 @@ impl WholeCell {
     }
 }
 
-/// What a cell model tells besides: its outputs, and the states that are recorded.
+/// What a cell model tells besides: its outputs, the states that are recorded, and calcium where it is not one of these.
 pub(super) fn told_by(model: &dyn CellModel) -> Vec<Output> {
     let states = model.recorded_states().iter().map(|&place| {
         let StateVariable { name, unit, meaning, .. } = model.states()[place].clone();
         Output { name, unit, meaning }
     });
-    model.outputs().iter().cloned().chain(states).collect()
+    let mut told: Vec<Output> = model.outputs().iter().cloned().chain(states).collect();
+    if tells_calcium_besides(model) {
+        let meaning = "free calcium in the cytosol".into();
+        told.push(Output { name: CALCIUM.into(), unit: "uM".into(), meaning });
+    }
+    told
 }
 
 /// Their values.
 pub(super) fn told(cell: &CellIntegrator) -> Vec<f64> {
     let mut values = cell.outputs();
     values.extend(cell.model().recorded_states().iter().map(|&place| cell.state()[place]));
+    values.extend(cell.calcium_um().filter(|_| tells_calcium_besides(&**cell.model())));
     values
+}
+
+/// Whether a model has calcium that none of its outputs and recorded states is.
+fn tells_calcium_besides(model: &dyn CellModel) -> bool {
+    let is_output = || model.outputs().iter().any(|output| output.name == CALCIUM);
+    let is_state = || model.recorded_states().iter().any(|&at| model.states()[at].name == CALCIUM);
+    let state = model.initial_state();
+    model.calcium_um(&state, &Input::REST).is_some() && !is_output() && !is_state()
 }
 
 impl Activation for WholeCell {

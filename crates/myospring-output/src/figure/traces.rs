@@ -10,6 +10,7 @@ use super::theme::{
 use super::{Figure, FigureError};
 use myospring_core::analysis::beat::Beats;
 use myospring_core::analysis::trace;
+use myospring_core::cell::CALCIUM as CYTOSOL;
 use myospring_core::recording::{Recording, Sample, Signal};
 use std::borrow::Cow;
 
@@ -85,10 +86,9 @@ impl Drives {
     }
 }
 
-/// Calcium of the cytosol and its unit, which cell models tell as `Ca_i`; a table that was read back has the unit
-/// in its name.
+/// Calcium of the cytosol and its unit; a table that was read back has the unit in its name.
 fn calcium(recording: &Recording) -> Option<(&Signal, &str)> {
-    recording.signals.iter().find_map(|signal| match signal.name.strip_prefix("Ca_i")? {
+    recording.signals.iter().find_map(|signal| match signal.name.strip_prefix(CYTOSOL)? {
         "" => Some((signal, signal.unit.as_str())),
         rest => Some((signal, rest.strip_prefix('_')?)),
     })

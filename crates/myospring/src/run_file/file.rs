@@ -1,7 +1,7 @@
 //! A run file as values by key, and as TOML.
 
 use super::error::RunFileError;
-use crate::settings::{Failure, Named, Problem, Setting, Value, find, table, tables};
+use crate::settings::{Failure, Models, Named, Problem, Setting, Value, find, table, tables};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -19,6 +19,7 @@ use std::fmt::Write;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunFile {
     pub(super) values: BTreeMap<&'static str, Value>,
+    pub(super) models: Models,
 }
 
 impl RunFile {
@@ -42,6 +43,13 @@ impl RunFile {
             return Err(RunFileError::bare((key.to_owned(), Problem::unknown_key(key, "", known))));
         };
         self.take(setting, value.into()).map_err(RunFileError::bare)
+    }
+
+    /// The same where `cell.model` may name these models, too, beside those of the list. What is written as TOML has
+    /// their names alone.
+    #[must_use]
+    pub fn knowing(self, models: Models) -> Self {
+        Self { models, ..self }
     }
 
     /// Takes a key out.

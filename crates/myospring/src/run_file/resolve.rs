@@ -18,7 +18,7 @@ impl RunFile {
 
     /// As [`RunFile::resolve`], with the key to blame.
     pub(super) fn run(&self) -> Result<Run, Failure> {
-        let mut run = Run::default_run();
+        let mut run = Run { models: self.models.clone(), ..Run::default_run() };
         for setting in table() {
             if let Some(value) = self.get(setting.key) {
                 setting.set(&mut run, value)?;
@@ -38,7 +38,7 @@ impl Run {
     /// Spacing and time step stay absent where the shape and the stability limit decide them.
     pub fn to_run_file(&self) -> RunFile {
         let values = table().filter_map(|setting| Some((setting.key, setting.get(self)?)));
-        RunFile { values: values.collect() }
+        RunFile { values: values.collect(), models: self.models.clone() }
     }
 
     /// The run file that repeats this run, with the spacing (um) and time step (ms) that it took;

@@ -3,6 +3,7 @@
 use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError};
 use super::fibres::{Asked, Fibre, Fibres};
+use super::models::Models;
 use super::places::FromPlaces;
 use super::sarcomeres::{self, SarcomereError};
 use super::shape::{Shape, Shaped, Source};
@@ -34,6 +35,8 @@ const AFTER_LAST_STIMULUS: f64 = 550.0;
 /// A run ready to be meshed and simulated.
 #[derive(Clone)]
 pub struct Run {
+    /// The cell models that `cell.model` may name.
+    pub models: Models,
     /// Title, for people; may be empty.
     pub title: String,
     /// The cell model with its parameters.
@@ -137,6 +140,7 @@ impl Run {
         let protocol = Protocol::once(cell.default_stimulus());
         let numerics = Numerics::default();
         Self {
+            models: Models::default(),
             title: String::new(),
             cell: Arc::new(cell),
             calcium: None,

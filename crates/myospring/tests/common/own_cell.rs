@@ -9,7 +9,8 @@
 
 use myospring::cell::pacing::Stimulus;
 use myospring::cell::{
-    CellModel, Gate, Input, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
+    CellModel, Gate, InFits, Input, ModelError, Moved, Output, StateVariable, Stimulation,
+    TensionKind,
 };
 use myospring::parameter::{Parameter, ParameterSet};
 use std::sync::Arc;
@@ -79,6 +80,8 @@ pub(crate) struct OwnCell {
     release: f64,
     diffusion: f64,
     strongest: f64,
+    /// The peak of its tension over `T_max`, where that is relative.
+    relative_to: Option<f64>,
 }
 
 /// Its parameters; `binding` in 1/(uM ms).
@@ -157,6 +160,7 @@ impl OwnCell {
             release,
             diffusion: read("k_d")?,
             strongest: read("T_max")?,
+            relative_to: None,
             states,
             name,
             parameters,
@@ -166,6 +170,11 @@ impl OwnCell {
     /// The same without a Jacobian of its own.
     pub(crate) fn without_jacobian(self) -> Self {
         Self { with_jacobian: false, ..self }
+    }
+
+    /// The same with a relative tension, of which this is the peak of a default beat.
+    pub(crate) fn relative(self, published_peak: f64) -> Self {
+        Self { relative_to: Some(published_peak), ..self }
     }
 
     fn slow_inward_current(&self, state: &[f64]) -> f64 {
@@ -237,8 +246,9 @@ impl CellModel for OwnCell {
     }
 
     fn with_parameters(&self, parameters: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError> {
-        let with_jacobian = self.with_jacobian;
-        Ok(Arc::new(Self { with_jacobian, ..Self::new(self.compartments, parameters)? }))
+        let Self { with_jacobian, relative_to, .. } = *self;
+        let new = Self::new(self.compartments, parameters)?;
+        Ok(Arc::new(Self { with_jacobian, relative_to, ..new }))
     }
 
     fn states(&self) -> &[StateVariable] {
@@ -287,11 +297,23 @@ impl CellModel for OwnCell {
     }
 
     fn tension(&self, state: &[f64], _input: &Input) -> f64 {
-        self.strongest * (state[CA + 2 * self.compartments] - activation(RESTING_CALCIUM))
+        let strongest = if self.relative_to.is_some() { 1.0 } else { self.strongest };
+        strongest * (state[CA + 2 * self.compartments] - activation(RESTING_CALCIUM))
     }
 
     fn tension_kind(&self) -> TensionKind {
-        TensionKind::Kilopascal
+        match self.relative_to {
+            Some(published_peak) => TensionKind::Relative { published_peak },
+            None => TensionKind::Kilopascal,
+        }
+    }
+
+    fn calcium_um(&self, state: &[f64], _input: &Input) -> Option<f64> {
+        Some(state[CA])
+    }
+
+    fn in_fits(&self) -> InFits<'_> {
+        InFits { strength: Some("T_max"), usual: &["g_s"], not_together: &[] }
     }
 
     fn outputs(&self) -> &[Output] {

@@ -256,3 +256,53 @@ fn files_use_each_other_without_a_circle() {
         .collect();
     assert!(circles.is_empty(), "files use each other in circles:\n{}", circles.join("\n\n"));
 }
+
+/// Lines of code of a file outside of its tests and comments.
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let tests = text.find("#[cfg(test)]\nmod tests").unwrap_or(text.len());
+    let lines = text[..tests].lines().enumerate();
+    lines.filter(|(_, line)| !line.trim_start().starts_with("//")).map(|(at, line)| (at + 1, line))
+}
+
+/// Files of the library and the program that are not of these folders of the core.
+fn outside(of_core: &[&str]) -> Vec<PathBuf> {
+    let core = crates().join("myospring-core/src");
+    let own = |file: &Path| {
+        of_core.iter().any(|room| {
+            file.starts_with(core.join(room)) || *file == core.join(format!("{room}.rs"))
+        })
+    };
+    let packages =
+        CRATES.iter().map(|(package, _)| *package).chain(["myospring-cli", "myospring-py"]);
+    let files = packages.flat_map(|package| sources(&crates().join(package).join("src")));
+    let is_test = |file: &Path| {
+        file.ends_with("tests.rs") || file.components().any(|part| part.as_os_str() == "tests")
+    };
+    files.filter(|file| !own(file) && !is_test(file)).collect()
+}
+
+#[test]
+fn nobody_asks_which_cell_model_or_force_it_is() {
+    let models: Vec<String> =
+        myospring::cell::models().iter().map(|model| format!("\"{}\"", model.name())).collect();
+    let mut asked = Vec::new();
+    for file in outside(&["cell", "mechanics", "testing"]) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for (line, code) in code(&text) {
+            let casts = ["downcast_ref", "downcast_mut", "dyn Any", ".is::<"];
+            // An error that says that somebody stopped the work; Python's own objects.
+            let other = ["is::<Interrupted>", "PyAny", "Bound<", "is_exact_instance"];
+            let casts = casts.iter().any(|cast| code.contains(cast))
+                && !other.iter().any(|known| code.contains(known));
+            let types = ["MinimalModel", "TomekModel", "Land2017"];
+            let named = types.iter().any(|name| code.contains(name));
+            let compared = models.iter().any(|name| {
+                code.contains(&format!("== {name}")) || code.contains(&format!("{name} =>"))
+            });
+            if casts || named || compared {
+                asked.push(format!("{}:{line}: {}", file.display(), code.trim()));
+            }
+        }
+    }
+    assert!(asked.is_empty(), "ask for what it can do (ARCHITECTURE.md):\n{}", asked.join("\n"));
+}

@@ -7,12 +7,11 @@ use super::super::run::Run;
 use super::super::setting::{Kind, Named, Setting};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
+use crate::cell::coelho_2021;
 use crate::cell::solve::{Method, Settings};
-use crate::cell::{self, CellModel, coelho_2021};
 use crate::mechanics::material::myofilament_material;
 use crate::simulation::{StretchFelt, TensionScale};
 use crate::units::{self, Dimension};
-use std::sync::Arc;
 
 worded! { TensionScale {
     TensionScale::Published = "published":
@@ -188,14 +187,14 @@ pub(super) const ROWS: &[Setting] = &[
          or a plain number in the parameter's own unit; `myospring models NAME` lists them.",
         Kind::Named {
             example: ("tau_si", "1.9 ms"),
-            get: |run| Some(changed_parameters(&*run.cell)),
+            get: |run| Some(changed_parameters(run)),
             set: set_parameters,
         },
     ),
 ];
 
 fn set_model(run: &mut Run, name: &str) -> Result<(), Problem> {
-    run.cell = cell::model(name).map_err(Problem::Model)?;
+    run.cell = run.models.model(name).map_err(Problem::Model)?;
     run.protocol.stimulus = run.cell.default_stimulus();
     run.numerics.cell = run.cell.usual_settings();
     if run.cell.feels_stretch() && !run.has_relative_tension() {
@@ -209,15 +208,16 @@ fn set_authors_step(run: &mut Run, authors: bool) {
         return;
     }
     run.numerics.cell = coelho_2021::authors_step();
-    if run.cell.name() == coelho_2021::IDENTITY.name {
-        run.cell = Arc::new(coelho_2021::authors_model());
-        run.protocol.start_ms = coelho_2021::authors_protocol().start_ms;
+    if let Some((cell, start_ms)) = run.cell.in_authors_program() {
+        run.cell = cell;
+        run.protocol.start_ms = start_ms;
     }
 }
 
 /// Parameters that differ from the published ones, each in its own unit.
-fn changed_parameters(cell: &dyn CellModel) -> Named {
-    let Ok(published) = cell::model(cell.name()) else { return Named::new() };
+fn changed_parameters(run: &Run) -> Named {
+    let cell = &run.cell;
+    let Ok(published) = run.models.model(cell.name()) else { return Named::new() };
     let rows = cell.parameters().rows().iter();
     rows.filter(|row| published.parameters().get(&row.name) != Some(row.value))
         .map(|row| (row.name.to_string(), Value::Number(row.value)))

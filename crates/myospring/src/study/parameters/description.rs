@@ -8,7 +8,7 @@ use crate::cell::solve::Method;
 use crate::interruption::Interruption;
 use crate::measured::decoded;
 use crate::run_file::{RunFile, RunFileError};
-use crate::settings::{Named, Number, Run, Value};
+use crate::settings::{Models, Named, Number, Run, Value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -185,6 +185,18 @@ impl ParameterStudy {
         text: &str,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
     ) -> Result<Self, ParameterStudyError> {
+        Self::from_toml_knowing(text, Models::default(), read)
+    }
+
+    /// As [`ParameterStudy::from_toml`] where its run may name cell models of one's own, too.
+    ///
+    /// # Errors
+    /// What is wrong with it, with its place.
+    pub fn from_toml_knowing(
+        text: &str,
+        models: Models,
+        read: impl Fn(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<Self, ParameterStudyError> {
         let written: Written = toml::from_str(text)?;
         let read_text = |what, path: &str| {
             let failed = |cause| ParameterStudyError::Read { what, path: path.to_owned(), cause };
@@ -196,7 +208,7 @@ impl ParameterStudy {
             Some(toml::Value::String(path)) => RunFile::from_text(&read_text("run", path)?)?,
             Some(tables) => RunFile::from_text(&toml::to_string(tables).unwrap_or_default())?,
         };
-        let mut run = Self::with_usual_methods(run)?;
+        let mut run = Self::with_usual_methods(run.knowing(models))?;
         if written.kind == Kind::Cell && !run.has("cell.tolerance") {
             let mut with = run.clone();
             with.set("cell.tolerance", STIFF_TOLERANCE)?;
