@@ -27,7 +27,7 @@ fn models() -> [Arc<dyn CellModel>; 2] {
 
 fn file(model: &Arc<dyn CellModel>, text: &str) -> RunFile {
     let all = format!(
-        "[cell]\nmodel = \"{}\"\n[shape]\nspacing = \"6 um\"\n\
+        "[cell]\nmodel = \"{}\"\nintegrator = \"stiff\"\n[shape]\nspacing = \"6 um\"\n\
          [numerics]\nintegrator = \"quasi-static\"\n{text}",
         model.name()
     );
