@@ -49,11 +49,11 @@ pub mod tension;
 pub mod tomek_2019;
 pub mod toy;
 pub mod trace;
+mod upstroke;
 
 pub use cell_model::{Adaptive, AdaptiveSteps, CellModel, Filaments, InFits, SideBySide};
 pub use description::{
-    CALCIUM, Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation,
-    TensionKind,
+    Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
 };
 
 use std::sync::Arc;

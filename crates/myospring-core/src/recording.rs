@@ -53,6 +53,20 @@ pub struct Signal {
 /// The signal of the force with which a cell draws its ends inward, nN, where both are held.
 pub const END_FORCE: &str = "end_force";
 
+/// The signal of free calcium in the cytosol, uM, of a cell model that has it.
+pub const CALCIUM: &str = "Ca_i";
+
+/// The signal of the largest rate of the potential since the last stimulus, by the model's own rates at every step and
+/// without the current of the stimulus.
+pub const STEEPEST_RISE: &str = "steepest_rise";
+
+impl Signal {
+    /// Whether it is the signal of that name; one that was read from a table has its unit in its name.
+    pub fn is(&self, name: &str) -> bool {
+        self.name.strip_prefix(name).is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
+    }
+}
+
 /// The cell's shape at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame<const D: usize = 2> {

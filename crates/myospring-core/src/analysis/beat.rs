@@ -9,7 +9,7 @@ use super::{
     Metric, Missing, Spread, action_potential, beat_to_beat, contraction, load, reading, rest,
     tension, trace, value,
 };
-use crate::recording::{END_FORCE, Recording, Sample, Signal};
+use crate::recording::{END_FORCE, Recording, STEEPEST_RISE, Sample, Signal};
 use serde::Serialize;
 use std::ops::Deref;
 
@@ -195,6 +195,8 @@ pub struct Beats {
 /// Rise of the tension, as a part of that at rest, below which there is nothing but rounding.
 const LEAST: f64 = 1e-9;
 
+const UPSTROKE: &str = "maximum_upstroke_velocity";
+
 /// Metrics by which alternans shows, in words.
 const HEIGHTS: [(&str, &str); 3] = [
     ("peak_tension", "peak tension"),
@@ -331,7 +333,8 @@ pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
     let of = |window: Window| {
         let force = force.and_then(|force| force.values.get(window.within.clone()));
         let captured = captured.get(window.place).copied().flatten();
-        beat(&samples[window.within.clone()], force, &window, captured)
+        let beat = beat(&samples[window.within.clone()], force, &window, captured);
+        with_own_upstroke(beat, recording, [window.stimulus_ms, window.next_ms])
     };
     capture::windows(&times, stimulus_times_ms, &captured).into_iter().map(of).collect()
 }
@@ -381,6 +384,29 @@ fn beat(
     let [tension, contraction, shape, load, action_potential] = groups;
     let (stimulus_ms, s2) = (stimulus, Vec::new());
     Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured }
+}
+
+/// A beat with the upstroke that the model's own rates had between its stimulus and the next, where they were recorded.
+fn with_own_upstroke(
+    mut beat: Beat,
+    recording: &Recording,
+    [stimulus_ms, next_ms]: [f64; 2],
+) -> Beat {
+    let own = recording.signals.iter().find(|signal| signal.is(STEEPEST_RISE));
+    let row = beat.action_potential.iter_mut().find(|metric| metric.name == UPSTROKE);
+    if let (Some(own), Some(row)) = (own, row) {
+        let samples = recording.samples.iter().zip(&own.values);
+        // The sample at a stimulus still has the beat before.
+        let within = samples.filter(|(it, _)| stimulus_ms < it.t_ms && it.t_ms < next_ms);
+        if let (Some(_), Some(steepest)) =
+            (row.value, within.map(|(_, rate)| *rate).reduce(f64::max))
+        {
+            row.value = Some(steepest);
+            row.definition = "largest rate of the potential by the model's own equations, at every step of their solution \
+                              and without the current of the stimulus";
+        }
+    }
+    beat
 }
 
 /// The potential and its unit, where all samples have one.
@@ -454,7 +480,9 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
         &[&tension, &contraction],
     );
     let stimulus_ms = s2_ms;
-    Some(Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured })
+    let beat =
+        Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured };
+    Some(with_own_upstroke(beat, recording, [s2_ms, f64::INFINITY]))
 }
 
 /// Of a stimulus that raised no action potential.

@@ -59,6 +59,7 @@ use super::pacing::{Protocol, same_instant};
 use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
 use super::settings::{self, SolveError, validate_time};
 use super::trace::{CellTrace, Instant};
+use super::upstroke::Upstroke;
 
 /// Numerical settings of the adaptive method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,6 +108,7 @@ pub struct AdaptiveIntegrator {
     course: Course,
     time_ms: f64,
     state: [f64; 6],
+    upstroke: Upstroke,
 }
 
 impl AdaptiveIntegrator {
@@ -148,7 +150,8 @@ impl AdaptiveIntegrator {
         let mut lanes = Lanes::new(settings.tolerance);
         let course = Course::start(task, &mut lanes, 0);
         let state = Lanes::get(&lanes.state, 0);
-        Ok(Self { model: model.identity().name, lanes, course, time_ms: 0.0, state })
+        let (name, upstroke) = (model.identity().name, Upstroke::new(model));
+        Ok(Self { model: name, lanes, course, time_ms: 0.0, state, upstroke })
     }
 
     /// Time reached, ms.
@@ -195,6 +198,8 @@ impl AdaptiveIntegrator {
 
     /// One step; true if the run has reached its end.
     fn step(&mut self) -> Result<bool, SolveError> {
+        let (since_ms, stimulus) = self.course.since_stimulus(self.lanes.time[0]);
+        self.upstroke.see(since_ms, &Lanes::get(&self.lanes.rates, 0), stimulus);
         self.lanes.try_step();
         if self.lanes.attention[0] == 0 {
             return Ok(false);
@@ -214,6 +219,10 @@ impl AdaptiveSteps for AdaptiveIntegrator {
 
     fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError> {
         Self::advance_to(self, t_ms)
+    }
+
+    fn steepest_rise(&self) -> Option<f64> {
+        self.upstroke.steepest()
     }
 
     fn boxed(&self) -> Box<dyn AdaptiveSteps> {

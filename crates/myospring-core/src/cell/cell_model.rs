@@ -210,6 +210,11 @@ pub trait AdaptiveSteps: Send + Sync {
     /// # Errors
     /// A time before the one reached or not finite, or a cell that no step takes further.
     fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError>;
+    /// The largest rate of the potential since the last stimulus, without the current of the stimulus, in the unit of its
+    /// state per ms; none, as by default, where it is not known.
+    fn steepest_rise(&self) -> Option<f64> {
+        None
+    }
     /// The same cell once more, to be moved on trial.
     fn boxed(&self) -> Box<dyn AdaptiveSteps>;
 }

@@ -48,9 +48,6 @@ pub struct Output {
     pub meaning: Cow<'static, str>,
 }
 
-/// What free calcium in the cytosol is called where it is recorded.
-pub const CALCIUM: &str = "Ca_i";
-
 /// How a model is stimulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stimulation {

@@ -4,6 +4,7 @@ use super::cell_model::CellModel;
 use super::description::{Gate, Input};
 use super::pacer::Pacer;
 use super::settings::SolveError;
+use super::upstroke::Upstroke;
 
 /// Instants closer than this fraction of a step are one instant.
 const SAME_INSTANT: f64 = 1e-6;
@@ -36,6 +37,7 @@ pub(super) struct FixedSteps {
     /// The next grid point is `next_grid * step`.
     next_grid: u64,
     on_grid: bool,
+    upstroke: Upstroke,
 }
 
 impl FixedSteps {
@@ -48,8 +50,9 @@ impl FixedSteps {
         step_ms: f64,
     ) -> Self {
         pacer.act(0.0, &mut state);
-        let work = Work::new(model);
-        Self { scheme, step_ms, pacer, work, state, time_ms: 0.0, next_grid: 1, on_grid: true }
+        let (work, upstroke) = (Work::new(model), Upstroke::new(model));
+        let (time_ms, next_grid, on_grid) = (0.0, 1, true);
+        Self { scheme, step_ms, pacer, work, state, time_ms, next_grid, on_grid, upstroke }
     }
 
     /// Time reached, ms.
@@ -60,6 +63,11 @@ impl FixedSteps {
     /// The state at that time.
     pub(super) fn state(&self) -> &[f64] {
         &self.state
+    }
+
+    /// The largest rate of the potential since the last stimulus.
+    pub(super) fn steepest_rise(&self) -> Option<f64> {
+        self.upstroke.steepest()
     }
 
     /// Moves on to time `t_ms`; the stimulus of `felt` is left aside.
@@ -107,6 +115,7 @@ impl FixedSteps {
             ..*felt
         };
         self.work.step(self.scheme, model, &mut self.state, &input, step_ms);
+        self.upstroke.see(input.since_stimulus_ms, &self.work.rates[0], input.stimulus);
         self.time_ms = stop_ms;
         self.on_grid = to_grid;
         self.next_grid += u64::from(to_grid);

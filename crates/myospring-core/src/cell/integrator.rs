@@ -93,6 +93,20 @@ impl CellIntegrator {
         self.model.calcium_um(self.state(), &self.steps.input())
     }
 
+    /// The largest rate of the potential since the last stimulus, without the current of the stimulus: mV/ms where the
+    /// model defines millivolts, else in the unit of the potential per ms; by the rates at every step.
+    pub fn steepest_rise(&self) -> Option<f64> {
+        let rate = self.steps.steepest_rise()?;
+        // Millivolts are a straight line of the potential.
+        let (rest, place) =
+            (self.model.initial_state(), self.model.stimulation().moves.first()?.state);
+        let mut higher = rest.clone();
+        higher[place] += 1.0;
+        let millivolts = |state: &[f64]| self.model.membrane_potential_mv(state);
+        let slope = millivolts(&higher).zip(millivolts(&rest)).map(|(to, from)| to - from);
+        Some(slope.unwrap_or(1.0) * rate)
+    }
+
     /// The model that is integrated.
     pub fn model(&self) -> &Arc<dyn CellModel> {
         &self.model
@@ -219,6 +233,14 @@ impl Steps {
             Way::Fixed(steps) => steps.state(),
             Way::Adaptive(steps) => steps.state(),
             Way::Stiff(steps) => steps.state(),
+        }
+    }
+
+    fn steepest_rise(&self) -> Option<f64> {
+        match &self.way {
+            Way::Fixed(steps) => steps.steepest_rise(),
+            Way::Adaptive(steps) => steps.steepest_rise(),
+            Way::Stiff(steps) => steps.steepest_rise(),
         }
     }
 

@@ -23,6 +23,7 @@ use super::description::{Input, StateVariable};
 use super::pacer::Pacer;
 use super::pacing::same_instant;
 use super::settings::SolveError;
+use super::upstroke::Upstroke;
 use rosenbrock::{Curve, Rosenbrock};
 
 /// Floor of a pure number, and of a variable that starts at 0.
@@ -71,6 +72,7 @@ pub(super) struct StiffSteps {
     /// What was asked for.
     time_ms: f64,
     state: Vec<f64>,
+    upstroke: Upstroke,
 }
 
 /// A step that was taken.
@@ -102,6 +104,7 @@ impl StiffSteps {
             step_ms: None,
             time_ms: 0.0,
             state,
+            upstroke: Upstroke::new(model),
         }
     }
 
@@ -118,6 +121,11 @@ impl StiffSteps {
     /// The state at that time.
     pub(super) fn state(&self) -> &[f64] {
         &self.state
+    }
+
+    /// The largest rate of the potential since the last stimulus.
+    pub(super) fn steepest_rise(&self) -> Option<f64> {
+        self.upstroke.steepest()
     }
 
     /// Moves on to time `t_ms`; the stimulus of `felt` is left aside.
@@ -154,6 +162,8 @@ impl StiffSteps {
     ) -> Result<(), SolveError> {
         let input = Input { stimulus: self.pacer.current(), ..*felt };
         self.rosenbrock.begin(model, &self.end, &input, &self.floors);
+        let since_ms = self.pacer.since_stimulus(self.end_ms);
+        self.upstroke.see(since_ms, self.rosenbrock.rates(), input.stimulus);
         let mut planned = self.step_ms.unwrap_or_else(|| self.first_step());
         loop {
             // No sliver is left before the stop.

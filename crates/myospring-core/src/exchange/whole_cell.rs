@@ -4,8 +4,9 @@ use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Settings, SolveError};
-use crate::cell::{CALCIUM, CellModel, Input, Output, StateVariable};
+use crate::cell::{CellModel, Input, Output, StateVariable};
 use crate::mechanics::Tension;
+use crate::recording::{CALCIUM, STEEPEST_RISE};
 use std::sync::Arc;
 
 /// One cell model for the whole cell.
@@ -158,11 +159,25 @@ impl Activation for WholeCell {
     }
 
     fn outputs(&self) -> Vec<Output> {
-        told_by(&**self.moved.model())
+        let model = &**self.moved.model();
+        let state = model.initial_state();
+        let mut told = told_by(model);
+        if model.potential(&state).is_some() {
+            let in_mv = model.membrane_potential_mv(&state).is_some();
+            let unit = if in_mv { "mV/ms" } else { "1/ms" };
+            let meaning = "largest rate of the potential since the last stimulus".into();
+            told.push(Output { name: STEEPEST_RISE.into(), unit: unit.into(), meaning });
+        }
+        told
     }
 
     fn output_values(&self) -> Vec<f64> {
-        told(&self.moved)
+        let mut values = told(&self.moved);
+        let model = self.moved.model();
+        if model.potential(self.moved.state()).is_some() {
+            values.push(self.moved.steepest_rise().unwrap_or(0.0));
+        }
+        values
     }
 
     fn boxed(&self) -> Box<dyn Activation> {

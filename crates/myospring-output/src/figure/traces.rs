@@ -10,7 +10,7 @@ use super::theme::{
 use super::{Figure, FigureError};
 use myospring_core::analysis::beat::Beats;
 use myospring_core::analysis::trace;
-use myospring_core::cell::CALCIUM as CYTOSOL;
+use myospring_core::recording::CALCIUM as CYTOSOL;
 use myospring_core::recording::{Recording, Sample, Signal};
 use std::borrow::Cow;
 

@@ -2,7 +2,7 @@
 
 use super::band::Band;
 use myospring_core::analysis::beat;
-use myospring_core::recording::{Recording, Sample};
+use myospring_core::recording::{Recording, STEEPEST_RISE, Sample};
 use serde::Serialize;
 
 /// Samples of a curve beyond which it is thinned.
@@ -56,7 +56,8 @@ pub(super) fn of(recording: &Recording) -> Curves {
             )
         },
     ]);
-    let signals = recording.signals.iter();
+    // What only grows from beat to beat is a number and no curve.
+    let signals = recording.signals.iter().filter(|signal| !signal.is(STEEPEST_RISE));
     list.extend(
         signals
             .map(|it| curve(&format!("signal {}", it.name), &it.name, &it.unit, it.values.clone())),

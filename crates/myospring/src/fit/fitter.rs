@@ -412,7 +412,7 @@ impl Fitter {
             evaluations: work.evaluations(),
         };
         fit.judge();
-        fit.verdicts = verdicts(&fit, self.simulation.cell.name(), self.modulus());
+        fit.verdicts = verdicts(&fit, &*self.simulation.cell, self.modulus());
         Some(fit)
     }
 

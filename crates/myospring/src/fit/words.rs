@@ -3,17 +3,19 @@
 use super::answer::{Fit, FitVerdict, FittedCurve, Verdict};
 use super::observed::Scale;
 use super::unknown::Unknown;
+use crate::cell::CellModel;
 
 /// Stretches that were left out are listed up to so many.
 const LISTED: usize = 5;
 
 /// What a reader must know, in order of weight.
-pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
+pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<String> {
+    let model = cell.name();
     let mut words = Vec::new();
     let off = fit.curves.iter().filter(|curve| curve.verdict() != FitVerdict::Fits);
     words.extend(off.map(|curve| misfit(curve, model)));
     if fit.verdict == FitVerdict::DoesNotFit {
-        words.push(what_to_do(fit, model));
+        words.push(what_to_do(fit, cell));
     }
     for estimate in fit.estimates.iter().filter(|estimate| estimate.unknown.is_some()) {
         let name = &estimate.name;
@@ -97,12 +99,15 @@ pub(super) fn verdicts(fit: &Fit, model: &str, modulus: f64) -> Vec<String> {
 }
 
 /// What can be done about a model that does not fit.
-fn what_to_do(fit: &Fit, model: &str) -> String {
-    let other = match model {
-        "coelho_2021" => {
-            "another cell model, such as land_2017, whose tension rises and falls more slowly"
+fn what_to_do(fit: &Fit, cell: &dyn CellModel) -> String {
+    let other = match cell.known_departure() {
+        Some(known) => {
+            format!(
+                "another cell model, such as {}, whose tension rises and falls more slowly",
+                known.instead
+            )
         }
-        _ => "another cell model",
+        None => "another cell model".to_owned(),
     };
     let at_bound = fit
         .estimates

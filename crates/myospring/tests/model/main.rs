@@ -28,4 +28,5 @@ mod s1_s2;
 mod solid;
 mod supports;
 mod tor_ord;
+mod upstroke;
 mod viscosity;

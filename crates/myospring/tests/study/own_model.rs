@@ -5,11 +5,12 @@
 mod own_cell;
 
 use myospring::analysis::beat::Beats;
+use myospring::cell::CellModel;
 use myospring::cell::batch::{self, BatchSettings, Paced};
 use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{self, Method};
-use myospring::cell::{CALCIUM, CellModel};
 use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli, Unknown};
+use myospring::recording::CALCIUM;
 use myospring::run_file::RunFile;
 use myospring::settings::{Models, Run};
 use myospring::study::cells::{self, PacedCell};
@@ -126,7 +127,7 @@ fn studies_vary_its_parameters_with_a_mesh_and_without() {
         assert_eq!(common.usual[1].map(|apd| apd > 100.0), Some(true), "{kind}");
         for row in answer.rows() {
             // Its tension is in proportion to T_max, and its membrane does not know of it.
-            let factor = study.members(whole)[row.member].values[0] / 60.0;
+            let factor = study.members(whole)[row.member - 1].values[0] / 60.0;
             let peak = row.metrics[0].unwrap() / common.usual[0].unwrap();
             assert!((peak / factor - 1.0).abs() < 1e-9, "{kind}: {peak} and {factor}");
             assert_eq!(row.metrics[1], common.usual[1], "{kind}");

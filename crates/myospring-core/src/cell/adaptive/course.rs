@@ -104,6 +104,11 @@ impl Course {
         course
     }
 
+    /// Time since the last stimulus began, ms, and the current of the stimulus, at the time reached.
+    pub(super) fn since_stimulus(&self, time_ms: f64) -> (f64, f64) {
+        (self.protocol.since_stimulus(time_ms), self.stimulus)
+    }
+
     /// Takes the step that a lane tried, up to whatever comes first, and does what happens there.
     /// True when the cell has reached its end.
     pub(in crate::cell) fn attend<const N: usize>(
