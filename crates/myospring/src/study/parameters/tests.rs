@@ -105,8 +105,8 @@ fn cells_of_tor_ord_beat_side_by_side_as_each_does_alone() {
     let usual = |text: &str| Common::new(&self::study(text), no_file).unwrap().usual;
     for ((name, stiff), other) in study.metrics.iter().zip(&common.usual).zip(usual(&gates)) {
         let (stiff, other) = (stiff.unwrap(), other.unwrap());
-        // Rush and Larsen's steps of 0.005 ms are of the first order.
-        assert!((other / stiff - 1.0).abs() < 0.01, "{name}: {stiff} and {other}");
+        // Rush and Larsen's steps of 0.005 ms are of the first order: their peak is 0.5 mV higher.
+        assert!((other / stiff - 1.0).abs() < 0.02, "{name}: {stiff} and {other}");
     }
 }
 
