@@ -175,8 +175,9 @@ pub fn run(
     // Few cells are shared out among all threads.
     let together = cells.len().div_ceil(threads.count()).clamp(1, GROUP);
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
+    let interruption = observer.interruption();
     run_together(cells, journal, threads, observer, together, |group| {
-        side_by_side(group, &settings, &|| observer.goes_on())
+        side_by_side(group, &settings, &|| !interruption.is_asked())
     })
 }
 
