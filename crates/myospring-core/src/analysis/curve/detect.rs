@@ -238,7 +238,9 @@ mod tests {
             .iter_mut()
             .zip(1..)
             .for_each(|(value, step)| *value += 2e-3 * f64::from(step));
-        values.iter_mut().for_each(|value| *value += 1e-3 * random.normal());
+        for value in &mut values {
+            *value += 1e-3 * random.normal();
+        }
         // The last frame is no top; the one before it may be.
         values[198] += 0.01;
         let known = Known { height: Some(1.0), ..Known::default() };
