@@ -444,10 +444,10 @@ fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> 
     if !short.is_empty() {
         let times: Vec<String> = short
             .iter()
-            .take(LISTED)
+            .take(rhythm::LISTED)
             .map(|artefact| format!("{:.0} to {:.0} ms", artefact.from_ms, artefact.to_ms))
             .collect();
-        let more = match short.len().saturating_sub(LISTED) {
+        let more = match short.len().saturating_sub(rhythm::LISTED) {
             0 => String::new(),
             more => format!(" and {more} more"),
         };
@@ -469,10 +469,10 @@ fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> 
 fn hole_remark(holes: &[Hole]) -> Option<String> {
     let times: Vec<String> = holes
         .iter()
-        .take(LISTED)
+        .take(rhythm::LISTED)
         .map(|hole| format!("{:.0} to {:.0} ms", hole.from_ms, hole.to_ms))
         .collect();
-    let more = match holes.len().saturating_sub(LISTED) {
+    let more = match holes.len().saturating_sub(rhythm::LISTED) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
@@ -482,9 +482,6 @@ fn hole_remark(holes: &[Hole]) -> Option<String> {
         times.join(", ")
     ))
 }
-
-/// Artefacts or beats that a remark lists, at most.
-const LISTED: usize = 5;
 
 /// Over which time the slopes of upstrokes were read.
 fn upstroke_words(beats: &[CurveBeat]) -> String {

@@ -1,9 +1,11 @@
 //! What is odd about a series of beats: missed, early and late ones, alternans, irregular intervals.
 
-use super::LISTED;
 use super::answer::{CurveBeat, State};
 use crate::analysis::alternans::{self, Alternans};
 use crate::analysis::{Missing, value};
+
+/// Artefacts or beats that a remark lists, at most.
+pub(super) const LISTED: usize = 5;
 
 /// Intervals this far from the usual one are early or late.
 const EARLY: f64 = 0.8;

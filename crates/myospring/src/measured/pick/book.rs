@@ -1,6 +1,6 @@
 //! The curves of a workbook, sheet by sheet.
 
-use super::{Picked, listed, named, no_numbers, stem};
+use super::picked::{Picked, listed, named, no_numbers, stem};
 use crate::measured::curve::{Curve, Table};
 use crate::measured::error::ReadError;
 use crate::measured::options::{Column, Options};

@@ -1,6 +1,6 @@
 //! Which columns are curves, where their times come from, and which are a pacer's marks.
 
-use super::{Picked, listed, named, rises};
+use super::picked::{Picked, listed, named, rises};
 use crate::analysis::kind::Kind;
 use crate::measured::column::{self, Holds, Title};
 use crate::measured::error::ReadError;

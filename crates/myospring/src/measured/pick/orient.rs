@@ -1,6 +1,6 @@
 //! Which way a table lies: a table whose rows are curves is turned over.
 
-use super::{MANY, Picked, rises};
+use super::picked::{MANY, Picked, rises};
 use crate::measured::column::{self, Holds};
 use crate::measured::number::{self, Cell};
 use crate::measured::options::Layout;

@@ -1,6 +1,6 @@
 //! The numbers of curves: fields and their times, and what they may have been meant as.
 
-use super::Picked;
+use super::picked::Picked;
 use crate::analysis::kind::Kind;
 use crate::measured::column::Scale;
 use crate::measured::curve::Curve;
