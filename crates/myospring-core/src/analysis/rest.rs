@@ -17,7 +17,7 @@ const LEAST_SAMPLES: usize = 3;
 
 /// The definition in words, of any quantity.
 pub const BEFORE_STIMULUS: &str =
-    "mean over 20 ms before the stimulus; where there is noise longer, at most 15 % of the cycle";
+    "mean over 20 ms before the stimulus, longer where there is noise (at most 15 % of the cycle)";
 
 /// That of the beat of an extra stimulus, S2.
 pub const BEFORE_S1: &str = "mean over 20 ms before the last S1";

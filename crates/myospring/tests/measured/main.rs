@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod fit;
+mod numbers;
 mod own_runs;
 mod pull;
 #[path = "../common/pulled_film.rs"]
