@@ -37,7 +37,7 @@ use super::integrator::Steps;
 use super::settings::{Settings, SolveError, validate_time};
 use std::any::{Any, TypeId};
 
-/// So many cells at least keep vector registers full.
+/// This many cells, or more, keep the vector registers full.
 pub const TOGETHER: usize = 16;
 /// Between the samples that beats are read from, ms, where none were asked for.
 const SAMPLED_MS: f64 = 0.1;

@@ -280,7 +280,7 @@ impl Paced {
     }
 }
 
-/// How many cells are followed.
+/// How a batch of cells is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BatchSettings {
     /// Method, step and tolerance.

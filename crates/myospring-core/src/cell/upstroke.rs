@@ -5,7 +5,7 @@ use super::cell_model::CellModel;
 /// The largest rate of the potential since the last stimulus began, without the current of the stimulus.
 #[derive(Debug, Clone)]
 pub(super) struct Upstroke {
-    /// The place of the potential, and the part of a stimulus current that is its rate; none of a model without one.
+    /// The place of the potential, and the part of a stimulus current that is its rate; `None` where there is no potential.
     potential: Option<(usize, f64)>,
     since_stimulus_ms: f64,
     steepest: f64,
