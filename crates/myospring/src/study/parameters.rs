@@ -64,11 +64,11 @@ use super::{Journal, Observer, Report, StudyError, Threads, run_together};
 use crate::cell::batch::TOGETHER;
 use std::num::NonZeroUsize;
 
-/// So many cells go side by side, and are noted together.
+/// Cells that move side by side and are noted in one group.
 const CELLS_TOGETHER: usize = 64 * TOGETHER;
-/// So many cells that are sampled are noted together: a second of work for a dozen beats each.
+/// Cells that are sampled and noted in one group: a second of work for a dozen beats each.
 const SAMPLED_CELLS_TOGETHER: usize = 64;
-/// So many beats are noted together: half a second of work.
+/// Beats that are noted in one group: half a second of work.
 const BEATS_TOGETHER: usize = 8;
 /// Every thread has at least so many groups, so that all end at about the same time.
 const GROUPS: usize = 4;

@@ -338,7 +338,7 @@ fn rows_from_elsewhere_are_those_of_the_study_itself() {
     assert_eq!((report.resumed, report.rows), (2, whole));
 }
 
-/// Lets the study go on when it is asked for the first so many times.
+/// Stops the study once it has been asked this many times whether to go on.
 struct For(Arc<AtomicUsize>);
 
 impl Observer<Variation> for For {
