@@ -102,7 +102,7 @@ fn nucleus() -> Result<Vec<Row>, Failure> {
         let mut sums = std::collections::BTreeMap::<[i64; 2], [f64; 2]>::new();
         for (triangle, strain) in mesh.simplices.iter().zip(strain) {
             let area = triangle.weight
-                * myospring::mesh::simplex::content_at(&mesh.points, triangle.nodes);
+                * myospring::mesh::simplex::measure_at(&mesh.points, triangle.nodes);
             let sum = sums.entry(square(mesh.centre(triangle))).or_default();
             *sum = [sum[0] + area * strain, sum[1] + area];
         }

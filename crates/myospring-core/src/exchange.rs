@@ -10,7 +10,7 @@
 //! `simulation` asks it once in every exchange interval. An activation that feels nothing is asked
 //! first, and the mesh follows. Where the tension depends on the stretch that it causes, both are found
 //! together: the activation may be asked again and again from the same start ([`Activation::advance`]),
-//! and says by its [`Tangent`] where to look. [`WholeCell`] is a cell model as an activation, [`ByTriangle`] has one
+//! and says by its [`ActivationTangent`] where to look. [`WholeCell`] is a cell model as an activation, [`ByTriangle`] has one
 //! in each triangle.
 
 mod by_triangle;
@@ -43,7 +43,7 @@ impl Sites {
 
 /// What each site feels; as many entries as there are sites.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Felt<'a> {
+pub struct StretchState<'a> {
     /// Stretch along the fibre, length over resting length.
     pub stretch: &'a [f64],
     /// Its rate, 1/ms.
@@ -53,7 +53,7 @@ pub struct Felt<'a> {
 /// How the tension of each site depends on what it feels there; of one site for the whole cell only that it does,
 /// the lists are not read. Of triangles as many entries as there are sites, none negative: a longer site pulls at least as strongly, and so does one that is drawn out.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tangent<'a> {
+pub struct ActivationTangent<'a> {
     /// Derivative of the tension at the time reached with respect to the stretch felt, kPa.
     pub per_stretch: &'a [f64],
     /// Derivative with respect to the rate of stretch felt, kPa ms.
@@ -62,7 +62,7 @@ pub struct Tangent<'a> {
 
 /// The most that is to be expected of an activation: the time step of a motion must be stable under it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Strongest {
+pub struct ActivationBounds {
     /// Tension, kPa.
     pub tension: f64,
     /// Derivative with respect to the stretch, kPa.
@@ -83,7 +83,7 @@ pub struct ActivationError(pub String);
 /// # Example
 /// A tension that rises by 1 kPa in a ms, more in a longer cell:
 /// ```
-/// use myospring::exchange::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
+/// use myospring::exchange::{Activation, ActivationError, StretchState, Sites, ActivationBounds, ActivationTangent};
 /// use myospring::mechanics::Tension;
 ///
 /// #[derive(Clone)]
@@ -95,7 +95,7 @@ pub struct ActivationError(pub String);
 ///     fn sites(&self) -> Sites {
 ///         Sites::Whole
 ///     }
-///     fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+///     fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
 ///         self.tension = to_ms * (1.0 + 2.0 * (felt.stretch[0] - 1.0));
 ///         Ok(())
 ///     }
@@ -103,11 +103,11 @@ pub struct ActivationError(pub String);
 ///     fn tension(&self) -> Tension<'_> {
 ///         self.tension.into()
 ///     }
-///     fn tangent(&self) -> Option<Tangent<'_>> {
-///         Some(Tangent { per_stretch: &[], per_rate: &[] })
+///     fn tangent(&self) -> Option<ActivationTangent<'_>> {
+///         Some(ActivationTangent { per_stretch: &[], per_rate: &[] })
 ///     }
-///     fn strongest(&self) -> Strongest {
-///         Strongest { tension: 60.0, per_stretch: 120.0, per_rate: 0.0 }
+///     fn strongest(&self) -> ActivationBounds {
+///         ActivationBounds { tension: 60.0, per_stretch: 120.0, per_rate: 0.0 }
 ///     }
 ///     fn boxed(&self) -> Box<dyn Activation> {
 ///         Box::new(self.clone())
@@ -134,7 +134,7 @@ pub trait Activation: Send + Sync {
     ///
     /// # Errors
     /// A state that is no longer a number, a stretch that means nothing, or the like.
-    fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError>;
+    fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError>;
 
     /// Keeps the state that it was moved to: the start of what comes next.
     fn keep(&mut self);
@@ -143,10 +143,10 @@ pub trait Activation: Send + Sync {
     fn tension(&self) -> Tension<'_>;
 
     /// How that tension depends on what was felt; `None`, at all times, if it does not.
-    fn tangent(&self) -> Option<Tangent<'_>>;
+    fn tangent(&self) -> Option<ActivationTangent<'_>>;
 
     /// The most that is to be expected.
-    fn strongest(&self) -> Strongest;
+    fn strongest(&self) -> ActivationBounds;
 
     /// The potential variable, dimensionless, where there is one.
     fn potential(&self) -> Option<f64> {

@@ -361,7 +361,7 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
         positive("weight", of, self.simplices.iter().map(|simplex| simplex.weight))?;
         for (index, simplex) in self.simplices.iter().enumerate() {
             in_range(of, index, &simplex.nodes, self.len())?;
-            let value = simplex::content(&simplex.nodes.map(|node| self.point(node as usize)));
+            let value = simplex::measure(&simplex.nodes.map(|node| self.point(node as usize)));
             if value.is_nan() || value <= 0.0 {
                 return Err(MeshError::Orientation { of, index, measure, value, axes: D, must });
             }

@@ -12,7 +12,7 @@ use geo::Distance;
 
 use super::burned_in;
 use super::fibres::{FibreError, FibreField, FibreSettings, fibres};
-use super::hot;
+use super::hot_pixels;
 use super::outlines::raster::rasterise;
 use super::outlines::trace::{Edge, TraceError, trace_mask};
 use super::outlines::{
@@ -217,7 +217,7 @@ impl PictureCells {
         let (mut plane, mut notes) = (picture.plane, picture.notes);
         let mut marks = None;
         if !segment::is_taken_for_mask(&plane, &options.segmentation) {
-            if let Some((cooled, note)) = hot::cooled(&plane) {
+            if let Some((cooled, note)) = hot_pixels::cooled(&plane) {
                 plane = cooled;
                 notes.push(note);
             }

@@ -11,7 +11,7 @@ mod dilation;
 pub mod fibres;
 pub mod film;
 pub mod filter;
-pub mod hot;
+pub mod hot_pixels;
 pub mod motion;
 
 pub mod outlines;

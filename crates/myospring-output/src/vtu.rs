@@ -83,7 +83,7 @@ impl<'a> Frames<'a> {
         let facets = facets(mesh);
         let cells = cells(&facets);
         let area = |triangle: &Simplex<3>| {
-            triangle.weight * simplex::content_at(&mesh.points, triangle.nodes).abs()
+            triangle.weight * simplex::measure_at(&mesh.points, triangle.nodes).abs()
         };
         let areas = mesh.simplices.iter().map(area).collect();
         Ok(Self { fields, shapes: frames, fibres, facets, areas, cells })
@@ -201,7 +201,7 @@ impl<'a> Frames<'a> {
             let corners = nodes.map(|node| mesh.points.each_ref().map(|xs| xs[node as usize]));
             // F f0 = sum x_i (grad N_i . f0), and grad N_i is that of the content by the content.
             let mut now = [0.0; 2];
-            for (node, gradient) in nodes.into_iter().zip(simplex::content_gradients(&corners)) {
+            for (node, gradient) in nodes.into_iter().zip(simplex::measure_gradients(&corners)) {
                 let share = gradient[0] * x + gradient[1] * y;
                 for (axis, part) in now.iter_mut().enumerate() {
                     *part += share * frame.positions[axis][node as usize];

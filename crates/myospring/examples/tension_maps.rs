@@ -17,7 +17,7 @@ use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, Cell, Map};
 use myospring::output::files;
-use myospring::pull::{Seen, TensionMap};
+use myospring::tension_map::{ObservedPeak, TensionMap};
 use pulled_film::{Pulled, even, passive_nucleus, weak_half};
 use synthetic_film::FilmScene;
 
@@ -48,7 +48,7 @@ fn told(tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f64, seed: u6
     let pulled = Pulled { scene, tension, support };
     let mesh = pulled.mesh(1.1);
     let simulation = pulled.simulation(mesh.clone());
-    let map = TensionMap::of(&simulation, &Seen::at_peak(&pulled.followed(&mesh))).unwrap();
+    let map = TensionMap::of(&simulation, &ObservedPeak::at_peak(&pulled.followed(&mesh))).unwrap();
     let truth = pulled.truth(&mesh);
     let [cx, cy] = pulled.scene.middle();
     let mean = |is: &dyn Fn(f64, f64) -> bool| {
@@ -107,7 +107,7 @@ fn draw(path: &std::path::Path) {
     let pulled = Pulled { scene, tension: weak_half, support: SupportKind::MassCentre };
     let mesh = pulled.mesh(1.1);
     let simulation = pulled.simulation(mesh.clone());
-    let map = TensionMap::of(&simulation, &Seen::at_peak(&pulled.followed(&mesh))).unwrap();
+    let map = TensionMap::of(&simulation, &ObservedPeak::at_peak(&pulled.followed(&mesh))).unwrap();
     let fields = Fields::new(&mesh, &simulation.fibres, None).unwrap();
     let one = |name: &str, values: &[f64], quantity: &str, limits| Map {
         name: name.to_owned(),

@@ -42,7 +42,7 @@
 //! fills a [`recording`];
 //! [`analysis`] makes metrics of it and `output` files and figures; `measured` reads curves of real cells; `settings` has what a user may choose, one row
 //! each, and `run_file` reads what was written;
-//! `fit` finds a cell's own parameters in its curve, and `pull` where it pulls in its film;
+//! `fit` finds a cell's own parameters in its curve, and `tension_map` where it pulls in its film;
 //! `compare` lays runs side by side; `study` does that for many at once; [`references`] has the papers that all of these cite.
 //!
 //! # Features
@@ -73,11 +73,11 @@ pub mod compare;
 pub mod fit;
 #[cfg(feature = "run-file")]
 pub mod measured;
-#[cfg(feature = "study")]
-pub mod pull;
 #[cfg(feature = "run-file")]
 pub mod run_file;
 #[cfg(feature = "run-file")]
 pub mod settings;
 #[cfg(feature = "study")]
 pub mod study;
+#[cfg(feature = "study")]
+pub mod tension_map;

@@ -8,9 +8,9 @@ use myospring::output::field::Fields;
 use myospring::output::figure::{self, Figure, FigureError, Map, Theme};
 use myospring::output::table::{Column, Table};
 use myospring::output::vtu;
-use myospring::pull::{PullError, Seen, TensionMap};
 use myospring::recording::Frame;
 use myospring::simulation::Simulation;
+use myospring::tension_map::{ObservedPeak, TensionMap, TensionMapError};
 use serde::Serialize;
 
 /// A map with what it is of.
@@ -48,8 +48,11 @@ pub(super) struct Record<'a> {
 }
 
 impl<'a> Mapped<'a> {
-    pub(super) fn of(followed: &'a Followed, simulation: &Simulation) -> Result<Self, PullError> {
-        let map = TensionMap::of(simulation, &Seen::at_peak(&followed.motion))?;
+    pub(super) fn of(
+        followed: &'a Followed,
+        simulation: &Simulation,
+    ) -> Result<Self, TensionMapError> {
+        let map = TensionMap::of(simulation, &ObservedPeak::at_peak(&followed.motion))?;
         let verdicts = map.verdicts(simulation);
         Ok(Self { map, verdicts, followed })
     }

@@ -9,15 +9,15 @@ use myospring::fit::{Fit, Fitter};
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::output::field::{Field, Fields};
 use myospring::output::figure::{self, Figure, FigureError, Map, Theme};
-use myospring::pull::{NEAR, Seen};
 use myospring::recording::Frame;
 use myospring::settings::Run;
+use myospring::tension_map::{NEAR, ObservedPeak};
 use serde::Serialize;
 
 /// Both shapes, um, the fitted one shifted and turned as a whole to where it is nearest to the measured one.
 pub(super) struct Shapes<'a> {
     followed: &'a Followed,
-    seen: Seen,
+    seen: ObservedPeak,
     measured: Frame,
     fitted: Frame,
     /// Of each point, um.
@@ -48,7 +48,7 @@ impl<'a> Shapes<'a> {
     ) -> Result<Option<Self>, Failure> {
         let motion = &followed.motion;
         let mesh = &motion.mesh;
-        let seen = Seen::at_peak(motion);
+        let seen = ObservedPeak::at_peak(motion);
         let run = fitter.fitted(run.clone(), fit).map_err(Failure::new)?;
         let simulation = fitted(fitter, &run);
         let outcome =

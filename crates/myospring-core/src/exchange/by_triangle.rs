@@ -1,6 +1,8 @@
 //! A cell model in each triangle, which feels the stretch there.
 
-use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
+use super::{
+    Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
+};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Settings, SolveError};
@@ -58,7 +60,7 @@ pub struct ByTriangle {
     tension: Vec<f64>,
     per_stretch: Vec<f64>,
     per_rate: Vec<f64>,
-    strongest: Strongest,
+    strongest: ActivationBounds,
     /// What each feels of the cell at rest.
     resting_stretch: Vec<f64>,
     settings: Settings,
@@ -164,11 +166,11 @@ fn strongest(
     settings: Settings,
     scale: f64,
     stretch: f64,
-) -> Result<Strongest, SolveError> {
+) -> Result<ActivationBounds, SolveError> {
     const INTERVAL_MS: f64 = 1.0;
     let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
     let mut cell = CellIntegrator::new(Arc::clone(model), protocol, settings)?;
-    let mut most = Strongest::default();
+    let mut most = ActivationBounds::default();
     for ms in 1..=600 {
         let time = f64::from(ms) * INTERVAL_MS;
         let mut longer = cell.clone();
@@ -187,7 +189,7 @@ impl Activation for ByTriangle {
         Sites::PerElement(self.kept.len())
     }
 
-    fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+    fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
         let failed = |error: SolveError| ActivationError(error.to_string());
         let feels = self.model.feels_stretch();
         for site in 0..self.kept.len() {
@@ -226,12 +228,12 @@ impl Activation for ByTriangle {
         Tension::PerElement(&self.tension)
     }
 
-    fn tangent(&self) -> Option<Tangent<'_>> {
+    fn tangent(&self) -> Option<ActivationTangent<'_>> {
         let Self { per_stretch, per_rate, .. } = self;
-        self.model.feels_stretch().then_some(Tangent { per_stretch, per_rate })
+        self.model.feels_stretch().then_some(ActivationTangent { per_stretch, per_rate })
     }
 
-    fn strongest(&self) -> Strongest {
+    fn strongest(&self) -> ActivationBounds {
         self.strongest
     }
 

@@ -1,6 +1,8 @@
 //! A cell model as the activation of a whole cell.
 
-use super::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
+use super::{
+    Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
+};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Settings, SolveError};
@@ -18,7 +20,7 @@ pub struct WholeCell {
     felt: Input,
     /// kPa per unit of the model's tension.
     scale: f64,
-    strongest: Strongest,
+    strongest: ActivationBounds,
     feels_stretch: bool,
     /// What it feels of the cell at rest.
     resting_stretch: f64,
@@ -37,7 +39,7 @@ impl WholeCell {
         protocol: Protocol,
         settings: Settings,
         scale: f64,
-        strongest: Strongest,
+        strongest: ActivationBounds,
     ) -> Result<Self, SolveError> {
         Self::starting_from(model, None, protocol, settings, scale, strongest)
     }
@@ -52,7 +54,7 @@ impl WholeCell {
         protocol: Protocol,
         settings: Settings,
         scale: f64,
-        strongest: Strongest,
+        strongest: ActivationBounds,
     ) -> Result<Self, SolveError> {
         let feels_stretch = model.feels_stretch();
         let stimulus_times_ms = protocol.stimulus_times().collect();
@@ -114,7 +116,7 @@ impl Activation for WholeCell {
         Sites::Whole
     }
 
-    fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+    fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
         let failed = |error: SolveError| ActivationError(error.to_string());
         let [stretch, rate] = [felt.stretch[0], felt.rate[0]].map(|of| self.resting_stretch * of);
         self.moved.clone_from(&self.kept);
@@ -134,11 +136,11 @@ impl Activation for WholeCell {
         Tension::Uniform(self.scale * tension)
     }
 
-    fn tangent(&self) -> Option<Tangent<'_>> {
-        self.feels_stretch.then_some(Tangent { per_stretch: &[], per_rate: &[] })
+    fn tangent(&self) -> Option<ActivationTangent<'_>> {
+        self.feels_stretch.then_some(ActivationTangent { per_stretch: &[], per_rate: &[] })
     }
 
-    fn strongest(&self) -> Strongest {
+    fn strongest(&self) -> ActivationBounds {
         self.strongest
     }
 

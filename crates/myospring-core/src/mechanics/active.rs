@@ -94,8 +94,8 @@ impl<const D: usize, const N: usize> FibreStretch<D, N> {
         let nodes: Vec<[u32; N]> = mesh.simplices.iter().map(|simplex| simplex.nodes).collect();
         let along = nodes.iter().zip(directions).map(|(nodes, fibre)| {
             let corners = nodes.map(|node| mesh.point(node as usize));
-            let content = simplex::content(&corners);
-            simplex::content_gradients(&corners).map(|gradient| {
+            let content = simplex::measure(&corners);
+            simplex::measure_gradients(&corners).map(|gradient| {
                 let parts = gradient.iter().zip(fibre).map(|(g, f)| g / content * f);
                 parts.reduce(|sum, part| sum + part).unwrap_or_default()
             })
@@ -178,7 +178,7 @@ impl<const D: usize, const N: usize> FibreTension<D, N> {
         let mut weights = vec![0.0; edges.len()];
         let mut volumes = Vec::with_capacity(mesh.simplices.len());
         for (element, simplex) in mesh.simplices.iter().enumerate() {
-            let area = simplex::content_at(&mesh.points, simplex.nodes);
+            let area = simplex::measure_at(&mesh.points, simplex.nodes);
             let content = content.get(element).copied().unwrap_or(1.0);
             let volume = simplex.weight * area * thickness * content;
             let along = stretch.along[element];

@@ -19,7 +19,7 @@ use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::StiffnessMatrix;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
-use crate::mesh::simplex::content_at;
+use crate::mesh::simplex::measure_at;
 use serde::Serialize;
 
 /// Which law keeps the area.
@@ -56,7 +56,7 @@ impl AreaPreservation {
     pub fn new(mesh: &Mesh, law: AreaLaw, stiffness: f64) -> Self {
         let nodes: Vec<[u32; 3]> = mesh.simplices.iter().map(|simplex| simplex.nodes).collect();
         let rest_area: Vec<f64> =
-            nodes.iter().map(|corners| content_at(&mesh.points, *corners)).collect();
+            nodes.iter().map(|corners| measure_at(&mesh.points, *corners)).collect();
         let stiffness = mesh
             .simplices
             .iter()
@@ -102,7 +102,7 @@ impl AreaPreservation {
     fn add_towards_barycentre(&self, at: &Configuration<'_>, forces: &mut Vectors) {
         let printed = self.law == AreaLaw::Printed;
         for (triangle, corners) in self.nodes.iter().enumerate() {
-            let area = content_at(at.positions, *corners);
+            let area = measure_at(at.positions, *corners);
             let rest = self.rest_area[triangle];
             // Eq. (13); stiffness holds w k / A0
             let magnitude =
@@ -147,7 +147,7 @@ impl Force for AreaPreservation {
         }
         let one = |triangle: usize| {
             let deviation =
-                content_at(at.positions, self.nodes[triangle]) - self.rest_area[triangle];
+                measure_at(at.positions, self.nodes[triangle]) - self.rest_area[triangle];
             0.5 * self.stiffness[triangle] * deviation * deviation
         };
         Some((0..self.nodes.len()).map(one).sum())
@@ -160,7 +160,7 @@ impl Force for AreaPreservation {
         let [x, y] = at.positions;
         for (triangle, corners) in self.nodes.iter().enumerate() {
             let scale = self.stiffness[triangle];
-            let stress = scale * (content_at(at.positions, *corners) - self.rest_area[triangle]);
+            let stress = scale * (measure_at(at.positions, *corners) - self.rest_area[triangle]);
             let corners = corners.map(|node| node as usize);
             // dA/dx_a = (y_b - y_c, x_c - x_b)/2
             let gradient = [0, 1, 2].map(|k| {

@@ -59,7 +59,7 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
     }
 
     fn content(&self, simplices: &Range<usize>, positions: &Vectors<D>) -> f64 {
-        let one = |k: usize| self.weights[k] * simplex::content_at(positions, self.nodes[k]);
+        let one = |k: usize| self.weights[k] * simplex::measure_at(positions, self.nodes[k]);
         simplices.clone().map(one).sum()
     }
 
@@ -67,7 +67,7 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
     fn gradients(&self, group: &Group, positions: &Vectors<D>) -> Vec<(usize, [f64; D])> {
         let mut gradients: Vec<(usize, [f64; D])> = Vec::new();
         for k in group.simplices.clone() {
-            let parts = simplex::content_gradients(&self.corners(k, positions));
+            let parts = simplex::measure_gradients(&self.corners(k, positions));
             for (node, part) in self.nodes[k].iter().zip(parts) {
                 let node = *node as usize;
                 let at = gradients.iter().position(|(other, _)| *other == node);
@@ -93,12 +93,12 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
         stiffness: &mut StiffnessMatrix<D>,
     ) {
         let corners = self.corners(k, positions);
-        let base = simplex::content_gradients(&corners);
+        let base = simplex::measure_gradients(&corners);
         for b in 0..N {
             for j in 0..D {
                 let mut moved = corners;
                 moved[b][j] += 1.0;
-                let there = simplex::content_gradients(&moved);
+                let there = simplex::measure_gradients(&moved);
                 for a in 0..b {
                     let mut block = [[0.0; D]; D];
                     for i in 0..D {

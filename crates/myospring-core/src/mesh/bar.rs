@@ -81,14 +81,14 @@ pub fn block(cubes: [usize; 3], spacing: f64) -> Result<Mesh<3, 4>, MeshError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::simplex::content_at;
+    use crate::mesh::simplex::measure_at;
     use std::collections::BTreeSet;
 
     #[test]
     fn the_tetrahedra_of_both_cuts_fill_the_block_and_their_edges_are_its_springs() {
         let block = block([3, 2, 4], 1.5).unwrap();
         let volume: f64 =
-            block.simplices.iter().map(|s| s.weight * content_at(&block.points, s.nodes)).sum();
+            block.simplices.iter().map(|s| s.weight * measure_at(&block.points, s.nodes)).sum();
         assert!((volume - 24.0 * 1.5_f64.powi(3)).abs() < 1e-12);
         let ends = |a: u32, b: u32| [a.min(b), a.max(b)];
         let edges: BTreeSet<_> = block

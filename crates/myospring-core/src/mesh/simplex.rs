@@ -1,37 +1,37 @@
 //! One triangle or tetrahedron: its area or volume, and how that changes with the corners.
 //!
-//! Both are called the content of the simplex. With the edges `u`, `w` (and `q`) from the first corner,
+//! Both are called the measure of the simplex. With the edges `u`, `w` (and `q`) from the first corner,
 //!
 //! ```text
 //! A = (u_x w_y - u_y w_x)/2            V = u . (w x q)/6
 //! ```
 //!
-//! The linear shape function of corner i has the gradient `grad N_i = (d content/d x_i) / content`.
+//! The linear shape function of corner i has the gradient `grad N_i = (d measure/d x_i) / measure`.
 
-/// Signed content, um^2 or um^3: positive if the corners run as [`super::Simplex::nodes`] says.
+/// Signed measure, um^2 or um^3: positive if the corners run as [`super::Simplex::nodes`] says.
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::simplex::content;
-/// assert_eq!(content(&[[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]), 1.0);
+/// use myospring::mesh::simplex::measure;
+/// assert_eq!(measure(&[[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]), 1.0);
 /// let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 3.0]];
-/// assert_eq!(content(&corner), 0.5);
+/// assert_eq!(measure(&corner), 0.5);
 /// ```
-pub fn content<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> f64 {
-    content_of::<D, N>(|corner, axis| corners[corner][axis])
+pub fn measure<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> f64 {
+    measure_of::<D, N>(|corner, axis| corners[corner][axis])
 }
 
-/// Signed content of the simplex of these nodes in given positions (`positions[axis][node]`), um^2 or um^3.
+/// Signed measure of the simplex of these nodes in given positions (`positions[axis][node]`), um^2 or um^3.
 #[inline]
-pub fn content_at<const D: usize, const N: usize>(
+pub fn measure_at<const D: usize, const N: usize>(
     positions: &[Vec<f64>; D],
     nodes: [u32; N],
 ) -> f64 {
-    content_of::<D, N>(|corner, axis| positions[axis][nodes[corner] as usize])
+    measure_of::<D, N>(|corner, axis| positions[axis][nodes[corner] as usize])
 }
 
 #[inline]
-fn content_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) -> f64 {
+fn measure_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) -> f64 {
     const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
     let edge = |k: usize, axis: usize| at(k, axis) - at(0, axis);
     if D == 2 {
@@ -41,9 +41,9 @@ fn content_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) 
     (edge(1, 0) * minor(1, 2) + edge(1, 1) * minor(2, 0) + edge(1, 2) * minor(0, 1)) / 6.0
 }
 
-/// Derivative of the content with respect to each corner, um or um^2: `gradients[corner][axis]`; their sum
+/// Derivative of the measure with respect to each corner, um or um^2: `gradients[corner][axis]`; their sum
 /// is zero.
-pub fn content_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> [[f64; D]; N] {
+pub fn measure_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> [[f64; D]; N] {
     const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
     let mut gradients = [[0.0; D]; N];
     if D == 2 {
@@ -78,22 +78,22 @@ mod tests {
     use super::*;
 
     fn differences_agree<const D: usize, const N: usize>(corners: [[f64; D]; N]) {
-        let gradients = content_gradients(&corners);
+        let gradients = measure_gradients(&corners);
         for k in 0..N {
             for axis in 0..D {
                 let moved = |by: f64| {
                     let mut there = corners;
                     there[k][axis] += by;
-                    content(&there)
+                    measure(&there)
                 };
-                // The content is linear in each coordinate: only rounding is left.
+                // The measure is linear in each coordinate: only rounding is left.
                 let slope = (moved(0.5) - moved(-0.5)) / 1.0;
                 assert!((gradients[k][axis] - slope).abs() < 1e-14, "corner {k}, axis {axis}");
             }
         }
         for axis in 0..D {
             let sum: f64 = gradients.iter().map(|gradient| gradient[axis]).sum();
-            assert!(sum.abs() < 1e-15, "a shift changes the content by {sum}");
+            assert!(sum.abs() < 1e-15, "a shift changes the measure by {sum}");
         }
     }
 

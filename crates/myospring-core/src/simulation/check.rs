@@ -1,7 +1,7 @@
 //! What a simulation is checked for before it runs.
 
 use super::{Simulation, StretchFelt};
-use crate::exchange::{Sites, Strongest};
+use crate::exchange::{ActivationBounds, Sites};
 use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::Stiffness;
@@ -140,8 +140,8 @@ fn is_no_unit(length: f64) -> bool {
 }
 
 /// What an activation says to expect: finite, and slopes that hold the mesh and do not drive it.
-pub(super) fn check_strongest(strongest: Strongest) -> Checked {
-    let Strongest { tension, per_stretch, per_rate } = strongest;
+pub(super) fn check_strongest(strongest: ActivationBounds) -> Checked {
+    let ActivationBounds { tension, per_stretch, per_rate } = strongest;
     if !tension.is_finite() {
         let (what, must) = ("the strongest tension of the activation", "a finite number");
         return Err(SettingError::Value { what, value: tension, unit: "kPa", must });

@@ -11,7 +11,7 @@
 //! - **A site for each triangle, in time**: within the interval the tension of each triangle follows its own
 //!   stretch and rate by the activation's tangent, in every step of the masses ([`Following`]). The time step
 //!   is stable under the steepest tangent that the activation states
-//!   ([`crate::exchange::Strongest`]). At the end the activation moves on under what was felt; where the
+//!   ([`crate::exchange::ActivationBounds`]). At the end the activation moves on under what was felt; where the
 //!   tangent has missed its answer by more than a thousandth of the strongest tension, the interval is
 //!   repeated with the tangent there.
 //! - **A site for each triangle, at equilibrium**: the tangent joins the mesh's own, and the equilibrium
@@ -22,7 +22,9 @@ use super::observer::{Observer, Part, Progress};
 use super::setup::Setup;
 use super::{Simulation, StopReason};
 use crate::cell::Output;
-use crate::exchange::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
+use crate::exchange::{
+    Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
+};
 use crate::mechanics::{Following, Tension, Vectors};
 use crate::recording::{END_FORCE, Frame, Recording, Sample, Signal};
 
@@ -137,7 +139,7 @@ impl<'a> Exchange<'a> {
     /// Moves the activation on under these stretches and the mean rates that lead to them.
     fn ask(&mut self, time: f64, stretch: &[f64], rate: &[f64]) -> Result<(), StopReason> {
         let failed = |ActivationError(cause)| StopReason::CellModel { cause };
-        self.activation.advance(time, Felt { stretch, rate }).map_err(failed)?;
+        self.activation.advance(time, StretchState { stretch, rate }).map_err(failed)?;
         self.check_answer(time).map_err(|cause| StopReason::CellModel { cause })
     }
 
@@ -153,7 +155,7 @@ impl<'a> Exchange<'a> {
                 ));
             }
         }
-        let Some(Tangent { per_stretch, per_rate }) = self.activation.tangent() else {
+        let Some(ActivationTangent { per_stretch, per_rate }) = self.activation.tangent() else {
             return Ok(());
         };
         let strongest = self.setup.strongest;
@@ -246,7 +248,7 @@ impl<'a> Exchange<'a> {
     /// One site: the tension that the activation answers with when it is tried.
     fn find_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         let start = self.tension.tension().at(0);
-        let Strongest { tension: strongest, per_stretch, per_rate } = self.setup.strongest;
+        let ActivationBounds { tension: strongest, per_stretch, per_rate } = self.setup.strongest;
         let strongest = strongest.abs();
         // A stretch near 1 and that before it round, which comes back as tension.
         let rounding = 2.0 * f64::EPSILON * (per_stretch.abs() + per_rate.abs() / self.interval);

@@ -3,11 +3,11 @@
 use super::StopReason;
 use crate::mechanics::Vectors;
 use crate::mesh::Mesh;
-use crate::mesh::simplex::content_at;
+use crate::mesh::simplex::measure_at;
 
 /// Projected area of a mesh in given positions, um^2.
 pub fn projected_area(mesh: &Mesh, positions: &[Vec<f64>; 2]) -> f64 {
-    mesh.simplices.iter().map(|simplex| simplex.weight * content_at(positions, simplex.nodes)).sum()
+    mesh.simplices.iter().map(|simplex| simplex.weight * measure_at(positions, simplex.nodes)).sum()
 }
 
 /// The first thing that is wrong with a body, if anything is.
@@ -32,7 +32,7 @@ pub(super) fn fault(
         let (x, y) = (x[node], y[node]);
         return Some(StopReason::ZeroLength { time, tension, spring, x, y });
     }
-    let inverted = |nodes: [u32; 3]| content_at(positions, nodes) <= 0.0;
+    let inverted = |nodes: [u32; 3]| measure_at(positions, nodes) <= 0.0;
     let triangle = mesh.simplices.iter().position(|simplex| inverted(simplex.nodes))?;
     let node = mesh.simplices[triangle].nodes[0] as usize;
     Some(StopReason::Inverted { time, tension, triangle, x: x[node], y: y[node] })

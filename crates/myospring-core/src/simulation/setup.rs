@@ -6,7 +6,7 @@ use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, SolveError};
 use crate::cell::{self, TensionKind};
-use crate::exchange::{Activation, ByTriangle, Sites, Strongest, WholeCell};
+use crate::exchange::{Activation, ActivationBounds, ByTriangle, Sites, WholeCell};
 use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
 use crate::mechanics::grip::LoadedGrip;
@@ -14,7 +14,7 @@ use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Configuration, Following, System, Tension, Vectors, zeros};
 use crate::mesh::ends::{end_nodes, end_zones};
-use crate::mesh::simplex::content_at;
+use crate::mesh::simplex::measure_at;
 use crate::mesh::{Simplex, SpringKind};
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub(super) struct Setup {
     pub(super) activation: Box<dyn Activation>,
     pub(super) assembly: Arc<Assembly>,
     /// The most that is to be expected of the activation.
-    pub(super) strongest: Strongest,
+    pub(super) strongest: ActivationBounds,
     /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
     pub(super) strength: f64,
     /// What sites in the triangles feel.
@@ -119,7 +119,7 @@ impl Simulation {
             cause: error.to_string(),
         };
         let Strength { scale, strongest, relative } = self.strength().map_err(failed)?;
-        let strongest = Strongest { tension: strongest, ..Strongest::default() };
+        let strongest = ActivationBounds { tension: strongest, ..ActivationBounds::default() };
         let model = self.cell.clone();
         let settings = self.numerics.cell;
         let start = self.start_state.as_deref();
@@ -167,7 +167,7 @@ impl Simulation {
         let content =
             |element: usize| self.myofibril_content.as_ref().map_or(1.0, |it| it[element]);
         let volume = |(element, simplex): (usize, &Simplex<3>)| {
-            simplex.weight * content_at(&self.mesh.points, simplex.nodes) * content(element)
+            simplex.weight * measure_at(&self.mesh.points, simplex.nodes) * content(element)
         };
         self.mesh.simplices.iter().enumerate().map(volume).collect()
     }
@@ -321,7 +321,7 @@ impl Setup {
 
     /// Does something with the strongest tension to be expected, as the forces take it.
     pub(super) fn under_strongest<T>(&self, what: impl FnOnce(Tension<'_>) -> T) -> T {
-        let Strongest { tension, per_stretch, per_rate } = self.strongest;
+        let ActivationBounds { tension, per_stretch, per_rate } = self.strongest;
         match self.sites() {
             Sites::Whole => what(tension.into()),
             Sites::PerElement(count) => {

@@ -3,7 +3,7 @@
 use super::capture::rhythm;
 use super::{Outcome, Ready, Simulation};
 use crate::mechanics::active::FibreStretch;
-use crate::mesh::simplex::content_at;
+use crate::mesh::simplex::measure_at;
 use crate::recording::{Frame, Sample};
 
 /// Largest strain along the fibre, either way, for which the material's law was made.
@@ -111,7 +111,7 @@ impl Simulation {
         let [along_x, along_y] = self.long_axis;
         let mut sum = [0.0; 2];
         for (simplex, [x, y]) in self.mesh.simplices.iter().zip(&self.fibres) {
-            let area = simplex.weight * content_at(&self.mesh.points, simplex.nodes);
+            let area = simplex.weight * measure_at(&self.mesh.points, simplex.nodes);
             let (along, across) = (x * along_x + y * along_y, y * along_x - x * along_y);
             sum[0] += area * (along * along - across * across);
             sum[1] += area * 2.0 * along * across;
@@ -124,7 +124,7 @@ impl Simulation {
         let stretches = FibreStretch::new(&self.mesh, &self.fibres).stretches(&frame.positions);
         let (mut beyond, mut all) = (0.0, 0.0);
         for (simplex, stretch) in self.mesh.simplices.iter().zip(stretches) {
-            let area = simplex.weight * content_at(&self.mesh.points, simplex.nodes);
+            let area = simplex.weight * measure_at(&self.mesh.points, simplex.nodes);
             all += area;
             if (stretch - 1.0).abs() > MOST_STRAIN {
                 beyond += area;

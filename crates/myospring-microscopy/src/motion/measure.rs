@@ -3,7 +3,7 @@
 use super::Motion;
 use myospring_core::analysis::shape::{Extent, ShapeMeter};
 use myospring_core::mesh::quality::long_axis;
-use myospring_core::mesh::simplex::content_at;
+use myospring_core::mesh::simplex::measure_at;
 
 /// Least part of the cell's area that must be seen to speak for all of it.
 const LEAST_SEEN: f64 = 0.1;
@@ -104,7 +104,7 @@ impl Motion {
             .mesh
             .simplices
             .iter()
-            .map(|triangle| triangle.weight * content_at(&positions, triangle.nodes));
+            .map(|triangle| triangle.weight * measure_at(&positions, triangle.nodes));
         areas.sum()
     }
 

@@ -4,7 +4,7 @@
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::carried::Carried;
 use myospring_core::mesh::outline::Outline;
-use myospring_core::mesh::simplex::content_at;
+use myospring_core::mesh::simplex::measure_at;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Column and row.
@@ -54,7 +54,7 @@ impl Display {
 
         let mut within: BTreeMap<Place, Vec<(usize, f64)>> = BTreeMap::new();
         for (index, simplex) in mesh.simplices.iter().enumerate() {
-            let area = simplex.weight * content_at(&mesh.points, simplex.nodes);
+            let area = simplex.weight * measure_at(&mesh.points, simplex.nodes);
             within.entry(place(mesh.centre(simplex))).or_default().push((index, area));
         }
         let rings: Vec<Vec<[f64; 2]>> =

@@ -12,7 +12,7 @@ use super::fibres::Fibres;
 use super::places::{self, Column, PlacesError, centres};
 use crate::mesh::Mesh;
 use crate::microscopy::cells::PictureCells;
-use crate::microscopy::hot;
+use crate::microscopy::hot_pixels;
 use crate::microscopy::picture::Selection;
 use crate::microscopy::plane::Plane;
 use crate::microscopy::read::{PictureError, read_picture};
@@ -110,7 +110,7 @@ fn of_picture(
     let (cell, selection) = cell.ok_or_else(|| ContentError::NoFrame { path: path() })?;
     let picture = read_picture(bytes, selection)
         .map_err(|cause| ContentError::Picture { path: path(), cause })?;
-    let (plane, note) = match hot::cooled(&picture.plane) {
+    let (plane, note) = match hot_pixels::cooled(&picture.plane) {
         Some((plane, note)) => (plane, Some(format!("`{}`: {note}", path()))),
         None => (picture.plane, None),
     };

@@ -6,13 +6,13 @@ mod common;
 mod fit;
 mod numbers;
 mod own_runs;
-mod pull;
 #[path = "../common/pulled_film.rs"]
 mod pulled_film;
 #[path = "../common/synthetic_cell.rs"]
 mod synthetic_cell;
 #[path = "../common/synthetic_film.rs"]
 mod synthetic_film;
+mod tension_map;
 #[path = "../common/workbook_bytes.rs"]
 mod workbook_bytes;
 mod workbooks;

@@ -3,7 +3,7 @@
 use crate::common::pixels_of;
 use crate::synthetic_cell::{Scene, Truth};
 use myospring::microscopy::cells::{Options, PictureCells};
-use myospring::microscopy::hot::cooled;
+use myospring::microscopy::hot_pixels::cooled;
 use myospring::microscopy::plane::Plane;
 use myospring::microscopy::segment::Choice;
 use myospring::run_file::RunFile;

@@ -1,7 +1,9 @@
 //! The meeting of tension and stretch: toys whose answers are known.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use myospring::exchange::{Activation, ActivationError, Felt, Sites, Strongest, Tangent};
+use myospring::exchange::{
+    Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
+};
 use myospring::integrate::Method;
 use myospring::integrate::engine::EngineUsed;
 use myospring::integrate::quasi_static::Tolerance;
@@ -58,7 +60,7 @@ impl Activation for Toy {
         self.sites
     }
 
-    fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+    fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
         if to_ms > self.ends {
             return Err(ActivationError(format!("the trace ends at {} ms", self.ends)));
         }
@@ -82,18 +84,18 @@ impl Activation for Toy {
         }
     }
 
-    fn tangent(&self) -> Option<Tangent<'_>> {
+    fn tangent(&self) -> Option<ActivationTangent<'_>> {
         let feels = self.per_stretch != 0.0 || self.per_rate != 0.0;
         let [per_stretch, per_rate] = &self.slopes;
-        feels.then_some(Tangent { per_stretch, per_rate })
+        feels.then_some(ActivationTangent { per_stretch, per_rate })
     }
 
-    fn strongest(&self) -> Strongest {
+    fn strongest(&self) -> ActivationBounds {
         let Self { highest, per_stretch, per_rate, understates, .. } = *self;
         if understates {
-            return Strongest { tension: highest, ..Strongest::default() };
+            return ActivationBounds { tension: highest, ..ActivationBounds::default() };
         }
-        Strongest { tension: highest, per_stretch: highest * per_stretch, per_rate }
+        ActivationBounds { tension: highest, per_stretch: highest * per_stretch, per_rate }
     }
 
     fn boxed(&self) -> Box<dyn Activation> {
@@ -239,7 +241,7 @@ fn a_tension_that_bends_with_the_stretch_of_its_triangle_is_followed_by_repeatin
         fn sites(&self) -> Sites {
             Sites::PerElement(self.tension.len())
         }
-        fn advance(&mut self, to_ms: f64, felt: Felt<'_>) -> Result<(), ActivationError> {
+        fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
             for (site, stretch) in felt.stretch.iter().enumerate() {
                 let bend = ((stretch - 0.97) / self.width).tanh();
                 let rise = (to_ms / 10.0).min(1.0);
@@ -252,12 +254,12 @@ fn a_tension_that_bends_with_the_stretch_of_its_triangle_is_followed_by_repeatin
         fn tension(&self) -> Tension<'_> {
             Tension::PerElement(&self.tension)
         }
-        fn tangent(&self) -> Option<Tangent<'_>> {
+        fn tangent(&self) -> Option<ActivationTangent<'_>> {
             let [per_stretch, per_rate] = &self.slopes;
-            Some(Tangent { per_stretch, per_rate })
+            Some(ActivationTangent { per_stretch, per_rate })
         }
-        fn strongest(&self) -> Strongest {
-            Strongest { tension: 30.0, per_stretch: 10.0 / self.width, per_rate: 0.0 }
+        fn strongest(&self) -> ActivationBounds {
+            ActivationBounds { tension: 30.0, per_stretch: 10.0 / self.width, per_rate: 0.0 }
         }
         fn boxed(&self) -> Box<dyn Activation> {
             Box::new(self.clone())

@@ -1,10 +1,10 @@
 //! The map of tension, round by round.
 
-use super::PullError;
+use super::TensionMapError;
 use super::cut;
 use super::grid::{Grid, Squares};
 use super::least::not_negative;
-use super::seen::Seen;
+use super::observed_peak::ObservedPeak;
 use super::smoothing::{Problem, Smoothing};
 use crate::integrate::quasi_static::{Equilibrium, PathError, Tolerance};
 use crate::interruption::Interruption;
@@ -70,20 +70,20 @@ impl TensionMap {
     /// Of a cell, with its stiffness and its support, and what was seen of it.
     ///
     /// # Errors
-    /// Every [`PullError`].
-    pub fn of(simulation: &Simulation, seen: &Seen) -> Result<Self, PullError> {
+    /// Every [`TensionMapError`].
+    pub fn of(simulation: &Simulation, seen: &ObservedPeak) -> Result<Self, TensionMapError> {
         let mesh = &simulation.mesh;
         let points = mesh.len();
         let found = seen.displacements_um[0].len().min(seen.found.len());
         if found != points || [seen.displacements_um[1].len(), seen.cut.len()] != [points; 2] {
-            return Err(PullError::Mesh { found, points });
+            return Err(TensionMapError::Mesh { found, points });
         }
         if simulation.active != ActiveLaw::Fibre {
-            return Err(PullError::Ends);
+            return Err(TensionMapError::Ends);
         }
         let squares = Squares::new(mesh, seen.alike_um, &seen.found);
         if squares.points.len() < FEWEST {
-            return Err(PullError::TooLittle {
+            return Err(TensionMapError::TooLittle {
                 squares: squares.points.len(),
                 alike_um: seen.alike_um,
                 least: FEWEST,
@@ -139,7 +139,7 @@ impl TensionMap {
 struct Search<'a> {
     mesh: &'a Mesh,
     system: &'a System,
-    seen: &'a Seen,
+    seen: &'a ObservedPeak,
     squares: Squares,
     grid: Grid,
     equilibrium: Equilibrium<'a>,
@@ -201,7 +201,7 @@ impl Search<'_> {
     }
 
     /// The even tension: one number, round by round.
-    fn even(&mut self) -> Result<f64, PullError> {
+    fn even(&mut self) -> Result<f64, TensionMapError> {
         let count = self.grid.len();
         for _ in 0..ROUNDS {
             self.linearise()?;
@@ -211,7 +211,7 @@ impl Search<'_> {
             let left = self.left(&(&column * self.values[0]));
             let tension = column.dot(&left) / column.norm_squared();
             if tension.is_nan() || tension <= 0.0 {
-                return Err(PullError::NoContraction { tension_kpa: tension });
+                return Err(TensionMapError::NoContraction { tension_kpa: tension });
             }
             let before = self.values[0];
             self.go_to(&DVector::from_element(count, tension))?;
@@ -223,11 +223,11 @@ impl Search<'_> {
     }
 
     /// The map, round by round: the last linear problem, and how smooth it was made.
-    fn uneven(&mut self) -> Result<(Problem, Smoothing), PullError> {
+    fn uneven(&mut self) -> Result<(Problem, Smoothing), TensionMapError> {
         let mut last = None;
         for _ in 0..ROUNDS {
             let problem = self.problem()?;
-            let no_answer = || PullError::NoContraction { tension_kpa: f64::NAN };
+            let no_answer = || TensionMapError::NoContraction { tension_kpa: f64::NAN };
             let smoothing = problem.smoothing().ok_or_else(no_answer)?;
             let hessian = problem.hessian(smoothing.lambda);
             let b = problem.columns.tr_mul(&problem.seen);
@@ -239,7 +239,7 @@ impl Search<'_> {
                 break;
             }
         }
-        last.ok_or(PullError::NoContraction { tension_kpa: f64::NAN })
+        last.ok_or(TensionMapError::NoContraction { tension_kpa: f64::NAN })
     }
 
     fn problem(&mut self) -> Result<Problem, PathError> {
@@ -311,10 +311,11 @@ impl Search<'_> {
         smoothing: Smoothing,
         even_kpa: f64,
         even_misfit_um: f64,
-    ) -> Result<TensionMap, PullError> {
+    ) -> Result<TensionMap, TensionMapError> {
         let Smoothing { lambda, numbers, noise, chance_even } = smoothing;
         let inverse = problem.hessian(lambda).cholesky();
-        let inverse = inverse.ok_or(PullError::NoContraction { tension_kpa: even_kpa })?.inverse();
+        let inverse =
+            inverse.ok_or(TensionMapError::NoContraction { tension_kpa: even_kpa })?.inverse();
         let covariance = &inverse * noise.powi(2);
         // Numbers of the map at each point of its grid, over its area.
         let shares = &inverse * problem.columns.tr_mul(&problem.columns);

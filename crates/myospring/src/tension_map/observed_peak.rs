@@ -8,7 +8,7 @@ pub const NEAR: f64 = 0.1;
 
 /// The cell at the peak of its contraction.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub struct ObservedPeak {
     /// Way of each point of the mesh from where it rests, um: `[axis][point]`.
     pub displacements_um: [Vec<f64>; 2],
     /// Which points were found, not put where their neighbours would have them.
@@ -21,7 +21,7 @@ pub struct Seen {
     pub frames: Vec<usize>,
 }
 
-impl Seen {
+impl ObservedPeak {
     /// The peak of a film: the mean of the frames within a tenth of the greatest contraction along the smaller principal
     /// stretch, less that of the frames as near to rest. So noise is averaged, that of the frame at rest, too. A point
     /// counts where it was found in half of the frames of the peak.

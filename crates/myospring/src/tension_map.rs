@@ -9,14 +9,14 @@
 //! |u - u(T)|^2 + lambda |grad T|^2
 //! ```
 //!
-//! over the squares of [`Seen::alike_um`], each of which has one error; how the whole cell was shifted and turned is left
+//! over the squares of [`ObservedPeak::alike_um`], each of which has one error; how the whole cell was shifted and turned is left
 //! open. `u(T)` is the equilibrium under T, made linear where the last round has led (Gauss and Newton), and T is bilinear
 //! between the points of a grid.
 //!
 //! - `lambda` is that of least generalised cross-validation (`golub_1979`); the even tension is its limit.
 //! - The standard deviations are those of the posterior of which this is the top (`wahba_1983`), which count what is too
 //!   small to be seen as well as noise.
-//! - Where the frame cuts the cell ([`Seen::cut`]) the part that is not seen pulls at it. The points there are held where
+//! - Where the frame cuts the cell ([`ObservedPeak::cut`]) the part that is not seen pulls at it. The points there are held where
 //!   they were seen, whatever force it takes.
 //! - Whether the cell pulls unevenly at all is tested: how often an even tension with such noise would gain as much.
 //!
@@ -28,7 +28,7 @@
 //! use myospring::integrate::quasi_static::{Equilibrium, Tolerance};
 //! use myospring::mechanics::Tension;
 //! use myospring::prelude::*;
-//! use myospring::pull::{Seen, TensionMap};
+//! use myospring::tension_map::{ObservedPeak, TensionMap};
 //!
 //! // A strip of 100 x 20 um whose right half pulls half as hard.
 //! let simulation = Simulation::new(lattice::rectangle(25, 5, 4.0)?);
@@ -40,7 +40,7 @@
 //! let moved = equilibrium.find(&body.positions, Tension::PerElement(&truth))?;
 //! let displacements_um =
 //!     [0, 1].map(|a| moved[a].iter().zip(&mesh.points[a]).map(|(now, rest)| now - rest).collect());
-//! let seen = Seen {
+//! let seen = ObservedPeak {
 //!     displacements_um,
 //!     found: vec![true; mesh.len()],
 //!     cut: vec![false; mesh.len()],
@@ -63,10 +63,10 @@ mod error;
 mod grid;
 mod least;
 mod map;
-mod seen;
+mod observed_peak;
 mod smoothing;
 mod words;
 
-pub use error::PullError;
+pub use error::TensionMapError;
 pub use map::{EVEN, TensionMap};
-pub use seen::{NEAR, Seen};
+pub use observed_peak::{NEAR, ObservedPeak};

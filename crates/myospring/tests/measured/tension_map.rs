@@ -8,8 +8,8 @@ use myospring::mechanics::Tension;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::{Mesh, lattice};
-use myospring::pull::{PullError, Seen, TensionMap};
 use myospring::simulation::Simulation;
+use myospring::tension_map::{ObservedPeak, TensionMap, TensionMapError};
 
 const FREE: SupportKind = SupportKind::MassCentre;
 
@@ -19,12 +19,12 @@ fn pulled(tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f64) -> Pul
 }
 
 /// What would be seen without noise.
-fn exact(pulled: &Pulled, spacing: f64) -> (Simulation, Seen) {
+fn exact(pulled: &Pulled, spacing: f64) -> (Simulation, ObservedPeak) {
     let mesh = pulled.mesh(spacing);
     let displacements_um = pulled.displacements(&mesh, 1.0);
     let found = vec![true; mesh.len()];
     let cut = vec![false; mesh.len()];
-    let seen = Seen { displacements_um, found, cut, alike_um: 3.0, frames: Vec::new() };
+    let seen = ObservedPeak { displacements_um, found, cut, alike_um: 3.0, frames: Vec::new() };
     (pulled.simulation(mesh), seen)
 }
 
@@ -131,7 +131,7 @@ fn a_film_shows_a_weak_half_and_how_weak_it_is() {
     for support in [FREE, SupportKind::ElasticBed { stiffness: 0.5 }] {
         let pulled = pulled(weak_half, support, 0.155);
         let mesh = pulled.mesh(1.2);
-        let seen = Seen::at_peak(&pulled.followed(&mesh));
+        let seen = ObservedPeak::at_peak(&pulled.followed(&mesh));
         assert_eq!(seen.frames, (0..9).filter(|&frame| FRAMES[frame] == 1.0).collect::<Vec<_>>());
         let simulation = pulled.simulation(mesh);
         let map = TensionMap::of(&simulation, &seen).unwrap();
@@ -157,7 +157,7 @@ fn a_film_shows_a_weak_half_and_how_weak_it_is() {
 fn a_film_shows_a_passive_nucleus_as_far_as_its_noise_allows() {
     let pulled = pulled(passive_nucleus, FREE, 0.155);
     let mesh = pulled.mesh(1.0);
-    let seen = Seen::at_peak(&pulled.followed(&mesh));
+    let seen = ObservedPeak::at_peak(&pulled.followed(&mesh));
     let simulation = pulled.simulation(mesh);
     let map = TensionMap::of(&simulation, &seen).unwrap();
     let nucleus = mean(&pulled, &simulation, &map.tensions_kpa, is_nucleus);
@@ -173,7 +173,7 @@ fn a_film_shows_a_passive_nucleus_as_far_as_its_noise_allows() {
 fn an_even_cell_is_said_to_be_even() {
     let pulled = pulled(even, FREE, 0.4);
     let mesh = pulled.mesh(1.2);
-    let seen = Seen::at_peak(&pulled.followed(&mesh));
+    let seen = ObservedPeak::at_peak(&pulled.followed(&mesh));
     let simulation = pulled.simulation(mesh);
     let map = TensionMap::of(&simulation, &seen).unwrap();
     assert!(!map.is_uneven(), "{}", map.chance_even);
@@ -185,7 +185,7 @@ fn an_even_cell_is_said_to_be_even() {
 fn what_gives_no_map_says_why() {
     let pulled = pulled(even, FREE, 0.0);
     let (simulation, seen) = exact(&pulled, 3.0);
-    let longer = Seen {
+    let longer = ObservedPeak {
         displacements_um: seen
             .displacements_um
             .clone()
@@ -194,20 +194,26 @@ fn what_gives_no_map_says_why() {
     };
     let error = TensionMap::of(&simulation, &longer).unwrap_err();
     assert!(
-        matches!(error, PullError::NoContraction { tension_kpa } if tension_kpa < 0.0),
+        matches!(error, TensionMapError::NoContraction { tension_kpa } if tension_kpa < 0.0),
         "{error}"
     );
-    let lost = Seen { found: vec![false; seen.found.len()], ..seen.clone() };
+    let lost = ObservedPeak { found: vec![false; seen.found.len()], ..seen.clone() };
     let error = TensionMap::of(&simulation, &lost).unwrap_err();
-    assert!(matches!(error, PullError::TooLittle { squares: 0, .. }), "{error}");
-    let other = Seen { found: vec![true; 3], ..seen.clone() };
-    assert!(matches!(TensionMap::of(&simulation, &other), Err(PullError::Mesh { found: 3, .. })));
+    assert!(matches!(error, TensionMapError::TooLittle { squares: 0, .. }), "{error}");
+    let other = ObservedPeak { found: vec![true; 3], ..seen.clone() };
+    assert!(matches!(
+        TensionMap::of(&simulation, &other),
+        Err(TensionMapError::Mesh { found: 3, .. })
+    ));
     let ends = Simulation { active: ActiveLaw::Ends, ..simulation };
-    assert!(matches!(TensionMap::of(&ends, &seen), Err(PullError::Ends)));
+    assert!(matches!(TensionMap::of(&ends, &seen), Err(TensionMapError::Ends)));
 }
 
 /// Three fifths of a strip of 100 um, which the frame cuts at 60 um; what is seen there is that of the whole strip.
-fn cut_strip(tension: fn([f64; 2]) -> f64, support: SupportKind) -> (Simulation, Seen, Vec<f64>) {
+fn cut_strip(
+    tension: fn([f64; 2]) -> f64,
+    support: SupportKind,
+) -> (Simulation, ObservedPeak, Vec<f64>) {
     let mut whole = Simulation::new(lattice::rectangle(50, 10, 2.0).unwrap());
     whole.support = support;
     let mesh = &whole.mesh;
@@ -233,7 +239,7 @@ fn cut_strip(tension: fn([f64; 2]) -> f64, support: SupportKind) -> (Simulation,
     });
     let cut = (0..seen.mesh.len()).map(|point| seen.mesh.point(point)[0] > 59.0).collect();
     let found = vec![true; seen.mesh.len()];
-    let told = Seen { displacements_um, found, cut, alike_um: 3.0, frames: Vec::new() };
+    let told = ObservedPeak { displacements_um, found, cut, alike_um: 3.0, frames: Vec::new() };
     let truth = truth(&seen.mesh);
     (seen, told, truth)
 }
@@ -252,7 +258,7 @@ fn what_pulls_beyond_the_frame_is_not_taken_for_tension() {
             off.sort_by(f64::total_cmp);
             off[off.len() / 2]
         };
-        let whole = Seen { cut: vec![false; seen.cut.len()], ..seen.clone() };
+        let whole = ObservedPeak { cut: vec![false; seen.cut.len()], ..seen.clone() };
         let taken = TensionMap::of(&simulation, &whole).unwrap();
         assert_eq!((map.held_at_cut, taken.held_at_cut), (11, 0));
         // As of a whole cell; what pulls beyond the frame makes an error of 4 and 8 % where it is not counted with.

@@ -20,11 +20,11 @@ const FEW: usize = 8;
 ///
 /// # Example
 /// ```
-/// use myospring::microscopy::{hot, plane::Plane};
+/// use myospring::microscopy::{hot_pixels, plane::Plane};
 /// let mut values: Vec<f32> = (0..30 * 20).map(|at| (at % 7) as f32).collect();
-/// assert!(hot::cooled(&Plane::new(30, 20, values.clone()).unwrap()).is_none());
+/// assert!(hot_pixels::cooled(&Plane::new(30, 20, values.clone()).unwrap()).is_none());
 /// values[5 * 30 + 12] = 1e38;
-/// let (cooled, note) = hot::cooled(&Plane::new(30, 20, values).unwrap()).unwrap();
+/// let (cooled, note) = hot_pixels::cooled(&Plane::new(30, 20, values).unwrap()).unwrap();
 /// assert!(cooled.range()[1] <= 6.0);
 /// assert!(note.starts_with("1 hot pixel, 1e38 at column 12, row 5,"));
 /// ```

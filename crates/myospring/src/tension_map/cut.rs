@@ -4,7 +4,7 @@
 //! whatever force it takes. As each has its own noise, and neighbours that part make much force, they are held where a
 //! plane through the ways of all points around them has them.
 
-use super::seen::Seen;
+use super::observed_peak::ObservedPeak;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, System};
 use crate::mesh::Mesh;
@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 const REACH: f64 = 2.0;
 
 /// Holds the points at the cut where they were seen, and puts all others there; whether there is a cut.
-pub(super) fn hold(mesh: &Mesh, seen: &Seen, body: &mut Body, system: &mut System) -> bool {
+pub(super) fn hold(mesh: &Mesh, seen: &ObservedPeak, body: &mut Body, system: &mut System) -> bool {
     let cut: Vec<usize> = (0..mesh.len()).filter(|&point| seen.cut[point]).collect();
     if cut.is_empty() {
         return false;
@@ -39,7 +39,7 @@ pub(super) fn hold(mesh: &Mesh, seen: &Seen, body: &mut Body, system: &mut Syste
 }
 
 /// The way at a place, um: a plane through the ways of the points around it that were found.
-fn smooth(mesh: &Mesh, seen: &Seen, place: [f64; 2]) -> [f64; 2] {
+fn smooth(mesh: &Mesh, seen: &ObservedPeak, place: [f64; 2]) -> [f64; 2] {
     let mut normal = Matrix3::zeros();
     let mut sides = [Vector3::zeros(); 2];
     for point in (0..mesh.len()).filter(|&point| seen.found[point]) {

@@ -4,7 +4,7 @@ use crate::integrate::quasi_static::PathError;
 
 /// Why there is no map of tension.
 #[derive(Debug, thiserror::Error)]
-pub enum PullError {
+pub enum TensionMapError {
     /// Displacements of another mesh.
     #[error("there are displacements of {found} points, and the cell's mesh has {points}")]
     Mesh {

@@ -1,7 +1,7 @@
 //! Squares over the cell: those whose points have one error, and the grid that the map is drawn on.
 
 use crate::mesh::Mesh;
-use crate::mesh::simplex::content_at;
+use crate::mesh::simplex::measure_at;
 use std::collections::BTreeMap;
 
 /// Points of a mesh in squares.
@@ -70,7 +70,7 @@ impl Grid {
             let centre = mesh.centre(triangle);
             let place = [0, 1].map(|axis: usize| (centre[axis] - start[axis]) / apart);
             let (low, part) = (place.map(f64::floor), place.map(f64::fract));
-            let area = triangle.weight * content_at(&mesh.points, triangle.nodes);
+            let area = triangle.weight * measure_at(&mesh.points, triangle.nodes);
             let mut around = Vec::with_capacity(4);
             for [i, j] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
                 let along =
