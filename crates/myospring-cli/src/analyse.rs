@@ -8,10 +8,11 @@ mod words;
 use crate::args::AnalyseArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::reads;
-use crate::results::Folder;
+use crate::files::FILES;
+use crate::terminal::Terminal;
 use crate::{interrupt, print, progress};
 use myospring::analysis::curve::{self, Analysis};
+use myospring::experiment::Folder;
 use myospring::measured::Curve;
 use myospring::output::figure::Theme;
 use myospring::output::json;
@@ -51,13 +52,13 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     let (mut all, mut notes) = (Vec::new(), Vec::new());
     let inputs = folder::tables(&args.inputs)?;
     for path in &inputs {
-        reads::note(path);
+        FILES.note(path);
     }
     let target = args.output.output.clone().unwrap_or_else(|| folder(&args.inputs));
-    Folder::check(&target, args.output.force)?;
+    Folder::check(&target, args.output.force, &FILES)?;
     for path in &inputs {
         let file = path.display().to_string();
-        let table = match reads::table(path, &options) {
+        let table = match FILES.table(path, &options) {
             Ok(table) => table,
             Err(error) if inputs.len() == 1 => return Err(Failure::new(error)),
             // The others are as good as they were.
@@ -89,7 +90,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
             all.len()
         ));
     }
-    let folder = Folder::claim(&target, args.output.force)?;
+    let folder = Folder::claim(&target, args.output.force, &FILES)?;
     interrupt::heed(interrupt::WRITING);
     folder.write("metrics.csv", files::metrics(&all)?)?;
     folder.write("summary.csv", files::summary(&all)?)?;
@@ -101,7 +102,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     for (read, name) in all.iter().zip(&names).take(FIGURES) {
         if let Ok(analysis) = &read.found {
             let draw = || files::figure(read, analysis);
-            folder.figures(Theme::Light, &[(name, &draw)])?;
+            folder.figures(Theme::Light, &[(name, &draw)], &Terminal::new(true))?;
         }
         bar.inc(1);
         if interrupt::asked() {
@@ -109,7 +110,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
         }
     }
     bar.finish_and_clear();
-    let target = folder.finish()?;
+    let target = folder.finish(&Terminal::new(true))?;
     if args.output.json {
         print::out(&json::for_people(&record)?)?;
     } else {

@@ -6,9 +6,11 @@ mod members;
 use crate::args::BatchArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::{inputs, interrupt, print, progress, reads};
+use crate::files::FILES;
+use crate::{interrupt, print, progress};
 use indicatif::ProgressBar;
 use kept::Kept;
+use myospring::experiment::inputs;
 use myospring::output::files::Manifest;
 use myospring::output::json;
 use myospring::settings::{Run, Value};
@@ -49,9 +51,9 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         }
     }
     let journal = if args.output.force {
-        Journal::begin_anew(&target, &settings, &reads::all())?
+        Journal::begin_anew(&target, &settings, &FILES.reads())?
     } else {
-        Journal::open_beside(&target, &settings, &reads::all())?
+        Journal::open_beside(&target, &settings, &FILES.reads())?
     };
     let manifest = journal.manifest().unwrap_or_else(|| Manifest::of(&target));
     interrupt::heed_soon("the pictures under way are given up");

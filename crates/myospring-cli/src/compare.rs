@@ -7,17 +7,19 @@ mod words;
 use crate::args::CompareArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::input;
-use crate::inputs::{self, Inputs};
 use crate::interrupt;
 use crate::print::{self, progress_bar};
-use crate::results::Folder;
+use crate::terminal::Terminal;
 use myospring::analysis::beat::{Band, Beats, band};
 use myospring::compare::PHENOMENOLOGICAL;
 use myospring::compare::dose::{self, Dose};
 use myospring::compare::factor::{self, Factor, Scaled};
 use myospring::compare::metric::{self, Row};
 use myospring::compare::setting::{self, Different};
+use myospring::experiment::Folder;
+use myospring::experiment::inputs::{self, Inputs};
 use myospring::output::figure::{self, Compared, ContractionOptions, Theme};
 use myospring::output::{csv, json};
 use myospring::run_file::RunFile;
@@ -62,7 +64,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let target =
         args.output.output.clone().unwrap_or_else(|| Path::new("results").join("comparison"));
     interrupt::heed_soon("nothing is written");
-    let folder = Folder::claim(&target, args.output.force)?;
+    let folder = Folder::claim(&target, args.output.force, &FILES)?;
     let threads = Threads::new(args.jobs.map(usize::from))?;
     let bar = progress_bar(args.output.quiet);
     bar.set_length(jobs.len() as u64 * side::PROGRESS);
@@ -75,7 +77,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let mut sides = sides?;
     let mut inputs = Inputs::default();
     for side in &mut sides {
-        inputs.keep(&folder, side.file.clone(), |file| crate::reads::bytes(file))?;
+        inputs.keep(&folder, side.file.clone(), |file| FILES.bytes(file))?;
         side.file = inputs.renamed(side.file.clone(), "../");
         if Path::new(&side.source).is_absolute() {
             side.source = inputs::relative(Path::new(&side.source), &target)
@@ -121,7 +123,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     };
     let record_text = json::for_people(&record)?;
     folder.write("comparison.json", &record_text)?;
-    let target = folder.finish()?;
+    let target = folder.finish(&Terminal::new(true))?;
     if args.output.json {
         print::out(&record_text)?;
     } else {
@@ -210,7 +212,7 @@ fn variants(args: &CompareArgs) -> Result<Vec<Dose>, Failure> {
         variants.push(Dose { label, factors });
     }
     if let Some(path) = &args.doses {
-        let text = input::text(path)?;
+        let text = FILES.text(path)?;
         let doses = dose::read(&text)
             .map_err(|error| Failure::new(format!("{}: {error}", path.display())))?;
         variants.extend(doses.into_iter().filter(|dose| !dose.factors.is_empty()));
@@ -230,5 +232,6 @@ fn figures(folder: &Folder, sides: &[Side]) -> Result<(), Failure> {
             ("compared", &|| figure::compared(&compared)),
             ("contraction", &|| figure::contraction(&curves, &options)),
         ],
+        &Terminal::new(true),
     )
 }

@@ -1,7 +1,7 @@
 //! The fibres of cells as a file.
 
 use crate::failure::Failure;
-use crate::results::Folder;
+use myospring::experiment::Folder;
 use myospring::mesh::Mesh;
 use myospring::output::fibres::{FibreRow, to_csv};
 use myospring::settings::{Fibres, Seen};

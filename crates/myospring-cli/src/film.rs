@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::outputs::Finished;
 use crate::print;
-use crate::results::Folder;
+use myospring::experiment::Folder;
 use myospring::output::figure::{FRAMES_PER_SECOND, FigureError, Film};
 use rayon::prelude::*;
 use std::io::{ErrorKind, Write};

@@ -12,14 +12,15 @@ use crate::analyse::table::{self, Beats, quantity};
 use crate::args::FitArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::input::{self, Input};
 use crate::options::Given;
-use crate::reads;
-use crate::results::Folder;
+use crate::terminal::Terminal;
 use crate::track::report::Report;
 use crate::{interrupt, print, progress};
 use files::Cell;
 use map::Mapped;
+use myospring::experiment::Folder;
 use myospring::fit::{Fit, FitError, Fitter, Loaded, Observed, Settings, Unknown, of_each_cell};
 use myospring::measured::{Curve, Options};
 use myospring::mechanics::support::SupportKind;
@@ -42,9 +43,9 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let options =
         table::options(&args.table, pixel, args.until.as_deref().map(|until| ("--until", until)))?;
     let beats = Beats::of(&args.stimuli, None, false)?;
-    args.input.iter().chain(&args.to).for_each(|path| reads::note(path));
+    args.input.iter().chain(&args.to).for_each(|path| FILES.note(path));
     if let Some(target) = &args.output.output {
-        Folder::check(target, args.output.force)?;
+        Folder::check(target, args.output.force, &FILES)?;
     }
     let film = film::named(args)?;
     let (overrides, taken) = overrides(args);
@@ -55,7 +56,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
         let name = args.input.as_ref().or(film.as_ref()).and_then(|path| path.file_stem());
         let name = name.unwrap_or_default().to_string_lossy();
         let target = args.output.output.clone().unwrap_or_else(|| target(&name, args, &[]));
-        let folder = Folder::claim(&target, args.output.force)?;
+        let folder = Folder::claim(&target, args.output.force, &FILES)?;
         film::write(&folder, &target, followed, report, &name, &mut followed.run.clone(), false)?;
         return film::only_followed(folder);
     }
@@ -93,13 +94,13 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             (name, run, shaped)
         }
     };
-    let made = run.make(shaped, |file| reads::bytes(file))?;
+    let made = run.make(shaped, |file| FILES.bytes(file))?;
     run.fibre = made.fibres.taken;
     let (report, outline) = (made.report, made.outline);
     let fitter = Fitter::new(made.simulation).map_err(Failure::new)?;
     let settings = sought(args, &run, !loaded.is_empty())?;
     let target = args.output.output.clone().unwrap_or_else(|| target(&name, args, &curves));
-    let folder = Folder::claim(&target, args.output.force)?;
+    let folder = Folder::claim(&target, args.output.force, &FILES)?;
     interrupt::heed(interrupt::WRITING);
 
     let quiet = args.output.quiet;
@@ -186,7 +187,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
         shapes: shapes.as_ref(),
     };
     files::write(&folder, &cells, &context)?;
-    let target = folder.finish()?;
+    let target = folder.finish(&Terminal::new(true))?;
     if args.output.json {
         print::out(&json::pretty(&files::records(&cells, &context))?)?;
     } else {
@@ -261,7 +262,7 @@ fn curves(paths: &[PathBuf], options: &Options) -> Result<(Vec<Named>, Vec<Strin
     let several = paths.len() > 1;
     for path in paths {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let table = match reads::table(path, options) {
+        let table = match FILES.table(path, options) {
             Ok(table) => table,
             Err(error) if several => {
                 curves.push((stem.into_owned(), Err(error.to_string())));
@@ -311,8 +312,8 @@ fn held(text: &str, options: &Options, beats: &Beats) -> Result<Loaded, Failure>
         return Err(Failure::new(format!("--loaded: {stiffness} nN/um; it must be {words}")));
     }
     let path = PathBuf::from(path.trim());
-    reads::note(&path);
-    let table = reads::table(&path, options).map_err(Failure::new)?;
+    FILES.note(&path);
+    let table = FILES.table(&path, options).map_err(Failure::new)?;
     let [curve] = table.curves.as_slice() else {
         return Err(Failure::new(format!(
             "`{}` has {} curves; a loaded curve is one",

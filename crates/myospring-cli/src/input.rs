@@ -2,12 +2,11 @@
 
 use crate::args::OutputArgs;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::interrupt;
 use crate::options::Given;
-use crate::reads;
 use crate::refused::{Place, Refused};
 use crate::segment;
-use myospring::measured;
 use myospring::microscopy::read;
 use myospring::run_file::{Origin, Reader, Run, ShapeBytes, Shaped, Source};
 use myospring::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS, Value};
@@ -37,7 +36,7 @@ pub(crate) fn read(
 
 /// Meshes the shape of a run, as [`read()`] does.
 pub(crate) fn mesh(name: String, run: Run, results: Option<&OutputArgs>) -> Result<Input, Failure> {
-    let bytes = run.shape.bytes(|file| reads::bytes(file))?;
+    let bytes = run.shape.bytes(|file| FILES.bytes(file))?;
     let shaped = match (&run.shape.source, results) {
         (Source::Picture(_), Some(args)) => mesh_picture(&run, &bytes, refusals(args, &name))?,
         _ => run.shape.mesh(&bytes)?,
@@ -86,7 +85,7 @@ pub(crate) fn settle_with(
     if let Some(path) = path {
         match ending(path).as_str() {
             "toml" => {
-                let content = self::text(path)?;
+                let content = FILES.text(path)?;
                 reader = reader
                     .text(&path.display().to_string(), &content)
                     .map_err(|error| Failure::of_run_file(&error, Some(&content)))?
@@ -95,7 +94,7 @@ pub(crate) fn settle_with(
             }
             kind if PICTURE_ENDINGS.contains(&kind) || OUTLINE_ENDINGS.contains(&kind) => {
                 // Before anything else is said about the picture.
-                fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
+                fs::metadata(path).map_err(|error| Failure::unread(path, &error))?;
                 let is_picture = PICTURE_ENDINGS.contains(&kind);
                 let key = if is_picture { "shape.picture" } else { "shape.outline" };
                 let Some(name) = path.to_str() else {
@@ -119,7 +118,7 @@ pub(crate) fn settle_with(
         reader.resolve().map_err(|error| Failure::of_run_file(&error, text.as_deref()))?;
     run.interruption = interrupt::interruption();
     for path in run.to_run_file().paths_mut() {
-        reads::note(Path::new(path));
+        FILES.note(Path::new(path));
     }
     let name = path
         .and_then(Path::file_stem)
@@ -146,7 +145,7 @@ fn unread(path: &Path) -> Failure {
     match fs::metadata(path) {
         Ok(data) if data.is_dir() => Failure::new(format!("`{file}` is a folder"))
             .advise(format!("myospring batch {file} beats the cells of all pictures in it")),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => cannot_read(path, &error),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Failure::unread(path, &error),
         _ => match unread_picture(&ending(path)) {
             Some(kind) => Failure::new(format!("`{file}`: this is a {kind}")).advise(KNOWN),
             None => Failure::new(format!("`{file}` has an ending that is not known")).advise(KNOWN),
@@ -162,16 +161,4 @@ pub(crate) fn unread_picture(ending: &str) -> Option<String> {
 
 pub(crate) fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
-}
-
-/// The text of a file that a person wrote, in any encoding of an editor.
-pub(crate) fn text(path: &Path) -> Result<String, Failure> {
-    let bytes = reads::bytes(path).map_err(|error| cannot_read(path, &error))?;
-    measured::decoded(&bytes)
-        .map_err(|what| Failure::new(format!("`{}` is {what}", path.display())))
-}
-
-pub(crate) fn cannot_read(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(format!("cannot read `{}`: {error}", path.display()))
-        .advise("check the path and its spelling")
 }

@@ -1,7 +1,8 @@
 //! What a file or folder is, and which command takes it: the answer to the right file at the wrong command.
 
 use crate::failure::Failure;
-use crate::input::{ending, text};
+use crate::files::FILES;
+use crate::input::ending;
 use myospring::measured::{self, Options};
 use myospring::mesh::outline::Outline;
 use myospring::mesh::pixel_size::PixelSize;
@@ -65,7 +66,7 @@ impl Kind {
         match ending(path).as_str() {
             _ if !path.exists() => None,
             "toml" => {
-                let text = text(path).ok()?;
+                let text = FILES.text(path).ok()?;
                 let has = |table: &str| text.lines().any(|line| line.trim().starts_with(table));
                 if has("[sampling]") || has("[parameters") {
                     return Some(Self::Study);
@@ -77,7 +78,7 @@ impl Kind {
             kind if FILMS.contains(&kind) => Some(Self::Film),
             kind if TABLES.contains(&kind) && is_curves(path) => Some(Self::Curves),
             kind if TABLES.contains(&kind) || ["json", "zip"].contains(&kind) => {
-                let bytes = crate::reads::bytes(path).ok()?;
+                let bytes = FILES.bytes(path).ok()?;
                 if is_outline(path, &bytes) {
                     return Some(Self::Outline);
                 }
@@ -160,7 +161,7 @@ fn is_outline(path: &Path, bytes: &[u8]) -> bool {
 
 /// Whether a table has curves: known ones by their names, others by a column of times that is long.
 fn is_curves(path: &Path) -> bool {
-    let Ok(table) = crate::reads::table(path, &Options::default()) else { return false };
+    let Ok(table) = FILES.table(path, &Options::default()) else { return false };
     let is_curve = |curve: &measured::Curve| {
         curve.kind != measured::Kind::Unknown || curve.values.len() >= LONG
     };

@@ -11,10 +11,10 @@ mod compare;
 mod exit;
 mod failure;
 mod fibres;
+mod files;
 mod film;
 mod fit;
 mod input;
-mod inputs;
 mod interrupt;
 mod kinds;
 mod lists;
@@ -28,15 +28,14 @@ mod page;
 mod paper;
 mod print;
 mod progress;
-mod reads;
 mod refused;
-mod results;
 mod run;
 mod segment;
 mod shell;
 mod study;
 mod summary;
 mod table;
+mod terminal;
 mod track;
 
 use args::{Cli, Command};
@@ -45,7 +44,6 @@ pub use exit::ExitCode;
 use failure::Failure;
 use kinds::{Kind, refusal};
 pub use outputs::output_words;
-pub use print::with_powers;
 pub use run::Over;
 use std::ffi::OsString;
 use std::io::Write;
@@ -57,7 +55,7 @@ pub use study::save as save_study;
 /// It prints, heeds signals and may end the process with one.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::large_files_are_errors();
-    let code = read_and_do(arguments).unwrap_or_else(Failure::report);
+    let code = read_and_do(arguments).unwrap_or_else(failure::report);
     interrupt::end(code)
 }
 

@@ -3,8 +3,9 @@
 use crate::args::{InitArgs, LIST, ModelsArgs, SchemaArgs, SchemaOf};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::files::FILES;
+use crate::print;
 use crate::table::aligned;
-use crate::{print, results};
 use myospring::cell::{self, CellModel};
 use myospring::output::json;
 use myospring::parameter::ParameterSet;
@@ -130,11 +131,11 @@ impl SchemaOf {
 /// Writes a text with a first line by which editors find its schema, and that beside it; a file of the schema's name that
 /// is none of ours stays.
 pub(crate) fn write_with_schema(path: &Path, text: &str, of: SchemaOf) -> Result<(), Failure> {
-    results::write_file(path, format!("#:schema {}\n{text}", of.file()))?;
+    FILES.write(path, format!("#:schema {}\n{text}", of.file()))?;
     let beside = path.with_file_name(of.file());
     let is_ours = |there: String| there.contains("\"urn:myospring:");
     if fs::read_to_string(&beside).map_or(!beside.exists(), is_ours) {
-        results::write_file(&beside, json::pretty(&of.schema())?)?;
+        FILES.write(&beside, json::pretty(&of.schema())?)?;
     }
     Ok(())
 }

@@ -3,7 +3,8 @@
 use crate::args::{Cli, CompletionsArgs, ManualArgs};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::{print, results};
+use crate::files::FILES;
+use crate::print;
 use clap::CommandFactory;
 use myospring::output::files;
 
@@ -28,6 +29,6 @@ fn pages(command: &clap::Command, args: &ManualArgs) -> Result<usize, Failure> {
     let page = clap_mangen::Man::new(command.clone());
     let mut text = Vec::new();
     page.render(&mut text).map_err(Failure::new)?;
-    results::write_file(&args.folder.join(page.get_filename()), text)?;
+    FILES.write(&args.folder.join(page.get_filename()), text)?;
     command.get_subcommands().try_fold(1, |count, command| Ok(count + pages(command, args)?))
 }

@@ -2,16 +2,17 @@
 
 use crate::failure::Failure;
 use crate::film;
-use crate::inputs::Inputs;
 use crate::interrupt;
 use crate::look::Look;
 use crate::overlay::{self, Lattice};
 use crate::page;
 use crate::print;
-use crate::results::{Draw, Folder};
 use crate::summary::Numbers;
+use crate::terminal::Terminal;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use myospring::analysis::beat::{Band, band};
+use myospring::experiment::Inputs;
+use myospring::experiment::{Draw, Folder};
 use myospring::mesh::outline::Outline;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::field::Fields;
@@ -297,7 +298,7 @@ pub(crate) fn figures(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fa
     // Only of a picture, and only of a cell whose ends are held.
     let from = usize::from(picture.is_none());
     let to = figures.len() - usize::from(!held);
-    folder.figures(finished.look.theme, &figures[from..to])
+    folder.figures(finished.look.theme, &figures[from..to], &Terminal::new(true))
 }
 
 /// The frames for ParaView; the collection comes last, so that it names files that are there.

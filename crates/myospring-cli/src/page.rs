@@ -2,11 +2,11 @@
 
 use crate::cite;
 use crate::failure::Failure;
-use crate::inputs::Inputs;
 use crate::outputs::Finished;
-use crate::results::Folder;
 use crate::run::resolved;
 use myospring::cell;
+use myospring::experiment::Folder;
+use myospring::experiment::Inputs;
 use myospring::output::page::{self, Page, PageRun, ParameterGroup, ParameterRow, Photograph};
 use myospring::settings::{self, Run, Value};
 

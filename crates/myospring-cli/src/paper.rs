@@ -3,11 +3,13 @@
 use crate::args::PaperArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::input::{self, Input};
 use crate::interrupt;
 use crate::print::{self, progress_bar};
-use crate::results::Folder;
 use crate::table::{aligned, wrapped};
+use crate::terminal::Terminal;
+use myospring::experiment::Folder;
 use myospring::mesh::Mesh;
 use myospring::mesh::outline::Outline;
 use myospring::output::comparison::{Finding, PaperRun, TENSIONS, Verdict, with_paper};
@@ -42,7 +44,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
         input::read(None, overrides.collect(), None)?;
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join("paper"));
     interrupt::heed_soon("nothing is written");
-    let folder = Folder::claim(&target, args.output.force)?;
+    let folder = Folder::claim(&target, args.output.force, &FILES)?;
 
     let threads = Threads::new(args.threads)?;
     let bar = progress_bar(args.output.quiet);
@@ -94,7 +96,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     };
     let record_text = json::pretty(&record)?;
     folder.write("paper.json", &record_text)?;
-    let target = folder.finish()?;
+    let target = folder.finish(&Terminal::new(true))?;
 
     if args.output.json {
         print::out(&record_text)?;
@@ -128,7 +130,11 @@ fn figures(
     let curves: Vec<_> =
         labels.iter().zip(runs).map(|(label, run)| (label.as_str(), run.recording)).collect();
     let (options, theme) = (ContractionOptions::default(), Theme::default());
-    folder.figures(theme, &[("fig6_contraction", &|| figure::contraction(&curves, &options))])?;
+    folder.figures(
+        theme,
+        &[("fig6_contraction", &|| figure::contraction(&curves, &options))],
+        &Terminal::new(true),
+    )?;
     let Some(strongest) = runs.last() else { return Ok(()) };
     let recording = strongest.recording;
     let fibres = vec![myospring::mesh::quality::long_axis(mesh); mesh.simplices.len()];
@@ -143,6 +149,7 @@ fn figures(
                 figure::action_potential_and_tension(recording, stimuli)
             }),
         ],
+        &Terminal::new(true),
     )
 }
 

@@ -2,68 +2,12 @@
 
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
+use myospring::experiment::legible;
 use std::io::{self, IsTerminal, Write};
-
-/// Letters of a message that are printed, and of a word in it: a field of a damaged file may be as long as the file.
-const LONGEST: usize = 6000;
-const LONGEST_WORD: usize = 300;
-/// Digits of a number that is printed as it is.
-const MOST_DIGITS: usize = 30;
 
 /// Data, to stdout. A reader that has gone away, like `head`, is no error; a full disk is one.
 pub(crate) fn out(text: &str) -> Result<(), Failure> {
-    check(write(io::stdout().lock(), &visible(text)))
-}
-
-/// A text whose control characters are written out, so that a name of a file does nothing to the terminal.
-fn visible(text: &str) -> String {
-    let mut plain = String::with_capacity(text.len());
-    for letter in text.chars() {
-        if letter.is_control() && !['\n', '\t'].contains(&letter) {
-            plain.extend(letter.escape_default());
-        } else {
-            plain.push(letter);
-        }
-    }
-    plain
-}
-
-/// A message that is safe to print and no longer than a person reads.
-pub(crate) fn message(text: &str) -> String {
-    let text = with_powers(text);
-    let words = text.split_inclusive(char::is_whitespace).map(|word| shortened(word, LONGEST_WORD));
-    visible(&shortened(&words.collect::<String>(), LONGEST))
-}
-
-/// A text whose numbers of very many digits have a power of ten instead: `1e300`.
-pub fn with_powers(text: &str) -> String {
-    let mut short = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(at) = rest.find(|letter: char| letter.is_ascii_digit()) {
-        let (before, from) = rest.split_at(at);
-        let end = from.find(|letter: char| !letter.is_ascii_digit() && letter != '.');
-        // A full stop ends the sentence.
-        let number = from[..end.unwrap_or(from.len())].trim_end_matches('.');
-        let value = number.parse::<f64>().ok().filter(|value| value.is_finite());
-        short.push_str(before);
-        match value {
-            Some(value) if number.len() > MOST_DIGITS => short.extend([format!("{value:e}")]),
-            _ => short.push_str(number),
-        }
-        rest = &from[number.len()..];
-    }
-    short + rest
-}
-
-/// The start and the end of a text that is longer.
-fn shortened(text: &str, longest: usize) -> String {
-    let length = text.chars().count();
-    if length <= longest {
-        return text.to_owned();
-    }
-    let start: String = text.chars().take(longest * 2 / 3).collect();
-    let end: String = text.chars().skip(length - longest / 4).collect();
-    format!("{start} ... ({length} characters) ... {end}")
+    check(write(io::stdout().lock(), &legible::visible(text)))
 }
 
 /// A message, to stderr.
@@ -93,7 +37,7 @@ fn write(mut stream: impl Write, text: &str) -> io::Result<()> {
 pub(crate) fn warn(text: &str) {
     let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let (start, end) = if colour { ("\u{1b}[33m", "\u{1b}[0m") } else { ("", "") };
-    note(&format!("{start}warning:{end} {}", message(text)));
+    note(&format!("{start}warning:{end} {}", legible::message(text)));
 }
 
 /// A bar on a terminal, else one that is not seen.
@@ -107,21 +51,4 @@ pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_comes_from_files_neither_moves_the_cursor_nor_fills_the_terminal() {
-        assert_eq!(message("a\u{1b}[2Jb.csv\nc"), "a\\u{1b}[2Jb.csv\nc");
-        let zeros = "0".repeat(300);
-        let numbers = message(&format!("v1.2 is 1{zeros} um, -0.{zeros}5, 12.50 kPa and 20 nm."));
-        assert_eq!(numbers, "v1.2 is 1e300 um, -5e-301, 12.50 kPa and 20 nm.");
-        let long = message(&format!("`{}` is no number", "9".repeat(100_000)));
-        assert!(long.len() < 400 && long.contains(" characters) "), "{long}");
-        assert!(long.ends_with("9` is no number"), "{long}");
-        assert!(message(&"9 ".repeat(100_000)).len() < 7000);
-    }
 }

@@ -1,10 +1,11 @@
 //! What there is to see of a picture of which no cell is taken: an overlay beside the refusal.
 
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::overlay;
-use crate::reads;
-use crate::results::{self, Folder};
 use crate::segment::report::{Chosen, Report};
+use crate::terminal::Terminal;
+use myospring::experiment::Folder;
 use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
 use myospring::microscopy::segment::{Choice, SegmentError};
 use myospring::output::files::{MANIFEST, Manifest};
@@ -115,20 +116,20 @@ impl Refused<'_> {
         match &self.place {
             Place::File(file) => {
                 let file = if file.exists() { &refused_beside(file) } else { file };
-                results::write_in_folder(file, figure.to_png(DPI)?)?;
+                FILES.write_in_folder(file, figure.to_png(DPI)?)?;
                 Ok(file.clone())
             }
             Place::Folder(target) => {
                 let free = !target.exists() || is_all_there_is(target);
                 let target = if free { target } else { &refused_beside(target) };
-                let folder = Folder::claim(target, is_all_there_is(target))?;
+                let folder = Folder::claim(target, is_all_there_is(target), &FILES)?;
                 folder.write(OVERLAY, figure.to_png(DPI)?)?;
                 if has_cells {
                     let mut report = Report::of(self.picture.to_owned(), seen, chosen, Vec::new());
                     report.refused = notes.first().cloned();
                     folder.write(REPORT, json::for_people(&report)?)?;
                 }
-                Ok(folder.finish()?.join(OVERLAY))
+                Ok(folder.finish(&Terminal::new(true))?.join(OVERLAY))
             }
         }
     }
@@ -151,7 +152,7 @@ pub(crate) fn is_all_there_is(folder: &Path) -> bool {
     };
     names.iter().any(|name| name == OVERLAY)
         && names.iter().all(ours)
-        && Manifest::of(folder).check_replaceable(&reads::all()).is_ok()
+        && Manifest::of(folder).check_replaceable(&FILES.reads()).is_ok()
 }
 
 /// Whether the picture shows what the refusal is about.

@@ -9,15 +9,17 @@ pub(crate) mod words;
 use crate::args::RunArgs;
 use crate::exit::ExitCode;
 use crate::failure::{BAD_INPUT, Failure};
+use crate::files::FILES;
 use crate::input::{self, Input};
 use crate::interrupt;
 use crate::outputs;
 use crate::print;
-use crate::results::Folder;
 use crate::summary::Numbers;
+use crate::terminal::Terminal;
 use keep::Kept;
 pub use keep::Over;
 use myospring::compare::factor;
+use myospring::experiment::Folder;
 use myospring::integrate::stencil;
 use myospring::output::json;
 use myospring::settings::Made;
@@ -39,11 +41,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     }
     let target = args.output.output.clone().unwrap_or_else(|| Path::new("results").join(&name));
     if !args.dry_run {
-        Folder::check(&target, args.output.force)?;
+        Folder::check(&target, args.output.force, &FILES)?;
     }
     let Input { name, mut run, bytes, shaped } = input::mesh(name, run, results)?;
     let Made { mut simulation, report, outline, fibres, picture } =
-        run.make(shaped, |file| crate::reads::bytes(file))?;
+        run.make(shaped, |file| FILES.bytes(file))?;
     // What repeats the run is what was taken.
     run.fibre = fibres.taken;
     timings.mesh_s = start.elapsed().as_secs_f64();
@@ -68,7 +70,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     interrupt::heed("the run ends here, and what it has computed is written");
-    let folder = Folder::claim(&target, args.output.force)?;
+    let folder = Folder::claim(&target, args.output.force, &FILES)?;
 
     let outcome = watch::beat(&prepared, quiet, &mut timings);
 
@@ -90,14 +92,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         fibres: &fibres,
         picture: picture.as_ref(),
         outcome: &outcome,
-        read: &|file| crate::reads::bytes(file),
+        read: &|file| FILES.bytes(file),
     };
     let summary = over.summary(warnings);
     let numbers =
         Numbers { summary: &summary, fibres: of_picture.as_ref(), integration: outcome.effort };
     let Kept { written, recorded } =
         over.keep(&folder, &numbers, &outputs, args.look, (&mut timings, start, stage))?;
-    let target = folder.finish()?;
+    let target = folder.finish(&Terminal::new(true))?;
 
     if args.output.json {
         #[derive(Serialize)]

@@ -7,10 +7,12 @@ use crate::args::SegmentArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::fibres;
+use crate::files::FILES;
 use crate::overlay::{self, Lattice};
 use crate::refused::{self, Place, Refused};
-use crate::results::Folder;
-use crate::{input, interrupt, print, reads, results};
+use crate::terminal::Terminal;
+use crate::{input, interrupt, print};
+use myospring::experiment::Folder;
 use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
 use myospring::microscopy::outlines::raster::{write_labels_png, write_mask_png};
 use myospring::microscopy::outlines::{
@@ -51,11 +53,11 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     }
     let target = into.unwrap_or_else(|| folder(&name));
     if args.output.iter().all(|output| *output == target) {
-        Folder::check(&target, args.force || refused::is_all_there_is(&target))?;
+        Folder::check(&target, args.force || refused::is_all_there_is(&target), &FILES)?;
     } else {
         may_be_written(args)?;
     }
-    let bytes = run.shape.bytes(|file| reads::bytes(file))?;
+    let bytes = run.shape.bytes(|file| FILES.bytes(file))?;
     let picture = args.input.display().to_string();
     let place = match args.output.first().filter(|file| **file != target) {
         Some(first) => Place::File(beside(first)),
@@ -184,7 +186,7 @@ fn write(
     let named = named(chosen.iter().map(|chosen| &chosen.cell));
     if args.output.iter().all(|output| output == target) {
         let force = args.force || refused::is_all_there_is(target);
-        let folder = Folder::claim(target, force)?;
+        let folder = Folder::claim(target, force, &FILES)?;
         let one = if named.len() == 1 { "cell.roi" } else { "cells.zip" };
         for file in ["outline.geojson", "mask.png", one] {
             folder.write(file, encoded(Path::new(file), &named, &frame)?)?;
@@ -196,7 +198,7 @@ fn write(
             Some((chosen.cell.name.as_str(), mesh, fibres))
         });
         fibres::write(&folder, with_fibres)?;
-        return Ok(vec![folder.finish()?.display().to_string()]);
+        return Ok(vec![folder.finish(&Terminal::new(true))?.display().to_string()]);
     }
     let overlay = beside(&args.output[0]);
     let encoded: Vec<Vec<u8>> =
@@ -217,7 +219,7 @@ fn named<'a>(cells: impl Iterator<Item = &'a PictureCell>) -> Vec<NamedOutline> 
 fn may_be_written(args: &SegmentArgs) -> Result<(), Failure> {
     let overlay = args.output.first().map(|first| beside(first));
     for file in args.output.iter().chain(&overlay) {
-        results::check_file(file)?;
+        FILES.check_writable(file)?;
         if file.exists() && !args.force {
             let message = format!("`{}` already exists", file.display());
             let failure = Failure::new(message);
@@ -232,7 +234,7 @@ fn write_files<'a>(
 ) -> Result<Vec<String>, Failure> {
     files
         .map(|(file, content)| {
-            results::write_in_folder(file, content)?;
+            FILES.write_in_folder(file, content)?;
             Ok(file.display().to_string())
         })
         .collect()

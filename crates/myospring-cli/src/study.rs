@@ -10,7 +10,8 @@ use crate::args::{
 use crate::batch::damaged;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
-use crate::{input, interrupt, lists, print, progress, reads};
+use crate::files::FILES;
+use crate::{interrupt, lists, print, progress};
 use files::TABLE;
 pub use files::save;
 use files::{FIGURES, draw, write};
@@ -44,7 +45,7 @@ pub(crate) fn study(args: &StudyArgs) -> Result<ExitCode, Failure> {
 fn read_study(path: &Path) -> Result<(String, ParameterStudy), Failure> {
     let named =
         |cause: &dyn std::fmt::Display| Failure::new(format!("`{}`: {cause}", path.display()));
-    let text = input::text(path)?;
+    let text = FILES.text(path)?;
     let study = ParameterStudy::from_toml(&text, beside(path)).map_err(|error| {
         named(&error).advise("`myospring study init` writes a description to start from")
     })?;
@@ -54,7 +55,7 @@ fn read_study(path: &Path) -> Result<(String, ParameterStudy), Failure> {
 /// Reads files as a description names them: beside it.
 fn beside(path: &Path) -> impl Fn(&str) -> io::Result<Vec<u8>> + Sync {
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    move |file: &str| reads::bytes(folder.join(file))
+    move |file: &str| FILES.bytes(folder.join(file))
 }
 
 fn target(output: Option<&PathBuf>, study: &Path) -> PathBuf {
@@ -83,15 +84,15 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
         args.shard.as_deref().map_or(Ok(Shard::WHOLE), str::parse).map_err(Failure::new)?;
     let folder = if args.shard.is_some() { shard_folder(&target, shard) } else { target.clone() };
     // Before anything beats, and once more when all files are known.
-    reads::all().check_folder(&folder)?;
+    FILES.reads().check_folder(&folder)?;
     if output.force {
-        Manifest::of(&folder).check_replaceable(&reads::all())?;
+        Manifest::of(&folder).check_replaceable(&FILES.reads())?;
     }
     let common = Common::new(&study, read).map_err(Failure::new)?;
     let journal = if output.force {
-        Journal::begin_anew(&folder, &study.settings(&common), &reads::all())?
+        Journal::begin_anew(&folder, &study.settings(&common), &FILES.reads())?
     } else {
-        Journal::open_beside(&folder, &study.settings(&common), &reads::all())?
+        Journal::open_beside(&folder, &study.settings(&common), &FILES.reads())?
     };
     let manifest = journal.manifest().unwrap_or_else(|| Manifest::of(&folder));
     let common = common.keeping_traces(&folder, shard)?;
@@ -139,8 +140,8 @@ fn merge(args: &StudyMergeArgs) -> Result<ExitCode, Failure> {
         |error: io::Error| Failure::new(format!("cannot read `{}`: {error}", target.display()));
     let all = study.values.members();
     let manifest = Manifest::of(&target);
-    reads::all().check_folder(&target)?;
-    manifest.check_reads(&reads::all())?;
+    FILES.reads().check_folder(&target)?;
+    manifest.check_reads(&FILES.reads())?;
     let mut rows = Vec::new();
     let mut parts: Vec<(Shard, PathBuf)> = Vec::new();
     for entry in std::fs::read_dir(&target).map_err(failed)? {
@@ -217,11 +218,11 @@ fn figures(args: &StudyFiguresArgs) -> Result<ExitCode, Failure> {
         Failure::new(format!("`{}`: {cause}", table.display()))
             .advise("`myospring study run` or `myospring study merge` writes it")
     };
-    let rows = reads::bytes(&table).map_err(|error| named(&error))?;
+    let rows = FILES.bytes(&table).map_err(|error| named(&error))?;
     let answer = Answer::from_csv(&study, &common.units, &rows).map_err(|error| named(&error))?;
     let sensitivity = answer.sensitivity().unwrap_or_default();
     let manifest = Manifest::of(&target);
-    manifest.part(FIGURES).check_reads(&reads::all())?;
+    manifest.part(FIGURES).check_reads(&FILES.reads())?;
     let (count, left_out) = draw(&answer, &common, &sensitivity, &manifest)?;
     manifest.settle()?;
     for warning in &left_out {

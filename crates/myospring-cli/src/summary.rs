@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::fibres;
-use crate::results::Folder;
+use myospring::experiment::Folder;
 use myospring::output::report::Summary;
 use myospring::output::{csv, json};
 use myospring::settings::{FibreReport, Fibres, Run};

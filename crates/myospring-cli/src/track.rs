@@ -10,11 +10,13 @@ pub(crate) use outputs::{DEFAULT, words};
 use crate::args::TrackArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::input;
 use crate::interrupt;
 use crate::print;
-use crate::results::Folder;
+use crate::terminal::Terminal;
 use follow::Asked;
+use myospring::experiment::Folder;
 use myospring::microscopy::outlines::{NamedOutline, write_geojson};
 use myospring::output::{json, track as table};
 use report::Report;
@@ -28,7 +30,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     let target = args.output.output.clone();
     let target = target.unwrap_or_else(|| Path::new("results").join(format!("{name}_track")));
     // Before the work, so that nothing is worked on that cannot be written.
-    let folder = Folder::claim(&target, args.output.force)?;
+    let folder = Folder::claim(&target, args.output.force, &FILES)?;
     let found = follow::cell(&args.input, &asked, &args.output)?;
     interrupt::heed("the frames that are done are written");
     let followed = follow::film(found, &asked, args.output.quiet)?;
@@ -44,7 +46,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     let outline = NamedOutline { name, outline: followed.shaped.outline.clone() };
     folder.write("outline.geojson", write_geojson(&[outline]))?;
     outputs::write(&folder, &args.outputs, &followed, &report)?;
-    let target = folder.finish()?;
+    let target = folder.finish(&Terminal::new(true))?;
     if args.output.json {
         print::out(&json::for_people(&report)?)?;
     } else {

@@ -1,6 +1,7 @@
 //! Messages in the words of Python: what the library says of run files and of the program's options, as arguments.
 
 use crate::settings::name;
+use myospring::experiment::legible;
 use myospring::settings::{Kind, Setting, table};
 use myospring::units;
 use pyo3::prelude::*;
@@ -33,7 +34,7 @@ const OF_FOLDERS: [(&str, &str); 3] =
 
 /// A message with the names of Python instead of those of run files and options.
 pub(crate) fn in_python(message: &str) -> String {
-    let mut message = myospring_cli::with_powers(message);
+    let mut message = legible::with_powers(message);
     for (said, in_python) in OF_FOLDERS {
         message = message.replace(said, in_python);
     }

@@ -43,7 +43,8 @@
 //! [`analysis`] makes metrics of it and `output` files and figures; `measured` reads curves of real cells; `settings` has what a user may choose, one row
 //! each, and `run_file` reads what was written;
 //! `fit` finds a cell's own parameters in its curve, and `tension_map` where it pulls in its film;
-//! `compare` lays runs side by side; `study` does that for many at once; [`references`] has the papers that all of these cite.
+//! `compare` lays runs side by side; `study` does that for many at once; `experiment` is what a laboratory does in
+//! one go, from files to a folder of results; [`references`] has the papers that all of these cite.
 //!
 //! # Features
 //! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) and `study` (many runs) are on by
@@ -69,6 +70,8 @@ pub use myospring_output as output;
 
 #[cfg(feature = "run-file")]
 pub mod compare;
+#[cfg(feature = "study")]
+pub mod experiment;
 #[cfg(feature = "study")]
 pub mod fit;
 #[cfg(feature = "run-file")]

@@ -40,7 +40,7 @@ pub(crate) fn tables(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 }
 
 fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |error| crate::input::cannot_read(folder, &error);
+    let failed = |error| Failure::unread(folder, &error);
     let entries = fs::read_dir(folder).map_err(failed)?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
     let all: Result<Vec<PathBuf>, _> = paths.collect();

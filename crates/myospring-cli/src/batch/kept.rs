@@ -1,12 +1,14 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
-use crate::inputs::Inputs;
+use crate::files::FILES;
 use crate::look::Look;
 use crate::outputs::Finished;
-use crate::results::Folder;
 use crate::run::resolved;
 use crate::summary::{self, Numbers};
+use crate::terminal::Terminal;
 use crate::{outputs, overlay};
+use myospring::experiment::Folder;
+use myospring::experiment::Inputs;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files::Manifest;
 use myospring::study::Cause;
@@ -50,7 +52,7 @@ impl Keeper for Kept<'_> {
             beaten;
         let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
         let place = format!("{CELLS}/{name}");
-        let folder = Folder::claim_part(self.manifest.part(&place))?;
+        let folder = Folder::claim_part(self.manifest.part(&place), &FILES)?;
         let report = fibres.report();
         let numbers = Numbers { summary, fibres: Some(&report), integration: finished.effort };
         let stimuli = run.stimulus_times();
@@ -80,7 +82,7 @@ impl Keeper for Kept<'_> {
                 inputs: &Inputs::default(),
             },
         )?;
-        folder.finish()?;
+        folder.finish(&Terminal::new(true))?;
         Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::input;
 use crate::options::{Beat, Settings};
 use myospring::run_file::Origin;
@@ -38,7 +39,7 @@ pub(super) fn pictures(
 }
 
 fn of_table(table: &Path, folder: Option<&Path>) -> Result<(Vec<Picture>, Vec<String>), Failure> {
-    let bytes = crate::reads::bytes(table).map_err(|error| input::cannot_read(table, &error))?;
+    let bytes = FILES.bytes(table).map_err(|error| Failure::unread(table, &error))?;
     let beside = folder.or(table.parent()).unwrap_or(Path::new(""));
     let pictures = read_table(&bytes, &table.display().to_string(), beside).map_err(|error| {
         Failure::new(error).advise(

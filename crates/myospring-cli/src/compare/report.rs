@@ -3,11 +3,11 @@
 use super::side::{Shown, Side};
 use crate::cite;
 use crate::failure::Failure;
-use crate::inputs::Inputs;
 use crate::page::{FILE, parameters};
 use crate::print;
-use crate::results::Folder;
 use myospring::analysis::beat::Beats;
+use myospring::experiment::Folder;
+use myospring::experiment::Inputs;
 use myospring::output::field::Field;
 use myospring::output::page::{self, Difference, Page, PageRun};
 use myospring::output::report::Summary;

@@ -2,10 +2,10 @@
 
 use super::Told;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::input::{self, Input};
 use crate::interrupt;
 use crate::options::Given;
-use crate::reads;
 use indicatif::ProgressBar;
 use myospring::compare::factor::{self, Factor, Scaled};
 use myospring::compare::setting;
@@ -101,7 +101,7 @@ impl Side {
 
 /// Refuses a folder without results, and one whose results are not those that the run wrote.
 pub(super) fn check_folder(folder: &Path) -> Result<(), Failure> {
-    reads::note(folder);
+    FILES.note(folder);
     let missing = [RUN_FILE, CURVES].into_iter().find(|name| !folder.join(name).is_file());
     if let Some(name) = missing {
         let message =
@@ -239,7 +239,7 @@ impl Job {
         let path = self.path.as_deref();
         let (name, run, scaled) = self.run()?;
         let Input { mut run, bytes, shaped, .. } = input::mesh(name, run, None)?;
-        let mut made = run.make(shaped, |file| crate::reads::bytes(file))?;
+        let mut made = run.make(shaped, |file| FILES.bytes(file))?;
         run.fibre = made.fibres.taken;
         // One thread each: the runs go side by side.
         made.simulation.numerics.engine.threads = 1;
@@ -277,7 +277,7 @@ impl Job {
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|error| input::cannot_read(path, &error))
+    std::fs::read_to_string(path).map_err(|error| Failure::unread(path, &error))
 }
 
 impl Shown {
@@ -291,13 +291,13 @@ impl Shown {
 
 /// A run on its mesh, where what it is made of is there.
 fn meshed(run: &Run) -> Option<Made> {
-    let shaped = run.shape.mesh(&run.shape.bytes(|file| crate::reads::bytes(file)).ok()?).ok()?;
-    run.make(shaped, |file| crate::reads::bytes(file)).ok()
+    let shaped = run.shape.mesh(&run.shape.bytes(|file| FILES.bytes(file)).ok()?).ok()?;
+    run.make(shaped, |file| FILES.bytes(file)).ok()
 }
 
 /// The frames that a run has kept, where it has.
 fn frames_of(folder: &Path) -> Option<frames::Kept> {
-    frames::read(&crate::reads::bytes(folder.join(FRAMES)).ok()?).ok()?
+    frames::read(&FILES.bytes(folder.join(FRAMES)).ok()?).ok()?
 }
 
 /// An outline of its rings, the rim first.

@@ -4,11 +4,13 @@ use super::map::{self, Mapped};
 use super::page;
 use super::shapes::{self, Shapes};
 use crate::failure::Failure;
-use crate::inputs::Inputs;
+use crate::files::FILES;
 use crate::interrupt;
 use crate::page::FILE;
-use crate::results::Folder;
 use crate::run::resolved;
+use crate::terminal::Terminal;
+use myospring::experiment::Folder;
+use myospring::experiment::Inputs;
 use myospring::fit::{Estimate, Fit, FitVerdict, Fitter};
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::mesh::outline::Outline;
@@ -83,7 +85,7 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
     let records = records(cells, context);
     let shared = context.fitter.simulation().shared_path(Tolerance::default()).ok();
     let mut inputs = Inputs::default();
-    inputs.keep(folder, context.run.to_run_file(), |file| crate::reads::bytes(file))?;
+    inputs.keep(folder, context.run.to_run_file(), |file| FILES.bytes(file))?;
     for (number, (cell, record)) in cells.iter().zip(&records).enumerate() {
         let within = if cells.len() > 1 { format!("cells/{}/", number + 1) } else { String::new() };
         let up = if within.is_empty() { "" } else { "../../" };
@@ -99,7 +101,7 @@ pub(super) fn write(folder: &Folder, cells: &[Cell], context: &Context<'_>) -> R
         }
         let draw = || figure::fit(&drawn(fit), &profiles(fit));
         let figure = if cells.len() > 1 { format!("fit_{}", number + 1) } else { "fit".to_owned() };
-        folder.figures(Theme::Light, &[(&figure, &draw)])?;
+        folder.figures(Theme::Light, &[(&figure, &draw)], &Terminal::new(true))?;
         match page::beaten(&simulation, shared.as_ref()) {
             Ok(outcome) => {
                 let beat = (&simulation, &outcome);

@@ -5,11 +5,12 @@ use crate::args::FitArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::options::Given;
-use crate::results::Folder;
+use crate::terminal::Terminal;
 use crate::track::follow::{self, Asked, Followed};
 use crate::track::report::Report;
 use crate::{analyse, interrupt, print};
 use myospring::analysis::kind::Kind;
+use myospring::experiment::Folder;
 use myospring::measured::Curve;
 use myospring::microscopy::outlines::{NamedOutline, write_geojson};
 use myospring::output::track::{self as table, TrackRow};
@@ -86,7 +87,7 @@ pub(super) fn curve(args: &FitArgs, rows: &[TrackRow]) -> Result<Curve, Failure>
 
 /// Ends a fit that was interrupted before anything was fitted.
 pub(super) fn only_followed(folder: Folder) -> Result<ExitCode, Failure> {
-    let target = folder.finish()?;
+    let target = folder.finish(&Terminal::new(true))?;
     print::note(&format!(
         "interrupted: nothing was fitted; the frames that were followed are in {}",
         target.display()

@@ -2,8 +2,9 @@
 
 use super::files::csv;
 use crate::failure::Failure;
-use crate::results::Folder;
+use crate::terminal::Terminal;
 use crate::track::follow::Followed;
+use myospring::experiment::Folder;
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, Figure, FigureError, Map, Theme};
 use myospring::output::table::{Column, Table};
@@ -138,7 +139,7 @@ impl<'a> Mapped<'a> {
             folder.write("tension_map.vtu", self.grid()?)?;
         }
         let draw = || self.figure();
-        folder.figures(Theme::Light, &[("tension_map", &draw)])
+        folder.figures(Theme::Light, &[("tension_map", &draw)], &Terminal::new(true))
     }
 
     /// A row for each triangle.

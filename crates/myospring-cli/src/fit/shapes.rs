@@ -2,9 +2,10 @@
 
 use super::files::fitted;
 use crate::failure::Failure;
-use crate::results::Folder;
+use crate::terminal::Terminal;
 use crate::track::follow::Followed;
 use myospring::analysis::shape::laid_upon;
+use myospring::experiment::Folder;
 use myospring::fit::{Fit, Fitter};
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::output::field::{Field, Fields};
@@ -154,7 +155,7 @@ impl<'a> Shapes<'a> {
 
     pub(super) fn write(&self, folder: &Folder) -> Result<(), Failure> {
         let draw = || self.figure();
-        folder.figures(Theme::Light, &[("shapes", &draw)])
+        folder.figures(Theme::Light, &[("shapes", &draw)], &Terminal::new(true))
     }
 }
 

@@ -2,15 +2,15 @@
 
 use super::record::{Record, Stop, Timings, resolved};
 use crate::failure::Failure;
-use crate::inputs::Inputs;
 use crate::look::Look;
 use crate::outputs::{self, Finished, Output};
-use crate::results::Folder;
 use crate::summary::{self, Numbers};
+use crate::terminal::Terminal;
+use myospring::experiment::Inputs;
+use myospring::experiment::{Files, Folder};
 use myospring::mesh::outline::Outline;
 use myospring::mesh::quality::MeshReport;
 use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::output::files::Reads;
 use myospring::output::json;
 use myospring::output::report::Summary;
 use myospring::settings::{Fibres, Run, ShapeBytes};
@@ -74,12 +74,12 @@ impl Over<'_> {
         let start = Instant::now();
         let write = || {
             let outputs = outputs::chosen(outputs)?;
-            let mut reads = Reads::new();
+            let files = Files::default();
             let mut file = self.run.to_run_file();
             for path in file.paths_mut() {
-                reads.add(Path::new(path));
+                files.note(Path::new(path));
             }
-            let folder = Folder::claim_beside(target, force, reads)?;
+            let folder = Folder::claim(target, force, &files)?;
             let summary = self.summary(warnings);
             let fibres = self.picture.map(|_| self.fibres.report());
             let integration = self.outcome.effort;
@@ -90,7 +90,7 @@ impl Over<'_> {
             recorded?;
             match written.errors().first() {
                 Some(error) => Err(Failure::new(error)),
-                None => folder.finish(),
+                None => folder.finish(&Terminal::new(true)),
             }
         };
         write().map_err(|failure: Failure| failure.in_words())

@@ -3,10 +3,10 @@
 use super::record::resolved;
 use crate::args::RunArgs;
 use crate::failure::Failure;
-use crate::inputs::Inputs;
 use crate::outputs::Output;
 use crate::print;
 use crate::table::aligned;
+use myospring::experiment::Inputs;
 use myospring::mesh::quality::MeshReport;
 use myospring::output::json;
 use myospring::settings::{FibreReport, Run};

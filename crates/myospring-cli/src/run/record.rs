@@ -1,7 +1,7 @@
 //! run.json and run.toml: what a run was, and what repeats it.
 
-use crate::inputs::Inputs;
 use crate::outputs;
+use myospring::experiment::Inputs;
 use myospring::integrate::engine::EngineUsed;
 use myospring::settings::Run;
 use myospring::simulation::{Effort, Outcome, Simulation, StopReason};

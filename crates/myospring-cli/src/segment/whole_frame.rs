@@ -4,9 +4,11 @@ use super::DPI;
 use crate::args::SegmentArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::overlay;
 use crate::print;
-use crate::results::Folder;
+use crate::terminal::Terminal;
+use myospring::experiment::Folder;
 use myospring::microscopy::cells::PictureCells;
 use myospring::microscopy::fibres::{Fibre as Place, FibreSettings, SarcomereDoubt, Stain};
 use myospring::microscopy::whole_frame::WholeFrame;
@@ -60,7 +62,7 @@ pub(super) fn read(
         return Err(Failure::new(message).advise("leave --output away, or name a folder"));
     }
     let target = target.unwrap_or_else(|| folder(name));
-    Folder::check(&target, args.force)?;
+    Folder::check(&target, args.force, &FILES)?;
     let settings = match run.fibre {
         Fibre::Auto(asked) => asked.settings(),
         Fibre::Picture(settings) => settings,
@@ -69,7 +71,7 @@ pub(super) fn read(
             return Err(Failure::new(message).advise("leave --fibre away, or give --fibre picture"));
         }
     };
-    let bytes = run.shape.bytes(|file| crate::reads::bytes(file))?;
+    let bytes = run.shape.bytes(|file| FILES.bytes(file))?;
     let cells = source.unsegmented(&bytes)?;
     let frame = WholeFrame::read(&cells, &settings, run.shape.spacing).map_err(Failure::new)?;
     let fibres = report(&frame, &settings);
@@ -172,11 +174,11 @@ fn write(
         order: place.from_picture.then_some(place.order),
         coverage: place.from_picture.then_some(place.coverage),
     };
-    let folder = Folder::claim(target, args.force)?;
+    let folder = Folder::claim(target, args.force, &FILES)?;
     folder.write(crate::fibres::FILE, to_csv(&[("frame", places.iter().map(row).collect())])?)?;
     folder.write("overlay.png", figure.to_png(DPI)?)?;
     folder.write("report.json", json::pretty(report)?)?;
-    folder.finish()
+    folder.finish(&Terminal::new(true))
 }
 
 /// Where the fibres of a whole frame go.

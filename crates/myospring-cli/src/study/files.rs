@@ -1,7 +1,7 @@
 //! The files of a study that is done.
 
 use crate::failure::Failure;
-use crate::inputs::{self, Inputs};
+use myospring::experiment::inputs::{self, Inputs};
 use myospring::output::files::{FileError, Manifest};
 use myospring::output::json;
 use myospring::output::table::{write_csv, write_parquet};

@@ -4,11 +4,11 @@ use super::open;
 use crate::analyse::table::{HIGHEST_FRAME_RATE, frame_rate};
 use crate::args::{OutputArgs, TrackArgs};
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::input;
 use crate::interrupt;
 use crate::options::Given;
 use crate::progress;
-use crate::reads;
 use myospring::microscopy::film::Film;
 use myospring::microscopy::motion::{self, Cell, Motion, Rest, Settings};
 use myospring::microscopy::picture::{PixelSizeSource, StatedPixelSize};
@@ -160,9 +160,8 @@ pub(crate) fn cell(path: &Path, asked: &Asked, output: &OutputArgs) -> Result<Fo
 }
 
 fn outline(source: &PictureSource) -> Result<Option<Vec<u8>>, Failure> {
-    let read = |path: &String| {
-        reads::bytes(path).map_err(|error| input::cannot_read(Path::new(path), &error))
-    };
+    let read =
+        |path: &String| FILES.bytes(path).map_err(|error| Failure::unread(Path::new(path), &error));
     source.outline.as_ref().map(read).transpose()
 }
 

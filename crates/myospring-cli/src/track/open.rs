@@ -1,8 +1,8 @@
 //! Opening films: files and folders that the library reads, all others through ffmpeg.
 
 use crate::failure::Failure;
-use crate::input::{cannot_read, ending, unread_picture};
-use crate::reads;
+use crate::files::FILES;
+use crate::input::{ending, unread_picture};
 use myospring::microscopy::film::{Film, FilmError};
 use myospring::microscopy::picture::Selection;
 use myospring::settings::PICTURE_ENDINGS;
@@ -16,9 +16,9 @@ const FILM_ENDINGS: [&str; 4] = ["tif", "tiff", "avi", "y4m"];
 /// A name for results: that of the film without its ending.
 pub(super) fn name(path: &Path) -> Result<String, Failure> {
     // Before anything else is said about it.
-    let about = fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
-    reads::note(path);
-    let whole = fs::canonicalize(path).map_err(|error| cannot_read(path, &error))?;
+    let about = fs::metadata(path).map_err(|error| Failure::unread(path, &error))?;
+    FILES.note(path);
+    let whole = fs::canonicalize(path).map_err(|error| Failure::unread(path, &error))?;
     let name = if about.is_dir() { whole.file_name() } else { whole.file_stem() };
     Ok(name.unwrap_or_default().to_string_lossy().trim_end_matches(".ome").to_owned())
 }
@@ -37,7 +37,7 @@ pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> 
              and `myospring fit {file} --to CURVE.csv` fits it to a curve"
         ))
     };
-    let about = fs::metadata(path).map_err(|error| cannot_read(path, &error))?;
+    let about = fs::metadata(path).map_err(|error| Failure::unread(path, &error))?;
     if about.is_dir() {
         return Film::of_pictures(pictures(path)?, selection).map_err(failed);
     }
@@ -52,7 +52,7 @@ pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> 
         }
         return Film::read(through_ffmpeg(path, None)?, selection).map_err(failed);
     }
-    let bytes = reads::bytes(path).map_err(|error| cannot_read(path, &error))?;
+    let bytes = FILES.bytes(path).map_err(|error| Failure::unread(path, &error))?;
     match Film::read(bytes, selection) {
         Err(FilmError::Codec { codec }) => {
             Film::read(through_ffmpeg(path, Some(&codec))?, selection).map_err(failed)
@@ -64,12 +64,12 @@ pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> 
 /// The pictures of a folder, not of folders in it.
 fn pictures(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(|error| cannot_read(folder, &error))? {
-        let path = entry.map_err(|error| cannot_read(folder, &error))?.path();
+    for entry in fs::read_dir(folder).map_err(|error| Failure::unread(folder, &error))? {
+        let path = entry.map_err(|error| Failure::unread(folder, &error))?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let is_picture = PICTURE_ENDINGS.contains(&ending(&path).as_str());
         if is_picture && path.is_file() && !name.starts_with('.') {
-            files.push((name, reads::bytes(&path).map_err(|error| cannot_read(&path, &error))?));
+            files.push((name, FILES.bytes(&path).map_err(|error| Failure::unread(&path, &error))?));
         }
     }
     if files.is_empty() {

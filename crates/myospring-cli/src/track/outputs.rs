@@ -4,8 +4,9 @@ use super::follow::Followed;
 use super::report::Report;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::results::{Draw, Folder};
+use crate::terminal::Terminal;
 use clap::builder::{PossibleValue, PossibleValuesParser};
+use myospring::experiment::{Draw, Folder};
 use myospring::microscopy::plane::Plane;
 use myospring::output::figure::{FigureError, Theme, Tracked, TrackedFrame};
 use myospring::output::npz::Array;
@@ -169,7 +170,7 @@ impl Drawn<'_> {
             tracked.summary(&rest, &shortest)
         };
         let figures: [(&str, Draw<'_>); 1] = [("track", &draw)];
-        folder.figures(Theme::default(), &figures)
+        folder.figures(Theme::default(), &figures, &Terminal::new(true))
     }
 
     fn gif(&self, folder: &Folder) -> Result<(), Failure> {

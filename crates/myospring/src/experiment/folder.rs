@@ -1,10 +1,10 @@
 //! The folder of results: whole or not at all.
 
-use crate::failure::Failure;
-use crate::interrupt;
-use crate::reads;
-use myospring::output::figure::{Figure, FigureError, Theme};
-use myospring::output::files::{self, Draft, FileError, Manifest, Reads};
+use super::error::ExperimentError;
+use super::files::Files;
+use super::observer::Observer;
+use crate::output::figure::{Figure, FigureError, Theme};
+use crate::output::files::{self, Draft, FileError, Manifest, Reads};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -15,10 +15,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const DPI: f64 = 300.0;
 
 /// What draws a figure.
-pub(crate) type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
+pub type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 
 /// A folder under way: files go to a hidden folder until all are there.
-pub(crate) struct Folder {
+pub struct Folder {
     target: PathBuf,
     draft: Draft,
     force: bool,
@@ -34,12 +34,11 @@ pub(crate) struct Folder {
 impl Folder {
     /// Makes room for results in `target`. Refused: what [`Folder::check`] refuses, and a folder that another run is
     /// writing to.
-    pub(crate) fn claim(target: &Path, force: bool) -> Result<Self, Failure> {
-        Self::claim_beside(target, force, reads::all())
-    }
-
-    /// As [`Folder::claim`], for results that must not replace any of these files.
-    pub(crate) fn claim_beside(target: &Path, force: bool, reads: Reads) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// What is refused, and a folder that cannot be made.
+    pub fn claim(target: &Path, force: bool, files: &Files) -> Result<Self, ExperimentError> {
+        let reads = files.reads();
         Self::check_beside(target, force, &reads)?;
         let (draft, manifest) = (Self::begin(target)?, Manifest::of(target));
         let (target, written) = (target.to_owned(), Mutex::default());
@@ -48,21 +47,26 @@ impl Folder {
 
     /// Refuses a folder that holds anything, unless `force`; and then one with files that its manifest does not list,
     /// that were changed since, or that were read.
-    pub(crate) fn check(target: &Path, force: bool) -> Result<(), Failure> {
-        Self::check_beside(target, force, &reads::all())
+    ///
+    /// # Errors
+    /// What is refused.
+    pub fn check(target: &Path, force: bool, files: &Files) -> Result<(), ExperimentError> {
+        Self::check_beside(target, force, &files.reads())
     }
 
-    fn check_beside(target: &Path, force: bool, reads: &Reads) -> Result<(), Failure> {
+    fn check_beside(target: &Path, force: bool, reads: &Reads) -> Result<(), ExperimentError> {
         reads.check_folder(target)?;
         if fs::symlink_metadata(target).is_ok() && !target.is_dir() {
             let message =
                 format!("cannot write results to `{}`: it is not a folder", target.display());
-            return Err(Failure::new(message).advise("give a folder like --output results/mine"));
+            return Err(
+                ExperimentError::new(message).advise("give a folder like --output results/mine")
+            );
         }
         if is_occupied(target).map_err(|error| unusable(target, &error))? {
             if !force {
                 let message = format!("`{}` already holds files", target.display());
-                return Err(Failure::new(message).advise(
+                return Err(ExperimentError::new(message).advise(
                     "choose another folder with --output DIR, or replace results with --force",
                 ));
             }
@@ -72,21 +76,24 @@ impl Folder {
     }
 
     /// Makes room in a part of a folder whose manifest lists these files, too; what it lists there is replaced.
-    pub(crate) fn claim_part(part: Manifest) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// A part that another run is writing to, or that holds files which may not be replaced.
+    pub fn claim_part(part: Manifest, files: &Files) -> Result<Self, ExperimentError> {
         let target = part.folder();
-        let (draft, reads, written) = (Self::begin(&target)?, reads::all(), Mutex::default());
+        let (draft, reads, written) = (Self::begin(&target)?, files.reads(), Mutex::default());
         part.check_replaceable(&reads)?;
         Ok(Self { target, draft, force: true, manifest: part, has_manifest: false, reads, written })
     }
 
-    fn begin(target: &Path) -> Result<Draft, Failure> {
+    fn begin(target: &Path) -> Result<Draft, ExperimentError> {
         Draft::begin(target).map_err(|error| match error {
             FileError::NoName { .. } => {
-                Failure::new(format!("`{}` names no folder", target.display()))
+                ExperimentError::new(format!("`{}` names no folder", target.display()))
                     .advise("give a folder like --output results/mine")
             }
             FileError::InUse { .. } => {
-                Failure::new(error).advise("--output DIR names another folder")
+                ExperimentError::new(error).advise("--output DIR names another folder")
             }
             FileError::Folder { source, .. } => unusable(target, &source),
             error => error.into(),
@@ -94,7 +101,10 @@ impl Folder {
     }
 
     /// Writes one file.
-    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), ExperimentError> {
         let path = self.draft.folder().join(name);
         if let Some(parent) = path.parent() {
             files::create_folder(parent)?;
@@ -106,25 +116,28 @@ impl Folder {
     }
 
     /// Where the results will be.
-    pub(crate) fn target(&self) -> &Path {
+    pub fn target(&self) -> &Path {
         &self.target
     }
 
     /// Whether a file of this name was written.
-    pub(crate) fn has(&self, name: &str) -> bool {
+    pub fn has(&self, name: &str) -> bool {
         self.written().contains_key(name)
     }
 
     /// Lets `make` make one file at a path.
-    pub(crate) fn made(
+    ///
+    /// # Errors
+    /// What `make` gives, or that it made no file.
+    pub fn made(
         &self,
         name: &str,
-        make: impl FnOnce(&Path) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+        make: impl FnOnce(&Path) -> Result<(), ExperimentError>,
+    ) -> Result<(), ExperimentError> {
         let path = self.draft.folder().join(name);
         let size = make(&path).and_then(|()| match fs::metadata(&path) {
             Ok(file) => Ok(file.len()),
-            Err(error) => Err(Failure::new(format!("`{name}` was not made: {error}"))),
+            Err(error) => Err(ExperimentError::new(format!("`{name}` was not made: {error}"))),
         });
         if size.is_err() {
             fs::remove_file(&path).ok();
@@ -134,17 +147,17 @@ impl Folder {
     }
 
     /// Bytes of all files that were written.
-    pub(crate) fn bytes(&self) -> u64 {
+    pub fn bytes(&self) -> u64 {
         self.written().values().sum()
     }
 
     /// Names of all files that were written.
-    pub(crate) fn names(&self) -> BTreeSet<String> {
+    pub fn names(&self) -> BTreeSet<String> {
         self.written().keys().cloned().collect()
     }
 
     /// Takes back the files that were written since there were only these.
-    pub(crate) fn withdraw_all_but(&self, names: &BTreeSet<String>) {
+    pub fn withdraw_all_but(&self, names: &BTreeSet<String>) {
         self.written().retain(|name, _| {
             let stays = names.contains(name);
             if !stays {
@@ -161,33 +174,40 @@ impl Folder {
     }
 
     /// Draws figures, on all cores, and writes each as SVG and PNG.
-    pub(crate) fn figures(
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn figures(
         &self,
         theme: Theme,
         figures: &[(&str, Draw<'_>)],
-    ) -> Result<(), Failure> {
+        observer: &dyn Observer,
+    ) -> Result<(), ExperimentError> {
         let themed = |draw: Draw<'_>| draw().map(|figure| figure.themed(theme));
         figures.par_iter().try_for_each(|(name, draw)| {
             // What was computed is kept, whatever becomes of its pictures.
-            if interrupt::is_late() {
-                crate::print::warn(&format!(
-                    "figure {name} is left out: the program was interrupted"
-                ));
+            if observer.is_late() {
+                observer.warn(&format!("figure {name} is left out: the program was interrupted"));
                 return Ok(());
             }
-            self.figure(name, themed(*draw))
+            self.figure(name, themed(*draw), observer)
         })
     }
 
     /// Writes a figure as SVG and PNG; one that cannot be drawn becomes a warning.
-    fn figure(&self, name: &str, figure: Result<Figure, FigureError>) -> Result<(), Failure> {
+    fn figure(
+        &self,
+        name: &str,
+        figure: Result<Figure, FigureError>,
+        observer: &dyn Observer,
+    ) -> Result<(), ExperimentError> {
         match figure.and_then(|figure| Ok((figure.to_png(DPI)?, figure.to_svg()))) {
             Ok((png, svg)) => {
                 self.write(&format!("figures/{name}.svg"), svg)?;
                 self.write(&format!("figures/{name}.png"), png)
             }
             Err(error) => {
-                crate::print::warn(&format!("figure {name} is left out: {error}"));
+                observer.warn(&format!("figure {name} is left out: {error}"));
                 Ok(())
             }
         }
@@ -195,10 +215,13 @@ impl Folder {
 
     /// Gives the folder its name. Earlier results there go, all that the manifest lists. Where that cannot be done without
     /// the loss of another file, which came since it was claimed, the results get a name beside it.
-    pub(crate) fn finish(self) -> Result<PathBuf, Failure> {
+    ///
+    /// # Errors
+    /// Files that cannot be moved.
+    pub fn finish(self, observer: &dyn Observer) -> Result<PathBuf, ExperimentError> {
         let target = &self.target;
         let failed = |error: std::io::Error| {
-            Failure::new(format!("cannot write results to `{}`: {error}", target.display()))
+            ExperimentError::new(format!("cannot write results to `{}`: {error}", target.display()))
         };
         let work = self.draft.folder();
         let names = self.names();
@@ -224,7 +247,7 @@ impl Folder {
             let beside = |number: u32| target.with_file_name(format!("{name}_{number}"));
             let free = (2..10_000).map(beside).find(|path| !path.exists()).unwrap_or(beside(2));
             new_folder(&free)?;
-            crate::print::warn(&format!("{why}; the results are in `{}`", free.display()));
+            observer.warn(&format!("{why}; the results are in `{}`", free.display()));
             return Ok(free);
         }
         // Listed before they are there, so that also a folder that is half replaced can be replaced.
@@ -233,26 +256,6 @@ impl Folder {
         self.manifest.settle()?;
         Ok(target.clone())
     }
-}
-
-/// Refuses a file that a person named where it is one that is read, or where the name is that of no file.
-pub(crate) fn check_file(path: &Path) -> Result<(), Failure> {
-    reads::all().check_file(path)?;
-    Ok(files::check_writable(path)?)
-}
-
-/// Writes a file that a person named, unless [`check_file`] refuses it.
-pub(crate) fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
-    check_file(path)?;
-    Ok(files::write(path, content)?)
-}
-
-/// As [`write_file`], with the folder of the file where there is none.
-pub(crate) fn write_in_folder(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        files::create_folder(folder)?;
-    }
-    write_file(path, content)
 }
 
 /// Whether a folder holds anything that is not hidden.
@@ -264,8 +267,8 @@ fn is_occupied(folder: &Path) -> std::io::Result<bool> {
     Ok(entries.iter().any(|entry| !entry.file_name().to_string_lossy().starts_with('.')))
 }
 
-fn unusable(target: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(format!("cannot write results to `{}`: {error}", target.display()))
+fn unusable(target: &Path, error: &std::io::Error) -> ExperimentError {
+    ExperimentError::new(format!("cannot write results to `{}`: {error}", target.display()))
         .advise("choose a folder that you may write to, like --output results/mine")
 }
 

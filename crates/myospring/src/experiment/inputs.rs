@@ -1,23 +1,23 @@
 //! The files that a run was made from, as its results name them: copied beside the results, so that a folder that is
 //! moved repeats its run, or, where they are large, by their place relative to the results.
 
-use crate::failure::Failure;
-use crate::results::Folder;
-use myospring::run_file::RunFile;
-use myospring::study::sha256;
+use super::error::ExperimentError;
+use super::folder::Folder;
+use crate::run_file::RunFile;
+use crate::study::sha256;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::{fs, io};
 
 /// Where copies go within the results.
-pub(crate) const FOLDER: &str = "inputs";
+pub const FOLDER: &str = "inputs";
 
 /// Largest file that is copied, bytes. Pictures, masks, outlines and tables are smaller; films may be larger.
-pub(crate) const LARGEST_COPY: u64 = 100_000_000;
+pub const LARGEST_COPY: u64 = 100_000_000;
 
 /// Names of files within the results, by their names as the run has them.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Inputs {
+pub struct Inputs {
     names: BTreeMap<String, String>,
     /// Names of copies by their content: files of the same content are one.
     copies: BTreeMap<String, String>,
@@ -25,12 +25,15 @@ pub(crate) struct Inputs {
 
 impl Inputs {
     /// Copies the files that a run file names into the results, large ones aside; `read` reads a file by its name.
-    pub(crate) fn keep(
+    ///
+    /// # Errors
+    /// A copy that cannot be written.
+    pub fn keep(
         &mut self,
         folder: &Folder,
         mut file: RunFile,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), ExperimentError> {
         for path in file.paths_mut() {
             if self.names.contains_key(path) {
                 continue;
@@ -58,12 +61,15 @@ impl Inputs {
     }
 
     /// Copies a file by `write`, unless another of the same content was copied.
-    pub(crate) fn copy(
+    ///
+    /// # Errors
+    /// A copy that cannot be written.
+    pub fn copy(
         &mut self,
         path: &str,
         bytes: &[u8],
-        write: impl FnOnce(&str, &[u8]) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+        write: impl FnOnce(&str, &[u8]) -> Result<(), ExperimentError>,
+    ) -> Result<(), ExperimentError> {
         let content = sha256(bytes);
         let name = if let Some(name) = self.copies.get(&content) {
             name.clone()
@@ -78,7 +84,7 @@ impl Inputs {
     }
 
     /// Names a file that is not copied as it is seen from a folder of the results.
-    pub(crate) fn stays(&mut self, path: &str, folder: &Path) {
+    pub fn stays(&mut self, path: &str, folder: &Path) {
         if let Some(name) = relative(Path::new(path), folder) {
             self.names.insert(path.to_owned(), name);
         }
@@ -96,12 +102,12 @@ impl Inputs {
     }
 
     /// The name of a file within the results, after the way `up` to them; as it is where nothing is known of it.
-    pub(crate) fn name(&self, path: &str, up: &str) -> String {
+    pub fn name(&self, path: &str, up: &str) -> String {
         self.names.get(path).map_or_else(|| path.to_owned(), |name| format!("{up}{name}"))
     }
 
     /// A run file whose files are named relative to a folder of the results, from which `up` leads to their top.
-    pub(crate) fn renamed(&self, mut file: RunFile, up: &str) -> RunFile {
+    pub fn renamed(&self, mut file: RunFile, up: &str) -> RunFile {
         for path in file.paths_mut() {
             *path = self.name(path, up);
         }
@@ -110,7 +116,7 @@ impl Inputs {
 }
 
 /// A path as seen from a folder, with `/`; `None` where there is no way, as from one drive to another.
-pub(crate) fn relative(path: &Path, folder: &Path) -> Option<String> {
+pub fn relative(path: &Path, folder: &Path) -> Option<String> {
     let [path, folder] = [path, folder].map(|it| std::path::absolute(it).map(|it| plain(&it)));
     let (path, folder) = (path.ok()?, folder.ok()?);
     let (path, folder): (Vec<_>, Vec<_>) =

@@ -1,0 +1,66 @@
+//! Experiments: what a laboratory does in one go, from files and options to numbers, figures and a folder of results.
+//!
+//! Each experiment is one module with a description that implements [`Experiment`]; what comes of it is an
+//! [`Outcome`], which knows its numbers and warnings and writes itself into a [`Folder`]. The program, Python and
+//! whoever else offers an experiment parse options, show progress through an [`Observer`], and print. Nothing here
+//! prints, and nothing is kept for the whole process: [`Files`] remembers what was read.
+
+mod error;
+mod files;
+mod folder;
+pub mod inputs;
+pub mod legible;
+mod observer;
+
+pub use error::{ExperimentError, Passage};
+pub use files::Files;
+pub use folder::{Draw, Folder};
+pub use inputs::Inputs;
+pub use observer::Observer;
+
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// The description of an experiment: its files and options.
+pub trait Experiment {
+    /// What comes of it.
+    type Outcome: Outcome;
+
+    /// Does the experiment. Nothing is written.
+    ///
+    /// # Errors
+    /// Files that cannot be read or do not hold what the experiment needs, and options that do not fit them.
+    fn run(&self, files: &Files, observer: &dyn Observer)
+    -> Result<Self::Outcome, ExperimentError>;
+}
+
+/// What came of an experiment.
+pub trait Outcome {
+    /// All numbers, in the form of `summary.json`.
+    fn numbers(&self) -> impl Serialize;
+
+    /// What a reader of the numbers must know, the most important first.
+    fn warnings(&self) -> Vec<String>;
+
+    /// Writes tables, numbers, figures and page.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError>;
+}
+
+/// Writes an outcome into a folder, which `force` lets replace earlier results; where the results are.
+///
+/// # Errors
+/// Those of [`Folder::claim`], [`Outcome::save`] and [`Folder::finish`]; the folder is then as it was before.
+pub fn save(
+    outcome: &impl Outcome,
+    target: &Path,
+    force: bool,
+    files: &Files,
+    observer: &dyn Observer,
+) -> Result<PathBuf, ExperimentError> {
+    let folder = Folder::claim(target, force, files)?;
+    outcome.save(&folder, observer)?;
+    folder.finish(observer)
+}
