@@ -38,6 +38,26 @@ pub struct Sample {
     pub angular_momentum_nn_um_ms: f64,
 }
 
+impl Sample {
+    /// A cell of length, width and area 1 at 0 ms that does nothing and has no potential.
+    pub const STILL: Self = Self {
+        t_ms: 0.0,
+        u: None,
+        vm_mv: None,
+        ta_kpa: 0.0,
+        length_um: 1.0,
+        width_um: 1.0,
+        area_um2: 1.0,
+        shortening_pct: 0.0,
+        elastic_energy_fj: 0.0,
+        kinetic_energy_fj: 0.0,
+        active_work_fj: 0.0,
+        dissipated_energy_fj: 0.0,
+        momentum_nn_ms: 0.0,
+        angular_momentum_nn_um_ms: 0.0,
+    };
+}
+
 /// Something that the cell model tells beside potential and tension, over time: a transient of calcium, a
 /// current.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use super::{
     Metric, Missing, Spread, action_potential, beat_to_beat, contraction, load, reading, rest,
     tension, trace, value,
 };
-use crate::recording::{END_FORCE, Recording, STEEPEST_RISE, Sample, Signal};
+use crate::recording::{CALCIUM, END_FORCE, Recording, STEEPEST_RISE, Sample, Signal};
 use serde::Serialize;
 use std::ops::Deref;
 
@@ -135,6 +135,9 @@ pub struct Beat {
     /// What the beat of an extra stimulus, S2, is against the last of its train; empty of any other.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub s2: Vec<Metric>,
+    /// Levels of free calcium, where that was recorded; [`Beat::value`] knows them, lists of a run leave them out.
+    #[serde(skip)]
+    pub calcium: Vec<Metric>,
     /// Whether the stimulus raised an action potential; where it did not, no metric has a value, but for the intervals
     /// before an S2. `None` where too little was recorded to decide, and of a cell that has no potential.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -160,7 +163,7 @@ impl Beat {
 
     /// The value of a metric by its name.
     pub fn value(&self, name: &str) -> Option<f64> {
-        self.metrics().find(|metric| metric.name == name)?.value
+        self.metrics().chain(&self.calcium).find(|metric| metric.name == name)?.value
     }
 }
 
@@ -293,22 +296,7 @@ impl Deref for Beats {
 /// Every metric of a beat, those of an S2 last, then those of the whole run, in the order of reading and without a
 /// value; `in_mv` says whether potentials are in mV.
 pub fn known(in_mv: bool) -> Vec<Metric> {
-    let still = Sample {
-        t_ms: 0.0,
-        u: Some(0.0),
-        vm_mv: in_mv.then_some(0.0),
-        ta_kpa: 0.0,
-        length_um: 1.0,
-        width_um: 1.0,
-        area_um2: 1.0,
-        shortening_pct: 0.0,
-        elastic_energy_fj: 0.0,
-        kinetic_energy_fj: 0.0,
-        active_work_fj: 0.0,
-        dissipated_energy_fj: 0.0,
-        momentum_nn_ms: 0.0,
-        angular_momentum_nn_um_ms: 0.0,
-    };
+    let still = Sample { u: Some(0.0), vm_mv: in_mv.then_some(0.0), ..Sample::STILL };
     // Their names hang on nothing that was recorded.
     let held = Signal { name: END_FORCE.to_owned(), unit: "nN".to_owned(), values: vec![0.0] };
     let recording = Recording { samples: vec![still], signals: vec![held], frames: Vec::new() };
@@ -324,7 +312,7 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
 /// The metrics of each beat; it ends at the next stimulus that is captured.
 pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
     let Recording { samples, signals, .. } = recording;
-    let force = signals.iter().find(|signal| signal.name == END_FORCE);
+    let force = signals.iter().find(|signal| signal.is(END_FORCE));
     let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
     let captured = match potential(samples) {
         Some((potential, unit)) => capture::of(&times, &potential, unit, stimulus_times_ms),
@@ -333,7 +321,12 @@ pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
     let of = |window: Window| {
         let force = force.and_then(|force| force.values.get(window.within.clone()));
         let captured = captured.get(window.place).copied().flatten();
-        let beat = beat(&samples[window.within.clone()], force, &window, captured);
+        let mut beat = beat(&samples[window.within.clone()], force, &window, captured);
+        let within = window.within.clone();
+        if let Some(values) = calcium(recording).and_then(|values| values.get(within.clone())) {
+            let rest = trace::baseline(&times[within.clone()], values, window.stimulus_ms);
+            beat.calcium = levels(&times[within], values, rest, captured);
+        }
         with_own_upstroke(beat, recording, [window.stimulus_ms, window.next_ms])
     };
     capture::windows(&times, stimulus_times_ms, &captured).into_iter().map(of).collect()
@@ -382,8 +375,32 @@ fn beat(
         without_values(&mut groups);
     }
     let [tension, contraction, shape, load, action_potential] = groups;
-    let (stimulus_ms, s2) = (stimulus, Vec::new());
-    Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured }
+    let (stimulus_ms, s2, calcium) = (stimulus, Vec::new(), Vec::new());
+    Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, calcium, captured }
+}
+
+/// Free calcium, where it was recorded.
+fn calcium(recording: &Recording) -> Option<&[f64]> {
+    Some(&recording.signals.iter().find(|signal| signal.is(CALCIUM))?.values)
+}
+
+/// Levels of the free calcium of a beat.
+fn levels(
+    times: &[f64],
+    values: &[f64],
+    rest: Option<f64>,
+    captured: Option<bool>,
+) -> Vec<Metric> {
+    let peak = trace::peak(times, values).map(|peak| peak.value);
+    let mut levels = [vec![
+        row("diastolic_level", recorded(rest), "uM", "calcium at rest"),
+        row("systolic_level", recorded(peak), "uM", "largest calcium"),
+    ]];
+    if captured == Some(false) {
+        without_values(&mut levels);
+    }
+    let [levels] = levels;
+    levels
 }
 
 /// A beat with the upstroke that the model's own rates had between its stimulus and the next, where they were recorded.
@@ -448,7 +465,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
         (pair.rest(&active), rest::BEFORE_S1),
         &contraction,
     );
-    let force = signals.iter().find(|signal| signal.name == END_FORCE);
+    let force = signals.iter().find(|signal| signal.is(END_FORCE));
     let load = force.map_or_else(Vec::new, |force| {
         let within = of(&force.values);
         load::above(
@@ -480,8 +497,21 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
         &[&tension, &contraction],
     );
     let stimulus_ms = s2_ms;
-    let beat =
-        Beat { stimulus_ms, tension, contraction, shape, load, action_potential, s2, captured };
+    let calcium = calcium(recording).map_or_else(Vec::new, |values| {
+        let within = of(values);
+        levels(&times[within.clone()], &values[within], rest(values), captured)
+    });
+    let beat = Beat {
+        stimulus_ms,
+        tension,
+        contraction,
+        shape,
+        load,
+        action_potential,
+        s2,
+        calcium,
+        captured,
+    };
     Some(with_own_upstroke(beat, recording, [s2_ms, f64::INFINITY]))
 }
 

@@ -21,7 +21,7 @@ const HEIGHTS: [f64; 2] = [90.0, 150.0];
 /// A recording without a force at the ends (nothing held both), or without a finite sample.
 pub fn work_loop(recording: &Recording, stimulus_times_ms: &[f64]) -> Result<Figure, FigureError> {
     let nothing = FigureError::Nothing { what: "forces at the ends" };
-    let force = recording.signals.iter().find(|signal| signal.name == END_FORCE).ok_or(nothing)?;
+    let force = recording.signals.iter().find(|signal| signal.is(END_FORCE)).ok_or(nothing)?;
     let over = |read: fn(&Sample) -> f64| -> Vec<[f64; 2]> {
         let pairs = recording.samples.iter().zip(&force.values);
         pairs.map(|(sample, force)| [read(sample), *force]).collect()

@@ -246,12 +246,18 @@ fn a_loop_of_force_and_length_names_its_end_of_systole_and_the_work_up_to_there(
     let values: Vec<f64> = run.samples.iter().map(|sample| 50.0 * shortening(sample)).collect();
     let most = values.iter().copied().fold(0.0, f64::max);
     let work_pj = 0.5 * most * most / 50.0 / 1000.0;
-    run.signals = vec![Signal { name: END_FORCE.into(), unit: "nN".into(), values }];
-    let figure = work_loop(&run, &[STIMULUS]).unwrap();
-    let text = figure.to_svg();
-    assert!(text.contains(&format!("end of systole, {most:.0} nN")), "{most}");
-    assert!(text.contains(&format!("work on the load {work_pj:.2} pJ")), "{work_pj}");
-    size(&figure);
+    // A run that was read back has the unit in the names of its columns.
+    for (name, unit) in [(END_FORCE, "nN"), ("end_force_nn", "")] {
+        let (name, unit, values) = (name.into(), unit.into(), values.clone());
+        run.signals = vec![Signal { name, unit, values }];
+        let figure = work_loop(&run, &[STIMULUS]).unwrap();
+        let text = figure.to_svg();
+        assert!(text.contains(&format!("end of systole, {most:.0} nN")), "{most}");
+        assert!(text.contains(&format!("work on the load {work_pj:.2} pJ")), "{work_pj}");
+        size(&figure);
+        let beats = myospring::analysis::beat::beats(&run, &[STIMULUS]);
+        assert!((beats[0].value("peak_end_force").unwrap() - most).abs() < 1e-2 * most);
+    }
 }
 
 #[test]

@@ -2,14 +2,14 @@
 //! tension.
 
 use super::super::{Cause, Interrupted};
-use super::course::Course;
+use super::course;
 use super::description::{Varied, Which, run_of};
 use super::member::{Variation, VariationRow};
 use super::told::{TOLD, Timed, shown, told, unit};
 use super::traces::TraceAxes;
 use crate::cell::batch::{self, BatchSettings, Beat, CellOutcome, CellSample, Paced};
 use crate::cell::solve::SolveError;
-use crate::cell::{CellModel, TensionKind};
+use crate::cell::TensionKind;
 use crate::run_file::RunFile;
 use crate::settings::Run;
 use std::collections::BTreeMap;
@@ -130,7 +130,6 @@ impl Alone {
         by_beats: bool,
     ) -> (VariationRow, Vec<f32>) {
         let model = &**self.cell.model();
-        let protocol = self.cell.protocol();
         let in_kpa = |(k, it): (usize, &CellSample)| {
             (k as f64 * interval_ms, CellSample { tension: self.scale * it.tension, ..*it })
         };
@@ -144,10 +143,10 @@ impl Alone {
             let metrics = metrics.map(|name| self.of_beats(&outcome.beats, wanted.beat, name));
             return (VariationRow::done(member.number, metrics.collect()), curves);
         }
-        let course = course(model, &timed);
-        let metrics = course.metrics(protocol, wanted.beat, wanted.metrics);
+        let beats = course::beats(model, self.cell.protocol(), &timed);
+        let metrics = course::metrics(&beats, wanted.beat, wanted.metrics);
         let row = VariationRow::done(member.number, metrics);
-        (row.noting(course.no_capture(protocol)), curves)
+        (row.noting(course::no_capture(&beats)), curves)
     }
 
     /// A metric of the beat that counts, or its mean over the beats.
@@ -161,19 +160,5 @@ impl Alone {
                 (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
             }
         }
-    }
-}
-
-/// The curves of a cell; those that it does not have are empty.
-fn course(model: &dyn CellModel, timed: &[Timed]) -> Course {
-    let column = |read: fn(&CellSample) -> Option<f64>| {
-        timed.iter().filter_map(|(_, sample)| read(sample)).collect()
-    };
-    Course {
-        times: timed.iter().map(|(t_ms, _)| *t_ms).collect(),
-        potential: column(|sample| sample.potential),
-        unit: unit(model),
-        tension: column(|sample| Some(sample.tension)),
-        calcium: column(|sample| sample.calcium_um),
     }
 }
