@@ -39,7 +39,6 @@ mod error;
 mod felt;
 mod fitter;
 mod forecast;
-mod given;
 mod least_squares;
 mod likelihood;
 mod membrane;

@@ -385,12 +385,7 @@ fn calcium(recording: &Recording) -> Option<&[f64]> {
 }
 
 /// Levels of the free calcium of a beat.
-fn levels(
-    times: &[f64],
-    values: &[f64],
-    rest: Option<f64>,
-    captured: Option<bool>,
-) -> Vec<Metric> {
+fn levels(times: &[f64], values: &[f64], rest: Option<f64>, captured: Option<bool>) -> Vec<Metric> {
     let peak = trace::peak(times, values).map(|peak| peak.value);
     let mut levels = [vec![
         row("diastolic_level", recorded(rest), "uM", "calcium at rest"),

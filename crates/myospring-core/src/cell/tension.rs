@@ -6,7 +6,11 @@
 //! on them sharply: `u_peak` lower by 0.003 % raises the peak of `Ta` by about 0.09 %. So whoever
 //! changes `u_peak`, or the height of the upstroke, changes the strength of the cell.
 
-pub mod step;
+pub mod lag;
+mod step;
+pub mod train;
+
+pub use step::Rates;
 
 use super::description::ModelError;
 use crate::parameter::{Parameter, ParameterSet};

@@ -16,6 +16,7 @@ use super::observer::{Observer, Progress, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::{Assembly, Setup};
 use super::{SettingError, SetupError, Simulation, StopReason};
+use crate::cell::tension::lag::Lag;
 use crate::exchange::Sites;
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
 use crate::interruption::{Interrupted, Interruption};
@@ -537,23 +538,16 @@ impl AlongPath<'_> {
         self.setup.simulation.material.retardation_time > 0.0
     }
 
-    /// The tension that shapes the cell at the end of an interval over which the one that acts changes linearly.
-    ///
-    /// Viscous forces that are tau times the rate of the elastic ones make the elastic forces, and with them the
-    /// shape, those of a tension theta:
-    ///
-    /// ```text
-    /// tau dtheta/dt = Ta - theta
-    /// ```
+    /// The tension that shapes the cell at the end of an interval over which the one that acts changes evenly.
     fn lagging(&self, time: f64, [from, to]: [f64; 2]) -> f64 {
         let Simulation { material, numerics, .. } = &self.setup.simulation;
-        let (tau, interval) = (material.retardation_time, numerics.exchange_interval);
         // What has acted for ever before the run has made its shape.
-        if tau == 0.0 || time <= 0.0 {
+        if time <= 0.0 {
             return to;
         }
-        let behind = tau * (to - from) / interval;
-        to - behind + (self.state.tension - from + behind) * (-interval / tau).exp()
+        let lag = Lag::by(material.retardation_time);
+        let [share, kept] = lag.over_line(numerics.exchange_interval, self.state.tension, from);
+        share * to + kept
     }
 }
 

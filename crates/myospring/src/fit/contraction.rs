@@ -2,12 +2,13 @@
 
 use super::error::FitError;
 use super::felt::Felt;
-use super::given::Potential;
 use super::least_squares::Column;
 use super::physics::{Physics, Train};
 use super::table::{Shelf, Tables};
 use super::unknown::Unknown;
-use crate::cell::tension::step::Rates;
+use crate::cell::tension::Rates;
+use crate::cell::tension::lag::Lag;
+use crate::cell::tension::train::Potential;
 use crate::simulation::Simulation;
 use std::sync::Arc;
 
@@ -44,7 +45,7 @@ impl Contraction {
         if let (Some(tension), Some(places)) = (cell.tension_of_potential(), places) {
             let protocol = simulation.protocol;
             let potential = Potential::solve(cell, tension, protocol, before, beats, cycle)?;
-            let rates = Rates::of(tension, simulation.material.retardation_time);
+            let rates = Rates::of(tension, Lag::by(simulation.material.retardation_time));
             let peak = simulation.peak_tension;
             let tables = shelf.tables(simulation, up_to, loaded)?;
             return Ok(Self::Given { potential, rates, places, tables, peak });
@@ -91,13 +92,14 @@ impl Contraction {
                 let by = peak * physics.tension * physics.stiffness;
                 let slopes = |value: &f64| by * tables.with_slope(by * value, physics.stiffness)[1];
                 let slopes: Vec<f64> = tension.iter().map(slopes).collect();
-                let mut columns = potential.by_stimulus(&rates, stimuli, times);
-                for column in &mut columns {
-                    for (value, slope) in column.values.iter_mut().zip(&slopes[column.first..]) {
+                let columns = potential.by_stimulus(&rates, stimuli, times);
+                let column = |(first, mut values): (usize, Vec<f64>)| {
+                    for (value, slope) in values.iter_mut().zip(&slopes[first..]) {
                         *value *= slope;
                     }
-                }
-                Some(columns)
+                    Column { first, values }
+                };
+                Some(columns.into_iter().map(column).collect())
             }
             Self::Felt(felt) => felt.by_stimulus(physics, stimuli, times),
         }

@@ -12,6 +12,7 @@ use super::physics::{Physics, Train};
 use super::table::Tables;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::Method;
+use crate::cell::tension::lag::Lag;
 use crate::cell::{CellModel, TensionKind};
 use crate::integrate::quasi_static::Tolerance;
 use crate::simulation::{Ready, SharedPath, Simulation};
@@ -57,7 +58,7 @@ impl Felt {
         let cycle = train.cycle;
         let made = Mutex::default();
         if Myofilaments::serve(simulation) {
-            let lag = simulation.material.retardation_time;
+            let lag = Lag::by(simulation.material.retardation_time);
             let own = Myofilaments::new(tables()?, *train, lag);
             let interval = own.interval();
             let (way, simulation) = (Way::Myofilaments(own), simulation.clone());

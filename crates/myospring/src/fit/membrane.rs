@@ -20,6 +20,7 @@ use crate::cell::integrator::CellIntegrator;
 use crate::cell::land_2017::{Myofilaments, STATES};
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::Settings;
+use crate::cell::tension::lag::Lag;
 use crate::cell::{CellModel, Filaments};
 use crate::interruption::Interruption;
 use crate::simulation::Simulation;
@@ -33,8 +34,7 @@ pub(super) struct Membrane {
     tables: Arc<Tables>,
     protocol: Protocol,
     settings: Settings,
-    /// Time by which the shape of a viscous cell lags behind its tension, ms; 0 of none.
-    lag: f64,
+    lag: Lag,
     intervals: usize,
     interval: f64,
     interruption: Interruption,
@@ -58,7 +58,7 @@ impl Membrane {
             tables,
             protocol,
             settings: simulation.numerics.cell,
-            lag: simulation.material.retardation_time,
+            lag: Lag::by(simulation.material.retardation_time),
             intervals: train.beats * a_cycle as usize,
             interval: train.cycle / a_cycle,
             interruption: simulation.interruption.clone(),
@@ -101,8 +101,6 @@ impl Membrane {
         let waits = (self.protocol.start_ms / self.interval).floor();
         let begin = self.protocol.start_ms - waits * self.interval;
         cell.advance_to(begin, first, 0.0).ok()?;
-        // theta at the end of an interval over which the tension goes evenly.
-        let (share, e) = self.share();
         for interval in 1..=waits as usize + self.intervals {
             self.interruption.check().ok()?;
             let stretch = past[0];
@@ -121,12 +119,7 @@ impl Membrane {
                 let gone = (xs * (1.0 - reached[0]) + xw * (1.0 - reached[1])) / (xs + xw);
                 (whole, gone)
             };
-            let kept = if self.lag > 0.0 {
-                let g = self.lag / self.interval;
-                g * tension * (1.0 - e) + (theta - tension) * e
-            } else {
-                0.0
-            };
+            let [share, kept] = self.lag.over_line(self.interval, theta, tension);
             let now = meet(&filaments, &self.tables, stiffness, next, [share, kept], whole)?;
             state = whole(now).0;
             tension = filaments.tension(&state, now);
@@ -138,15 +131,6 @@ impl Membrane {
             samples.push(1.0 - now);
         }
         Some(samples.into())
-    }
-
-    /// What the tension at the end of an interval adds to what shapes the cell then, and what is left of what did before.
-    fn share(&self) -> (f64, f64) {
-        if self.lag <= 0.0 {
-            return (1.0, 0.0);
-        }
-        let (g, e) = (self.lag / self.interval, (-self.interval / self.lag).exp());
-        (1.0 - g + g * e, e)
     }
 }
 

@@ -13,17 +13,14 @@
 //! has one solution. What is left are six equations without a rate on their right side, which the classical method of
 //! Runge and Kutta takes in steps of two milliseconds.
 //!
-//! The shape of a viscous cell lags behind its tension by a time `tau`, so it is that of another one, `theta`:
-//!
-//! ```text
-//! lambda = S(theta),   tau dtheta/dt = Ta - theta
-//! ```
+//! The shape of a viscous cell is that of another tension, `theta` ([`Lag`]): `lambda = S(theta)`.
 
 use super::physics::Train;
 use super::table::Tables;
 use crate::cell::CellModel;
 use crate::cell::calcium::Calcium;
 use crate::cell::land_2017::{self, STATES};
+use crate::cell::tension::lag::Lag;
 use crate::simulation::Simulation;
 use std::sync::Arc;
 
@@ -47,8 +44,7 @@ const THETA: usize = STATES;
 pub(super) struct Myofilaments {
     tables: Arc<Tables>,
     train: Train,
-    /// Time by which the shape of a viscous cell lags behind its tension, ms; 0 of none.
-    lag: f64,
+    lag: Lag,
     steady: f64,
 }
 
@@ -59,7 +55,7 @@ struct Way<'a> {
     tables: &'a Tables,
     stiffness: f64,
     distortion: f64,
-    lag: f64,
+    lag: Lag,
 }
 
 impl Myofilaments {
@@ -68,7 +64,7 @@ impl Myofilaments {
         given(&*simulation.cell).is_some() && is_plain(simulation)
     }
 
-    pub(super) fn new(tables: Arc<Tables>, train: Train, lag: f64) -> Self {
+    pub(super) fn new(tables: Arc<Tables>, train: Train, lag: Lag) -> Self {
         Self { tables, train, lag, steady: STEADY }
     }
 
@@ -212,8 +208,9 @@ impl Way<'_> {
         let mut rates = [0.0; STATES + 1];
         let of_filaments = filaments.rates(&whole, self.calcium.at(time), stretch, 0.0);
         rates[..STATES].copy_from_slice(&of_filaments);
-        if self.lag > 0.0 {
-            rates[THETA] = (filaments.tension(&whole, stretch) - state[THETA]) / self.lag;
+        if !self.lag.is_none() {
+            let tension = filaments.tension(&whole, stretch);
+            rates[THETA] = self.lag.rate(state[THETA], tension);
         }
         rates
     }
@@ -227,7 +224,7 @@ impl Way<'_> {
 
     /// The stretch of the mesh.
     fn stretch(&self, state: &State, guess: f64) -> Option<f64> {
-        if self.lag <= 0.0 {
+        if self.lag.is_none() {
             return self.stretch_at_once(state, guess);
         }
         let stretch = 1.0 - self.tables.at(state[THETA], self.stiffness);
@@ -261,8 +258,7 @@ impl Way<'_> {
         let bound = filaments.steady(calcium, 1.0);
         let drawn = filaments.instantaneous_stiffness(&bound, 1.0);
         let gives = self.tables.largest_slope() / self.stiffness;
-        let lagging = if self.lag > 0.0 { (1.0 + gives * drawn) / self.lag } else { 0.0 };
-        let fastest = fastest.max(lagging);
+        let fastest = fastest.max(self.lag.rate(0.0, 1.0 + gives * drawn));
         let steps = (interval * fastest / OF_FASTEST).ceil().max(1.0);
         (steps < 1e4).then_some(steps as usize)
     }
@@ -282,6 +278,7 @@ mod tests {
         for lag in [0.0, 25.0] {
             for (before, cycle) in [(0, 1000.0), (0, 380.0), (10, 380.0)] {
                 let train = Train { before, beats: 8, cycle };
+                let lag = Lag::by(lag);
                 let quick = Myofilaments::new(Arc::clone(&tables), train, lag);
                 let whole = Myofilaments {
                     steady: 0.0,
@@ -293,7 +290,7 @@ mod tests {
                 let off = quick.iter().zip(whole.iter()).map(|(a, b)| (a - b).abs());
                 let off = off.fold(0.0, f64::max);
                 // No state is further from the steady one than it moves in a beat.
-                assert!(off < 1e-9, "{before} beats of {cycle} ms before, lag {lag}: {off}");
+                assert!(off < 1e-9, "{before} beats of {cycle} ms before, {lag:?}: {off}");
             }
         }
     }

@@ -4,11 +4,11 @@ use super::answer::Fit;
 use super::error::FitError;
 use super::fitter::Fitter;
 use super::fitter::ONE_BEAT;
-use super::given::Potential;
 use super::unknown::Unknown;
 use crate::cell::pacing::Protocol;
-use crate::cell::tension::Tension;
-use crate::cell::tension::step::Rates;
+use crate::cell::tension::lag::Lag;
+use crate::cell::tension::train::Potential;
+use crate::cell::tension::{Rates, Tension};
 use crate::cell::{CellModel, TensionKind};
 use crate::integrate::Method;
 use crate::mechanics::material::Stiffness;
@@ -96,5 +96,5 @@ fn own_peak(
     let potential = Potential::solve(cell, law, protocol, fit.beats_before, beats, cycle)?;
     let regular: Vec<f64> = (0..beats).map(|beat| beat as f64 * cycle).collect();
     let end = [regular[beats - 1] + cycle];
-    Ok(potential.tension(&Rates::of(law, 0.0), &regular, &end, &mut Vec::new()))
+    Ok(potential.tension(&Rates::of(law, Lag::NONE), &regular, &end, &mut Vec::new()))
 }

@@ -1,10 +1,8 @@
 //! The tension equations of `coelho_2021` over a step in which the bell `k(V)` is a straight line.
 
 use super::Tension;
+use super::lag::Lag;
 use std::f64::consts::PI;
-
-/// Parts of the lag so short that Simpson's rule is exact to 1e-13.
-const SHORT: f64 = 0.01;
 
 /// The constants that act on the tension alone and not on the potential.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,19 +15,19 @@ pub struct Rates {
     pub x_3: f64,
     /// Width of the bell.
     pub sigma: f64,
-    /// Time by which the shape of a viscous cell lags behind its tension, ms; 0 of none.
-    pub lag: f64,
+    /// How what shapes the cell lags behind its tension.
+    pub lag: Lag,
 }
 
 /// `Ta_i` and `Ta`, and what a cell that lags behind makes of them.
-pub type State = [f64; 3];
+pub(super) type State = [f64; 3];
 
 impl Rates {
     /// Their names as parameters, in the order of the fields.
     pub const NAMES: [&str; 4] = ["c_0", "x_1", "x_3", "sigma"];
 
-    /// Those of a model on a mesh whose shape lags behind its tension by a time, ms.
-    pub fn of(tension: &Tension, lag: f64) -> Self {
+    /// Those of a model on a mesh whose shape lags behind its tension.
+    pub fn of(tension: &Tension, lag: Lag) -> Self {
         let Tension { c_0, x_1, x_3, sigma, .. } = *tension;
         Self { c_0, x_1, x_3, sigma, lag }
     }
@@ -96,16 +94,16 @@ fn risen(z: f64) -> (f64, f64) {
 
 /// What steps of one length share.
 #[derive(Debug, Clone, Copy)]
-pub struct Whole {
+pub(super) struct Whole {
     /// How long they are, ms.
-    pub length: f64,
+    pub(super) length: f64,
     free: Propagator,
     waiting: Propagator,
 }
 
 impl Whole {
     /// Of steps so long, ms.
-    pub fn new(length: f64, rates: &Rates) -> Self {
+    pub(super) fn new(length: f64, rates: &Rates) -> Self {
         let [free, waiting] =
             [rates.c_0, rates.x_1].map(|rate| Propagator::over(length, rate, rates.c_0));
         Self { length, free, waiting }
@@ -114,24 +112,24 @@ impl Whole {
 
 /// A step from node to node.
 #[derive(Debug, Clone, Copy)]
-pub struct Step {
+pub(super) struct Step {
     /// After the stimulus, ms.
-    pub begin: f64,
+    pub(super) begin: f64,
     /// How long it is, ms.
-    pub length: f64,
+    pub(super) length: f64,
     /// `k(V)` at its begin.
-    pub bell: f64,
+    pub(super) bell: f64,
     /// How fast `k(V)` grows, 1/ms.
-    pub slope: f64,
+    pub(super) slope: f64,
     /// Whether `V > x_2` in it.
-    pub above: bool,
+    pub(super) above: bool,
 }
 
 impl Step {
     /// The state so long after the begin of the step.
-    pub fn after(&self, time: f64, state: State, rates: &Rates) -> State {
+    pub(super) fn after(&self, time: f64, state: State, rates: &Rates) -> State {
         let [later, ta] = self.pull(time, state, rates);
-        if rates.lag <= 0.0 {
+        if rates.lag.is_none() {
             return [later, ta, ta];
         }
         // Ta bends where Ta_i passes x_3.
@@ -140,27 +138,11 @@ impl Step {
         [later, ta, self.lagging([bend, time], theta, state, rates)]
     }
 
-    /// `theta` at the end of a part of the step, from that at its begin: `tau d theta/dt = Ta - theta`, exact for a
-    /// parabola through `Ta` at the ends and in the middle.
+    /// `theta` at the end of a part of the step, from that at its begin.
     fn lagging(&self, [begin, end]: [f64; 2], theta: f64, state: State, rates: &Rates) -> f64 {
-        let time = end - begin;
-        if time <= 0.0 {
-            return theta;
-        }
-        let [from, middle, to] =
+        let through =
             [begin, f64::midpoint(begin, end), end].map(|time| self.pull(time, state, rates)[1]);
-        let part = time / rates.lag;
-        let decay = (-part).exp();
-        if part < SHORT {
-            // Simpson's rule, where the parabola's own would be differences of almost nothing.
-            let sum = from * decay + 4.0 * middle * (-0.5 * part).exp() + to;
-            return theta * decay + part * sum / 6.0;
-        }
-        let bend = 4.0 * (from - 2.0 * middle + to) / (time * time);
-        let [first, last] = [4.0 * middle - 3.0 * from - to, 3.0 * to + from - 4.0 * middle]
-            .map(|slope| slope / time);
-        let behind = |ta: f64, slope: f64| ta - rates.lag * (slope - rates.lag * bend);
-        behind(to, last) + (theta - behind(from, first)) * decay
+        rates.lag.over_parabola(end - begin, theta, through)
     }
 
     /// `Ta_i` and `Ta` so long after the begin of the step.
@@ -188,7 +170,12 @@ impl Step {
     }
 
     /// `Ta_i` and `Ta` at its end, by the propagators of that; `None` where `Ta` begins or ceases to wait.
-    pub fn whole(&self, by: &Whole, [ta_i, ta]: [f64; 2], rates: &Rates) -> Option<[f64; 2]> {
+    pub(super) fn whole(
+        &self,
+        by: &Whole,
+        [ta_i, ta]: [f64; 2],
+        rates: &Rates,
+    ) -> Option<[f64; 2]> {
         let later = by.free.early(self.bell, self.slope, ta_i);
         let waits = self.above && ta_i < rates.x_3;
         if waits != (self.above && later < rates.x_3) {
@@ -199,7 +186,7 @@ impl Step {
     }
 
     /// `Ta` where it meets `Ta_i`, which it was below before and is not any more at the end of that time.
-    pub fn top(&self, time: f64, from: State, to: State, rates: &Rates) -> f64 {
+    pub(super) fn top(&self, time: f64, from: State, to: State, rates: &Rates) -> f64 {
         let meets = if self.bell == 0.0 && self.slope == 0.0 {
             // A cell at rest, however long: Ta_i falls as exp(-c_0 t), Ta as (Ta + c_0 Ta_i t) exp(-c_0 t).
             (1.0 - from[1] / from[0]) / rates.c_0

@@ -1,18 +1,17 @@
-//! The contraction of a cell whose tension follows its potential: Eqs. (32)-(35) of `coelho_2021` along a mesh's
-//! equilibria.
+//! The tension of a train of beats that follows the potential, Eqs. (32)-(35) of `coelho_2021`, by exact steps, and what
+//! of it shapes a viscous cell.
 //!
-//! The potential hangs on none of the parameters that a curve tells, so it is solved once. Then a curve is two
-//! equations, linear between their switches, and a look into the table of equilibria. From one node of the grid to the
-//! next the bell `k(V)` of Eq. (34) is a straight line; `Ta_i` and `Ta` are exact there, and a step in which
-//! `Ta_i` passes `x_3` is cut there, so that a curve depends smoothly on every parameter.
+//! The potential depends on none of the rates ([`Rates`]), so it is solved once. Then a curve is two equations, linear
+//! between their switches. From one node of the grid to the next the bell `k(V)` of Eq. (34) is a straight line; `Ta_i`
+//! and `Ta` are exact there, and a step in which `Ta_i` passes `x_3` is cut there, so that a curve depends smoothly on
+//! every rate.
 
-use super::least_squares::Column;
+use super::Tension;
+use super::step::{Rates, State, Step, Whole};
 use crate::cell::CellModel;
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{Method, Settings, SolveError};
-use crate::cell::tension::Tension;
-use crate::cell::tension::step::{Rates, State, Step, Whole};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -41,7 +40,7 @@ struct Node {
 
 /// The potential of a train, beat by beat.
 #[derive(Debug)]
-pub(super) struct Potential {
+pub struct Potential {
     beats: Vec<Beat>,
     /// What widths of the bell make of them, by their bits.
     courses: Mutex<HashMap<u64, Courses>>,
@@ -59,9 +58,12 @@ const MOVED_MS: f64 = 0.02;
 const ALIKE: f64 = 1e-10;
 
 impl Potential {
-    /// Solves the cell for so many stimuli after so many others, a cycle length apart, the first as long after the
-    /// beginning as the protocol says.
-    pub(super) fn solve(
+    /// Solves the cell for this number of stimuli after a number of others, a cycle length apart, the first as long after
+    /// the beginning as the protocol says.
+    ///
+    /// # Errors
+    /// A protocol that the cell cannot follow, or a cell that no step takes further.
+    pub fn solve(
         cell: &Arc<dyn CellModel>,
         tension: &Tension,
         protocol: Protocol,
@@ -110,7 +112,7 @@ impl Potential {
 
     /// What shapes the cell at ascending times, ms, over the peak of `Ta` in the last beat that any of them sees;
     /// `stimuli` are those of the beats, ascending. Before the first stimulus it is 0. Returns that peak.
-    pub(super) fn tension(
+    pub fn tension(
         &self,
         rates: &Rates,
         stimuli: &[f64],
@@ -128,11 +130,16 @@ impl Potential {
         way.peak
     }
 
-    /// Derivatives of [`Potential::tension`] by each of the stimuli, 1/ms.
+    /// Derivatives of [`Potential::tension`] by each of the stimuli, 1/ms: from a place in the times on, 0 elsewhere.
     ///
     /// A stimulus that comes earlier cuts the beat before and moves its own; those after them feel it as long as their
     /// start does.
-    pub(super) fn by_stimulus(&self, rates: &Rates, stimuli: &[f64], times: &[f64]) -> Vec<Column> {
+    pub fn by_stimulus(
+        &self,
+        rates: &Rates,
+        stimuli: &[f64],
+        times: &[f64],
+    ) -> Vec<(usize, Vec<f64>)> {
         let way = self.way(rates, stimuli, times);
         (0..stimuli.len())
             .map(|beat| {
@@ -145,11 +152,11 @@ impl Potential {
                 let by = 1.0 / (2.0 * MOVED_MS * way.peak);
                 let peak = by * (above.peak.unwrap_or(way.peak) - below.peak.unwrap_or(way.peak));
                 if way.peak <= 0.0 {
-                    return Column::default();
+                    return (0, Vec::new());
                 }
                 let local = (0..count).map(|at| by * (value(&above, at) - value(&below, at)));
                 if peak == 0.0 {
-                    return Column { first, values: local.collect() };
+                    return (first, local.collect());
                 }
                 // What all is counted in changes.
                 let mut values: Vec<f64> =
@@ -157,7 +164,7 @@ impl Potential {
                 for (value, local) in values[first..].iter_mut().zip(local) {
                     *value += local;
                 }
-                Column { first: 0, values }
+                (0, values)
             })
             .collect()
     }
@@ -305,7 +312,7 @@ fn one_beat(
     }
     let rests = course.last().map_or(0.0, |last| last.begin + last.length);
     // What lags is found in steps, else rest is one.
-    let length = if rates.lag > 0.0 { COARSE_MS } else { f64::INFINITY };
+    let length = if rates.lag.is_none() { f64::INFINITY } else { COARSE_MS };
     let mut rest = Step { begin: rests, length, bell: 0.0, slope: 0.0, above: false };
     for at in 1.. {
         let has_peaked = walk.state[0] <= walk.state[1];
@@ -344,7 +351,7 @@ impl Walk<'_> {
             && let Some((_, left)) = self.times.split_first()
         {
             let there = step.after((self.due - step.begin).max(0.0), before, rates);
-            into.push(if rates.lag > 0.0 { there[2] } else { there[1] });
+            into.push(there[2]);
             self.times = left;
             self.due = due(left, self.stimulus);
         }
@@ -363,7 +370,7 @@ impl Walk<'_> {
     /// Goes through whole steps in which nothing is asked for and nothing switches, which is nearly all of them, and
     /// returns those from the first other one on.
     fn pass<'s>(&mut self, steps: &'s [Step]) -> &'s [Step] {
-        if self.rates.lag > 0.0 {
+        if !self.rates.lag.is_none() {
             return steps;
         }
         // Numbers of their own: arrays would go through memory from each step to the next.
@@ -399,6 +406,7 @@ mod tests {
     use super::*;
     use crate::cell::adaptive;
     use crate::cell::coelho_2021;
+    use crate::cell::tension::lag::Lag;
 
     /// So many beats after so many others, of the published cell.
     fn potential(before: usize, beats: usize, cycle_ms: f64) -> Potential {
@@ -415,7 +423,7 @@ mod tests {
 
     const BEFORE: usize = 10;
     const PUBLISHED: Rates =
-        Rates { c_0: 0.0166016, x_1: 0.0001, x_3: 0.2925, sigma: 0.046875, lag: 0.0 };
+        Rates { c_0: 0.0166016, x_1: 0.0001, x_3: 0.2925, sigma: 0.046875, lag: Lag::NONE };
 
     #[test]
     fn tension_is_that_of_the_whole_cell_solved_to_a_small_tolerance() {
@@ -451,10 +459,14 @@ mod tests {
         let fine: Vec<f64> = (0..60_000).map(|k| 0.05 * f64::from(k)).collect();
         let few = [10.0, 1510.0];
         for (c_0, lag) in [(0.0166016, 0.0), (0.003, 0.0), (0.001, 0.0), (0.003, 20.0)] {
-            let rates = Rates { c_0, lag, ..PUBLISHED };
+            let rates = Rates { c_0, lag: Lag::by(lag), ..PUBLISHED };
             let mut curve = Vec::new();
-            let peak =
-                potential.tension(&Rates { lag: 0.0, ..rates }, &[0.0, 1500.0], &fine, &mut curve);
+            let peak = potential.tension(
+                &Rates { lag: Lag::NONE, ..rates },
+                &[0.0, 1500.0],
+                &fine,
+                &mut curve,
+            );
             let highest = curve[30_000..].iter().copied().fold(0.0, f64::max);
             assert!((highest - 1.0).abs() < 1e-6, "{c_0} 1/ms: {highest}");
             let again = potential.tension(&rates, &[0.0, 1500.0], &few, &mut curve);
@@ -522,7 +534,12 @@ mod tests {
         let times: Vec<f64> = (0..36_000).map(|k| 0.025 * f64::from(k)).collect();
         let curve = |lag: f64| {
             let mut curve = Vec::new();
-            potential.tension(&Rates { lag, ..PUBLISHED }, &[20.0], &times, &mut curve);
+            potential.tension(
+                &Rates { lag: Lag::by(lag), ..PUBLISHED },
+                &[20.0],
+                &times,
+                &mut curve,
+            );
             curve
         };
         let tension = curve(0.0);
