@@ -7,8 +7,7 @@ mod page;
 mod shapes;
 mod words;
 
-use crate::analyse::folder;
-use crate::analyse::table::{self, Beats, quantity};
+use crate::analyse::table::{self, quantity};
 use crate::args::FitArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
@@ -20,7 +19,7 @@ use crate::track::report::Report;
 use crate::{interrupt, print, progress};
 use files::Cell;
 use map::Mapped;
-use myospring::experiment::Folder;
+use myospring::experiment::{Beats, Folder, tables};
 use myospring::fit::{Fit, FitError, Fitter, Loaded, Observed, Settings, Unknown, of_each_cell};
 use myospring::measured::{Curve, Options};
 use myospring::mechanics::support::SupportKind;
@@ -42,7 +41,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let pixel = args.settings.get("segmentation.pixel_size").and_then(Value::as_text);
     let options =
         table::options(&args.table, pixel, args.until.as_deref().map(|until| ("--until", until)))?;
-    let beats = Beats::of(&args.stimuli, None, false)?;
+    let beats = table::beats(&args.stimuli, None, false)?;
     args.input.iter().chain(&args.to).for_each(|path| FILES.note(path));
     if let Some(target) = &args.output.output {
         Folder::check(target, args.output.force, &FILES)?;
@@ -66,7 +65,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             let curve = curve.part(options.from_ms, options.until_ms).map_err(Failure::new)?;
             (vec![(curve.name.clone(), Ok(curve))], report.warnings.clone())
         }
-        None => curves(&folder::tables(&args.to)?, &options)?,
+        None => curves(&tables::tables(&args.to)?, &options)?,
     };
     notes.extend(taken);
     let loaded = args

@@ -1,5 +1,7 @@
 //! Aligned text tables.
 
+pub(crate) use myospring::experiment::legible::number;
+
 /// Columns of text, left-aligned except those listed in `right`; two spaces between.
 pub(crate) fn aligned(rows: &[Vec<String>], right: &[usize]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -21,20 +23,6 @@ pub(crate) fn aligned(rows: &[Vec<String>], right: &[usize]) -> String {
         text.push('\n');
     }
     text
-}
-
-/// A number for people: four significant digits, no trailing noise.
-pub(crate) fn number(value: f64) -> String {
-    let size = value.abs();
-    let decimals = match size {
-        _ if size >= 1000.0 => 0,
-        _ if size >= 100.0 => 1,
-        _ if size >= 1.0 => 2,
-        _ => 3,
-    };
-    let text = format!("{value:.decimals$}");
-    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
-    if is_zero { text.trim_start_matches('-').to_owned() } else { text }
 }
 
 /// Text broken into lines of at most `width` characters.

@@ -1,6 +1,7 @@
 //! What goes wrong, as Python's own exceptions.
 
 use crate::words;
+use myospring::experiment::ExperimentError;
 use myospring::measured::ReadError;
 use myospring::run_file::RunFileError;
 use myospring::settings::{MakeError, Problem, ShapeError};
@@ -100,6 +101,16 @@ pub(crate) fn of_measured(error: &ReadError) -> PyErr {
     match error {
         ReadError::Read { cause, .. } => of_reading(cause, words::in_python(&error.to_string())),
         _ => value(error),
+    }
+}
+
+/// An experiment that cannot be done.
+pub(crate) fn of_experiment(error: &ExperimentError) -> PyErr {
+    let message = words::in_python(&error.in_words());
+    match error.kind() {
+        Some(io::ErrorKind::NotFound) => PyFileNotFoundError::new_err(message),
+        Some(_) => PyOSError::new_err(message),
+        None => PyValueError::new_err(message),
     }
 }
 

@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 
 /// A curve: name, kind, unit, times (ms), values, stimuli that its file has marks of (ms).
-type Measured = (String, String, String, Vec<f64>, Vec<f64>, Vec<f64>);
+pub(crate) type Measured = (String, String, String, Vec<f64>, Vec<f64>, Vec<f64>);
 
 /// A curve on its way to Python: as [`Measured`], with arrays.
 type Given<'py> = (
@@ -47,6 +47,28 @@ pub(crate) struct Reading {
     skip_gaps: bool,
 }
 
+impl Reading {
+    /// As the library takes it.
+    pub(crate) fn options(self) -> PyResult<Options> {
+        Ok(Options {
+            time: self.time.as_deref().map(Column::of),
+            values: self.columns.iter().map(|name| Column::of(name)).collect(),
+            kind: self.kind.as_deref().map(kind).transpose()?,
+            unit: self.unit,
+            time_unit: self.time_unit,
+            frame_rate_per_s: self.frame_rate_per_s,
+            pixel_size_um: self.pixel_size_um,
+            sheets: self.sheets.iter().map(|name| Column::of(name)).collect(),
+            from_ms: self.from_ms,
+            until_ms: self.until_ms,
+            ignore_marks: self.ignore_marks,
+            mean: self.mean,
+            skip_gaps: self.skip_gaps,
+            ..Options::default()
+        })
+    }
+}
+
 /// What is sought, by name.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -75,22 +97,7 @@ pub(crate) fn read_curves(
     path: PathBuf,
     reading: Reading,
 ) -> PyResult<(Vec<Given<'_>>, Vec<String>)> {
-    let options = Options {
-        time: reading.time.as_deref().map(Column::of),
-        values: reading.columns.iter().map(|name| Column::of(name)).collect(),
-        kind: reading.kind.as_deref().map(kind).transpose()?,
-        unit: reading.unit,
-        time_unit: reading.time_unit,
-        frame_rate_per_s: reading.frame_rate_per_s,
-        pixel_size_um: reading.pixel_size_um,
-        sheets: reading.sheets.iter().map(|name| Column::of(name)).collect(),
-        from_ms: reading.from_ms,
-        until_ms: reading.until_ms,
-        ignore_marks: reading.ignore_marks,
-        mean: reading.mean,
-        skip_gaps: reading.skip_gaps,
-        ..Options::default()
-    };
+    let options = reading.options()?;
     let name = path.display().to_string();
     let table = interruptible(py, |_interruption| match files::read(&path) {
         Ok(bytes) => measured::read_bytes(&name, &bytes, &options),
@@ -184,9 +191,15 @@ fn kind(word: &str) -> PyResult<Kind> {
 const UNITS: [&str; 12] = ["um", "px", "%", "", "a.u.", "nN", "kPa", "uM", "mV", "1", "nm", "mm"];
 
 fn observed(curve: Measured, stimuli: Option<&[f64]>) -> PyResult<Observed> {
-    let (name, word, unit, times_ms, values, marked) = curve;
+    Observed::of(&self::curve(curve)?, stimuli).map_err(errors::value)
+}
+
+/// A curve of arrays.
+pub(crate) fn curve(curve: Measured) -> PyResult<Curve> {
+    let (name, word, unit, times_ms, values, stimuli_ms) = curve;
     let Some(unit) = UNITS.into_iter().find(|known| *known == unit) else {
-        return Err(errors::value(format!("`{unit}` is no unit of a curve that is fitted")));
+        let known = UNITS.map(|unit| format!("\"{unit}\"")).join(", ");
+        return Err(errors::value(format!("`{unit}` is no unit of a curve; there are: {known}")));
     };
     if times_ms.len() != values.len() {
         let message = format!("`{name}` has {} times and {} values", times_ms.len(), values.len());
@@ -200,9 +213,7 @@ fn observed(curve: Measured, stimuli: Option<&[f64]>) -> PyResult<Observed> {
         )));
     }
     let lines = (1..=times_ms.len() as u64).collect();
-    let kind = kind(&word)?;
-    let curve = Curve { name, kind, unit, times_ms, values, lines, stimuli_ms: marked };
-    Observed::of(&curve, stimuli).map_err(errors::value)
+    Ok(Curve { name, kind: kind(&word)?, unit, times_ms, values, lines, stimuli_ms })
 }
 
 /// What cannot be fitted: names that do not exist are a `KeyError`.

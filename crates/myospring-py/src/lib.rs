@@ -5,10 +5,12 @@
 //! of settings ([`settings`]).
 
 mod action_potential;
+mod analyse;
 mod batch;
 mod beat;
 mod cell;
 mod errors;
+mod experiment;
 mod fit;
 mod head;
 mod metrics;
@@ -35,6 +37,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<cell::Cell>()?;
     module.add_class::<beat::Beat>()?;
     module.add_class::<fit::Fitter>()?;
+    module.add_class::<analyse::Analysis>()?;
     module.add_class::<study::Study>()?;
     module.add_class::<study::Members>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
@@ -43,6 +46,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit::read_curves, module)?)?;
     module.add_function(wrap_pyfunction!(batch::simulate_batch, module)?)?;
     module.add_function(wrap_pyfunction!(action_potential::action_potential, module)?)?;
+    module.add_function(wrap_pyfunction!(analyse::analyse, module)?)?;
     module.add_function(wrap_pyfunction!(metrics::metrics, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::tiff, module)?)?;
     module.add_function(wrap_pyfunction!(whole_frame::whole_frame, module)?)?;

@@ -5,13 +5,17 @@
 //! whoever else offers an experiment parse options, show progress through an [`Observer`], and print. Nothing here
 //! prints, and nothing is kept for the whole process: [`Files`] remembers what was read.
 
+pub mod analyse;
+mod beats;
 mod error;
 mod files;
 mod folder;
 pub mod inputs;
 pub mod legible;
 mod observer;
+pub mod tables;
 
+pub use beats::Beats;
 pub use error::{ExperimentError, Passage};
 pub use files::Files;
 pub use folder::{Draw, Folder};

@@ -2,8 +2,8 @@
 
 use crate::args::{StimulusArgs, TableArgs};
 use crate::failure::Failure;
-use myospring::analysis::curve::Options;
-use myospring::measured::{Column, Curve, Kind, Layout, Options as Table};
+use myospring::experiment::Beats;
+use myospring::measured::{Column, Kind, Layout, Options as Table};
 use myospring::units::{self, Dimension};
 
 /// How tables are read; `until` is where the part that counts ends.
@@ -76,12 +76,6 @@ pub(crate) fn frame_rate(text: &str) -> Result<f64, Failure> {
     .advise("give it like --frame-rate 30, as the camera was set"))
 }
 
-/// Shortest and longest interval between stimuli, ms: a tenth of what the fastest hearts beat at, which bounds how many
-/// there are, and that of the setting.
-const PERIODS_MS: [f64; 2] = [10.0, 1e5];
-/// Longest smoothing, ms.
-const MOST_SMOOTHING_MS: f64 = 1e5;
-
 /// A time with its unit, or a number of ms.
 fn time(option: &str, text: &str) -> Result<f64, Failure> {
     match text.trim().parse::<f64>() {
@@ -95,69 +89,30 @@ pub(crate) fn quantity(option: &str, text: &str, dimension: Dimension) -> Result
 }
 
 /// How beats are found and read.
-pub(crate) struct Beats {
-    stimuli_ms: Vec<f64>,
-    period_ms: Option<f64>,
-    start_ms: Option<f64>,
-    smoothing_ms: Option<f64>,
+pub(crate) fn beats(
+    stimuli: &StimulusArgs,
+    smooth: Option<&str>,
     keep_drift: bool,
-}
-
-impl Beats {
-    pub(crate) fn of(
-        stimuli: &StimulusArgs,
-        smooth: Option<&str>,
-        keep_drift: bool,
-    ) -> Result<Self, Failure> {
-        let of = |option: &'static str, text: Option<&str>| {
-            text.map(|text| time(option, text)).transpose()
-        };
-        let has_unit = |text: &String| text.trim().parse::<f64>().is_err();
-        let bare = stimuli.stimulus_times.iter().find(|text| !has_unit(text));
-        // `0,1 s` would be 0 ms and 1 s.
-        if let Some(bare) = bare.filter(|_| stimuli.stimulus_times.iter().any(has_unit)) {
-            return Err(Failure::new(format!(
-                "--stimulus-times: `{bare}` has no unit, and others have one"
-            ))
-            .advise("write each with its unit, decimals with a point: \"100 ms, 1.1 s\""));
-        }
-        let times = stimuli.stimulus_times.iter().map(|text| time("--stimulus-times", text));
-        let period_ms = of("--stimulus-period", stimuli.stimulus_period.as_deref())?;
-        let [least, most] = PERIODS_MS;
-        if let Some(period) = period_ms.filter(|period| !(least..=most).contains(period)) {
-            return Err(Failure::new(format!(
-                "--stimulus-period is {period} ms; it must be at least {least} ms, at most {most} ms"
-            ))
-            .advise("give it with its unit, like --stimulus-period \"1 s\""));
-        }
-        let smoothing_ms = of("--smooth", smooth)?;
-        if let Some(smooth) =
-            smoothing_ms.filter(|smooth| !(0.0..=MOST_SMOOTHING_MS).contains(smooth))
-        {
-            return Err(Failure::new(format!(
-                "--smooth is {smooth} ms; it must be 0 to {MOST_SMOOTHING_MS} ms"
-            )));
-        }
-        Ok(Self {
-            stimuli_ms: times.collect::<Result<_, _>>()?,
-            period_ms,
-            start_ms: of("--stimulus-start", stimuli.stimulus_start.as_deref())?,
-            smoothing_ms,
-            keep_drift,
-        })
+) -> Result<Beats, Failure> {
+    let of =
+        |option: &'static str, text: Option<&str>| text.map(|text| time(option, text)).transpose();
+    let has_unit = |text: &String| text.trim().parse::<f64>().is_err();
+    let bare = stimuli.stimulus_times.iter().find(|text| !has_unit(text));
+    // `0,1 s` would be 0 ms and 1 s.
+    if let Some(bare) = bare.filter(|_| stimuli.stimulus_times.iter().any(has_unit)) {
+        return Err(Failure::new(format!(
+            "--stimulus-times: `{bare}` has no unit, and others have one"
+        ))
+        .advise("write each with its unit, decimals with a point: \"100 ms, 1.1 s\""));
     }
-
-    /// For one curve: regular stimuli end with it, and without any those that its file has marks of are taken.
-    pub(crate) fn within(&self, curve: &Curve) -> Options {
-        let mut stimuli_ms = self.stimuli_ms.clone();
-        if stimuli_ms.is_empty() {
-            stimuli_ms.clone_from(&curve.stimuli_ms);
-        }
-        if let (Some(period), [first, .., last]) = (self.period_ms, &curve.times_ms[..]) {
-            let start = self.start_ms.unwrap_or(*first);
-            let count = ((last - start) / period).floor().clamp(-1.0, 1e6) as i64;
-            stimuli_ms = (0..=count).map(|index| start + index as f64 * period).collect();
-        }
-        Options { stimuli_ms, smoothing_ms: self.smoothing_ms, keep_drift: self.keep_drift }
-    }
+    let times = stimuli.stimulus_times.iter().map(|text| time("--stimulus-times", text));
+    let beats = Beats {
+        stimuli_ms: times.collect::<Result<_, _>>()?,
+        period_ms: of("--stimulus-period", stimuli.stimulus_period.as_deref())?,
+        start_ms: of("--stimulus-start", stimuli.stimulus_start.as_deref())?,
+        smoothing_ms: of("--smooth", smooth)?,
+        keep_drift,
+    };
+    beats.check()?;
+    Ok(beats)
 }

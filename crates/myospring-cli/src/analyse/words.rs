@@ -1,9 +1,8 @@
 //! What `analyse` tells people.
 
-use super::Read;
-use super::files::{Mean, conventions, means, value};
 use crate::table::{aligned, number};
 use myospring::analysis::curve::State;
+use myospring::experiment::analyse::{AnalysedCurve, Mean, conventions, means};
 
 /// Curves of which every metric is printed, at most.
 const WHOLE: usize = 3;
@@ -51,12 +50,12 @@ const COLUMNS: [(&str, &[&str]); 5] = [
 ];
 
 /// The tables on the terminal.
-pub(crate) fn tables(all: &[Read]) -> String {
+pub(crate) fn tables(all: &[AnalysedCurve]) -> String {
     let found = all.iter().filter(|read| read.found.is_ok()).count();
     if found > WHOLE { rows(all) } else { all.iter().map(one).collect::<Vec<_>>().join("\n") }
 }
 
-fn one(read: &Read) -> String {
+fn one(read: &AnalysedCurve) -> String {
     let rate = read.curve.frame_rate_per_s().map(|rate| format!(" at {} /s", number(rate)));
     let head = format!(
         "{}: {}, {} frames{}",
@@ -108,7 +107,7 @@ fn one(read: &Read) -> String {
 }
 
 /// A row for each curve.
-fn rows(all: &[Read]) -> String {
+fn rows(all: &[AnalysedCurve]) -> String {
     let mut lines = vec![vec!["curve".to_owned(), "beats".to_owned()]];
     lines[0].extend(COLUMNS.iter().map(|(title, _)| (*title).to_owned()));
     for read in all {
@@ -120,51 +119,11 @@ fn rows(all: &[Read]) -> String {
                 line.push(analysis.beats.len().to_string());
                 line.extend(COLUMNS.iter().map(|(_, names)| {
                     let has = |mean: &&Mean| names.contains(&mean.name) && mean.mean.is_some();
-                    means.iter().find(has).and_then(value).unwrap_or_default()
+                    means.iter().find(has).and_then(Mean::in_words).unwrap_or_default()
                 }));
             }
         }
         lines.push(line);
     }
     aligned(&lines, &[1])
-}
-
-/// What is odd, curve by curve.
-pub(crate) fn remarks(all: &[Read]) -> Vec<String> {
-    let mut remarks = Vec::new();
-    let none: Vec<&Read> = all.iter().filter(|read| read.found.is_err()).collect();
-    if none.len() > WHOLE {
-        remarks.push(format!(
-            "{} of {} curves have no beat; summary.csv has the reasons",
-            none.len(),
-            all.len()
-        ));
-    } else {
-        remarks.extend(none.iter().filter_map(|read| {
-            let why = read.found.as_ref().err()?;
-            Some(format!("{}: {why}", read.title()))
-        }));
-    }
-    let mut odd = Vec::new();
-    for read in all {
-        let Ok(analysis) = &read.found else { continue };
-        let of_curve = analysis.remarks.iter().cloned();
-        // What is said of every beat in turn the remark on the curve has said.
-        let said = ["alternans", "an artefact at", "artefacts at"];
-        let is_new = |remark: &&String| !said.iter().any(|start| remark.starts_with(start));
-        let of_beats = analysis.beats.iter().flat_map(|beat| {
-            beat.remarks
-                .iter()
-                .filter(is_new)
-                .map(move |remark| format!("beat {}: {remark}", beat.number))
-        });
-        odd.extend(of_curve.chain(of_beats).map(|remark| format!("{}: {remark}", read.title())));
-    }
-    let more = odd.len().saturating_sub(20);
-    odd.truncate(20);
-    remarks.extend(odd);
-    if more > 0 {
-        remarks.push(format!("{more} further remarks stand in summary.json and metrics.csv"));
-    }
-    remarks
 }

@@ -1,6 +1,5 @@
 //! Fits to films: the cell is followed, and its stretch is the curve.
 
-use crate::analyse::folder::is_of_tables;
 use crate::args::FitArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
@@ -11,6 +10,7 @@ use crate::track::report::Report;
 use crate::{analyse, interrupt, print};
 use myospring::analysis::kind::Kind;
 use myospring::experiment::Folder;
+use myospring::experiment::tables::is_of_tables;
 use myospring::measured::Curve;
 use myospring::microscopy::outlines::{NamedOutline, write_geojson};
 use myospring::output::track::{self as table, TrackRow};

@@ -10,6 +10,7 @@ the program ``myospring``, which comes with this package.
 """
 
 from myospring._action_potential import ActionPotential
+from myospring._analyse import AnalysedCurve, Analysis, MeasuredBeat, analyse
 from myospring._batch import simulate_batch
 from myospring._beat import Beat
 from myospring._cell import Cell
@@ -25,6 +26,8 @@ from myospring._whole_frame import WholeFrame, whole_frame
 __all__ = [
     "METRICS",
     "ActionPotential",
+    "AnalysedCurve",
+    "Analysis",
     "Beat",
     "Cell",
     "Estimate",
@@ -32,6 +35,7 @@ __all__ = [
     "Fits",
     "FittedCurve",
     "Index",
+    "MeasuredBeat",
     "Metric",
     "Morris",
     "MyospringWarning",
@@ -43,6 +47,7 @@ __all__ = [
     "WholeFrame",
     "__version__",
     "action_potential",
+    "analyse",
     "fit",
     "fit_many",
     "models",

@@ -313,11 +313,14 @@ class Reading:
         """Those arguments of a function that say how a table is read."""
         return cls(**{one.name: arguments[one.name] for one in fields(cls) if one.name in arguments})
 
+    def by_name(self) -> dict[str, Any]:
+        """As the part in Rust takes it."""
+        return {**self.__dict__, "columns": list(self.columns), "sheets": list(self.sheets)}
+
     def curves(self, curve: Curve, name: str) -> tuple[list[Read], list[str]]:
         """The curves of a table, or the one of two arrays, and what was taken for granted."""
         if isinstance(curve, (str, PathLike)):
-            lists = {"columns": list(self.columns), "sheets": list(self.sheets)}
-            return _native.read_curves(os.fspath(curve), {**self.__dict__, **lists})
+            return _native.read_curves(os.fspath(curve), self.by_name())
         times, values = (floats(array) for array in curve)
         if times.ndim != 1 or times.shape != values.shape:
             raise ValueError(

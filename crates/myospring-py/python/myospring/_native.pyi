@@ -1,7 +1,7 @@
 """The part that is written in Rust; the modules beside it say what it means."""
 
 from os import PathLike
-from typing import Any, final
+from typing import Any, Callable, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ __all__ = [
     "Cell",
     "Beat",
     "Fitter",
+    "Analysis",
     "Study",
     "Members",
     "main",
@@ -18,6 +19,7 @@ __all__ = [
     "repeat",
     "read_curves",
     "simulate_batch",
+    "analyse",
     "action_potential",
     "metrics",
     "tiff",
@@ -114,6 +116,14 @@ class Fitter:
     ) -> tuple[str, str]: ...
 
 @final
+class Analysis:
+    def numbers(self) -> str: ...
+    def curves(self) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64]]]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+
+@final
 class Study:
     def __new__(
         cls,
@@ -181,6 +191,13 @@ def repeat(cell: Cell, run_file: str, threads: int | None) -> Beat: ...
 def read_curves(
     path: str | PathLike[str], reading: dict[str, Any]
 ) -> tuple[list[_Curve], list[str]]: ...
+def analyse(
+    paths: list[str],
+    curves: list[_Curve],
+    reading: dict[str, Any],
+    finding: dict[str, Any],
+    progress: Callable[[str, int, int], object] | None,
+) -> Analysis: ...
 def simulate_batch(
     cell: Cell,
     given: dict[str, Any],

@@ -49,6 +49,21 @@ pub fn with_powers(text: &str) -> String {
     short + rest
 }
 
+/// A number for people: four significant digits, no trailing noise.
+#[must_use]
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    let decimals = match size {
+        _ if size >= 1000.0 => 0,
+        _ if size >= 100.0 => 1,
+        _ if size >= 1.0 => 2,
+        _ => 3,
+    };
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if is_zero { text.trim_start_matches('-').to_owned() } else { text }
+}
+
 /// The start and the end of a text that is longer.
 fn shortened(text: &str, longest: usize) -> String {
     let length = text.chars().count();

@@ -1,8 +1,7 @@
 //! Folders of tables: each of them is one cell or several.
 
-use crate::failure::Failure;
-use crate::input::ending;
-use myospring::settings::PICTURE_ENDINGS;
+use super::error::ExperimentError;
+use crate::settings::PICTURE_ENDINGS;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +9,7 @@ use std::path::{Path, PathBuf};
 const TABLES: [&str; 9] = ["csv", "txt", "tsv", "dat", "asc", "tab", "atf", "xlsx", "xlsm"];
 
 /// Whether a path is a table of curves, or a folder that has some and no frames of a film.
-pub(crate) fn is_of_tables(path: &Path) -> bool {
+pub fn is_of_tables(path: &Path) -> bool {
     if !path.is_dir() {
         return TABLES.contains(&ending(path).as_str());
     }
@@ -20,7 +19,10 @@ pub(crate) fn is_of_tables(path: &Path) -> bool {
 }
 
 /// The paths, with the tables of each folder instead of it, by their names.
-pub(crate) fn tables(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+///
+/// # Errors
+/// A folder that cannot be read, or that has no tables.
+pub fn tables(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
     let mut all = Vec::new();
     for path in paths {
         if !path.is_dir() {
@@ -31,18 +33,26 @@ pub(crate) fn tables(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         within.retain(|file| TABLES.contains(&ending(file).as_str()));
         within.sort();
         if within.is_empty() {
-            return Err(Failure::new(format!("the folder `{}` has no tables", path.display()))
-                .advise(format!("tables of curves end in .{}", TABLES.join(", ."))));
+            return Err(ExperimentError::new(format!(
+                "the folder `{}` has no tables",
+                path.display()
+            ))
+            .advise(format!("tables of curves end in .{}", TABLES.join(", ."))));
         }
         all.extend(within);
     }
     Ok(all)
 }
 
-fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |error| Failure::unread(folder, &error);
+fn files(folder: &Path) -> Result<Vec<PathBuf>, ExperimentError> {
+    let failed = |error| ExperimentError::unread(folder, &error);
     let entries = fs::read_dir(folder).map_err(failed)?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
     let all: Result<Vec<PathBuf>, _> = paths.collect();
     Ok(all.map_err(failed)?.into_iter().filter(|path| path.is_file()).collect())
+}
+
+/// The ending of a file's name in small letters.
+fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
 }

@@ -1,0 +1,148 @@
+//! What was read of curves, in numbers.
+
+use super::curve::AnalysedCurve;
+use crate::analysis::curve::{Analysis, CurveBeat, Treatment};
+use crate::analysis::{self, Missing, Spread};
+use crate::experiment::legible::number;
+use serde::Serialize;
+
+/// All numbers of an analysis: `summary.json`.
+#[derive(Serialize)]
+pub struct Record<'a> {
+    version: &'static str,
+    notes: &'a [String],
+    curves: Vec<CurveRecord<'a>>,
+}
+
+#[derive(Serialize)]
+struct CurveRecord<'a> {
+    file: &'a str,
+    curve: &'a str,
+    kind: &'static str,
+    unit: &'a str,
+    frames: usize,
+    frame_rate_per_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    treatment: Option<&'a Treatment>,
+    remarks: &'a [String],
+    metrics: Vec<Mean>,
+    beats: &'a [CurveBeat],
+}
+
+/// A metric over the beats that count.
+#[derive(Debug, Clone, Serialize)]
+#[allow(clippy::struct_field_names, reason = "`mean` is what the file calls it")]
+pub struct Mean {
+    /// Its name.
+    pub name: &'static str,
+    /// The mean; none where no beat shows it.
+    pub mean: Option<f64>,
+    /// Over beats; none of one beat.
+    pub standard_deviation: Option<f64>,
+    /// Beats that show it.
+    pub beats: usize,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it is.
+    pub definition: &'static str,
+    /// Why no beat that counts has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub missing: Option<Missing>,
+}
+
+/// The metrics of a curve over the beats that count, in the order of reading.
+pub fn means(analysis: &Analysis) -> Vec<Mean> {
+    let spread = analysis.spread();
+    let beats = analysis.counted();
+    let mut means: Vec<Mean> = Vec::new();
+    for metric in beats.iter().flatten() {
+        if means.iter().any(|mean| mean.name == metric.name) {
+            continue;
+        }
+        let of: Option<&Spread> = spread.iter().find(|spread| spread.name == metric.name);
+        let shown =
+            beats.iter().filter(|beat| analysis::value(beat, metric.name).is_some()).count();
+        means.push(Mean {
+            name: metric.name,
+            mean: analysis.mean(metric.name),
+            standard_deviation: of.map(|spread| spread.standard_deviation),
+            beats: shown,
+            unit: metric.unit,
+            definition: metric.definition,
+            missing: metric.missing.filter(|_| shown == 0),
+        });
+    }
+    // Times on the clock differ by the interval: their mean says nothing.
+    means.retain(|mean| !mean.name.starts_with("time_of_"));
+    means
+}
+
+impl<'a> Record<'a> {
+    pub(super) fn of(all: &'a [AnalysedCurve], notes: &'a [String]) -> Self {
+        let curves = all.iter().map(|read| {
+            let found = read.found.as_ref();
+            CurveRecord {
+                file: &read.file,
+                curve: &read.curve.name,
+                kind: read.curve.kind.word(),
+                unit: read.curve.unit,
+                frames: read.curve.values.len(),
+                frame_rate_per_s: read.curve.frame_rate_per_s(),
+                error: found.err().map(String::as_str),
+                treatment: found.ok().map(|analysis| &analysis.treatment),
+                remarks: found.map_or(&[], |analysis| &analysis.remarks),
+                metrics: found.map_or_else(|_| Vec::new(), means),
+                beats: found.map_or(&[], |analysis| &analysis.beats),
+            }
+        });
+        Self { version: env!("CARGO_PKG_VERSION"), notes, curves: curves.collect() }
+    }
+}
+
+/// How baseline, drift and smoothing were treated, in one field.
+pub fn conventions(treatment: &Treatment) -> String {
+    let mut parts = vec![
+        format!("baseline: {}", treatment.baseline),
+        format!("drift: {}", treatment.drift),
+        format!("smoothing: {}", treatment.smoothing),
+        format!("rates: {}", treatment.rates),
+    ];
+    if !treatment.bad_frames.is_empty() {
+        let frames: Vec<String> = treatment.bad_frames.iter().map(usize::to_string).collect();
+        parts.push(format!("bad frames replaced: {}", frames.join(" ")));
+    }
+    if !treatment.artefacts.is_empty() {
+        let times: Vec<String> = treatment
+            .artefacts
+            .iter()
+            .map(|artefact| format!("{:.0}-{:.0}", artefact.from_ms, artefact.to_ms))
+            .collect();
+        parts.push(format!("artefacts left out, ms: {}", times.join(" ")));
+    }
+    if !treatment.holes.is_empty() {
+        let times: Vec<String> = treatment
+            .holes
+            .iter()
+            .map(|hole| format!("{:.0}-{:.0}", hole.from_ms, hole.to_ms))
+            .collect();
+        parts.push(format!("frames are missing, ms: {}", times.join(" ")));
+    }
+    if let Some([frequency, amplitude]) = treatment.hum {
+        parts.push(format!("hum of {frequency:.2} Hz taken off, amplitude {amplitude:.4}"));
+    }
+    parts.join("; ")
+}
+
+impl Mean {
+    /// `9.81 ± 0.12 %`; `None` where no beat shows it.
+    pub fn in_words(&self) -> Option<String> {
+        let spread = self.standard_deviation.map(|spread| format!(" \u{b1} {}", number(spread)));
+        Some(
+            format!("{}{} {}", number(self.mean?), spread.unwrap_or_default(), self.unit)
+                .trim_end()
+                .to_owned(),
+        )
+    }
+}
