@@ -1,7 +1,7 @@
 //! The default beat: balance of energy, independence of mass and time step.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::analysis::trace;
 use myospring::mechanics::material::{Material, default_material};
 use myospring::mesh::{Mesh, built_in, lattice};

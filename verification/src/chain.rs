@@ -5,9 +5,9 @@
 //! `r + T_i/k`, its direction `(H, V_i)/T_i`; `H` is the one for which the links span the gap. For many
 //! links this is the elastic catenary (`irvine_1981`, section 1.3).
 
+use crate::check::{Failure, Setting};
 use crate::fit::slope;
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::drag::Drag;
 use myospring::mechanics::spring::Springs;

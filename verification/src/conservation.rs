@@ -1,9 +1,9 @@
 //! What a free, undamped lattice keeps: momentum, angular momentum, energy.
 
+use crate::check::{Failure, Setting};
 use crate::engine::Engine;
 use crate::fit::slope;
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::integrate::verlet::Integrator;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};

@@ -4,9 +4,9 @@
 //! test), so its shortening does not depend on the spacing at all. To see the discretisation, the fibres
 //! wind to and fro: by up to 29 degrees, over 40 um.
 
+use crate::check::{Failure, Setting};
 use crate::fit::{affine, order, right_stretch, slope};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::analysis::shape::ShapeMeter;
 use myospring::integrate::quasi_static::{Path, Tolerance};
 use myospring::mechanics::Vectors;

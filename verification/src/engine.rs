@@ -1,6 +1,6 @@
 //! The ways in which a lattice can be moved; every check of motions runs over all of them.
 
-use crate::Failure;
+use crate::check::Failure;
 use myospring::integrate::fused::FusedMotion;
 use myospring::integrate::stencil::Units;
 use myospring::integrate::stepper::Stepper;

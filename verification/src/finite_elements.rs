@@ -20,9 +20,9 @@
 //!
 //! with a and b fitted gives the finite elements' curve back from the tension alone.
 
+use crate::check::{Failure, Setting};
 use crate::fit::slope;
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::analysis::trace;
 use myospring::integrate::quasi_static::{Path, Tolerance};
 use myospring::integrate::verlet::{Integrator, Motion};

@@ -4,9 +4,9 @@
 //! Everything LAMMPS needs is computed here from the mesh and the material's stated constants, not
 //! taken from our force laws.
 
+use crate::check::{Failure, Setting};
 use crate::engine::Engine;
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::mechanics::Vectors;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};

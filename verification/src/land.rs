@@ -1,8 +1,8 @@
 //! Land's myofilaments: numbers that programs of others and of a second typing gave, and a twitch at any interval of
 //! exchange.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::cell::CellModel as _;
 use myospring::cell::land_2017::{Land2017, Myofilaments};
 use myospring::cell::pacing::Protocol;

@@ -8,6 +8,7 @@
 
 pub mod beat;
 pub mod chain;
+mod check;
 pub mod conservation;
 pub mod convergence;
 pub mod engine;
@@ -28,31 +29,7 @@ pub mod tor_ord;
 pub mod viscosity;
 pub mod wave;
 
-use myospring::simulation::Outcome;
-use row::Row;
-use std::path::{Path, PathBuf};
-
-/// Whatever stops a check from being made; it is told and counts as a failure.
-pub type Failure = Box<dyn std::error::Error>;
-
-/// How a check is run.
-#[derive(Debug, Clone, Copy)]
-pub struct Setting<'a> {
-    /// Fewer steps, coarser meshes: seconds instead of minutes, the same tolerances.
-    pub quick: bool,
-    /// Folder for what other programs read.
-    pub folder: &'a Path,
-    /// Folder with published data, which may be missing.
-    pub data: &'a Path,
-}
-
-/// A check by name.
-pub struct Check {
-    /// As chosen on the command line.
-    pub name: &'static str,
-    /// Makes the rows, or writes what another program compares.
-    pub run: fn(&Setting<'_>) -> Result<Vec<Row>, Failure>,
-}
+pub use check::{Check, Failure, Setting, published_data};
 
 /// Every check, in the order of the table.
 pub fn checks() -> Vec<Check> {
@@ -76,20 +53,4 @@ pub fn checks() -> Vec<Check> {
         Check { name: "sarcomeres", run: sarcomeres::rows },
         Check { name: "motion", run: motion::rows },
     ]
-}
-
-/// The folder with published data that the project does not carry: the one that `MYOSPRING_SHARED_DATA`
-/// names, or `shared/data` beside the project.
-pub fn published_data() -> PathBuf {
-    std::env::var_os("MYOSPRING_SHARED_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
-        PathBuf::from,
-    )
-}
-
-/// A metric of the only beat.
-fn metric(outcome: &Outcome, name: &str) -> Result<f64, Failure> {
-    let beats = outcome.beats();
-    let value = beats.first().and_then(|beat| beat.value(name));
-    value.ok_or_else(|| format!("the beat has no {name}").into())
 }

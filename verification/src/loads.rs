@@ -5,8 +5,8 @@
 //! cent are the two laws of elasticity: under one tension the sheet shortens by 3 % less than the block where both
 //! shorten little, and as much at a tenth.
 
+use crate::check::{Failure, Setting, metric};
 use crate::row::Row;
-use crate::{Failure, Setting, metric};
 use myospring::cell::CellModel;
 use myospring::cell::calcium::CalciumTrace;
 use myospring::cell::land_2017::Land2017;

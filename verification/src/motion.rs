@@ -5,8 +5,8 @@
 //! the motion nor a check by neighbours. Ours is made here; both from the same frame at rest, compared at a grid of
 //! places. The film is published data, which may be missing.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::mesh::carried::Carried;
 use myospring::mesh::lattice;
 use myospring::mesh::pixel_size::PixelSize;

@@ -2,8 +2,8 @@
 //! samples. `verification/python/myokit_check.py` reads it; the equations there are written from the
 //! papers, only the numbers come from here.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::cell;
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::solve::{Settings, solve};

@@ -4,8 +4,8 @@
 //! `e'' + (gamma + 2 c/m) e' + (2 k/m) e = 0`, so `e(t) = e_0 exp(-d t)(cos w t + d/w sin w t)`,
 //! `d = (gamma + 2 c/m)/2`, `w^2 = 2 k/m - d^2`.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::drag::Drag;
 use myospring::mechanics::spring::Springs;

@@ -5,8 +5,8 @@
 //! - The built-in cell with a nucleus that has none: the map of strain along the fibre beside that of a mesh four times
 //!   finer, on the same equilibrium.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::analysis::shape;
 use myospring::integrate::quasi_static::{Path, Tolerance};
 use myospring::mechanics::active::{ActiveLaw, FibreStretch, Myofibrils};

@@ -12,9 +12,9 @@
 //! the three components of the right stretch U is the closed form; it is found here from W alone, by
 //! Newton's method. For small strains it is Hooke's law with E and nu = 1/3.
 
+use crate::check::{Failure, Setting};
 use crate::fit::{affine, right_stretch};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::integrate::quasi_static::{Path, Tolerance};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::ActiveLaw;

@@ -6,8 +6,8 @@
 //! `python/sarcgraph_reference.py`; ours are made here, over the whole picture as its are, and compared at each of
 //! its sarcomeres where we answer. The pictures are published data, which may be missing.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::fibres::{Fibre, FibreSettings, Stain, fibres};
 use myospring::microscopy::picture::Selection;

@@ -3,10 +3,10 @@
 //! A strip with all forces of a cell is set moving by a tension that rises within one vibration; its
 //! positions are compared at time steps h, h/2 and h/4.
 
+use crate::check::{Failure, Setting};
 use crate::engine::Engine;
 use crate::fit::farthest;
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::mechanics::Vectors;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};

@@ -1,8 +1,8 @@
 //! ToR-ORd, alone against Myokit's CVODE on the published files of `CellML`, and with Land's myofilaments against a
 //! program that was typed independently.
 
+use crate::check::{Failure, Setting};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::cell;
 use myospring::cell::Input;
 use myospring::cell::pacing::Protocol;

@@ -1,7 +1,7 @@
 //! A viscous strip, whose shape lags behind its tension, beside another program's.
 
+use crate::check::{Failure, Setting, metric};
 use crate::row::Row;
-use crate::{Failure, Setting, metric};
 use myospring::integrate::Method;
 use myospring::mechanics::material::Stiffness;
 use myospring::mesh::lattice;

@@ -6,9 +6,9 @@
 //! half width b and wave number `q = pi/L` the speed is `c = sqrt(E/rho) / sqrt(1 + (nu q b)^2/3)`
 //! (`rayleigh_1877`, section 157, does it for a round bar). What is left out is of the order of `(q b)^4`.
 
+use crate::check::{Failure, Setting};
 use crate::fit::{order, slope};
 use crate::row::Row;
-use crate::{Failure, Setting};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::material::{Material, assemble, default_material};

@@ -1,10 +1,11 @@
 //! `cargo xtask bench`: how fast Myospring is, beside other programs on the same work.
 
+mod measured;
 mod threads;
 
 use crate::python::{self, Python};
-use crate::{cargo, root, say, step};
-use serde_json::Value;
+use crate::tools::{cargo, root, say, step};
+use measured::{example, lines, number, rate};
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -37,9 +38,6 @@ Environment:
 /// Masses, and the arguments of one size.
 const SIZES: [&str; 4] = ["2k", "20k", "200k", "2M"];
 
-/// Makes the program one of those that keep the machine busy.
-const SPIN: &str = "--spin";
-
 /// Other programs, by their scripts.
 struct Peers {
     python: Python,
@@ -61,7 +59,7 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
             "--cells" => cells_alone = true,
             "--quick" => sizes = &SIZES[..2],
             "--threads" => threads = true,
-            SPIN => {
+            threads::SPIN => {
                 threads::spin();
                 return Ok(());
             }
@@ -208,35 +206,6 @@ impl Peers {
     fn rate(&self, script: &str, arguments: &[&str]) -> Result<f64, String> {
         rate(&mut self.command(script, arguments), "sups")
     }
-}
-
-fn example(name: &str, arguments: &[&str]) -> Command {
-    let mut command = Command::new(root().join("target/release/examples").join(name));
-    command.args(arguments);
-    command
-}
-
-/// The JSON lines that a program prints.
-fn lines(command: &mut Command) -> Result<Vec<Value>, String> {
-    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
-    let text = String::from_utf8_lossy(&output.stdout);
-    if !output.status.success() {
-        return Err(format!("{command:?}: {}", String::from_utf8_lossy(&output.stderr)));
-    }
-    text.lines()
-        .filter(|line| line.starts_with('{'))
-        .map(|line| serde_json::from_str(line).map_err(|error| format!("{command:?}: {error}")))
-        .collect()
-}
-
-fn rate(command: &mut Command, key: &str) -> Result<f64, String> {
-    let lines = lines(command)?;
-    let line = lines.last().ok_or_else(|| format!("{command:?} printed no numbers"))?;
-    number(line, key)
-}
-
-fn number(line: &Value, key: &str) -> Result<f64, String> {
-    line[key].as_f64().ok_or_else(|| format!("no number `{key}` in {line}"))
 }
 
 /// The processor's name and number of cores.

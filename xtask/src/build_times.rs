@@ -1,6 +1,6 @@
 //! `cargo xtask build-times`: what a build from nothing costs, beside another commit.
 
-use crate::{root, say};
+use crate::tools::{root, say};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};

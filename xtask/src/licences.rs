@@ -1,7 +1,7 @@
 //! The licences that a wheel and an archive carry: the project's own, those of every crate that is linked, and those of
 //! the font of the figures and of the library of the report.
 
-use crate::{cargo, root};
+use crate::tools::{cargo, root};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;

@@ -7,11 +7,11 @@ mod build_times;
 mod licences;
 mod python;
 mod test;
+mod tools;
 mod verify;
 
-use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-use std::time::Instant;
+use tools::{cargo, root, say, step};
 
 const HELP: &str = "\
 Developer commands of Myospring.
@@ -71,38 +71,4 @@ fn figures() -> Result<(), String> {
     command.arg("picture.js").arg(beat.join("report.html")).arg(root().join("docs/report.png"));
     command.current_dir(test::page::folder()).envs(browser.map(|path| ("CHROMIUM", path)));
     step("the picture of a report", command)
-}
-
-fn cargo<const N: usize>(arguments: [&str; N]) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(arguments).current_dir(root());
-    command
-}
-
-fn step(name: &str, mut command: Command) -> Result<(), String> {
-    say(&format!("\n== {name}\n"));
-    let start = Instant::now();
-    let status = command.status().map_err(|error| format!("{name}: {error}"))?;
-    if !status.success() {
-        return Err(format!("{name} failed ({status})"));
-    }
-    say(&format!("-- {name}: {:.0} s\n", start.elapsed().as_secs_f64()));
-    Ok(())
-}
-
-/// A program of the workspace as built: `debug` has what the tests have built.
-fn program(profile: &str, name: &str) -> PathBuf {
-    let target = std::env::var_os("CARGO_TARGET_DIR")
-        .map_or_else(|| root().join("target"), |folder| root().join(folder));
-    target.join(profile).join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or_else(|| Path::new("."))
-}
-
-/// All that this program prints goes to the terminal here.
-#[allow(clippy::print_stderr, reason = "this is the program's way to talk")]
-fn say(text: &str) {
-    eprint!("{text}");
 }

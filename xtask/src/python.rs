@@ -1,6 +1,6 @@
 //! A Python that has what scripts need: other programs, NumPy.
 
-use crate::{root, say};
+use crate::tools::{root, say};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;

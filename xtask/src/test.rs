@@ -4,7 +4,8 @@ mod package;
 pub(crate) mod page;
 mod tally;
 
-use crate::{cargo, program, python, root, say, step};
+use crate::python;
+use crate::tools::{cargo, program, root, say, step};
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};

@@ -6,8 +6,8 @@
 mod page;
 
 use crate::python::{self, Python};
-use crate::{cargo, program, root, say, step};
-use page::Row;
+use crate::tools::{cargo, program, root, say, step};
+use page::{Row, Section};
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
@@ -94,13 +94,6 @@ const CHECKS: [Check; 18] = [
 
 const fn own(name: &'static str, title: &'static str) -> Check {
     Check { name, title, peer: None }
-}
-
-/// Rows of one check.
-struct Section {
-    title: &'static str,
-    rows: Vec<Row>,
-    seconds: f64,
 }
 
 /// Makes the checks that the arguments name, or all.

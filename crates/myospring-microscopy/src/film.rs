@@ -3,7 +3,7 @@
 //! A film is a TIFF of many pages (OME-TIFF, ImageJ's, plain), an AVI that is not compressed or whose frames are
 //! JPEG or PNG, a list of pictures, or `YUV4MPEG2`, the plain stream into which ffmpeg turns any other.
 
-mod error;
+pub(crate) mod error;
 mod order;
 mod repeats;
 mod still;

@@ -14,6 +14,7 @@ mod experiment;
 mod fit;
 mod head;
 mod metrics;
+mod name;
 mod pictures;
 mod settings;
 mod study;

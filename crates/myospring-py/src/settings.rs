@@ -1,6 +1,7 @@
 //! The table of settings, as Python names them: whole words with the unit at the end, `peak_tension_kpa`.
 
 use crate::errors;
+use crate::name::name;
 use myospring::cell;
 use myospring::run_file::RunFile;
 use myospring::settings::{Kind, Run, Setting, Value, table, tables};
@@ -9,40 +10,6 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
 use std::collections::BTreeMap;
-
-/// Ends of names for units.
-const SUFFIXES: [(&str, &str); 11] = [
-    ("ms", "_ms"),
-    ("um", "_um"),
-    ("um^2", "_um2"),
-    ("kPa", "_kpa"),
-    ("nN", "_nn"),
-    // Micrometres have the short name.
-    ("uM", "_micromolar"),
-    ("nN/um", "_nn_per_um"),
-    ("kPa/um", "_kpa_per_um"),
-    ("deg", "_deg"),
-    ("1/ms", "_per_ms"),
-    ("um/ms", "_um_per_ms"),
-];
-
-/// The name of a setting in Python. One that has no option has no name of its own on the command line either, so
-/// those of cell and stimulus say what they are of.
-pub(crate) fn name(setting: &Setting) -> String {
-    let (table, bare) = setting.key.split_once('.').unwrap_or(("", setting.key));
-    let of_table = setting.option.is_none() && ["cell", "stimulus"].contains(&table);
-    let stem = match setting.key {
-        "cell.parameters" => bare.to_owned(),
-        _ if of_table => format!("{table}_{bare}"),
-        _ => bare.to_owned(),
-    };
-    let unit = match setting.kind {
-        Kind::Quantity { .. } => setting.unit().unwrap_or_default(),
-        _ => "",
-    };
-    let suffix = SUFFIXES.iter().find(|(known, _)| *known == unit).map_or("", |(_, suffix)| suffix);
-    stem + suffix
-}
 
 /// The setting of a name in Python, among those of some tables.
 pub(crate) fn find(name_in_python: &str) -> Option<&'static Setting> {

@@ -1,6 +1,6 @@
 //! Messages in the words of Python: what the library says of run files and of the program's options, as arguments.
 
-use crate::settings::name;
+use crate::name::name;
 use myospring::experiment::legible;
 use myospring::settings::{Kind, Setting, table};
 use myospring::units;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import importlib
 import importlib.metadata
@@ -175,3 +176,20 @@ def test_the_example_of_a_study_runs_once_whatever_executor_follows(tmp_path):
     done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("Index(value=") == 1
+
+
+def test_files_of_the_package_use_each_other_without_a_circle() -> None:
+    folder = Path(myospring.__file__).parent
+    uses = {
+        path.stem: {
+            node.module.split(".")[1]
+            for node in ast.walk(ast.parse(path.read_text("utf-8")))
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("myospring.")
+        }
+        for path in folder.glob("_*.py")
+    }
+    assert "_cell" in uses["_beat"]
+    # What uses nothing that is left goes, until nothing is left or only circles.
+    while free := [name for name, used in uses.items() if not used & uses.keys()]:
+        uses = {name: used for name, used in uses.items() if name not in free}
+    assert not uses

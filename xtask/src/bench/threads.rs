@@ -1,9 +1,12 @@
 //! What a second thread gives on a quiet machine, and what it costs on a busy one.
 
-use super::{example, lines, number, rate};
-use crate::say;
+use super::measured::{example, lines, number, rate};
+use crate::tools::say;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+
+/// Makes the program one of those that keep the machine busy.
+pub(super) const SPIN: &str = "--spin";
 
 /// Runs of each kind; the middle one counts.
 const RUNS: usize = 3;
@@ -124,7 +127,7 @@ impl Load {
         let mut load = Self(Vec::new());
         for _ in 0..count {
             let mut command = Command::new(&program);
-            command.args(["bench", super::SPIN]).stdin(Stdio::null());
+            command.args(["bench", SPIN]).stdin(Stdio::null());
             load.0.push(command.spawn().map_err(|error| format!("{command:?}: {error}"))?);
         }
         Ok(load)

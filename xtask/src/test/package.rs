@@ -1,7 +1,8 @@
 //! The Python package: its wheel, as the tests have built its parts, in an environment of its own.
 
 use super::Checks;
-use crate::{licences, python, root};
+use crate::tools::root;
+use crate::{licences, python};
 use std::path::PathBuf;
 use std::process::Command;
 

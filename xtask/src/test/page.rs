@@ -1,7 +1,7 @@
 //! The page of a report: its source, and the page itself in Chromium.
 
 use super::Checks;
-use crate::{program, root, say};
+use crate::tools::{program, root, say};
 use std::env;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};

@@ -1,11 +1,17 @@
 //! The rows as lines on the terminal and as a page.
 
-use super::Section;
 use serde::Deserialize;
 use std::fmt::Write as _;
 
 /// The finite-element twitch beside ours, in `docs`.
 pub(crate) const FIGURE: &str = "verification_twitch.svg";
+
+/// Rows of one check.
+pub(crate) struct Section {
+    pub(crate) title: &'static str,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) seconds: f64,
+}
 
 /// One comparison, as both sides write it (`verification/src/row.rs`).
 #[derive(Debug, Clone, Deserialize)]

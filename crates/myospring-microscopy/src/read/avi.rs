@@ -12,7 +12,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::check::{check_memory, check_size};
 use super::{PictureError, read_picture};
-use crate::film::FilmError;
+use crate::film::error::FilmError;
 use crate::picture::Selection;
 use crate::plane::Plane;
 

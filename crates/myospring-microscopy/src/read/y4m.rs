@@ -4,7 +4,7 @@
 
 use super::PictureError;
 use super::check::{check_memory, check_size};
-use crate::film::FilmError;
+use crate::film::error::FilmError;
 use crate::plane::Plane;
 
 const START: &[u8] = b"YUV4MPEG2";

@@ -12,9 +12,9 @@ the program ``myospring``, which comes with this package.
 from myospring._action_potential import ActionPotential
 from myospring._analyse import AnalysedCurve, Analysis, MeasuredBeat, analyse
 from myospring._batch import simulate_batch
-from myospring._beat import Beat
+from myospring._beat import Beat, SimulationError
 from myospring._cell import Cell
-from myospring._errors import MyospringWarning, SimulationError, UnknownNameError
+from myospring._errors import MyospringWarning, UnknownNameError
 from myospring._fit import Estimate, Fit, FittedCurve, fit
 from myospring._fit_many import Fits, fit_many
 from myospring._functions import action_potential, simulate

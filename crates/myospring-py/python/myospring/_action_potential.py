@@ -8,6 +8,8 @@ from typing import Any, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from myospring import _native
+
 
 @dataclass(frozen=True)
 class ActionPotential:
@@ -56,3 +58,22 @@ class ActionPotential:
         if self.vm_mv is not None:
             columns["vm_mv"] = self.vm_mv
         return pandas.DataFrame({**columns, "tension": self.tension, **self.states})
+
+
+def followed(given: dict[str, Any]) -> ActionPotential:
+    """The course of a cell model."""
+    columns, beats = _native.action_potential(given)
+    states = dict(columns)
+    by_beat = [
+        {name: np.nan if value is None else value for name, value, _ in beat} for beat in beats
+    ]
+    return ActionPotential(
+        t_ms=states.pop("t_ms"),
+        potential=states.pop("potential"),
+        vm_mv=states.pop("vm_mv", None),
+        tension=states.pop("tension"),
+        states=states,
+        metrics=by_beat[-1] if by_beat else {},
+        units={name: unit for name, _, unit in beats[-1]} if beats else {},
+        metrics_by_beat=by_beat,
+    )

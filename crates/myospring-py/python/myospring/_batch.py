@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
-from myospring._cell import Cell
+from myospring._cell import Cell, cell_of
 from myospring._functions import BEAT_KEYS, BeatSettings
 from myospring._errors import warn
-from myospring._given import cell_of, changed, floats
+from myospring._given import changed, floats
 from myospring._lists import METRICS
 
 if TYPE_CHECKING:

@@ -8,15 +8,14 @@ import tempfile
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from myospring import _native
-
-if TYPE_CHECKING:
-    from myospring._cell import Cell
+from myospring._cell import Cell, cell_of
+from myospring._errors import warn
 
 # What a table in a notebook begins with.
 _SHOWN = ("peak_shortening", "time_to_peak_from_stimulus", "peak_tension", "action_potential_duration_90")
@@ -319,3 +318,39 @@ class Page:
 
 def _restored(cell: Cell, state: bytes) -> Beat:
     return Beat(cell, _native.Beat.of_state(cell._native, state))
+
+
+class SimulationError(RuntimeError):
+    """A run that stopped before its end.
+
+    Attributes
+    ----------
+    time_ms : float or None
+        When, on the run's clock; None where a cell model failed that does not tell.
+    beat : Beat
+        What was computed up to there.
+    """
+
+    def __init__(self, message: str, time_ms: float | None, beat: Beat) -> None:
+        super().__init__(message, time_ms, beat)
+        self.time_ms = time_ms
+        self.beat = beat
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+def run(cell: Cell | None, given: dict[str, Any], threads: int | None) -> Beat:
+    """A beat of a cell, or the error that it stopped with."""
+    cell = cell_of(cell)
+    return ended(Beat(cell, _native.simulate(cell._native, given, threads)))
+
+
+def ended(beat: Beat) -> Beat:
+    """A beat that came to its end, with its warnings said, or the error that it stopped with."""
+    # Those of the cell were said when it was made.
+    warn(text for text in beat.warnings if text not in beat.cell.warnings)
+    if beat.stopped is not None:
+        message, time_ms = beat.stopped
+        raise SimulationError(message, time_ms, beat)
+    return beat

@@ -6,6 +6,7 @@ import os
 from dataclasses import dataclass
 from functools import lru_cache
 from os import PathLike
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from myospring import _native
 from myospring._errors import warn
 from myospring._given import changed, floats, path_or_bytes
-from myospring._svg import cell_svg
+from myospring._svg import outline_svg
 
 
 @dataclass(frozen=True)
@@ -463,7 +464,7 @@ class Cell:
         )
 
     def _repr_svg_(self) -> str:
-        return cell_svg(self)
+        return outline_svg(self.name, self.outline)
 
     def __reduce__(self) -> tuple[Any, tuple[bytes]]:
         return _restored, (self._native.state(),)
@@ -473,3 +474,22 @@ class Cell:
 def _restored(state: bytes) -> Cell:
     """The cell of a state; a worker that gets it again and again finds it once."""
     return Cell(_native.Cell.of_state(state))
+
+
+# Endings of outlines.
+_OUTLINES = (".geojson", ".json", ".csv", ".roi", ".zip", ".txt")
+
+
+def cell_of(cell: Cell | None) -> Cell:
+    """The cell that was given, or the built-in one."""
+    if cell is None:
+        return Cell.builtin()
+    if isinstance(cell, Cell):
+        return cell
+    if isinstance(cell, (str, PathLike)):
+        name = os.fspath(cell)
+        make = "from_outline" if Path(name).suffix.lower() in _OUTLINES else "from_image"
+        answer = f'Cell.{make}("{name}", pixel_size_um=0.27)'
+    else:
+        answer = "Cell.from_image(array, pixel_size_um=0.27)"
+    raise TypeError(f"cell is of type {type(cell).__name__}; give a Cell, such as myospring.{answer}")

@@ -5,10 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Iterable
-
-if TYPE_CHECKING:
-    from myospring._beat import Beat
+from typing import Iterable
 
 
 class UnknownNameError(KeyError):
@@ -39,23 +36,3 @@ def warn(messages: Iterable[str]) -> None:
         frame, level = frame.f_back, level + 1
     for message in messages:
         warnings.warn(message, MyospringWarning, stacklevel=level)
-
-
-class SimulationError(RuntimeError):
-    """A run that stopped before its end.
-
-    Attributes
-    ----------
-    time_ms : float or None
-        When, on the run's clock; None where a cell model failed that does not tell.
-    beat : Beat
-        What was computed up to there.
-    """
-
-    def __init__(self, message: str, time_ms: float | None, beat: Beat) -> None:
-        super().__init__(message, time_ms, beat)
-        self.time_ms = time_ms
-        self.beat = beat
-
-    def __str__(self) -> str:
-        return str(self.args[0])

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
-from myospring._beat import Beat
-from myospring._cell import Cell
+from myospring._beat import Beat, ended
+from myospring._cell import Cell, cell_of
 from myospring._errors import warn
 from myospring._functions import BEAT_KEYS, BeatSettings
-from myospring._given import cell_of, changed, ended, floats
+from myospring._given import changed, floats
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -19,12 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from myospring import _native
-from myospring._cell import Cell
+from myospring._cell import Cell, cell_of
 from myospring._engine import Answer, Run
 from myospring._errors import warn
 from myospring._fit import Curve, Fit, Read, Reading, asked_and_given
 from myospring._functions import BeatSettings
-from myospring._given import cell_of
 from myospring._study import Bar
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from os import PathLike
 from typing import Any, Literal, Mapping, TypedDict
 
-from myospring._action_potential import ActionPotential
-from myospring._beat import Beat
+from myospring._action_potential import ActionPotential, followed
+from myospring._beat import Beat, run
 from myospring._cell import Cell
-from myospring._given import changed, followed, run
+from myospring._given import changed
 
 
 class BeatSettings(TypedDict, total=False):

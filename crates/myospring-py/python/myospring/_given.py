@@ -4,24 +4,12 @@ from __future__ import annotations
 
 import os
 from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from myospring import _native
-from myospring._action_potential import ActionPotential
-from myospring._beat import Beat
-from myospring._errors import SimulationError, warn
-
-if TYPE_CHECKING:
-    from myospring._cell import Cell
-
-
-# Endings of outlines.
-_OUTLINES = (".geojson", ".json", ".csv", ".roi", ".zip", ".txt")
-
 
 def changed(*settings: tuple[str, Any, Any]) -> dict[str, Any]:
     """Settings by key, of triples of key, value and default: a value that is the default is left out, as in a run file."""
@@ -61,55 +49,3 @@ def _pixels(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     elif array.dtype.kind not in "iu":
         raise TypeError(f"a picture has numbers as pixels, not {array.dtype}")
     return np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
-
-
-def cell_of(cell: Cell | None) -> Cell:
-    """The cell that was given, or the built-in one."""
-    from myospring._cell import Cell
-
-    if cell is None:
-        return Cell.builtin()
-    if isinstance(cell, Cell):
-        return cell
-    if isinstance(cell, (str, PathLike)):
-        name = os.fspath(cell)
-        make = "from_outline" if Path(name).suffix.lower() in _OUTLINES else "from_image"
-        answer = f'Cell.{make}("{name}", pixel_size_um=0.27)'
-    else:
-        answer = "Cell.from_image(array, pixel_size_um=0.27)"
-    raise TypeError(f"cell is of type {type(cell).__name__}; give a Cell, such as myospring.{answer}")
-
-
-def run(cell: Cell | None, given: dict[str, Any], threads: int | None) -> Beat:
-    """A beat of a cell, or the error that it stopped with."""
-    cell = cell_of(cell)
-    return ended(Beat(cell, _native.simulate(cell._native, given, threads)))
-
-
-def ended(beat: Beat) -> Beat:
-    """A beat that came to its end, with its warnings said, or the error that it stopped with."""
-    # Those of the cell were said when it was made.
-    warn(text for text in beat.warnings if text not in beat.cell.warnings)
-    if beat.stopped is not None:
-        message, time_ms = beat.stopped
-        raise SimulationError(message, time_ms, beat)
-    return beat
-
-
-def followed(given: dict[str, Any]) -> ActionPotential:
-    """The course of a cell model."""
-    columns, beats = _native.action_potential(given)
-    states = dict(columns)
-    by_beat = [
-        {name: np.nan if value is None else value for name, value, _ in beat} for beat in beats
-    ]
-    return ActionPotential(
-        t_ms=states.pop("t_ms"),
-        potential=states.pop("potential"),
-        vm_mv=states.pop("vm_mv", None),
-        tension=states.pop("tension"),
-        states=states,
-        metrics=by_beat[-1] if by_beat else {},
-        units={name: unit for name, _, unit in beats[-1]} if beats else {},
-        metrics_by_beat=by_beat,
-    )

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any, Sequence
 
-if TYPE_CHECKING:
-    from myospring._cell import Cell
+from numpy.typing import NDArray
 
 _WIDTH = 480.0
 _MARGIN = 12.0
 
 
-def cell_svg(cell: Cell) -> str:
-    """The outline of a cell with a scale bar."""
-    rings = cell.outline
+def outline_svg(name: str, rings: Sequence[NDArray[Any]]) -> str:
+    """Draws the outline of a cell, its rings in um, with a scale bar."""
     low, high = rings[0].min(axis=0), rings[0].max(axis=0)
     extent = high - low
     scale = min((_WIDTH - 2 * _MARGIN) / extent[0], (_WIDTH - 2 * _MARGIN) / extent[1])
@@ -27,7 +25,7 @@ def cell_svg(cell: Cell) -> str:
     base = height - 10
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {_WIDTH:.0f} {height:.1f}" role="img" aria-label="{cell.name}">'
+        f'viewBox="0 0 {_WIDTH:.0f} {height:.1f}" role="img" aria-label="{name}">'
         f'<path d="{path}" fill="#dbe7f3" stroke="#33597f" stroke-width="1.2" fill-rule="evenodd"/>'
         f'<path d="M{_MARGIN},{base:.1f} h{bar * scale:.1f}" stroke="currentColor" stroke-width="2"/>'
         f'<text x="{_MARGIN + bar * scale + 6:.1f}" y="{base + 4:.1f}" font-family="sans-serif" font-size="12" '

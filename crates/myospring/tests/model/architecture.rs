@@ -16,6 +16,9 @@ const CRATES: [(&str, Option<&str>); 4] = [
     ("myospring-output", Some("output")),
 ];
 
+/// The other crates: no rooms of the library, but without circles, too.
+const DOORS: [&str; 3] = ["crates/myospring-py", "verification", "xtask"];
+
 /// A row of the table in ARCHITECTURE.md.
 struct Row {
     /// The crate that the room stands in.
@@ -239,8 +242,13 @@ fn the_program_in_the_readme_is_the_example_that_is_compiled() {
 
 #[test]
 fn files_use_each_other_without_a_circle() {
-    let library = library();
-    let name = |path: &Path| path.strip_prefix(crates()).unwrap().display().to_string();
+    let mut library = library();
+    let root = crates().parent().unwrap();
+    for folder in DOORS {
+        let name = folder.rsplit('/').next().unwrap().replace('-', "_");
+        library.add(&name, &root.join(folder).join("src"));
+    }
+    let name = |path: &Path| path.strip_prefix(root).unwrap().display().to_string();
     let uses = library.uses();
     let circles: Vec<String> = library::circles(&uses)
         .into_values()

@@ -1,0 +1,39 @@
+//! What every command uses: cargo, steps that are timed, places, messages.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+pub(crate) fn cargo<const N: usize>(arguments: [&str; N]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).current_dir(root());
+    command
+}
+
+pub(crate) fn step(name: &str, mut command: Command) -> Result<(), String> {
+    say(&format!("\n== {name}\n"));
+    let start = Instant::now();
+    let status = command.status().map_err(|error| format!("{name}: {error}"))?;
+    if !status.success() {
+        return Err(format!("{name} failed ({status})"));
+    }
+    say(&format!("-- {name}: {:.0} s\n", start.elapsed().as_secs_f64()));
+    Ok(())
+}
+
+/// A program of the workspace as built: `debug` has what the tests have built.
+pub(crate) fn program(profile: &str, name: &str) -> PathBuf {
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| root().join("target"), |folder| root().join(folder));
+    target.join(profile).join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+}
+
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or_else(|| Path::new("."))
+}
+
+/// All that this program prints goes to the terminal here.
+#[allow(clippy::print_stderr, reason = "this is the program's way to talk")]
+pub(crate) fn say(text: &str) {
+    eprint!("{text}");
+}
