@@ -7,7 +7,9 @@ use crate::run::resolved;
 use myospring::cell;
 use myospring::experiment::Folder;
 use myospring::experiment::Inputs;
-use myospring::output::page::{self, Page, PageRun, ParameterGroup, ParameterRow, Photograph};
+use myospring::output::page::{
+    self, Page, PageRun, ParameterGroup, ParameterRow, Photograph, Runs,
+};
 use myospring::settings::{self, Run, Value};
 
 /// Name of the file.
@@ -18,17 +20,18 @@ pub(crate) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Fail
     let Finished { name, run, .. } = finished;
     let title = if run.title.is_empty() { name } else { run.title.as_str() };
     let texts = Texts::of(finished);
+    let runs = Runs { runs: vec![on_page(finished, &texts)], differences: &[] };
     let stop = finished.outcome.stop.as_ref();
-    let warnings: Vec<String> =
-        stop.iter().map(|stop| format!("the run stopped early: {stop}")).collect();
+    let stopped = stop.map(|stop| format!("the run stopped early: {stop}"));
+    let mut sections = vec![runs.key_numbers(), runs.beat(finished.look.colour, Vec::new())];
+    sections.extend(runs.record());
     let page = Page {
+        kind: "A beat by Myospring",
         title,
-        version: env!("CARGO_PKG_VERSION"),
-        colour: finished.look.colour,
-        warnings: &warnings,
-        differences: &[],
-        runs: &[on_page(finished, &texts)],
-        fit: None,
+        facts: facts(finished),
+        answer: None,
+        warnings: stopped.into_iter().chain(runs.warnings()).collect(),
+        sections,
     };
     folder.write(FILE, page::html(&page)?)
 }
@@ -52,32 +55,33 @@ impl Texts {
     }
 }
 
-fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
-    let Finished {
-        name, run, simulation, outline, picture, outcome, numbers, stimuli, inputs, ..
-    } = finished;
-    let s2 = numbers.summary.s2().is_some();
+/// What was run, a few words each.
+fn facts(finished: &Finished<'_>) -> Vec<String> {
+    let Finished { name, run, numbers, .. } = finished;
     let beats = numbers.summary.captured();
     let missed = match numbers.summary.rhythm.not_captured.len() {
         0 => String::new(),
         missed => format!(", {missed} stimul{} not captured", if missed == 1 { "us" } else { "i" }),
     };
+    let s2 = if numbers.summary.s2().is_some() { " and S2" } else { "" };
+    let plural = if beats == 1 { "" } else { "s" };
     let mut facts = vec![
         (*name).to_owned(),
         run.cell.name().to_owned(),
         run.strength(),
-        format!(
-            "{beats} beat{}{missed}{}",
-            if beats == 1 { "" } else { "s" },
-            if s2 { " and S2" } else { "" }
-        ),
+        format!("{beats} beat{plural}{missed}{s2}"),
     ];
     facts.dedup();
     // The title says it already.
     facts.retain(|fact| !run.title.is_empty() || fact != name);
+    facts
+}
+
+fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
+    let Finished { run, simulation, outline, picture, outcome, numbers, stimuli, inputs, .. } =
+        finished;
     PageRun {
         label: &texts.label,
-        facts,
         summary: numbers.summary,
         recording: &outcome.recording,
         mesh: &simulation.mesh,

@@ -1,28 +1,36 @@
-//! `report.html`: a run, or several beside each other, as one page that needs nothing else.
+//! `report.html`: the result of any experiment as one page that needs nothing else.
+//!
+//! A [`Page`] is a head (title, facts, the answer in one line, warnings) and a list of [`Section`]s, each of parts of a
+//! few kinds ([`Part`]): beating cells with their curves, charts, tables, thumbnails, figures, sentences, text to keep.
+//! An experiment composes its own sections; nothing here or in the page's script knows which experiment it is.
+//! [`Runs`] makes the sections of runs, [`Chart::of_curve`] and [`Chart::of_fit`] charts of measured and fitted curves.
 //!
 //! The page itself (HTML, style, drawing) has its source in the folder `page/` of this crate; here it is put
-//! together (`template`) and gets its data. It shows the beating cell, the curves linked to it, all numbers
-//! with their definitions, parameters with their sources, and how to cite and to repeat the run. It asks nothing of
-//! any network, and forbids itself to.
+//! together (`template`) and gets its data. It asks nothing of any network, and forbids itself to.
 //!
-//! What the cell needs is made small: squares of the lattice or several of them in one (`display`), frames that
-//! the eye can tell apart, displacements in 16 bits. `payload.d.ts` beside the page's source has the form.
+//! Its size is bounded: squares of the lattice or several of them in one (`display`), frames that the eye can
+//! distinguish, displacements in 16 bits: 2 MB for the frames of all cells. All charts have 120 000 numbers (1 MB), a
+//! figure above 400 kB becomes a picture of pixels, a gallery 3 MB, a table 1000 rows. `payload.d.ts` beside the
+//! page's source describes the data.
 
-mod band;
 mod cell;
-mod curves;
+mod chart;
 mod display;
 mod fields;
-mod fit;
+mod figure;
 mod frames;
 mod given;
 mod html;
 mod payload;
 mod photograph;
+mod runs;
+mod table;
 mod template;
 
-pub use given::{
-    Difference, FittedNumber, Page, PageError, PageFigure, PageFit, PageRun, ParameterGroup,
-    ParameterRow, Photograph,
-};
+pub use cell::{Beat, MovingCell, Photograph};
+pub use chart::{Chart, Dot, Series, Span, Tone};
+pub use figure::{Drawing, Thumbnail};
+pub use given::{Answer, Page, PageError, Part, Quality, Section};
 pub use html::html;
+pub use runs::{Difference, PageRun, ParameterGroup, ParameterRow, Runs};
+pub use table::{Cell, Column, Look, Mark, Row, Table, Tile, metric_words};

@@ -9,7 +9,7 @@ use myospring::analysis::beat::Beats;
 use myospring::experiment::Folder;
 use myospring::experiment::Inputs;
 use myospring::output::field::Field;
-use myospring::output::page::{self, Difference, Page, PageRun};
+use myospring::output::page::{self, Difference, Page, PageRun, Runs};
 use myospring::output::report::Summary;
 use myospring::simulation::Pace;
 
@@ -63,11 +63,12 @@ pub(super) fn write(
             citations: cite::bibtex(&*shown.run.cell),
         })
         .collect();
-    let runs: Vec<PageRun<'_>> = shown
-        .iter()
-        .zip(&owned)
-        .map(|((side, shown), owned)| on_page(side, shown, owned, inputs))
-        .collect();
+    let runs = shown.iter().zip(&owned);
+    let runs = runs.map(|((side, shown), owned)| on_page(side, shown, owned, inputs)).collect();
+    let runs = Runs { runs, differences };
+    // The curves come first: they show the difference.
+    let mut sections = vec![runs.beat(Field::default(), Vec::new()), runs.key_numbers()];
+    sections.extend(runs.record());
     let labels: Vec<&str> = sides.iter().map(|side| side.label.as_str()).collect();
     let title = match labels.as_slice() {
         [first, others @ ..] if others.len() >= NAMED => {
@@ -76,23 +77,21 @@ pub(super) fn write(
         labels => labels.join(" \u{b7} "),
     };
     let page = Page {
+        kind: "Beats compared by Myospring",
         title: &title,
-        version: env!("CARGO_PKG_VERSION"),
-        colour: Field::default(),
-        warnings,
-        differences,
-        runs: &runs,
-        fit: None,
+        // The legend has the names.
+        facts: Vec::new(),
+        answer: None,
+        warnings: warnings.iter().cloned().chain(runs.warnings()).collect(),
+        sections,
     };
     folder.write(FILE, page::html(&page)?)?;
     Ok(FILE)
 }
 
 fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned, inputs: &Inputs) -> PageRun<'a> {
-    let model = shown.run.cell.name().to_owned();
     PageRun {
         label: &side.label,
-        facts: vec![side.label.clone(), model, shown.run.strength()],
         summary: &owned.summary,
         recording: &side.recording,
         mesh: &shown.mesh,

@@ -9,8 +9,11 @@ use myospring::cell::CellModel;
 use myospring::experiment::Inputs;
 use myospring::fit::{Estimate, Fit, FitVerdict, Unknown};
 use myospring::output::field::Field;
-use myospring::output::figure::{Figure, FigureError, FittedCurve};
-use myospring::output::page::{self, FittedNumber, Page, PageFigure, PageFit, PageRun};
+use myospring::output::figure::FittedCurve;
+use myospring::output::page::{
+    self, Answer, Cell as Entry, Chart, Drawing, Mark, Page, PageRun, Part, Quality, Runs, Section,
+    Tile,
+};
 use myospring::output::report::Summary;
 use myospring::settings::Run;
 use myospring::simulation::{Outcome, SetupError, SharedPath, Simulation};
@@ -47,7 +50,6 @@ pub(super) fn html(
     let facts = vec![context.name.to_owned(), model.name().to_owned(), format!("{frames} frames")];
     let shown = PageRun {
         label: "fitted",
-        facts,
         summary: &summary,
         recording: &outcome.recording,
         mesh: &simulation.mesh,
@@ -60,42 +62,66 @@ pub(super) fn html(
         citations: &citations,
         picture: None,
     };
-    let estimates: Vec<FittedNumber> = fit
-        .estimates
-        .iter()
-        .zip(words::table(fit))
-        .map(|(estimate, [name, value, interval, verdict])| {
-            let meaning = meaning(estimate, model);
-            // The verdict says it.
-            let interval =
-                if fit.verdict == FitVerdict::DoesNotFit { String::new() } else { interval };
-            FittedNumber { name: name.replace('_', " "), meaning, value, interval, verdict }
-        })
-        .collect();
+    let runs = Runs { runs: vec![shown], differences: &[] };
     let start = outcome.stimulus_times_ms.first().copied().unwrap_or_default();
-    let curves: Vec<FittedCurve> =
-        drawn(fit).into_iter().map(|curve| from_stimulus(curve, start)).collect();
-    let mut notes: Vec<String> = fit.curves.iter().map(words::left).collect();
-    notes.extend(context.notes.iter().cloned());
-    let (profiles, headline) = (profiles(fit), words::headline(fit));
+    let several = fit.curves.len() > 1;
+    let charts = drawn(fit).into_iter().map(|curve| from_stimulus(curve, start));
+    let charts = charts.flat_map(|curve| Chart::of_fit(&curve, several)).collect();
+    let mut sections =
+        vec![numbers(fit, model), runs.beat(Field::default(), charts), certainty(fit, context)];
+    sections.extend(figures(context));
+    sections.extend(runs.record());
+    let quality = match fit.verdict {
+        FitVerdict::Fits => Quality::Good,
+        FitVerdict::FitsNearly => Quality::Fair,
+        FitVerdict::DoesNotFit => Quality::Poor,
+    };
     let page = Page {
+        kind: "A fit by Myospring, and the beat of the fitted cell",
         title: &title,
-        version: env!("CARGO_PKG_VERSION"),
-        colour: Field::default(),
-        warnings: &fit.verdicts,
-        differences: &[],
-        runs: &[shown],
-        fit: Some(PageFit {
-            verdict: fit.verdict.word(),
-            headline: &headline,
-            estimates: &estimates,
-            curves: &curves,
-            profiles: &profiles,
-            notes: &notes,
-            figures: figures(context),
-        }),
+        facts,
+        answer: Some(Answer { words: words::headline(fit), quality }),
+        warnings: fit.verdicts.iter().cloned().chain(runs.warnings()).collect(),
+        sections,
     };
     Ok(page::html(&page)?)
+}
+
+/// The numbers that were fitted, with their intervals.
+fn numbers(fit: &Fit, model: &dyn CellModel) -> Section<'static> {
+    let tiles = fit.estimates.iter().zip(words::table(fit));
+    let tiles = tiles.map(|(estimate, [name, value, interval, verdict])| {
+        // Of a model that does not fit the verdict says it.
+        let has_interval = fit.verdict != FitVerdict::DoesNotFit && !interval.is_empty();
+        let interval = has_interval.then(|| Entry::text(format!("95 %: {interval}")));
+        let mark = Mark::new(verdict == "determined", verdict);
+        Tile {
+            definition: meaning(estimate, model),
+            lines: interval.into_iter().chain([Entry::text("").marked(Some(mark))]).collect(),
+            ..Tile::new(name.replace('_', " "), Entry::text(value))
+        }
+    });
+    Section::new("key", "Fitted numbers", vec![Part::Tiles(tiles.collect())])
+}
+
+/// How well the numbers are determined.
+fn certainty(fit: &Fit, context: &Context<'_>) -> Section<'static> {
+    let mut notes: Vec<String> = fit.curves.iter().map(words::left).collect();
+    notes.extend(context.notes.iter().cloned());
+    let profiles = profiles(fit);
+    let hint = match profiles.len() {
+        0 => "",
+        _ => {
+            "Rise of chi squared when one number is held and the others are fitted again; the 95 % interval ends where it \
+             reaches the dashed line. The green dot is the fitted value. A model that does not fit has no intervals."
+        }
+    };
+    Section {
+        id: "fit",
+        title: "How sure the fitted numbers are".to_owned(),
+        hint: hint.to_owned(),
+        parts: vec![Part::Profiles(profiles), Part::Words(notes)],
+    }
 }
 
 /// What a number is.
@@ -123,17 +149,20 @@ fn from_stimulus(curve: FittedCurve, start: f64) -> FittedCurve {
     FittedCurve { times_ms: moved(curve.times_ms), stimuli_ms: moved(curve.stimuli_ms), ..curve }
 }
 
-/// Those of a film.
-fn figures<'a>(context: &'a Context<'_>) -> Vec<PageFigure<'a>> {
-    let one = |title, figure: Result<Figure, FigureError>, words: String, notes| {
-        let words = format!("{words}.");
-        figure.ok().map(|figure| PageFigure { title, figure, words, notes })
-    };
-    let shapes = context
-        .shapes
-        .and_then(|it| one("The film and the fitted cell", it.figure(), it.words(), &[][..]));
-    let map = context
-        .mapped
-        .and_then(|it| one("Where the cell pulls", it.figure(), it.words(), it.verdicts()));
+/// The figures of a film.
+fn figures(context: &Context<'_>) -> Vec<Section<'static>> {
+    let shapes = context.shapes.and_then(|it| {
+        let words = format!("{}.", it.words());
+        let drawing = Drawing::new(&it.figure().ok()?, &words).ok()?;
+        let parts = vec![Part::Figure(drawing), Part::Words(vec![words])];
+        Some(Section::new("shapes", "The film and the fitted cell", parts))
+    });
+    let map = context.mapped.and_then(|it| {
+        let words = format!("{}.", it.words());
+        let drawing = Drawing::new(&it.figure().ok()?, &words).ok()?;
+        let notes = it.verdicts().to_vec();
+        let parts = vec![Part::Figure(drawing), Part::Words(vec![words]), Part::Words(notes)];
+        Some(Section::new("map", "Where the cell pulls", parts))
+    });
     shapes.into_iter().chain(map).collect()
 }

@@ -1,12 +1,11 @@
-// The charts of a page and their legend.
+// Charts in the page: those that share the time of the player, those with a time axis of their own, and the legend.
 
 import { lineOf } from "./colours.js";
-import { Chart, chartsOf, chartsOfFit, valueAt } from "./curves.js";
+import { Chart, valueAt } from "./curves.js";
 import { find, make } from "./elements.js";
 import { quantity } from "./numbers.js";
 
-/** @import { ChartData } from "./curves.js" */
-/** @import { Payload } from "./payload.js" */
+/** @import { Cell, ChartData } from "./payload.js" */
 /** @import { Player } from "./player.js" */
 
 /**
@@ -21,50 +20,93 @@ import { quantity } from "./numbers.js";
 
 /** Largest number of runs for which a chart shows the current values beside its name. */
 const TOLD = 4;
-/** Up to this number of further curves of the cell model, all are shown from the start; of more only the first. */
-const SIGNALS = 3;
 
 /**
- * The charts that lead, and those that are folded.
+ * The place of a chart: its name, its values, how to read it, its plot, its axis.
  *
- * @param {Payload} payload
- * @param {Player} player
- * @param {(name: string) => string} colour
+ * @param {string} note
  */
-export function makeCharts({ runs, fit }, player, colour) {
-  const ofRuns = chartsOf(
-    runs.map((run, index) => ({ ...run.curves, ...run, ...lineOf(index) })),
-    (key, isSignal) => (isSignal ? "--signal" : `--${key}`),
-  );
-  const ofFit = fit === null ? [] : chartsOfFit(fit.curves, runs[0]);
-  const signals = ofRuns.filter(({ isSignal }) => isSignal);
-  const folded = signals.length > SIGNALS ? signals.slice(1) : [];
-  const leading = [...ofFit, ...ofRuns.filter((data) => !folded.includes(data))];
-  if (leading.some(({ missed_ms: missed }) => missed.length > 0)) {
-    const inAll = runs.length > 1 ? " in every run" : "";
-    leading[0].note = [leading[0].note, `\u25bc stimulus, \u25bd not captured${inAll}`].filter((part) => part !== "").join("; ");
-  }
-  const palette = {
-    ink: () => colour("--muted"),
-    grid: () => colour("--grid"),
-    band: () => colour("--band"),
-    paper: () => colour("--paper"),
-    curve: colour,
-  };
-  const show = (/** @type {ChartData} */ data) => {
-    const now = make("span", { class: "now", "aria-hidden": "true" });
-    const title = make("h3", {}, "", now);
-    if (data.note !== "") title.append(make("span", { class: "in-band" }, data.note));
-    const figure = make("div", { class: "plot", role: "img" });
-    const axis = make("p", { class: "axis" }, "Time (ms)");
-    const element = make("div", { class: "chart" }, title, figure, axis);
-    const chart = new Chart(figure, data, [player.start, player.end], palette);
+function placeFor(note) {
+  const now = make("span", { class: "now", "aria-hidden": "true" });
+  const title = make("h3", {}, "", now);
+  if (note !== "") title.append(make("span", { class: "in-band" }, note));
+  const figure = make("div", { class: "plot", role: "img" });
+  const axis = make("p", { class: "axis" }, "Time (ms)");
+  return { now, title, figure, axis, element: make("div", { class: "chart" }, title, figure, axis) };
+}
+
+/**
+ * Charts that share the time of a player.
+ *
+ * @param {ChartData[]} charts
+ * @param {number[][]} lists Of times.
+ * @param {Player} player
+ * @returns {ShownChart[]}
+ */
+export function chartsIn(charts, lists, player) {
+  return charts.map((data) => {
+    const { now, title, figure, axis, element } = placeFor(data.note);
+    const chart = new Chart(figure, data, lists, [player.start, player.end]);
     title.prepend(chart.heading);
     figure.setAttribute("aria-label", chart.description);
     followPointer(chart, player);
     return { chart, element, axis, now };
-  };
-  return { charts: leading.map(show), others: folded.map(show) };
+  });
+}
+
+/** Height of a plot with a time axis of its own, px. */
+const OWN_HEIGHT = 150;
+
+/** A chart with a time axis of its own. It is drawn when it is first seen. */
+export class OwnChart {
+  /** @type {ChartData} */
+  #data;
+  /** @type {number[][]} */
+  #lists;
+  /** @type {ReturnType<typeof placeFor>} */
+  #place;
+  /** @type {Chart | null} */
+  #chart = null;
+
+  /**
+   * @param {ChartData} data
+   * @param {number[][]} lists Of times.
+   */
+  constructor(data, lists) {
+    this.#data = data;
+    this.#lists = lists;
+    this.#place = placeFor(data.note);
+    this.element = this.#place.element;
+    new ResizeObserver(() => this.show()).observe(this.element);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#chart?.redraw());
+  }
+
+  /** Fits it to its place, or to a width, px. */
+  show(width = this.element.clientWidth) {
+    if (width === 0) return;
+    this.#chart ??= this.#draw();
+    this.#chart.resize(width, OWN_HEIGHT, true);
+  }
+
+  /** Draws it in the colours of now. */
+  redraw() {
+    this.#chart?.redraw();
+  }
+
+  #draw() {
+    const { now, title, figure, axis } = this.#place;
+    const chart = new Chart(figure, this.#data, this.#lists, null);
+    if (chart.perUnit > 1) axis.textContent = "Time (s)";
+    title.prepend(chart.heading);
+    figure.setAttribute("aria-label", chart.description);
+    chart.over.addEventListener("pointermove", (event) => {
+      const time = chart.timeAt(event.clientX);
+      const values = chart.series.map((series) => quantity(valueAt(series, time), chart.data.unit));
+      now.textContent = `${quantity(time / chart.perUnit, chart.perUnit > 1 ? "s" : "ms")}: ${values.slice(-1).join("")}`;
+    });
+    chart.over.addEventListener("pointerleave", () => (now.textContent = ""));
+    return chart;
+  }
 }
 
 /**
@@ -77,16 +119,16 @@ export function makeCharts({ runs, fit }, player, colour) {
 export function showValues(charts, time) {
   return charts.map(({ chart, now }) => {
     chart.setTime(time);
-    const text = chart.data.series.map((series) => quantity(valueAt(series, time), chart.data.unit));
+    const text = chart.series.map((series) => quantity(valueAt(series, time), chart.data.unit));
     now.textContent = text.length > TOLD ? "" : text.join(" / ");
     return `${chart.data.name} ${text.join(", ")}`;
   });
 }
 
-/** @param {Payload} payload */
-export function writeLegend({ runs }) {
+/** @param {Cell[]} cells */
+export function writeLegend(cells) {
   const legend = find("legend", HTMLElement);
-  runs.forEach((run, index) => legend.append(make("li", {}, swatch(index), run.label)));
+  cells.forEach(({ label }, index) => legend.append(make("li", {}, swatch(index), label)));
   legend.hidden = false;
 }
 

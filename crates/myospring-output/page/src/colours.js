@@ -1,4 +1,7 @@
-// Scales of colours.
+// Colours: those of the style sheet, of compared runs, and scales of them.
+
+/** @param {string} name Of a custom property of the style sheet. */
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /** Colours of compared runs in the style sheet, and dashes, px: as many, so that each pair of them comes once. */
 const RUNS = 6;

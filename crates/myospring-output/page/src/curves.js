@@ -1,45 +1,29 @@
 // Curves over time, drawn by uPlot, with a cursor that is the time of the player.
 
 import uPlot from "uplot";
+import { colour, lineOf } from "./colours.js";
 import { lastBefore } from "./data.js";
 import { quantity, unitText } from "./numbers.js";
 
-/** @import { Band, Curve, FittedCurve } from "./payload.js" */
+/** @import { ChartData } from "./payload.js" */
 
 /**
  * One curve of a chart.
  *
- * @typedef {object} Series
+ * @typedef {object} Line
  * @property {string} label
- * @property {string} colour Name of a colour of the style sheet.
+ * @property {string} stroke Name of a colour of the style sheet.
  * @property {number[]} dash
- * @property {boolean} [dots] Points without a line: what was measured.
+ * @property {boolean} dotted
  * @property {number[]} t_ms
  * @property {(number | null)[]} values
  */
 
-/**
- * One chart: a quantity of one run or of several.
- *
- * @typedef {object} ChartData
- * @property {string} name
- * @property {string} unit
- * @property {Band | null} band
- * @property {string} note What is to be known of what is drawn; empty where nothing is.
- * @property {Series[]} series
- * @property {number[]} stimuli_ms Those that each run captured, or may have.
- * @property {number[]} missed_ms Those that a run did not.
- * @property {boolean} isSignal Whether it is one of the cell model's own, beside potential, tension and shortening.
- */
-
-/**
- * @typedef {object} Palette
- * @property {() => string} ink Of the axes' text.
- * @property {() => string} grid
- * @property {() => string} band
- * @property {() => string} paper
- * @property {(name: string) => string} curve The colour that a name stands for.
- */
+/** Recordings longer than this have their times in s where they have an axis of their own, ms. */
+const LONG = 3000;
+/** Radius of a dot, px, and the room for words above and below it, of the height. */
+const DOT = 2.5;
+const ROOM_FOR_WORDS = 0.12;
 
 /**
  * The value of a curve at a time, on a straight line between its samples.
@@ -98,22 +82,29 @@ export class Chart {
   /**
    * @param {HTMLElement} place
    * @param {ChartData} data
-   * @param {[number, number]} span First and last time, ms.
-   * @param {Palette} palette
+   * @param {number[][]} lists Of times.
+   * @param {[number, number] | null} span First and last time, ms; without it the chart has its own time axis, on which a
+   *   reader enlarges a part.
    */
-  constructor(place, data, span, palette) {
+  constructor(place, data, lists, span) {
     this.data = data;
-    const columns = data.series.map(
-      ({ t_ms, values }) => /** @type {uPlot.AlignedData} */ ([t_ms, values]),
-    );
+    /** @type {Line[]} */
+    this.series = data.series.map(({ label, tone, dotted, times, values }) => {
+      const run = /^\d+$/.test(tone) ? lineOf(Number(tone)) : { colour: `--${tone}`, dash: [] };
+      return { label, stroke: run.colour, dash: run.dash, dotted, t_ms: lists[times], values };
+    });
+    const columns = this.series.map(({ t_ms, values }) => /** @type {uPlot.AlignedData} */ ([t_ms, values]));
     const joined = columns.length === 1 ? columns[0] : uPlot.join(columns);
+    const times = /** @type {number[]} */ (joined[0]);
+    /** How many ms a unit of the time axis has. */
+    this.perUnit = span === null && times[times.length - 1] - times[0] > LONG ? 1000 : 1;
     const text = "12px system-ui, sans-serif";
     const axis = {
-      stroke: palette.ink,
+      stroke: () => colour("--muted"),
       font: text,
       labelFont: text,
-      grid: { stroke: palette.grid, width: 1 },
-      ticks: { stroke: palette.grid, width: 1, size: 4 },
+      grid: { stroke: () => colour("--grid"), width: 1 },
+      ticks: { stroke: () => colour("--grid"), width: 1, size: 4 },
     };
     this.#plot = new uPlot(
       {
@@ -121,37 +112,39 @@ export class Chart {
         height: Chart.LEAST,
         padding: [8, 18, 0, 0],
         legend: { show: false },
-        cursor: { show: false },
+        cursor: span === null ? { y: false, points: { show: false }, drag: { x: true, y: false } } : { show: false },
         scales: {
-          x: { time: false, range: () => span },
-          y: { range: (_, low, high) => Chart.rangeOf(low, high, data.band) },
+          x: { time: false, range: (_, low, high) => span ?? [low, high] },
+          y: { range: (_, low, high) => this.#range(low, high) },
         },
         axes: [
           {
             ...axis,
             size: () => (this.#labelled ? Chart.AXIS : 8),
-            values: (_, ticks) => (this.#labelled ? tickTexts(ticks) : ticks.map(() => "")),
+            values: (_, ticks) => (this.#labelled ? tickTexts(ticks.map((tick) => tick / this.perUnit)) : ticks.map(() => "")),
           },
           { ...axis, size: 52, space: 26, values: (_, ticks) => tickTexts(ticks) },
         ],
         series: [
           {},
-          ...data.series.map(({ label, colour, dash, dots }) => ({
+          ...this.series.map(({ label, stroke, dash, dotted }) => ({
             label,
-            stroke: () => palette.curve(colour),
+            stroke: () => colour(stroke),
             dash,
-            width: dots ? 0 : 2,
+            width: dotted ? 0 : stroke === "--measured" ? 1 : 2,
             spanGaps: false,
-            points: dots
-              ? { show: true, size: 3.5, width: 0, fill: () => palette.curve(colour) }
-              : { show: false },
+            points: dotted ? { show: true, size: 3.5, width: 0, fill: () => colour(stroke) } : { show: false },
           })),
         ],
-        hooks: { drawClear: [(/** @type {uPlot} */ plot) => this.#underlay(plot, palette)] },
+        hooks: {
+          drawClear: [(/** @type {uPlot} */ plot) => this.#underlay(plot)],
+          draw: [(/** @type {uPlot} */ plot) => this.#dots(plot)],
+        },
       },
       joined,
       place,
     );
+    if (span === null) return;
     this.#cursor.className = "time-cursor";
     this.#plot.over.append(this.#cursor);
   }
@@ -159,35 +152,68 @@ export class Chart {
   /**
    * @param {number} low
    * @param {number} high
-   * @param {Band | null} band
    * @returns {[number, number]}
    */
-  static rangeOf(low, high, band) {
-    const top = Math.max(high, band === null ? high : band.high);
-    const bottom = Math.min(low, band === null ? low : band.low);
+  #range(low, high) {
+    const { band, dots } = this.data;
+    const top = Math.max(high, band === null ? high : band[1]);
+    const bottom = Math.min(low, band === null ? low : band[0]);
     const gap = top - bottom || Math.abs(top) || 1;
-    return [bottom - 0.04 * gap, top + 0.08 * gap];
+    const words = dots.some((dot) => dot.words !== "") ? ROOM_FOR_WORDS : 0;
+    return [bottom - (0.04 + words) * gap, top + (0.08 + words) * gap];
   }
 
   /**
-   * What lies under the curves: the band that is seen in experiments, the stimuli.
+   * What lies under the curves: the band, parts of the time, the stimuli.
    *
    * @param {uPlot} plot
-   * @param {Palette} palette
    */
-  #underlay(plot, palette) {
+  #underlay(plot) {
     const { ctx: pen, bbox } = plot;
+    const { band, spans, stimuli_ms: stimuli, missed_ms: missed } = this.data;
     pen.save();
-    if (this.data.band !== null) {
-      const top = plot.valToPos(this.data.band.high, "y", true);
-      const bottom = plot.valToPos(this.data.band.low, "y", true);
-      pen.fillStyle = palette.band();
+    if (band !== null) {
+      const [bottom, top] = band.map((end) => plot.valToPos(end, "y", true));
+      pen.fillStyle = colour("--band");
       pen.fillRect(bbox.left, top, bbox.width, bottom - top);
     }
-    pen.strokeStyle = palette.ink();
+    pen.fillStyle = colour("--span");
+    for (const { from_ms: from, to_ms: to } of spans) {
+      const ends = [from, to].map((time) => plot.valToPos(time, "x", true));
+      const [left, right] = ends.map((end) => Math.min(Math.max(end, bbox.left), bbox.left + bbox.width));
+      // As wide as can be seen, if it is in the part that is shown.
+      if (right > bbox.left && left < bbox.left + bbox.width) {
+        pen.fillRect(left, bbox.top, Math.max(right - left, 2 * devicePixelRatio), bbox.height);
+      }
+    }
+    pen.strokeStyle = colour("--muted");
     pen.lineWidth = devicePixelRatio;
-    for (const stimulus of this.data.stimuli_ms) this.#stimulus(plot, stimulus, palette.ink(), [4, 4]);
-    for (const stimulus of this.data.missed_ms) this.#stimulus(plot, stimulus, palette.paper(), [1, 5]);
+    for (const time of stimuli) this.#stimulus(plot, time, colour("--muted"), [4, 4]);
+    for (const time of missed) this.#stimulus(plot, time, colour("--paper"), [1, 5]);
+    pen.restore();
+  }
+
+  /**
+   * Places on the curve, with their words above or below them.
+   *
+   * @param {uPlot} plot
+   */
+  #dots(plot) {
+    const { ctx: pen, bbox } = plot;
+    const pixel = devicePixelRatio;
+    pen.save();
+    pen.font = `${11 * pixel}px system-ui, sans-serif`;
+    pen.textAlign = "center";
+    for (const { t_ms: time, value, words, counts } of this.data.dots) {
+      const [x, y] = [plot.valToPos(time, "x", true), plot.valToPos(value, "y", true)];
+      if (x < bbox.left || x > bbox.left + bbox.width) continue;
+      pen.fillStyle = colour(counts ? "--ink" : "--muted");
+      pen.beginPath();
+      pen.arc(x, y, DOT * pixel, 0, 2 * Math.PI);
+      pen.fill();
+      const above = y < bbox.top + bbox.height / 2;
+      pen.fillText(words, x, above ? y - 6 * pixel : y + 14 * pixel);
+    }
     pen.restore();
   }
 
@@ -203,6 +229,7 @@ export class Chart {
     const { ctx: pen, bbox } = plot;
     const pixel = devicePixelRatio;
     const x = plot.valToPos(time, "x", true);
+    if (x < bbox.left || x > bbox.left + bbox.width) return;
     pen.setLineDash(dash.map((length) => length * pixel));
     pen.beginPath();
     pen.moveTo(x, bbox.top);
@@ -255,9 +282,9 @@ export class Chart {
 
   /** What it shows, in a sentence. */
   get description() {
-    const peaks = this.data.series.map((series) => {
+    const peaks = this.series.map((series) => {
       const { time, value } = peakOf(series);
-      const of = this.data.series.length > 1 ? `${series.label}: ` : "";
+      const of = this.series.length > 1 ? `${series.label}: ` : "";
       return `${of}peak ${quantity(value, this.data.unit)} at ${quantity(time, "ms")}`;
     });
     return `${this.data.name} over time. ${peaks.join("; ")}`;
@@ -267,78 +294,4 @@ export class Chart {
   get heading() {
     return this.data.unit === "" ? this.data.name : `${this.data.name} (${unitText(this.data.unit)})`;
   }
-}
-
-/**
- * What was measured and what was fitted to it, and below it the residual: two charts for each curve.
- *
- * @param {FittedCurve[]} curves
- * @param {{ stimuli_ms: number[], missed_ms: number[] }} run Of the fitted cell.
- * @returns {ChartData[]}
- */
-export function chartsOfFit(curves, { stimuli_ms, missed_ms }) {
-  return curves.flatMap(({ label, unit, t_ms, measured, left_out: leftOut, fitted, residual, noise }) => {
-    const dots = { dash: [], dots: true, t_ms };
-    const bad = leftOut.some((value) => value !== null);
-    const shown = unit === "" ? label : label.replace(/ \([^)]*\)$/, "");
-    return [
-      {
-        name: shown,
-        unit,
-        band: null,
-        note: `dots: measured, line: fitted${bad ? ", orange dots: left out" : ""}`,
-        series: [
-          { ...dots, label: "measured", colour: "--measured", values: measured },
-          ...(bad ? [{ ...dots, label: "left out", colour: "--tension", values: leftOut }] : []),
-          { label: "fitted", colour: "--shortening", dash: [], t_ms, values: fitted },
-        ],
-        isSignal: false,
-        stimuli_ms,
-        missed_ms,
-      },
-      {
-        name: curves.length > 1 ? `${shown}, residual` : "Residual",
-        unit,
-        band: { low: -noise, high: noise, scope: "" },
-        note: "measured \u2212 fitted, grey: noise",
-        series: [{ ...dots, label: "residual", colour: "--measured", values: residual }],
-        isSignal: false,
-        stimuli_ms,
-        missed_ms,
-      },
-    ];
-  });
-}
-
-/** @param {string} key Of a curve. */
-const isSignal = (key) => !["potential", "tension", "shortening"].includes(key);
-
-/**
- * The curves of several runs, one chart for each quantity that the first run has.
- *
- * @param {{
- *   label: string, colour: string, dash: number[], t_ms: number[], list: Curve[],
- *   stimuli_ms: number[], missed_ms: number[],
- * }[]} runs
- * @param {(key: string, isSignal: boolean) => string} colourOf Of a quantity, where there is one run.
- * @returns {ChartData[]}
- */
-export function chartsOf(runs, colourOf) {
-  const stimuli = [...new Set(runs.flatMap((run) => run.stimuli_ms))];
-  const missed = [...new Set(runs.flatMap((run) => run.missed_ms))];
-  return runs[0].list.map(({ key, name, unit, band }) => ({
-    name,
-    unit,
-    band,
-    note: band === null ? "" : `grey: measured peaks, ${band.low} to ${band.high} ${unit}`,
-    isSignal: isSignal(key),
-    stimuli_ms: stimuli.filter((time) => !missed.includes(time)),
-    missed_ms: missed,
-    series: runs.flatMap(({ label, colour, dash, t_ms, list }) => {
-      const curve = list.find((other) => other.key === key && other.unit === unit);
-      if (curve === undefined) return [];
-      const own = runs.length === 1 ? colourOf(key, isSignal(key)) : colour;
-      return [{ label, colour: own, dash, t_ms, values: curve.values }];
-    }),
-  }));
 }

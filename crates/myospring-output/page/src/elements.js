@@ -42,3 +42,10 @@ export function find(id, kind) {
 export function say(text) {
   find("said", HTMLElement).textContent = text;
 }
+
+// A notebook makes the frame of a page as high as the page, which must not grow with it.
+const heightAtFirst = globalThis.innerHeight;
+export const isFramed = globalThis.parent !== globalThis.window;
+
+/** Height of the window, px. */
+export const windowHeight = () => (isFramed ? heightAtFirst : innerHeight);

@@ -1,48 +1,41 @@
-// The head of the page: title, what was run, what to look at.
+// The head of the page: title, what was done, the answer, what to look at.
 
-import { find, make, withCode } from "./elements.js";
+import { find, make, windowHeight, withCode } from "./elements.js";
 
 /** @import { Payload } from "./payload.js" */
 
 /** The part of the window's height that warnings take at most; the others are folded. */
 const WARNED = 0.13;
 
-/**
- * @param {Payload} payload
- * @param {number} height Of the window, px.
- */
-export function writeHeader({ title, warnings: ofAll, runs, fit }, height) {
-  const one = runs.length === 1;
+/** @param {Payload} payload */
+export function writeHead({ kind, title, version, facts, answer, warnings }) {
   document.title = title;
-  const kind = fit === null ? "A beat by Myospring" : "A fit by Myospring, and the beat of the fitted cell";
-  find("kind", HTMLElement).textContent = one ? kind : "Beats compared by Myospring";
+  find("kind", HTMLElement).textContent = kind;
   find("title", HTMLElement).textContent = title;
-  // Of several runs the legend has the names.
-  const facts = one ? runs[0].facts : [];
   find("facts", HTMLElement).append(...facts.map((fact) => make("li", {}, fact)));
-  if (fit !== null) {
-    const verdict = find("verdict", HTMLElement);
-    verdict.textContent = fit.headline;
-    verdict.classList.add(fit.verdict);
-    verdict.hidden = false;
+  find("version", HTMLElement).textContent = `Made by Myospring ${version}.`;
+  if (answer !== null) {
+    const line = find("answer", HTMLElement);
+    line.append(...withCode(answer.words));
+    line.classList.add(answer.quality);
+    line.hidden = false;
   }
-  const ofRuns = runs.flatMap((run) => run.warnings.map((text) => (one ? text : `${run.label}: ${text}`)));
-  warn([...ofAll, ...ofRuns], height);
+  warn(warnings);
 }
 
 /**
- * The first warnings are seen at once, as many as leave room for the beat; the others unfold.
+ * The first warnings are seen at once, as many as leave room for what follows; the others unfold.
  *
  * @param {string[]} warnings
- * @param {number} height Of the window, px.
  */
-function warn(warnings, height) {
+function warn(warnings) {
   find("warnings", HTMLElement).hidden = warnings.length === 0;
   const list = find("warning-list", HTMLElement);
   list.append(...warnings.map((text) => make("li", {}, ...withCode(text))));
   const items = [...list.children];
   const top = list.getBoundingClientRect().top;
-  const first = items.findIndex((item, index) => index > 0 && item.getBoundingClientRect().bottom - top > WARNED * height);
+  const most = WARNED * windowHeight();
+  const first = items.findIndex((item, index) => index > 0 && item.getBoundingClientRect().bottom - top > most);
   if (first < 0) return;
   const others = items.slice(first);
   find("more-warnings", HTMLElement).hidden = false;

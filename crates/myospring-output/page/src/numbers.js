@@ -63,19 +63,6 @@ export function unitText(unit) {
 }
 
 /**
- * The name of a metric in words.
- *
- * @param {string} name `peak_shortening`
- */
-export function words(name) {
-  return name
-    .replace(/^action_potential_duration_(\d+)$/, "APD$1")
-    .replace("10_90", "10\u201390 %")
-    .replace(/_(\d+)(_percent)?$/, " $1\u00a0%")
-    .replaceAll("_", " ");
-}
-
-/**
  * The greatest of 1, 2 and 5 times a power of ten that is not above `most`.
  *
  * @param {number} most Above 0.

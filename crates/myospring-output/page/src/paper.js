@@ -1,16 +1,16 @@
-// What paper has instead of the animation.
+// What paper has instead of what moves.
 
 import { CellView } from "./cell-view.js";
-import { peakOf } from "./curves.js";
 import { Sheet } from "./drawing.js";
 import { find, make } from "./elements.js";
 import { fitCharts, heightOfCharts } from "./layout.js";
 
-/** @import { ShownChart } from "./charts.js" */
+/** @import { ShownBeat } from "./beat.js" */
+/** @import { OwnChart, ShownChart } from "./charts.js" */
 /** @import { Shapes } from "./data.js" */
 /** @import { Box } from "./drawing.js" */
 /** @import { OverlayView } from "./overlay-view.js" */
-/** @import { Field, Run } from "./payload.js" */
+/** @import { Cell, Field } from "./payload.js" */
 
 /** Ink on paper that is printed. */
 const PRINTED = { line: "#1a1d21", muted: "#555d68", paper: "#ffffff" };
@@ -23,19 +23,19 @@ const PAPER = { width: 660, plot: 76 };
  * @typedef {object} Still
  * @property {CellView} view
  * @property {number} time ms.
- * @property {number} run
+ * @property {number} cell Which.
  */
 
 /**
  * The canvases that paper has instead of the animation: cells at rest and at their peak.
  *
- * @param {Run[]} runs
- * @param {Shapes[]} cells
+ * @param {Cell[]} cells
+ * @param {Shapes[]} shapes
  * @param {Box[]} boxes
  * @param {number} start First time, ms.
  * @param {((canvas: HTMLCanvasElement) => OverlayView) | null} overlayOn Of several runs.
  */
-export function addStills(runs, cells, boxes, start, overlayOn) {
+export function addStills(cells, shapes, boxes, start, overlayOn) {
   const place = find("stills", HTMLElement);
   /** @type {(caption: string) => HTMLCanvasElement} */
   const add = (caption) => {
@@ -47,29 +47,25 @@ export function addStills(runs, cells, boxes, start, overlayOn) {
     sheet.resize(340, Math.min(Sheet.heightFor(sheet.box, 340), 400), 3);
     sheet.canvas.removeAttribute("style");
   };
-  const peaks = runs.map((run) => {
-    const shortening = run.curves.list.find((curve) => curve.key === "shortening");
-    return peakOf({ t_ms: run.curves.t_ms, values: shortening?.values ?? [] }).time;
-  });
   if (overlayOn !== null) {
     for (const [caption, times] of /** @type {[string, number[]][]} */ ([
-      ["all at rest", runs.map(() => start)],
-      ["each at its peak", peaks],
+      ["all at rest", cells.map(() => start)],
+      ["each at its peak", cells.map((cell) => cell.peak_ms)],
     ])) {
       const view = overlayOn(add(caption));
       size(view);
       view.draw(times, PRINTED);
     }
   }
-  return runs.flatMap((run, index) =>
+  return cells.flatMap((cell, index) =>
     /** @type {[string, number][]} */ ([
       ["at rest", start],
-      ["at its peak", peaks[index]],
+      ["at its peak", cell.peak_ms],
     ]).map(([name, time]) => {
-      const of = runs.length === 1 ? "" : `${run.label}, `;
-      const view = new CellView(add(`${of}${name}, ${time.toFixed(0)} ms`), cells[index], boxes[index], null);
+      const of = cells.length === 1 ? "" : `${cell.label}, `;
+      const view = new CellView(add(`${of}${name}, ${time.toFixed(0)} ms`), shapes[index], boxes[index], null);
       size(view);
-      return { view, time, run: index };
+      return { view, time, cell: index };
     }),
   );
 }
@@ -83,34 +79,47 @@ export function addStills(runs, cells, boxes, start, overlayOn) {
  * @param {number} start First time, ms.
  */
 export function drawStills(stills, views, field, start) {
-  for (const { view, time, run } of stills) {
-    view.photograph = views[run].photograph;
+  for (const { view, time, cell } of stills) {
+    view.photograph = views[cell].photograph;
     const photograph = view.photograph !== null && time === start;
     view.draw(time, field, { ink: PRINTED, photograph, opacity: photograph ? 0 : 1 });
   }
 }
 
 /**
- * Charts fit the paper, and what is folded is unfolded, but for curves of which there are many.
+ * Fits the charts of a beat to the paper.
  *
  * @param {ShownChart[]} charts
- * @param {() => void} before
- * @param {() => void} after
  */
-export function setUpPrinting(charts, before, after) {
+export function printCharts(charts) {
+  const columns = charts.length > 3 ? 2 : 1;
+  fitCharts(find("charts", HTMLElement), charts, PAPER.width, columns, heightOfCharts(charts, columns, PAPER.plot));
+}
+
+/**
+ * For printing, charts fit the paper, and what is folded is unfolded, but for curves of which there are many.
+ *
+ * @param {OwnChart[]} charts
+ * @param {ShownBeat | null} beat
+ */
+export function setUpPrinting(charts, beat) {
   /** @type {HTMLDetailsElement[]} */
   let opened = [];
   addEventListener("beforeprint", () => {
-    before();
     opened = [...document.querySelectorAll("details")].filter(({ open, id }) => !open && id !== "more-curves");
     for (const details of opened) details.open = true;
-    const columns = charts.length > 3 ? 2 : 1;
-    fitCharts(find("charts", HTMLElement), charts, PAPER.width, columns, heightOfCharts(charts, columns, PAPER.plot));
-    charts.forEach(({ chart }) => chart.redraw());
+    beat?.toPaper();
+    for (const chart of charts) {
+      chart.show(PAPER.width);
+      chart.redraw();
+    }
   });
   addEventListener("afterprint", () => {
     for (const details of opened) details.open = false;
-    after();
-    charts.forEach(({ chart }) => chart.redraw());
+    beat?.toScreen();
+    for (const chart of charts) {
+      chart.show();
+      chart.redraw();
+    }
   });
 }

@@ -5,58 +5,91 @@ export type Packed = string;
 
 export interface Payload {
   /** Of this form. */
-  form: 1;
+  form: 2;
+  /** What the page is, above its title. */
+  kind: string;
   title: string;
   version: string;
-  /** What the cell is coloured by at first. */
-  colour: FieldKey;
-  /** To know first: of the page as a whole. */
+  /** What was done to what, a few words each. */
+  facts: string[];
+  answer: Answer | null;
+  /** What to know first. */
   warnings: string[];
-  /** Settings in which the runs differ. */
-  differences: Difference[];
-  /** One for a report, several for a comparison; the first is what others are compared with. */
-  runs: Run[];
-  /** What the only run was fitted to. */
-  fit: Fit | null;
+  /** Lists of times of the curves, ms. */
+  times_ms: number[][];
+  sections: Section[];
 }
 
-export interface Fit {
-  /** Whether the model follows the curves. */
-  verdict: "fits" | "fits-nearly" | "does-not-fit";
-  /** The same in a sentence. */
-  headline: string;
-  estimates: FittedNumber[];
-  curves: FittedCurve[];
-  profiles: Profile[];
-  /** What is to be known of it, a sentence each. */
-  notes: string[];
-  figures: Figure[];
+/** The answer in one line. */
+export interface Answer {
+  words: string;
+  quality: "good" | "fair" | "poor";
 }
 
-/** A number that was fitted, in words. */
-export interface FittedNumber {
+/** A heading with what is below it. */
+export interface Section {
+  id: string;
+  title: string;
+  /** How to read it. */
+  hint: string;
+  parts: Part[];
+}
+
+export type Part =
+  | Beat
+  | { kind: "charts"; charts: ChartData[] }
+  | { kind: "profiles"; profiles: Profile[] }
+  | { kind: "tiles"; tiles: Tile[] }
+  | Table
+  | { kind: "gallery"; thumbnails: Thumbnail[] }
+  | Figure
+  | { kind: "words"; words: string[] }
+  | Text
+  | Folded;
+
+/** Beating cells with the curves that go with them. */
+export interface Beat {
+  kind: "beat";
+  /** What the cells are coloured by at first. */
+  colour: FieldKey;
+  /** One, or several that are compared with the first. */
+  cells: Cell[];
+  charts: ChartData[];
+  /** Of the charts that unfold. */
+  folded_title: string;
+  folded: ChartData[];
+  /** What is known of what is seen. */
+  words: string;
+}
+
+/** A quantity over time. */
+export interface ChartData {
   name: string;
-  meaning: string;
-  value: string;
-  /** 95 %; empty where there is none. */
-  interval: string;
-  verdict: string;
+  unit: string;
+  /** How to read it; empty where that is clear. */
+  note: string;
+  /** A band of values behind the curves. */
+  band: [number, number] | null;
+  series: Series[];
+  /** Stimuli that were captured, or may have been. */
+  stimuli_ms: number[];
+  /** Stimuli that were not. */
+  missed_ms: number[];
+  /** Parts of the time that stand out. */
+  spans: { from_ms: number; to_ms: number; words: string }[];
+  /** Places on the curve; those that do not count are grey. */
+  dots: { t_ms: number; value: number; words: string; counts: boolean }[];
 }
 
-/** In the time of the run. */
-export interface FittedCurve {
-  /** With its unit. */
+export interface Series {
   label: string;
-  unit: string;
-  t_ms: number[];
-  /** Of the frames that counted, and of the others. */
-  measured: (number | null)[];
-  left_out: (number | null)[];
-  fitted: (number | null)[];
-  /** Measured minus fitted. */
-  residual: (number | null)[];
-  /** Standard deviation of the noise at rest. */
-  noise: number;
+  /** Its colour: what it shows, or the index of a run. */
+  tone: string;
+  /** Points without a line: what was measured. */
+  dotted: boolean;
+  /** Which of the lists of times. */
+  times: number;
+  values: (number | null)[];
 }
 
 /** The likelihood of one number. */
@@ -71,65 +104,86 @@ export interface Profile {
   at_ends: number;
 }
 
+/** A key number. */
+export interface Tile {
+  name: string;
+  definition?: string;
+  /** Of several things each with its name. */
+  values: [string, Entry][];
+  /** What is said of it. */
+  lines: Entry[];
+}
+
+export interface Table {
+  kind: "table";
+  caption: string;
+  look: "wide" | "sortable" | "numbers" | "parameters";
+  columns: { name: string; definition?: string; class?: string }[];
+  rows: { cells: Entry[]; marked?: true }[];
+}
+
+/** What a table or a tile says in one place: text, a number or, where there is neither, a dash. */
+export interface Entry {
+  text?: string;
+  number?: number;
+  /** Standard deviation. */
+  spread?: number;
+  unit?: string;
+  /** What the text is. */
+  definition?: string;
+  /** What is said below it. */
+  note?: string;
+  mark?: Mark;
+  /** The number that it is compared with. */
+  against?: [number | null];
+}
+
+/** A verdict: a filled dot where it is good. */
+export interface Mark {
+  good: boolean;
+  words: string;
+}
+
+export interface Thumbnail {
+  name: string;
+  words: string;
+  mark?: Mark;
+  /** `data:image/png;base64,...` */
+  image: string;
+}
+
 export interface Figure {
-  title: string;
-  /** `data:image/svg+xml;base64,...` */
+  kind: "figure";
+  /** For those who cannot see it. */
+  words: string;
+  /** Addresses of images. */
   light: string;
   dark: string;
-  words: string;
-  notes: string[];
 }
 
-export interface Difference {
-  name: string;
-  /** One for each run. */
-  values: string[];
+/** Text to copy or to keep as a file. */
+export interface Text {
+  kind: "text";
+  what: string;
+  file: string;
+  text: string;
 }
 
-export interface Run {
-  /** Short, to tell runs apart. */
-  label: string;
-  /** What was run, a fact each. */
-  facts: string[];
-  /** Stimuli that raised an action potential, or may have. */
-  stimuli_ms: number[];
-  /** Stimuli that raised none. */
-  missed_ms: number[];
-  curves: Curves;
-  cell: Cell;
-  metrics: MetricGroup[];
-  parameters: ParameterGroup[];
-  warnings: string[];
-  /** What is known of the cell model and seen in this run. */
-  about_model: string | null;
-  /** The run file that repeats the run, TOML. */
-  run_file: string;
-  /** BibTeX. */
-  citations: string;
-  picture: Picture | null;
+/** Parts that unfold. */
+export interface Folded {
+  kind: "folded";
+  title: string;
+  on_paper: boolean;
+  parts: Part[];
 }
 
-export interface Curves {
-  t_ms: number[];
-  list: Curve[];
-}
-
-export interface Curve {
-  key: string;
-  name: string;
-  unit: string;
-  values: (number | null)[];
-  /** What is seen in experiments. */
-  band: Band | null;
-}
-
-export interface Band {
-  low: number;
-  high: number;
-  scope: string;
-}
-
+/** A cell that moves. */
 export interface Cell {
+  /** Its name among others. */
+  label: string;
+  /** When it contracts most, ms. */
+  peak_ms: number;
+  picture: Picture | null;
   /** Points at rest, um, x and y in turn: the corners of the squares, then the outline. f32. */
   rest_um: Packed;
   /** Four corners of each square, counter-clockwise. u32. */
@@ -182,41 +236,6 @@ export type FieldKey =
   | "area-ratio"
   | "active-stress"
   | "displacement";
-
-export interface MetricGroup {
-  name: string;
-  rows: Metric[];
-}
-
-export interface Metric {
-  name: string;
-  value: number | null;
-  /** Why there is no value, in words, where there is none. */
-  missing: string | null;
-  /** Standard deviation over the beats, where there are several. */
-  spread: number | null;
-  unit: string;
-  definition: string;
-  /** Of measured, unloaded cells. */
-  band: Band | null;
-  /** Where the value lies against it. */
-  place: "below" | "in" | "above" | null;
-}
-
-export interface ParameterGroup {
-  name: string;
-  rows: Parameter[];
-}
-
-export interface Parameter {
-  name: string;
-  value: string;
-  unit: string;
-  meaning: string;
-  source: string;
-  /** Whether it is neither the default nor the published one. */
-  changed: boolean;
-}
 
 export interface Picture {
   /** `data:image/png;base64,...` */

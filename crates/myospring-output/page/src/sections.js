@@ -1,106 +1,127 @@
-// What stands below the beat: the fit, numbers, settings, how to repeat and cite the run.
+// The sections of a page: each part by its kind.
 
-import { find, make, say, withCode } from "./elements.js";
+import { OwnChart } from "./charts.js";
+import { make, find, say, withCode } from "./elements.js";
 import { profileDrawing } from "./profiles.js";
-import { differenceTable, fittedNumbers, keyNumbers, metricTables, parameterTables } from "./tables.js";
+import { scrolling, tableOf, tilesOf } from "./tables.js";
 
-/** @import { Fit, Payload, Run } from "./payload.js" */
+/** @import { Figure, Folded, Part, Payload, Text, Thumbnail } from "./payload.js" */
 
-/** @param {Payload} payload */
-export function writeSections({ version, differences, runs, fit }) {
-  const one = runs.length === 1;
-  find("key", HTMLElement).append(fit === null ? keyNumbers(runs) : fittedNumbers(fit.estimates));
-  if (fit !== null) writeFit(fit);
-  const about = new Set(runs.flatMap((run) => run.about_model ?? []));
-  find("about", HTMLElement).append(...withCode([...about].join(" ")));
-  find("about", HTMLElement).hidden = about.size === 0;
-  find("changes", HTMLElement).hidden = one;
-  const differ = find("differences", HTMLElement);
-  differ.hidden = one;
-  differ.append(
-    differences.length > 0
-      ? differenceTable(differences, runs)
-      : make("p", {}, "The runs have the same settings."),
+/** Kinds of parts that need no heading to be seen. */
+const QUIET = ["tiles", "beat"];
+
+/**
+ * Writes all sections; gives the charts that have an axis of their own.
+ *
+ * @param {Payload} payload
+ * @returns {OwnChart[]}
+ */
+export function writeSections({ sections, times_ms: lists }) {
+  /** @type {OwnChart[]} */
+  const charts = [];
+  const show = (/** @type {Part} */ part) => partOf(part, lists, charts);
+  for (const { id, title, hint, parts } of sections) {
+    const quiet = parts.length > 0 && parts.every(({ kind }) => QUIET.includes(kind));
+    const heading = make("h2", { id: `${id}-title`, class: quiet ? "unseen" : "" }, title);
+    const body = make("div", { class: "parts" }, ...parts.flatMap(show));
+    const section = make("section", { id, "aria-labelledby": `${id}-title` }, heading);
+    const help = body.querySelector(".term") === null || quiet ? [] : [POINT];
+    if (hint !== "" || help.length > 0) {
+      const point = help.map((text) => make("span", { class: "on-screen" }, text));
+      section.append(make("p", { class: "hint" }, ...point, ...withCode(hint)));
+    }
+    section.append(body);
+    find("main", HTMLElement).append(section);
+  }
+  charts.forEach((chart) => chart.show());
+  return charts;
+}
+
+const POINT = "Point at a name, or move to it with Tab, for how it is defined. ";
+
+/**
+ * @param {Part} part
+ * @param {number[][]} lists Of times.
+ * @param {OwnChart[]} charts Those that are made are added.
+ * @returns {(HTMLElement | DocumentFragment)[]}
+ */
+function partOf(part, lists, charts) {
+  switch (part.kind) {
+    case "beat":
+      return [find("stage-template", HTMLTemplateElement).content];
+    case "charts": {
+      const own = part.charts.map((data) => new OwnChart(data, lists));
+      charts.push(...own);
+      return [make("div", { class: "own-charts" }, ...own.map(({ element }) => element))];
+    }
+    case "profiles":
+      return [make("div", { class: "profiles" }, ...part.profiles.map(profileDrawing))];
+    case "tiles":
+      return [tilesOf(part.tiles)];
+    case "table":
+      return [tableOf(part)];
+    case "gallery":
+      return [make("ul", { class: "gallery" }, ...part.thumbnails.map(thumbnail))];
+    case "figure":
+      return [figure(part)];
+    case "words":
+      return [sentences(part.words)];
+    case "text":
+      return [snippet(part)];
+    case "folded":
+      return [folded(part, lists, charts)];
+  }
+}
+
+/** @param {string[]} words */
+function sentences(words) {
+  if (words.length === 1) return make("p", {}, ...withCode(words[0]));
+  return make("ul", {}, ...words.map((text) => make("li", {}, ...withCode(text))));
+}
+
+/** @param {Thumbnail} thumbnail */
+function thumbnail({ name, words, mark, image }) {
+  const verdict = mark === undefined ? [] : [make("span", { class: `mark ${mark.good ? "in" : "out"}` }, mark.words)];
+  return make(
+    "li",
+    {},
+    make("img", { src: image, alt: "", loading: "lazy" }),
+    make("span", { class: "name" }, name),
+    make("span", { class: "seen" }, words),
+    ...verdict,
   );
-  find("metrics", HTMLElement).append(...metricTables(runs));
-  runs.forEach((run, index) => writeRun(run, one ? null : index));
-  const citations = new Set(runs.map((run) => run.citations));
-  find("cite", HTMLElement).append(...[...citations].map((text) => snippet(text, "BibTeX", "myospring.bib")));
-  find("version", HTMLElement).textContent = `Made by Myospring ${version}.`;
+}
+
+/** @param {Figure} figure */
+function figure({ words, light, dark }) {
+  const image = make(
+    "picture",
+    {},
+    make("source", { srcset: dark, media: "screen and (prefers-color-scheme: dark)" }),
+    make("img", { src: light, alt: words, class: "drawn" }),
+  );
+  return scrolling(image, words);
 }
 
 /**
- * Parameters of a run and how to repeat it.
- *
- * @param {Run} run
- * @param {number | null} index Among several.
+ * @param {Folded} part
+ * @param {number[][]} lists
+ * @param {OwnChart[]} charts
  */
-function writeRun(run, index) {
-  const parameters = parameterTables(run.parameters);
-  const repeat = [
-    make(
-      "p",
-      {},
-      make("span", { class: "on-screen" }, "Save this as ", make("code", {}, "run.toml"), ", then: "),
-      make("span", { class: "on-paper" }, "The file run.toml beside this page: "),
-      make("code", {}, "myospring run run.toml"),
-    ),
-    snippet(run.run_file, "run file", "run.toml", index === null ? "" : ` of ${run.label}`),
-  ];
-  const shown = (/** @type {HTMLElement[]} */ all) => (index === null ? all : [folded(run.label, index, all)]);
-  find("parameters", HTMLElement).append(...shown(parameters));
-  find("repeat", HTMLElement).append(...shown(repeat));
-}
-
-/** @param {Fit} fit */
-function writeFit({ profiles, notes, figures }) {
-  find("fit", HTMLElement).hidden = false;
-  find("profiles", HTMLElement).append(...profiles.map(profileDrawing));
-  find("profiles", HTMLElement).hidden = profiles.length === 0;
-  find("profiles-hint", HTMLElement).hidden = profiles.length === 0;
-  find("fit-notes", HTMLElement).append(...notes.map((text) => make("li", {}, ...withCode(text))));
-  find("figures", HTMLElement).append(
-    ...figures.flatMap(({ title, light, dark, words, notes }) => [
-      make("h2", {}, title),
-      make(
-        "div",
-        { class: "wide", role: "region", "aria-label": title, tabindex: "0" },
-        make(
-          "picture",
-          {},
-          make("source", { srcset: dark, media: "screen and (prefers-color-scheme: dark)" }),
-          make("img", { src: light, alt: words, class: "drawn" }),
-        ),
-      ),
-      make("p", {}, words),
-      make("ul", {}, ...notes.map((text) => make("li", {}, ...withCode(text)))),
-    ]),
-  );
-}
-
-/**
- * What is told of each of several runs; on paper of the first only, since the table above says in what the others
- * differ.
- *
- * @param {string} label
- * @param {number} index
- * @param {HTMLElement[]} content
- */
-function folded(label, index, content) {
-  const kind = index === 0 ? "each-run" : "each-run on-screen";
-  return make("details", { class: kind }, make("summary", {}, label), ...content);
+function folded({ title, on_paper: onPaper, parts }, lists, charts) {
+  const content = parts.flatMap((part) => partOf(part, lists, charts));
+  const details = make("details", { class: onPaper ? "folded" : "folded on-screen" }, make("summary", {}, title), ...content);
+  details.addEventListener("toggle", () => charts.forEach((chart) => chart.show()));
+  return details;
 }
 
 /**
  * Text to copy or to keep as a file.
  *
- * @param {string} text
- * @param {string} what
- * @param {string} file
- * @param {string} of Whose it is, where there are several.
+ * @param {Text} part
  */
-function snippet(text, what, file, of = "") {
-  const block = make("pre", { tabindex: "0", role: "region", "aria-label": `${what}${of}` }, text);
+function snippet({ what, file, text }) {
+  const block = make("pre", { tabindex: "0", role: "region", "aria-label": what }, text);
   const copy = make("button", { type: "button" }, `Copy ${what}`);
   copy.addEventListener("click", async () => {
     try {

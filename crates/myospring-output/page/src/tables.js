@@ -1,190 +1,156 @@
-// Numbers and parameters as tables; of several runs with a column each and their differences.
+// Tables and key numbers.
 
-import { make } from "./elements.js";
-import { number, quantity, shortened, unitText, words } from "./numbers.js";
+import { make, withCode } from "./elements.js";
+import { number, quantity, shortened, unitText } from "./numbers.js";
 
-/** @import { Band, Difference, FittedNumber, Metric, ParameterGroup, Run } from "./payload.js" */
+/** @import { Entry, Mark, Table, Tile } from "./payload.js" */
 
-/** Metrics that a person looks at first. */
-const KEY = [
-  "peak_shortening",
-  "peak_lengthening",
-  "time_to_peak_from_stimulus",
-  "relaxation_time_90",
-  "maximum_shortening_rate",
-  "peak_tension",
-  "action_potential_duration_90",
-];
+/** Rows from which on a table can be filtered. */
+const MANY = 8;
+/** Columns from which on a table is wide. */
+const CROWDED = 6;
 
 /**
- * @param {Run} run
- * @param {string} name
- * @returns {Metric | undefined}
+ * What an entry says.
+ *
+ * @param {Entry} entry
+ * @returns {(string | Node)[]}
  */
-function metric(run, name) {
-  return run.metrics.flatMap((group) => group.rows).find((row) => row.name === name);
+function entryNodes({ text, number: value, spread, unit = "", definition, note, mark, against }) {
+  const verdict = mark === undefined ? [] : [verdictOf(mark)];
+  if (text !== undefined) {
+    const words = unitText(`${shortened(text)} ${unit}`.trim());
+    const name = definition === undefined ? withCode(words) : [term(words, definition)];
+    return text === "" ? verdict : [...verdict, ...(mark === undefined ? [] : [" "]), ...name];
+  }
+  const plusMinus = spread === undefined ? "" : ` \u00b1 ${number(spread)}`;
+  const below = [];
+  if (note !== undefined) below.push(make("div", { class: "why" }, note));
+  if (against !== undefined) below.push(make("div", { class: "change" }, difference(value, against[0])));
+  return [quantity(value, plusMinus === "" ? unit : "") + plusMinus, ...verdict.flatMap((it) => [" ", it]), ...below];
 }
 
-/**
- * @param {number | null | undefined} value
- * @returns {value is number}
- */
-const isNumber = (value) => typeof value === "number";
+/** @param {Mark} mark */
+const verdictOf = ({ good, words }) => make("span", { class: `mark ${good ? "in" : "out"}` }, words);
 
-/** @param {Band} band */
-const range = (band) => `${band.low} to ${band.high}`.replaceAll("-", "\u2212");
-
-/** What is said of where a value lies against measured ones. */
-const PLACES = { below: "out, below", in: "in", above: "out, above" };
-
-/**
- * Whether a value lies where measured ones do.
- *
- * @param {Metric} row
- */
-function mark({ place }) {
-  const kind = place === null ? "" : place === "in" ? "in" : "out";
-  return make("span", { class: `mark ${kind}` }, place === null ? "" : PLACES[place]);
-}
-
-/** @param {Metric | undefined} row */
-const marks = (row) => (row === undefined || row.place === null ? [] : [" ", mark(row)]);
-
-/**
- * The key metrics that the runs have; how much longer cells become, where none becomes shorter.
- *
- * @param {Run[]} runs
- */
-function keyMetrics(runs) {
-  const has = (/** @type {string} */ name) => runs.some((run) => isNumber(metric(run, name)?.value));
-  return KEY.flatMap((name) => {
-    const first = metric(runs[0], name);
-    const usual = name !== "peak_lengthening" || !has("peak_shortening");
-    return first !== undefined && has(name) && usual ? [first] : [];
-  });
-}
-
-/**
- * The numbers of a fit.
- *
- * @param {FittedNumber[]} estimates
- */
-export function fittedNumbers(estimates) {
-  const each = estimates.map(({ name, meaning, value, interval, verdict }, index) => {
-    const sure = verdict === "determined";
-    const seen = [make("span", { class: `mark ${sure ? "in" : "out"}` }, verdict)];
-    const within = interval === "" ? [] : [make("dd", { class: "seen" }, `95 %: ${unitText(interval)}`)];
-    return make(
+/** @param {Tile[]} tiles */
+export function tilesOf(tiles) {
+  const several = tiles.some(({ values }) => values.length > 1);
+  const each = tiles.map(({ name, definition, values, lines }) =>
+    make(
       "div",
       {},
-      make("dt", {}, term(name, meaning, `fitted-${index}`)),
-      make("dd", { class: "value" }, unitText(value)),
-      ...within,
-      make("dd", { class: "seen" }, ...seen),
+      make("dt", {}, definition === undefined ? name : term(name, definition)),
+      ...values.map(([label, entry]) =>
+        label === ""
+          ? make("dd", { class: "value" }, ...entryNodes(entry))
+          : make("dd", { class: "of-run" }, make("span", {}, label), make("span", {}, ...entryNodes(entry))),
+      ),
+      ...lines.map((line) => make("dd", { class: "seen" }, ...entryNodes(line))),
+    ),
+  );
+  return make("dl", { class: several ? "tiles several" : "tiles" }, ...each);
+}
+
+/** @param {Table} part */
+export function tableOf({ caption, look, columns, rows }) {
+  const head = columns.map(({ name, definition, class: kind = "" }) => {
+    const words = unitText(name);
+    return make("th", { scope: "col", class: kind }, definition === undefined ? words : term(words, definition));
+  });
+  const body = rows.map(({ cells, marked }) => {
+    const [first, ...others] = cells.map(entryNodes);
+    return make(
+      "tr",
+      marked ? { class: "marked" } : {},
+      make("th", { scope: "row" }, ...first),
+      ...others.map((nodes, index) => make("td", { class: columns[index + 1].class ?? "" }, ...nodes)),
     );
   });
-  return make("dl", { class: "tiles" }, ...each);
+  const kinds = [look, columns.length > CROWDED ? "many" : ""].join(" ").trim();
+  const table = make(
+    "table",
+    { class: kinds },
+    make("caption", { class: look === "numbers" || look === "wide" ? "" : "unseen" }, caption),
+    make("thead", {}, make("tr", {}, ...head)),
+    make("tbody", {}, ...body),
+  );
+  if (look === "numbers" || look === "parameters") return table;
+  if (look === "sortable") return sortable(table, { caption, columns, rows });
+  return scrolling(table, caption);
 }
-
-/** As many runs have a tile for each metric; more are a table. */
-const TILED = 3;
 
 /**
- * The key numbers.
+ * A table whose rows a reader sorts and filters.
  *
- * @param {Run[]} runs
- * @returns {HTMLElement}
+ * @param {HTMLTableElement} table
+ * @param {Pick<Table, "caption" | "columns" | "rows">} data
  */
-export function keyNumbers(runs) {
-  return runs.length > TILED ? keyTable(runs) : tiles(runs);
-}
-
-/** @param {Run[]} runs */
-function tiles(runs) {
-  const each = keyMetrics(runs).map((first) => {
-    const values = runs.map((run) => {
-      const text = quantity(metric(run, first.name)?.value, first.unit);
-      if (runs.length === 1) return make("dd", { class: "value" }, text);
-      const value = make("span", {}, text, ...marks(metric(run, first.name)));
-      return make("dd", { class: "of-run" }, make("span", {}, run.label), value);
+function sortable(table, { caption, rows }) {
+  const body = table.tBodies[0];
+  const items = [...body.rows].map((row, index) => ({ row, cells: rows[index].cells }));
+  const heads = [...table.querySelectorAll("thead th")];
+  heads.forEach((head, column) => {
+    const button = make("button", { type: "button", class: "sort" });
+    button.append(...head.childNodes);
+    head.append(button);
+    button.addEventListener("click", () => {
+      const up = head.getAttribute("aria-sort") !== "ascending";
+      heads.forEach((other) => other.removeAttribute("aria-sort"));
+      head.setAttribute("aria-sort", up ? "ascending" : "descending");
+      const sorted = [...items].sort((a, b) => compared(a.cells[column], b.cells[column], up ? 1 : -1));
+      body.append(...sorted.map(({ row }) => row));
     });
-    const seen =
-      first.band === null
-        ? []
-        : [
-            make(
-              "dd",
-              { class: "seen" },
-              ...(runs.length === 1 ? [mark(first), " "] : []),
-              runs.length === 1
-                ? range(first.band)
-                : `measured ${range(first.band)}\u00a0${unitText(first.unit)}`,
-            ),
-          ];
-    return make("div", {}, make("dt", {}, words(first.name)), ...values, ...seen);
   });
-  return make("dl", { class: runs.length > 1 ? "tiles several" : "tiles" }, ...each);
-}
-
-/** A row for each of many runs. @param {Run[]} runs */
-function keyTable(runs) {
-  const metrics = keyMetrics(runs);
-  const head = metrics.map(({ name, unit }) => {
-    const text = unit === "" ? words(name) : `${words(name)} (${unitText(unit)})`;
-    return make("th", { scope: "col", class: "number" }, text);
+  const wide = scrolling(table, caption);
+  if (rows.length < MANY) return wide;
+  const search = make("input", { type: "search" });
+  const count = make("span", { class: "seen", role: "status" });
+  search.addEventListener("input", () => {
+    const wanted = search.value.toLowerCase();
+    for (const { row } of items) row.hidden = !(row.textContent ?? "").toLowerCase().includes(wanted);
+    const left = items.filter(({ row }) => !row.hidden).length;
+    count.textContent = wanted === "" ? "" : `${left} of ${items.length} rows`;
   });
-  const rows = runs.map((run) =>
-    make(
-      "tr",
-      {},
-      make("th", { scope: "row" }, run.label),
-      ...metrics.map(({ name }) => make("td", { class: "number" }, number(metric(run, name)?.value))),
-    ),
-  );
-  const table = make(
-    "table",
-    {},
-    make("caption", { class: "unseen" }, "Key numbers"),
-    make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "run"), ...head)),
-    make("tbody", {}, ...rows),
-  );
-  return scrolling(table, "Key numbers of each run");
+  const bar = make("div", { class: "bar on-screen" }, make("label", { class: "choice" }, "Filter rows ", search), count);
+  return make("div", {}, bar, wide);
 }
 
 /**
- * Settings in which runs differ.
+ * The order of two entries: numbers before text, what is missing last.
  *
- * @param {Difference[]} differences
- * @param {Run[]} runs
+ * @param {Entry} a
+ * @param {Entry} b
+ * @param {number} sign
  */
-export function differenceTable(differences, runs) {
-  const head = runs.map((run) => make("th", { scope: "col" }, run.label));
-  const rows = differences.map(({ name, values }) =>
-    make(
-      "tr",
-      {},
-      make("th", { scope: "row" }, name),
-      ...values.map((value) => make("td", {}, shortened(value))),
-    ),
-  );
-  const table = make(
-    "table",
-    {},
-    make("caption", { class: "unseen" }, "Settings that differ"),
-    make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "setting"), ...head)),
-    make("tbody", {}, ...rows),
-  );
-  return scrolling(table, "Table of the settings that differ");
+function compared(a, b, sign) {
+  const rank = (/** @type {Entry} */ { number: value, text }) => (value !== undefined ? 0 : (text ?? "") !== "" ? 1 : 2);
+  if (rank(a) !== rank(b)) return rank(a) - rank(b);
+  if (a.number !== undefined && b.number !== undefined) return sign * (a.number - b.number);
+  return sign * (a.text ?? "").localeCompare(b.text ?? "", "en", { numeric: true });
 }
+
+/**
+ * What is wider than a phone scrolls by itself, by keyboard too.
+ *
+ * @param {HTMLElement} content
+ * @param {string} name
+ */
+export function scrolling(content, name) {
+  return make("div", { class: "wide", role: "region", "aria-label": name, tabindex: "0" }, content);
+}
+
+/** How many names with definitions there are. */
+let terms = 0;
 
 /**
  * A name with its definition, which is shown on hover, on focus and by a tap; Escape puts it away.
  *
  * @param {string} text
  * @param {string} definition
- * @param {string} id
  */
-function term(text, definition, id) {
+function term(text, definition) {
+  const id = `definition-${terms++}`;
   const place = make(
     "div",
     { class: "term-place" },
@@ -206,128 +172,15 @@ const LEAST_CHANGE = 5e-4;
 /**
  * A difference in the unit of the values, and in per cent of the first.
  *
- * @param {number | null | undefined} value
- * @param {number | null | undefined} first
+ * @param {number | undefined} value
+ * @param {number | null} first
  */
 function difference(value, first) {
-  if (!isNumber(value) || !isNumber(first)) return number(null);
+  if (value === undefined || first === null) return number(null);
   const change = value - first;
   const sign = change > 0 ? "+" : "";
   if (Math.abs(change) < LEAST_CHANGE) return "0";
-  // Per cent of what is only left of rounding say nothing.
+  // A change in per cent of a rounding error has no meaning.
   if (Math.abs(first) < 1e-3) return `${sign}${number(change)}`;
   return `${sign}${number(change)} (${sign}${number((100 * change) / Math.abs(first))} %)`;
-}
-
-/**
- * All metrics, group by group.
- *
- * @param {Run[]} runs
- * @returns {HTMLElement[]}
- */
-export function metricTables(runs) {
-  const [first, ...others] = runs;
-  const spread = runs.some((run) =>
-    run.metrics.some((group) => group.rows.some((row) => row.spread !== null)),
-  );
-  const value = (/** @type {Metric | undefined} */ row) =>
-    isNumber(row?.spread)
-      ? `${number(row?.value)} \u00b1 ${number(row?.spread)}`
-      : number(row?.value);
-  return first.metrics.map((group, place) => {
-    const head = (/** @type {string} */ text, kind = "") => make("th", { scope: "col", class: kind }, text);
-    const several = others.length > 0;
-    const title = spread ? "mean \u00b1 sd of beats" : "value";
-    const unit = head("unit", "unit");
-    const values = runs.map((run) => head(several ? run.label : title, "number"));
-    const banded = group.rows.some((row) => row.band !== null);
-    const measured = banded ? [head("measured", "band")] : [];
-    const header = make(
-      "tr",
-      {},
-      head("quantity"),
-      ...(several ? [unit, ...values] : [...values, unit]),
-      ...measured,
-    );
-    const rows = group.rows.map((row, index) => {
-      const of = (/** @type {Run} */ run) => metric(run, row.name);
-      const name = term(words(row.name), row.definition, `definition-${place}-${index}`);
-      const unit = make("td", { class: "unit" }, unitText(row.unit));
-      const values = runs.map((run, column) => {
-        const change =
-          column === 0
-            ? []
-            : [make("div", { class: "change" }, difference(of(run)?.value, row.value))];
-        const own = several ? marks(of(run)) : [];
-        const why = of(run)?.missing ?? null;
-        const reason = why === null ? [] : [make("div", { class: "why" }, why)];
-        return make("td", { class: "number" }, value(of(run)), ...own, ...reason, ...change);
-      });
-      const seen = row.band === null ? [] : [...(several ? [] : [mark(row), " "]), range(row.band)];
-      return make(
-        "tr",
-        {},
-        make("th", { scope: "row" }, name),
-        ...(several ? [unit, ...values] : [...values, unit]),
-        ...(banded ? [make("td", { class: "band" }, ...seen)] : []),
-      );
-    });
-    const table = make(
-      "table",
-      { class: runs.length > TILED ? "compared many" : several ? "compared" : "numbers" },
-      make("caption", {}, group.name),
-      make("thead", {}, header),
-      make("tbody", {}, ...rows),
-    );
-    return several ? scrolling(table, group.name) : table;
-  });
-}
-
-/**
- * A table that is wider than a phone scrolls by itself, by keyboard too.
- *
- * @param {HTMLTableElement} table
- * @param {string} name
- */
-function scrolling(table, name) {
-  return make("div", { class: "wide", role: "region", "aria-label": name, tabindex: "0" }, table);
-}
-
-/**
- * @param {ParameterGroup[]} groups
- * @returns {HTMLElement[]}
- */
-export function parameterTables(groups) {
-  return groups.map((group) => {
-    const head = (/** @type {string} */ text, kind = "") => make("th", { scope: "col", class: kind }, text);
-    const rows = group.rows.map((row) =>
-      make(
-        "tr",
-        row.changed ? { class: "changed" } : {},
-        make("th", { scope: "row" }, row.name),
-        make("td", { class: "number" }, `${shortened(row.value)} ${unitText(row.unit)}`.trim()),
-        make("td", { class: "meaning" }, row.meaning),
-        make("td", { class: "source" }, row.source),
-      ),
-    );
-    const table = make(
-      "table",
-      { class: "parameters" },
-      make("caption", { class: "unseen" }, group.name),
-      make(
-        "thead",
-        {},
-        make("tr", {}, head("name"), head("value", "number"), head("meaning"), head("source")),
-      ),
-      make("tbody", {}, ...rows),
-    );
-    const changed = group.rows.filter((row) => row.changed).length;
-    const count = changed > 0 ? `${group.rows.length}, ${changed} of this run` : String(group.rows.length);
-    return make(
-      "details",
-      { class: changed > 0 ? "group" : "group on-screen" },
-      make("summary", {}, `${group.name} (${count})`),
-      table,
-    );
-  });
 }

@@ -64,3 +64,25 @@ export async function payloadOf(path) {
   if (data === null) throw new Error(`${path} has no data`);
   return JSON.parse(data[1]);
 }
+
+/**
+ * The beat of a page.
+ *
+ * @param {Payload} payload
+ */
+export function beatIn({ sections }) {
+  const beat = sections.flatMap(({ parts }) => parts).find((part) => part.kind === "beat");
+  if (beat === undefined) throw new Error("the page has no beat");
+  return beat;
+}
+
+/**
+ * The numbers of the only run of a page, by their names: value, unit, definition.
+ *
+ * @param {Payload} payload
+ */
+export function numbersIn({ sections }) {
+  const tables = sections.filter(({ id }) => id === "metrics").flatMap(({ parts }) => parts);
+  const rows = tables.flatMap((part) => (part.kind === "table" ? part.rows : []));
+  return new Map(rows.map(({ cells: [name, value, unit] }) => [name.text, [value.number, unit.text, name.definition]]));
+}

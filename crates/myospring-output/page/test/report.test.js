@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { beat, compare, fit, folder, payloadOf } from "./program.js";
+import { beat, beatIn, compare, fit, folder, payloadOf } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
@@ -301,8 +301,8 @@ test("what is to be looked at is read without scrolling in a box, and unfolds wh
 
 test("stimuli that raised no action potential are marked apart, and the page says how", async () => {
   const path = await beat("missed", "--integrator", "quasi-static", "--spacing", "4 um", "--beats", "4", "--cycle-length", "300 ms");
-  const { runs } = await payloadOf(path);
-  assert.deepEqual([runs[0].stimuli_ms, runs[0].missed_ms], [[50, 650], [350, 950]]);
+  const [first] = beatIn(await payloadOf(path)).charts;
+  assert.deepEqual([first.stimuli_ms, first.missed_ms], [[50, 650], [350, 950]]);
   await opened(path, STILL, async (page) => {
     const [first, ...others] = await page.$$eval(".chart h3", (all) => all.map((title) => title.textContent ?? ""));
     assert.match(first, /\u25bc stimulus, \u25bd not captured/);

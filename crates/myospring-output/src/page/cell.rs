@@ -1,14 +1,19 @@
 //! The beating cell in as few bytes as the eye needs.
 
-use super::curves::rounded;
+use super::chart::Chart;
 use super::display::Display;
 use super::fields::{self, FieldData};
 use super::frames;
-use super::given::{PageError, PageRun};
+use super::given::PageError;
+use super::photograph::{self, PictureData};
+use crate::digits::rounded;
 use crate::field::{Field, Fields};
 use crate::figure::{check_frame, check_mesh};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use myospring_core::mesh::Mesh;
+use myospring_core::mesh::outline::Outline;
+use myospring_core::mesh::pixel_size::PixelSize;
 use myospring_core::recording::Frame;
 use serde::Serialize;
 
@@ -21,8 +26,62 @@ const COARSE: usize = 900;
 /// What is too little to be seen, of the longer side of the cell: a quarter of a pixel on a thousand.
 const UNSEEN: f64 = 1.0 / 4000.0;
 
+/// Cells that beat, with the curves that go with them.
+#[derive(Debug, Clone)]
+pub struct Beat<'a> {
+    /// What the cells are coloured by until somebody chooses.
+    pub colour: Field,
+    /// One cell, or several that are compared with the first.
+    pub cells: Vec<MovingCell<'a>>,
+    /// Charts that are seen together with the cells.
+    pub charts: Vec<Chart>,
+    /// Further charts, which unfold, and what they are: `12 more curves of the cell model`.
+    pub folded: (String, Vec<Chart>),
+    /// What is known of what is seen, in a sentence; empty where nothing is.
+    pub words: String,
+}
+
+/// A cell that moves: simulated, or followed in a film.
+#[derive(Debug, Clone)]
+pub struct MovingCell<'a> {
+    /// Its name among others: `50 kPa`.
+    pub label: &'a str,
+    /// Its mesh at rest.
+    pub mesh: &'a Mesh,
+    /// Its shapes; of several frames at least as many are shown as the eye can distinguish.
+    pub frames: &'a [Frame],
+    /// Unit vector along the fibre in each triangle.
+    pub fibres: &'a [[f64; 2]],
+    /// Content of myofibrils of each triangle; `None` is 1 everywhere.
+    pub myofibril_content: Option<&'a [f64]>,
+    /// Whether the frames know their active tension.
+    pub has_tension: bool,
+    /// The outline that was meshed, um.
+    pub outline: &'a Outline,
+    /// The picture that the cell was found in.
+    pub picture: Option<Photograph<'a>>,
+    /// When it contracts most, ms: the shape that is printed.
+    pub peak_ms: f64,
+}
+
+/// The picture of a cell: grey values row by row from the top left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Photograph<'a> {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Values, any scale.
+    pub values: &'a [f32],
+    /// Side of one pixel; the lower left corner of the picture is at 0, 0 of the mesh.
+    pub pixel_size: PixelSize,
+}
+
 #[derive(Debug, Serialize)]
-pub(super) struct CellData {
+pub(super) struct CellData<'a> {
+    label: &'a str,
+    peak_ms: f64,
+    picture: Option<PictureData>,
     rest_um: String,
     corners: String,
     within: usize,
@@ -44,34 +103,34 @@ struct Frames {
     stress_step_kpa: f64,
 }
 
-/// The cell of a run on a page of `share` runs.
-pub(super) fn of(run: &PageRun<'_>, share: usize) -> Result<CellData, PageError> {
-    check_mesh(run.mesh)?;
-    let fields = Fields::new(run.mesh, run.fibres, run.myofibril_content)?;
+/// A cell on a page of `share` cells.
+pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>, PageError> {
+    check_mesh(cell.mesh)?;
+    let fields = Fields::new(cell.mesh, cell.fibres, cell.myofibril_content)?;
     let at_rest = Frame {
         t_ms: 0.0,
         ta_kpa: 0.0,
         ta_by_triangle_kpa: None,
-        positions: run.mesh.points.clone(),
+        positions: cell.mesh.points.clone(),
     };
     // The last frames of a run that broke may not be shapes any more.
     let is_finite = |frame: &&Frame| frame.positions.iter().flatten().all(|x| x.is_finite());
-    let mut all: Vec<&Frame> = run.recording.frames.iter().filter(is_finite).collect();
+    let mut all: Vec<&Frame> = cell.frames.iter().filter(is_finite).collect();
     if all.is_empty() {
         all.push(&at_rest);
     }
     for frame in &all {
-        check_frame(run.mesh, frame)?;
+        check_frame(cell.mesh, frame)?;
     }
 
-    let Small { display, kept, displacements, tolerance } = small(run, &all, BUDGET / share);
+    let Small { display, kept, displacements, tolerance } = small(cell, &all, BUDGET / share);
     let shown: Vec<&Frame> = kept.iter().map(|&at| all[at]).collect();
     let moved = || kept.iter().flat_map(|&at| &displacements[at]);
     let furthest = moved().fold(0.0_f32, |most, value| most.max(value.abs()));
     let step = (f64::from(furthest) / f64::from(i16::MAX)).max(1e-9);
     let quantised = moved().map(|&value| (f64::from(value) / step).round() as i16);
 
-    let stress = differs(run).then(|| {
+    let stress = differs(cell).then(|| {
         let of = |frame: &&Frame| display.means(&fields.on_triangles(Field::ActiveStress, frame));
         shown.iter().flat_map(of).collect::<Vec<f64>>()
     });
@@ -81,11 +140,15 @@ pub(super) fn of(run: &PageRun<'_>, share: usize) -> Result<CellData, PageError>
         packed(values.iter().map(|value| ((value / stress_step).round() as u16).to_le_bytes()))
     });
 
+    let picture = cell.picture.as_ref().map(|picture| photograph::of(picture, cell.outline));
     Ok(CellData {
+        label: cell.label,
+        peak_ms: rounded(cell.peak_ms),
+        picture: picture.transpose()?.flatten(),
         rest_um: packed(display.rest.iter().flatten().map(|&x| (x as f32).to_le_bytes())),
         corners: packed(display.corners.iter().flatten().map(|corner| corner.to_le_bytes())),
         within: display.within,
-        fibre: packed(directions(run, &display).iter().map(|&angle| (angle as f32).to_le_bytes())),
+        fibre: packed(directions(cell, &display).iter().map(|&angle| (angle as f32).to_le_bytes())),
         rings: display.rings.clone(),
         frames: Frames {
             t_ms: shown.iter().map(|frame| rounded(frame.t_ms)).collect(),
@@ -97,7 +160,7 @@ pub(super) fn of(run: &PageRun<'_>, share: usize) -> Result<CellData, PageError>
         },
         spacing_um: rounded(display.spacing),
         accuracy_um: rounded(tolerance + step),
-        fields: fields::of(&fields, &display, &shown),
+        fields: fields::of(&fields, &display, &shown, cell.has_tension),
     })
 }
 
@@ -111,18 +174,18 @@ struct Small {
 }
 
 /// Squares and frames that fit into some bytes: first squares are made coarser, then frames are left out.
-fn small(run: &PageRun<'_>, all: &[&Frame], budget: usize) -> Small {
+fn small(cell: &MovingCell<'_>, all: &[&Frame], budget: usize) -> Small {
     let times: Vec<f64> = all.iter().map(|frame| frame.t_ms).collect();
-    let [low, high] = run.outline.bounds();
+    let [low, high] = cell.outline.bounds();
     let mut tolerance = UNSEEN * (high[0] - low[0]).max(high[1] - low[1]);
     let mut longest = frames::LONGEST;
-    let mut coarser = (run.mesh.len() as f64 / FINE as f64).sqrt().ceil().max(1.0) as u32;
+    let mut coarser = (cell.mesh.len() as f64 / FINE as f64).sqrt().ceil().max(1.0) as u32;
     loop {
-        let display = Display::new(run.mesh, run.outline, coarser);
+        let display = Display::new(cell.mesh, cell.outline, coarser);
         let displacements: Vec<Vec<f32>> =
             all.iter().map(|frame| display.displacements(&frame.positions)).collect();
         let per_frame =
-            4 * display.rest.len() + if differs(run) { 2 * display.corners.len() } else { 0 };
+            4 * display.rest.len() + if differs(cell) { 2 * display.corners.len() } else { 0 };
         loop {
             let kept = frames::kept(&times, &displacements, tolerance, longest);
             if kept.len() * per_frame <= budget || kept.len() <= 2 {
@@ -140,16 +203,16 @@ fn small(run: &PageRun<'_>, all: &[&Frame], budget: usize) -> Small {
 }
 
 /// Whether the active stress differs from place to place.
-fn differs(run: &PageRun<'_>) -> bool {
+fn differs(cell: &MovingCell<'_>) -> bool {
     let by_place = |frame: &Frame| frame.ta_by_triangle_kpa.is_some();
-    run.myofibril_content.is_some() || run.recording.frames.iter().any(by_place)
+    cell.myofibril_content.is_some() || cell.frames.iter().any(by_place)
 }
 
 /// Direction of the fibre in each square, radians: half the angle of the mean vector at twice the angle, since
 /// fibres have no sense.
-fn directions(run: &PageRun<'_>, display: &Display) -> Vec<f64> {
+fn directions(cell: &MovingCell<'_>, display: &Display) -> Vec<f64> {
     let mean =
-        |of: fn(&[f64; 2]) -> f64| display.means(&run.fibres.iter().map(of).collect::<Vec<f64>>());
+        |of: fn(&[f64; 2]) -> f64| display.means(&cell.fibres.iter().map(of).collect::<Vec<f64>>());
     let (along, across) = (mean(|[x, y]| x * x - y * y), mean(|[x, y]| 2.0 * x * y));
     along.iter().zip(&across).map(|(x, y)| 0.5 * y.atan2(*x)).collect()
 }

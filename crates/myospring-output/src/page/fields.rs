@@ -1,7 +1,7 @@
 //! What the cell can be coloured by, each with one scale of colours for all frames of a run.
 
-use super::curves::rounded;
 use super::display::Display;
+use crate::digits::rounded;
 use crate::field::{ColourScale, Field, Fields};
 use myospring_core::recording::Frame;
 use serde::Serialize;
@@ -21,9 +21,15 @@ pub(super) struct FieldData {
     extremes: [f64; 2],
 }
 
-/// All fields of a cell over these frames.
-pub(super) fn of(fields: &Fields<'_>, display: &Display, frames: &[&Frame]) -> Vec<FieldData> {
-    Field::ALL.iter().map(|&field| data(field, fields, display, frames)).collect()
+/// All fields of a cell over these frames; its active stress only where the frames have it.
+pub(super) fn of(
+    fields: &Fields<'_>,
+    display: &Display,
+    frames: &[&Frame],
+    has_tension: bool,
+) -> Vec<FieldData> {
+    let known = Field::ALL.into_iter().filter(|field| has_tension || *field != Field::ActiveStress);
+    known.map(|field| data(field, fields, display, frames)).collect()
 }
 
 fn data(field: Field, fields: &Fields<'_>, display: &Display, frames: &[&Frame]) -> FieldData {

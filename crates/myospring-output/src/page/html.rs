@@ -4,16 +4,16 @@ use super::given::{Page, PageError};
 use super::payload;
 use super::template::TEMPLATE;
 
-/// A page that shows runs: one self-contained HTML file.
+/// A page as one self-contained HTML file.
 ///
 /// # Errors
-/// No run at all, or a mesh, frames and fibres that do not belong together.
+/// No cell where one is to beat, or a mesh, frames and fibres that do not belong together.
 ///
 /// # Example
 /// ```
 /// use myospring::mesh::{built_in, lattice};
 /// use myospring::output::field::Field;
-/// use myospring::output::page::{self, Page, PageRun};
+/// use myospring::output::page::{self, Page, PageRun, Runs};
 /// use myospring::output::report::Summary;
 /// use myospring::prelude::*;
 ///
@@ -25,7 +25,6 @@ use super::template::TEMPLATE;
 /// let summary = Summary::new(&outcome.recording, &outcome.stimulus_times_ms, None, report, Vec::new());
 /// let run = PageRun {
 ///     label: "50 kPa",
-///     facts: vec!["adult ventricular myocyte".to_owned()],
 ///     summary: &summary,
 ///     recording: &outcome.recording,
 ///     mesh: &simulation.mesh,
@@ -38,14 +37,16 @@ use super::template::TEMPLATE;
 ///     citations: "",
 ///     picture: None,
 /// };
+/// let runs = Runs { runs: vec![run], differences: &[] };
+/// let mut sections = vec![runs.key_numbers(), runs.beat(Field::FibreStrain, Vec::new())];
+/// sections.extend(runs.record());
 /// let html = page::html(&Page {
+///     kind: "A beat by Myospring",
 ///     title: "A <fast> cell",
-///     version: "0.1.0",
-///     colour: Field::FibreStrain,
-///     warnings: &[],
-///     differences: &[],
-///     runs: &[run],
-///     fit: None,
+///     facts: vec!["adult ventricular myocyte".to_owned()],
+///     answer: None,
+///     warnings: runs.warnings(),
+///     sections,
 /// })?;
 /// assert!(html.contains("<title>A &lt;fast&gt; cell</title>"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

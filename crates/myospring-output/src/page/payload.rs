@@ -1,134 +1,139 @@
-//! What stands in the page as data; `page/src/payload.d.ts` says the same for the page.
+//! What a page has as data; `page/src/payload.d.ts` says the same for the page.
 
-use super::band::Band;
-use super::cell::{self, CellData};
-use super::curves::{self, Curves};
-use super::fit::{self, FitData};
-use super::given::{Difference, Page, PageError, PageRun, ParameterGroup};
-use super::photograph::{self, PictureData};
+use super::cell::{self, Beat, CellData};
+use super::chart::{Chart, ChartData, Times};
+use super::figure::{Drawing, Thumbnail};
+use super::given::{Answer, Page, PageError, Part, Section};
+use super::table::{Table, Tile};
+use crate::digits::rounded;
+use crate::figure::LikelihoodProfile;
 use crate::json::JsonError;
-use crate::report::Summary;
-use myospring_core::analysis::beat::{self, Beat, Place};
-use myospring_core::analysis::{Metric, Missing};
 use serde::Serialize;
 
 #[derive(Serialize)]
 struct Payload<'a> {
     form: u32,
+    kind: &'a str,
     title: &'a str,
-    version: &'a str,
-    colour: &'static str,
-    warnings: &'a [String],
-    differences: &'a [Difference],
-    runs: Vec<Run<'a>>,
-    fit: Option<FitData<'a>>,
-}
-
-#[derive(Serialize)]
-#[allow(clippy::struct_field_names, reason = "the names are keys that the page reads")]
-struct Run<'a> {
-    label: &'a str,
+    version: &'static str,
     facts: &'a [String],
-    stimuli_ms: Vec<f64>,
-    missed_ms: Vec<f64>,
-    curves: Curves,
-    cell: CellData,
-    metrics: Vec<MetricGroup<'a>>,
-    parameters: &'a [ParameterGroup],
+    answer: Option<&'a Answer>,
     warnings: &'a [String],
-    about_model: Option<&'a str>,
-    run_file: &'a str,
-    citations: &'a str,
-    picture: Option<PictureData>,
+    times_ms: Vec<Vec<f64>>,
+    sections: Vec<SectionData<'a>>,
 }
 
 #[derive(Serialize)]
-struct MetricGroup<'a> {
-    name: &'static str,
-    rows: Vec<MetricRow<'a>>,
+struct SectionData<'a> {
+    id: &'static str,
+    title: &'a str,
+    hint: &'a str,
+    parts: Vec<PartData<'a>>,
 }
 
 #[derive(Serialize)]
-struct MetricRow<'a> {
-    name: &'a str,
-    value: Option<f64>,
-    missing: Option<&'static str>,
-    spread: Option<f64>,
-    unit: &'a str,
-    definition: &'a str,
-    band: Option<Band>,
-    place: Option<Place>,
+#[serde(tag = "kind", rename_all = "lowercase")]
+enum PartData<'a> {
+    Beat(BeatData<'a>),
+    Charts { charts: Vec<ChartData<'a>> },
+    Profiles { profiles: Vec<ProfileData<'a>> },
+    Tiles { tiles: &'a [Tile] },
+    Table(&'a Table),
+    Gallery { thumbnails: &'a [Thumbnail] },
+    Figure(&'a Drawing),
+    Words { words: &'a [String] },
+    Text { what: &'a str, file: &'a str, text: &'a str },
+    Folded { title: &'a str, on_paper: bool, parts: Vec<PartData<'a>> },
+}
+
+#[derive(Serialize)]
+struct BeatData<'a> {
+    colour: &'static str,
+    cells: Vec<CellData<'a>>,
+    charts: Vec<ChartData<'a>>,
+    folded_title: &'a str,
+    folded: Vec<ChartData<'a>>,
+    words: &'a str,
+}
+
+#[derive(Serialize)]
+struct ProfileData<'a> {
+    label: &'a str,
+    value: f64,
+    interval: [Option<f64>; 2],
+    points: Vec<[f64; 2]>,
+    at_ends: f64,
 }
 
 /// The data of a page as JSON.
 pub(super) fn json(page: &Page<'_>) -> Result<String, PageError> {
-    if page.runs.is_empty() {
-        return Err(PageError::NoRuns);
-    }
-    // All runs together are one file.
-    let share = page.runs.len();
-    let runs = page.runs.iter().map(|run| of_run(run, share)).collect::<Result<_, _>>()?;
-    let colour = page.colour.word();
-    let Page { title, version, warnings, differences, .. } = *page;
-    let fit = page.fit.as_ref().map(fit::of);
-    let payload = Payload { form: 1, title, version, colour, warnings, differences, runs, fit };
+    let mut charts = Vec::new();
+    page.sections.iter().for_each(|section| charts_in(&section.parts, &mut charts));
+    let times = Times::of(charts.into_iter());
+    let Page { kind, title, facts, answer, warnings, sections } = page;
+    let sections = sections.iter().map(|Section { id, title, hint, parts }| {
+        Ok(SectionData { id, title, hint, parts: all(parts, &times)? })
+    });
+    let sections = sections.collect::<Result<_, PageError>>()?;
+    let payload = Payload {
+        form: 2,
+        kind,
+        title,
+        version: env!("CARGO_PKG_VERSION"),
+        facts,
+        answer: answer.as_ref(),
+        warnings,
+        times_ms: times.data(),
+        sections,
+    };
     Ok(serde_json::to_string(&payload).map_err(JsonError::from)?)
 }
 
-fn of_run<'a>(run: &'a PageRun<'_>, share: usize) -> Result<Run<'a>, PageError> {
-    let picture = run.picture.as_ref();
-    let missed = run.summary.beats.iter().filter(|beat| beat.is_missed());
-    let missed: Vec<f64> = missed.map(|beat| beat.stimulus_ms).collect();
-    let stimuli = run.stimulus_times_ms.iter().copied().filter(|time| !missed.contains(time));
-    Ok(Run {
-        label: run.label,
-        facts: &run.facts,
-        stimuli_ms: stimuli.collect(),
-        missed_ms: missed,
-        curves: curves::of(run.recording),
-        cell: cell::of(run, share)?,
-        metrics: metrics(run.summary),
-        parameters: &run.parameters,
-        warnings: &run.summary.warnings,
-        about_model: run.summary.about_model.as_deref(),
-        run_file: run.run_file,
-        citations: run.citations,
-        picture: picture.map(|it| photograph::of(it, run.outline)).transpose()?.flatten(),
+fn charts_in<'a>(parts: &'a [Part<'_>], all: &mut Vec<&'a Chart>) {
+    for part in parts {
+        match part {
+            Part::Beat(beat) => all.extend(beat.charts.iter().chain(&beat.folded.1)),
+            Part::Charts(charts) => all.extend(charts),
+            Part::Folded { parts, .. } => charts_in(parts, all),
+            _ => {}
+        }
+    }
+}
+
+fn all<'a>(parts: &'a [Part<'_>], times: &Times<'a>) -> Result<Vec<PartData<'a>>, PageError> {
+    parts.iter().map(|part| data(part, times)).collect()
+}
+
+fn data<'a>(part: &'a Part<'_>, times: &Times<'a>) -> Result<PartData<'a>, PageError> {
+    let of = |charts: &'a [Chart]| charts.iter().map(|chart| times.chart(chart)).collect();
+    Ok(match part {
+        Part::Beat(beat) => {
+            let Beat { colour, cells, charts, folded: (folded_title, folded), words } = beat;
+            if cells.is_empty() {
+                return Err(PageError::NoRuns);
+            }
+            // All cells together are one file.
+            let cells = cells.iter().map(|each| cell::of(each, cells.len()));
+            let (cells, colour) = (cells.collect::<Result<_, _>>()?, colour.word());
+            let (charts, folded) = (of(charts), of(folded));
+            PartData::Beat(BeatData { colour, cells, charts, folded_title, folded, words })
+        }
+        Part::Charts(charts) => PartData::Charts { charts: of(charts) },
+        Part::Profiles(all) => PartData::Profiles { profiles: all.iter().map(profile).collect() },
+        Part::Tiles(tiles) => PartData::Tiles { tiles },
+        Part::Table(table) => PartData::Table(table),
+        Part::Gallery(thumbnails) => PartData::Gallery { thumbnails },
+        Part::Figure(drawing) => PartData::Figure(drawing),
+        Part::Words(words) => PartData::Words { words },
+        Part::Text { what, file, text } => PartData::Text { what, file, text },
+        Part::Folded { title, on_paper, parts } => {
+            PartData::Folded { title, on_paper: *on_paper, parts: all(parts, times)? }
+        }
     })
 }
 
-/// The metrics of the first beat that counts, or, of several, their means.
-fn metrics(summary: &Summary) -> Vec<MetricGroup<'_>> {
-    let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
-    let row = |metric: &'_ Metric| {
-        let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric.name);
-        let value = over_beats.map(|spread| spread.mean).or(metric.value);
-        // What is known is of unloaded cells.
-        let band = beat::band(metric.name).filter(|_| !loaded);
-        MetricRow {
-            name: metric.name,
-            value,
-            missing: value.is_none().then(|| metric.missing.map(Missing::words)).flatten(),
-            spread: over_beats.map(|spread| spread.standard_deviation),
-            unit: metric.unit,
-            definition: metric.definition,
-            band: band.map(Band::of),
-            place: band.zip(value).map(|(band, value)| band.place(value)),
-        }
-    };
-    let group =
-        |name, metrics: &[Metric]| MetricGroup { name, rows: metrics.iter().map(row).collect() };
-    let of_beat = |beat: &Beat| {
-        [
-            group("Shortening", &beat.contraction),
-            group("Tension", &beat.tension),
-            group("Shape at the peak of shortening", &beat.shape),
-            group("Action potential", &beat.action_potential),
-        ]
-    };
-    let mut groups: Vec<MetricGroup<'_>> =
-        summary.usual().map(of_beat).into_iter().flatten().collect();
-    groups.extend(summary.s2().map(|beat| group("Extra stimulus, S2", &beat.s2)));
-    groups.push(group("Energy over the run", &summary.energy));
-    groups
+fn profile(profile: &LikelihoodProfile) -> ProfileData<'_> {
+    let LikelihoodProfile { label, value, interval, points, at_ends } = profile;
+    let points = points.iter().map(|point| point.map(rounded)).collect();
+    ProfileData { label, value: *value, interval: *interval, points, at_ends: *at_ends }
 }

@@ -1,9 +1,9 @@
 //! The part of a picture around the cell.
 
-use super::given::{PageError, Photograph};
+use super::cell::Photograph;
+use super::figure::address;
+use super::given::PageError;
 use crate::figure::photograph::{Part, embedded};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use myospring_core::mesh::outline::Outline;
 use serde::Serialize;
 
@@ -45,6 +45,6 @@ pub(super) fn of(
     };
     let png = embedded(&part, LONGEST.min((columns[1] - columns[0]) as f64))?.png;
     let corner = |end: usize| [columns[end] as f64 * pixel, rows[end] as f64 * pixel];
-    let href = format!("data:image/png;base64,{}", STANDARD.encode(png));
+    let href = address("png", &png);
     Ok(Some(PictureData { href, corners_um: [corner(0), corner(1)] }))
 }

@@ -14,7 +14,7 @@ macro_rules! modules {
 }
 
 /// The modules of the page, each after those that it imports.
-const MODULES: [(&str, &str); 19] = modules![
+const MODULES: [(&str, &str); 20] = modules![
     "numbers.js",
     "colours.js",
     "elements.js",
@@ -33,6 +33,7 @@ const MODULES: [(&str, &str); 19] = modules![
     "sections.js",
     "layout.js",
     "paper.js",
+    "beat.js",
     "report.js",
 ];
 

@@ -5,7 +5,7 @@ use myospring::mesh::outline::Outline;
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::mesh::{Mesh, lattice};
 use myospring::output::field::Field;
-use myospring::output::page::{self, Page, PageError, PageRun, Photograph};
+use myospring::output::page::{self, Page, PageError, PageRun, Part, Photograph, Runs, Section};
 use myospring::output::report::Summary;
 use myospring::recording::Recording;
 use serde_json::Value;
@@ -37,7 +37,6 @@ impl Cell {
     fn on_page(&self) -> PageRun<'_> {
         PageRun {
             label: "50 kPa",
-            facts: vec![NASTY.to_owned()],
             summary: &self.summary,
             recording: &self.recording,
             mesh: &self.mesh,
@@ -53,17 +52,27 @@ impl Cell {
     }
 }
 
-fn html(runs: &[PageRun<'_>]) -> String {
+fn made(runs: Vec<PageRun<'_>>) -> Result<String, PageError> {
+    let runs = Runs { runs, differences: &[] };
+    let mut sections = vec![runs.key_numbers(), runs.beat(Field::FibreStrain, Vec::new())];
+    sections.extend(runs.record());
     page::html(&Page {
+        kind: "",
         title: NASTY,
-        version: "0.1.0",
-        colour: Field::FibreStrain,
-        warnings: &[],
-        differences: &[],
-        runs,
-        fit: None,
+        facts: vec![NASTY.to_owned()],
+        answer: None,
+        warnings: runs.warnings(),
+        sections,
     })
-    .unwrap()
+}
+
+fn html(runs: Vec<PageRun<'_>>) -> String {
+    made(runs).unwrap()
+}
+
+/// The cells in the data of a page.
+fn cells(html: &str) -> Value {
+    data(html)["sections"][1]["parts"][0]["cells"].clone()
 }
 
 /// The data of a page.
@@ -75,11 +84,14 @@ fn data(html: &str) -> Value {
 #[test]
 fn whatever_a_run_is_called_stays_text() {
     let cell = Cell::new(4.0);
-    let page = html(&[cell.on_page()]);
+    let page = html(vec![cell.on_page()]);
     assert!(!page.contains("alert(1)</script>"));
     assert_eq!(page.matches("<title>").count(), 1);
     let data = data(&page);
-    for text in [&data["title"], &data["runs"][0]["warnings"][0], &data["runs"][0]["run_file"]] {
+    let repeat =
+        data["sections"].as_array().unwrap().iter().find(|it| it["id"] == "repeat").unwrap();
+    let run_file = &repeat["parts"][1]["text"];
+    for text in [&data["title"], &data["facts"][0], &data["warnings"][0], run_file] {
         assert_eq!(text, NASTY);
     }
 }
@@ -87,7 +99,7 @@ fn whatever_a_run_is_called_stays_text() {
 #[test]
 fn a_page_asks_nothing_of_any_network() {
     let cell = Cell::new(4.0);
-    let page = html(&[cell.on_page()]);
+    let page = html(vec![cell.on_page()]);
     assert!(page.contains("default-src 'none'"));
     for word in ["src=\"http", "href=\"http", "@import", "url(http", "fetch(", "XMLHttpRequest"] {
         assert!(!page.contains(word), "{word}");
@@ -98,9 +110,9 @@ fn a_page_asks_nothing_of_any_network() {
 fn a_large_cell_and_many_frames_still_make_a_page_of_less_than_three_megabytes() {
     let mut cell = Cell::new(0.35);
     assert!(cell.mesh.len() > 20_000);
-    let page = html(&[cell.on_page()]);
+    let page = html(vec![cell.on_page()]);
     assert!(page.len() < 3_000_000, "{}", page.len());
-    let drawn = data(&page)["runs"][0]["cell"].clone();
+    let drawn = cells(&page)[0].clone();
     // Several squares as one, and still no step that is seen: a five-hundredth of the cell.
     assert!(drawn["spacing_um"].as_f64().unwrap() > 0.6);
     assert!(drawn["accuracy_um"].as_f64().unwrap() < 140.0 / 500.0);
@@ -113,30 +125,36 @@ fn a_large_cell_and_many_frames_still_make_a_page_of_less_than_three_megabytes()
             frame
         }));
     }
-    let page = html(&[cell.on_page()]);
+    let page = html(vec![cell.on_page()]);
     assert!(page.len() < 3_000_000, "{}", page.len());
-    assert!(data(&page)["runs"][0]["cell"]["accuracy_um"].as_f64().unwrap() < 140.0 / 100.0);
+    assert!(cells(&page)[0]["accuracy_um"].as_f64().unwrap() < 140.0 / 100.0);
     // And eight of them beside each other, as doses of a drug are, which leave little room for each.
     let runs: Vec<_> = (0..8).map(|_| cell.on_page()).collect();
-    let page = html(&runs);
+    let page = html(runs);
     assert!(page.len() < 3_000_000, "{}", page.len());
 }
 
 #[test]
 fn runs_beside_each_other_share_the_room_of_a_page() {
     let (fine, coarse) = (Cell::new(0.8), Cell::new(3.0));
-    let runs = [fine.on_page(), coarse.on_page(), fine.on_page()];
-    let page = html(&runs);
+    let runs = vec![fine.on_page(), coarse.on_page(), fine.on_page()];
+    let page = html(runs);
     assert!(page.len() < 3_000_000, "{}", page.len());
-    assert_eq!(data(&page)["runs"].as_array().unwrap().len(), 3);
-    let none = page::html(&Page {
-        title: "",
-        version: "",
+    assert_eq!(cells(&page).as_array().unwrap().len(), 3);
+    let beat = page::Beat {
         colour: Field::FibreStrain,
-        warnings: &[],
-        differences: &[],
-        fit: None,
-        runs: &[],
+        cells: Vec::new(),
+        charts: Vec::new(),
+        folded: (String::new(), Vec::new()),
+        words: String::new(),
+    };
+    let none = page::html(&Page {
+        kind: "",
+        title: "",
+        facts: Vec::new(),
+        answer: None,
+        warnings: Vec::new(),
+        sections: vec![Section::new("beat", "", vec![Part::Beat(beat)])],
     });
     assert!(matches!(none, Err(PageError::NoRuns)));
 }
@@ -150,29 +168,18 @@ fn a_run_that_broke_or_kept_nothing_has_a_page() {
     for sample in &mut cell.recording.samples[300..] {
         sample.ta_kpa = f64::NAN;
     }
-    let shown = data(&html(&[cell.on_page()]));
-    let frames = &shown["runs"][0]["cell"]["frames"]["t_ms"];
+    let shown = cells(&html(vec![cell.on_page()]));
+    let frames = &shown[0]["frames"]["t_ms"];
     assert!(frames.as_array().unwrap().iter().all(|t| t.as_f64().unwrap() < 150.0), "{frames}");
     cell.recording = Recording::default();
-    let shown = data(&html(&[cell.on_page()]));
-    assert_eq!(shown["runs"][0]["cell"]["frames"]["t_ms"], serde_json::json!([0.0]));
+    let shown = cells(&html(vec![cell.on_page()]));
+    assert_eq!(shown[0]["frames"]["t_ms"], serde_json::json!([0.0]));
 }
 
 #[test]
 fn frames_and_fibres_of_another_mesh_are_refused() {
     let (cell, other) = (Cell::new(4.0), Cell::new(3.0));
-    let said = |run: PageRun<'_>| {
-        let page = Page {
-            title: "",
-            version: "",
-            colour: Field::FibreStrain,
-            warnings: &[],
-            differences: &[],
-            fit: None,
-            runs: &[run],
-        };
-        page::html(&page).unwrap_err().to_string()
-    };
+    let said = |run: PageRun<'_>| made(vec![run]).unwrap_err().to_string();
     let error = said(PageRun { fibres: &other.fibres, ..cell.on_page() });
     assert!(error.contains("one for each triangle"), "{error}");
     let error = said(PageRun { recording: &other.recording, ..cell.on_page() });
@@ -191,13 +198,13 @@ fn of_a_picture_the_part_around_the_cell_lies_where_the_cell_is() {
         values: &values,
         pixel_size: PixelSize::new(0.5).unwrap(),
     };
-    let shown = data(&html(&[PageRun { picture: Some(picture), ..cell.on_page() }]));
-    let part = &shown["runs"][0]["picture"];
+    let shown = cells(&html(vec![PageRun { picture: Some(picture), ..cell.on_page() }]));
+    let part = &shown[0]["picture"];
     // 70 um from the middle, and 15 % of 140 um around.
     assert_eq!(part["corners_um"], serde_json::json!([[109.0, 19.0], [291.0, 81.0]]));
     assert!(part["href"].as_str().unwrap().starts_with("data:image/png;base64,iVBOR"));
     // Where they do not meet there is none.
     cell.outline = cell.outline.moved([5000.0, 0.0]);
-    let away = data(&html(&[PageRun { picture: Some(picture), ..cell.on_page() }]));
-    assert_eq!(away["runs"][0]["picture"], Value::Null);
+    let away = cells(&html(vec![PageRun { picture: Some(picture), ..cell.on_page() }]));
+    assert_eq!(away[0]["picture"], Value::Null);
 }

@@ -1,0 +1,355 @@
+//! Charts over time, with no more samples than a screen shows.
+
+use crate::digits::rounded;
+use crate::figure::{FittedCurve, Measured};
+use myospring_core::analysis::curve::{Analysis, State};
+use myospring_core::analysis::kind::Family;
+use serde::Serialize;
+
+/// Numbers in all charts of a page together.
+const ALL: usize = 120_000;
+/// Samples of a curve beyond which it is thinned, and to which it is at least.
+const MOST: usize = 4000;
+const LEAST: usize = 300;
+
+/// One quantity over time: of one cell or of several, measured or simulated.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Chart {
+    /// The quantity.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// How to read the chart, a few words; empty where that is clear.
+    pub note: String,
+    /// A band of values behind the curves.
+    pub band: Option<[f64; 2]>,
+    /// The curves.
+    pub series: Vec<Series>,
+    /// Stimuli that were captured, or may have been, ms.
+    pub stimuli_ms: Vec<f64>,
+    /// Stimuli that were not, ms.
+    pub missed_ms: Vec<f64>,
+    /// Parts of the time that stand out.
+    pub spans: Vec<Span>,
+    /// Places on the curve.
+    pub dots: Vec<Dot>,
+}
+
+/// A curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Whose it is, or what.
+    pub label: String,
+    /// Its colour, by what it shows.
+    pub tone: Tone,
+    /// Points without a line: what was measured.
+    pub dotted: bool,
+    /// Times, ms.
+    pub times_ms: Vec<f64>,
+    /// Values; what is not finite is a gap.
+    pub values: Vec<f64>,
+}
+
+/// What a curve shows, which gives its colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tone {
+    /// Membrane potential.
+    Potential,
+    /// Tension or force.
+    Tension,
+    /// Shortening, length and other motion.
+    Shortening,
+    /// Calcium, and other signals of a cell model.
+    Signal,
+    /// Samples as they were measured.
+    Measured,
+    /// Samples that were left out.
+    Out,
+    /// The n-th of several runs.
+    Run(usize),
+}
+
+/// A part of the time that stands out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Span {
+    /// First time, ms.
+    pub from_ms: f64,
+    /// Last time, ms.
+    pub to_ms: f64,
+    /// What it is: `artefact, left out`.
+    pub words: &'static str,
+}
+
+/// A place on a curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dot {
+    /// Time, ms.
+    pub t_ms: f64,
+    /// Value.
+    pub value: f64,
+    /// What is beside it; empty where that would crowd the chart.
+    pub words: String,
+    /// Whether it counts; others are grey.
+    pub counts: bool,
+}
+
+/// Beats that are numbered, at most.
+const NUMBERED: usize = 40;
+
+impl Chart {
+    /// A measured curve with what was read of it: beats by their number, onsets, artefacts, missing frames.
+    pub fn of_curve(curve: &Measured) -> Self {
+        let Analysis { beats, treatment, read, .. } = curve.analysis;
+        let series = |label: &str, tone, values: &[f64]| Series {
+            label: label.to_owned(),
+            tone,
+            dotted: false,
+            times_ms: curve.times_ms.to_vec(),
+            values: values.to_vec(),
+        };
+        let tone = match curve.kind.family() {
+            Family::Contraction => Tone::Shortening,
+            Family::Tension => Tone::Tension,
+            Family::Calcium => Tone::Signal,
+            Family::ActionPotential => Tone::Potential,
+        };
+        let mut lines = vec![series("as read", tone, read)];
+        let smoothed = curve.values != read.as_slice();
+        if smoothed {
+            lines.insert(0, series("as measured", Tone::Measured, curve.values));
+        }
+        let few = beats.len() <= NUMBERED;
+        let dots = beats.iter().flat_map(|beat| {
+            let counts = matches!(beat.state, State::Whole | State::CutAtEnd);
+            let marks = beat.marks.iter().filter(|mark| matches!(mark.name, "peak" | "onset"));
+            marks.map(move |mark| Dot {
+                t_ms: mark.point.time,
+                value: mark.point.value,
+                words: if few && mark.name == "peak" {
+                    beat.number.to_string()
+                } else {
+                    String::new()
+                },
+                counts,
+            })
+        });
+        let span = |from_ms, to_ms, words| Span { from_ms, to_ms, words };
+        let artefacts = treatment.artefacts.iter().map(|it| span(it.from_ms, it.to_ms, "artefact"));
+        let holes = treatment.holes.iter().map(|it| span(it.from_ms, it.to_ms, "no frames"));
+        let stimuli = |missed: bool| {
+            let of = beats.iter().filter(move |beat| (beat.state == State::Missed) == missed);
+            of.filter_map(|beat| beat.stimulus_ms).collect()
+        };
+        let mut notes = vec!["dots: onset and peak"];
+        notes.extend(smoothed.then_some("grey: as measured"));
+        notes.extend((!treatment.artefacts.is_empty()).then_some("shaded: artefacts, left out"));
+        notes.extend((!treatment.holes.is_empty()).then_some("shaded: frames are missing"));
+        notes.extend(
+            beats.iter().any(|beat| beat.state == State::Missed).then_some("\u{25bd} no beat"),
+        );
+        Self {
+            name: curve.title.to_owned(),
+            unit: curve.unit.to_owned(),
+            note: notes.join("; "),
+            series: lines,
+            stimuli_ms: stimuli(false),
+            missed_ms: stimuli(true),
+            spans: artefacts.chain(holes).collect(),
+            dots: dots.collect(),
+            ..Self::default()
+        }
+    }
+
+    /// A measured curve with the one that was fitted to it, and below it the residual.
+    pub fn of_fit(curve: &FittedCurve, several: bool) -> [Self; 2] {
+        let FittedCurve { label, unit, times_ms, measured, fitted, used, noise, .. } = curve;
+        let series = |label: &str, tone, dotted, values| Series {
+            label: label.to_owned(),
+            tone,
+            dotted,
+            times_ms: times_ms.clone(),
+            values,
+        };
+        let counted = |values: Vec<f64>, wanted: bool| -> Vec<f64> {
+            let values = values.into_iter().zip(used);
+            values.map(|(value, used)| if *used == wanted { value } else { f64::NAN }).collect()
+        };
+        let residual =
+            measured.iter().zip(fitted).map(|(measured, fitted)| measured - fitted).collect();
+        let left_out = used.contains(&false);
+        let mut lines =
+            vec![series("measured", Tone::Measured, true, counted(measured.clone(), true))];
+        if left_out {
+            lines.push(series("left out", Tone::Out, true, counted(measured.clone(), false)));
+        }
+        lines.push(series("fitted", Tone::Shortening, false, fitted.clone()));
+        let name = match label.rsplit_once(" (") {
+            Some((name, _)) if !unit.is_empty() => name,
+            _ => label,
+        };
+        let orange = if left_out { ", orange dots: left out" } else { "" };
+        let above = Self {
+            name: name.to_owned(),
+            unit: unit.clone(),
+            note: format!("dots: measured, line: fitted{orange}"),
+            series: lines,
+            stimuli_ms: curve.stimuli_ms.clone(),
+            ..Self::default()
+        };
+        let below = Self {
+            name: if several { format!("{name}, residual") } else { "Residual".to_owned() },
+            note: "measured \u{2212} fitted, grey: noise".to_owned(),
+            band: Some([-noise, *noise]),
+            series: vec![series("residual", Tone::Measured, true, counted(residual, true))],
+            ..above.clone()
+        };
+        [above, below]
+    }
+}
+
+/// Times of curves, each list once, and which of their samples are kept.
+#[derive(Debug, Default)]
+pub(super) struct Times<'a> {
+    lists: Vec<(&'a [f64], Vec<&'a [f64]>)>,
+    kept: Vec<Vec<usize>>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct ChartData<'a> {
+    name: &'a str,
+    unit: &'a str,
+    note: &'a str,
+    band: Option<[f64; 2]>,
+    series: Vec<SeriesData<'a>>,
+    stimuli_ms: &'a [f64],
+    missed_ms: &'a [f64],
+    spans: &'a [Span],
+    dots: &'a [Dot],
+}
+
+#[derive(Debug, Serialize)]
+struct SeriesData<'a> {
+    label: &'a str,
+    tone: String,
+    dotted: bool,
+    /// Which of the lists of times.
+    times: usize,
+    values: Vec<f64>,
+}
+
+impl<'a> Times<'a> {
+    /// The times of all charts of a page, thinned so that they fit together.
+    pub(super) fn of(charts: impl Iterator<Item = &'a Chart>) -> Self {
+        let mut lists: Vec<(&[f64], Vec<&[f64]>)> = Vec::new();
+        for series in charts.flat_map(|chart| &chart.series) {
+            match lists.iter_mut().find(|(times, _)| *times == series.times_ms) {
+                Some((_, values)) => values.push(&series.values),
+                None => lists.push((&series.times_ms, vec![&series.values])),
+            }
+        }
+        let numbers: usize = lists.iter().map(|(_, values)| 1 + values.len()).sum();
+        let most = (ALL / numbers.max(1)).clamp(LEAST, MOST);
+        let kept = lists.iter().map(|(times, values)| kept(times.len(), values, most)).collect();
+        Self { lists, kept }
+    }
+
+    /// The lists as a page has them.
+    pub(super) fn data(&self) -> Vec<Vec<f64>> {
+        let lists = self.lists.iter().zip(&self.kept);
+        lists.map(|((times, _), kept)| picked(times, kept)).collect()
+    }
+
+    pub(super) fn chart(&self, chart: &'a Chart) -> ChartData<'a> {
+        let series = chart.series.iter().map(|series| {
+            let times = self.lists.iter().position(|(times, _)| *times == series.times_ms);
+            let times = times.unwrap_or_default();
+            SeriesData {
+                label: &series.label,
+                tone: series.tone.word(),
+                dotted: series.dotted,
+                times,
+                values: picked(&series.values, &self.kept[times]),
+            }
+        });
+        let Chart { name, unit, note, band, stimuli_ms, missed_ms, spans, dots, .. } = chart;
+        let (series, band) = (series.collect(), *band);
+        ChartData { name, unit, note, band, series, stimuli_ms, missed_ms, spans, dots }
+    }
+}
+
+impl Tone {
+    fn word(self) -> String {
+        match self {
+            Self::Potential => "potential".to_owned(),
+            Self::Tension => "tension".to_owned(),
+            Self::Shortening => "shortening".to_owned(),
+            Self::Signal => "signal".to_owned(),
+            Self::Measured => "measured".to_owned(),
+            Self::Out => "out".to_owned(),
+            Self::Run(index) => index.to_string(),
+        }
+    }
+}
+
+fn picked(values: &[f64], kept: &[usize]) -> Vec<f64> {
+    kept.iter().map(|&at| rounded(values[at])).collect()
+}
+
+/// Which samples to keep: all, or the first, last, least and greatest of each curve in each of many stretches.
+fn kept(samples: usize, curves: &[&[f64]], most: usize) -> Vec<usize> {
+    if samples <= most {
+        return (0..samples).collect();
+    }
+    let stretches = (most / (3 * curves.len() + 2)).max(1);
+    let mut kept = Vec::new();
+    for stretch in 0..stretches {
+        let (start, end) = (stretch * samples / stretches, (stretch + 1) * samples / stretches);
+        kept.extend([start, end - 1]);
+        for values in curves {
+            let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
+            let finite = || (start..end).filter(|&at| values[at].is_finite());
+            kept.extend(finite().min_by(by_value));
+            kept.extend(finite().max_by(by_value));
+            // So that a gap stays one.
+            kept.extend((start..end).find(|&at| !values[at].is_finite()));
+        }
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_curves_keep_their_peaks() {
+        let values: Vec<f64> = (0..100_000)
+            .map(|i| if i == 54_321 { 9.0 } else { (f64::from(i) * 0.01).sin() })
+            .collect();
+        let kept = kept(100_000, &[&values], MOST);
+        assert!(kept.len() <= MOST && kept.contains(&54_321), "{}", kept.len());
+        assert_eq!((kept[0], kept[kept.len() - 1]), (0, 99_999));
+        assert!(kept.is_sorted());
+    }
+
+    #[test]
+    fn curves_with_the_same_times_have_them_once_and_all_charts_together_are_bounded() {
+        let times: Vec<f64> = (0..20_000).map(f64::from).collect();
+        let chart = |shift: f64| {
+            let times_ms: Vec<f64> = times.iter().map(|time| time + shift).collect();
+            let values = times.iter().map(|time| (0.01 * time).sin()).collect();
+            let label = String::new();
+            let series = Series { label, tone: Tone::Signal, dotted: false, times_ms, values };
+            Chart { series: vec![series.clone(), series], ..Chart::default() }
+        };
+        let same = [chart(0.0), chart(0.0)];
+        assert_eq!(Times::of(same.iter()).data().len(), 1);
+        let many: Vec<Chart> = (0..60).map(|index| chart(f64::from(index))).collect();
+        let pool = Times::of(many.iter());
+        let numbers: usize = pool.data().iter().map(|times| 3 * times.len()).sum();
+        assert!(numbers <= ALL, "{numbers}");
+    }
+}

@@ -1,0 +1,523 @@
+//! The sections of runs: what they have in common, whatever they were made for.
+
+use super::cell::{Beat, MovingCell, Photograph};
+use super::chart::{Chart, Series, Tone};
+use super::given::{Part, Section};
+use super::table::{Cell, Column, Look, Mark, Row, Table, Tile, metric_words};
+use crate::field::Field;
+use crate::report::Summary;
+use myospring_core::analysis::beat::{self, Band, Place};
+use myospring_core::analysis::{Metric, Missing};
+use myospring_core::mesh::Mesh;
+use myospring_core::mesh::outline::Outline;
+use myospring_core::recording::{Recording, STEEPEST_RISE, Sample};
+use std::collections::BTreeSet;
+
+/// Runs on a page; the others are compared with the first.
+#[derive(Debug, Clone)]
+pub struct Runs<'a> {
+    /// At least one.
+    pub runs: Vec<PageRun<'a>>,
+    /// Settings in which they differ.
+    pub differences: &'a [Difference],
+}
+
+/// A setting in which runs differ, as a person reads it.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Difference {
+    /// Its key in a run file.
+    pub name: String,
+    /// Its value in each run.
+    pub values: Vec<String>,
+}
+
+/// A run on a page.
+#[derive(Debug, Clone)]
+pub struct PageRun<'a> {
+    /// Short, to tell runs apart: `50 kPa`.
+    pub label: &'a str,
+    /// Its numbers, and what a person should look at.
+    pub summary: &'a Summary,
+    /// Its curves and frames.
+    pub recording: &'a Recording,
+    /// Its mesh at rest.
+    pub mesh: &'a Mesh,
+    /// Unit vector along the fibre in each triangle.
+    pub fibres: &'a [[f64; 2]],
+    /// Content of myofibrils of each triangle; `None` is 1 everywhere.
+    pub myofibril_content: Option<&'a [f64]>,
+    /// The outline that was meshed, um.
+    pub outline: &'a Outline,
+    /// Times of the stimuli, ms.
+    pub stimulus_times_ms: &'a [f64],
+    /// Parameters and settings, group by group.
+    pub parameters: Vec<ParameterGroup>,
+    /// The run file that repeats it, TOML.
+    pub run_file: &'a str,
+    /// What to cite, BibTeX.
+    pub citations: &'a str,
+    /// The picture that the cell was found in.
+    pub picture: Option<Photograph<'a>>,
+}
+
+/// Parameters that belong together.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterGroup {
+    /// Name of the group.
+    pub name: String,
+    /// In the order in which they are shown.
+    pub rows: Vec<ParameterRow>,
+}
+
+/// A parameter as a person reads it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterRow {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: String,
+    /// Unit of the value; empty where the value has it, or has none.
+    pub unit: String,
+    /// What it does.
+    pub meaning: String,
+    /// Where the value comes from.
+    pub source: String,
+    /// Whether it is neither the default nor the published one; on paper only such parameters are listed.
+    pub changed: bool,
+}
+
+/// Metrics that a person looks at first.
+const KEY: [&str; 7] = [
+    "peak_shortening",
+    "peak_lengthening",
+    "time_to_peak_from_stimulus",
+    "relaxation_time_90",
+    "maximum_shortening_rate",
+    "peak_tension",
+    "action_potential_duration_90",
+];
+/// Runs that have a tile for each metric, at most; more are a table.
+const TILED: usize = 3;
+/// Curves of the cell model that are shown with the others, at most; of more the first, and the others unfold.
+const SIGNALS: usize = 3;
+
+impl<'a> Runs<'a> {
+    /// What a person should look at, run by run.
+    pub fn warnings(&self) -> Vec<String> {
+        let several = self.runs.len() > 1;
+        let of = |run: &PageRun<'_>| {
+            let (label, texts) = (run.label.to_owned(), run.summary.warnings.clone());
+            texts
+                .into_iter()
+                .map(move |text| if several { format!("{label}: {text}") } else { text })
+        };
+        self.runs.iter().flat_map(of).collect()
+    }
+
+    /// The numbers that a person looks at first.
+    pub fn key_numbers(&self) -> Section<'a> {
+        let has = |name: &str| self.runs.iter().any(|run| run.metric(name).value.is_some());
+        // How much longer cells become counts where none becomes shorter.
+        let usual = |name: &str| name != "peak_lengthening" || !has("peak_shortening");
+        let names = KEY.into_iter().filter(|name| has(name) && usual(name));
+        let several = self.runs.len() > 1;
+        let part = if self.runs.len() > TILED {
+            self.key_table(&names.collect::<Vec<_>>())
+        } else {
+            Part::Tiles(names.map(|name| self.tile(name, several)).collect())
+        };
+        Section::new("key", "Key numbers", vec![part])
+    }
+
+    fn tile(&self, name: &'static str, several: bool) -> Tile {
+        let value = |run: &PageRun<'_>| {
+            let Read { value, unit, band, .. } = run.metric(name);
+            let mark = band.filter(|_| several).zip(value).map(mark);
+            let label = if several { run.label.to_owned() } else { String::new() };
+            (label, Cell { unit, ..Cell::number(value) }.marked(mark))
+        };
+        let Read { value: first, unit, band, .. } = self.runs[0].metric(name);
+        let line = |band: Band| match several {
+            true => Cell::text(format!("measured {} {unit}", range(&band))),
+            false => Cell::text(range(&band)).marked(first.map(|value| mark((band, value)))),
+        };
+        Tile {
+            name: metric_words(name),
+            values: self.runs.iter().map(value).collect(),
+            lines: band.map(line).into_iter().collect(),
+            ..Tile::default()
+        }
+    }
+
+    /// A row for each of many runs.
+    fn key_table(&self, names: &[&'static str]) -> Part<'a> {
+        let column = |name: &&'static str| Column::number(&metric_words(name), &self.unit(name));
+        let row = |run: &PageRun<'_>| {
+            let values = names.iter().map(|name| Cell::number(run.metric(name).value));
+            Row::from([Cell::text(run.label)].into_iter().chain(values).collect::<Vec<_>>())
+        };
+        let columns = [Column::text("run")].into_iter().chain(names.iter().map(column));
+        Part::Table(Table {
+            caption: "Key numbers of each run".to_owned(),
+            columns: columns.collect(),
+            rows: self.runs.iter().map(row).collect(),
+            ..Table::default()
+        })
+    }
+
+    fn unit(&self, name: &str) -> String {
+        let units = self.runs.iter().map(|run| run.metric(name).unit);
+        units.into_iter().find(|unit| !unit.is_empty()).unwrap_or_default()
+    }
+
+    /// The beating cells and their curves, after charts of one's own.
+    pub fn beat(&self, colour: Field, mut charts: Vec<Chart>) -> Section<'a> {
+        let mut own = self.charts();
+        let signals = own.len() - own.iter().position(|(signal, _)| *signal).unwrap_or(own.len());
+        let split = if signals > SIGNALS { own.len() - signals + 1 } else { own.len() };
+        let folded: Vec<Chart> = own.split_off(split).into_iter().map(|(_, chart)| chart).collect();
+        charts.extend(own.into_iter().map(|(_, chart)| chart));
+        if charts.iter().any(|chart| !chart.missed_ms.is_empty())
+            && let Some(first) = charts.first_mut()
+        {
+            let in_all = if self.runs.len() > 1 { " in every run" } else { "" };
+            let says = format!("\u{25bc} stimulus, \u{25bd} not captured{in_all}");
+            let notes = [std::mem::take(&mut first.note), says];
+            first.note =
+                notes.into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join("; ");
+        }
+        let title = format!("{} more curves of the cell model", folded.len());
+        let about: BTreeSet<&str> =
+            self.runs.iter().filter_map(|run| run.summary.about_model.as_deref()).collect();
+        let beat = Beat {
+            colour,
+            cells: self.runs.iter().map(PageRun::cell).collect(),
+            charts,
+            folded: (title, folded),
+            words: about.into_iter().collect::<Vec<_>>().join(" "),
+        };
+        Section::new("beat", "The beat", vec![Part::Beat(beat)])
+    }
+
+    /// A chart for each quantity that the first run has, and whether it is a signal of the cell model.
+    fn charts(&self) -> Vec<(bool, Chart)> {
+        let all: Vec<Vec<Curve>> = self.runs.iter().map(|run| curves(run.recording)).collect();
+        let missed = self.stimuli(true);
+        let captured = self.stimuli(false).into_iter().filter(|time| !missed.contains(time));
+        let captured: Vec<f64> = captured.collect();
+        let chart = |first: &Curve| {
+            let is_same = |other: &&Curve| (&other.name, &other.unit) == (&first.name, &first.unit);
+            let series =
+                self.runs.iter().zip(&all).enumerate().filter_map(|(index, (run, all))| {
+                    let curve = all.iter().find(is_same)?;
+                    Some(Series {
+                        label: run.label.to_owned(),
+                        tone: if self.runs.len() > 1 { Tone::Run(index) } else { curve.tone },
+                        dotted: false,
+                        times_ms: run.recording.samples.iter().map(|sample| sample.t_ms).collect(),
+                        values: curve.values.clone(),
+                    })
+                });
+            let band =
+                (first.tone == Tone::Shortening).then(|| beat::band("peak_shortening")).flatten();
+            let chart = Chart {
+                name: first.name.clone(),
+                unit: first.unit.clone(),
+                note: band.map_or_else(String::new, |band| {
+                    format!("grey: measured peaks, {} to {} {}", band.low, band.high, first.unit)
+                }),
+                band: band.map(|band| [band.low, band.high]),
+                series: series.collect(),
+                stimuli_ms: captured.clone(),
+                missed_ms: missed.clone(),
+                ..Chart::default()
+            };
+            (first.tone == Tone::Signal, chart)
+        };
+        all[0].iter().map(chart).collect()
+    }
+
+    /// Stimuli of all runs that raised no action potential, or the others.
+    fn stimuli(&self, missed: bool) -> Vec<f64> {
+        let mut times = Vec::new();
+        for run in &self.runs {
+            let is_missed = |time: f64| {
+                run.summary.beats.iter().any(|beat| beat.is_missed() && beat.stimulus_ms == time)
+            };
+            times.extend(run.stimulus_times_ms.iter().filter(|time| is_missed(**time) == missed));
+        }
+        times.sort_unstable_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    /// All numbers, the settings that differ, parameters, and how to repeat and to cite the runs.
+    pub fn record(&self) -> Vec<Section<'a>> {
+        let mut sections = vec![self.numbers()];
+        if self.runs.len() > 1 {
+            sections.push(self.settings_that_differ());
+        }
+        let parameters = Section {
+            hint: "Changed in this run; all others are the defaults and the published ones, and are listed in run.toml."
+                .to_owned(),
+            ..Section::new("parameters", "Parameters and their sources", self.each(PageRun::parameters))
+        };
+        sections.push(parameters);
+        sections.push(Section::new("repeat", "Repeat this run", self.each(PageRun::repeat)));
+        let citations: BTreeSet<&str> = self.runs.iter().map(|run| run.citations).collect();
+        let (what, file) = ("BibTeX", "myospring.bib");
+        let text = |text: &str| Part::Text { what: what.to_owned(), file, text: text.to_owned() };
+        sections.push(Section::new("cite", "Cite", citations.into_iter().map(text).collect()));
+        sections
+    }
+
+    /// The parts of the only run, or those of each of several behind its name; on paper those of the first, since a table
+    /// says in what the others differ.
+    fn each(&self, parts: impl Fn(&PageRun<'a>) -> Vec<Part<'a>>) -> Vec<Part<'a>> {
+        let folded = |(index, run): (usize, &PageRun<'a>)| {
+            let (title, parts) = (run.label.to_owned(), parts(run));
+            Part::Folded { title, on_paper: index == 0, parts }
+        };
+        match &self.runs[..] {
+            [one] => parts(one),
+            several => several.iter().enumerate().map(folded).collect(),
+        }
+    }
+
+    /// All metrics, group by group.
+    fn numbers(&self) -> Section<'a> {
+        let several = self.runs.len() > 1;
+        let changes =
+            "Below a value: how far it is from that of the first run, and in per cent of it. ";
+        let hint = format!(
+            "{}Measured: the range in unloaded adult ventricular myocytes. Being inside or outside it does not make a cell \
+             right or wrong.",
+            if several { changes } else { "" }
+        );
+        let parts = self.runs[0].metrics().into_iter().map(|group| Part::Table(self.group(group)));
+        Section { hint, ..Section::new("metrics", "Numbers", parts.collect()) }
+    }
+
+    fn group(&self, (caption, names): (&'static str, Vec<&'static str>)) -> Table {
+        let several = self.runs.len() > 1;
+        let spread = self.runs.iter().any(|run| !run.summary.beat_to_beat.is_empty());
+        let firsts: Vec<Read> = names.iter().map(|name| self.runs[0].metric(name)).collect();
+        let banded = firsts.iter().any(|first| first.band.is_some());
+        let mut columns = vec![Column::text("quantity")];
+        let title = if spread { "mean \u{b1} sd of beats" } else { "value" };
+        let label =
+            |run: &PageRun<'_>| Column::of("number", if several { run.label } else { title });
+        columns.extend(self.runs.iter().map(label));
+        columns.insert(if several { 1 } else { 2 }, Column::of("unit", "unit"));
+        columns.extend(banded.then(|| Column::of("band", "measured")));
+        let row = |(name, first): (&'static str, Read)| {
+            let mut cells = vec![Cell::term(metric_words(name), first.definition)];
+            cells.extend(self.runs.iter().enumerate().map(|(index, run)| {
+                let Read { value, spread, missing, band, .. } = run.metric(name);
+                let mark = band.filter(|_| several).zip(value).map(mark);
+                let against = (index > 0).then_some([first.value]);
+                let note = missing.map(Missing::words).unwrap_or_default().to_owned();
+                Cell { spread, note, against, mark, ..Cell::number(value) }
+            }));
+            cells.insert(if several { 1 } else { 2 }, Cell::text(first.unit));
+            let own =
+                |band: &Band| first.value.filter(|_| !several).map(|value| mark((*band, value)));
+            let band = first.band.map(|band| Cell::text(range(&band)).marked(own(&band)));
+            cells.extend(banded.then(|| band.unwrap_or_else(|| Cell::text(""))));
+            Row::from(cells)
+        };
+        Table {
+            caption: caption.to_owned(),
+            look: if several { Look::Wide } else { Look::Numbers },
+            columns,
+            rows: names.into_iter().zip(firsts).map(row).collect(),
+        }
+    }
+
+    fn settings_that_differ(&self) -> Section<'a> {
+        let columns = self.runs.iter().map(|run| Column::text(run.label));
+        let row = |Difference { name, values }: &Difference| {
+            let cells = [name].into_iter().chain(values).map(Cell::text);
+            Row::from(cells.collect::<Vec<_>>())
+        };
+        let part = if self.differences.is_empty() {
+            Part::Words(vec!["The runs have the same settings.".to_owned()])
+        } else {
+            Part::Table(Table {
+                caption: "Settings".to_owned(),
+                columns: [Column::text("setting")].into_iter().chain(columns).collect(),
+                rows: self.differences.iter().map(row).collect(),
+                ..Table::default()
+            })
+        };
+        Section::new("differences", "Settings that differ", vec![part])
+    }
+}
+
+impl<'a> PageRun<'a> {
+    fn cell(&self) -> MovingCell<'a> {
+        let shortest = |a: &&Sample, b: &&Sample| a.shortening_pct.total_cmp(&b.shortening_pct);
+        let samples =
+            self.recording.samples.iter().filter(|sample| sample.shortening_pct.is_finite());
+        MovingCell {
+            label: self.label,
+            mesh: self.mesh,
+            frames: &self.recording.frames,
+            fibres: self.fibres,
+            myofibril_content: self.myofibril_content,
+            has_tension: true,
+            outline: self.outline,
+            picture: self.picture,
+            peak_ms: samples.max_by(shortest).map_or(0.0, |sample| sample.t_ms),
+        }
+    }
+
+    /// Groups of metrics: of the first beat that counts, of an extra stimulus, of the whole run.
+    fn groups(&self) -> Vec<(&'static str, &'a [Metric])> {
+        let summary = self.summary;
+        let mut groups: Vec<(&'static str, &[Metric])> = Vec::new();
+        if let Some(beat) = summary.usual() {
+            groups.extend([
+                ("Shortening", &beat.contraction[..]),
+                ("Tension", &beat.tension[..]),
+                ("Shape at the peak of shortening", &beat.shape[..]),
+                ("Action potential", &beat.action_potential[..]),
+            ]);
+        }
+        groups.extend(summary.s2().map(|beat| ("Extra stimulus, S2", &beat.s2[..])));
+        groups.push(("Energy over the run", &summary.energy));
+        groups
+    }
+
+    fn metrics(&self) -> Vec<(&'static str, Vec<&'static str>)> {
+        let names = |metrics: &[Metric]| metrics.iter().map(|metric| metric.name).collect();
+        self.groups().into_iter().map(|(name, metrics)| (name, names(metrics))).collect()
+    }
+
+    /// A metric of the first beat that counts, or, of several, its mean; nothing where the run has none of this name.
+    fn metric(&self, name: &str) -> Read {
+        let metric = self.groups().into_iter().flat_map(|(_, all)| all).find(|it| it.name == name);
+        let Some(metric) = metric else { return Read::default() };
+        let over_beats = self.summary.beat_to_beat.iter().find(|spread| spread.name == name);
+        let value = over_beats.map(|spread| spread.mean).or(metric.value);
+        // What is known is of unloaded cells.
+        let loaded = self.summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
+        Read {
+            value,
+            spread: over_beats.map(|spread| spread.standard_deviation),
+            missing: metric.missing.filter(|_| value.is_none()),
+            unit: metric.unit.to_owned(),
+            definition: metric.definition,
+            band: beat::band(name).filter(|_| !loaded).copied(),
+        }
+    }
+
+    fn parameters(&self) -> Vec<Part<'a>> {
+        let row = |row: &ParameterRow| Row {
+            cells: vec![
+                Cell::text(&row.name),
+                Cell { unit: row.unit.clone(), ..Cell::text(&row.value) },
+                Cell::text(&row.meaning),
+                Cell::text(&row.source),
+            ],
+            marked: row.changed,
+        };
+        let columns = || {
+            let [value, meaning, source] =
+                ["number", "meaning", "source"].map(|class| Column::of(class, class));
+            vec![
+                Column::text("name"),
+                Column { name: "value".to_owned(), ..value },
+                meaning,
+                source,
+            ]
+        };
+        let folded = |group: &ParameterGroup| {
+            let changed = group.rows.iter().filter(|row| row.changed).count();
+            let of_run =
+                if changed > 0 { format!(", {changed} of this run") } else { String::new() };
+            let table = Table {
+                caption: group.name.clone(),
+                look: Look::Parameters,
+                columns: columns(),
+                rows: group.rows.iter().map(row).collect(),
+            };
+            Part::Folded {
+                title: format!("{} ({}{of_run})", group.name, group.rows.len()),
+                on_paper: changed > 0,
+                parts: vec![Part::Table(table)],
+            }
+        };
+        self.parameters.iter().map(folded).collect()
+    }
+
+    fn repeat(&self) -> Vec<Part<'a>> {
+        let (what, file) = ("run file".to_owned(), "run.toml");
+        vec![
+            Part::Words(vec!["Save this as `run.toml`, then: `myospring run run.toml`".to_owned()]),
+            Part::Text { what, file, text: self.run_file.to_owned() },
+        ]
+    }
+}
+
+/// A metric of a run.
+#[derive(Default)]
+struct Read {
+    value: Option<f64>,
+    spread: Option<f64>,
+    missing: Option<Missing>,
+    unit: String,
+    definition: &'static str,
+    band: Option<Band>,
+}
+
+/// Whether a value is within what is measured.
+fn mark((band, value): (Band, f64)) -> Mark {
+    let place = band.place(value);
+    Mark::new(place == Place::In, place.words())
+}
+
+fn range(band: &Band) -> String {
+    format!("{} to {}", band.low, band.high).replace('-', "\u{2212}")
+}
+
+/// A curve of a run.
+struct Curve {
+    name: String,
+    unit: String,
+    tone: Tone,
+    values: Vec<f64>,
+}
+
+type Value = fn(&Sample) -> Option<f64>;
+
+/// Potential, where there is one, tension, shortening and whatever else the cell model has.
+fn curves(recording: &Recording) -> Vec<Curve> {
+    let samples = &recording.samples;
+    let curve = |name: &str, unit: &str, tone, read: Value| Curve {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        tone,
+        values: samples.iter().map(|sample| read(sample).unwrap_or(f64::NAN)).collect(),
+    };
+    let potentials: [(&str, Value); 2] = [("mV", |sample| sample.vm_mv), ("", |sample| sample.u)];
+    let known = |(_, read): &(_, Value)| samples.iter().any(|sample| read(sample).is_some());
+    let potential = potentials.into_iter().find(known);
+    let mut all: Vec<Curve> = potential
+        .map(|(unit, read)| curve("Action potential", unit, Tone::Potential, read))
+        .into_iter()
+        .collect();
+    all.extend([
+        curve("Active tension", "kPa", Tone::Tension, |sample| Some(sample.ta_kpa)),
+        curve("Shortening", "%", Tone::Shortening, |sample| Some(sample.shortening_pct)),
+    ]);
+    // What only grows from beat to beat is a number and no curve.
+    let signals = recording.signals.iter().filter(|signal| !signal.is(STEEPEST_RISE));
+    all.extend(signals.map(|signal| Curve {
+        name: signal.name.clone(),
+        unit: signal.unit.clone(),
+        tone: Tone::Signal,
+        values: signal.values.clone(),
+    }));
+    all
+}
