@@ -55,6 +55,7 @@ mod sheet;
 mod skin;
 mod svg;
 mod theme;
+mod thumbnail;
 mod traces;
 mod tracked;
 mod work_loop;
@@ -67,6 +68,7 @@ pub use fit::{FittedCurve, LikelihoodProfile, fit};
 pub use lattice::mesh;
 pub use maps::{Map, maps, no_map};
 pub use measured::{Measured, measured};
+pub(crate) use measured::{around, shown};
 pub use members::{
     Distribution, Numbers, QUANTILES, Response, ResponseMap, Scatter, TraceBand, distributions,
     response_map, responses, scatter, trace_bands,
@@ -78,6 +80,7 @@ pub use ranking::{Bar, Ranking, rankings};
 pub use shapes::cell_shapes;
 pub use sheet::Figure;
 pub use theme::Theme;
+pub(crate) use thumbnail::thumbnail;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
 pub use tracked::{Tracked, TrackedFrame};
 pub use work_loop::work_loop;

@@ -65,7 +65,7 @@ pub struct Table {
 }
 
 impl Column {
-    fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         let (Self::Text { name, .. } | Self::Number { name, .. }) = self;
         name
     }

@@ -74,7 +74,7 @@ test("a page says the numbers of summary.json", async () => {
   // The file has seven digits of them.
   const written = (/** @type {unknown} */ value) => (typeof value === "number" ? Number(value.toPrecision(7)) : null);
   for (const metric of [...measured.contraction, ...measured.tension, ...measured.action_potential]) {
-    const found = numbers.find(([, , definition]) => definition === metric.definition);
+    const found = numbers.find(([, unit, definition]) => unit === metric.unit && definition === metric.definition);
     assert.deepEqual([written(found?.[0]), found?.[1]], [metric.value, metric.unit]);
   }
 });

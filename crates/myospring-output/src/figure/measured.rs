@@ -79,7 +79,7 @@ pub fn measured(curve: &Measured) -> Result<Figure, FigureError> {
 }
 
 /// The beat that stands for the others: the first whole one.
-fn shown(analysis: &Analysis) -> Option<&CurveBeat> {
+pub(crate) fn shown(analysis: &Analysis) -> Option<&CurveBeat> {
     let with_marks = || analysis.beats.iter().filter(|beat| !beat.marks.is_empty());
     with_marks().find(|beat| beat.state == State::Whole).or_else(|| with_marks().next())
 }
@@ -204,7 +204,7 @@ fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
 }
 
 /// From where to where the one beat is shown: as long again as it takes to fall, as far as it goes.
-fn around(beat: &CurveBeat) -> Option<[f64; 2]> {
+pub(crate) fn around(beat: &CurveBeat) -> Option<[f64; 2]> {
     let [start, end] = beat.baseline?;
     let onset = beat.onset_ms.unwrap_or(start.time);
     let fallen = beat.marks.iter().find(|mark| mark.name == "90 % down");

@@ -1,7 +1,7 @@
 //! Charts over time, with no more samples than a screen shows.
 
 use crate::digits::rounded;
-use crate::figure::{FittedCurve, Measured};
+use crate::figure::{FittedCurve, Measured, around, shown};
 use myospring_core::analysis::curve::{Analysis, State};
 use myospring_core::analysis::kind::Family;
 use serde::Serialize;
@@ -98,15 +98,62 @@ pub struct Dot {
 const NUMBERED: usize = 40;
 
 impl Chart {
-    /// A measured curve with what was read of it: beats by their number, onsets, artefacts, missing frames.
-    pub fn of_curve(curve: &Measured) -> Self {
+    /// A measured curve with what was read of it (beats by their number, onsets, artefacts, missing frames), and one beat
+    /// with the places where its metrics were read.
+    pub fn of_curve(curve: &Measured) -> Vec<Self> {
+        let analysis = curve.analysis;
+        let mut whole = Self::between(curve, [f64::NEG_INFINITY, f64::INFINITY]);
+        whole.note = notes(curve).join("; ");
+        let few = analysis.beats.len() <= NUMBERED;
+        for beat in &analysis.beats {
+            let counts = matches!(beat.state, State::Whole | State::CutAtEnd);
+            let number = beat.number.to_string();
+            let marks = beat.marks.iter().filter(|mark| matches!(mark.name, "peak" | "onset"));
+            whole.dots.extend(marks.map(|mark| Dot {
+                t_ms: mark.point.time,
+                value: mark.point.value,
+                words: if few && mark.name == "peak" { number.clone() } else { String::new() },
+                counts,
+            }));
+        }
+        let one = shown(analysis).and_then(|beat| Some((beat, around(beat)?)));
+        let one = one.map(|(beat, span)| Self {
+            name: format!("Beat {}", beat.number),
+            note: "dots: where its metrics were read".to_owned(),
+            dots: beat
+                .marks
+                .iter()
+                .filter(|mark| (span[0]..=span[1]).contains(&mark.point.time))
+                .map(|mark| Dot {
+                    t_ms: mark.point.time,
+                    value: mark.point.value,
+                    words: mark.name.to_owned(),
+                    counts: true,
+                })
+                .collect(),
+            ..Self::between(curve, span)
+        });
+        [Some(whole), one].into_iter().flatten().collect()
+    }
+
+    /// A part of a measured curve. Samples of artefacts and bad frames are left out, so that they do not make the beats
+    /// small.
+    fn between(curve: &Measured, [from, to]: [f64; 2]) -> Self {
         let Analysis { beats, treatment, read, .. } = curve.analysis;
-        let series = |label: &str, tone, values: &[f64]| Series {
+        let within = |time: &f64| (from..=to).contains(time);
+        let good = |frame: usize, time: f64| {
+            let mut artefacts = treatment.artefacts.iter();
+            !treatment.bad_frames.contains(&(frame + 1))
+                && !artefacts.any(|artefact| (artefact.from_ms..=artefact.to_ms).contains(&time))
+        };
+        let samples =
+            || curve.times_ms.iter().copied().enumerate().filter(|(_, time)| within(time));
+        let series = |label: &str, tone, values: &dyn Fn(usize, f64) -> f64| Series {
             label: label.to_owned(),
             tone,
             dotted: false,
-            times_ms: curve.times_ms.to_vec(),
-            values: values.to_vec(),
+            times_ms: samples().map(|(_, time)| time).collect(),
+            values: samples().map(|(frame, time)| values(frame, time)).collect(),
         };
         let tone = match curve.kind.family() {
             Family::Contraction => Tone::Shortening,
@@ -114,49 +161,30 @@ impl Chart {
             Family::Calcium => Tone::Signal,
             Family::ActionPotential => Tone::Potential,
         };
-        let mut lines = vec![series("as read", tone, read)];
-        let smoothed = curve.values != read.as_slice();
-        if smoothed {
-            lines.insert(0, series("as measured", Tone::Measured, curve.values));
+        let measured = |frame: usize, time| {
+            if good(frame, time) { curve.values[frame] } else { f64::NAN }
+        };
+        let mut lines = vec![series("as read", tone, &|frame, _| read[frame])];
+        if curve.values != read.as_slice() {
+            lines.insert(0, series("as measured", Tone::Measured, &measured));
         }
-        let few = beats.len() <= NUMBERED;
-        let dots = beats.iter().flat_map(|beat| {
-            let counts = matches!(beat.state, State::Whole | State::CutAtEnd);
-            let marks = beat.marks.iter().filter(|mark| matches!(mark.name, "peak" | "onset"));
-            marks.map(move |mark| Dot {
-                t_ms: mark.point.time,
-                value: mark.point.value,
-                words: if few && mark.name == "peak" {
-                    beat.number.to_string()
-                } else {
-                    String::new()
-                },
-                counts,
-            })
-        });
         let span = |from_ms, to_ms, words| Span { from_ms, to_ms, words };
         let artefacts = treatment.artefacts.iter().map(|it| span(it.from_ms, it.to_ms, "artefact"));
         let holes = treatment.holes.iter().map(|it| span(it.from_ms, it.to_ms, "no frames"));
         let stimuli = |missed: bool| {
             let of = beats.iter().filter(move |beat| (beat.state == State::Missed) == missed);
-            of.filter_map(|beat| beat.stimulus_ms).collect()
+            of.filter_map(|beat| beat.stimulus_ms).filter(within).collect()
         };
-        let mut notes = vec!["dots: onset and peak"];
-        notes.extend(smoothed.then_some("grey: as measured"));
-        notes.extend((!treatment.artefacts.is_empty()).then_some("shaded: artefacts, left out"));
-        notes.extend((!treatment.holes.is_empty()).then_some("shaded: frames are missing"));
-        notes.extend(
-            beats.iter().any(|beat| beat.state == State::Missed).then_some("\u{25bd} no beat"),
-        );
         Self {
             name: curve.title.to_owned(),
             unit: curve.unit.to_owned(),
-            note: notes.join("; "),
             series: lines,
             stimuli_ms: stimuli(false),
             missed_ms: stimuli(true),
-            spans: artefacts.chain(holes).collect(),
-            dots: dots.collect(),
+            spans: artefacts
+                .chain(holes)
+                .filter(|it| it.to_ms >= from && it.from_ms <= to)
+                .collect(),
             ..Self::default()
         }
     }
@@ -206,6 +234,18 @@ impl Chart {
         };
         [above, below]
     }
+}
+
+/// How to read the chart of a measured curve.
+fn notes(curve: &Measured) -> Vec<&'static str> {
+    let Analysis { beats, treatment, read, .. } = curve.analysis;
+    let mut notes = vec!["dots: onset and peak"];
+    notes.extend((curve.values != read.as_slice()).then_some("grey: as measured"));
+    notes.extend((!treatment.artefacts.is_empty()).then_some("shaded: artefacts, left out"));
+    notes.extend((!treatment.holes.is_empty()).then_some("shaded: frames are missing"));
+    let missed = beats.iter().any(|beat| beat.state == State::Missed);
+    notes.extend(missed.then_some("\u{25bd} stimulus without a beat"));
+    notes
 }
 
 /// Times of curves, each list once, and which of their samples are kept.

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 /// Bytes of an SVG above which a figure is embedded as pixels, and their dots per inch.
-const LARGEST_SVG: usize = 200_000;
+const LARGEST_SVG: usize = 400_000;
 const DPI: f64 = 110.0;
 
 /// A figure on a page.
@@ -35,6 +35,11 @@ impl Drawing {
         };
         let words = words.to_owned();
         Ok(Self { words, light: image(Theme::Light)?, dark: image(Theme::Dark)? })
+    }
+
+    /// Bytes that it takes on a page.
+    pub fn size(&self) -> usize {
+        self.light.len() + self.dark.len()
     }
 }
 

@@ -1,9 +1,11 @@
-//! The part of a picture around the cell.
+//! The part of a picture around a cell.
 
 use super::cell::Photograph;
 use super::figure::address;
 use super::given::PageError;
+use crate::figure::FigureError;
 use crate::figure::photograph::{Part, embedded};
+use crate::figure::thumbnail;
 use myospring_core::mesh::outline::Outline;
 use serde::Serialize;
 
@@ -11,6 +13,9 @@ use serde::Serialize;
 const AROUND: f64 = 0.15;
 /// Longest side, pixels.
 const LONGEST: f64 = 900.0;
+/// Longest side of a thumbnail, px, and its resolution, dots per inch: a pixel is a px.
+const SMALL: f64 = 160.0;
+const DPI: f64 = 96.0;
 
 #[derive(Debug, Serialize)]
 pub(super) struct PictureData {
@@ -18,33 +23,53 @@ pub(super) struct PictureData {
     corners_um: [[f64; 2]; 2],
 }
 
+impl<'a> Photograph<'a> {
+    /// A cell with its outline, small: a PNG at most 160 pixels wide and high; none where it is not on the picture.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn thumbnail(&self, outline: &Outline) -> Result<Option<Vec<u8>>, FigureError> {
+        let Some((part, [low, high])) = self.around(outline) else { return Ok(None) };
+        let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
+        let place = |[x, y]: [f64; 2]| [(x - low[0]) / width, (high[1] - y) / height];
+        let drawn = thumbnail(&part, SMALL * (width / height).min(1.0), outline.rings(), place)?;
+        drawn.to_png(DPI).map(Some)
+    }
+
+    /// The part around an outline with its lower left and upper right corner, um; none where they do not meet.
+    fn around(&self, outline: &Outline) -> Option<(Part<'a>, [[f64; 2]; 2])> {
+        let [low, high] = outline.bounds();
+        let pixel = self.pixel_size.um();
+        let room = AROUND * (high[0] - low[0]).max(high[1] - low[1]);
+        let whole = [self.width, self.height];
+        // Columns from the left, rows from the bottom.
+        let [columns, rows] = [0, 1].map(|axis| {
+            let end = whole[axis];
+            let first = ((low[axis] - room) / pixel).floor().clamp(0.0, end as f64) as usize;
+            let last = ((high[axis] + room) / pixel).ceil().clamp(0.0, end as f64) as usize;
+            [first, last]
+        });
+        if columns[0] >= columns[1] || rows[0] >= rows[1] {
+            return None;
+        }
+        let corner = |end: usize| [columns[end] as f64 * pixel, rows[end] as f64 * pixel];
+        let part = Part {
+            values: self.values,
+            width: self.width,
+            columns,
+            rows: [self.height - rows[1], self.height - rows[0]],
+        };
+        Some((part, [corner(0), corner(1)]))
+    }
+}
+
 /// The part around an outline; none where they do not meet.
 pub(super) fn of(
     picture: &Photograph<'_>,
     outline: &Outline,
 ) -> Result<Option<PictureData>, PageError> {
-    let [low, high] = outline.bounds();
-    let pixel = picture.pixel_size.um();
-    let room = AROUND * (high[0] - low[0]).max(high[1] - low[1]);
-    let whole = [picture.width, picture.height];
-    // Columns from the left, rows from the bottom.
-    let [columns, rows] = [0, 1].map(|axis| {
-        let end = whole[axis];
-        let first = ((low[axis] - room) / pixel).floor().clamp(0.0, end as f64) as usize;
-        let last = ((high[axis] + room) / pixel).ceil().clamp(0.0, end as f64) as usize;
-        [first, last]
-    });
-    if columns[0] >= columns[1] || rows[0] >= rows[1] {
-        return Ok(None);
-    }
-    let part = Part {
-        values: picture.values,
-        width: picture.width,
-        columns,
-        rows: [picture.height - rows[1], picture.height - rows[0]],
-    };
-    let png = embedded(&part, LONGEST.min((columns[1] - columns[0]) as f64))?.png;
-    let corner = |end: usize| [columns[end] as f64 * pixel, rows[end] as f64 * pixel];
-    let href = address("png", &png);
-    Ok(Some(PictureData { href, corners_um: [corner(0), corner(1)] }))
+    let Some((part, corners_um)) = picture.around(outline) else { return Ok(None) };
+    let width = (part.columns[1] - part.columns[0]) as f64;
+    let png = embedded(&part, LONGEST.min(width))?.png;
+    Ok(Some(PictureData { href: address("png", &png), corners_um }))
 }

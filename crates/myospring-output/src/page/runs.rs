@@ -263,7 +263,11 @@ impl<'a> Runs<'a> {
             ..Section::new("parameters", "Parameters and their sources", self.each(PageRun::parameters))
         };
         sections.push(parameters);
-        sections.push(Section::new("repeat", "Repeat this run", self.each(PageRun::repeat)));
+        sections.push(Section::new(
+            "repeat",
+            "Repeat this run",
+            self.each(|run| run.repeat(self.runs.len() > 1)),
+        ));
         let citations: BTreeSet<&str> = self.runs.iter().map(|run| run.citations).collect();
         let (what, file) = ("BibTeX", "myospring.bib");
         let text = |text: &str| Part::Text { what: what.to_owned(), file, text: text.to_owned() };
@@ -451,10 +455,11 @@ impl<'a> PageRun<'a> {
         self.parameters.iter().map(folded).collect()
     }
 
-    fn repeat(&self) -> Vec<Part<'a>> {
-        let (what, file) = ("run file".to_owned(), "run.toml");
+    fn repeat(&self, several: bool) -> Vec<Part<'a>> {
+        let of = if several { format!(" of {}", self.label) } else { String::new() };
+        let (what, file) = (format!("run file{of}"), "run.toml");
         vec![
-            Part::Words(vec!["Save this as `run.toml`, then: `myospring run run.toml`".to_owned()]),
+            Part::Words(vec!["`myospring run run.toml` repeats it with this file, which is also beside its results.".to_owned()]),
             Part::Text { what, file, text: self.run_file.to_owned() },
         ]
     }

@@ -1,5 +1,6 @@
 //! Tables and key numbers.
 
+use crate::table;
 use serde::Serialize;
 
 /// A table.
@@ -13,6 +14,35 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// Its rows, each with a cell for each column.
     pub rows: Vec<Row>,
+}
+
+impl Table {
+    /// A table of results that a reader sorts and filters: its first rows, and the columns that are wanted by their names.
+    pub fn of(
+        caption: &str,
+        table: &table::Table,
+        most: usize,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Self {
+        let chosen = table.columns.iter().filter(|column| wanted(column.name()));
+        let (mut columns, mut rows) = (Vec::new(), Vec::new());
+        for column in chosen {
+            let cells: Vec<Cell> = match column {
+                table::Column::Text { name, values } => {
+                    columns.push(Column::text(&name.replace('_', " ")));
+                    let text = |text: &Option<String>| Cell::text(text.clone().unwrap_or_default());
+                    values.iter().take(most).map(text).collect()
+                }
+                table::Column::Number { name, values } => {
+                    columns.push(Column::of("number", &name.replace('_', " ")));
+                    values.iter().take(most).map(|value| Cell::number(*value)).collect()
+                }
+            };
+            rows.resize_with(cells.len(), Row::default);
+            rows.iter_mut().zip(cells).for_each(|(row, cell)| row.cells.push(cell));
+        }
+        Self { caption: caption.to_owned(), look: Look::Sortable, columns, rows }
+    }
 }
 
 /// How a table is laid out.
