@@ -258,9 +258,12 @@ impl<'a> Runs<'a> {
             sections.push(self.settings_that_differ());
         }
         let parameters = Section {
-            hint: "Changed in this run; all others are the defaults and the published ones, and are listed in run.toml."
-                .to_owned(),
-            ..Section::new("parameters", "Parameters and their sources", self.each(PageRun::parameters))
+            hint: "On paper only what was changed is listed; `run.toml` has all.".to_owned(),
+            ..Section::new(
+                "parameters",
+                "Parameters and their sources",
+                self.each(PageRun::parameters),
+            )
         };
         sections.push(parameters);
         sections.push(Section::new(
