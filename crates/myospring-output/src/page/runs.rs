@@ -137,9 +137,11 @@ impl<'a> Runs<'a> {
             (label, Cell { unit, ..Cell::number(value) }.marked(mark))
         };
         let Read { value: first, unit, band, .. } = self.runs[0].metric(name);
-        let line = |band: Band| match several {
-            true => Cell::text(format!("measured {} {unit}", range(&band))),
-            false => Cell::text(range(&band)).marked(first.map(|value| mark((band, value)))),
+        let line = |band: Band| {
+            if several {
+                return Cell::text(format!("measured {} {unit}", range(&band)));
+            }
+            Cell::text(range(&band)).marked(first.map(|value| mark((band, value))))
         };
         Tile {
             name: metric_words(name),
@@ -324,7 +326,7 @@ impl<'a> Runs<'a> {
                 let mark = band.filter(|_| several).zip(value).map(mark);
                 let against = (index > 0).then_some([first.value]);
                 let note = missing.map(Missing::words).unwrap_or_default().to_owned();
-                Cell { spread, note, against, mark, ..Cell::number(value) }
+                Cell { spread, note, mark, against, ..Cell::number(value) }
             }));
             cells.insert(if several { 1 } else { 2 }, Cell::text(first.unit));
             let own =
