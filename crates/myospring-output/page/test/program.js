@@ -53,6 +53,14 @@ export const compare = (name, ...args) => pageOf(name, "compare", ...args);
 export const fit = (name, ...args) => pageOf(name, "fit", ...args);
 
 /**
+ * Reads the beats of measured curves.
+ *
+ * @param {string} name Of the folder of results.
+ * @param {string[]} args
+ */
+export const analyse = (name, ...args) => pageOf(name, "analyse", ...args);
+
+/**
  * The data in a page.
  *
  * @param {string} path

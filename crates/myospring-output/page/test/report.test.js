@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { beat, beatIn, compare, fit, folder, payloadOf } from "./program.js";
+import { analyse, beat, beatIn, compare, fit, folder, payloadOf } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
@@ -24,6 +24,8 @@ let comparison;
 let fitted;
 /** @type {string} Of a curve that the model does not follow. */
 let unfitted;
+/** @type {string} Of two measured curves. */
+let analysed;
 
 before(async () => {
   // Containers and continuous integration have no user namespaces for its sandbox; the page is our own.
@@ -37,6 +39,9 @@ before(async () => {
   const other = join(folder, "plateau.csv");
   await writeFile(other, plateau());
   unfitted = await fit("unfitted", "--to", other, "--spacing", "4 um");
+  const train = join(folder, "train.csv");
+  await writeFile(train, beats());
+  analysed = await analyse("analysed", train);
 });
 after(() => browser?.close());
 
@@ -64,7 +69,7 @@ async function opened(path, options, work) {
       if (url !== pathToFileURL(path).href && !url.startsWith("data:")) complaints.push(`asks for ${url}`);
     });
     await page.goto(pathToFileURL(path).href);
-    await page.waitForFunction(() => document.querySelectorAll("#charts canvas").length >= 3);
+    await page.waitForFunction(() => document.querySelectorAll(".chart canvas").length >= 2);
     await work(page);
     assert.deepEqual(complaints, []);
   } finally {
@@ -96,6 +101,18 @@ function plateau() {
   const times = Array.from({ length: 150 }, (_, index) => 4 * index);
   const lines = times.map((time) => `${time},${(140 - shortening(time) + 0.05 * Math.sin(7 * time * time)).toFixed(4)}`);
   return `time_ms,length_um\n${lines.join("\n")}\n`;
+}
+
+/** Length and calcium over ten beats, the fifth of which is disturbed: somebody touched the table. */
+function beats() {
+  const pulse = (/** @type {number} */ time) => Math.max(0, Math.sin((Math.PI * ((time + 800) % 1000)) / 300) * Number((time + 800) % 1000 < 300));
+  const touched = (/** @type {number} */ time) => 6 * Number(time > 4700 && time < 5100);
+  const lines = Array.from({ length: 1250 }, (_, index) => {
+    const time = 8 * index;
+    const noise = 0.02 * Math.sin(7 * time * time);
+    return `${time},${(120 - 10 * pulse(time) + touched(time) + noise).toFixed(4)},${(0.1 + pulse(time) + noise / 10).toFixed(5)}`;
+  });
+  return `time_ms,length_um,calcium_uM\n${lines.join("\n")}\n`;
 }
 
 /** @param {Page} page What axe complains of. */
@@ -224,9 +241,9 @@ test("it can be used by keyboard alone", async () => {
   });
 });
 
-const PAGES = /** @type {const} */ (["run", "comparison", "fit", "fit that does not fit"]);
+const PAGES = /** @type {const} */ (["run", "comparison", "fit", "fit that does not fit", "analysis"]);
 /** @param {typeof PAGES[number]} kind */
-const pathOf = (kind) => ({ run: report, comparison, fit: fitted, "fit that does not fit": unfitted })[kind];
+const pathOf = (kind) => ({ run: report, comparison, fit: fitted, "fit that does not fit": unfitted, analysis: analysed })[kind];
 
 for (const kind of PAGES) {
   for (const colorScheme of /** @type {const} */ (["light", "dark"])) {
@@ -383,6 +400,43 @@ test("the page of a fit has its numbers, its curves and the beating cell", async
     // The fitted cell shortens as the measured one.
     const row = page.locator("#metrics tr", { hasText: "peak shortening" }).first();
     assert.match((await row.textContent()) ?? "", /1[12]\.\d/);
+  });
+});
+
+test("measured curves are drawn with what was read of them, enlarged, sorted and filtered", async () => {
+  await opened(analysed, STILL, async (page) => {
+    assert.match((await page.textContent("#answer")) ?? "", /^\d+ of 20 beats count in 2 of 2 curves\.$/);
+    const titles = await page.$$eval("#curves h3", (all) => all.map((title) => title.textContent ?? ""));
+    assert.equal(titles.length, 4, "of each curve the recording and one beat");
+    assert.match(titles[0], /^train\.csv: length.*\(\u00b5m\).*dots: onset and peak.*shaded: artefacts, left out/);
+    assert.match(titles[1], /^Beat \d+ .*where its metrics were read/);
+    assert.match((await page.textContent("#curves .axis")) ?? "", /Time \(s\)/);
+    // A drag over a part of a curve enlarges it, a double click shows all.
+    const plot = page.locator("#curves .chart").first();
+    const seen = () => plot.locator("canvas").evaluate((canvas) => /** @type {HTMLCanvasElement} */ (canvas).toDataURL());
+    const whole = await seen();
+    const box = await plot.locator(".u-over").boundingBox();
+    assert.ok(box !== null);
+    await page.mouse.move(box.x + 0.3 * box.width, box.y + 20);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.4 * box.width, box.y + 20, { steps: 3 });
+    await page.mouse.up();
+    await page.waitForTimeout(100);
+    assert.notEqual(await seen(), whole);
+    await plot.locator(".u-over").dblclick({ position: { x: 30, y: 20 } });
+    await page.waitForTimeout(100);
+    assert.equal(await seen(), whole);
+    // The beats of the first curve, the disturbed ones marked; sorted by their number, and filtered.
+    await page.locator("#beats summary").first().click();
+    const table = page.locator("#beats table").first();
+    const rows = () => table.locator("tbody tr:visible th").allTextContents();
+    assert.ok((await table.locator("tr.marked").count()) >= 1);
+    assert.deepEqual((await rows()).slice(0, 2), ["1", "2"]);
+    await table.locator("button.sort").first().click();
+    await table.locator("button.sort").first().click();
+    assert.deepEqual([(await rows())[0], await table.locator("th").first().getAttribute("aria-sort")], ["10", "descending"]);
+    await page.locator("#beats input").first().fill("artefact");
+    assert.ok((await rows()).length < 5);
   });
 });
 
