@@ -26,6 +26,7 @@
 mod csv;
 mod curve;
 mod figures;
+mod page;
 mod record;
 
 pub use curve::AnalysedCurve;
@@ -195,6 +196,7 @@ impl Outcome for Analysed {
         folder.write("metrics.csv", csv::metrics(&self.curves)?)?;
         folder.write("summary.csv", csv::summary(&self.curves)?)?;
         folder.write("summary.json", json::for_people(&self.numbers())?)?;
+        folder.write("report.html", page::html(self)?)?;
         let names = figures::names(&self.curves);
         observer.stage("figures", names.len().min(FIGURES) as u64);
         for (done, (read, name)) in self.curves.iter().zip(&names).take(FIGURES).enumerate() {

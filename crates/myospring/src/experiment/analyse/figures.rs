@@ -4,6 +4,7 @@ use super::curve::AnalysedCurve;
 use super::record::means;
 use crate::analysis::curve::Analysis;
 use crate::output::figure::{Figure, FigureError, Measured, measured};
+use crate::output::page::metric_words;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Letters of a figure's name at most: file systems take 255 bytes, a letter has up to four, and a number and an ending follow.
@@ -72,7 +73,7 @@ pub(super) fn figure(read: &AnalysedCurve, analysis: &Analysis) -> Result<Figure
     let means = means(analysis);
     let line = |name: &str| {
         let mean = means.iter().find(|mean| mean.name == name)?;
-        Some([in_words(mean.name), printed(&mean.in_words()?)])
+        Some([printed(&metric_words(mean.name)), printed(&mean.in_words()?)])
     };
     let numbers: Vec<[String; 2]> = BESIDE.iter().filter_map(|name| line(name)).collect();
     measured(&Measured {
@@ -86,34 +87,21 @@ pub(super) fn figure(read: &AnalysedCurve, analysis: &Analysis) -> Result<Figure
     })
 }
 
-/// The name of a metric beside a figure: `rise time 10–90 %`, `APD90`.
-fn in_words(metric: &str) -> String {
-    if let Some(part) = metric.strip_prefix("action_potential_duration_") {
-        return format!("APD{part}");
-    }
-    let name = metric.replace("10_90", "10\u{2013}90").replace('_', " ");
-    let is_part = name.ends_with(|letter: char| letter.is_ascii_digit());
-    if is_part { name + " %" } else { name }
-}
-
-/// A value with real minus signs and units as they are printed.
+/// A text with real minus signs, units as they are printed, and spaces that the font has.
 fn printed(value: &str) -> String {
     // The font of figures has no subscript 0.
-    [("-", "\u{2212}"), ("um", "\u{b5}m"), ("uM", "\u{b5}M")]
+    [("\u{a0}", " "), ("-", "\u{2212}"), ("um", "\u{b5}m"), ("uM", "\u{b5}M")]
         .iter()
         .fold(value.to_owned(), |text, (written, sign)| text.replace(written, sign))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{in_words, printed};
+    use super::printed;
 
     #[test]
     fn numbers_beside_a_figure_have_the_words_of_people() {
-        assert_eq!(in_words("rise_time_10_90"), "rise time 10\u{2013}90 %");
-        assert_eq!(in_words("relaxation_time_50"), "relaxation time 50 %");
-        assert_eq!(in_words("action_potential_duration_90"), "APD90");
-        assert_eq!(in_words("peak_shortening"), "peak shortening");
+        assert_eq!(printed("rise time 10\u{2013}90\u{a0}%"), "rise time 10\u{2013}90 %");
         assert_eq!(printed("-72.22 mV"), "\u{2212}72.22 mV");
         assert_eq!(printed("1.63 \u{b1} 0.02 um"), "1.63 \u{b1} 0.02 \u{b5}m");
     }

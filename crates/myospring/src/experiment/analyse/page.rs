@@ -1,0 +1,329 @@
+//! `report.html` of analysed curves.
+
+use super::{Analysed, AnalysedCurve, Mean, conventions, means};
+use crate::analysis::curve::{Analysis, CurveBeat, State};
+use crate::experiment::Outcome as _;
+use crate::output::figure::Measured;
+use crate::output::page::{
+    self, Answer, Cell, Chart, Column, Look, Mark, Page, PageError, Part, Quality, Row, Section,
+    Table, Tile, metric_words,
+};
+use std::collections::BTreeSet;
+
+/// Curves that are drawn, and whose numbers are listed, at most.
+const DRAWN: usize = 40;
+/// Rows of a table of all curves or all beats, at most.
+const ROWS: usize = 1000;
+
+/// Metrics that a reader looks at first, by what they say: of whichever of the alternatives a curve has.
+const KEY: [(&str, &[&str]); 6] = [
+    ("interval", &["interval"]),
+    (
+        "at rest",
+        &["resting_length", "baseline", "resting_tension", "diastolic_level", "resting_potential"],
+    ),
+    (
+        "amplitude",
+        &[
+            "peak_shortening",
+            "peak_amplitude",
+            "developed_tension",
+            "transient_amplitude",
+            "action_potential_amplitude",
+        ],
+    ),
+    (
+        "time to peak",
+        &[
+            "time_to_peak_from_stimulus",
+            "time_to_peak_tension",
+            "time_to_peak_from_onset",
+            "time_to_peak_tension_from_onset",
+        ],
+    ),
+    (
+        "half back",
+        &[
+            "relaxation_time_50",
+            "tension_relaxation_time_50",
+            "decay_time_50",
+            "action_potential_duration_50",
+        ],
+    ),
+    (
+        "90 % back",
+        &[
+            "relaxation_time_90",
+            "tension_relaxation_time_90",
+            "decay_time_90",
+            "action_potential_duration_90",
+        ],
+    ),
+];
+
+/// The page.
+pub(super) fn html(all: &Analysed) -> Result<String, PageError> {
+    let found: Vec<(&AnalysedCurve, &Analysis)> =
+        all.curves.iter().filter_map(|read| Some((read, read.found.as_ref().ok()?))).collect();
+    let mut sections = Vec::new();
+    match &found[..] {
+        [(_, analysis)] if all.curves.len() == 1 => {
+            sections.push(Section::new("key", "Key numbers", vec![tiles(analysis)]));
+        }
+        _ => sections.push(Section::new(
+            "all",
+            "All curves",
+            vec![Part::Table(by_curve(&all.curves))],
+        )),
+    }
+    sections.push(curves(&found));
+    sections.push(numbers(&found));
+    sections.push(beats(&found));
+    sections.push(treatment(&found));
+    page::html(&Page {
+        kind: "Beats of measured curves, by Myospring",
+        title: &title(all),
+        facts: facts(all),
+        answer: Some(answer(all, &found)),
+        warnings: all.warnings(),
+        sections,
+    })
+}
+
+fn files(all: &Analysed) -> BTreeSet<&str> {
+    all.curves.iter().map(|read| read.file.as_str()).collect()
+}
+
+fn title(all: &Analysed) -> String {
+    match (&all.curves[..], files(all).len()) {
+        ([one], _) => one.title(),
+        (curves, 1) => {
+            let file = curves[0].file.rsplit(['/', '\\']).next().unwrap_or_default();
+            format!("{file}: {} curves", curves.len())
+        }
+        (curves, files) => format!("{} curves of {files} files", curves.len()),
+    }
+}
+
+fn facts(all: &Analysed) -> Vec<String> {
+    let kinds: BTreeSet<String> =
+        all.curves.iter().map(|read| read.curve.kind.to_string()).collect();
+    let mut facts: Vec<String> = kinds.into_iter().collect();
+    if let [one] = &all.curves[..] {
+        let rate = one.curve.frame_rate_per_s().map(|rate| format!(" at {rate:.4} /s"));
+        facts.push(format!("{} frames{}", one.curve.values.len(), rate.unwrap_or_default()));
+    }
+    facts
+}
+
+/// How many beats count, and of one curve how large they are.
+fn answer(all: &Analysed, found: &[(&AnalysedCurve, &Analysis)]) -> Answer {
+    let beats: usize = found.iter().map(|(_, analysis)| analysis.beats.len()).sum();
+    let counted: usize = found.iter().map(|(_, analysis)| analysis.counted().len()).sum();
+    let of = if all.curves.len() == 1 {
+        String::new()
+    } else {
+        format!(" in {} of {} curves", found.len(), all.curves.len())
+    };
+    let plural = if beats == 1 { "" } else { "s" };
+    let mut words = if counted == beats {
+        format!("{beats} beat{plural}{of}")
+    } else {
+        format!("{counted} of {beats} beat{plural} count{of}")
+    };
+    if let [(_, analysis)] = found
+        && let Some(mean) = key(&means(analysis), KEY[2].1)
+        && let Some(value) = mean.in_words()
+    {
+        words += &format!("; {} {value}", metric_words(mean.name));
+    }
+    let whole = counted == beats && found.len() == all.curves.len();
+    let quality = if whole { Quality::Good } else { Quality::Fair };
+    Answer { words: format!("{words}."), quality }
+}
+
+fn key<'a>(means: &'a [Mean], names: &[&str]) -> Option<&'a Mean> {
+    means.iter().find(|mean| names.contains(&mean.name) && mean.mean.is_some())
+}
+
+fn cell(mean: &Mean) -> Cell {
+    let unit = mean.unit.to_owned();
+    Cell { spread: mean.standard_deviation, unit, ..Cell::number(mean.mean) }
+}
+
+fn tiles(analysis: &Analysis) -> Part<'static> {
+    let means = means(analysis);
+    let tile = |mean: &Mean| Tile {
+        definition: mean.definition.to_owned(),
+        lines: mean
+            .standard_deviation
+            .map(|sd| Cell::text(format!("\u{b1} {sd:.2} {}", mean.unit)))
+            .into_iter()
+            .collect(),
+        ..Tile::new(metric_words(mean.name), Cell { spread: None, ..cell(mean) })
+    };
+    Part::Tiles(KEY.iter().filter_map(|(_, names)| key(&means, names)).map(tile).collect())
+}
+
+/// A row for each curve.
+fn by_curve(all: &[AnalysedCurve]) -> Table {
+    let mut columns =
+        vec![Column::text("curve"), Column::text("kind"), Column::number("beats that count", "")];
+    columns.extend(KEY.iter().map(|(words, _)| Column::of("number", words)));
+    let row = |read: &AnalysedCurve| {
+        let mut cells = vec![Cell::text(read.title()), Cell::text(read.curve.kind.to_string())];
+        match &read.found {
+            Err(why) => {
+                let none = Mark::new(false, "no beat");
+                cells.push(Cell { note: why.clone(), ..Cell::text("") }.marked(Some(none)));
+                cells.extend(KEY.iter().map(|_| Cell::text("")));
+            }
+            Ok(analysis) => {
+                let means = means(analysis);
+                cells.push(Cell::number(Some(analysis.counted().len() as f64)));
+                cells.extend(
+                    KEY.iter()
+                        .map(|(_, names)| key(&means, names).map_or_else(Cell::default, cell)),
+                );
+            }
+        }
+        Row { cells, marked: read.found.is_err() }
+    };
+    Table {
+        caption: "All curves".to_owned(),
+        look: Look::Sortable,
+        columns,
+        rows: all.iter().take(ROWS).map(row).collect(),
+    }
+}
+
+fn curves(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
+    let charts = found.iter().take(DRAWN).map(|(read, analysis)| {
+        Part::Charts(Chart::of_curve(&Measured {
+            title: &read.title(),
+            kind: read.curve.kind,
+            unit: read.curve.unit,
+            times_ms: &read.curve.times_ms,
+            values: &read.curve.values,
+            analysis,
+            numbers: &[],
+        }))
+    });
+    let shown = match found.len() {
+        count if count > DRAWN => {
+            format!(
+                " The first {DRAWN} of {count} curves are shown; the folder `figures` has the others."
+            )
+        }
+        _ => String::new(),
+    };
+    Section {
+        hint: format!(
+            "Drag over a part of a curve to enlarge it; a double click shows all.{shown}"
+        ),
+        ..Section::new("curves", "Curves", charts.collect())
+    }
+}
+
+/// The parts of the only curve, or those of each of several behind its name.
+fn each(
+    found: &[(&AnalysedCurve, &Analysis)],
+    part: impl Fn(&Analysis) -> Part<'static>,
+) -> Vec<Part<'static>> {
+    match found {
+        [(_, analysis)] => vec![part(analysis)],
+        several => several
+            .iter()
+            .take(DRAWN)
+            .map(|(read, analysis)| Part::Folded {
+                title: read.title(),
+                on_paper: true,
+                parts: vec![part(analysis)],
+            })
+            .collect(),
+    }
+}
+
+fn numbers(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
+    let table = |analysis: &Analysis| {
+        let row = |mean: Mean| {
+            let values: Vec<f64> = analysis
+                .counted()
+                .iter()
+                .filter_map(|beat| crate::analysis::value(beat, mean.name))
+                .collect();
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let note = mean.missing.map_or_else(String::new, |why| why.words().to_owned());
+            Row::from(vec![
+                Cell::term(metric_words(mean.name), mean.definition),
+                Cell { unit: String::new(), note, ..cell(&mean) },
+                Cell::text(mean.unit),
+                Cell::number(Some(low)),
+                Cell::number(Some(high)),
+                Cell::number(Some(mean.beats as f64)),
+            ])
+        };
+        Part::Table(Table {
+            caption: "Means over the beats that count".to_owned(),
+            columns: vec![
+                Column::text("quantity"),
+                Column::of("number", "mean \u{b1} SD"),
+                Column::of("unit", "unit"),
+                Column::of("number", "least"),
+                Column::of("number", "largest"),
+                Column::of("number", "beats"),
+            ],
+            rows: means(analysis).into_iter().map(row).collect(),
+            ..Table::default()
+        })
+    };
+    Section {
+        hint: "Mean, standard deviation and range over the beats that count: whole ones, and what those cut at the end \
+               still show."
+            .to_owned(),
+        ..Section::new("metrics", "Numbers", each(found, table))
+    }
+}
+
+fn beats(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
+    let table = |analysis: &Analysis| {
+        let means = means(analysis);
+        let mut columns = vec![Column::text("beat"), Column::text("state")];
+        columns.extend(means.iter().map(|mean| Column {
+            definition: mean.definition.to_owned(),
+            ..Column::number(&metric_words(mean.name), mean.unit)
+        }));
+        let row = |beat: &CurveBeat| {
+            let counts = matches!(beat.state, State::Whole | State::CutAtEnd);
+            let state = Cell { note: beat.remarks.join("; "), ..Cell::text(beat.state.words()) };
+            let mut cells = vec![Cell::text(beat.number.to_string()), state];
+            let value =
+                |mean: &Mean| Cell::number(crate::analysis::value(&beat.metrics, mean.name));
+            cells.extend(means.iter().map(value));
+            Row { cells, marked: !counts }
+        };
+        let rows = analysis.beats.iter().take(ROWS / found.len().min(DRAWN)).map(row).collect();
+        Part::Table(Table { caption: "Beats".to_owned(), look: Look::Sortable, columns, rows })
+    };
+    let folded = |part| match part {
+        part @ Part::Folded { .. } => part,
+        part => Part::Folded { title: "All beats".to_owned(), on_paper: false, parts: vec![part] },
+    };
+    let parts = each(found, table).into_iter().map(folded);
+    let parts = parts.map(|part| match part {
+        Part::Folded { title, parts, .. } => Part::Folded { title, on_paper: false, parts },
+        part => part,
+    });
+    Section {
+        hint: "Beats on orange do not count in means. `metrics.csv` has all of them.".to_owned(),
+        ..Section::new("beats", "Beat by beat", parts.collect())
+    }
+}
+
+fn treatment(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
+    let words = |analysis: &Analysis| {
+        Part::Words(conventions(&analysis.treatment).split("; ").map(str::to_owned).collect())
+    };
+    Section::new("treatment", "How the curves were read", each(found, words))
+}
