@@ -135,7 +135,7 @@ fn answer(all: &Analysed, found: &[(&AnalysedCurve, &Analysis)]) -> Answer {
         && let Some(mean) = key(&means(analysis), KEY[2].1)
         && let Some(value) = mean.in_words()
     {
-        words += &format!("; {} {value}", metric_words(mean.name));
+        words = format!("{words}; {} {value}", metric_words(mean.name));
     }
     let whole = counted == beats && found.len() == all.curves.len();
     let quality = if whole { Quality::Good } else { Quality::Fair };
