@@ -26,8 +26,9 @@ const FIT: &str = "Fit";
     A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`,\n\
     `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma,\n\
     header, encoding and lines above the table are found.\n\
-    Results: metrics.csv (a row for each beat), summary.csv (mean, standard deviation, unit and definition of each\n\
-    metric), summary.json (all of it, with what was done to each curve), figures/trace_NAME (SVG and PNG).\n\
+    Results: report.html (the curves with their beats, all numbers), metrics.csv (a row for each beat), summary.csv (mean,\n\
+    standard deviation, unit and definition of each metric), summary.json (all of it, with what was done to each curve),\n\
+    figures/trace_NAME (SVG and PNG).\n\
     Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
 pub(crate) struct AnalyseArgs {
     /// Tables of measured curves (.csv, .txt, .tsv, .atf, .xlsx), or folders of them

@@ -36,7 +36,10 @@ fn the_beats_of_a_table_are_measured_drawn_and_printed_with_units() {
     assert!(text.contains("beats: 5 whole") && text.contains("1250 frames at 250.0 /s"), "{text}");
     assert!(text.contains("peak shortening") && text.contains("baseline: mean over"), "{text}");
     let results = folder.path().join("results/zelle_beats");
-    assert_eq!(names(&results), ["figures", "metrics.csv", "summary.csv", "summary.json"]);
+    assert_eq!(
+        names(&results),
+        ["figures", "metrics.csv", "report.html", "summary.csv", "summary.json"]
+    );
     assert_eq!(names(&results.join("figures")).len(), 2, "one figure as SVG and PNG");
     let rows = fs::read_to_string(results.join("metrics.csv")).unwrap();
     assert_eq!(rows.lines().count(), 6);
