@@ -2,7 +2,7 @@
 
     python read_results.py RESULTS GUIDE
 
-RESULTS was written by `myospring run --outputs vtu,frames`; GUIDE is docs/reading-your-results.md, whose Python
+RESULTS was written by `myospring run --outputs vtu,frames`; GUIDE is docs/reference/results.md, whose Python
 examples are run in RESULTS.
 """
 

@@ -2,7 +2,7 @@
 //!
 //! Each file holds one check: what is computed, the closed form or the other program, the tolerance
 //! and its reason. A check gives [`row::Row`]s; `cargo xtask verify` runs all of them, lets the Python
-//! scripts in `verification/python` run the other programs, and makes `docs/verification.md`.
+//! scripts in `verification/python` run the other programs, and makes `docs/reference/verification.md`.
 //! The checks use the public interface of the library only, so they hold for whatever computes behind
 //! it.
 

@@ -61,14 +61,17 @@ fn figures() -> Result<(), String> {
     command.arg(&beat).args(["--outputs", "report,figures,gif"]);
     step("the default beat", command)?;
     for (made, shown) in [("figures/overview.png", "overview.png"), ("beat.gif", "beat.gif")] {
-        let (from, to) = (beat.join(made), root().join("docs").join(shown));
+        let (from, to) = (beat.join(made), root().join("docs/pictures").join(shown));
         std::fs::copy(&from, &to)
             .map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))?;
     }
     test::page::installed()?;
     let browser = test::page::chromium()?;
     let mut command = Command::new("node");
-    command.arg("picture.js").arg(beat.join("report.html")).arg(root().join("docs/report.png"));
+    command
+        .arg("picture.js")
+        .arg(beat.join("report.html"))
+        .arg(root().join("docs/pictures/report.png"));
     command.current_dir(test::page::folder()).envs(browser.map(|path| ("CHROMIUM", path)));
     step("the picture of a report", command)
 }

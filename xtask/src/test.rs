@@ -192,7 +192,7 @@ impl Checks {
         run.args(["vtu,frames", "--output"]).arg(&beat);
         self.step("results to read", run)?;
         let mut read = python.script(&root().join("verification/python/read_results.py"));
-        read.arg(&beat).arg(root().join("docs/reading-your-results.md"));
+        read.arg(&beat).arg(root().join("docs/reference/results.md"));
         self.step(name, read)
     }
 

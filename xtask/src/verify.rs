@@ -1,7 +1,7 @@
 //! `cargo xtask verify`: Myospring against closed forms and against programs we did not write.
 //!
 //! Runs each check of the member `verification`, lets the Python scripts beside it run LAMMPS and
-//! Myokit on the same work, prints a table and writes it to `docs/verification.md`.
+//! Myokit on the same work, prints a table and writes it to `docs/reference/verification.md`.
 
 mod page;
 
@@ -18,7 +18,7 @@ Compare Myospring with closed forms and with programs we did not write.
 
 Usage: cargo xtask verify [--quick] [CHECK ...]
 
-Without CHECK all checks are made and the table goes to docs/verification.md; with CHECK or --quick
+Without CHECK all checks are made and the table goes to docs/reference/verification.md; with CHECK or --quick
 it is printed only. The command fails if a row fails. A row whose program is missing says SKIPPED
 and what to install.
 
@@ -156,7 +156,7 @@ fn write_page(sections: &[Section], folder: &Path) -> Result<(), String> {
         std::fs::copy(&drawn, &figure)
             .map_err(|error| format!("{} cannot be written: {error}", figure.display()))?;
     }
-    let file = docs.join("verification.md");
+    let file = docs.join("reference/verification.md");
     std::fs::write(&file, page::page(sections, &machine(), drawn.exists()))
         .map_err(|error| format!("{} cannot be written: {error}", file.display()))?;
     say(&format!("written to {}\n", file.display()));

@@ -36,6 +36,8 @@ mod study;
 mod summary;
 mod table;
 mod terminal;
+#[cfg(test)]
+mod tests;
 mod track;
 
 use args::{Cli, Command};

@@ -145,12 +145,17 @@ def test_the_program_gives_its_exit_code_and_heeds_ctrl_c(program, tmp_path):
     assert running.wait(timeout=20) in (-signal.SIGINT, 128 + signal.SIGINT)
 
 
-@pytest.mark.parametrize("page", ["python.md", "clusters.md"])
-def test_the_tutorial_runs(page, tmp_path):
+DOCS = HERE.parents[1] / "docs"
+# The one page on NumPy is run by `verification/python/read_results.py`, in the results that it reads.
+PAGES = sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md") if "```python\n" in page.read_text() and page.name != "results.md")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_python_of_a_page_runs(page, tmp_path):
     """The blocks of the page, one after the other, as one script."""
     for package in ("SALib", "distributed"):
         pytest.importorskip(package)
-    page = (HERE.parents[1] / "docs" / page).read_text()
+    page = (DOCS / page).read_text()
     blocks = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     script = tmp_path / "script.py"
     # A file, which a worker may import: what it prints comes once.
@@ -162,7 +167,7 @@ def test_the_tutorial_runs(page, tmp_path):
 
 
 def test_the_example_of_a_study_runs_once_whatever_executor_follows(tmp_path):
-    page = (HERE.parents[1] / "docs" / "clusters.md").read_text()
+    page = (DOCS / "how-to" / "clusters.md").read_text()
     first = re.search(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[1]
     script = tmp_path / "script.py"
     script.write_text(first.replace("size = 128", "size = 8") + """
@@ -193,3 +198,9 @@ def test_files_of_the_package_use_each_other_without_a_circle() -> None:
     while free := [name for name, used in uses.items() if not used & uses.keys()]:
         uses = {name: used for name, used in uses.items() if name not in free}
     assert not uses
+
+
+def test_the_reference_names_everything():
+    page = (DOCS / "reference" / "python.md").read_text()
+    missing = [name for name in myospring.__all__ if not name.startswith("_") and f"`{name}" not in page]
+    assert missing == []

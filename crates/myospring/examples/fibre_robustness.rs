@@ -1,7 +1,7 @@
 //! Where the direction of the fibres and the length of sarcomeres hold and where they do not: made-up rods whose
 //! columns of myofibrils are stronger than their stripes, at all angles, over contrast, noise, blur and pixel
 //! size; pictures without stripes; and real pictures, where `MYOSPRING_SHARED_DATA` names their folder. Prints the
-//! tables of docs/your-own-cell.md.
+//! tables of docs/reference/accuracy.md.
 //!
 //! `cargo run --release -p myospring --example fibre_robustness [FOLDER]` with a folder writes there what was read
 //! of each real picture, as CSV.

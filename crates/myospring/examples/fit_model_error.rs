@@ -1,5 +1,5 @@
 //! How far the intervals of a fit hold where its model is not quite that of the cell: the table in
-//! `docs/measured-beats.md`.
+//! `docs/reference/accuracy.md`.
 //!
 //! `cargo run --release -p myospring --example fit_model_error -- [CELLS]`: 60 cells for each row unless told otherwise.
 

@@ -1,4 +1,4 @@
-//! How well fits find what a synthetic curve was made with: the table in `docs/measured-beats.md`.
+//! How well fits find what a synthetic curve was made with: the table in `docs/reference/accuracy.md`.
 //!
 //! `cargo run --release -p myospring --example fit_recovery -- [CELLS]`: 200 cells for each row unless told otherwise.
 

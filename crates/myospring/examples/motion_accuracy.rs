@@ -1,6 +1,6 @@
 //! How well a known motion is found, over scale, noise, depth of grey and frame rate; and how fast.
 //!
-//! `cargo run --release -p myospring --example motion_accuracy` prints the table of `docs/measured-beats.md`;
+//! `cargo run --release -p myospring --example motion_accuracy` prints the table of `docs/reference/accuracy.md`;
 //! `-- speed` times 500 frames of 512 x 512 pixels with about 2000 points; `-- film FILE.y4m` writes a film to try
 //! `myospring track` on.
 

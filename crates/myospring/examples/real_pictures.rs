@@ -1,11 +1,11 @@
-//! What segmentation and fibres make of real pictures with defaults, as a table of `docs/your-own-cell.md`.
+//! What segmentation and fibres make of real pictures with defaults, as a table of `docs/reference/accuracy.md`.
 //!
 //! ```text
 //! MYOSPRING_SHARED_DATA=folder cargo run --release -p myospring --example real_pictures
 //! ```
 //!
 //! The folder has `images/`, with the pictures and masks that the table names; where they are from stands in
-//! `docs/your-own-cell.md`. A picture that is not there is left out, and said.
+//! `docs/reference/accuracy.md`. A picture that is not there is left out, and said.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,

@@ -1,5 +1,5 @@
 //! Where segmentation breaks: Dice's coefficient with the known outline of synthetic cells, over a grid of
-//! contrast and noise and for single difficulties, as the tables of `docs/your-own-cell.md`.
+//! contrast and noise and for single difficulties, as the tables of `docs/reference/accuracy.md`.
 //!
 //! ```text
 //! cargo run --release -p myospring --example segmentation_robustness

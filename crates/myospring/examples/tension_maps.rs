@@ -1,7 +1,7 @@
 //! How well a known map of tension is found in a film, over noise, shape and support.
 //!
-//! `cargo run --release -p myospring --all-features --example tension_maps` prints the table of `docs/measured-beats.md`; with
-//! `-- docs/tension-map.png` it draws its picture instead.
+//! `cargo run --release -p myospring --all-features --example tension_maps` prints the table of `docs/reference/accuracy.md`; with
+//! `-- docs/pictures/tension-map.png` it draws its picture instead.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
 

@@ -1,5 +1,5 @@
 //! How often cells that touch are parted, and single cells kept whole, over pixel sizes and turns, as the tables of
-//! `docs/your-own-cell.md`.
+//! `docs/reference/accuracy.md`.
 //!
 //! ```text
 //! cargo run --release -p myospring --example touching_cells

@@ -1,7 +1,7 @@
 //! The unloaded twitch of every cell model of the list, over what is measured: the table and the figure of
-//! `docs/which-cell-model.md`.
+//! `docs/explanation/which-cell-model.md`.
 //!
-//! `cargo run --release -p myospring --all-features --example unloaded_twitches -- docs/which-cell-model.png`
+//! `cargo run --release -p myospring --all-features --example unloaded_twitches -- docs/pictures/which-cell-model.png`
 //!
 //! Each model has the material that a run takes with it unless told otherwise, on the built-in cell along its path of
 //! equilibria. The toy, and models without tension, are left out.

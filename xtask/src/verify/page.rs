@@ -4,7 +4,7 @@ use serde::Deserialize;
 use std::fmt::Write as _;
 
 /// The finite-element twitch beside ours, in `docs`.
-pub(crate) const FIGURE: &str = "verification_twitch.svg";
+pub(crate) const FIGURE: &str = "pictures/verification_twitch.svg";
 
 /// Rows of one check.
 pub(crate) struct Section {
@@ -124,10 +124,10 @@ pub(crate) fn page(sections: &[Section], machine: &str, figure: bool) -> String 
     let mut text = String::from(
         "# Verification\n\n\
          Made by `cargo xtask verify`; do not edit. Each row compares Myospring with a closed form or with a \
-         program we did not write. *Measured* is the difference, or the number beside what it should be; \
-         PASS means within the tolerance, whose reason stands in the row. NOTED rows have no tolerance, \
-         because the two are not the same model: the difference is told and explained. SKIPPED rows \
-         lacked a program.\n\n\
+         program we did not write. *Measured* is the difference, or the number compared with what it should be. \
+         *Notes* are listed below each table: a letter says what it was compared with, a number the reason of the \
+         tolerance. PASS: within the tolerance. NOTED: no tolerance, because the two are not the same model; the \
+         note explains the difference. SKIPPED: a program was missing.\n\n\
          The sources of the checks are in `verification/`; quick forms of them run in `cargo xtask test`.\n\n",
     );
     let [pass, fail, noted, skipped] =
@@ -138,30 +138,60 @@ pub(crate) fn page(sections: &[Section], machine: &str, figure: bool) -> String 
     );
     for Section { title, rows, .. } in sections {
         _ = writeln!(text, "\n## {title}\n");
-        text.push_str("| what | with what | measured | should be, or at most | | verdict | why this tolerance |\n");
-        text.push_str("|---|---|---|---|---|---|---|\n");
+        text.push_str("| what | measured | should be, or at most | | verdict | notes |\n");
+        text.push_str("|---|---|---|---|---|---|\n");
+        let (mut against, mut reasons) = (Notes::default(), Notes::default());
         for row in rows {
             let [measured, allowed] = row.numbers();
             let verdict = row.verdict.to_uppercase();
-            let [what, against, reason] =
-                [&row.what, &row.against, &row.reason].map(|text| cell(text));
-            let unit = cell(&row.unit);
+            let [what, unit] = [&row.what, &row.unit].map(|text| cell(text));
+            let place = against.place(&row.against);
+            let letter = char::from(b'a' + u8::try_from(place % 26).unwrap_or_default());
+            let number = reasons.place(&row.reason) + 1;
             _ = writeln!(
                 text,
-                "| {what} | {against} | {measured} | {allowed} | {unit} | {verdict} | {reason} |"
+                "| {what} | {measured} | {allowed} | {unit} | {verdict} | {letter}{number} |"
             );
+        }
+        text.push('\n');
+        for (letter, note) in ('a'..='z').zip(&against.texts) {
+            _ = writeln!(text, "- {letter}: {note}");
+        }
+        for (place, note) in reasons.texts.iter().enumerate() {
+            _ = writeln!(text, "- {}: {note}", place + 1);
         }
     }
     if figure {
         _ = write!(
             text,
-            "\n![Shortening over time of the finite elements and of Myospring, equal at the peak]({FIGURE})\n\n\
+            "\n![Shortening over time of the finite elements and of Myospring, equal at the peak](../{FIGURE})\n\n\
              *One cell of finite elements in a matrix and our strip in an elastic bed under the same tension. One \
              incompressible exponential fibre lies on the curve of the finite elements: the law of the \
              material makes the difference.*\n"
         );
     }
     text
+}
+
+/// Texts below a table, each once.
+#[derive(Default)]
+struct Notes<'a> {
+    texts: Vec<&'a str>,
+    last: usize,
+}
+
+impl<'a> Notes<'a> {
+    /// The place of a text, which is added where it is new. "as above" is the text before it.
+    fn place(&mut self, text: &'a str) -> usize {
+        if text == "as above" && !self.texts.is_empty() {
+            return self.last;
+        }
+        self.last = self.texts.iter().position(|note| *note == text).unwrap_or_else(|| {
+            self.texts.push(text);
+            self.texts.len() - 1
+        });
+        self.last
+    }
 }
 
 /// Text that does not break a table.

@@ -13,7 +13,7 @@
 //! - At a jump of the equations steps shrink until the error is small. The minimal model, which jumps at
 //!   its thresholds and slides along them, is refused: [`adaptive`](super::adaptive) steps know it.
 //!
-//! `docs/cell-integration.md` has its speed and error on a model of 40 states beside those of a library.
+//! `docs/explanation/cell-integration.md` has its speed and error on a model of 40 states beside those of a library.
 
 mod lu;
 pub(super) mod rosenbrock;

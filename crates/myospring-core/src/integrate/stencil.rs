@@ -41,7 +41,7 @@ use crate::mesh::Lattice;
 use team::Team;
 use tiles::Command;
 
-/// Masses that are worth a thread of their own; see docs/performance.md.
+/// Masses that are worth a thread of their own; see docs/reference/performance.md.
 const MASSES_A_THREAD: usize = 8000;
 
 /// Threads that pay for so many masses: one for every 8000, at least one and at most one for each core.

@@ -99,7 +99,7 @@ impl Ready {
         Some(format!(
             "{than}: {over_peak:.1} 1/s (largest rate over peak; {rate:.2} lengths/s), unloaded adult ventricular myocytes \
              {low} to {high} 1/s. The parameters of the cell model, or how it is stimulated, make it so; \
-             docs/which-cell-model.md compares the models"
+             docs/explanation/which-cell-model.md compares the models"
         ))
     }
 }

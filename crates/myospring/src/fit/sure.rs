@@ -12,7 +12,7 @@ const FAR: f64 = 4.0;
 /// Answers that differ by fewer steps than this in each unknown are one.
 const ONE_ANSWER: f64 = 10.0;
 /// Of a misfit only that is seen which the numbers that are sought have not taken up, so the ends of an interval are
-/// farther away by this factor: measured with cells that differ from their model (`docs/measured-beats.md`).
+/// farther away by this factor: measured with cells that differ from their model (`docs/reference/accuracy.md`).
 const TAKEN_UP: f64 = 3.5;
 /// A misfit is known by two independent stretches of it at least.
 const FEWEST: f64 = 2.0;

@@ -231,16 +231,6 @@ fn published_crates_hold_every_file_that_they_include() {
 }
 
 #[test]
-fn the_program_in_the_readme_is_the_example_that_is_compiled() {
-    let readme = std::fs::read_to_string(crates().join("../README.md")).unwrap();
-    let shown = readme.split("```rust\n").nth(1).unwrap().split("```").next().unwrap();
-    let example = crates().join("myospring/examples/shortest.rs");
-    let program = std::fs::read_to_string(example).unwrap();
-    assert!(program.ends_with(shown), "{shown}");
-    assert_eq!(shown.lines().count(), 5);
-}
-
-#[test]
 fn files_use_each_other_without_a_circle() {
     let mut library = library();
     let root = crates().parent().unwrap();
