@@ -164,7 +164,7 @@ fn jobs(args: &CompareArgs) -> Result<Vec<Job>, Failure> {
         }
         let file = folder.map(|folder| folder.join("run.toml"));
         let path = file.as_deref().or(path);
-        let (name, run) = input::settle(path, overrides.clone())?;
+        let (name, run) = input::settle(path, &overrides)?;
         let name =
             folder.and_then(Path::file_name).map_or(name, |name| name.to_string_lossy().into());
         let name = if run.title.is_empty() { name } else { run.title };

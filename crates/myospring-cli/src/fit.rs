@@ -88,7 +88,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
             (name.to_string_lossy().into_owned(), followed.run.clone(), followed.shaped.clone())
         }
         _ => {
-            let read = input::read(args.input.as_deref(), overrides, Some(&args.output));
+            let read = input::read(args.input.as_deref(), &overrides, Some(&args.output));
             let Input { name, run, shaped, .. } = read?;
             (name, run, shaped)
         }

@@ -10,9 +10,7 @@ mod cite;
 mod compare;
 mod exit;
 mod failure;
-mod fibres;
 mod files;
-mod film;
 mod fit;
 mod input;
 mod interrupt;
@@ -23,17 +21,13 @@ mod manual;
 mod mesh;
 mod options;
 mod outputs;
-mod overlay;
-mod page;
 mod paper;
 mod print;
 mod progress;
-mod refused;
 mod run;
 mod segment;
 mod shell;
 mod study;
-mod summary;
 mod table;
 mod terminal;
 #[cfg(test)]
@@ -45,12 +39,9 @@ use clap::Parser;
 pub use exit::ExitCode;
 use failure::Failure;
 use kinds::{Kind, refusal};
-pub use outputs::output_words;
-pub use run::Over;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
-pub use study::save as save_study;
 
 /// The whole program, with the arguments of a command line, its own name first; the code to end with.
 ///

@@ -2,6 +2,7 @@
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use myospring::experiment::run::Style;
 use myospring::output::field::Field;
 use myospring::output::figure::Theme;
 
@@ -16,6 +17,12 @@ pub(crate) struct Look {
     #[arg(long, value_name = "THEME", value_parser = themes(), default_value = Theme::default().word(),
           help_heading = super::args::OUTPUT)]
     pub(crate) theme: Theme,
+}
+
+impl From<Look> for Style {
+    fn from(Look { colour, theme }: Look) -> Self {
+        Self { colour, theme }
+    }
 }
 
 fn colours() -> impl TypedValueParser<Value = Field> {

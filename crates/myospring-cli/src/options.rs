@@ -2,11 +2,10 @@
 
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
+pub(crate) use myospring::experiment::input::Given;
+use myospring::experiment::input::is_all_cells;
 use myospring::settings::{CommandOption, Kind, Setting, Table, Value, tables};
 use std::marker::PhantomData;
-
-/// A setting that was given, with its value.
-pub(crate) type Given = (&'static Setting, Value);
 
 /// Which tables of settings a command has options for.
 pub(crate) trait Scope {
@@ -53,6 +52,11 @@ impl<S> Settings<S> {
         self.given.iter().find(|(setting, _)| setting.key == key).map(|(_, value)| value)
     }
 
+    /// All that were given, `--cell all` among them.
+    pub(crate) fn given(&self) -> &[Given] {
+        &self.given
+    }
+
     /// Whether every cell was asked for.
     pub(crate) fn all_cells(&self) -> bool {
         self.given.iter().any(is_all_cells)
@@ -67,10 +71,6 @@ impl<S> Settings<S> {
     pub(crate) fn model(&self) -> Vec<Given> {
         self.given.iter().filter(|(setting, _)| setting.key == "cell.model").cloned().collect()
     }
-}
-
-fn is_all_cells((setting, value): &Given) -> bool {
-    setting.key == "segmentation.cell" && value.as_text() == Some("all")
 }
 
 /// The settings with an option, in the order of the help: the cell's shape comes first.

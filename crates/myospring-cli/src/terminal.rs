@@ -13,7 +13,7 @@ pub(crate) struct Terminal {
 }
 
 impl Terminal {
-    /// A quiet one shows no progress; warnings are printed nevertheless.
+    /// A quiet one shows no progress and no notes; warnings are printed nevertheless.
     pub(crate) fn new(quiet: bool) -> Self {
         Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
     }
@@ -39,7 +39,15 @@ impl Observer for Terminal {
     }
 
     fn note(&self, text: &str) {
-        self.bar().suspend(|| print::note(text));
+        if !self.quiet {
+            self.bar().suspend(|| print::note(text));
+        }
+    }
+
+    fn failed(&self, name: &str, reason: &str) {
+        if !self.quiet {
+            self.warn(&format!("{name}: {reason}"));
+        }
     }
 
     fn warn(&self, text: &str) {

@@ -2,12 +2,13 @@
 
 use crate::cell::{Cell, Inner, pairs, triangles};
 use crate::waiting::interruptible;
-use crate::{errors, settings, words};
+use crate::{errors, experiment, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::Beats;
+use myospring::experiment::run::{ALL, Beaten, NONE, OUTPUTS, Output, Prepared, chosen};
+use myospring::experiment::{ExperimentError, Folder, Observer};
 use myospring::integrate::engine::EngineUsed;
-use myospring::integrate::stencil;
 use myospring::interruption::Interruption;
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, FigureError};
@@ -16,8 +17,7 @@ use myospring::recording::{Frame, Recording, Sample, Signal};
 use myospring::run_file::RunFile;
 use myospring::settings::{Made, Run};
 use myospring::simulation::{Effort, Outcome, StopReason};
-use myospring::study::Threads;
-use myospring_cli::Over;
+use myospring::study::sha256;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -50,11 +50,8 @@ pub(crate) struct Beat {
     cell: Arc<Inner>,
     /// The settings that were given, those of the cell included.
     file: RunFile,
-    run: Run,
-    made: Made,
-    outcome: Outcome,
+    beaten: Beaten,
     beats: Beats,
-    warnings: Vec<String>,
 }
 
 /// Beats a cell; `given` are settings by key. What stopped it early is the beat's to tell.
@@ -83,28 +80,18 @@ pub(crate) fn repeat(
 }
 
 fn beat(py: Python<'_>, cell: &Cell, file: RunFile, threads: Option<usize>) -> PyResult<Beat> {
-    let (run, mut made) = make(py, &cell.0, &file)?;
-    let most = || stencil::worthwhile_threads(made.simulation.mesh.len());
-    made.simulation.numerics.engine.threads = threads.unwrap_or_else(most);
-    let (ended, raised) = {
-        let mut ended = None;
-        let raised = interruptible(py, |interruption| {
-            made.simulation.interruption = interruption.clone();
-            ended = Some(made.simulation.build().map(|ready| {
-                let mut warnings = run.warnings(&made.report);
-                warnings.extend(ready.warnings());
-                let outcome = ready.run(|_progress| true);
-                warnings.extend(ready.warnings_after(&outcome));
-                (outcome, warnings)
-            }));
-        });
-        (ended, raised)
-    };
-    raised?;
-    let Some(ended) = ended else { return Err(errors::value("the run came to no end")) };
-    let (outcome, warnings) = ended.map_err(errors::value)?;
-    let beats = outcome.beats();
-    Ok(Beat { cell: Arc::clone(&cell.0), file, run, made, outcome, beats, warnings })
+    let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    let cell = &cell.0;
+    let beaten = interruptible(py, |interruption| {
+        let named = (cell.name.clone(), Run { interruption: interruption.clone(), ..run });
+        let shape = (cell.shaped.clone(), sha256(&cell.bytes.shape));
+        Ok::<_, ExperimentError>(Prepared::new(named, shape, threads, &cell.files())?.beat(&()))
+    })?;
+    let mut beaten = beaten.map_err(|error| errors::of_experiment(&error))?;
+    // That of the work that follows is another.
+    beaten.run.interruption = Interruption::default();
+    beaten.made.simulation.interruption = Interruption::default();
+    Ok(Beat::of(cell, file, beaten))
 }
 
 /// The run of a run file and its simulation on a cell.
@@ -133,15 +120,17 @@ impl Beat {
     /// Names of the columns: what a sample has, then what the cell model tells besides.
     #[getter]
     fn columns(&self) -> Vec<String> {
-        let potential = self.outcome.recording.samples.first().and_then(|sample| sample.vm_mv);
+        let potential =
+            self.beaten.outcome.recording.samples.first().and_then(|sample| sample.vm_mv);
         let own = COLUMNS.iter().filter(|(name, _)| *name != "vm_mv" || potential.is_some());
-        let signals = self.outcome.recording.signals.iter().map(|signal| signal.name.clone());
+        let signals =
+            self.beaten.outcome.recording.signals.iter().map(|signal| signal.name.clone());
         own.map(|(name, _)| (*name).to_owned()).chain(signals).collect()
     }
 
     /// A column: (samples,).
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let Recording { samples, signals, .. } = &self.outcome.recording;
+        let Recording { samples, signals, .. } = &self.beaten.outcome.recording;
         let values = match COLUMNS.iter().find(|(known, _)| *known == name) {
             Some((_, read)) => samples.iter().map(read).collect(),
             None => match signals.iter().find(|signal| signal.name == name) {
@@ -155,15 +144,15 @@ impl Beat {
     /// Times of the frames, ms.
     #[getter]
     fn frame_t_ms<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let frames = &self.outcome.recording.frames;
+        let frames = &self.beaten.outcome.recording.frames;
         PyArray1::from_vec(py, frames.iter().map(|frame| frame.t_ms).collect())
     }
 
     /// Positions, um: (frames, nodes, 2).
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let frames = &self.outcome.recording.frames;
-        let nodes = self.made.simulation.mesh.len();
+        let frames = &self.beaten.outcome.recording.frames;
+        let nodes = self.beaten.made.simulation.mesh.len();
         let mut flat = Vec::with_capacity(2 * nodes * frames.len());
         for Frame { positions: [x, y], .. } in frames {
             flat.extend(x.iter().zip(y).flat_map(|(x, y)| [*x, *y]));
@@ -174,13 +163,13 @@ impl Beat {
     /// Nodes of each triangle: (triangles, 3).
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        triangles(py, &self.made.simulation.mesh)
+        triangles(py, &self.beaten.made.simulation.mesh)
     }
 
     /// Fibre direction in each triangle, unit vectors: (triangles, 2).
     #[getter]
     fn fibres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        pairs(py, self.made.simulation.fibres.iter().copied())
+        pairs(py, self.beaten.made.simulation.fibres.iter().copied())
     }
 
     /// Name, value and unit of all metrics; of several beats of a train their mean, then what an S2 is against them.
@@ -222,55 +211,56 @@ impl Beat {
     /// Times of the stimuli, ms.
     #[getter]
     fn stimulus_times_ms(&self) -> Vec<f64> {
-        self.outcome.stimulus_times_ms.clone()
+        self.beaten.outcome.stimulus_times_ms.clone()
     }
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.warnings.iter().map(|text| words::in_python(text)).collect()
+        self.beaten.summary.warnings.iter().map(|text| words::in_python(text)).collect()
     }
 
     /// What is known of the cell model and seen in this beat, in a sentence.
     #[getter]
     fn about_model(&self) -> Option<String> {
-        let about = about_model(&self.made.simulation.pace(&self.beats))?;
+        let about = about_model(&self.beaten.made.simulation.pace(&self.beats))?;
         Some(words::in_python(&about))
     }
 
     /// Why it stopped early, and when, ms.
     #[getter]
     fn stop(&self) -> Option<(String, Option<f64>)> {
-        self.outcome.stop.as_ref().map(|stop| (stop.to_string(), stop.time_ms()))
+        self.beaten.outcome.stop.as_ref().map(|stop| (stop.to_string(), stop.time_ms()))
     }
 
     /// The run file that repeats this run.
     #[getter]
     fn run_file(&self) -> String {
-        let spacing = self.made.report.spacing_um;
-        self.run.settled(spacing, self.outcome.effort.time_step()).to_toml()
+        let spacing = self.beaten.made.report.spacing_um;
+        self.beaten.run.settled(spacing, self.beaten.outcome.effort.time_step()).to_toml()
     }
 
     /// Name of the cell model, and how long it ran, ms.
     #[getter]
     fn facts(&self) -> (String, f64) {
-        (self.run.cell.name().to_owned(), self.run.duration)
+        (self.beaten.run.cell.name().to_owned(), self.beaten.run.duration)
     }
 
     /// The cell at rest and at its peak beside its curves, SVG.
     fn overview_svg(&self, py: Python<'_>) -> PyResult<String> {
         let draw = || -> Result<String, FigureError> {
-            let simulation = &self.made.simulation;
+            let simulation = &self.beaten.made.simulation;
             let content = simulation.myofibril_content.as_deref();
             let fields = Fields::new(&simulation.mesh, &simulation.fibres, content)?;
-            let frames = &self.outcome.recording.frames;
-            let cell = figure::Cell::new(fields, Some(&self.made.outline))?.scaled_to(frames);
-            let stimuli = &self.outcome.stimulus_times_ms;
-            Ok(figure::overview(&cell, &self.outcome.recording, stimuli)?.to_svg())
+            let frames = &self.beaten.outcome.recording.frames;
+            let cell =
+                figure::Cell::new(fields, Some(&self.beaten.made.outline))?.scaled_to(frames);
+            let stimuli = &self.beaten.outcome.stimulus_times_ms;
+            Ok(figure::overview(&cell, &self.beaten.outcome.recording, stimuli)?.to_svg())
         };
         py.detach(draw).map_err(errors::value)
     }
 
-    /// Writes what `myospring run` writes into a folder, and gives its path.
+    /// Writes what `myospring run` writes into a folder; the folder, and what was odd.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
     fn save(
         &self,
@@ -278,34 +268,25 @@ impl Beat {
         folder: PathBuf,
         force: bool,
         outputs: Option<Vec<String>>,
-    ) -> PyResult<PathBuf> {
-        let known = myospring_cli::output_words();
+    ) -> PyResult<(PathBuf, Vec<String>)> {
+        let known: Vec<&str> =
+            OUTPUTS.iter().map(|output| output.word).chain([ALL, NONE]).collect();
         if let Some(word) = outputs.iter().flatten().find(|word| !known.contains(&word.as_str())) {
             return Err(errors::unknown_among(py, word, known.iter().copied()));
         }
-        let saved = py.detach(|| {
-            let over = Over {
-                name: &self.cell.name,
-                run: &self.run,
-                bytes: &self.cell.bytes,
-                simulation: &self.made.simulation,
-                report: &self.made.report,
-                outline: &self.made.outline,
-                fibres: &self.made.fibres,
-                picture: self.made.picture.as_ref(),
-                outcome: &self.outcome,
-                read: &|path| self.cell.read(path),
-            };
-            // Threads of its own: those of the process do not survive a fork.
-            let threads = Threads::new(None).map_err(|error| error.to_string())?;
-            threads.install(|| over.save(&folder, force, outputs.as_deref(), self.warnings.clone()))
-        });
-        saved.map_err(|message| pyo3::exceptions::PyOSError::new_err(words::in_python(&message)))
+        let outputs = chosen(outputs.as_deref()).map_err(|error| errors::of_saving(&error))?;
+        let saved = Saved { beaten: &self.beaten, outputs };
+        let files = self.cell.files();
+        for path in self.beaten.run.to_run_file().paths_mut() {
+            files.note(path.as_ref());
+        }
+        experiment::save(py, &saved, &folder, force, &files)
     }
 
     /// All that makes the beat again, but for the cell.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let Outcome { recording, stop, effort, engine, stimulus_times_ms, s2_ms } = &self.outcome;
+        let Outcome { recording, stop, effort, engine, stimulus_times_ms, s2_ms } =
+            &self.beaten.outcome;
         let frames = recording.frames.iter().cloned();
         let frames = frames
             .map(|frame| (frame.t_ms, frame.ta_kpa, frame.ta_by_triangle_kpa, frame.positions));
@@ -319,7 +300,7 @@ impl Beat {
             engine: engine.clone(),
             stimulus_times_ms: stimulus_times_ms.clone(),
             s2_ms: *s2_ms,
-            warnings: self.warnings.clone(),
+            warnings: self.beaten.summary.warnings.clone(),
         };
         let mut written = Vec::new();
         into_writer(&state, &mut written).map_err(errors::value)?;
@@ -350,8 +331,38 @@ impl Beat {
             stimulus_times_ms: state.stimulus_times_ms,
             s2_ms: state.s2_ms,
         };
-        let (cell, beats, warnings) = (Arc::clone(&cell.0), outcome.beats(), state.warnings);
-        Ok(Self { cell, file, run, made, outcome, beats, warnings })
+        let cell = &cell.0;
+        let (name, sha256) = (cell.name.clone(), sha256(&cell.bytes.shape));
+        let files = cell.files();
+        let beaten = Beaten::of(name, run, sha256, made, outcome, state.warnings, files);
+        Ok(Self::of(cell, file, beaten))
+    }
+}
+
+impl Beat {
+    fn of(cell: &Arc<Inner>, file: RunFile, beaten: Beaten) -> Self {
+        let (cell, beats) = (Arc::clone(cell), beaten.outcome.beats());
+        Self { cell, file, beaten, beats }
+    }
+}
+
+/// A beat with the outputs that are to be written.
+struct Saved<'a> {
+    beaten: &'a Beaten,
+    outputs: Vec<&'static Output>,
+}
+
+impl myospring::experiment::Outcome for Saved<'_> {
+    fn numbers(&self) -> impl Serialize {
+        self.beaten.all_numbers()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.beaten.summary.warnings.clone()
+    }
+
+    fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
+        self.beaten.write_all(folder, &self.outputs, observer)
     }
 }
 

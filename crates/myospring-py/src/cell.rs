@@ -3,6 +3,7 @@
 use crate::waiting::interruptible;
 use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
+use myospring::experiment::Files;
 use myospring::mesh::Mesh;
 use myospring::mesh::quality::MeshReport;
 use myospring::output::{figure, files};
@@ -153,6 +154,11 @@ impl Cell {
 }
 
 impl Inner {
+    /// Its files, which results never replace.
+    pub(crate) fn files(&self) -> Files {
+        Files::holding(self.files.clone())
+    }
+
     /// Reads a file by its name as written.
     pub(crate) fn read(&self, path: &str) -> io::Result<Vec<u8>> {
         self.files.get(path).map_or_else(|| files::read(path.as_ref()), |bytes| Ok(bytes.clone()))

@@ -25,19 +25,29 @@ pub(crate) fn is_of_cell(setting: &Setting) -> bool {
     ["shape.", "segmentation."].iter().any(|table| setting.key.starts_with(table))
 }
 
-/// Puts what Python gave into a run file, by key.
+/// The settings that Python gave, by key.
 ///
 /// # Errors
 /// A name that does not exist, or a value of the wrong kind.
-pub(crate) fn put(file: &mut RunFile, given: &Bound<'_, PyDict>) -> PyResult<()> {
+pub(crate) fn list(given: &Bound<'_, PyDict>) -> PyResult<Vec<(&'static Setting, Value)>> {
     let py = given.py();
-    for (key, value) in given {
+    let one = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let key: String = key.extract()?;
         let Some(setting) = table().find(|setting| setting.key == key) else {
             return Err(errors::unknown(py, format!("there is no setting `{key}`")));
         };
-        file.set(setting.key, read(setting, &value)?)
-            .map_err(|error| errors::of_settings(py, &error))?;
+        Ok((setting, read(setting, &value)?))
+    };
+    given.iter().map(one).collect()
+}
+
+/// Puts what Python gave into a run file, by key.
+///
+/// # Errors
+/// Those of [`list`], and a value that is not possible.
+pub(crate) fn put(file: &mut RunFile, given: &Bound<'_, PyDict>) -> PyResult<()> {
+    for (setting, value) in list(given)? {
+        file.set(setting.key, value).map_err(|error| errors::of_settings(given.py(), &error))?;
     }
     Ok(())
 }

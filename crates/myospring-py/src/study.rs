@@ -3,6 +3,7 @@
 use crate::batch::{Matrix, numbers_of, rows_of};
 use crate::waiting::interruptible;
 use crate::{errors, head, words};
+use myospring::experiment::{self, ExperimentError};
 use myospring::interruption::Interruption;
 use myospring::output::files::{self, Manifest, Reads};
 use myospring::study::parameters::{
@@ -352,14 +353,14 @@ impl Study {
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<String>> {
         let saved = py.detach(|| {
-            let answer = self.answer().map_err(|error| error.to_string())?;
+            let answer = self.answer()?;
             let traces = self.output.as_ref().filter(|_| self.common.axes.is_some());
             let traces =
                 traces.filter(|output| output.canonicalize().ok() != folder.canonicalize().ok());
             let traces = traces.map(|output| output.join(TRACES));
-            let threads = Threads::new(None).map_err(|error| error.to_string())?;
+            let threads = Threads::new(None)?;
             threads.install(|| {
-                myospring_cli::save_study(
+                experiment::study::save(
                     &self.parameters,
                     &self.common,
                     &answer,
@@ -369,7 +370,7 @@ impl Study {
                 )
             })
         });
-        saved.map_err(pyo3::exceptions::PyOSError::new_err)
+        saved.map_err(|error: ExperimentError| errors::of_saving(&error))
     }
 }
 

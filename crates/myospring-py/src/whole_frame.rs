@@ -1,13 +1,12 @@
 //! Fibres and sarcomeres of all that a picture shows.
 
 use crate::cell::pairs;
-use crate::{errors, settings, words};
-use myospring::microscopy::whole_frame::WholeFrame;
-use myospring::output::files;
+use crate::experiment::{self, Progress};
+use crate::{errors, settings};
+use myospring::experiment::Files;
+use myospring::experiment::segment::{FrameReport, ReadFrame};
 use myospring::run_file::RunFile;
-use myospring::settings::Fibre;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::collections::BTreeMap;
@@ -24,26 +23,13 @@ pub(crate) fn whole_frame<'py>(
     let mut file = RunFile::default();
     settings::put(&mut file, given)?;
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
-    let source = run.shape.source.picture();
-    let source = source.ok_or_else(|| PyValueError::new_err("give a picture"))?;
-    let asked = match run.fibre {
-        Fibre::Auto(asked) => asked.settings(),
-        Fibre::Picture(settings) => settings,
-        Fibre::LongAxis | Fibre::Angle(_) => {
-            return Err(PyValueError::new_err("the fibres are read from the picture"));
-        }
-    };
-    let shape = &run.shape;
-    let made = py.detach(move || {
-        let read = |path: &str| {
-            arrays.get(path).map_or_else(|| files::read(path.as_ref()), |it| Ok(it.clone()))
-        };
-        let bytes = shape.bytes(read)?;
-        source.unsegmented(&bytes)
-    });
-    let cells = made.map_err(|error| errors::of_shape(&error))?;
-    let frame =
-        py.detach(|| WholeFrame::read(&cells, &asked, run.shape.spacing)).map_err(errors::value)?;
+    let picture = run.shape.file().unwrap_or_default().to_owned();
+    let files = Files::holding(arrays);
+    let read = experiment::run(py, &ReadFrame { picture, run }, &files, Progress::None)?;
+    let warnings = experiment::warnings(&read);
+    let FrameReport { width_um, height_um, pixel_size_um, spacing_um, ref fibres, .. } =
+        read.report();
+    let frame = &read.read;
     let places = &frame.places;
     let columns = PyDict::new(py);
     let column = |name: &str, values: Vec<f64>| columns.set_item(name, array(py, values));
@@ -59,27 +45,24 @@ pub(crate) fn whole_frame<'py>(
     let doubtful = places.iter().map(|(_, place)| place.sarcomere_um.is_some_and(&doubtful));
     columns.set_item("sarcomere_doubtful", doubtful.collect::<Vec<bool>>().into_pyarray(py))?;
     let numbers = PyDict::new(py);
-    let quartiles = frame.summary.sarcomere_quartiles_um;
     for (name, value) in [
-        ("width_um", Some(frame.size_um[0])),
-        ("height_um", Some(frame.size_um[1])),
-        ("pixel_size_um", Some(cells.pixel_size.um())),
-        ("spacing_um", Some(frame.spacing_um)),
-        ("read_pct", Some(100.0 * frame.summary.share_from_picture)),
-        ("direction_deg", frame.direction_deg),
-        ("alignment", frame.alignment),
-        ("sarcomere_um", frame.summary.median_sarcomere_um),
-        ("sarcomere_q1_um", quartiles.map(|[first, _]| first)),
-        ("sarcomere_q3_um", quartiles.map(|[_, third]| third)),
+        ("width_um", Some(width_um)),
+        ("height_um", Some(height_um)),
+        ("pixel_size_um", Some(pixel_size_um)),
+        ("spacing_um", Some(spacing_um)),
+        ("read_pct", Some(fibres.read_pct)),
+        ("direction_deg", fibres.direction_deg),
+        ("alignment", fibres.alignment),
+        ("sarcomere_um", fibres.sarcomere_um),
+        ("sarcomere_q1_um", fibres.sarcomere_q1_um),
+        ("sarcomere_q3_um", fibres.sarcomere_q3_um),
     ] {
         numbers.set_item(name, value)?;
     }
-    let mut notes: Vec<String> = cells.notes.iter().map(|note| words::in_python(note)).collect();
-    notes.extend(frame.note().map(words::in_python));
-    let doubt = frame.summary.sarcomere_doubt.map(|doubt| doubt.to_string());
+    let doubt = fibres.sarcomere_doubt.map(|doubt| doubt.to_string());
     numbers.set_item("sarcomere_doubt", doubt)?;
     let points = pairs(py, places.iter().map(|(point, _)| *point))?;
-    Ok(((points, columns), numbers, PyList::new(py, notes)?))
+    Ok(((points, columns), numbers, PyList::new(py, warnings)?))
 }
 
 fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {

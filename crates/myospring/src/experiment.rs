@@ -6,13 +6,24 @@
 //! prints, and nothing is kept for the whole process: [`Files`] remembers what was read.
 
 pub mod analyse;
+pub mod batch;
 mod beats;
+pub mod citations;
 mod error;
+mod fibres;
 mod files;
 mod folder;
+pub mod input;
 pub mod inputs;
 pub mod legible;
+pub mod mesh;
 mod observer;
+mod overlay;
+pub mod paper;
+pub mod refused;
+pub mod run;
+pub mod segment;
+pub mod study;
 pub mod tables;
 
 pub use beats::Beats;

@@ -47,7 +47,7 @@
 //! one go, from files to a folder of results; [`references`] has the papers that all of these cite.
 //!
 //! # Features
-//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML) and `study` (many runs) are on by
+//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML), `study` (many runs) and `experiment` (folders of results) are on by
 //! default; `testing` has conformance suites for cell models and forces of your own.
 
 #[doc(inline)]
@@ -70,7 +70,7 @@ pub use myospring_output as output;
 
 #[cfg(feature = "run-file")]
 pub mod compare;
-#[cfg(feature = "study")]
+#[cfg(feature = "experiment")]
 pub mod experiment;
 #[cfg(feature = "study")]
 pub mod fit;

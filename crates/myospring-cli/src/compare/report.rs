@@ -1,13 +1,13 @@
 //! `report.html` of a comparison: the same page as that of a run, with all of them.
 
 use super::side::{Shown, Side};
-use crate::cite;
 use crate::failure::Failure;
-use crate::page::{FILE, parameters};
 use crate::print;
 use myospring::analysis::beat::Beats;
 use myospring::experiment::Folder;
 use myospring::experiment::Inputs;
+use myospring::experiment::citations;
+use myospring::experiment::run::{FILE, parameters};
 use myospring::output::field::Field;
 use myospring::output::page::{self, Difference, Page, PageRun, Runs};
 use myospring::output::report::Summary;
@@ -60,7 +60,7 @@ pub(super) fn write(
                 &Beats::of(&side.recording, &side.stimuli, side.s2_ms),
             )),
             run_file: side.file.to_toml(),
-            citations: cite::bibtex(&*shown.run.cell),
+            citations: citations::bibtex(&*shown.run.cell),
         })
         .collect();
     let runs = shown.iter().zip(&owned);

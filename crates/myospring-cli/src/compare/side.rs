@@ -166,7 +166,7 @@ impl Job {
         let mut recording = csv::read_traces(&text).map_err(|error| {
             Failure::new(format!("`{}`: {error}", folder.join(CURVES).display()))
         })?;
-        let (_, run) = input::settle(Some(&folder.join(RUN_FILE)), Vec::new())?;
+        let (_, run) = input::settle(Some(&folder.join(RUN_FILE)), &[])?;
         let stimuli = run.stimulus_times();
         let mut notes = Vec::new();
         let mut shown = None;
@@ -174,7 +174,7 @@ impl Job {
             Some(kept) => {
                 recording.frames = kept.frames;
                 // Meshed again, where what it was made of is still there and gives the same.
-                let (_, again) = input::settle(Some(&folder.join(RUN_FILE)), Vec::new())?;
+                let (_, again) = input::settle(Some(&folder.join(RUN_FILE)), &[])?;
                 let same = |made: &Made| made.simulation.mesh.points == kept.mesh.points;
                 shown = meshed(&again).filter(same).map(|made| Shown::of(again, made));
                 outline_of(kept.rings)
@@ -229,7 +229,7 @@ impl Job {
 
     /// The run that is to be beaten, with its factors.
     pub(super) fn run(&self) -> Result<(String, Run, Vec<Scaled>), Failure> {
-        let (name, mut run) = input::settle(self.path.as_deref(), self.overrides.clone())?;
+        let (name, mut run) = input::settle(self.path.as_deref(), &self.overrides)?;
         let scaled = factor::scale(&mut run, &self.factors)
             .map_err(|error| Failure::new(format!("{}: {error}", self.label)))?;
         Ok((name, run, scaled))

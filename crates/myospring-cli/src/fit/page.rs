@@ -2,11 +2,11 @@
 
 use super::files::{Cell, Context, drawn, profiles};
 use super::words;
-use crate::cite;
 use crate::failure::Failure;
-use crate::page::parameters;
 use myospring::cell::CellModel;
 use myospring::experiment::Inputs;
+use myospring::experiment::citations;
+use myospring::experiment::run::parameters;
 use myospring::fit::{Estimate, Fit, FitVerdict, Unknown};
 use myospring::output::field::Field;
 use myospring::output::figure::FittedCurve;
@@ -44,7 +44,7 @@ pub(super) fn html(
     let summary =
         Summary::new(&outcome.recording, &outcome.stimulus_times_ms, None, report, Vec::new())
             .with_pace(&simulation.pace(&outcome.beats()));
-    let citations = cite::bibtex(model);
+    let citations = citations::bibtex(model);
     let title = format!("Fit of {}", cell.name);
     let frames: usize = fit.curves.iter().map(|curve| curve.times_ms.len()).sum();
     let facts = vec![context.name.to_owned(), model.name().to_owned(), format!("{frames} frames")];

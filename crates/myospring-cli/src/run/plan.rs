@@ -1,19 +1,17 @@
 //! What a run would do.
 
-use super::record::resolved;
 use crate::args::RunArgs;
 use crate::failure::Failure;
-use crate::outputs::Output;
 use crate::print;
 use crate::table::aligned;
 use myospring::experiment::Inputs;
+use myospring::experiment::run::{self, Output, Prepared, resolved};
 use myospring::mesh::quality::MeshReport;
 use myospring::output::json;
 use myospring::settings::{FibreReport, Run};
-use myospring::simulation::{Effort, Ready, Simulation};
+use myospring::simulation::{Effort, Ready};
 use serde::Serialize;
 use std::path::Path;
-use std::time::Instant;
 
 /// The plan as JSON.
 #[derive(Serialize)]
@@ -34,36 +32,18 @@ struct Plan<'a> {
 }
 
 /// Prints the plan of a run; its outputs are those that were chosen.
-#[allow(clippy::too_many_arguments, reason = "the parts of a plan, each once")]
 pub(super) fn plan(
     args: &RunArgs,
     outputs: &[&Output],
-    run: &Run,
-    simulation: &Simulation,
-    prepared: &Ready,
-    report: &MeshReport,
-    fibres: Option<&FibreReport>,
+    prepared: &Prepared,
     target: &Path,
 ) -> Result<(), Failure> {
-    // The first interval of output tells how long the rest of a motion will take; a path is solved.
-    let start = Instant::now();
-    let first = prepared.run(|progress| progress.time <= 0.0);
-    let intervals = match prepared {
-        Ready::InTime(_) | Ready::FromRestToRest(_) => {
-            run.duration / run.numerics.output_interval.max(1e-9)
-        }
-        Ready::AlongPath(_) => 1.0,
-    };
-    let estimate = start.elapsed().as_secs_f64() * intervals;
-    let mut effort = first.effort;
-    let mut spring_updates = None;
-    if let (Ready::InTime(prepared), Effort::Verlet { steps, .. }) = (prepared, &mut effort) {
-        let exchanges = (run.duration / run.numerics.exchange_interval).round();
-        let whole = exchanges * prepared.steps_per_exchange as f64;
-        *steps = whole as u64;
-        spring_updates = Some(whole * simulation.mesh.springs.len() as f64);
-    }
-    if let Ready::AlongPath(path) = prepared
+    let (run, made) = (&prepared.run, &prepared.made);
+    let (simulation, report) = (&made.simulation, &made.report);
+    let of_picture = made.picture.is_some().then(|| made.fibres.report());
+    let fibres = of_picture.as_ref();
+    let run::Plan { effort, spring_updates, estimated_s } = prepared.plan();
+    if let Ready::AlongPath(path) = &prepared.ready
         && let Some(end) = &path.end
     {
         print::warn(&format!("the run will stop early: {end}"));
@@ -74,7 +54,7 @@ pub(super) fn plan(
         results: target,
         effort,
         spring_updates,
-        estimated_s: estimate,
+        estimated_s,
         run_file: resolved(
             run,
             // Nothing is written: files are named as they were given.
@@ -91,6 +71,22 @@ pub(super) fn plan(
         print::out(&json::pretty(&plan)?)?;
         return Ok(());
     }
+    let written = ["curves and numbers"].into_iter().chain(plan.outputs.iter().copied());
+    let mut rows = rows(&plan, run);
+    rows.push(("would be written", written.collect::<Vec<_>>().join(", ")));
+    rows.push(("results would go to", target.display().to_string()));
+    let rows: Vec<Vec<String>> =
+        rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
+    // Warnings have gone to stderr.
+    let mesh = report.to_string();
+    let mesh: Vec<&str> = mesh.lines().filter(|line| !line.starts_with("warning")).collect();
+    print::out(&format!("Mesh\n{}\n\nPlan\n{}", mesh.join("\n"), aligned(&rows, &[])))?;
+    print::out("nothing was written (--dry-run)")?;
+    Ok(())
+}
+
+/// The rows of a plan: name and value.
+fn rows(plan: &Plan<'_>, run: &Run) -> Vec<(&'static str, String)> {
     let mut rows = vec![
         ("cell model", plan.model.to_owned()),
         ("beats", beats_in_words(run)),
@@ -98,8 +94,8 @@ pub(super) fn plan(
     ];
     // A model whose tension is in kPa has its own.
     rows.retain(|(name, value)| *name != "peak tension" || value != plan.model);
-    rows.extend(fibres.map(|fibres| ("fibres", fibres.to_string())));
-    match effort {
+    rows.extend(plan.fibres.map(|fibres| ("fibres", fibres.to_string())));
+    match plan.effort {
         Effort::Verlet { time_step_ms, stability_limit_ms, steps } => rows.extend([
             ("integrator", "Verlet, in time".to_owned()),
             ("time step", format!("{time_step_ms:.4} ms")),
@@ -126,21 +122,11 @@ pub(super) fn plan(
             ("time step", format!("{time_step_ms:.4} ms")),
         ]),
     }
-    if let Some(updates) = spring_updates {
+    if let Some(updates) = plan.spring_updates {
         rows.push(("spring updates", format!("{updates:.2e}")));
     }
     rows.push(("estimated time", format!("{:.1} s", plan.estimated_s)));
-    let written = ["curves and numbers"].into_iter().chain(plan.outputs.iter().copied());
-    rows.push(("would be written", written.collect::<Vec<_>>().join(", ")));
-    rows.push(("results would go to", target.display().to_string()));
-    let rows: Vec<Vec<String>> =
-        rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
-    // Warnings have gone to stderr.
-    let mesh = report.to_string();
-    let mesh: Vec<&str> = mesh.lines().filter(|line| !line.starts_with("warning")).collect();
-    print::out(&format!("Mesh\n{}\n\nPlan\n{}", mesh.join("\n"), aligned(&rows, &[])))?;
-    print::out("nothing was written (--dry-run)")?;
-    Ok(())
+    rows
 }
 
 fn beats_in_words(run: &Run) -> String {

@@ -1,10 +1,9 @@
 //! A run in words: the table on the terminal, and what it took.
 
-use crate::outputs;
-use crate::summary::Numbers;
 use crate::table::{aligned, number};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::{Beat, band};
+use myospring::experiment::run::{Numbers, WrittenOutputs};
 use myospring::settings::Run;
 use myospring::simulation::Effort;
 use std::fmt::Write as _;
@@ -121,7 +120,7 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
     }
     let columns = 1 + usize::from(spread) + usize::from(s2.is_some());
     let right: Vec<usize> = (1..=columns).collect();
-    let fibres = numbers.fibres;
+    let fibres = numbers.fibres.as_ref();
     if let Some(length) = fibres.and_then(|report| report.seen?.sarcomere_um) {
         let mut row = vec!["sarcomere length at rest, median".to_owned(), number(length)];
         row.extend(spread.then(String::new));
@@ -173,7 +172,7 @@ pub(super) fn in_words(effort: &Effort) -> String {
 }
 
 /// Where the results are, how large the outputs, and which file to open.
-pub(super) fn results(target: &Path, seconds: f64, written: &outputs::Record) -> String {
+pub(super) fn results(target: &Path, seconds: f64, written: &WrittenOutputs) -> String {
     let mut text = format!("\nresults in {} ({seconds:.2} s)", target.display());
     let sizes = written.sizes();
     if !sizes.is_empty() {

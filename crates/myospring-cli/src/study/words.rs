@@ -1,7 +1,7 @@
 //! What a study found, as people read it.
 
-use super::files::Outcome;
 use crate::table::{aligned, number};
+use myospring::experiment::study::Found;
 use myospring::study::parameters::{Acceptance, ParameterStudy, Ranked, Rejected};
 use myospring::study::sensitivity::Index;
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ fn words(metric: &str) -> String {
     metric.replace('_', " ")
 }
 
-pub(super) fn for_people(study: &ParameterStudy, outcome: &Outcome<'_>) -> String {
+pub(super) fn for_people(study: &ParameterStudy, outcome: &Found<'_>) -> String {
     let Acceptance { beat, kept, failed, not_captured, ref bands } = outcome.acceptance;
     let mut text = format!("{} members: {beat} beat", outcome.members);
     if failed > 0 {

@@ -68,7 +68,7 @@ impl Asked {
     pub(crate) fn settled(&self) -> Result<Run, Failure> {
         // A film has endings that pictures do not have; the picture at rest is a TIFF.
         let own = [(Origin::Unknown, "shape.picture", Value::Text("rest.tif".to_owned()))];
-        Ok(input::settle_with(None, self.overrides.clone(), own)?.1)
+        Ok(input::settle_with(None, &self.overrides, own)?.1)
     }
 }
 

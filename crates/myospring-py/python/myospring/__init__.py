@@ -20,6 +20,8 @@ from myospring._fit_many import Fits, fit_many
 from myospring._functions import action_potential, simulate
 from myospring._lists import METRICS, Metric, Parameter, models, parameters
 from myospring._native import __version__
+from myospring._pictures import Batch, batch
+from myospring._segment import SegmentedCell, Segmentation, segment
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
 from myospring._whole_frame import WholeFrame, whole_frame
 
@@ -28,6 +30,7 @@ __all__ = [
     "ActionPotential",
     "AnalysedCurve",
     "Analysis",
+    "Batch",
     "Beat",
     "Cell",
     "Estimate",
@@ -40,6 +43,8 @@ __all__ = [
     "Morris",
     "MyospringWarning",
     "Parameter",
+    "Segmentation",
+    "SegmentedCell",
     "SimulationError",
     "Sobol",
     "StudyResult",
@@ -48,11 +53,13 @@ __all__ = [
     "__version__",
     "action_potential",
     "analyse",
+    "batch",
     "fit",
     "fit_many",
     "models",
     "parameters",
     "run_study",
+    "segment",
     "simulate",
     "simulate_batch",
     "whole_frame",

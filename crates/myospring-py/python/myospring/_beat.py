@@ -241,7 +241,9 @@ class Beat:
             The folder holds files, or cannot be written to.
         """
         words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
-        return Path(self._native.save(os.fspath(folder), force, words))
+        saved, said = self._native.save(os.fspath(folder), force, words)
+        warn(said)
+        return Path(saved)
 
     def animate(self) -> Page:
         """The beating cell with its curves as a page that needs nothing else, for a notebook.

@@ -14,12 +14,15 @@ __all__ = [
     "Analysis",
     "Study",
     "Members",
+    "Segmentation",
     "main",
     "simulate",
     "repeat",
     "read_curves",
     "simulate_batch",
     "analyse",
+    "segment",
+    "beat_pictures",
     "action_potential",
     "metrics",
     "tiff",
@@ -99,7 +102,7 @@ class Beat:
     def overview_svg(self) -> str: ...
     def save(
         self, folder: str | PathLike[str], force: bool, outputs: list[str] | None
-    ) -> str | PathLike[str]: ...
+    ) -> tuple[str | PathLike[str], list[str]]: ...
     def state(self) -> bytes: ...
     @staticmethod
     def of_state(cell: Cell, state: bytes) -> Beat: ...
@@ -185,6 +188,35 @@ class Members:
         NDArray[np.uint64], NDArray[np.float64], list[str | None], NDArray[np.float32], float
     ]: ...
 
+@final
+class Segmentation:
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def outlines(self) -> list[list[NDArray[np.float64]]]: ...
+    @property
+    def masks(self) -> list[NDArray[np.bool_]]: ...
+    def overlay_svg(self) -> str: ...
+    def save(
+        self, folder: str | PathLike[str], force: bool
+    ) -> tuple[str | PathLike[str], list[str]]: ...
+    def write(self, file: str | PathLike[str], force: bool) -> list[str]: ...
+
+def segment(given: dict[str, Any], arrays: dict[str, bytes], all: bool) -> Segmentation: ...
+def beat_pictures(
+    folder: str | PathLike[str] | None,
+    pattern: str | None,
+    table: str | PathLike[str] | None,
+    pictures: list[str],
+    given: dict[str, Any],
+    figures: bool,
+    jobs: int | None,
+    output: str | PathLike[str] | None,
+    force: bool,
+    progress: Callable[[str, int, int], object] | None,
+) -> tuple[dict[str, Any], str, list[str]]: ...
 def main(arguments: list[str]) -> int: ...
 def simulate(cell: Cell, given: dict[str, Any], threads: int | None) -> Beat: ...
 def repeat(cell: Cell, run_file: str, threads: int | None) -> Beat: ...

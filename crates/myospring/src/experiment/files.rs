@@ -3,23 +3,33 @@
 use super::error::ExperimentError;
 use crate::measured::{self, Options, ReadError, Table};
 use crate::output::files::{self, Reads};
+use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Reads files and remembers which, so that results never replace what was read. Clones share what they remember.
 #[derive(Debug, Clone, Default)]
-pub struct Files(Arc<Mutex<Reads>>);
+pub struct Files {
+    reads: Arc<Mutex<Reads>>,
+    /// Contents by name: those of files that are none.
+    held: Arc<BTreeMap<String, Vec<u8>>>,
+}
 
 impl Files {
+    /// Files of which some are not on the disk: their contents, by the names that settings have for them.
+    pub fn holding(held: BTreeMap<String, Vec<u8>>) -> Self {
+        Self { held: Arc::new(held), ..Self::default() }
+    }
+
     /// Notes a file that is read, or a folder whose files are.
     pub fn note(&self, path: &Path) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).add(path);
+        self.reads.lock().unwrap_or_else(PoisonError::into_inner).add(path);
     }
 
     /// All that were noted.
     pub fn reads(&self) -> Reads {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.reads.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Reads a file, or what a pipe gives.
@@ -27,8 +37,12 @@ impl Files {
     /// # Errors
     /// As [`files::read`].
     pub fn bytes(&self, path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
-        self.note(path.as_ref());
-        files::read(path.as_ref())
+        let path = path.as_ref();
+        self.note(path);
+        match path.to_str().and_then(|name| self.held.get(name)) {
+            Some(bytes) => Ok(bytes.clone()),
+            None => files::read(path),
+        }
     }
 
     /// Reads the text of a file that a person wrote, in any encoding of an editor.

@@ -16,6 +16,9 @@ pub trait Observer: Sync {
     /// What is odd, and not among the warnings of the outcome: a figure that could not be drawn.
     fn warn(&self, _text: &str) {}
 
+    /// One of many failed, a picture or a member of a study; its row has the reason, too.
+    fn failed(&self, _name: &str, _reason: &str) {}
+
     /// What ends the experiment early.
     fn interruption(&self) -> Interruption {
         Interruption::default()

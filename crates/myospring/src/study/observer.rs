@@ -7,6 +7,13 @@ use std::time::Duration;
 /// How often [`Observer::table`] is called while members are under way.
 pub const TABLE_EVERY: Duration = Duration::from_secs(5);
 
+/// What to say of members whose kept results are damaged.
+pub fn damaged(count: usize, members: &str) -> String {
+    format!(
+        "the results of {count} {members} that were kept here were changed or damaged since; they are computed anew"
+    )
+}
+
 /// Watches a study; `()` does not.
 pub trait Observer<M: Member>: Sync {
     /// The study begins; so many of its members were done before.

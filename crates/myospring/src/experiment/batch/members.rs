@@ -1,13 +1,11 @@
 //! Which pictures a batch works on: those of a folder, or those of a table with the settings of each.
 
-use crate::args::BatchArgs;
-use crate::failure::Failure;
-use crate::files::FILES;
-use crate::input;
-use crate::options::{Beat, Settings};
-use myospring::run_file::Origin;
-use myospring::settings::{PICTURE_ENDINGS, Run};
-use myospring::study::pictures::{Given, Picture, Which, read_table};
+use crate::experiment::input::{self, Given};
+use crate::experiment::{ExperimentError, Files};
+use crate::interruption::Interruption;
+use crate::run_file::Origin;
+use crate::settings::{PICTURE_ENDINGS, Run};
+use crate::study::pictures::{self, Picture, Which, read_table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -25,24 +23,65 @@ const RESULTS: [[&str; 2]; 7] = [
     ["metrics.csv", "summary.json"],
 ];
 
-/// The pictures of the table or the folder, and what there is to say about them.
-pub(super) fn pictures(
-    args: &BatchArgs,
-    target: &Path,
-) -> Result<(Vec<Picture>, Vec<String>), Failure> {
-    match (&args.table, &args.folder) {
-        (Some(table), folder) => of_table(table, folder.as_deref()),
-        (None, Some(folder)) => of_folder(args, folder, target),
-        // Which the arguments do not allow.
-        (None, None) => Err(Failure::new("neither a folder nor a table of pictures was given")),
+/// Which pictures a batch works on.
+#[derive(Debug, Clone)]
+pub enum Pictures {
+    /// Those of a folder and all folders in it.
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What their names are like: `*_actinin.tif`; `None` takes all.
+        pattern: Option<String>,
+    },
+    /// Those of a table, each with settings of its own.
+    Table {
+        /// The table, CSV.
+        table: PathBuf,
+        /// Where its files are; `None` is beside the table.
+        folder: Option<PathBuf>,
+    },
+    /// These files.
+    Files(Vec<PathBuf>),
+}
+
+impl Pictures {
+    /// The table, if there is one.
+    pub(super) fn table(&self) -> Option<&Path> {
+        match self {
+            Self::Table { table, .. } => Some(table),
+            _ => None,
+        }
+    }
+
+    /// The pictures, and what there is to say about them; those below `but` are passed over.
+    pub(super) fn find(
+        &self,
+        but: Option<&Path>,
+        files: &Files,
+    ) -> Result<(Vec<Picture>, Vec<String>), ExperimentError> {
+        match self {
+            Self::Folder { folder, pattern } => of_folder(folder, pattern.as_deref(), but),
+            Self::Table { table, folder } => of_table(table, folder.as_deref(), files),
+            Self::Files(paths) if paths.is_empty() => {
+                Err(ExperimentError::new("no picture was given"))
+            }
+            Self::Files(paths) => {
+                let named = |path: &PathBuf| Picture::new(name(Path::new(""), path), path.clone());
+                Ok((paths.iter().map(named).collect(), Vec::new()))
+            }
+        }
     }
 }
 
-fn of_table(table: &Path, folder: Option<&Path>) -> Result<(Vec<Picture>, Vec<String>), Failure> {
-    let bytes = FILES.bytes(table).map_err(|error| Failure::unread(table, &error))?;
+fn of_table(
+    table: &Path,
+    folder: Option<&Path>,
+    files: &Files,
+) -> Result<(Vec<Picture>, Vec<String>), ExperimentError> {
+    let bytes = files.bytes(table).map_err(|error| ExperimentError::unread(table, &error))?;
     let beside = folder.or(table.parent()).unwrap_or(Path::new(""));
     let pictures = read_table(&bytes, &table.display().to_string(), beside).map_err(|error| {
-        Failure::new(error).advise(
+        ExperimentError::new(error).advise(
             "a table has a line for each picture, like\n  file,pixel_size,group\n  dish1/a.tif,0.27 um,control\n\
              with files named relative to the folder given, or else to the table",
         )
@@ -68,33 +107,31 @@ fn of_table(table: &Path, folder: Option<&Path>) -> Result<(Vec<Picture>, Vec<St
 
 /// The pictures of the folder and all folders in it, each with its name, in the order of the paths.
 fn of_folder(
-    args: &BatchArgs,
     folder: &Path,
-    target: &Path,
-) -> Result<(Vec<Picture>, Vec<String>), Failure> {
-    let pattern = args
-        .pattern
-        .as_deref()
+    pattern: Option<&str>,
+    but: Option<&Path>,
+) -> Result<(Vec<Picture>, Vec<String>), ExperimentError> {
+    let wanted = pattern
         .map(|text| {
             glob::Pattern::new(text).map_err(|error| {
-                Failure::new(format!("--pattern \"{text}\": {error}"))
+                ExperimentError::new(format!("--pattern \"{text}\": {error}"))
                     .advise("write something like --pattern \"*_actinin.tif\"")
             })
         })
         .transpose()?;
-    let files = within(folder, Some(target))?;
+    let files = within(folder, but)?;
     let matches = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        pattern.as_ref().is_none_or(|pattern| pattern.matches(&name))
+        wanted.as_ref().is_none_or(|wanted| wanted.matches(&name))
     };
     let (wanted, others): (Vec<_>, Vec<_>) =
         files.into_iter().partition(|path| is_picture(path) && matches(path));
     let unread = unread(&others);
     if wanted.is_empty() {
-        let kinds = args.pattern.as_deref().unwrap_or("*.png, *.tif, *.tiff");
+        let kinds = pattern.unwrap_or("*.png, *.tif, *.tiff");
         let message = format!("`{}` holds no file like {kinds}", folder.display());
         let advice = unread.unwrap_or("give another folder or --pattern".to_owned());
-        return Err(Failure::new(message).advise(advice));
+        return Err(ExperimentError::new(message).advise(advice));
     }
     let named = |path: PathBuf| Picture::new(name(folder, &path), path);
     Ok((wanted.into_iter().map(named).collect(), unread.into_iter().collect()))
@@ -122,13 +159,13 @@ fn unread(files: &[PathBuf]) -> Option<String> {
 
 /// Every file in a folder and all folders in it, sorted, without what is hidden, without one folder and without
 /// results, whose figures are no pictures of cells.
-fn within(folder: &Path, but: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
+fn within(folder: &Path, but: Option<&Path>) -> Result<Vec<PathBuf>, ExperimentError> {
     let but = but.and_then(|but| std::path::absolute(but).ok());
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
         let failed = |error: std::io::Error| {
-            Failure::new(format!("cannot read the folder `{}`: {error}", folder.display()))
+            ExperimentError::new(format!("cannot read the folder `{}`: {error}", folder.display()))
                 .advise("give a folder that holds pictures")
         };
         for entry in std::fs::read_dir(&folder).map_err(failed)? {
@@ -163,31 +200,39 @@ fn name(folder: &Path, picture: &Path) -> String {
     parts.join("/")
 }
 
-/// The run of a picture: its own settings override those of the options.
-pub(super) fn settled(args: &BatchArgs, picture: &Picture) -> Result<Run, Failure> {
-    let file = args.table.as_deref().unwrap_or(Path::new("")).display().to_string();
-    let own = picture.given.iter().filter(|given| !is_all_cells(given)).map(|given| {
-        let Given { key, value, line, column } = given.clone();
+/// The run of a picture: its own settings override those of all.
+pub(super) fn settled(
+    table: Option<&Path>,
+    settings: &[Given],
+    picture: &Picture,
+    files: &Files,
+    interruption: &Interruption,
+) -> Result<Run, ExperimentError> {
+    let file = table.unwrap_or(Path::new("")).display().to_string();
+    let own = picture.given.iter().filter(|given| !is_every(given)).map(|given| {
+        let pictures::Given { key, value, line, column } = given.clone();
         (Origin::Table { file: file.clone(), line, column }, key, value)
     });
-    let mut options = args.settings.overrides();
-    if picture.given.iter().any(is_all_cells) {
-        options.retain(|(setting, _)| !CHOICES.contains(&setting.key));
+    let mut settings: Vec<Given> =
+        settings.iter().filter(|given| !input::is_all_cells(given)).cloned().collect();
+    if picture.given.iter().any(is_every) {
+        settings.retain(|(setting, _)| !CHOICES.contains(&setting.key));
     }
-    Ok(input::settle_with(Some(&picture.path), options, own)?.1)
+    Ok(input::settle_with(Some(&picture.path), &settings, own, files, interruption)?.1)
 }
 
-/// All cells unless the picture's settings or the options name one.
-pub(super) fn which(settings: &Settings<Beat>, picture: &Picture) -> Which {
-    if picture.given.iter().any(is_all_cells) {
+/// All cells unless the picture's settings or those of all name one.
+pub(super) fn which(settings: &[Given], picture: &Picture) -> Which {
+    if picture.given.iter().any(is_every) {
         return Which::Every;
     }
     let own = picture.given.iter().any(|given| CHOICES.contains(&given.key));
-    let one = own || CHOICES.iter().any(|key| settings.get(key).is_some()) && !settings.all_cells();
-    if one { Which::Chosen } else { Which::Every }
+    let named = settings.iter().any(|(setting, _)| CHOICES.contains(&setting.key));
+    let all = settings.iter().any(input::is_all_cells);
+    if own || named && !all { Which::Chosen } else { Which::Every }
 }
 
-fn is_all_cells(given: &Given) -> bool {
+fn is_every(given: &pictures::Given) -> bool {
     given.key == "segmentation.cell" && given.value.as_text() == Some("all")
 }
 

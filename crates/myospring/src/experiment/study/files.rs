@@ -1,11 +1,11 @@
 //! The files of a study that is done.
 
-use crate::failure::Failure;
-use myospring::experiment::inputs::{self, Inputs};
-use myospring::output::files::{FileError, Manifest};
-use myospring::output::json;
-use myospring::output::table::{write_csv, write_parquet};
-use myospring::study::parameters::{
+use crate::experiment::inputs::LARGEST_COPY;
+use crate::experiment::{ExperimentError, Inputs};
+use crate::output::files::{FileError, Manifest};
+use crate::output::json;
+use crate::output::table::{write_csv, write_parquet};
+use crate::study::parameters::{
     Acceptance, Answer, Common, ParameterStudy, Sensitivity, TRACES, TraceAxes,
 };
 use serde::Serialize;
@@ -14,24 +14,28 @@ use std::io;
 use std::path::Path;
 
 /// The table, a row for each member.
-pub(super) const TABLE: &str = "members.csv";
-pub(super) const FIGURES: &str = "figures";
+pub const TABLE: &str = "members.csv";
+/// The folder of the figures.
+pub const FIGURES: &str = "figures";
 /// Resolution of PNG, dots per inch.
 const DPI: f64 = 300.0;
 
-/// study.json.
+/// What a study found, as `study.json` has it.
 #[derive(Serialize)]
-pub(super) struct Outcome<'a> {
+pub struct Found<'a> {
     title: &'a str,
-    pub(super) members: usize,
+    /// How many members it has.
+    pub members: usize,
+    /// How many beat, failed and were kept.
     #[serde(flatten)]
-    pub(super) acceptance: Acceptance,
+    pub acceptance: Acceptance,
     /// Metrics of the run without any change.
     usual: Vec<Usual<'a>>,
     /// What the file of curves holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     traces: Option<&'a TraceAxes>,
-    pub(super) sensitivity: Vec<Sensitivity>,
+    /// Which parameter matters to which metric.
+    pub sensitivity: Vec<Sensitivity>,
 }
 
 #[derive(Serialize)]
@@ -45,7 +49,7 @@ struct Usual<'a> {
 /// its description, `traces` where the curves are now. What was left out, and why.
 ///
 /// # Errors
-/// A file that cannot be written, or that would replace another than an earlier study's, in words for people.
+/// A file that cannot be written, or that would replace another than an earlier study's.
 pub fn save(
     study: &ParameterStudy,
     common: &Common,
@@ -53,32 +57,31 @@ pub fn save(
     folder: &Path,
     text: &str,
     traces: Option<&Path>,
-) -> Result<Vec<String>, String> {
+) -> Result<Vec<String>, ExperimentError> {
     let manifest = Manifest::of(folder);
-    let save = || {
-        if let Some(from) = traces {
-            let failed = |source| FileError::Write { path: folder.join(TRACES), source };
-            manifest.write_with(TRACES, |file| {
-                io::copy(&mut File::open(from).map_err(failed)?, file).map_err(failed)?;
-                Ok::<_, FileError>(())
-            })?;
-        }
-        write(study, common, answer, &manifest, text)
-    };
-    save().map(|(_, left_out)| left_out).map_err(|failure: Failure| failure.in_words())
+    if let Some(from) = traces {
+        let failed = |source| FileError::Write { path: folder.join(TRACES), source };
+        manifest.write_with(TRACES, |file| {
+            io::copy(&mut File::open(from).map_err(failed)?, file).map_err(failed)?;
+            Ok::<_, FileError>(())
+        })?;
+    }
+    Ok(write(study, common, answer, &manifest, text)?.1)
 }
 
-/// Writes all files into a folder; what stands in `study.json`, and what was left out.
+/// Writes all files into a folder; what `study.json` has, and what was left out.
 pub(super) fn write<'a>(
     study: &'a ParameterStudy,
     common: &'a Common,
     answer: &Answer<'_>,
     manifest: &Manifest,
     text: &str,
-) -> Result<(Outcome<'a>, Vec<String>), Failure> {
-    manifest.write_with(TABLE, |file| write_csv(file, answer.pieces()).map_err(Failure::from))?;
+) -> Result<(Found<'a>, Vec<String>), ExperimentError> {
+    manifest.write_with(TABLE, |file| {
+        write_csv(file, answer.pieces()).map_err(ExperimentError::from)
+    })?;
     manifest.write_with("members.parquet", |file| {
-        write_parquet(file, answer.pieces()).map_err(Failure::new)
+        write_parquet(file, answer.pieces()).map_err(ExperimentError::new)
     })?;
     manifest.write("study.toml", with_inputs(common, manifest, text)?)?;
     let mut left_out = Vec::new();
@@ -87,7 +90,7 @@ pub(super) fn write<'a>(
         Vec::new()
     });
     let usual = study.metrics.iter().zip(&common.usual).zip(&common.units);
-    let outcome = Outcome {
+    let found = Found {
         title: &study.title,
         members: study.values.members(),
         acceptance: answer.acceptance(),
@@ -95,17 +98,21 @@ pub(super) fn write<'a>(
         traces: common.axes.as_ref(),
         sensitivity,
     };
-    manifest.write("study.json", json::pretty(&outcome)?)?;
-    left_out.extend(draw(answer, common, &outcome.sensitivity, manifest)?.1);
+    manifest.write("study.json", json::pretty(&found)?)?;
+    left_out.extend(draw(answer, common, &found.sensitivity, manifest)?.1);
     manifest.settle()?;
-    Ok((outcome, left_out))
+    Ok((found, left_out))
 }
 
 /// Copies the files of a study into its folder; its description, which names the copies.
-fn with_inputs(common: &Common, manifest: &Manifest, text: &str) -> Result<String, Failure> {
+fn with_inputs(
+    common: &Common,
+    manifest: &Manifest,
+    text: &str,
+) -> Result<String, ExperimentError> {
     let (mut inputs, mut text) = (Inputs::default(), text.to_owned());
     for (path, bytes) in common.files() {
-        if bytes.len() as u64 > inputs::LARGEST_COPY {
+        if bytes.len() as u64 > LARGEST_COPY {
             continue;
         }
         inputs.copy(path, bytes, |name, bytes| Ok(manifest.write(name, bytes)?))?;
@@ -124,7 +131,7 @@ pub(super) fn draw(
     common: &Common,
     sensitivity: &[Sensitivity],
     manifest: &Manifest,
-) -> Result<(usize, Vec<String>), Failure> {
+) -> Result<(usize, Vec<String>), ExperimentError> {
     let (mut count, mut left_out) = (0, Vec::new());
     let traces = answer.trace_figure(common, &manifest.folder()).unwrap_or_else(|error| {
         left_out.push(format!("figure traces is left out: {error}"));

@@ -1,22 +1,20 @@
 //! What was found in a picture, for machines and for people.
 
-use myospring::mesh::Mesh;
-use myospring::mesh::quality::MeshReport;
-use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::microscopy::fibres::FibreError;
-use myospring::microscopy::report::ShapeReport;
-use myospring::microscopy::segment::Confidence;
-use myospring::run_file::{Shape, ShapeError};
-use myospring::settings::{Fibre, FibreReport, Fibres};
+use crate::mesh::Mesh;
+use crate::mesh::quality::MeshReport;
+use crate::microscopy::cells::{PictureCell, PictureCells};
+use crate::microscopy::fibres::FibreError;
+use crate::microscopy::report::ShapeReport;
+use crate::microscopy::segment::Confidence;
+use crate::run_file::{Shape, ShapeError};
+use crate::settings::{Fibre, FibreReport, Fibres};
 use serde::Serialize;
 
-/// Contrasts above this have no noise to be told of.
-const NOISELESS: f64 = 1000.0;
-
-/// What was found.
+/// What was found, as `report.json` has it.
 #[derive(Serialize)]
-pub(crate) struct Report<'a> {
-    pub(crate) picture: String,
+pub struct Report<'a> {
+    /// The picture, as it was named.
+    pub picture: &'a str,
     modality: &'static str,
     /// Why it was taken for that, where nobody said it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,59 +24,80 @@ pub(crate) struct Report<'a> {
     threshold: Option<f64>,
     /// Why none of the cells is taken.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) refused: Option<String>,
-    cells: Vec<CellReport<'a>>,
-    pub(crate) left_out: Vec<LeftOut>,
+    pub(in crate::experiment) refused: Option<&'a str>,
+    /// The cells that were chosen.
+    pub cells: Vec<CellReport<'a>>,
+    left_out: &'a [LeftOut],
     notes: &'a [String],
 }
 
+/// One of the cells.
 #[derive(Serialize)]
-struct CellReport<'a> {
-    number: u32,
-    name: &'a str,
-    confidence: &'a Confidence,
+pub struct CellReport<'a> {
+    /// Its number by size, from 1.
+    pub number: u32,
+    /// Its name: its number, or the label or name that a file gives.
+    pub name: &'a str,
+    /// How sure its outline is.
+    pub confidence: &'a Confidence,
+    /// Its size and shape.
     #[serde(flatten)]
-    shape: &'a ShapeReport,
-    lattice: Option<LatticeReport>,
+    pub shape: &'a ShapeReport,
+    /// Its lattice, where its pixels give one.
+    pub lattice: Option<LatticeReport>,
+    /// Its fibres, where they were looked for.
     #[serde(skip_serializing_if = "Option::is_none")]
-    fibres: Option<FibreReport>,
+    pub fibres: Option<FibreReport>,
 }
 
 /// The lattice that `myospring run` would take, with the same --spacing.
 #[derive(Serialize)]
-struct LatticeReport {
-    spacing_um: f64,
-    masses: usize,
-    springs: usize,
-    triangles: usize,
+pub struct LatticeReport {
+    /// Distance of neighbouring masses, um.
+    pub spacing_um: f64,
+    /// How many masses it has.
+    pub masses: usize,
+    /// How many springs.
+    pub springs: usize,
+    /// How many triangles.
+    pub triangles: usize,
 }
 
 /// A cell that was asked for with all others, but cannot be had.
 #[derive(Serialize)]
-pub(crate) struct LeftOut {
-    pub(crate) number: u32,
-    pub(crate) reason: String,
+pub struct LeftOut {
+    /// Its number by size, from 1.
+    pub number: u32,
+    /// Why.
+    pub reason: String,
     /// Whether the frame cuts it.
     #[serde(skip)]
-    pub(crate) cut: bool,
+    pub cut: bool,
 }
 
 /// A cell with its lattice, where the pixels give one, and the fibres on it, where they were looked for.
-pub(crate) struct Chosen {
-    pub(crate) cell: PictureCell,
-    pub(crate) lattice: Result<(Mesh, MeshReport), ShapeError>,
-    pub(crate) fibres: Option<Fibres>,
+pub struct Chosen {
+    /// The cell.
+    pub cell: PictureCell,
+    /// Its lattice, or why there is none.
+    pub lattice: Result<(Mesh, MeshReport), ShapeError>,
+    /// Its fibres, where they were looked for.
+    pub fibres: Option<Fibres>,
 }
 
 impl Chosen {
     /// Cells with their lattices.
-    pub(crate) fn of(shape: &Shape, cells: &PictureCells, chosen: Vec<PictureCell>) -> Vec<Self> {
+    pub(in crate::experiment) fn of(
+        shape: &Shape,
+        cells: &PictureCells,
+        chosen: Vec<PictureCell>,
+    ) -> Vec<Self> {
         let meshed = |cell| Self { lattice: shape.lattice(cells, &cell), cell, fibres: None };
         chosen.into_iter().map(meshed).collect()
     }
 
     /// Looks for the fibres in the picture.
-    pub(crate) fn look_for_fibres(
+    pub(super) fn look_for_fibres(
         &mut self,
         fibre: Fibre,
         cells: &PictureCells,
@@ -90,7 +109,7 @@ impl Chosen {
     }
 
     /// The lattice with its fibres, where there are both.
-    pub(crate) fn mesh_and_fibres(&self) -> Option<(&Mesh, &Fibres)> {
+    pub(super) fn mesh_and_fibres(&self) -> Option<(&Mesh, &Fibres)> {
         let (mesh, _) = self.lattice.as_ref().ok()?;
         Some((mesh, self.fibres.as_ref()?))
     }
@@ -98,11 +117,11 @@ impl Chosen {
 
 impl<'a> Report<'a> {
     /// The report of the cells that were chosen.
-    pub(crate) fn of(
-        picture: String,
+    pub(in crate::experiment) fn of(
+        picture: &'a str,
         cells: &'a PictureCells,
         chosen: &'a [Chosen],
-        left_out: Vec<LeftOut>,
+        left_out: &'a [LeftOut],
     ) -> Self {
         let threshold = cells.segmentation().map(|found| found.threshold);
         let cell = |Chosen { cell, lattice, fibres }: &'a Chosen| CellReport {
@@ -131,43 +150,10 @@ impl<'a> Report<'a> {
             notes: &cells.notes,
         }
     }
-
-    pub(crate) fn for_people(&self, cells: &PictureCells) -> String {
-        let mut parts = vec![format!("{}: {}", self.picture, cells.method())];
-        for cell in &self.cells {
-            let contrast = match cell.confidence.contrast {
-                None => String::new(),
-                Some(contrast) if contrast > NOISELESS => {
-                    format!(", contrast above {NOISELESS} times the noise")
-                }
-                Some(contrast) => format!(", contrast {contrast:.1} times the noise"),
-            };
-            parts.push(format!(
-                "cell {}, confidence {:.2} of 1{contrast}",
-                cell.name, cell.confidence.score
-            ));
-            // Warnings go to stderr.
-            let shape = cell.shape.to_string();
-            let lines: Vec<&str> =
-                shape.lines().filter(|line| !line.starts_with("warning")).collect();
-            parts.push(lines.join("\n"));
-            if let Some(LatticeReport { spacing_um, masses, springs, triangles }) = &cell.lattice {
-                parts.push(format!(
-                    "{:<20} {masses} masses, {springs} springs, {triangles} triangles, spacing {spacing_um} um",
-                    "lattice"
-                ));
-            }
-            if let Some(fibres) = &cell.fibres {
-                parts.push(format!("{:<20} {fibres}", "fibres"));
-            }
-            parts.push(String::new());
-        }
-        parts.join("\n")
-    }
 }
 
 /// What a person should look at.
-pub(crate) fn notes(
+pub(super) fn notes(
     cells: &PictureCells,
     chosen: &[Chosen],
     left_out: &[LeftOut],

@@ -1,23 +1,13 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
-use crate::files::FILES;
-use crate::look::Look;
-use crate::outputs::Finished;
-use crate::run::resolved;
-use crate::summary::{self, Numbers};
-use crate::terminal::Terminal;
-use crate::{outputs, overlay};
-use myospring::experiment::Folder;
-use myospring::experiment::Inputs;
-use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::output::files::Manifest;
-use myospring::study::Cause;
-use myospring::study::pictures::{Beaten, Keeper, Picture};
+use crate::experiment::run::{Finished, Numbers, Style, resolved, write_figures, write_numbers};
+use crate::experiment::{Files, Folder, Inputs, Observer, overlay};
+use crate::microscopy::cells::{PictureCell, PictureCells};
+use crate::output::files::Manifest;
+use crate::study::Cause;
+use crate::study::pictures::{Beaten, Keeper, Picture};
 use std::path::{Component, Path};
 
-/// The table for people and for programs.
-pub(super) const CSV: &str = "cells.csv";
-pub(super) const PARQUET: &str = "cells.parquet";
 const OVERLAYS: &str = "overlays";
 const CELLS: &str = "cells";
 
@@ -28,7 +18,10 @@ const DPI: f64 = 150.0;
 pub(super) struct Kept<'a> {
     /// Whether each cell gets a folder of curves and figures.
     pub(super) figures: bool,
-    pub(super) manifest: &'a Manifest,
+    /// Of the folder of the results; without one nothing is kept.
+    pub(super) manifest: Option<&'a Manifest>,
+    pub(super) files: &'a Files,
+    pub(super) observer: &'a dyn Observer,
 }
 
 impl Keeper for Kept<'_> {
@@ -39,33 +32,32 @@ impl Keeper for Kept<'_> {
         to_beat: &[&PictureCell],
         notes: &[String],
     ) -> Result<(), Cause> {
+        let Some(manifest) = self.manifest else { return Ok(()) };
         let figure = overlay::draw(&picture.name, cells, to_beat, None, notes)?;
         let file = format!("{OVERLAYS}/{}.png", own(&picture.name));
-        Ok(self.manifest.write(&file, figure.to_png(DPI)?)?)
+        Ok(manifest.write(&file, figure.to_png(DPI)?)?)
     }
 
     fn beaten(&self, beaten: &Beaten<'_>) -> Result<(), Cause> {
-        if !self.figures {
-            return Ok(());
-        }
+        let Some(manifest) = self.manifest.filter(|_| self.figures) else { return Ok(()) };
         let Beaten { picture, cell, run, simulation, outline, fibres, finished, summary, .. } =
             beaten;
         let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
         let place = format!("{CELLS}/{name}");
-        let folder = Folder::claim_part(self.manifest.part(&place), &FILES)?;
-        let report = fibres.report();
-        let numbers = Numbers { summary, fibres: Some(&report), integration: finished.effort };
+        let folder = Folder::claim_part(manifest.part(&place), self.files)?;
+        let numbers =
+            Numbers { summary, fibres: Some(fibres.report()), integration: finished.effort };
         let stimuli = run.stimulus_times();
-        summary::write(&folder, run, simulation, fibres, finished, &numbers)?;
+        write_numbers(&folder, run, simulation, fibres, finished, &numbers)?;
         // Pictures stay where they are, and the run file names them as seen from its folder.
         let mut inputs = Inputs::default();
         for path in run.to_run_file().paths_mut() {
-            inputs.stays(path, &self.manifest.folder().join(&place));
+            inputs.stays(path, &manifest.folder().join(&place));
         }
         let step = finished.effort.time_step();
         let run_file = resolved(run, (&inputs, ""), simulation, beaten.spacing_um, step);
         folder.write("run.toml", run_file)?;
-        outputs::figures(
+        write_figures(
             &folder,
             &Finished {
                 name: cell,
@@ -78,11 +70,12 @@ impl Keeper for Kept<'_> {
                 outcome: finished,
                 numbers: &numbers,
                 stimuli: &stimuli,
-                look: Look::default(),
+                style: Style::default(),
                 inputs: &Inputs::default(),
+                observer: self.observer,
             },
         )?;
-        folder.finish(&Terminal::new(true))?;
+        folder.finish(self.observer)?;
         Ok(())
     }
 }

@@ -1,29 +1,26 @@
 //! `report.html` of a run.
 
-use crate::cite;
-use crate::failure::Failure;
-use crate::outputs::Finished;
-use crate::run::resolved;
-use myospring::cell;
-use myospring::experiment::Folder;
-use myospring::experiment::Inputs;
-use myospring::output::page::{
+use super::finished::Finished;
+use super::record::resolved;
+use crate::cell;
+use crate::experiment::{ExperimentError, Folder, Inputs, citations};
+use crate::output::page::{
     self, Page, PageRun, ParameterGroup, ParameterRow, Photograph, Runs,
 };
-use myospring::settings::{self, Run, Value};
+use crate::settings::{self, Run, Value};
 
 /// Name of the file.
-pub(crate) const FILE: &str = "report.html";
+pub const FILE: &str = "report.html";
 
 /// Writes the page.
-pub(crate) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failure> {
+pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentError> {
     let Finished { name, run, .. } = finished;
     let title = if run.title.is_empty() { name } else { run.title.as_str() };
     let texts = Texts::of(finished);
     let runs = Runs { runs: vec![on_page(finished, &texts)], differences: &[] };
     let stop = finished.outcome.stop.as_ref();
     let stopped = stop.map(|stop| format!("the run stopped early: {stop}"));
-    let mut sections = vec![runs.key_numbers(), runs.beat(finished.look.colour, Vec::new())];
+    let mut sections = vec![runs.key_numbers(), runs.beat(finished.style.colour, Vec::new())];
     sections.extend(runs.record());
     let page = Page {
         kind: "A beat by Myospring",
@@ -50,7 +47,7 @@ impl Texts {
         Self {
             label: run.strength(),
             run_file: resolved(run, (inputs, ""), simulation, spacing, outcome.effort.time_step()),
-            citations: cite::bibtex(&*run.cell),
+            citations: citations::bibtex(&*run.cell),
         }
     }
 }
@@ -102,7 +99,7 @@ fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
 }
 
 /// Every setting that the run has, table by table, with files as the results name them, then the parameters of its cell model.
-pub(crate) fn parameters(run: &Run, inputs: &Inputs) -> Vec<ParameterGroup> {
+pub fn parameters(run: &Run, inputs: &Inputs) -> Vec<ParameterGroup> {
     let usual = Run::default_run();
     let mut groups: Vec<ParameterGroup> = Vec::new();
     for table in settings::tables().iter().filter(|table| !table.name.is_empty()) {

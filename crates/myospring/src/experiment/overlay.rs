@@ -1,11 +1,11 @@
 //! The picture with what was made of it, drawn.
 
-use myospring::mesh::Mesh;
-use myospring::microscopy::cells::{PictureCell, PictureCells};
-use myospring::microscopy::fibres::Fibre;
-use myospring::microscopy::outlines::NamedOutline;
-use myospring::output::figure::{self, Contour, Figure, FigureError, Overlay, Sarcomeres, Tick};
-use myospring::settings::Fibres;
+use crate::mesh::Mesh;
+use crate::microscopy::cells::{PictureCell, PictureCells};
+use crate::microscopy::fibres::Fibre;
+use crate::microscopy::outlines::NamedOutline;
+use crate::output::figure::{self, Contour, Figure, FigureError, Overlay, Sarcomeres, Tick};
+use crate::settings::Fibres;
 
 /// Distance of the fibre ticks handed to the figure, um; it draws as many as can be told apart.
 const TICKS_UM: f64 = 0.5;
@@ -25,9 +25,9 @@ fn first_of(warnings: &[String]) -> Vec<String> {
 
 /// The lattice of a cell, with its fibres.
 #[derive(Clone, Copy)]
-pub(crate) struct Lattice<'a> {
-    pub(crate) mesh: &'a Mesh,
-    pub(crate) fibres: &'a Fibres,
+pub(super) struct Lattice<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) fibres: &'a Fibres,
 }
 
 impl Lattice<'_> {
@@ -48,7 +48,7 @@ impl Lattice<'_> {
 }
 
 /// A fibre at a place of the picture.
-pub(crate) fn tick(&(point_um, fibre): &([f64; 2], Fibre)) -> Tick {
+pub(super) fn tick(&(point_um, fibre): &([f64; 2], Fibre)) -> Tick {
     Tick {
         point_um,
         direction: fibre.direction,
@@ -58,7 +58,7 @@ pub(crate) fn tick(&(point_um, fibre): &([f64; 2], Fibre)) -> Tick {
 }
 
 /// Draws a picture with the fibres that it shows, without any cell.
-pub(crate) fn of_frame(
+pub(super) fn of_frame(
     title: &str,
     cells: &PictureCells,
     ticks: &[Tick],
@@ -80,7 +80,7 @@ pub(crate) fn of_frame(
 }
 
 /// Draws a picture with its outlines, and of the chosen cell its lattice and fibres.
-pub(crate) fn draw(
+pub(super) fn draw(
     title: &str,
     cells: &PictureCells,
     chosen: &[&PictureCell],

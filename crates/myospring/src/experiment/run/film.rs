@@ -1,10 +1,8 @@
 //! Films of a beat: GIF by ourselves, MP4 by ffmpeg where there is one.
 
-use crate::failure::Failure;
-use crate::outputs::Finished;
-use crate::print;
-use myospring::experiment::Folder;
-use myospring::output::figure::{FRAMES_PER_SECOND, FigureError, Film};
+use super::finished::Finished;
+use crate::experiment::{ExperimentError, Folder};
+use crate::output::figure::{FRAMES_PER_SECOND, FigureError, Film};
 use rayon::prelude::*;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -18,18 +16,18 @@ const VIDEO_SCALE: f64 = 2.0;
 /// Draws the films of a run one after the other.
 fn each(
     finished: &Finished<'_>,
-    mut write: impl FnMut(&str, &Film<'_>) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+    mut write: impl FnMut(&str, &Film<'_>) -> Result<(), ExperimentError>,
+) -> Result<(), ExperimentError> {
     let cell = finished.cell()?;
     let recording = &finished.outcome.recording;
     for (name, slowed) in FILMS {
-        write(name, &Film::new(&cell, recording, finished.stimuli, slowed, finished.look.theme)?)?;
+        write(name, &Film::new(&cell, recording, finished.stimuli, slowed, finished.style.theme)?)?;
     }
     Ok(())
 }
 
 /// `beat.gif` and the same in real time.
-pub(crate) fn gif(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failure> {
+pub(super) fn gif(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentError> {
     each(finished, |name, film| {
         let stills: Result<Vec<_>, FigureError> =
             (0..film.len()).into_par_iter().map(|index| film.still(index)).collect();
@@ -38,11 +36,11 @@ pub(crate) fn gif(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failur
 }
 
 /// `beat.mp4` and the same in real time, by ffmpeg; where there is none, a warning.
-pub(crate) fn mp4(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failure> {
+pub(super) fn mp4(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentError> {
     let mut asking = Command::new("ffmpeg");
     asking.arg("-version").stdout(Stdio::null()).stderr(Stdio::null());
     if !asking.status().is_ok_and(|status| status.success()) {
-        print::warn(
+        finished.observer.warn(
             "mp4 is left out: there is no program `ffmpeg` (https://ffmpeg.org, or `apt install ffmpeg`, \
              `brew install ffmpeg`, `winget install ffmpeg`); --outputs gif needs none",
         );
@@ -52,12 +50,12 @@ pub(crate) fn mp4(folder: &Folder, finished: &Finished<'_>) -> Result<(), Failur
 }
 
 /// Lets ffmpeg make a film at a path.
-fn encode(film: &Film<'_>, path: &Path) -> Result<(), Failure> {
+fn encode(film: &Film<'_>, path: &Path) -> Result<(), ExperimentError> {
     let frames: Result<Vec<_>, FigureError> =
         (0..film.len()).into_par_iter().map(|index| film.pixels(index, VIDEO_SCALE)).collect();
     let frames = frames?;
     let Some(([width, height], _)) = frames.first() else { return Ok(()) };
-    let failed = |reason: &str| Failure::new(format!("ffmpeg made no film: {reason}"));
+    let failed = |reason: &str| ExperimentError::new(format!("ffmpeg made no film: {reason}"));
     let mut ffmpeg = Command::new("ffmpeg")
         .args(["-y", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgb24"])
         .args(["-video_size", &format!("{width}x{height}")])

@@ -1,16 +1,15 @@
 //! What there is to see of a picture of which no cell is taken: an overlay beside the refusal.
 
-use crate::failure::Failure;
-use crate::files::FILES;
-use crate::overlay;
-use crate::segment::report::{Chosen, Report};
-use crate::terminal::Terminal;
-use myospring::experiment::Folder;
-use myospring::microscopy::cells::{CellError, PictureCell, PictureCells};
-use myospring::microscopy::segment::{Choice, SegmentError};
-use myospring::output::files::{MANIFEST, Manifest};
-use myospring::output::json;
-use myospring::run_file::{Shape, ShapeBytes, ShapeError, Source};
+use super::error::ExperimentError;
+use super::files::Files;
+use super::folder::Folder;
+use super::overlay;
+use super::segment::report::{Chosen, Report};
+use crate::microscopy::cells::{CellError, PictureCell, PictureCells};
+use crate::microscopy::segment::{Choice, SegmentError};
+use crate::output::files::{MANIFEST, Manifest};
+use crate::output::json;
+use crate::run_file::{Shape, ShapeBytes, ShapeError, Source};
 use std::path::{Path, PathBuf};
 
 /// Resolution of the overlay, dots per inch.
@@ -20,8 +19,9 @@ const DPI: f64 = 200.0;
 const OVERLAY: &str = "overlay.png";
 const REPORT: &str = "report.json";
 
-/// Where it is written.
-pub(crate) enum Place {
+/// Where it is written; earlier results there stay.
+#[derive(Debug, Clone)]
+pub enum Place {
     /// A file for the overlay.
     File(PathBuf),
     /// A folder for overlay and report.
@@ -29,16 +29,17 @@ pub(crate) enum Place {
 }
 
 /// A picture that is refused.
-pub(crate) struct Refused<'a> {
-    pub(crate) picture: &'a str,
-    pub(crate) shape: &'a Shape,
-    /// Earlier results there stay.
-    pub(crate) place: Place,
+pub(super) struct Refused<'a> {
+    pub(super) picture: &'a str,
+    pub(super) shape: &'a Shape,
+    /// Without one nothing is written.
+    pub(super) place: Option<Place>,
+    pub(super) files: &'a Files,
 }
 
 impl Refused<'_> {
     /// The refusal of a picture in which no cell was found.
-    pub(crate) fn without_cells(&self, cause: ShapeError, bytes: &ShapeBytes) -> Failure {
+    pub(super) fn without_cells(&self, cause: ShapeError, bytes: &ShapeBytes) -> ExperimentError {
         let seen = match &self.shape.source {
             Source::Picture(source) if is_worth_seeing(&cause) => source.unsegmented(bytes).ok(),
             _ => None,
@@ -50,7 +51,12 @@ impl Refused<'_> {
     }
 
     /// The refusal of a picture with cells, none of which is the one that was asked for, or is whole.
-    pub(crate) fn with_cells(&self, cause: ShapeError, cells: &PictureCells, all: bool) -> Failure {
+    pub(super) fn with_cells(
+        &self,
+        cause: ShapeError,
+        cells: &PictureCells,
+        all: bool,
+    ) -> ExperimentError {
         if !is_worth_seeing(&cause) {
             return cause.into();
         }
@@ -86,7 +92,8 @@ impl Refused<'_> {
         seen: &PictureCells,
         wanted: Vec<PictureCell>,
         found: Option<String>,
-    ) -> Failure {
+    ) -> ExperimentError {
+        let Some(place) = &self.place else { return cause.into() };
         // The title names the file.
         let mut notes = vec![match &cause {
             ShapeError::Picture { cause, .. } => cause.to_string(),
@@ -95,41 +102,43 @@ impl Refused<'_> {
         notes.extend(found.iter().map(|found| format!("found {found}")));
         notes.extend(seen.notes.iter().cloned());
         let chosen = Chosen::of(self.shape, seen, wanted);
-        let where_to_look = match self.write(&notes, seen, &chosen, found.is_some()) {
+        let where_to_look = match self.write(place, &notes, seen, &chosen, found.is_some()) {
             Ok(place) => format!("look at {}", place.display()),
             Err(failure) => format!("no overlay was written: {failure}"),
         };
         let found = found.map(|found| format!("found {found}; ")).unwrap_or_default();
         let notes: Vec<String> = seen.notes.iter().map(|note| format!("\n{note}")).collect();
-        Failure::new(cause).advise(format!("{found}{where_to_look}{}", notes.concat()))
+        ExperimentError::new(cause).advise(format!("{found}{where_to_look}{}", notes.concat()))
     }
 
     fn write(
         &self,
+        place: &Place,
         notes: &[String],
         seen: &PictureCells,
         chosen: &[Chosen],
         has_cells: bool,
-    ) -> Result<PathBuf, Failure> {
+    ) -> Result<PathBuf, ExperimentError> {
         let cells: Vec<&PictureCell> = chosen.iter().map(|chosen| &chosen.cell).collect();
         let figure = overlay::draw(self.picture, seen, &cells, None, notes)?;
-        match &self.place {
+        match place {
             Place::File(file) => {
                 let file = if file.exists() { &refused_beside(file) } else { file };
-                FILES.write_in_folder(file, figure.to_png(DPI)?)?;
+                self.files.write_in_folder(file, figure.to_png(DPI)?)?;
                 Ok(file.clone())
             }
             Place::Folder(target) => {
-                let free = !target.exists() || is_all_there_is(target);
+                let free = !target.exists() || is_all_there_is(target, self.files);
                 let target = if free { target } else { &refused_beside(target) };
-                let folder = Folder::claim(target, is_all_there_is(target), &FILES)?;
+                let force = is_all_there_is(target, self.files);
+                let folder = Folder::claim(target, force, self.files)?;
                 folder.write(OVERLAY, figure.to_png(DPI)?)?;
                 if has_cells {
-                    let mut report = Report::of(self.picture.to_owned(), seen, chosen, Vec::new());
-                    report.refused = notes.first().cloned();
+                    let mut report = Report::of(self.picture, seen, chosen, &[]);
+                    report.refused = notes.first().map(String::as_str);
                     folder.write(REPORT, json::for_people(&report)?)?;
                 }
-                Ok(folder.finish(&Terminal::new(true))?.join(OVERLAY))
+                Ok(folder.finish(&())?.join(OVERLAY))
             }
         }
     }
@@ -143,7 +152,7 @@ fn refused_beside(place: &Path) -> PathBuf {
 }
 
 /// Whether a folder holds what was written beside an earlier refusal and nothing else, so that it may be replaced.
-pub(crate) fn is_all_there_is(folder: &Path) -> bool {
+pub fn is_all_there_is(folder: &Path, files: &Files) -> bool {
     let Ok(entries) = std::fs::read_dir(folder) else { return false };
     let names: Vec<String> =
         entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
@@ -152,7 +161,7 @@ pub(crate) fn is_all_there_is(folder: &Path) -> bool {
     };
     names.iter().any(|name| name == OVERLAY)
         && names.iter().all(ours)
-        && Manifest::of(folder).check_replaceable(&FILES.reads()).is_ok()
+        && Manifest::of(folder).check_replaceable(&files.reads()).is_ok()
 }
 
 /// Whether the picture shows what the refusal is about.

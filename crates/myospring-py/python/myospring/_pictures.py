@@ -1,0 +1,226 @@
+"""The cells of many pictures. `generate.py` writes what it takes of settings."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Literal, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from myospring import _native
+from myospring._errors import warn
+from myospring._functions import BEAT_KEYS, BeatSettings
+from myospring._given import changed
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+# Rows and columns that a notebook shows.
+_SHOWN = 12
+_COLUMNS = ("picture", "cell", "status", "confidence", "length_um", "peak_shortening_pct", "reason")
+
+
+class Batch:
+    """The cells of many pictures, a row for each. `batch` makes one.
+
+    Attributes
+    ----------
+    columns : dict of str to ndarray or list
+        Numbers by column, with the unit in its name, NaN where there is none; ``picture``, ``cell``, ``status`` and the
+        other words are lists.
+    pictures : int
+        How many pictures there were.
+    resumed : int
+        How many of them were done before, in the folder of the results.
+    folder : pathlib.Path or None
+        The folder of the results.
+    warnings : list of str
+        What a person should look at.
+    """
+
+    def __init__(self, columns: dict[str, Any], numbers: str, warnings: list[str]) -> None:
+        told = json.loads(numbers)
+        self.columns: dict[str, NDArray[np.float64] | list[str | None]] = columns
+        self.pictures: int = told["pictures"]
+        self.resumed: int = told["resumed"]
+        self.folder = None if told["results"] is None else Path(told["results"])
+        self.warnings = warnings
+
+    def __len__(self) -> int:
+        return len(self.columns["status"])
+
+    def __getitem__(self, column: str) -> NDArray[np.float64] | list[str | None]:
+        return self.columns[column]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows there are of each status: ``ok``, ``left-out``, ``failed``."""
+        statuses = list(self.columns["status"])
+        return {str(status): statuses.count(status) for status in dict.fromkeys(statuses)}
+
+    @property
+    def failed(self) -> dict[str, str]:
+        """Why a picture or a cell failed, by its name."""
+        rows = zip(*(self.columns[name] for name in ("status", "picture", "cell", "reason")))
+        failed = (row for row in rows if row[0] == "failed")
+        return {str(picture if cell is None else f"{picture}, cell {cell}"): str(why) for _, picture, cell, why in failed}
+
+    def to_dataframe(self) -> Any:
+        """The table; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each cell, and for each picture that failed, as ``cells.csv`` has them.
+        """
+        import pandas
+
+        return pandas.DataFrame(self.columns)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count} {status}" for status, count in self.counts.items())
+        return f"<myospring.Batch of {self.pictures} pictures: {counts}>"
+
+    def _repr_html_(self) -> str:
+        names = [name for name in _COLUMNS if name in self.columns]
+        heading = "".join(f"<th>{name}</th>" for name in names)
+        rows = "".join(
+            "<tr>" + "".join(f"<td>{_shown(self.columns[name][row])}</td>" for name in names) + "</tr>"
+            for row in range(min(len(self), _SHOWN))
+        )
+        more = len(self) - _SHOWN
+        rest = f"<p>and {more} more rows</p>" if more > 0 else ""
+        title = html.escape(repr(self)[1:-1])
+        return f"<div><b>{title}</b><table><tr>{heading}</tr>{rows}</table>{rest}</div>"
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return ""
+    return html.escape(value) if isinstance(value, str) else f"{value:.4g}"
+
+
+def batch(
+    pictures: str | PathLike[str] | Iterable[str | PathLike[str]],
+    *,
+    pattern: str | None = None,
+    output: str | PathLike[str] | None = None,
+    figures: bool = False,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Callable[[str, int, int], object] | None = None,
+    # <signature of image>
+    pixel_size_um: float | None = None,
+    any_size: bool = False,
+    spacing_um: float | None = None,
+    modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
+    channel: int | None = None,
+    frame: int | None = None,
+    z: int | str | None = None,
+    threshold: float | None = None,
+    smooth_um: float | None = None,
+    seed: tuple[float, float] | None = None,
+    cell: int | str | None = None,
+    min_area_um2: float | None = None,
+    max_area_um2: float | None = None,
+    allow_cut: bool = False,
+    outline: str | PathLike[str] | None = None,
+    # </signature>
+    **settings: Unpack[BeatSettings],
+) -> Batch:
+    """Beats the cells of many pictures: one row a cell.
+
+    All cells of each picture, unless `cell` or `seed` names one. Cells that the frame cuts, doubtful ones and those of an
+    unusual area are left out with the reason; a picture that cannot be used is a row with the reason.
+
+    Parameters
+    ----------
+    pictures : path or sequence of paths
+        A folder, searched with all folders in it; a table (.csv) with a line for each picture, whose columns are its file
+        and settings of its own; or the files themselves.
+    pattern : str or None
+        In a folder, only files whose name matches: ``"*_actinin.tif"``.
+    output : path or None
+        Folder in which all that is done is kept, with overlays and tables: the same call goes on where it was. None
+        keeps nothing.
+    figures : bool
+        Whether curves and figures of each cell are written into `output`.
+    threads : int or None
+        Pictures at a time; None takes as many as there are cores.
+    force : bool
+        Begins anew in `output`.
+    progress : callable or None
+        Is called with ``("pictures", done, all)`` after each picture. What it raises ends the batch.
+    pixel_size_um : float or None
+        Side of one pixel.
+    **settings
+        How the cells beat: the settings of `simulate`, with its names, units and defaults.
+
+    Returns
+    -------
+    Batch
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such folder, table or picture.
+    OSError
+        `output` holds other files, or cannot be written to.
+    ValueError
+        A setting that is not possible, or a folder without pictures.
+    KeyboardInterrupt
+        Ctrl-C, within a second; what is done stays in `output`.
+    """
+    unknown = [name for name in settings if name not in BEAT_KEYS]
+    if unknown:
+        raise TypeError(f"batch() got an unexpected keyword argument '{unknown[0]}'")
+    # <given of image>
+    given = changed(
+        ("shape.pixel_size", pixel_size_um, None),
+        ("shape.any_size", any_size, False),
+        ("shape.spacing", spacing_um, None),
+        ("segmentation.modality", modality, None),
+        ("segmentation.channel", channel, None),
+        ("segmentation.frame", frame, None),
+        ("segmentation.z", z, None),
+        ("segmentation.threshold", threshold, None),
+        ("segmentation.smooth", smooth_um, None),
+        ("segmentation.seed", seed, None),
+        ("segmentation.cell", cell, None),
+        ("segmentation.min_area", min_area_um2, None),
+        ("segmentation.max_area", max_area_um2, None),
+        ("segmentation.allow_cut", allow_cut, False),
+        ("segmentation.outline", outline, None),
+    )
+    # </given>
+    named: Mapping[str, Any] = settings
+    given |= changed(*((BEAT_KEYS[name][0], value, BEAT_KEYS[name][1]) for name, value in named.items()))
+    folder, table, files = _found(pictures)
+    done = _native.beat_pictures(
+        folder, pattern, table, files, given, figures, threads, None if output is None else os.fspath(output), force, progress
+    )
+    made = Batch(*done)
+    failed = made.failed
+    first = next(iter(failed.items()), None)
+    told = [] if first is None else [f"{len(failed)} rows failed, the first of {first[0]}: {first[1]}"]
+    warn([*made.warnings, *told])
+    return made
+
+
+def _found(pictures: str | PathLike[str] | Iterable[str | PathLike[str]]) -> tuple[str | None, str | None, list[str]]:
+    """A folder, a table or files."""
+    if isinstance(pictures, (str, PathLike)):
+        path = Path(pictures)
+        if path.is_dir():
+            return os.fspath(path), None, []
+        if path.suffix.lower() == ".csv":
+            return None, os.fspath(path), []
+        if not path.exists():
+            raise FileNotFoundError(f"cannot read `{path}`: there is no such folder, table or picture")
+        return None, None, [os.fspath(path)]
+    return None, None, [os.fspath(path) for path in pictures]

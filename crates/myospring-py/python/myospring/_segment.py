@@ -1,0 +1,269 @@
+"""The cells of a picture. `generate.py` writes what it takes of settings."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any, Iterator, Literal, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from myospring import _native
+from myospring._errors import warn
+from myospring._given import changed, path_or_bytes
+
+# What a report has of a cell that is none of its shape in numbers.
+_OTHER = ("number", "name", "confidence", "warnings", "lattice", "fibres")
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentedCell:
+    """A cell that was found in a picture.
+
+    Attributes
+    ----------
+    name : str
+        Its number by size, or the label or name that a file gives.
+    number : int
+        Its number by size, 1 being the largest.
+    confidence : float
+        How sure its outline is, from 0 to 1.
+    doubts : list of str
+        What speaks against the outline.
+    contrast : float or None
+        How far it stands out, in units of the noise; None of a mask or a drawn outline.
+    outline : list of ndarray of shape (points, 2)
+        The rings of its outline, um, the outer one first; x to the right, y upward.
+    mask : ndarray of shape (rows, columns)
+        Its pixels in the picture.
+    shape : dict of str to float
+        Size and shape in numbers: ``area_um2``, ``length_um``, ``width_um``, ``aspect_ratio``, ``solidity`` and others.
+    sarcomere_um : float or None
+        Median length of its sarcomeres, um; None where the picture shows none.
+    """
+
+    name: str
+    number: int
+    confidence: float
+    doubts: list[str]
+    contrast: float | None
+    outline: list[NDArray[np.float64]] = field(repr=False)
+    mask: NDArray[np.bool_] = field(repr=False)
+    shape: dict[str, float] = field(repr=False)
+    sarcomere_um: float | None
+
+    def __repr__(self) -> str:
+        area, length = self.shape["area_um2"], self.shape["length_um"]
+        return (
+            f"<myospring.SegmentedCell {self.name}: {area:.0f} um^2, {length:.0f} um long, "
+            f"confidence {self.confidence:.2f}>"
+        )
+
+
+class Segmentation(Sequence[SegmentedCell]):
+    """The cells of a picture, the largest first. `segment` makes one.
+
+    Attributes
+    ----------
+    picture : str
+        The picture.
+    modality : str
+        What it was taken for: fluorescence, brightfield, mask or drawn outlines.
+    pixel_size_um : float
+        Side of a pixel, um.
+    left_out : dict of int to str
+        Why a cell is not among them, by its number.
+    warnings : list of str
+        What a person should look at.
+    """
+
+    def __init__(self, native: _native.Segmentation) -> None:
+        self._native = native
+        report = json.loads(native.numbers)
+        self.picture: str = report["picture"]
+        self.modality: str = report["modality"]
+        self.pixel_size_um: float = report["pixel_size_um"]
+        self.left_out: dict[int, str] = {cell["number"]: cell["reason"] for cell in report["left_out"]}
+        self.warnings: list[str] = native.warnings
+        self._cells = [_cell(*cell) for cell in zip(report["cells"], native.outlines, native.masks)]
+
+    def __len__(self) -> int:
+        return len(self._cells)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._cells[index]
+
+    def __iter__(self) -> Iterator[SegmentedCell]:
+        return iter(self._cells)
+
+    def to_dataframe(self) -> Any:
+        """Shape and confidence of each cell as a table; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each cell, whose name is the index.
+        """
+        import pandas
+
+        rows = [
+            {"confidence": cell.confidence, "contrast": cell.contrast, **cell.shape, "sarcomere_um": cell.sarcomere_um}
+            for cell in self
+        ]
+        return pandas.DataFrame(rows, index=pandas.Index([cell.name for cell in self], name="cell"))
+
+    def save(self, target: str | PathLike[str], *, force: bool = False) -> Path:
+        """Writes the outlines: all results into a folder, or a file in the format of its ending.
+
+        Parameters
+        ----------
+        target : path
+            A name without an ending is a folder, for what ``myospring segment`` writes: outlines, masks, overlay and
+            report. Else the ending says what the file holds: ``.geojson`` (um), ``.roi`` or ``.zip`` (ImageJ), ``.txt``
+            (Cellpose), ``.png`` (mask; of several cells a label mask); an overlay is written beside it.
+        force : bool
+            Replaces what is there.
+
+        Returns
+        -------
+        pathlib.Path
+            The folder or the file.
+
+        Raises
+        ------
+        OSError
+            It is there, or cannot be written.
+        """
+        path = Path(target)
+        if path.suffix:
+            self._native.write(os.fspath(path), force)
+            return path
+        saved, said = self._native.save(os.fspath(path), force)
+        warn(said)
+        return Path(saved)
+
+    def __repr__(self) -> str:
+        count = "1 cell" if len(self) == 1 else f"{len(self)} cells"
+        return f"<myospring.Segmentation of {self.picture}: {count}, {self.modality}>"
+
+    def _repr_svg_(self) -> str:
+        return self._native.overlay_svg()
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{html.escape(cell.name)}</td><td>{cell.confidence:.2f}</td>"
+            f"<td>{cell.shape['area_um2']:.0f}</td><td>{cell.shape['length_um']:.1f}</td></tr>"
+            for cell in self
+        )
+        heading = "<tr><th>cell</th><th>confidence</th><th>area (um²)</th><th>length (um)</th></tr>"
+        warnings = "".join(f"<p>Warning: {html.escape(text)}</p>" for text in self.warnings)
+        title = html.escape(repr(self)[1:-1])
+        return f"<div><b>{title}</b>{self._repr_svg_()}<table>{heading}{rows}</table>{warnings}</div>"
+
+
+def _cell(row: dict[str, Any], outline: list[NDArray[np.float64]], mask: NDArray[np.bool_]) -> SegmentedCell:
+    sure, fibres = row["confidence"], row.get("fibres") or {}
+    return SegmentedCell(
+        name=row["name"],
+        number=row["number"],
+        confidence=sure["score"],
+        doubts=sure["reasons"],
+        contrast=sure["contrast"],
+        outline=outline,
+        mask=mask,
+        shape={name: value for name, value in row.items() if name not in _OTHER},
+        sarcomere_um=fibres.get("sarcomere_um"),
+    )
+
+
+def segment(
+    image: ArrayLike | str | PathLike[str],
+    *,
+    # <signature of image>
+    pixel_size_um: float | None = None,
+    any_size: bool = False,
+    spacing_um: float | None = None,
+    modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
+    channel: int | None = None,
+    frame: int | None = None,
+    z: int | str | None = None,
+    threshold: float | None = None,
+    smooth_um: float | None = None,
+    seed: tuple[float, float] | None = None,
+    cell: int | str | None = None,
+    min_area_um2: float | None = None,
+    max_area_um2: float | None = None,
+    allow_cut: bool = False,
+    outline: str | PathLike[str] | None = None,
+    # </signature>
+    stain: Literal["z-disc", "filament"] | None = None,
+) -> Segmentation:
+    """The cells of a picture: outlines, how sure they are, shape in numbers. Nothing beats.
+
+    All cells, unless `cell` or `seed` names one. Cells that the frame cuts, and those whose size no heart cell has, are
+    left out with the reason.
+
+    Parameters
+    ----------
+    image : array_like of shape (rows, columns) or (rows, columns, 3), or path
+        Grey values or colours, the first row on top; or a file: PNG, TIFF or OME-TIFF.
+    pixel_size_um : float or None
+        Side of one pixel.
+    stain : {"z-disc", "filament"} or None
+        What the picture shows: stripes across the fibre or threads along it. None: z-discs, if stripes as far apart as
+        sarcomeres are found.
+
+    Returns
+    -------
+    Segmentation
+        A sequence of `SegmentedCell`, the largest first.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    ValueError
+        No cell was found, or a setting is not possible; the message says how to mend it.
+
+    Examples
+    --------
+    >>> import numpy as np, myospring
+    >>> rows, columns = np.mgrid[:200, :320]
+    >>> def inside(row):
+    ...     return ((columns - 160) / 120) ** 2 + ((rows - row) / 30) ** 2 < 1
+    >>> noise = np.random.default_rng(0).normal(0, 3, rows.shape)
+    >>> picture = (20 + 180 * (inside(50) | inside(150)) + noise).clip(0, 255).astype(np.uint8)
+    >>> cells = myospring.segment(picture, pixel_size_um=0.5)
+    >>> len(cells), bool(abs(cells[0].shape["length_um"] - 120) < 3)
+    (2, True)
+    """
+    path, arrays = path_or_bytes(image, "array.tif")
+    # <given of image>
+    given = changed(
+        ("shape.pixel_size", pixel_size_um, None),
+        ("shape.any_size", any_size, False),
+        ("shape.spacing", spacing_um, None),
+        ("segmentation.modality", modality, None),
+        ("segmentation.channel", channel, None),
+        ("segmentation.frame", frame, None),
+        ("segmentation.z", z, None),
+        ("segmentation.threshold", threshold, None),
+        ("segmentation.smooth", smooth_um, None),
+        ("segmentation.seed", seed, None),
+        ("segmentation.cell", cell, None),
+        ("segmentation.min_area", min_area_um2, None),
+        ("segmentation.max_area", max_area_um2, None),
+        ("segmentation.allow_cut", allow_cut, False),
+        ("segmentation.outline", outline, None),
+    )
+    # </given>
+    given |= changed(("mechanics.stain", stain, None))
+    every = cell is None and seed is None
+    found = Segmentation(_native.segment({"shape.picture": path, **given}, arrays, every))
+    warn(found.warnings)
+    return found

@@ -1,0 +1,270 @@
+//! The cells of many pictures beat: one row a cell.
+
+mod kept;
+mod members;
+
+pub use members::Pictures;
+
+use super::error::ExperimentError;
+use super::files::Files;
+use super::folder::Folder;
+use super::input::Given;
+use super::inputs;
+use super::observer::Observer;
+use super::{Experiment, Outcome};
+use crate::interruption::Interruption;
+use crate::output::files::Manifest;
+use crate::settings::{Run, Value};
+use crate::study::pictures::{self, CellRow, Picture};
+use crate::study::{self, Cause, Journal, Row as _, Status, Threads};
+use kept::Kept;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// The table for people and for programs.
+const CSV: &str = "cells.csv";
+const PARQUET: &str = "cells.parquet";
+
+/// Beats the cells of many pictures.
+pub struct Batch {
+    /// Which pictures.
+    pub pictures: Pictures,
+    /// Settings that all share; those that a table gives override them.
+    pub settings: Vec<Given>,
+    /// Whether curves and figures of each cell are kept, in a folder of its own.
+    pub figures: bool,
+    /// Pictures at a time; `None` takes as many as there are cores.
+    pub jobs: Option<usize>,
+    /// The folder in which all that is done is kept, so that the batch goes on where it was; without one, the rows
+    /// alone come back.
+    pub target: Option<PathBuf>,
+    /// Whether the batch begins anew in its folder.
+    pub force: bool,
+}
+
+/// A batch whose settings are checked and whose folder is open.
+pub struct Prepared<'a> {
+    batch: &'a Batch,
+    /// What a person should know of the pictures.
+    pub notes: Vec<String>,
+    /// The pictures, each with its settings.
+    pub pictures: Vec<Picture>,
+    journal: Journal<Picture>,
+    manifest: Option<Manifest>,
+    files: &'a Files,
+    interruption: Interruption,
+    started: Instant,
+}
+
+/// What came of a batch.
+pub struct Batched {
+    /// The folder of the results, if there is one.
+    pub results: Option<PathBuf>,
+    /// How many pictures there are.
+    pub pictures: usize,
+    /// How many of them were done before.
+    pub resumed: usize,
+    /// A row for each cell, and for each picture that failed.
+    pub rows: Vec<CellRow>,
+    /// Whether it was stopped before its last picture.
+    pub interrupted: bool,
+    /// What a person should know of the pictures.
+    pub notes: Vec<String>,
+    /// Time that it took, s.
+    pub seconds: f64,
+}
+
+/// What happened, for machines.
+#[derive(Serialize)]
+struct Numbers<'a> {
+    results: Option<&'a Path>,
+    pictures: usize,
+    resumed: usize,
+    cells: usize,
+    left_out: usize,
+    failed: usize,
+    interrupted: bool,
+    seconds: f64,
+}
+
+impl Batch {
+    /// Finds the pictures, checks every setting of each, and opens the folder.
+    ///
+    /// # Errors
+    /// Pictures or settings that are not there or not possible, and a folder with other results.
+    pub fn prepare<'a>(
+        &'a self,
+        files: &'a Files,
+        interruption: &Interruption,
+    ) -> Result<Prepared<'a>, ExperimentError> {
+        let started = Instant::now();
+        let (pictures, notes) = self.pictures.find(self.target.as_deref(), files)?;
+        // Every setting is checked once, before any picture is opened.
+        for picture in &pictures {
+            self.settled(picture, files, interruption)?;
+        }
+        let first = pictures.first().map(|picture| picture.path.clone()).unwrap_or_default();
+        let common = self.settled(&Picture::new(String::new(), first), files, interruption)?;
+        let (mut journal, mut manifest) = (Journal::in_memory(), None);
+        if let Some(target) = &self.target {
+            let settings = self.settings_text(&common, target);
+            journal = if self.force {
+                Journal::begin_anew(target, &settings, &files.reads())?
+            } else {
+                Journal::open_beside(target, &settings, &files.reads())?
+            };
+            manifest = Some(journal.manifest().unwrap_or_else(|| Manifest::of(target)));
+        }
+        let interruption = interruption.clone();
+        let batch = self;
+        Ok(Prepared { batch, notes, pictures, journal, manifest, files, interruption, started })
+    }
+
+    /// The run of a picture: its own settings override those of all.
+    fn settled(
+        &self,
+        picture: &Picture,
+        files: &Files,
+        interruption: &Interruption,
+    ) -> Result<Run, ExperimentError> {
+        members::settled(self.pictures.table(), &self.settings, picture, files, interruption)
+    }
+
+    /// Every setting that results depend on, as text.
+    fn settings_text(&self, run: &Run, target: &Path) -> String {
+        let mut file = run.to_run_file();
+        file.remove("shape.picture");
+        for path in file.paths_mut() {
+            *path = inputs::relative(Path::new(&*path), target).unwrap_or_else(|| path.clone());
+        }
+        let text = file.to_toml();
+        let cell = self.settings.iter().find(|(setting, _)| setting.key == "segmentation.cell");
+        let cells = cell.and_then(|(_, value)| Value::as_text(value)).unwrap_or("all");
+        let (version, figures) = (env!("CARGO_PKG_VERSION"), self.figures);
+        format!(
+            "# What the results in this folder depend on; myospring batch goes on only with the same.\n\
+             # version {version}, cells {cells}, figures {figures}\n\n{text}"
+        )
+    }
+}
+
+impl Prepared<'_> {
+    /// Works on every picture that is not done.
+    ///
+    /// # Errors
+    /// What the disk says; what is wrong with a picture is its row.
+    pub fn run(self, observer: &dyn Observer) -> Result<Batched, ExperimentError> {
+        let Self { batch, notes, pictures, journal, manifest, files, interruption, started } = self;
+        let seen = Seen {
+            observer,
+            interruption: interruption.clone(),
+            manifest: manifest.as_ref(),
+            done: AtomicU64::new(0),
+        };
+        let kept = Kept { figures: batch.figures, manifest: manifest.as_ref(), files, observer };
+        let threads = Threads::new(batch.jobs)?;
+        let report = study::run(&pictures, &journal, &threads, &seen, |picture| {
+            let run = batch.settled(picture, files, &interruption)?;
+            pictures::rows(picture, &run, members::which(&batch.settings, picture), &kept)
+        })?;
+        if let Some(manifest) = &manifest {
+            manifest.settle()?;
+        }
+        Ok(Batched {
+            results: batch.target.clone(),
+            pictures: pictures.len(),
+            resumed: report.resumed,
+            rows: report.rows,
+            interrupted: report.stopped,
+            notes,
+            seconds: started.elapsed().as_secs_f64(),
+        })
+    }
+}
+
+impl Experiment for Batch {
+    type Outcome = Batched;
+
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Batched, ExperimentError> {
+        self.prepare(files, &observer.interruption())?.run(observer)
+    }
+}
+
+impl Batched {
+    /// How many rows have this status.
+    pub fn count(&self, status: Status) -> usize {
+        self.rows.iter().filter(|row| row.status == status).count()
+    }
+}
+
+impl Outcome for Batched {
+    fn numbers(&self) -> impl Serialize {
+        Numbers {
+            results: self.results.as_deref(),
+            pictures: self.pictures,
+            resumed: self.resumed,
+            cells: self.count(Status::Ok),
+            left_out: self.count(Status::LeftOut),
+            failed: self.count(Status::Failed),
+            interrupted: self.interrupted,
+            seconds: self.seconds,
+        }
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    fn save(&self, folder: &Folder, _: &dyn Observer) -> Result<(), ExperimentError> {
+        write_table(&self.rows, |name, content| Ok(folder.write(name, content)?))
+            .map_err(ExperimentError::new)
+    }
+}
+
+/// Writes the table for people and for programs.
+fn write_table(
+    rows: &[CellRow],
+    write: impl Fn(&str, &[u8]) -> Result<(), Cause>,
+) -> Result<(), Cause> {
+    let table = CellRow::table(rows);
+    write(CSV, &table.clone().for_people().to_csv()?)?;
+    write(PARQUET, &table.to_parquet()?)
+}
+
+/// Tells how far a batch has come, and writes its table.
+struct Seen<'a> {
+    observer: &'a dyn Observer,
+    interruption: Interruption,
+    manifest: Option<&'a Manifest>,
+    done: AtomicU64,
+}
+
+impl study::Observer<Picture> for Seen<'_> {
+    fn begins(&self, done: usize, pictures: usize) {
+        self.observer.stage("pictures", pictures as u64);
+        if done > 0 {
+            self.observer.note(&format!("going on: {done} of {pictures} pictures are done"));
+        }
+        self.done.store(done as u64, Ordering::Relaxed);
+        self.observer.reached(done as u64);
+    }
+
+    fn damaged(&self, pictures: usize) {
+        self.observer.warn(&study::damaged(pictures, "pictures"));
+    }
+
+    fn finished(&self, picture: &Picture, rows: &[CellRow]) -> bool {
+        for row in rows.iter().filter(|row| row.status == Status::Failed) {
+            self.observer.failed(&picture.name, &row.reason);
+        }
+        self.observer.reached(1 + self.done.fetch_add(1, Ordering::Relaxed));
+        !self.interruption.is_asked()
+    }
+
+    fn table(&self, rows: &[CellRow]) -> Result<(), Cause> {
+        let Some(manifest) = self.manifest else { return Ok(()) };
+        write_table(rows, |name, content| Ok(manifest.write(name, content)?))
+    }
+}

@@ -1,0 +1,24 @@
+//! A cell beats: from its settings to curves, numbers, figures, films, a page and frames.
+
+mod beaten;
+mod figures;
+mod film;
+mod finished;
+mod outputs;
+mod page;
+mod prepared;
+mod record;
+mod save;
+mod watch;
+
+pub use beaten::{Beaten, Numbers};
+pub use finished::Style;
+pub use outputs::{ALL, NONE, OUTPUTS, Output, Written, WrittenOutputs, chosen};
+pub use page::{FILE, parameters};
+pub use prepared::{Beat, Plan, Prepared};
+pub use record::{Stop, Timings, resolved};
+pub use save::Kept;
+
+pub(super) use figures::write as write_figures;
+pub(super) use finished::Finished;
+pub(super) use save::write_numbers;

@@ -1,0 +1,66 @@
+//! What came of a run.
+
+use super::record::Timings;
+use crate::experiment::Files;
+use crate::output::report::Summary;
+use crate::settings::{FibreReport, Made, Run};
+use crate::simulation::{Effort, Outcome};
+use serde::Serialize;
+
+/// A cell that has beaten, to its end or until something stopped it.
+pub struct Beaten {
+    /// Name of the results, for people.
+    pub name: String,
+    /// What was asked for, with the fibres that were taken.
+    pub run: Run,
+    /// Hash of the file that holds the shape.
+    pub shape_sha256: String,
+    /// The cell on its mesh at rest, with outline, fibres and picture.
+    pub made: Made,
+    /// Curves and frames, and why it ended early, if it did.
+    pub outcome: Outcome,
+    /// The numbers of the run, with all warnings.
+    pub summary: Summary,
+    /// Where the time went, up to the end of the beat.
+    pub timings: Timings,
+    pub(super) files: Files,
+}
+
+/// The numbers of a run, as `summary.json` has them.
+#[derive(Serialize)]
+pub struct Numbers<'a> {
+    /// Metrics, beat by beat.
+    #[serde(flatten)]
+    pub summary: &'a Summary,
+    /// Of a picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibres: Option<FibreReport>,
+    /// What the run took.
+    pub integration: Effort,
+}
+
+impl Beaten {
+    /// A run that was made and has ended; `warnings` are all that there are, `files` reads those that it names.
+    pub fn of(
+        name: String,
+        run: Run,
+        shape_sha256: String,
+        made: Made,
+        outcome: Outcome,
+        warnings: Vec<String>,
+        files: Files,
+    ) -> Self {
+        let (stimuli, s2_ms) = (run.stimulus_times(), run.s2_ms());
+        let summary =
+            Summary::new(&outcome.recording, &stimuli, s2_ms, made.report.clone(), warnings)
+                .with_pace(&made.simulation.pace(&outcome.beats()));
+        let timings = Timings::default();
+        Self { name, run, shape_sha256, made, outcome, summary, timings, files }
+    }
+
+    /// The numbers, as `summary.json` has them.
+    pub fn all_numbers(&self) -> Numbers<'_> {
+        let fibres = self.made.picture.is_some().then(|| self.made.fibres.report());
+        Numbers { summary: &self.summary, fibres, integration: self.outcome.effort }
+    }
+}

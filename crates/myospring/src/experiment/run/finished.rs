@@ -1,0 +1,52 @@
+//! A run that is over, with all that its outputs are made from.
+
+use super::beaten::Numbers;
+use crate::experiment::{Inputs, Observer};
+use crate::mesh::outline::Outline;
+use crate::microscopy::cells::{PictureCell, PictureCells};
+use crate::output::field::{Field, Fields};
+use crate::output::figure::{Cell, FigureError, Theme};
+use crate::settings::{Fibres, Run};
+use crate::simulation::{Outcome, Simulation};
+
+/// How figures and films look.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Style {
+    /// What the cell is coloured by.
+    pub colour: Field,
+    /// Light or dark.
+    pub theme: Theme,
+}
+
+/// A run that is over, with all that an output may be made from.
+pub(crate) struct Finished<'a> {
+    /// Name of the results, for people.
+    pub(crate) name: &'a str,
+    pub(crate) run: &'a Run,
+    /// With the mesh at rest.
+    pub(crate) simulation: &'a Simulation,
+    /// The outline at rest, um.
+    pub(crate) outline: &'a Outline,
+    pub(crate) fibres: &'a Fibres,
+    /// The picture with its cells, and the one that beat.
+    pub(crate) picture: Option<&'a (PictureCells, PictureCell)>,
+    pub(crate) outcome: &'a Outcome,
+    pub(crate) numbers: &'a Numbers<'a>,
+    /// Times of the stimuli, ms.
+    pub(crate) stimuli: &'a [f64],
+    pub(crate) style: Style,
+    /// The files that the run was made from, as its results name them.
+    pub(crate) inputs: &'a Inputs,
+    /// Who is told what is left out.
+    pub(crate) observer: &'a dyn Observer,
+}
+
+impl<'a> Finished<'a> {
+    /// The cell as figures and films draw it, with one colour scale for the whole run.
+    pub(super) fn cell(&self) -> Result<Cell<'a>, FigureError> {
+        let Simulation { mesh, fibres, myofibril_content, .. } = self.simulation;
+        let fields = Fields::new(mesh, fibres, myofibril_content.as_deref())?;
+        let cell = Cell::new(fields, Some(self.outline))?.coloured_by(self.style.colour);
+        Ok(cell.scaled_to(&self.outcome.recording.frames))
+    }
+}

@@ -1,0 +1,216 @@
+//! What a run leaves beside its curves and numbers: one row for each output, chosen by its word.
+
+use super::finished::Finished;
+use super::{figures, film, page};
+use crate::experiment::{ExperimentError, Folder};
+use crate::output::{frames, vtu};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// The word for every output.
+pub const ALL: &str = "all";
+/// The word for curves and numbers alone.
+pub const NONE: &str = "none";
+
+/// One output.
+pub struct Output {
+    /// Its word in `--outputs`.
+    pub word: &'static str,
+    /// What it is, for the help.
+    pub about: &'static str,
+    /// The file that people open, if they open one.
+    look: Option<&'static str>,
+    /// Whether it is written unless others are asked for.
+    pub by_default: bool,
+    /// Whether it is drawn from curves and shapes; that is left out where the program was interrupted and would take long
+    /// to end.
+    is_drawn: bool,
+    write: fn(&Folder, &Finished<'_>) -> Result<(), ExperimentError>,
+}
+
+/// In the order in which they are written; people are told to open the first that has something to open.
+pub const OUTPUTS: [Output; 6] = [
+    Output {
+        word: "report",
+        about: "the beating cell with curves, numbers and sources, a page for the browser (report.html)",
+        look: Some(page::FILE),
+        by_default: true,
+        is_drawn: true,
+        write: page::write,
+    },
+    Output {
+        word: "figures",
+        about: "cell, curves and lattice as in a paper, SVG and PNG (figures/)",
+        look: Some("figures/overview.png"),
+        by_default: true,
+        is_drawn: true,
+        write: figures::write,
+    },
+    Output {
+        word: "gif",
+        about: "film of the first beat, slowed 5 times and in real time (beat.gif, beat_real_time.gif)",
+        look: Some("beat.gif"),
+        by_default: false,
+        is_drawn: true,
+        write: film::gif,
+    },
+    Output {
+        word: "mp4",
+        about: "the same as video, where ffmpeg is installed (beat.mp4, beat_real_time.mp4)",
+        look: None,
+        by_default: false,
+        is_drawn: true,
+        write: film::mp4,
+    },
+    Output {
+        word: "vtu",
+        about: "frames for ParaView: open cell.pvd (and the folder vtu/)",
+        look: None,
+        by_default: false,
+        is_drawn: false,
+        write: vtu,
+    },
+    Output {
+        word: "frames",
+        about: "frames for NumPy: positions, mesh and fibres (frames.npz)",
+        look: None,
+        by_default: false,
+        is_drawn: false,
+        write: frames,
+    },
+];
+
+/// The outputs that these words ask for, in the order of the table; those that are written by default without words.
+///
+/// # Errors
+/// `none` beside other words.
+pub fn chosen(words: Option<&[String]>) -> Result<Vec<&'static Output>, ExperimentError> {
+    let Some(words) = words else {
+        return Ok(OUTPUTS.iter().filter(|output| output.by_default).collect());
+    };
+    let named = |word: &str| words.iter().any(|other| other == word);
+    if named(NONE) && words.len() > 1 {
+        let message = format!("--outputs {}: `{NONE}` stands alone", words.join(","));
+        return Err(
+            ExperimentError::new(message).advise(format!("leave out `{NONE}` or everything else"))
+        );
+    }
+    Ok(OUTPUTS.iter().filter(|output| named(output.word) || named(ALL)).collect())
+}
+
+/// What an output took.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Written {
+    seconds: f64,
+    bytes: u64,
+    /// Why it is not there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+}
+
+/// What became of the outputs of a run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct WrittenOutputs(BTreeMap<&'static str, Written>);
+
+impl WrittenOutputs {
+    /// What was not written, in a line each.
+    pub fn errors(&self) -> Vec<String> {
+        let failed =
+            self.0.iter().filter_map(|(word, written)| Some((word, written.error.as_ref()?)));
+        failed.map(|(word, error)| format!("{word} is not among the results: {error}")).collect()
+    }
+
+    /// The file that people open, if there is one.
+    pub fn look(&self) -> Option<&'static str> {
+        let mut there = OUTPUTS.iter().filter(|output| {
+            self.0.get(output.word).is_some_and(|written| written.error.is_none())
+        });
+        there.find_map(|output| output.look)
+    }
+
+    /// Sizes for people: `figures 1.1 MB`.
+    pub fn sizes(&self) -> Vec<String> {
+        let of = |output: &Output| {
+            let written = self.0.get(output.word)?;
+            if written.error.is_some() || written.bytes == 0 {
+                return None;
+            }
+            Some(format!("{} {}", output.word, size(written.bytes)))
+        };
+        OUTPUTS.iter().filter_map(of).collect()
+    }
+}
+
+/// Writes outputs one after the other. One that fails leaves no file of its own, takes nothing from the others, and
+/// stands in the record with the reason.
+pub(super) fn write(
+    folder: &Folder,
+    outputs: &[&Output],
+    finished: &Finished<'_>,
+) -> WrittenOutputs {
+    let mut record = WrittenOutputs::default();
+    for output in outputs {
+        let (start, before, names) = (Instant::now(), folder.bytes(), folder.names());
+        let outcome = if output.is_drawn && finished.observer.is_late() {
+            Err(ExperimentError::new("it is left out, since the program was interrupted"))
+        } else {
+            (output.write)(folder, finished)
+        };
+        if outcome.is_err() {
+            folder.withdraw_all_but(&names);
+        }
+        let written = Written {
+            seconds: start.elapsed().as_secs_f64(),
+            bytes: folder.bytes() - before,
+            error: outcome.err().map(|failure| failure.to_string()),
+        };
+        record.0.insert(output.word, written);
+    }
+    record
+}
+
+/// A size for people: `8 kB`, `1.2 MB`.
+fn size(bytes: u64) -> String {
+    let kilobytes = bytes as f64 / 1e3;
+    if kilobytes < 1000.0 {
+        format!("{:.0} kB", kilobytes.ceil())
+    } else {
+        format!("{:.1} MB", kilobytes / 1e3)
+    }
+}
+
+/// The frames for ParaView; the collection comes last, so that it names files that are there.
+fn vtu(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentError> {
+    let Finished { simulation, outcome, .. } = finished;
+    let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
+    let content = simulation.myofibril_content.as_deref();
+    let frames = vtu::Frames::new(mesh, &outcome.recording.frames, fibres, content)?;
+    let within = "vtu";
+    (0..frames.len()).into_par_iter().try_for_each(|index| {
+        folder.write(&format!("{within}/{}", frames.name(index)), frames.frame(index))
+    })?;
+    folder.write("cell.pvd", frames.collection(within))
+}
+
+/// The frames for NumPy.
+fn frames(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentError> {
+    let Finished { simulation, outline, outcome, .. } = finished;
+    let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
+    let content = simulation.myofibril_content.as_deref();
+    folder.write("frames.npz", frames::to_npz(mesh, &outcome.recording, fibres, content, outline)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_written_for_people() {
+        for (bytes, text) in [(1, "1 kB"), (999_000, "999 kB"), (1_250_000, "1.2 MB")] {
+            assert_eq!(size(bytes), text);
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! A run that is about to begin.
+
+use super::beaten::Beaten;
+use super::record::Timings;
+use super::watch;
+use crate::experiment::input::{self, Input};
+use crate::experiment::refused::Place;
+use crate::experiment::{Experiment, ExperimentError, Files, Observer};
+use crate::integrate::stencil;
+use crate::settings::{Made, Run, Shaped};
+use crate::simulation::{Effort, Ready};
+use crate::study::sha256;
+use std::time::Instant;
+
+/// Beats one cell.
+pub struct Beat {
+    /// Name of the results, for people.
+    pub name: String,
+    /// The settings.
+    pub run: Run,
+    /// Threads that move the masses, on which no number depends; `None` takes a core for every 8000 masses, as far as
+    /// there are cores.
+    pub threads: Option<usize>,
+    /// Where an overlay goes that shows why a picture gives no cell.
+    pub refused: Option<Place>,
+}
+
+/// A run whose cell is meshed and whose time step is chosen, or whose path of equilibria is solved.
+pub struct Prepared {
+    name: String,
+    /// The settings, with the fibres that were taken.
+    pub run: Run,
+    shape_sha256: String,
+    /// The cell on its mesh.
+    pub made: Made,
+    /// What beats.
+    pub ready: Ready,
+    /// What a person should know before it beats.
+    pub warnings: Vec<String>,
+    timings: Timings,
+    files: Files,
+}
+
+/// What a run would do.
+pub struct Plan {
+    /// Its method, with the number of steps.
+    pub effort: Effort,
+    /// How many springs are computed, where masses move in time.
+    pub spring_updates: Option<f64>,
+    /// How long it would take, s.
+    pub estimated_s: f64,
+}
+
+impl Beat {
+    /// Meshes the cell and makes the run ready.
+    ///
+    /// # Errors
+    /// A shape that gives no cell, files that do not fit it, and settings that exclude each other.
+    pub fn prepare(&self, files: &Files) -> Result<Prepared, ExperimentError> {
+        let start = Instant::now();
+        let Input { name, run, bytes, shaped } =
+            input::mesh(self.name.clone(), self.run.clone(), self.refused.clone(), files)?;
+        let sha256 = sha256(&bytes.shape);
+        Prepared::of((name, run), (shaped, sha256), self.threads, files, start)
+    }
+}
+
+impl Prepared {
+    /// Makes the run of a cell ready that was meshed.
+    ///
+    /// # Errors
+    /// Those of [`Beat::prepare`].
+    pub fn new(
+        named: (String, Run),
+        shape: (Shaped, String),
+        threads: Option<usize>,
+        files: &Files,
+    ) -> Result<Self, ExperimentError> {
+        Self::of(named, shape, threads, files, Instant::now())
+    }
+
+    fn of(
+        (name, mut run): (String, Run),
+        (shaped, shape_sha256): (Shaped, String),
+        threads: Option<usize>,
+        files: &Files,
+        start: Instant,
+    ) -> Result<Self, ExperimentError> {
+        let mut made = run.make(shaped, |file| files.bytes(file))?;
+        // What repeats the run is what was taken.
+        run.fibre = made.fibres.taken;
+        let mut timings = Timings { mesh_s: start.elapsed().as_secs_f64(), ..Timings::default() };
+        let stage = Instant::now();
+        let worthwhile = || stencil::worthwhile_threads(made.simulation.mesh.len());
+        made.simulation.numerics.engine.threads = threads.unwrap_or_else(worthwhile);
+        let ready = made.simulation.build()?;
+        timings.preparation_s = stage.elapsed().as_secs_f64();
+        timings.total_s = start.elapsed().as_secs_f64();
+        let mut warnings = run.warnings(&made.report);
+        warnings.extend(ready.warnings());
+        Ok(Self { name, run, shape_sha256, made, ready, warnings, timings, files: files.clone() })
+    }
+
+    /// What the run would do; its first interval is done for that.
+    pub fn plan(&self) -> Plan {
+        // The first interval of output tells how long the rest of a motion will take; a path is solved.
+        let start = Instant::now();
+        let first = self.ready.run(|progress| progress.time <= 0.0);
+        let (duration, numerics) = (self.run.duration, &self.run.numerics);
+        let intervals = match self.ready {
+            Ready::InTime(_) | Ready::FromRestToRest(_) => {
+                duration / numerics.output_interval.max(1e-9)
+            }
+            Ready::AlongPath(_) => 1.0,
+        };
+        let estimated_s = start.elapsed().as_secs_f64() * intervals;
+        let mut effort = first.effort;
+        let mut spring_updates = None;
+        if let (Ready::InTime(prepared), Effort::Verlet { steps, .. }) = (&self.ready, &mut effort)
+        {
+            let exchanges = (duration / numerics.exchange_interval).round();
+            let whole = exchanges * prepared.steps_per_exchange as f64;
+            *steps = whole as u64;
+            spring_updates = Some(whole * self.made.simulation.mesh.springs.len() as f64);
+        }
+        Plan { effort, spring_updates, estimated_s }
+    }
+
+    /// Beats the cell. An interruption or a fault ends the beat early; what was computed up to there is the outcome.
+    pub fn beat(self, observer: &dyn Observer) -> Beaten {
+        let start = Instant::now();
+        let Self { name, run, shape_sha256, made, ready, mut warnings, mut timings, files } = self;
+        let outcome = watch::beat(&ready, run.duration, observer, &mut timings);
+        warnings.extend(ready.warnings_after(&outcome));
+        timings.total_s += start.elapsed().as_secs_f64();
+        let beaten = Beaten::of(name, run, shape_sha256, made, outcome, warnings, files);
+        Beaten { timings, ..beaten }
+    }
+}
+
+impl Experiment for Beat {
+    type Outcome = Beaten;
+
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Beaten, ExperimentError> {
+        Ok(self.prepare(files)?.beat(observer))
+    }
+}

@@ -1,0 +1,152 @@
+//! What a run leaves in its folder.
+
+use super::beaten::{Beaten, Numbers};
+use super::finished::{Finished, Style};
+use super::outputs::{self, Output, WrittenOutputs};
+use super::record::{Stop, Timings, resolved};
+use crate::experiment::{ExperimentError, Folder, Inputs, Observer, Outcome, fibres};
+use crate::integrate::engine::EngineUsed;
+use crate::output::{csv, json};
+use crate::settings::{Fibres, Run};
+use crate::simulation::{self, Effort, Simulation};
+use crate::study::sha256;
+use serde::Serialize;
+use std::time::Instant;
+
+/// run.json.
+#[derive(Serialize)]
+struct Record<'a> {
+    program: &'static str,
+    version: &'static str,
+    input: Option<String>,
+    shape_sha256: &'a str,
+    run_file_sha256: &'a str,
+    stop: Option<Stop<'a>>,
+    #[serde(flatten)]
+    effort: Effort,
+    /// What moved the masses, where they were moved in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    engine: Option<EngineUsed>,
+    machine_threads: usize,
+    timings: Timings,
+    /// What the outputs took; empty as long as none is made.
+    outputs: &'a WrittenOutputs,
+}
+
+/// What was written beside curves and numbers.
+pub struct Kept {
+    /// What became of each output.
+    pub written: WrittenOutputs,
+    /// Whether `run.json` tells of it.
+    pub recorded: Result<(), ExperimentError>,
+    /// Where the time went.
+    pub timings: Timings,
+}
+
+/// Writes `traces.csv`, `summary.json` and, of a picture that shows them, `fibres.csv`.
+pub(in crate::experiment) fn write_numbers(
+    folder: &Folder,
+    run: &Run,
+    simulation: &Simulation,
+    fibres: &Fibres,
+    outcome: &simulation::Outcome,
+    numbers: &Numbers<'_>,
+) -> Result<(), ExperimentError> {
+    folder.write("traces.csv", csv::traces(&outcome.recording)?)?;
+    folder.write("summary.json", json::for_people(numbers)?)?;
+    fibres::write(folder, [(run.shape.name(), &simulation.mesh, fibres)])
+}
+
+impl Beaten {
+    /// Writes curves, numbers and the record, then these outputs. An output that fails costs no other.
+    ///
+    /// # Errors
+    /// Curves or numbers that cannot be written.
+    pub fn write(
+        &self,
+        folder: &Folder,
+        outputs: &[&Output],
+        style: Style,
+        observer: &dyn Observer,
+    ) -> Result<Kept, ExperimentError> {
+        let start = Instant::now();
+        let Self { run, made, outcome, .. } = self;
+        let (simulation, numbers) = (&made.simulation, self.all_numbers());
+        write_numbers(folder, run, simulation, &made.fibres, outcome, &numbers)?;
+        let mut inputs = Inputs::default();
+        inputs.keep(folder, run.to_run_file(), |file| self.files.bytes(file))?;
+        let step = outcome.effort.time_step();
+        let run_file = resolved(run, (&inputs, ""), simulation, made.report.spacing_um, step);
+        folder.write("run.toml", &run_file)?;
+        let run_file_sha256 = sha256(run_file.as_bytes());
+        let record = |timings, outputs: &WrittenOutputs| {
+            json::pretty(&Record {
+                program: "myospring",
+                version: env!("CARGO_PKG_VERSION"),
+                input: run.shape.file().map(|file| inputs.name(file, "")),
+                shape_sha256: &self.shape_sha256,
+                run_file_sha256: &run_file_sha256,
+                stop: Stop::of(outcome),
+                effort: outcome.effort,
+                engine: outcome.engine.clone(),
+                machine_threads: std::thread::available_parallelism().map_or(1, usize::from),
+                timings,
+                outputs,
+            })
+        };
+        // From here on there is a whole result, whatever becomes of the outputs.
+        folder.write("run.json", record(self.timings, &WrittenOutputs::default())?)?;
+        let finished = Finished {
+            name: &self.name,
+            run,
+            simulation,
+            outline: &made.outline,
+            fibres: &made.fibres,
+            picture: made.picture.as_ref(),
+            outcome,
+            numbers: &numbers,
+            stimuli: &run.stimulus_times(),
+            style,
+            inputs: &inputs,
+            observer,
+        };
+        let written = outputs::write(folder, outputs, &finished);
+        let mut timings = self.timings;
+        timings.outputs_s = start.elapsed().as_secs_f64();
+        timings.total_s += timings.outputs_s;
+        // On a full disk the one without outputs stays.
+        let recorded = folder.write("run.json", record(timings, &written)?);
+        Ok(Kept { written, recorded, timings })
+    }
+
+    /// As [`Beaten::write`], where an output that is missing is an error.
+    ///
+    /// # Errors
+    /// Anything that cannot be written.
+    pub fn write_all(
+        &self,
+        folder: &Folder,
+        outputs: &[&Output],
+        observer: &dyn Observer,
+    ) -> Result<(), ExperimentError> {
+        let Kept { written, recorded, .. } =
+            self.write(folder, outputs, Style::default(), observer)?;
+        recorded?;
+        written.errors().first().map_or(Ok(()), |error| Err(ExperimentError::new(error)))
+    }
+}
+
+impl Outcome for Beaten {
+    fn numbers(&self) -> impl Serialize {
+        self.all_numbers()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.summary.warnings.clone()
+    }
+
+    /// With the outputs that are written unless others are asked for.
+    fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
+        self.write_all(folder, &outputs::chosen(None)?, observer)
+    }
+}
