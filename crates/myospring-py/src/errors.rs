@@ -114,6 +114,11 @@ pub(crate) fn of_experiment(error: &ExperimentError) -> PyErr {
     }
 }
 
+/// Results that cannot be written.
+pub(crate) fn of_saving(error: &ExperimentError) -> PyErr {
+    PyOSError::new_err(words::in_python(&error.in_words()))
+}
+
 fn of_reading(cause: &io::Error, message: String) -> PyErr {
     match cause.kind() {
         io::ErrorKind::NotFound => PyFileNotFoundError::new_err(message),

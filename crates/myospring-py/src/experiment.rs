@@ -6,7 +6,6 @@ use myospring::experiment::{self, Experiment, ExperimentError, Files, Observer, 
 use myospring::interruption::Interruption;
 use myospring::output::json;
 use myospring::study::Threads;
-use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -106,8 +105,7 @@ pub(crate) fn save(
         let saved = threads.and_then(|threads| threads.install(save));
         (saved, std::mem::take(&mut *held(&watch.said)))
     })?;
-    let failed = |error: ExperimentError| PyOSError::new_err(words::in_python(&error.in_words()));
-    Ok((saved.map_err(failed)?, said))
+    Ok((saved.map_err(|error| errors::of_saving(&error))?, said))
 }
 
 /// All numbers of an outcome, JSON.

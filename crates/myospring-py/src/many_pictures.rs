@@ -1,7 +1,7 @@
 //! The cells of many pictures.
 
 use crate::experiment::{self, Progress};
-use crate::{errors, settings};
+use crate::settings;
 use myospring::experiment::Files;
 use myospring::experiment::batch::{Batch, Batched, Pictures};
 use myospring::output::table::Column;

@@ -4,6 +4,7 @@ use crate::table::{aligned, number};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::{Beat, band};
 use myospring::experiment::run::{Numbers, WrittenOutputs};
+use myospring::output::report::Summary;
 use myospring::settings::Run;
 use myospring::simulation::Effort;
 use std::fmt::Write as _;
@@ -43,92 +44,64 @@ const OF_S2: [(&str, &str); 4] = [
     ("relative_peak_shortening", "peak shortening of S2, of that of S1"),
 ];
 
+/// Which columns the table after a run has beside quantity, value, unit and what was measured.
+#[derive(Clone, Copy)]
+struct Columns {
+    /// The standard deviation of several beats.
+    spread: bool,
+    /// An extra stimulus.
+    s2: bool,
+}
+
+impl Columns {
+    /// A row: quantity, value, standard deviation, S2, unit, measured.
+    fn row(self, cells: [String; 6]) -> Vec<String> {
+        let there = [true, true, self.spread, self.s2, true, true];
+        cells.into_iter().zip(there).filter_map(|(cell, there)| there.then_some(cell)).collect()
+    }
+}
+
 /// The table after a run; of several beats, mean and standard deviation, beside them an extra stimulus.
 pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
     let summary = numbers.summary;
-    let title = if run.title.is_empty() { name } else { &run.title };
-    let s2 = summary.s2();
-    let beats = summary.captured();
-    let mut of = vec![run.cell.name().to_owned(), run.strength()];
-    // A model whose tension is in kPa has its own.
-    of.dedup();
-    let s = if beats == 1 { "" } else { "s" };
-    let of_stimuli = match summary.rhythm.not_captured.len() {
-        0 => String::new(),
-        missed => format!(" after {} stimuli ({missed} not captured)", summary.rhythm.stimuli),
-    };
-    let and_s2 = match s2 {
-        Some(Beat { captured: Some(false), .. }) => " and S2 (no capture)",
-        Some(_) => " and S2",
-        None => "",
-    };
-    let cut = if summary.cut_short { " (the last is cut short, no number counts it)" } else { "" };
-    let mut text =
-        format!("{title}: {beats} beat{s}{of_stimuli}{and_s2} of {}{cut}\n\n", of.join(" at "));
-    let spread = !summary.beat_to_beat.is_empty();
-    let mut header = vec!["quantity".to_owned(), "value".to_owned()];
-    if spread {
-        header.push("+- sd".to_owned());
-    }
-    header.extend(s2.map(|_| "S2".to_owned()));
-    let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
-    let band_column = if loaded { "" } else { "measured*" };
-    header.extend(["unit".to_owned(), band_column.to_owned()]);
-    let mut rows = vec![header];
+    let mut text = title(name, run, summary);
     let Some(first) = summary.usual() else {
         text.push_str("no stimulus, so nothing to measure\n");
         return text;
     };
-    for (metric, words) in ROWS {
-        let found = first.metrics().find(|m| m.name == metric);
-        let Some(Metric { value, missing, unit, .. }) = found else { continue };
-        let shorter = first.value("peak_shortening").unwrap_or(0.0);
-        if metric == LENGTHENING && value.is_none_or(|longer| longer <= shorter) {
-            continue;
-        }
-        let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == metric);
-        let value = over_beats.map(|spread| spread.mean).or(*value);
-        let mut row = vec![words.to_owned(), or_dash(value)];
-        if spread {
-            row.push(over_beats.map_or_else(String::new, |s| number(s.standard_deviation)));
-        }
-        row.extend(s2.map(|beat| or_dash(beat.value(metric))));
-        // What is known is of unloaded cells.
-        let reference = band(metric).filter(|_| !loaded);
-        let measured = match (value, reference) {
-            (Some(value), Some(band)) => {
-                let ends = format!("{} to {}", band.low, band.high);
-                format!("{ends:<12}{}", band.place(value).words())
-            }
-            (Some(_), None) => String::new(),
-            (None, _) => missing.map_or_else(String::new, |why| format!("none: {}", why.words())),
-        };
-        row.extend([(*unit).to_owned(), measured]);
-        rows.push(row);
-    }
-    for (metric, words) in OF_S2 {
-        let found = s2.and_then(|beat| beat.s2.iter().find(|row| row.name == metric));
-        let Some(Metric { value, unit, .. }) = found else { continue };
+    let s2 = summary.s2();
+    let columns = Columns { spread: !summary.beat_to_beat.is_empty(), s2: s2.is_some() };
+    let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
+    let band_column = if loaded { "" } else { "measured*" };
+    let header = ["quantity", "value", "+- sd", "S2", "unit", band_column].map(str::to_owned);
+    let mut rows = vec![columns.row(header)];
+    let of_beats = ROWS.iter().filter_map(|row| of_beats(row, first, summary, loaded));
+    rows.extend(of_beats.map(|cells| columns.row(cells)));
+    let of_s2 = OF_S2.iter().filter_map(|(metric, words)| {
+        let beat = s2?;
+        let Metric { value, unit, .. } = beat.s2.iter().find(|row| row.name == *metric)?;
         // A cell whose calcium is given has no action potential.
-        if value.is_none() && s2.is_some_and(|beat| beat.captured.is_none()) {
-            continue;
+        if value.is_none() && beat.captured.is_none() {
+            return None;
         }
-        let mut row = vec![words.to_owned(), String::new()];
-        row.extend(spread.then(String::new));
-        row.extend([or_dash(*value), (*unit).to_owned(), String::new()]);
-        rows.push(row);
-    }
-    let columns = 1 + usize::from(spread) + usize::from(s2.is_some());
-    let right: Vec<usize> = (1..=columns).collect();
+        Some([
+            (*words).to_owned(),
+            String::new(),
+            String::new(),
+            or_dash(*value),
+            (*unit).to_owned(),
+            String::new(),
+        ])
+    });
+    rows.extend(of_s2.map(|cells| columns.row(cells)));
     let fibres = numbers.fibres.as_ref();
     if let Some(length) = fibres.and_then(|report| report.seen?.sarcomere_um) {
-        let mut row = vec!["sarcomere length at rest, median".to_owned(), number(length)];
-        row.extend(spread.then(String::new));
-        row.extend(s2.map(|_| String::new()));
-        row.extend(["um".to_owned(), String::new()]);
-        rows.push(row);
+        let words = "sarcomere length at rest, median".to_owned();
+        let none = String::new;
+        rows.push(columns.row([words, number(length), none(), none(), "um".to_owned(), none()]));
     }
-    text.push_str(&aligned(&rows, &right));
+    let right = 1 + usize::from(columns.spread) + usize::from(columns.s2);
+    text.push_str(&aligned(&rows, &(1..=right).collect::<Vec<_>>()));
     if first.load.is_empty() {
         text.push_str(
             "* in unloaded adult ventricular myocytes; inside or outside does not make a cell right or wrong\n",
@@ -138,6 +111,61 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String
         let _ = writeln!(text, "fibres: {fibres}");
     }
     text
+}
+
+/// What beat, how often and how strong.
+fn title(name: &str, run: &Run, summary: &Summary) -> String {
+    let title = if run.title.is_empty() { name } else { &run.title };
+    let beats = summary.captured();
+    let mut of = vec![run.cell.name().to_owned(), run.strength()];
+    // A model whose tension is in kPa has its own.
+    of.dedup();
+    let s = if beats == 1 { "" } else { "s" };
+    let of_stimuli = match summary.rhythm.not_captured.len() {
+        0 => String::new(),
+        missed => format!(" after {} stimuli ({missed} not captured)", summary.rhythm.stimuli),
+    };
+    let and_s2 = match summary.s2() {
+        Some(Beat { captured: Some(false), .. }) => " and S2 (no capture)",
+        Some(_) => " and S2",
+        None => "",
+    };
+    let cut = if summary.cut_short { " (the last is cut short, no number counts it)" } else { "" };
+    format!("{title}: {beats} beat{s}{of_stimuli}{and_s2} of {}{cut}\n\n", of.join(" at "))
+}
+
+/// The row of a metric, where the first beat has it: of several beats their mean and standard deviation.
+fn of_beats(
+    (metric, words): &(&str, &str),
+    first: &Beat,
+    summary: &Summary,
+    loaded: bool,
+) -> Option<[String; 6]> {
+    let Metric { value, missing, unit, .. } = first.metrics().find(|m| m.name == *metric)?;
+    let shorter = first.value("peak_shortening").unwrap_or(0.0);
+    if *metric == LENGTHENING && value.is_none_or(|longer| longer <= shorter) {
+        return None;
+    }
+    let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == *metric);
+    let value = over_beats.map(|spread| spread.mean).or(*value);
+    // What is known is of unloaded cells.
+    let reference = band(metric).filter(|_| !loaded);
+    let measured = match (value, reference) {
+        (Some(value), Some(band)) => {
+            let ends = format!("{} to {}", band.low, band.high);
+            format!("{ends:<12}{}", band.place(value).words())
+        }
+        (Some(_), None) => String::new(),
+        (None, _) => missing.map_or_else(String::new, |why| format!("none: {}", why.words())),
+    };
+    Some([
+        (*words).to_owned(),
+        or_dash(value),
+        over_beats.map_or_else(String::new, |s| number(s.standard_deviation)),
+        summary.s2().map_or_else(String::new, |beat| or_dash(beat.value(metric))),
+        (*unit).to_owned(),
+        measured,
+    ])
 }
 
 fn or_dash(value: Option<f64>) -> String {
