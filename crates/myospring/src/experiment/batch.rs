@@ -2,6 +2,7 @@
 
 mod kept;
 mod members;
+mod page;
 
 pub use members::Pictures;
 
@@ -13,7 +14,8 @@ use super::inputs;
 use super::observer::Observer;
 use super::{Experiment, Outcome};
 use crate::interruption::Interruption;
-use crate::output::files::Manifest;
+use crate::output::files::{self, Manifest};
+use crate::output::page::PageError;
 use crate::settings::{Run, Value};
 use crate::study::pictures::{self, CellRow, Picture};
 use crate::study::{self, Cause, Journal, Row as _, Status, Threads};
@@ -169,18 +171,23 @@ impl Prepared<'_> {
             let run = batch.settled(picture, files, &interruption)?;
             pictures::rows(picture, &run, members::which(&batch.settings, picture), &kept)
         })?;
-        if let Some(manifest) = &manifest {
-            manifest.settle()?;
-        }
-        Ok(Batched {
+        let mut batched = Batched {
             results: batch.target.clone(),
             pictures: pictures.len(),
             resumed: report.resumed,
             rows: report.rows,
             interrupted: report.stopped,
             notes,
-            seconds: started.elapsed().as_secs_f64(),
-        })
+            seconds: 0.0,
+        };
+        if let Some(manifest) = &manifest {
+            if !batched.interrupted {
+                manifest.write(page::FILE, batched.page()?)?;
+            }
+            manifest.settle()?;
+        }
+        batched.seconds = started.elapsed().as_secs_f64();
+        Ok(batched)
     }
 }
 
@@ -193,6 +200,17 @@ impl Experiment for Batch {
 }
 
 impl Batched {
+    /// The report, with the small pictures that are in the folder of the results.
+    fn page(&self) -> Result<String, PageError> {
+        let name = self.results.as_deref().and_then(Path::file_name);
+        let title = name.map_or_else(|| "Cells".to_owned(), |name| name.to_string_lossy().into());
+        let small = |row: &CellRow| {
+            let file = kept::thumbnail(&row.picture, row.cell.as_deref()?);
+            files::read(&self.results.as_deref()?.join(file)).ok()
+        };
+        page::html(&title, (&self.rows, self.pictures), &self.notes, small)
+    }
+
     /// How many rows have this status.
     pub fn count(&self, status: Status) -> usize {
         self.rows.iter().filter(|row| row.status == status).count()
@@ -218,6 +236,7 @@ impl Outcome for Batched {
     }
 
     fn save(&self, folder: &Folder, _: &dyn Observer) -> Result<(), ExperimentError> {
+        folder.write(page::FILE, self.page()?)?;
         write_table(&self.rows, |name, content| Ok(folder.write(name, content)?))
             .map_err(ExperimentError::new)
     }

@@ -2,8 +2,11 @@
 //! goes on where it was; there it also writes its files.
 
 mod files;
+mod found;
+mod page;
 
-pub use files::{FIGURES, Found, TABLE, save};
+pub use files::{FIGURES, TABLE, save};
+pub use found::Found;
 
 use super::error::ExperimentError;
 use super::files::Files;
@@ -165,9 +168,9 @@ impl Study {
         let sensitivity = answer.sensitivity().unwrap_or_default();
         let manifest = Manifest::of(target);
         manifest.part(FIGURES).check_reads(&self.files.reads())?;
-        let drawn = files::draw(&answer, &common, &sensitivity, &manifest)?;
+        let (figures, left_out) = files::draw(&answer, &common, &sensitivity, &manifest)?;
         manifest.settle()?;
-        Ok(drawn)
+        Ok((figures.len(), left_out))
     }
 }
 

@@ -4,11 +4,13 @@ use crate::experiment::run::{Finished, Numbers, Style, resolved, write_figures, 
 use crate::experiment::{Files, Folder, Inputs, Observer, overlay};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::files::Manifest;
+use crate::output::page::Photograph;
 use crate::study::Cause;
 use crate::study::pictures::{Beaten, Keeper, Picture};
 use std::path::{Component, Path};
 
 const OVERLAYS: &str = "overlays";
+const THUMBNAILS: &str = "thumbnails";
 const CELLS: &str = "cells";
 
 /// Resolution of the overlays, dots per inch.
@@ -35,7 +37,20 @@ impl Keeper for Kept<'_> {
         let Some(manifest) = self.manifest else { return Ok(()) };
         let figure = overlay::draw(&picture.name, cells, to_beat, None, notes)?;
         let file = format!("{OVERLAYS}/{}.png", own(&picture.name));
-        Ok(manifest.write(&file, figure.to_png(DPI)?)?)
+        manifest.write(&file, figure.to_png(DPI)?)?;
+        let plane = &cells.plane;
+        let photograph = Photograph {
+            width: plane.width(),
+            height: plane.height(),
+            values: plane.values(),
+            pixel_size: cells.pixel_size,
+        };
+        for cell in cells.outlines() {
+            if let Some(png) = photograph.thumbnail(&cell.outline)? {
+                manifest.write(&thumbnail(&picture.file, &cell.name), png)?;
+            }
+        }
+        Ok(())
     }
 
     fn beaten(&self, beaten: &Beaten<'_>) -> Result<(), Cause> {
@@ -78,6 +93,11 @@ impl Keeper for Kept<'_> {
         folder.finish(self.observer)?;
         Ok(())
     }
+}
+
+/// Where the small picture of a cell is.
+pub(super) fn thumbnail(picture: &str, cell: &str) -> String {
+    format!("{THUMBNAILS}/{}_{}.png", own(picture), cell.replace('/', "_"))
 }
 
 /// A name within the results, without ending, that no other picture has: `a/b.tif` gives `a/b_tif`, for there may be

@@ -4,9 +4,7 @@ use super::finished::Finished;
 use super::record::resolved;
 use crate::cell;
 use crate::experiment::{ExperimentError, Folder, Inputs, citations};
-use crate::output::page::{
-    self, Page, PageRun, ParameterGroup, ParameterRow, Photograph, Runs,
-};
+use crate::output::page::{self, Page, PageRun, ParameterGroup, ParameterRow, Photograph, Runs};
 use crate::settings::{self, Run, Value};
 
 /// Name of the file.

@@ -1,14 +1,14 @@
 //! The files of a study that is done.
 
+use super::found::{Found, Usual};
+use super::page;
 use crate::experiment::inputs::LARGEST_COPY;
 use crate::experiment::{ExperimentError, Inputs};
+use crate::output::figure::Figure;
 use crate::output::files::{FileError, Manifest};
 use crate::output::json;
 use crate::output::table::{write_csv, write_parquet};
-use crate::study::parameters::{
-    Acceptance, Answer, Common, ParameterStudy, Sensitivity, TRACES, TraceAxes,
-};
-use serde::Serialize;
+use crate::study::parameters::{Answer, Common, ParameterStudy, Sensitivity, TRACES};
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -19,31 +19,6 @@ pub const TABLE: &str = "members.csv";
 pub const FIGURES: &str = "figures";
 /// Resolution of PNG, dots per inch.
 const DPI: f64 = 300.0;
-
-/// What a study found, as `study.json` has it.
-#[derive(Serialize)]
-pub struct Found<'a> {
-    title: &'a str,
-    /// How many members it has.
-    pub members: usize,
-    /// How many beat, failed and were kept.
-    #[serde(flatten)]
-    pub acceptance: Acceptance,
-    /// Metrics of the run without any change.
-    usual: Vec<Usual<'a>>,
-    /// What the file of curves holds.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    traces: Option<&'a TraceAxes>,
-    /// Which parameter matters to which metric.
-    pub sensitivity: Vec<Sensitivity>,
-}
-
-#[derive(Serialize)]
-struct Usual<'a> {
-    metric: &'a str,
-    value: Option<f64>,
-    unit: &'a str,
-}
 
 /// Writes table, description, numbers and figures of a study into a folder, as `myospring study run` does; `text` is
 /// its description, `traces` where the curves are now. What was left out, and why.
@@ -83,7 +58,8 @@ pub(super) fn write<'a>(
     manifest.write_with("members.parquet", |file| {
         write_parquet(file, answer.pieces()).map_err(ExperimentError::new)
     })?;
-    manifest.write("study.toml", with_inputs(common, manifest, text)?)?;
+    let description = with_inputs(common, manifest, text)?;
+    manifest.write("study.toml", &description)?;
     let mut left_out = Vec::new();
     let sensitivity = answer.sensitivity().unwrap_or_else(|error| {
         left_out.push(error.to_string());
@@ -99,7 +75,12 @@ pub(super) fn write<'a>(
         sensitivity,
     };
     manifest.write("study.json", json::pretty(&found)?)?;
-    left_out.extend(draw(answer, common, &found.sensitivity, manifest)?.1);
+    let (figures, missing) = draw(answer, common, &found.sensitivity, manifest)?;
+    left_out.extend(missing);
+    match page::html(study, answer, &found, &figures, (&description, &left_out)) {
+        Ok(page) => manifest.write(page::FILE, page)?,
+        Err(error) => left_out.push(format!("{} is left out: {error}", page::FILE)),
+    }
     manifest.settle()?;
     Ok((found, left_out))
 }
@@ -125,27 +106,28 @@ fn with_inputs(
     Ok(text)
 }
 
-/// Draws the figures of a study into its folder, instead of those that are there; how many, and what was left out.
+/// Draws the figures of a study into its folder, instead of those that are there: the figures by name, and
+/// what was left out.
 pub(super) fn draw(
     answer: &Answer<'_>,
     common: &Common,
     sensitivity: &[Sensitivity],
     manifest: &Manifest,
-) -> Result<(usize, Vec<String>), ExperimentError> {
-    let (mut count, mut left_out) = (0, Vec::new());
+) -> Result<(Vec<(String, Figure)>, Vec<String>), ExperimentError> {
+    let (mut figures, mut left_out) = (Vec::new(), Vec::new());
     let traces = answer.trace_figure(common, &manifest.folder()).unwrap_or_else(|error| {
         left_out.push(format!("figure traces is left out: {error}"));
         None
     });
     for drawn in answer.figures(&common.usual, sensitivity).into_iter().chain(traces) {
-        match drawn.figure.and_then(|figure| Ok((figure.to_svg(), figure.to_png(DPI)?))) {
-            Ok((svg, png)) => {
-                manifest.write(&format!("{FIGURES}/{}.svg", drawn.name), svg)?;
+        match drawn.figure.and_then(|figure| Ok((figure.to_png(DPI)?, figure))) {
+            Ok((png, figure)) => {
+                manifest.write(&format!("{FIGURES}/{}.svg", drawn.name), figure.to_svg())?;
                 manifest.write(&format!("{FIGURES}/{}.png", drawn.name), png)?;
-                count += 1;
+                figures.push((drawn.name, figure));
             }
             Err(error) => left_out.push(format!("figure {} is left out: {error}", drawn.name)),
         }
     }
-    Ok((count, left_out))
+    Ok((figures, left_out))
 }
