@@ -68,7 +68,7 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         json::for_people(&report)?
     } else {
         let text = words::for_people(&report, &found.cells);
-        format!("{text}\n\nwritten: {}", written.join(", "))
+        format!("{}\n\nwritten: {}", text.trim_end(), written.join(", "))
     };
     told(args, &text, &found.warnings())
 }

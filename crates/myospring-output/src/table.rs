@@ -65,7 +65,7 @@ pub struct Table {
 }
 
 impl Column {
-    pub(crate) fn name(&self) -> &str {
+    pub fn name(&self) -> &str {
         let (Self::Text { name, .. } | Self::Number { name, .. }) = self;
         name
     }

@@ -88,6 +88,7 @@ impl Segmentation {
     }
 
     /// Writes the outlines to a file in the format that its ending names, and an overlay beside it; their names.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
     fn write(&self, py: Python<'_>, file: PathBuf, force: bool) -> PyResult<Vec<String>> {
         let written = py.detach(|| {
             segment::check(std::slice::from_ref(&file), force, &self.files)?;

@@ -44,7 +44,10 @@ pub(super) fn html(
     };
     let reason = |row: &CellRow| format!("{}: {}", row.picture, row.reason);
     let failures = rows.iter().filter(|row| row.status == Status::Failed).map(reason);
-    let table = Table::of("All cells", &CellRow::table(rows), ROWS, |_| true);
+    // Sentences come after the numbers.
+    let mut table = CellRow::table(rows);
+    table.columns.sort_by_key(|column| ["reason", "warnings"].contains(&column.name()));
+    let table = Table::of("All cells", &table, ROWS, |_| true);
     let table = Section {
         hint: match rows.len() {
             count if count > ROWS => {

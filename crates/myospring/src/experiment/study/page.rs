@@ -6,6 +6,7 @@ use crate::output::page::{
     self, Answer as Line, Cell, Column, Drawing, Look, Page, PageError, Part, Quality, Row,
     Section, Table, metric_words,
 };
+use crate::output::table;
 use crate::study::parameters::{Acceptance, Answer, ParameterStudy, Ranked, Sensitivity};
 
 /// Name of the file.
@@ -47,7 +48,7 @@ pub(super) fn html(
             ..Section::new("figures", "Figures", drawn)
         });
     }
-    let members = answer.pieces().next().unwrap_or_else(|| answer.table());
+    let members = members(answer);
     sections.push(Section {
         hint: match found.members {
             count if count > ROWS => {
@@ -70,12 +71,25 @@ pub(super) fn html(
         title,
         facts: vec![
             format!("{} members", found.members),
-            format!("{} numbers vary", study.varied.len()),
+            match study.varied.len() {
+                1 => "1 number varies".to_owned(),
+                count => format!("{count} numbers vary"),
+            },
         ],
         answer: Some(line(study, found)),
         warnings: left_out.to_vec(),
         sections,
     })
+}
+
+/// The first members, by their whole numbers.
+fn members(answer: &Answer<'_>) -> table::Table {
+    let mut members = answer.pieces().next().unwrap_or_else(|| answer.table());
+    if let Some(table::Column::Number { name, values }) = members.columns.first() {
+        let values = values.iter().map(|value| value.map(|value| format!("{value:.0}"))).collect();
+        members.columns[0] = table::Column::Text { name: name.clone(), values };
+    }
+    members
 }
 
 /// How many members there are, and what became of them.
