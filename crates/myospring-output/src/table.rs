@@ -65,6 +65,7 @@ pub struct Table {
 }
 
 impl Column {
+    /// Its name, with the unit.
     pub fn name(&self) -> &str {
         let (Self::Text { name, .. } | Self::Number { name, .. }) = self;
         name
