@@ -315,9 +315,9 @@ pub(crate) struct TrackArgs {
     myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n  \
     myospring batch --table pictures.csv              each picture with its own settings\n\n\
     Results: report.html, every cell with its numbers; cells.csv, one row a cell, failed pictures with their\n\
-    reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells that the frame cuts, doubtful ones and those\n\
-    beside --min-area and --max-area are left out with the reason. Interrupted (Ctrl-C), the same command goes on\n\
-    where it was.\n\
+    reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells that\n\
+    the frame cuts, doubtful ones and those beside --min-area and --max-area are left out with the reason.\n\
+    Interrupted (Ctrl-C), the same command goes on where it was.\n\
     Exit codes: 0 all pictures gave a cell that beat, 1 some failed, 2 bad input or usage.")]
 pub(crate) struct BatchArgs {
     /// Folder of pictures (.png, .tif), searched with all folders in it; with --table, where its files are
@@ -353,8 +353,8 @@ pub(crate) struct BatchArgs {
     myospring study merge study.toml                  when all parts are done\n  \
     myospring study figures study.toml                draws its figures anew from members.csv\n\n\
     Results: members.csv and members.parquet, one row a member with its values, metrics, status and reason;\n\
-    report.html; study.json, with Sobol's or Morris's indices where the sampler is saltelli or morris; figures: sensitivity,\n\
-    distributions, scatter or response curves of each metric.\n\
+    report.html; study.json, with Sobol's or Morris's indices where the sampler is saltelli or morris; figures:\n\
+    sensitivity, distributions, scatter or response curves of each metric.\n\
     Interrupted or killed, the same command goes on where it was.")]
 pub(crate) struct StudyArgs {
     #[command(subcommand)]
