@@ -6,6 +6,7 @@ use crate::output::page::{
 use crate::study::pictures::CellRow;
 use crate::study::{Row as _, Status};
 use statrs::statistics::{Data, OrderStatistics};
+use std::fmt::Write as _;
 
 /// Name of the file.
 pub(super) const FILE: &str = "report.html";
@@ -34,7 +35,7 @@ pub(super) fn html(
     let mut words = format!("{beat} cell{} of {of} beat", if beat == 1 { "" } else { "s" });
     for (count, what) in [(left_out, "left out"), (failed, "failed")] {
         if count > 0 {
-            words += &format!(", {count} {what}");
+            let _ = write!(words, ", {count} {what}");
         }
     }
     let quality = match (beat, failed) {

@@ -106,6 +106,9 @@ fn with_inputs(
     Ok(text)
 }
 
+/// Figures by name, and what was left out.
+type Drawn = (Vec<(String, Figure)>, Vec<String>);
+
 /// Draws the figures of a study into its folder, instead of those that are there: the figures by name, and
 /// what was left out.
 pub(super) fn draw(
@@ -113,7 +116,7 @@ pub(super) fn draw(
     common: &Common,
     sensitivity: &[Sensitivity],
     manifest: &Manifest,
-) -> Result<(Vec<(String, Figure)>, Vec<String>), ExperimentError> {
+) -> Result<Drawn, ExperimentError> {
     let (mut figures, mut left_out) = (Vec::new(), Vec::new());
     let traces = answer.trace_figure(common, &manifest.folder()).unwrap_or_else(|error| {
         left_out.push(format!("figure traces is left out: {error}"));

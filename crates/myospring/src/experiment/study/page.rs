@@ -8,6 +8,7 @@ use crate::output::page::{
 };
 use crate::output::table;
 use crate::study::parameters::{Acceptance, Answer, ParameterStudy, Ranked, Sensitivity};
+use std::fmt::Write as _;
 
 /// Name of the file.
 pub(super) const FILE: &str = "report.html";
@@ -97,13 +98,13 @@ fn line(study: &ParameterStudy, found: &Found<'_>) -> Line {
     let Acceptance { beat, kept, failed, not_captured, .. } = found.acceptance;
     let mut words = format!("{beat} of {} members beat", found.members);
     if failed > 0 {
-        words += &format!(", {failed} failed");
+        let _ = write!(words, ", {failed} failed");
     }
     if not_captured > 0 {
-        words += &format!(", {not_captured} missed stimuli");
+        let _ = write!(words, ", {not_captured} missed stimuli");
     }
     if !study.keep.is_empty() {
-        words += &format!(", {kept} kept");
+        let _ = write!(words, ", {kept} kept");
     }
     let quality = match (beat, failed) {
         (0, _) => Quality::Poor,
