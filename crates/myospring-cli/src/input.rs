@@ -6,10 +6,9 @@ use crate::files::FILES;
 use crate::interrupt;
 use crate::options::Given;
 use myospring::experiment::input;
-pub(crate) use myospring::experiment::input::{Input, ending, unread_picture};
+pub(crate) use myospring::experiment::input::{Input, ending};
 use myospring::experiment::refused::Place;
-use myospring::run_file::{Origin, Run, ShapeBytes, Shaped};
-use myospring::settings::Value;
+use myospring::run_file::Run;
 use std::path::{Path, PathBuf};
 
 /// Reads and checks everything and meshes the shape. Of a picture that gives no cell an overlay is written beside
@@ -21,17 +20,6 @@ pub(crate) fn read(
 ) -> Result<Input, Failure> {
     let refused = |name: &str| results.map(|args| refusals(args, name));
     input::read(path, overrides, refused, &FILES, &interrupt::interruption())
-}
-
-/// Meshes the shape of a run, as [`read()`] does.
-pub(crate) fn mesh(name: String, run: Run, results: Option<&OutputArgs>) -> Result<Input, Failure> {
-    let refused = results.map(|args| refusals(args, &name));
-    input::mesh(name, run, refused, &FILES)
-}
-
-/// Meshes the cell of a picture; of one that gives none an overlay is written to `place`.
-pub(crate) fn mesh_picture(run: &Run, bytes: &ShapeBytes, place: Place) -> Result<Shaped, Failure> {
-    input::mesh_picture(run, bytes, Some(place), &FILES)
 }
 
 /// Where the overlay of a picture goes that is refused: beside the results that there will not be.
@@ -51,15 +39,6 @@ pub(crate) fn outlines(name: &str) -> PathBuf {
 /// Reads and checks every setting; the name of the results, and the run.
 pub(crate) fn settle(path: Option<&Path>, overrides: &[Given]) -> Result<(String, Run), Failure> {
     input::settle(path, overrides, &FILES, &interrupt::interruption())
-}
-
-/// As [`settle`], with values from elsewhere that override the options.
-pub(crate) fn settle_with(
-    path: Option<&Path>,
-    overrides: &[Given],
-    own: impl IntoIterator<Item = (Origin, &'static str, Value)>,
-) -> Result<(String, Run), Failure> {
-    input::settle_with(path, overrides, own, &FILES, &interrupt::interruption())
 }
 
 /// Refuses `--cell all` where one cell is needed.

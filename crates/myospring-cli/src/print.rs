@@ -1,7 +1,6 @@
 //! All that the program prints goes through here.
 
 use crate::failure::Failure;
-use indicatif::{ProgressBar, ProgressStyle};
 use myospring::experiment::legible;
 use std::io::{self, IsTerminal, Write};
 
@@ -38,17 +37,4 @@ pub(crate) fn warn(text: &str) {
     let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let (start, end) = if colour { ("\u{1b}[33m", "\u{1b}[0m") } else { ("", "") };
     note(&format!("{start}warning:{end} {}", legible::message(text)));
-}
-
-/// A bar on a terminal, else one that is not seen.
-pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(0);
-    let style = ProgressStyle::with_template("beating {wide_bar:.cyan} {pos}/{len} ms, {eta} left");
-    if let Ok(style) = style {
-        bar.set_style(style);
-    }
-    bar
 }

@@ -54,6 +54,10 @@ impl Observer for Terminal {
         self.bar().suspend(|| print::warn(text));
     }
 
+    fn keeps(&self, doing: &'static str) {
+        interrupt::heed(doing);
+    }
+
     fn interruption(&self) -> Interruption {
         interrupt::interruption()
     }

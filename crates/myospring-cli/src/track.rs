@@ -1,57 +1,135 @@
 //! `myospring track`.
 
-pub(crate) mod follow;
-mod open;
-mod outputs;
-pub(crate) mod report;
-
-pub(crate) use outputs::{DEFAULT, words};
-
+use crate::analyse::table::frame_rate;
 use crate::args::TrackArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::files::FILES;
-use crate::input;
-use crate::interrupt;
-use crate::print;
 use crate::terminal::Terminal;
-use follow::Asked;
-use myospring::experiment::Folder;
-use myospring::microscopy::outlines::{NamedOutline, write_geojson};
-use myospring::output::{json, track as table};
-use report::Report;
+use crate::{input, print};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use myospring::experiment::track::{Headline, Output, Report, Track};
+use myospring::experiment::{Experiment, Folder, Outcome};
+use myospring::microscopy::motion::Settings;
+use myospring::output::json;
+use myospring::units::{self, Dimension};
+use std::num::NonZeroUsize;
 use std::path::Path;
+
+/// What is written unless others are asked for.
+pub(crate) const DEFAULT: &str = "figures,gif,frames";
+/// The word for nothing beside the curve.
+const NONE: &str = "none";
+
+/// What `--outputs` takes.
+pub(crate) fn words() -> PossibleValuesParser {
+    let word = |output: Output| PossibleValue::new(output.word()).help(output.about());
+    let none = PossibleValue::new(NONE).help("the curve and its numbers only");
+    Output::ALL.map(word).into_iter().chain([none]).collect::<Vec<_>>().into()
+}
 
 pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
-    let asked = Asked::of(args)?;
-    asked.settled()?;
-    let name = open::name(&args.input)?;
+    let mut experiment = Track {
+        settings: args.settings.overrides(),
+        frame_rate: args.frame_rate.as_deref().map(frame_rate).transpose()?,
+        subset_um: args.subset.as_deref().map_or(Ok(Settings::SUBSET_UM), subset)?,
+        threads: args.threads.map(NonZeroUsize::get),
+        outputs: outputs(&args.outputs)?,
+        ..Track::of(&args.input)
+    };
+    let name = experiment.check(&FILES)?;
+    experiment.refused = Some(input::refusals(&args.output, &name));
     let target = args.output.output.clone();
     let target = target.unwrap_or_else(|| Path::new("results").join(format!("{name}_track")));
     // Before the work, so that nothing is worked on that cannot be written.
     let folder = Folder::claim(&target, args.output.force, &FILES)?;
-    let found = follow::cell(&args.input, &asked, &args.output)?;
-    interrupt::heed("the frames that are done are written");
-    let followed = follow::film(found, &asked, args.output.quiet)?;
-    let report = Report::of(&args.input, &followed);
+    let terminal = Terminal::new(args.output.quiet);
+    let outcome = experiment.run(&FILES, &terminal)?;
+    terminal.clear();
     if !args.output.quiet {
-        for warning in &report.warnings {
-            print::warn(warning);
-        }
+        outcome.warnings().iter().for_each(|warning| print::warn(warning));
     }
-    folder.write("track.csv", table::to_csv(&report.rows)?)?;
-    folder.write("track.json", json::for_people(&report)?)?;
-    folder.write("rest.tif", &followed.rest_picture)?;
-    let outline = NamedOutline { name, outline: followed.shaped.outline.clone() };
-    folder.write("outline.geojson", write_geojson(&[outline]))?;
-    outputs::write(&folder, &args.outputs, &followed, &report)?;
-    let target = folder.finish(&Terminal::new(true))?;
+    outcome.save(&folder, &terminal)?;
+    let target = folder.finish(&terminal)?;
     if args.output.json {
-        print::out(&json::for_people(&report)?)?;
+        print::out(&json::for_people(&outcome.numbers())?)?;
     } else {
-        print::out(&report.for_people())?;
+        print::out(&for_people(&outcome.report))?;
         print::out(&format!("\nwritten: {}", target.display()))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn outputs(words: &[String]) -> Result<Vec<Output>, Failure> {
+    if words.len() > 1 && words.iter().any(|word| word == NONE) {
+        return Err(Failure::new(format!("--outputs {}: `none` stands alone", words.join(",")))
+            .advise("leave out `none` or everything else"));
+    }
+    let named = |output: &Output| words.iter().any(|word| word == output.word());
+    Ok(Output::ALL.into_iter().filter(named).collect())
+}
+
+fn subset(text: &str) -> Result<f64, Failure> {
+    let [least, most] = Settings::SUBSETS_UM;
+    let um = units::parse(text, Dimension::Length)
+        .map_err(|error| Failure::new(format!("--subset: {error}")))?;
+    if (least..=most).contains(&um) {
+        return Ok(um);
+    }
+    Err(Failure::new(format!("--subset is {um} um; it must be between {least} and {most} um"))
+        .advise("two sarcomeres are a good size: --subset \"4 um\""))
+}
+
+fn for_people(report: &Report) -> String {
+    let mut lines = vec![format!(
+        "{}: {} of {} frames at {} /s ({}), pixels of {} um; at rest in frame {}",
+        report.film,
+        report.frames_followed,
+        report.frames,
+        rounded(report.frames_per_second),
+        report.frame_rate_source,
+        rounded(report.pixel_size_um),
+        report.rest_frame
+    )];
+    let Headline { column, peak_contraction_pct, peak_frame, because, .. } = &report.headline;
+    lines.push(format!(
+        "contracts by {peak_contraction_pct:.2} % (frame {peak_frame}), read from {column}: {because}"
+    ));
+    lines.push(format!(
+        "length {:.1} um at rest, shortens by {:.2} % (frame {})",
+        report.resting_length_um, report.peak_shortening_pct, report.peak_frame
+    ));
+    lines.push(format!(
+        "strains of the whole cell: stretch_1 at least {:.4} (frame {})",
+        report.least_stretch, report.least_stretch_frame
+    ));
+    if let (Some(rest), Some([low, high])) =
+        (report.sarcomere_rest_um, report.sarcomere_rest_interval_um)
+        && let (Some(least), Some(shorter), Some([from, to])) = (
+            report.sarcomere_least_um,
+            report.sarcomere_shortening_pct,
+            report.sarcomere_shortening_interval_pct,
+        )
+    {
+        lines.push(format!(
+            "sarcomeres {rest:.3} um at rest ({low:.3} to {high:.3}), {least:.3} um at least: {shorter:.1} % shorter \
+             ({from:.1} to {to:.1}); mean of {} places in {} parts of the cell, 95 % intervals",
+            report.sarcomere_places, report.sarcomere_parts
+        ));
+    }
+    lines.push(format!(
+        "{} points, subsets of {:.1} um, healed {:.1} % on average, {:.1} % at most",
+        report.points, report.subset_um, report.healed_pct_mean, report.healed_pct_most
+    ));
+    lines.push(format!(
+        "motion of the stage: {}, up to {:.2} um",
+        report.stage, report.stage_largest_um
+    ));
+    lines.join("\n")
+}
+
+/// Without the digits that a file's ratio of whole numbers leaves.
+fn rounded(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
 }

@@ -15,6 +15,7 @@
 //!
 //! Displacements are um, y upward, as in meshes.
 
+mod doubts;
 mod error;
 mod headline;
 mod level;
@@ -85,6 +86,10 @@ pub struct Settings {
 impl Settings {
     /// Side of a subset unless another is asked for, um: two sarcomeres.
     pub const SUBSET_UM: f64 = 4.0;
+    /// Sides of a subset that make sense, um.
+    pub const SUBSETS_UM: [f64; 2] = [0.5, 100.0];
+    /// No camera takes more frames a second.
+    pub const HIGHEST_FRAME_RATE: f64 = 1e6;
 
     /// The defaults, with a frame rate.
     pub const fn at(frames_per_second: f64) -> Self {

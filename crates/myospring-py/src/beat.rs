@@ -50,7 +50,7 @@ pub(crate) struct Beat {
     cell: Arc<Inner>,
     /// The settings that were given, those of the cell included.
     file: RunFile,
-    beaten: Beaten,
+    pub(crate) beaten: Beaten,
     beats: Beats,
 }
 
@@ -79,7 +79,13 @@ pub(crate) fn repeat(
     beat(py, cell, file, threads)
 }
 
-fn beat(py: Python<'_>, cell: &Cell, file: RunFile, threads: Option<usize>) -> PyResult<Beat> {
+/// Beats a cell by a run file.
+pub(crate) fn beat(
+    py: Python<'_>,
+    cell: &Cell,
+    file: RunFile,
+    threads: Option<usize>,
+) -> PyResult<Beat> {
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let cell = &cell.0;
     let beaten = interruptible(py, |interruption| {
@@ -331,15 +337,25 @@ impl Beat {
             stimulus_times_ms: state.stimulus_times_ms,
             s2_ms: state.s2_ms,
         };
-        let cell = &cell.0;
-        let (name, sha256) = (cell.name.clone(), sha256(&cell.bytes.shape));
-        let files = cell.files();
-        let beaten = Beaten::of(name, run, sha256, made, outcome, state.warnings, files);
-        Ok(Self::of(cell, file, beaten))
+        Ok(Self::kept(&cell.0, file, run, made, outcome, state.warnings))
     }
 }
 
 impl Beat {
+    /// A beat that was kept somewhere.
+    pub(crate) fn kept(
+        cell: &Arc<Inner>,
+        file: RunFile,
+        run: Run,
+        made: Made,
+        outcome: Outcome,
+        warnings: Vec<String>,
+    ) -> Self {
+        let (name, sha256) = (cell.name.clone(), sha256(&cell.bytes.shape));
+        let beaten = Beaten::of(name, run, sha256, made, outcome, warnings, cell.files());
+        Self::of(cell, file, beaten)
+    }
+
     fn of(cell: &Arc<Inner>, file: RunFile, beaten: Beaten) -> Self {
         let (cell, beats) = (Arc::clone(cell), beaten.outcome.beats());
         Self { cell, file, beaten, beats }

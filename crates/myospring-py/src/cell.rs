@@ -133,7 +133,12 @@ impl Cell {
 }
 
 impl Cell {
-    fn made(py: Python<'_>, file: RunFile, mut files: BTreeMap<String, Vec<u8>>) -> PyResult<Self> {
+    /// Finds and meshes the cell of a run file; `files` are the bytes of files that are none.
+    pub(crate) fn made(
+        py: Python<'_>,
+        file: RunFile,
+        mut files: BTreeMap<String, Vec<u8>>,
+    ) -> PyResult<Self> {
         let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
         let shaped = interruptible(py, |_interruption| {
             let read = |path: &str| {

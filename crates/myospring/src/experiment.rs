@@ -9,6 +9,7 @@ pub mod analyse;
 pub mod batch;
 mod beats;
 pub mod citations;
+pub mod compare;
 mod error;
 mod fibres;
 mod files;
@@ -25,6 +26,7 @@ pub mod run;
 pub mod segment;
 pub mod study;
 pub mod tables;
+pub mod track;
 
 pub use beats::Beats;
 pub use error::{ExperimentError, Passage};

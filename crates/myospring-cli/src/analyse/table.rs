@@ -4,6 +4,7 @@ use crate::args::{StimulusArgs, TableArgs};
 use crate::failure::Failure;
 use myospring::experiment::Beats;
 use myospring::measured::{Column, Kind, Layout, Options as Table};
+use myospring::microscopy::motion::Settings;
 use myospring::units::{self, Dimension};
 
 /// How tables are read; `until` is where the part that counts ends.
@@ -57,21 +58,19 @@ pub(crate) fn options(
     })
 }
 
-/// No camera takes more frames a second.
-pub(crate) const HIGHEST_FRAME_RATE: f64 = 1e6;
-
 /// `250`, `250 /s`, `250 Hz`, `250 fps`, frames a second.
 pub(crate) fn frame_rate(text: &str) -> Result<f64, Failure> {
+    const MOST: f64 = Settings::HIGHEST_FRAME_RATE;
     let number = text.trim().parse::<f64>();
     // 1/ms to 1/s
     let rate = number.or_else(|_| units::parse(text, Dimension::Rate).map(|rate| 1e3 * rate));
     let wrong = match rate {
-        Ok(rate) if rate > 0.0 && rate <= HIGHEST_FRAME_RATE => return Ok(rate),
+        Ok(rate) if rate > 0.0 && rate <= MOST => return Ok(rate),
         Ok(_) => String::new(),
         Err(error) => format!("; {error}"),
     };
     Err(Failure::new(format!(
-        "--frame-rate is `{text}`; it must be a number of frames a second above 0, at most {HIGHEST_FRAME_RATE}{wrong}"
+        "--frame-rate is `{text}`; it must be a number of frames a second above 0, at most {MOST}{wrong}"
     ))
     .advise("give it like --frame-rate 30, as the camera was set"))
 }

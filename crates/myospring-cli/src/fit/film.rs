@@ -3,14 +3,14 @@
 use crate::args::FitArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::files::FILES;
 use crate::options::Given;
 use crate::terminal::Terminal;
-use crate::track::follow::{self, Asked, Followed};
-use crate::track::report::Report;
-use crate::{analyse, interrupt, print};
+use crate::{analyse, input, print};
 use myospring::analysis::kind::Kind;
 use myospring::experiment::Folder;
 use myospring::experiment::tables::is_of_tables;
+use myospring::experiment::track::{Followed, Report, Track};
 use myospring::measured::Curve;
 use myospring::microscopy::outlines::{NamedOutline, write_geojson};
 use myospring::output::track::{self as table, TrackRow};
@@ -51,10 +51,11 @@ pub(super) fn follow(
     overrides: &[Given],
 ) -> Result<Followed, Failure> {
     let rate = args.table.frame_rate.as_deref().map(analyse::table::frame_rate).transpose()?;
-    let asked = Asked::new(overrides.to_vec(), rate);
-    let found = follow::cell(film, &asked, &args.output)?;
-    interrupt::heed("the frames that are done are written");
-    follow::film(found, &asked, args.output.quiet)
+    let mut experiment =
+        Track { settings: overrides.to_vec(), frame_rate: rate, ..Track::of(film) };
+    let name = experiment.check(&FILES)?;
+    experiment.refused = Some(input::refusals(&args.output, &name));
+    experiment.follow(&FILES, &Terminal::new(args.output.quiet))
 }
 
 /// The curve of a film: its cell's mean stretch along the contraction, unless a column of `track.csv` was named.
@@ -100,7 +101,7 @@ pub(super) fn write(
     folder: &Folder,
     target: &Path,
     followed: &Followed,
-    report: &Report<'_>,
+    report: &Report,
     name: &str,
     run: &mut Run,
     own: bool,

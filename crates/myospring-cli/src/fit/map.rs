@@ -3,8 +3,8 @@
 use super::files::csv;
 use crate::failure::Failure;
 use crate::terminal::Terminal;
-use crate::track::follow::Followed;
 use myospring::experiment::Folder;
+use myospring::experiment::track::Followed;
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, Figure, FigureError, Map, Theme};
 use myospring::output::table::{Column, Table};

@@ -3,9 +3,9 @@
 use super::files::fitted;
 use crate::failure::Failure;
 use crate::terminal::Terminal;
-use crate::track::follow::Followed;
 use myospring::analysis::shape::laid_upon;
 use myospring::experiment::Folder;
+use myospring::experiment::track::Followed;
 use myospring::fit::{Fit, Fitter};
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::output::field::{Field, Fields};

@@ -14,6 +14,7 @@ from myospring._analyse import AnalysedCurve, Analysis, MeasuredBeat, analyse
 from myospring._batch import simulate_batch
 from myospring._beat import Beat, SimulationError
 from myospring._cell import Cell
+from myospring._compare import Comparison, compare
 from myospring._errors import MyospringWarning, UnknownNameError
 from myospring._fit import Estimate, Fit, FittedCurve, fit
 from myospring._fit_many import Fits, fit_many
@@ -21,8 +22,10 @@ from myospring._functions import action_potential, simulate
 from myospring._lists import METRICS, Metric, Parameter, models, parameters
 from myospring._native import __version__
 from myospring._pictures import Batch, batch
+from myospring._presets import presets, simulate_preset
 from myospring._segment import SegmentedCell, Segmentation, segment
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
+from myospring._track import Motion, track
 from myospring._whole_frame import WholeFrame, whole_frame
 
 __all__ = [
@@ -33,6 +36,7 @@ __all__ = [
     "Batch",
     "Beat",
     "Cell",
+    "Comparison",
     "Estimate",
     "Fit",
     "Fits",
@@ -41,6 +45,7 @@ __all__ = [
     "MeasuredBeat",
     "Metric",
     "Morris",
+    "Motion",
     "MyospringWarning",
     "Parameter",
     "Segmentation",
@@ -54,13 +59,17 @@ __all__ = [
     "action_potential",
     "analyse",
     "batch",
+    "compare",
     "fit",
     "fit_many",
     "models",
     "parameters",
+    "presets",
     "run_study",
     "segment",
     "simulate",
     "simulate_batch",
+    "simulate_preset",
+    "track",
     "whole_frame",
 ]

@@ -245,6 +245,31 @@ class Beat:
         warn(said)
         return Path(saved)
 
+    @classmethod
+    def load(cls, folder: str | PathLike[str]) -> Beat:
+        """Reads a beat that ``myospring run`` or `save` has written.
+
+        Parameters
+        ----------
+        folder : path
+            The folder of results. The cell is meshed again from its ``run.toml``; positions are there where the run has
+            kept its frames (``outputs="frames"``).
+
+        Returns
+        -------
+        Beat
+            The beat, with the digits of ``traces.csv``.
+
+        Raises
+        ------
+        ValueError
+            The folder holds no results, or they were changed since.
+        OSError
+            A file that the results name cannot be read.
+        """
+        cell, beat = _native.load(os.fspath(folder))
+        return cls(Cell(cell), beat)
+
     def animate(self) -> Page:
         """The beating cell with its curves as a page that needs nothing else, for a notebook.
 

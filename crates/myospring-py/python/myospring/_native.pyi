@@ -12,6 +12,8 @@ __all__ = [
     "Beat",
     "Fitter",
     "Analysis",
+    "Comparison",
+    "Motion",
     "Study",
     "Members",
     "Segmentation",
@@ -23,6 +25,12 @@ __all__ = [
     "analyse",
     "segment",
     "beat_pictures",
+    "compare",
+    "track",
+    "presets",
+    "preset_cell",
+    "simulate_preset",
+    "load",
     "action_potential",
     "metrics",
     "tiff",
@@ -125,6 +133,41 @@ class Analysis:
     @property
     def warnings(self) -> list[str]: ...
     def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+
+@final
+class Comparison:
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def settings(self) -> list[tuple[str, list[str]]]: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+
+@final
+class Motion:
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def columns(self) -> list[str]: ...
+    def column(self, name: str) -> NDArray[np.float64]: ...
+    @property
+    def contraction_pct(self) -> NDArray[np.float64]: ...
+    @property
+    def frames(self) -> NDArray[np.uint64]: ...
+    @property
+    def positions(self) -> NDArray[np.float64]: ...
+    @property
+    def healed(self) -> NDArray[np.bool_]: ...
+    @property
+    def stage_um(self) -> NDArray[np.float64]: ...
+    @property
+    def triangles(self) -> NDArray[np.uint32]: ...
+    def save(
+        self, folder: str | PathLike[str], force: bool, outputs: list[str] | None
+    ) -> tuple[str | PathLike[str], list[str]]: ...
 
 @final
 class Study:
@@ -230,6 +273,22 @@ def analyse(
     finding: dict[str, Any],
     progress: Callable[[str, int, int], object] | None,
 ) -> Analysis: ...
+def compare(
+    inputs: list[tuple[str, Beat] | str],
+    given: dict[str, Any],
+    scale: list[tuple[str, list[tuple[str, float]]]],
+    doses: str | None,
+    threads: int | None,
+    progress: Callable[[str, int, int], object] | None,
+) -> Comparison: ...
+def track(
+    film: str,
+    given: dict[str, Any],
+    frame_rate_per_s: float | None,
+    subset_um: float | None,
+    threads: int | None,
+    progress: Callable[[str, int, int], object] | None,
+) -> Motion: ...
 def simulate_batch(
     cell: Cell,
     given: dict[str, Any],
@@ -243,6 +302,12 @@ def action_potential(
 ) -> tuple[
     list[tuple[str, NDArray[np.float64]]], list[list[tuple[str, float | None, str]]]
 ]: ...
+def presets() -> list[tuple[str, str, str]]: ...
+def preset_cell(name: str) -> Cell: ...
+def simulate_preset(
+    name: str, cell: Cell, given: dict[str, Any], threads: int | None
+) -> Beat: ...
+def load(folder: str | PathLike[str]) -> tuple[Cell, Beat]: ...
 def metrics() -> list[tuple[str, str, str]]: ...
 def study_toml(json: str) -> str: ...
 def with_rows(text: str, file: str) -> str: ...

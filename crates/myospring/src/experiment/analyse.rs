@@ -196,7 +196,7 @@ impl Outcome for Analysed {
         folder.write("metrics.csv", csv::metrics(&self.curves)?)?;
         folder.write("summary.csv", csv::summary(&self.curves)?)?;
         folder.write("summary.json", json::for_people(&self.numbers())?)?;
-        folder.write("report.html", page::html(self)?)?;
+        folder.write("report.html", page::html(&self.curves, self.warnings())?)?;
         let names = figures::names(&self.curves);
         observer.stage("figures", names.len().min(FIGURES) as u64);
         for (done, (read, name)) in self.curves.iter().zip(&names).take(FIGURES).enumerate() {

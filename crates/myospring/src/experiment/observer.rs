@@ -19,6 +19,10 @@ pub trait Observer: Sync {
     /// One of many failed, a picture or a member of a study; its row has the reason, too.
     fn failed(&self, _name: &str, _reason: &str) {}
 
+    /// From now on what is done is kept if the experiment ends early; `doing` says what becomes of it: "the frames that
+    /// are done are written".
+    fn keeps(&self, _doing: &'static str) {}
+
     /// What ends the experiment early.
     fn interruption(&self) -> Interruption {
         Interruption::default()

@@ -1,8 +1,8 @@
 //! `report.html` of analysed curves.
 
-use super::{Analysed, AnalysedCurve, Mean, conventions, means};
+use super::curve::AnalysedCurve;
+use super::record::{Mean, conventions, means};
 use crate::analysis::curve::{Analysis, CurveBeat, State};
-use crate::experiment::Outcome as _;
 use crate::output::figure::Measured;
 use crate::output::page::{
     self, Answer, Cell, Chart, Column, Look, Mark, Page, PageError, Part, Quality, Row, Section,
@@ -62,19 +62,15 @@ const KEY: [(&str, &[&str]); 6] = [
 ];
 
 /// The page.
-pub(super) fn html(all: &Analysed) -> Result<String, PageError> {
+pub(super) fn html(all: &[AnalysedCurve], warnings: Vec<String>) -> Result<String, PageError> {
     let found: Vec<(&AnalysedCurve, &Analysis)> =
-        all.curves.iter().filter_map(|read| Some((read, read.found.as_ref().ok()?))).collect();
+        all.iter().filter_map(|read| Some((read, read.found.as_ref().ok()?))).collect();
     let mut sections = Vec::new();
     match &found[..] {
-        [(_, analysis)] if all.curves.len() == 1 => {
+        [(_, analysis)] if all.len() == 1 => {
             sections.push(Section::new("key", "Key numbers", vec![tiles(analysis)]));
         }
-        _ => sections.push(Section::new(
-            "all",
-            "All curves",
-            vec![Part::Table(by_curve(&all.curves))],
-        )),
+        _ => sections.push(Section::new("all", "All curves", vec![Part::Table(by_curve(all))])),
     }
     sections.push(curves(&found));
     sections.push(numbers(&found));
@@ -85,17 +81,17 @@ pub(super) fn html(all: &Analysed) -> Result<String, PageError> {
         title: &title(all),
         facts: facts(all),
         answer: Some(answer(all, &found)),
-        warnings: all.warnings(),
+        warnings,
         sections,
     })
 }
 
-fn files(all: &Analysed) -> BTreeSet<&str> {
-    all.curves.iter().map(|read| read.file.as_str()).collect()
+fn files(all: &[AnalysedCurve]) -> BTreeSet<&str> {
+    all.iter().map(|read| read.file.as_str()).collect()
 }
 
-fn title(all: &Analysed) -> String {
-    match (&all.curves[..], files(all).len()) {
+fn title(all: &[AnalysedCurve]) -> String {
+    match (all, files(all).len()) {
         ([one], _) => one.title(),
         (curves, 1) => {
             let file = curves[0].file.rsplit(['/', '\\']).next().unwrap_or_default();
@@ -105,11 +101,10 @@ fn title(all: &Analysed) -> String {
     }
 }
 
-fn facts(all: &Analysed) -> Vec<String> {
-    let kinds: BTreeSet<String> =
-        all.curves.iter().map(|read| read.curve.kind.to_string()).collect();
+fn facts(all: &[AnalysedCurve]) -> Vec<String> {
+    let kinds: BTreeSet<String> = all.iter().map(|read| read.curve.kind.to_string()).collect();
     let mut facts: Vec<String> = kinds.into_iter().collect();
-    if let [one] = &all.curves[..] {
+    if let [one] = all {
         let rate = one.curve.frame_rate_per_s().map(|rate| format!(" at {rate:.4} /s"));
         facts.push(format!("{} frames{}", one.curve.values.len(), rate.unwrap_or_default()));
     }
@@ -117,13 +112,13 @@ fn facts(all: &Analysed) -> Vec<String> {
 }
 
 /// How many beats count, and of one curve how large they are.
-fn answer(all: &Analysed, found: &[(&AnalysedCurve, &Analysis)]) -> Answer {
+fn answer(all: &[AnalysedCurve], found: &[(&AnalysedCurve, &Analysis)]) -> Answer {
     let beats: usize = found.iter().map(|(_, analysis)| analysis.beats.len()).sum();
     let counted: usize = found.iter().map(|(_, analysis)| analysis.counted().len()).sum();
-    let of = if all.curves.len() == 1 {
+    let of = if all.len() == 1 {
         String::new()
     } else {
-        format!(" in {} of {} curves", found.len(), all.curves.len())
+        format!(" in {} of {} curves", found.len(), all.len())
     };
     let plural = if beats == 1 { "" } else { "s" };
     let mut words = if counted == beats {
@@ -137,7 +132,7 @@ fn answer(all: &Analysed, found: &[(&AnalysedCurve, &Analysis)]) -> Answer {
     {
         words = format!("{words}; {} {value}", metric_words(mean.name));
     }
-    let whole = counted == beats && found.len() == all.curves.len();
+    let whole = counted == beats && found.len() == all.len();
     let quality = if whole { Quality::Good } else { Quality::Fair };
     Answer { words: format!("{words}."), quality }
 }

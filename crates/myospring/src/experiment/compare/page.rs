@@ -1,20 +1,12 @@
 //! `report.html` of a comparison: the same page as that of a run, with all of them.
 
 use super::side::{Shown, Side};
-use crate::failure::Failure;
-use crate::print;
-use myospring::analysis::beat::Beats;
-use myospring::experiment::Folder;
-use myospring::experiment::Inputs;
-use myospring::experiment::citations;
-use myospring::experiment::run::{FILE, parameters};
-use myospring::output::field::Field;
-use myospring::output::page::{self, Difference, Page, PageRun, Runs};
-use myospring::output::report::Summary;
-use myospring::simulation::Pace;
-
-/// What to open where there is no page.
-const FIGURE: &str = "figures/compared.png";
+use crate::experiment::run::{FILE, parameters};
+use crate::experiment::{ExperimentError, Folder, Inputs, Observer, citations};
+use crate::output::field::Field;
+use crate::output::page::{self, Difference, Page, PageRun, Runs};
+use crate::output::report::Summary;
+use crate::simulation::Pace;
 
 /// Text and numbers of a run that its page borrows.
 struct Owned {
@@ -23,17 +15,31 @@ struct Owned {
     citations: String,
 }
 
+impl Owned {
+    fn of(side: &Side, shown: &Shown, inputs: &Inputs) -> Self {
+        let Side { recording, stimuli, s2_ms, .. } = side;
+        let pace = Pace::of(&*shown.run.cell, shown.run.support, &side.beats());
+        let report = shown.report.clone();
+        Self {
+            summary: Summary::new(recording, stimuli, *s2_ms, report, Vec::new()).with_pace(&pace),
+            run_file: inputs.renamed(side.file.clone(), "../").to_toml(),
+            citations: citations::bibtex(&*shown.run.cell),
+        }
+    }
+}
+
 /// As many labels make a title; of more runs it has the first.
 const NAMED: usize = 3;
 
-/// Writes the page, if every run can be shown; the file to open.
+/// Writes the page, if every run can be shown.
 pub(super) fn write(
     folder: &Folder,
     sides: &[Side],
     differences: &[Difference],
     warnings: &[String],
     inputs: &Inputs,
-) -> Result<&'static str, Failure> {
+    observer: &dyn Observer,
+) -> Result<(), ExperimentError> {
     let shown: Option<Vec<(&Side, &Shown)>> = sides
         .iter()
         .map(|side| {
@@ -41,28 +47,11 @@ pub(super) fn write(
         })
         .collect();
     let Some(shown) = shown else {
-        print::warn("there is no report.html, since not every cell can be meshed as it was");
-        return Ok(FIGURE);
+        observer.warn("there is no report.html, since not every cell can be meshed as it was");
+        return Ok(());
     };
-    let owned: Vec<Owned> = shown
-        .iter()
-        .map(|(side, shown)| Owned {
-            summary: Summary::new(
-                &side.recording,
-                &side.stimuli,
-                side.s2_ms,
-                shown.report.clone(),
-                Vec::new(),
-            )
-            .with_pace(&Pace::of(
-                &*shown.run.cell,
-                shown.run.support,
-                &Beats::of(&side.recording, &side.stimuli, side.s2_ms),
-            )),
-            run_file: side.file.to_toml(),
-            citations: citations::bibtex(&*shown.run.cell),
-        })
-        .collect();
+    let owned: Vec<Owned> =
+        shown.iter().map(|(side, shown)| Owned::of(side, shown, inputs)).collect();
     let runs = shown.iter().zip(&owned);
     let runs = runs.map(|((side, shown), owned)| on_page(side, shown, owned, inputs)).collect();
     let runs = Runs { runs, differences };
@@ -85,8 +74,7 @@ pub(super) fn write(
         warnings: warnings.iter().cloned().chain(runs.warnings()).collect(),
         sections,
     };
-    folder.write(FILE, page::html(&page)?)?;
-    Ok(FILE)
+    folder.write(FILE, page::html(&page)?)
 }
 
 fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned, inputs: &Inputs) -> PageRun<'a> {

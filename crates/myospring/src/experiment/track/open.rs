@@ -1,11 +1,10 @@
 //! Opening films: files and folders that the library reads, all others through ffmpeg.
 
-use crate::failure::Failure;
-use crate::files::FILES;
-use crate::input::{ending, unread_picture};
-use myospring::microscopy::film::{Film, FilmError};
-use myospring::microscopy::picture::Selection;
-use myospring::settings::PICTURE_ENDINGS;
+use crate::experiment::input::{ending, unread_picture};
+use crate::experiment::{ExperimentError, Files};
+use crate::microscopy::film::{Film, FilmError};
+use crate::microscopy::picture::Selection;
+use crate::settings::PICTURE_ENDINGS;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -14,20 +13,24 @@ use std::process::{Command, Stdio};
 const FILM_ENDINGS: [&str; 4] = ["tif", "tiff", "avi", "y4m"];
 
 /// A name for results: that of the film without its ending.
-pub(super) fn name(path: &Path) -> Result<String, Failure> {
+pub(super) fn name(path: &Path, files: &Files) -> Result<String, ExperimentError> {
     // Before anything else is said about it.
-    let about = fs::metadata(path).map_err(|error| Failure::unread(path, &error))?;
-    FILES.note(path);
-    let whole = fs::canonicalize(path).map_err(|error| Failure::unread(path, &error))?;
+    let about = fs::metadata(path).map_err(|error| ExperimentError::unread(path, &error))?;
+    files.note(path);
+    let whole = fs::canonicalize(path).map_err(|error| ExperimentError::unread(path, &error))?;
     let name = if about.is_dir() { whole.file_name() } else { whole.file_stem() };
     Ok(name.unwrap_or_default().to_string_lossy().trim_end_matches(".ome").to_owned())
 }
 
 /// Opens a film.
-pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> {
+pub(super) fn open(
+    path: &Path,
+    selection: &Selection,
+    files: &Files,
+) -> Result<Film, ExperimentError> {
     let failed = |error: FilmError| {
         let picture = matches!(error, FilmError::TooFew { frames: 1 });
-        let failure = Failure::new(format!("`{}`: {error}", path.display()));
+        let failure = ExperimentError::new(format!("`{}`: {error}", path.display()));
         if !picture {
             return failure;
         }
@@ -37,22 +40,22 @@ pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> 
              and `myospring fit {file} --to CURVE.csv` fits it to a curve"
         ))
     };
-    let about = fs::metadata(path).map_err(|error| Failure::unread(path, &error))?;
+    let about = fs::metadata(path).map_err(|error| ExperimentError::unread(path, &error))?;
     if about.is_dir() {
-        return Film::of_pictures(pictures(path)?, selection).map_err(failed);
+        return Film::of_pictures(pictures(path, files)?, selection).map_err(failed);
     }
     let kind = ending(path);
     if !FILM_ENDINGS.contains(&kind.as_str()) {
         if let Some(format) = unread_picture(&kind).filter(|_| kind != "gif") {
             let message = format!("`{}`: this is a {format}", path.display());
-            return Err(Failure::new(message));
+            return Err(ExperimentError::new(message));
         }
         if PICTURE_ENDINGS.contains(&kind.as_str()) {
             return Err(failed(FilmError::TooFew { frames: 1 }));
         }
         return Film::read(through_ffmpeg(path, None)?, selection).map_err(failed);
     }
-    let bytes = FILES.bytes(path).map_err(|error| Failure::unread(path, &error))?;
+    let bytes = files.bytes(path).map_err(|error| ExperimentError::unread(path, &error))?;
     match Film::read(bytes, selection) {
         Err(FilmError::Codec { codec }) => {
             Film::read(through_ffmpeg(path, Some(&codec))?, selection).map_err(failed)
@@ -62,27 +65,29 @@ pub(super) fn open(path: &Path, selection: &Selection) -> Result<Film, Failure> 
 }
 
 /// The pictures of a folder, not of folders in it.
-fn pictures(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(|error| Failure::unread(folder, &error))? {
-        let path = entry.map_err(|error| Failure::unread(folder, &error))?.path();
+fn pictures(folder: &Path, files: &Files) -> Result<Vec<(String, Vec<u8>)>, ExperimentError> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|error| ExperimentError::unread(folder, &error))? {
+        let path = entry.map_err(|error| ExperimentError::unread(folder, &error))?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let is_picture = PICTURE_ENDINGS.contains(&ending(&path).as_str());
         if is_picture && path.is_file() && !name.starts_with('.') {
-            files.push((name, FILES.bytes(&path).map_err(|error| Failure::unread(&path, &error))?));
+            found.push((
+                name,
+                files.bytes(&path).map_err(|error| ExperimentError::unread(&path, &error))?,
+            ));
         }
     }
-    if files.is_empty() {
+    if found.is_empty() {
         let message = format!("the folder `{}` holds no pictures", folder.display());
-        return Err(
-            Failure::new(message).advise("give a folder of .png or .tif files, one a frame")
-        );
+        return Err(ExperimentError::new(message)
+            .advise("give a folder of .png or .tif files, one a frame"));
     }
-    Ok(files)
+    Ok(found)
 }
 
 /// The film as a stream of grey frames, by ffmpeg; `codec` is what the library cannot read of it.
-fn through_ffmpeg(path: &Path, codec: Option<&str>) -> Result<Vec<u8>, Failure> {
+fn through_ffmpeg(path: &Path, codec: Option<&str>) -> Result<Vec<u8>, ExperimentError> {
     let what = match codec {
         Some(codec) => format!("`{}`: the frames are compressed with {codec}", path.display()),
         None => format!("`{}` is no TIFF, AVI or .y4m", path.display()),
@@ -94,7 +99,7 @@ fn through_ffmpeg(path: &Path, codec: Option<&str>) -> Result<Vec<u8>, Failure> 
         .stdin(Stdio::null())
         .output();
     let made = made.map_err(|error| {
-        Failure::new(format!("{what}, which only ffmpeg reads, and it does not start: {error}")).advise(
+        ExperimentError::new(format!("{what}, which only ffmpeg reads, and it does not start: {error}")).advise(
             "install ffmpeg (https://ffmpeg.org, or `apt install ffmpeg`, `brew install ffmpeg`, `winget install \
              ffmpeg`), or save the film as TIFF or uncompressed AVI (Fiji: File > Save As)",
         )
@@ -103,8 +108,10 @@ fn through_ffmpeg(path: &Path, codec: Option<&str>) -> Result<Vec<u8>, Failure> 
         let said = String::from_utf8_lossy(&made.stderr);
         let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
         let last = last.unwrap_or("it says nothing more");
-        return Err(Failure::new(format!("{what}, and ffmpeg reads no film from it: {last}"))
-            .advise("is this a film? save it as TIFF or AVI"));
+        return Err(ExperimentError::new(format!(
+            "{what}, and ffmpeg reads no film from it: {last}"
+        ))
+        .advise("is this a film? save it as TIFF or AVI"));
     }
     Ok(made.stdout)
 }

@@ -1,89 +1,118 @@
 //! What was measured, for machines and for people.
 
-use super::follow::Followed;
-use myospring::microscopy::motion::{self, FEWEST_PARTS, Measure, Motion, Stage};
-use myospring::microscopy::report::ShapeReport;
-use myospring::output::track::TrackRow;
-use myospring::settings::FibreReport;
-use myospring::study::sha256;
+use super::followed::Followed;
+use crate::microscopy::motion::{self, Measure, Motion, Stage};
+use crate::microscopy::report::ShapeReport;
+use crate::output::track::TrackRow;
+use crate::settings::FibreReport;
+use crate::study::sha256;
 use serde::Serialize;
 use std::path::Path;
 
-/// Share of healed points from which on a person is told, per cent.
-const MANY_HEALED_PCT: f64 = 30.0;
 /// Numbers of repeated frames that are named.
 const MOST_NAMED: usize = 10;
-/// Part of its excursion by which a cell may be longer than at rest.
-const LONGER: f64 = 0.5;
 
-/// `track.json`.
+/// All numbers of a film: `track.json`.
 #[derive(Serialize)]
-pub(crate) struct Report<'a> {
-    program: &'static str,
-    version: &'static str,
-    film: String,
-    frames: usize,
+pub struct Report {
+    /// `myospring`.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// The film.
+    pub film: String,
+    /// Frames of the film.
+    pub frames: usize,
     /// Of these followed, from this one on.
-    frames_followed: usize,
-    first_frame: usize,
+    pub frames_followed: usize,
+    /// The first of them.
+    pub first_frame: usize,
     /// Frames that repeat the one before: they are no rows of `track.csv`.
-    repeated_frames: Vec<usize>,
-    rest_frame: usize,
-    frames_per_second: f64,
-    frame_rate_source: &'static str,
-    pixel_size_um: f64,
-    pixel_size_source: &'static str,
-    subset_um: f64,
-    spacing_um: f64,
-    points: usize,
+    pub repeated_frames: Vec<usize>,
+    /// The frame at rest.
+    pub rest_frame: usize,
+    /// Frames a second.
+    pub frames_per_second: f64,
+    /// `given`, or `the film`.
+    pub frame_rate_source: &'static str,
+    /// Side of a pixel.
+    pub pixel_size_um: f64,
+    /// `given`, or `the film`.
+    pub pixel_size_source: &'static str,
+    /// Side of a subset.
+    pub subset_um: f64,
+    /// Spacing of the lattice.
+    pub spacing_um: f64,
+    /// Points of the lattice.
+    pub points: usize,
     /// Standard deviation of the noise, grey levels.
-    noise_grey_levels: f64,
+    pub noise_grey_levels: f64,
     /// Standard error of a point's displacement that the noise makes, before neighbours are averaged; median.
-    noise_error_um: Option<f64>,
-    healed_pct_mean: f64,
-    healed_pct_most: f64,
-    stage: String,
-    stage_largest_um: f64,
+    pub noise_error_um: Option<f64>,
+    /// Points that were healed, mean over frames.
+    pub healed_pct_mean: f64,
+    /// In the worst frame.
+    pub healed_pct_most: f64,
+    /// What the motion of the stage was read from.
+    pub stage: String,
+    /// How far the stage moved.
+    pub stage_largest_um: f64,
     /// How much the cell contracts, by the column that can be trusted.
-    pub(super) headline: Headline,
-    resting_length_um: f64,
-    peak_shortening_pct: f64,
-    peak_frame: usize,
-    least_stretch: f64,
-    least_stretch_frame: usize,
-    sarcomere_places: usize,
+    pub headline: Headline,
+    /// Length in the frame at rest.
+    pub resting_length_um: f64,
+    /// Largest shortening of the length.
+    pub peak_shortening_pct: f64,
+    /// The frame of the peak.
+    pub peak_frame: usize,
+    /// Smallest mean stretch of the cell.
+    pub least_stretch: f64,
+    /// Its frame.
+    pub least_stretch_frame: usize,
+    /// Places at which sarcomeres were read.
+    pub sarcomere_places: usize,
     /// So far apart that none shows the stripes of another.
-    sarcomere_parts: usize,
-    sarcomere_rest_um: Option<f64>,
+    pub sarcomere_parts: usize,
+    /// Mean length of the sarcomeres at rest.
+    pub sarcomere_rest_um: Option<f64>,
     /// 95 %, from how much the parts differ.
-    sarcomere_rest_interval_um: Option<[f64; 2]>,
-    sarcomere_least_um: Option<f64>,
-    sarcomere_shortening_pct: Option<f64>,
-    sarcomere_shortening_interval_pct: Option<[f64; 2]>,
-    rest_picture_sha256: String,
-    cell: Option<&'a ShapeReport>,
-    fibres: FibreReport,
-    pub(crate) warnings: Vec<String>,
+    pub sarcomere_rest_interval_um: Option<[f64; 2]>,
+    /// Their least mean length.
+    pub sarcomere_least_um: Option<f64>,
+    /// How much they shorten.
+    pub sarcomere_shortening_pct: Option<f64>,
+    /// Its 95 % interval.
+    pub sarcomere_shortening_interval_pct: Option<[f64; 2]>,
+    /// Hash of `rest.tif`.
+    pub rest_picture_sha256: String,
+    /// Shape of the cell at rest.
+    pub cell: Option<ShapeReport>,
+    /// Its fibres.
+    pub fibres: FibreReport,
+    /// What a reader must know.
+    pub warnings: Vec<String>,
     /// A row a frame: `track.csv`.
     #[serde(skip)]
-    pub(crate) rows: Vec<TrackRow>,
+    pub rows: Vec<TrackRow>,
 }
 
 /// How much the cell contracts.
 #[derive(Serialize)]
-pub(super) struct Headline {
+pub struct Headline {
     /// The column of `track.csv` that says it.
-    pub(super) column: &'static str,
-    peak_contraction_pct: f64,
-    peak_frame: usize,
+    pub column: &'static str,
+    /// The largest contraction.
+    pub peak_contraction_pct: f64,
+    /// The frame of the peak.
+    pub peak_frame: usize,
     /// Why that column.
-    because: String,
+    pub because: String,
     /// Of each row, %.
     #[serde(skip)]
-    pub(super) contraction_pct: Vec<f64>,
+    pub contraction_pct: Vec<f64>,
     /// The row of the peak.
     #[serde(skip)]
-    pub(super) at: usize,
+    pub at: usize,
 }
 
 impl Headline {
@@ -107,8 +136,10 @@ impl Headline {
     }
 }
 
-impl<'a> Report<'a> {
-    pub(crate) fn of(path: &Path, followed: &'a Followed) -> Self {
+impl Report {
+    /// The report of a cell that was followed.
+    #[must_use]
+    pub fn of(path: &Path, followed: &Followed) -> Self {
         let Followed { film, motion, shaped, fibres, .. } = followed;
         let rows = rows(motion);
         let rest = motion.rest_index();
@@ -176,59 +207,11 @@ impl<'a> Report<'a> {
             sarcomere_shortening_pct: shortening.map(|it| it.value),
             sarcomere_shortening_interval_pct: shortening.map(|it| it.interval),
             rest_picture_sha256: sha256(&followed.rest_picture),
-            cell: picture.map(|(_, cell)| &cell.shape),
+            cell: picture.map(|(_, cell)| cell.shape.clone()),
             fibres: fibres.report(),
-            warnings: warnings(followed, &rows, rest),
+            warnings: warnings(followed, &rows),
             rows,
         }
-    }
-
-    pub(super) fn for_people(&self) -> String {
-        let mut lines = vec![format!(
-            "{}: {} of {} frames at {} /s ({}), pixels of {} um; at rest in frame {}",
-            self.film,
-            self.frames_followed,
-            self.frames,
-            rounded(self.frames_per_second),
-            self.frame_rate_source,
-            rounded(self.pixel_size_um),
-            self.rest_frame
-        )];
-        let Headline { column, peak_contraction_pct, peak_frame, because, .. } = &self.headline;
-        lines.push(format!(
-            "contracts by {peak_contraction_pct:.2} % (frame {peak_frame}), read from {column}: {because}"
-        ));
-        lines.push(format!(
-            "length {:.1} um at rest, shortens by {:.2} % (frame {})",
-            self.resting_length_um, self.peak_shortening_pct, self.peak_frame
-        ));
-        lines.push(format!(
-            "strains of the whole cell: stretch_1 at least {:.4} (frame {})",
-            self.least_stretch, self.least_stretch_frame
-        ));
-        if let (Some(rest), Some([low, high])) =
-            (self.sarcomere_rest_um, self.sarcomere_rest_interval_um)
-            && let (Some(least), Some(shorter), Some([from, to])) = (
-                self.sarcomere_least_um,
-                self.sarcomere_shortening_pct,
-                self.sarcomere_shortening_interval_pct,
-            )
-        {
-            lines.push(format!(
-                "sarcomeres {rest:.3} um at rest ({low:.3} to {high:.3}), {least:.3} um at least: {shorter:.1} % shorter \
-                 ({from:.1} to {to:.1}); mean of {} places in {} parts of the cell, 95 % intervals",
-                self.sarcomere_places, self.sarcomere_parts
-            ));
-        }
-        lines.push(format!(
-            "{} points, subsets of {:.1} um, healed {:.1} % on average, {:.1} % at most",
-            self.points, self.subset_um, self.healed_pct_mean, self.healed_pct_most
-        ));
-        lines.push(format!(
-            "motion of the stage: {}, up to {:.2} um",
-            self.stage, self.stage_largest_um
-        ));
-        lines.join("\n")
     }
 }
 
@@ -236,7 +219,7 @@ fn rows(motion: &Motion) -> Vec<TrackRow> {
     let extents = motion.extents();
     let rest = extents[motion.rest_index()].length;
     let all = motion.stretches();
-    let row = |(at, extent): (usize, &myospring::analysis::shape::Extent)| {
+    let row = |(at, extent): (usize, &crate::analysis::shape::Extent)| {
         let stretches = all[at];
         TrackRow {
             frame: motion.frames[at],
@@ -256,7 +239,7 @@ fn rows(motion: &Motion) -> Vec<TrackRow> {
     extents.iter().enumerate().map(row).collect()
 }
 
-fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> {
+fn warnings(followed: &Followed, rows: &[TrackRow]) -> Vec<String> {
     let Followed { film, motion, shaped, fibres, .. } = followed;
     let mut warnings = film.notes.clone();
     warnings.extend(shaped.report.warnings.iter().cloned());
@@ -278,38 +261,7 @@ fn warnings(followed: &Followed, rows: &[TrackRow], rest: usize) -> Vec<String> 
             ));
         }
     }
-    if motion.sarcomere_places > 0 && motion.sarcomeres_by_part_um.is_empty() {
-        warnings.push(format!(
-            "there is no sarcomere_um: stripes can be read in nearly all frames at {} places in {} parts of the cell only, \
-             and sarcomeres differ from part to part, so fewer than {FEWEST_PARTS} parts say little of the cell",
-            motion.sarcomere_places, motion.sarcomere_parts
-        ));
-    }
-    let worst = rows.iter().max_by(|a, b| a.healed_pct.total_cmp(&b.healed_pct));
-    if let Some(row) = worst.filter(|row| row.healed_pct > MANY_HEALED_PCT) {
-        let frames = rows.iter().filter(|row| row.healed_pct > MANY_HEALED_PCT).count();
-        warnings.push(format!(
-            "in {frames} frames more than {MANY_HEALED_PCT} % of the points were not found again but put where their \
-             neighbours would have them (frame {}: {:.0} %)",
-            row.frame, row.healed_pct
-        ));
-    }
-    let shortest = rows.iter().map(|row| row.shortening_pct).fold(0.0, f64::max);
-    let longest = rows.iter().map(|row| -row.shortening_pct).fold(0.0, f64::max);
-    let strained = rows.iter().map(|row| 100.0 * (1.0 - row.stretch_1)).fold(0.0, f64::max);
-    let error_pct = 100.0 * motion.error_um.unwrap_or(0.0) / rows[rest].length_um;
-    let least = motion.least_contraction_pct();
-    if shortest.max(longest).max(strained) < least {
-        warnings.push(format!(
-            "the cell hardly moves: it shortens by {shortest:.3} % at most, while the noise makes an error of \
-             {error_pct:.3} %"
-        ));
-    } else if longest > least.max(LONGER * (shortest + longest)) {
-        warnings.push(format!(
-            "the cell is up to {longest:.1} % longer than in frame {}, which was taken for rest; choose it with --frame",
-            motion.rest
-        ));
-    }
+    warnings.extend(motion.doubts());
     warnings
 }
 
@@ -326,9 +278,4 @@ fn repeated(frames: &[usize], all: usize) -> String {
         frames.len(),
         named.join(", ")
     )
-}
-
-/// Without the digits that a file's ratio of whole numbers leaves.
-fn rounded(value: f64) -> f64 {
-    (1e6 * value).round() / 1e6
 }

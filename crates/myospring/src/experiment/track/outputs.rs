@@ -1,70 +1,43 @@
 //! What is written beside the curve.
 
-use super::follow::Followed;
+use super::description::Output;
+use super::followed::Followed;
 use super::report::Report;
-use crate::failure::Failure;
-use crate::interrupt;
-use crate::terminal::Terminal;
-use clap::builder::{PossibleValue, PossibleValuesParser};
-use myospring::experiment::{Draw, Folder};
-use myospring::microscopy::plane::Plane;
-use myospring::output::figure::{FigureError, Theme, Tracked, TrackedFrame};
-use myospring::output::npz::Array;
-use myospring::output::{frames, vtu};
-use myospring::recording::Frame;
+use crate::experiment::{Draw, ExperimentError, Folder, Observer};
+use crate::microscopy::plane::Plane;
+use crate::output::figure::{FigureError, Theme, Tracked, TrackedFrame};
+use crate::output::npz::Array;
+use crate::output::{frames, vtu};
+use crate::recording::Frame;
 use rayon::prelude::*;
-
-/// What is written unless others are asked for.
-pub(crate) const DEFAULT: &str = "figures,gif,frames";
-
-const WORDS: [(&str, &str); 5] = [
-    ("figures", "cell at rest and shortest, curves: figures/track, SVG and PNG"),
-    ("gif", "the film with the lattice laid over (track.gif)"),
-    (
-        "frames",
-        "positions of all points, which were healed, mesh and fibres, for NumPy (frames.npz)",
-    ),
-    ("vtu", "displacements and strains for ParaView: open cell.pvd (and the folder vtu/)"),
-    ("none", "the curve and its numbers only"),
-];
 
 /// Most frames of the GIF: of longer films every second, third, ... is shown.
 const MOST_SHOWN: usize = 100;
 /// Hundredths of a second that a frame is shown, at least.
 const SHORTEST: f64 = 3.0;
 
-/// What `--outputs` takes.
-pub(crate) fn words() -> PossibleValuesParser {
-    WORDS.map(|(word, about)| PossibleValue::new(word).help(about)).to_vec().into()
-}
-
-/// Writes what was named.
+/// Writes what was asked for.
 pub(super) fn write(
     folder: &Folder,
-    words: &[String],
+    outputs: &[Output],
     followed: &Followed,
-    report: &Report<'_>,
-) -> Result<(), Failure> {
-    let named = |word: &str| words.iter().any(|other| other == word);
-    if named("none") && words.len() > 1 {
-        return Err(Failure::new(format!("--outputs {}: `none` stands alone", words.join(",")))
-            .advise("leave out `none` or everything else"));
-    }
+    report: &Report,
+    observer: &dyn Observer,
+) -> Result<(), ExperimentError> {
     let drawn = Drawn { followed, report };
-    if named("figures") {
-        drawn.figures(folder)?;
+    if outputs.contains(&Output::Figures) {
+        drawn.figures(folder, observer)?;
     }
-    if named("gif") && !interrupt::is_late() {
+    if outputs.contains(&Output::Gif) && !observer.is_late() {
         drawn.gif(folder)?;
     }
-    if named("frames") || named("vtu") {
-        let shapes = shapes(followed);
-        if named("frames") {
-            npz(folder, followed, &shapes)?;
-        }
-        if named("vtu") {
-            grids(folder, followed, &shapes)?;
-        }
+    let [frames, vtu] = [Output::Frames, Output::Vtu].map(|output| outputs.contains(&output));
+    let shapes = if frames || vtu { shapes(followed) } else { Vec::new() };
+    if frames {
+        npz(folder, followed, &shapes)?;
+    }
+    if vtu {
+        grids(folder, followed, &shapes)?;
     }
     Ok(())
 }
@@ -81,7 +54,7 @@ fn shapes(followed: &Followed) -> Vec<Frame> {
     (0..motion.len()).map(frame).collect()
 }
 
-fn npz(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), Failure> {
+fn npz(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), ExperimentError> {
     let Followed { motion, shaped, fibres, .. } = followed;
     let (count, points) = (motion.len(), motion.mesh.len());
     let healed = motion.healed.iter().flatten().map(|&healed| i32::from(healed));
@@ -95,7 +68,7 @@ fn npz(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), Fai
     folder.write("frames.npz", bytes)
 }
 
-fn grids(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), Failure> {
+fn grids(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), ExperimentError> {
     let frames =
         vtu::Frames::new(&followed.motion.mesh, shapes, &followed.fibres.directions, None)?;
     (0..frames.len()).into_par_iter().try_for_each(|index| {
@@ -107,7 +80,7 @@ fn grids(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), F
 /// What figures and films are drawn from.
 struct Drawn<'a> {
     followed: &'a Followed,
-    report: &'a Report<'a>,
+    report: &'a Report,
 }
 
 impl Drawn<'_> {
@@ -131,9 +104,9 @@ impl Drawn<'_> {
     }
 
     /// A frame of the film, and where the points are in it.
-    fn seen(&self, at: usize) -> Result<(Plane, [Vec<f64>; 2]), Failure> {
+    fn seen(&self, at: usize) -> Result<(Plane, [Vec<f64>; 2]), ExperimentError> {
         let Followed { film, motion, .. } = self.followed;
-        let plane = film.frame(motion.frames[at]).map_err(Failure::new)?;
+        let plane = film.frame(motion.frames[at]).map_err(ExperimentError::new)?;
         let mut positions = motion.positions(at);
         for (positions, stage) in positions.iter_mut().zip(motion.stage_um[at]) {
             for position in positions {
@@ -143,7 +116,7 @@ impl Drawn<'_> {
         Ok((plane, positions))
     }
 
-    fn figures(&self, folder: &Folder) -> Result<(), Failure> {
+    fn figures(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
         let Some(tracked) = self.tracked() else { return Ok(()) };
         let motion = &self.followed.motion;
         let rest = motion.rest_index();
@@ -170,10 +143,10 @@ impl Drawn<'_> {
             tracked.summary(&rest, &shortest)
         };
         let figures: [(&str, Draw<'_>); 1] = [("track", &draw)];
-        folder.figures(Theme::default(), &figures, &Terminal::new(true))
+        folder.figures(Theme::default(), &figures, observer)
     }
 
-    fn gif(&self, folder: &Folder) -> Result<(), Failure> {
+    fn gif(&self, folder: &Folder) -> Result<(), ExperimentError> {
         let Some(tracked) = self.tracked() else { return Ok(()) };
         let motion = &self.followed.motion;
         if motion.len() < 2 {
@@ -184,7 +157,7 @@ impl Drawn<'_> {
         let every =
             motion.len().div_ceil(MOST_SHOWN).max((SHORTEST / hundredths).floor() as usize).max(1);
         let shown: Vec<usize> = (0..motion.len()).step_by(every).collect();
-        let stills: Result<Vec<_>, Failure> = shown
+        let stills: Result<Vec<_>, ExperimentError> = shown
             .into_par_iter()
             .map(|at| {
                 let (plane, positions) = self.seen(at)?;

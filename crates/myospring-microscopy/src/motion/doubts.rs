@@ -1,0 +1,66 @@
+//! What a reader of a motion must know before the numbers are used.
+
+use super::{FEWEST_PARTS, Motion};
+
+/// Share of healed points from which on a person is told, per cent.
+const MANY_HEALED_PCT: f64 = 30.0;
+/// Part of its excursion by which a cell may be longer than at rest.
+const LONGER: f64 = 0.5;
+
+impl Motion {
+    /// What limits the numbers of this motion, in sentences: sarcomeres that are too few for a mean, many healed points,
+    /// a cell that hardly moves, a frame at rest that is none.
+    pub fn doubts(&self) -> Vec<String> {
+        let all = [self.without_sarcomeres(), self.much_healed(), self.without_rest()];
+        all.into_iter().flatten().collect()
+    }
+
+    fn without_sarcomeres(&self) -> Option<String> {
+        let none = self.sarcomere_places > 0 && self.sarcomeres_by_part_um.is_empty();
+        none.then(|| {
+            format!(
+                "there is no sarcomere_um: stripes can be read in nearly all frames at {} places in {} parts of the \
+                 cell only, and sarcomeres differ from part to part, so fewer than {FEWEST_PARTS} parts say little of \
+                 the cell",
+                self.sarcomere_places, self.sarcomere_parts
+            )
+        })
+    }
+
+    fn much_healed(&self) -> Option<String> {
+        let shares = (0..self.len()).map(|at| (at, 100.0 * self.healed_share(at)));
+        let many: Vec<(usize, f64)> = shares.filter(|(_, pct)| *pct > MANY_HEALED_PCT).collect();
+        let (at, pct) = many.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(format!(
+            "in {} frames more than {MANY_HEALED_PCT} % of the points were not found again but put where their \
+             neighbours would have them (frame {}: {pct:.0} %)",
+            many.len(),
+            self.frames[*at]
+        ))
+    }
+
+    fn without_rest(&self) -> Option<String> {
+        let lengths = self.lengths_um();
+        let rest = lengths[self.rest_index()];
+        let shortening = || lengths.iter().map(|length| 100.0 * (1.0 - length / rest));
+        let shortest = shortening().fold(0.0, f64::max);
+        let longest = shortening().map(|pct| -pct).fold(0.0, f64::max);
+        let stretches = self.stretches();
+        let strained = stretches.iter().map(|it| 100.0 * (1.0 - it.smaller)).fold(0.0, f64::max);
+        let error_pct = 100.0 * self.error_um.unwrap_or(0.0) / rest;
+        let least = self.least_contraction_pct();
+        if shortest.max(longest).max(strained) < least {
+            return Some(format!(
+                "the cell hardly moves: it shortens by {shortest:.3} % at most, while the noise makes an error of \
+                 {error_pct:.3} %"
+            ));
+        }
+        (longest > least.max(LONGER * (shortest + longest))).then(|| {
+            format!(
+                "the cell is up to {longest:.1} % longer than in frame {}, which was taken for rest; choose it with \
+                 --frame",
+                self.rest
+            )
+        })
+    }
+}

@@ -1,0 +1,299 @@
+"""The motion of a cell through a film."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import tempfile
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any, Callable, Literal, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from myospring import _native
+from myospring._errors import warn
+from myospring._given import changed, path_or_bytes
+
+
+class Motion:
+    """A cell followed through a film. `track` makes one.
+
+    Arrays have an entry for each frame that was followed. Positions are um, y upward from the lower left corner of the
+    film, without the motion of the stage.
+
+    Attributes
+    ----------
+    numbers : dict
+        All numbers by name, as ``track.json`` has them: rest frame, frame rate, pixel size, noise, sarcomeres with their
+        intervals, the shape of the cell.
+    warnings : list of str
+        What a person should look at before the numbers are used.
+    """
+
+    def __init__(self, native: _native.Motion) -> None:
+        self._native = native
+        self.warnings: list[str] = native.warnings
+
+    @cached_property
+    def numbers(self) -> dict[str, Any]:
+        numbers: dict[str, Any] = json.loads(self._native.numbers)
+        return numbers
+
+    @property
+    def frames(self) -> NDArray[np.uint64]:
+        """Number of each frame in the film, from 0."""
+        return self._native.frames
+
+    @property
+    def t_ms(self) -> NDArray[np.float64]:
+        """Time from the first frame of the film."""
+        return self._native.column("t_ms")
+
+    @property
+    def contraction_pct(self) -> NDArray[np.float64]:
+        """How much the cell contracts, by what can be trusted in this film: ``numbers["headline"]`` says which, and why."""
+        return self._native.contraction_pct
+
+    @property
+    def length_um(self) -> NDArray[np.float64]:
+        """Length along the long axis."""
+        return self._native.column("length_um")
+
+    @property
+    def shortening_pct(self) -> NDArray[np.float64]:
+        """Shortening of the length against the frame at rest."""
+        return self._native.column("shortening_pct")
+
+    @property
+    def width_um(self) -> NDArray[np.float64]:
+        """Largest extent across the long axis."""
+        return self._native.column("width_um")
+
+    @property
+    def area_um2(self) -> NDArray[np.float64]:
+        """Projected area."""
+        return self._native.column("area_um2")
+
+    @property
+    def stretch_1(self) -> NDArray[np.float64]:
+        """Smaller principal stretch of the whole cell."""
+        return self._native.column("stretch_1")
+
+    @property
+    def stretch_2(self) -> NDArray[np.float64]:
+        """Larger principal stretch of the whole cell."""
+        return self._native.column("stretch_2")
+
+    @property
+    def sarcomere_um(self) -> NDArray[np.float64]:
+        """Mean length of the sarcomeres; NaN where the film shows none."""
+        return self._native.column("sarcomere_um")
+
+    @property
+    def healed_pct(self) -> NDArray[np.float64]:
+        """Points that were not found again and put where their neighbours would have them."""
+        return self._native.column("healed_pct")
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Positions of the points, of shape (frames, points, 2)."""
+        return self._native.positions
+
+    @property
+    def healed(self) -> NDArray[np.bool_]:
+        """Which points were put where their neighbours would have them, of shape (frames, points)."""
+        return self._native.healed
+
+    @property
+    def triangles(self) -> NDArray[np.uint32]:
+        """Points of each triangle, of shape (triangles, 3)."""
+        return self._native.triangles
+
+    @property
+    def stage_um(self) -> NDArray[np.float64]:
+        """Motion of the stage that was taken out, of shape (frames, 2)."""
+        return self._native.stage_um
+
+    def to_dataframe(self) -> Any:
+        """The curves as a table; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each frame; the columns are named as the arrays are.
+        """
+        import pandas
+
+        columns = {name: self._native.column(name) for name in self._native.columns}
+        return pandas.DataFrame({"frame": self.frames, **columns})
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the contraction over time, and the sarcomeres where there are any; it needs matplotlib.
+
+        Parameters
+        ----------
+        axes : sequence of two matplotlib axes, or None
+            Where to draw; None makes a figure.
+
+        Returns
+        -------
+        array of matplotlib.axes.Axes
+            The two axes.
+        """
+        if axes is None:
+            from matplotlib import pyplot
+
+            _, axes = pyplot.subplots(2, 1, sharex=True, figsize=(5.5, 4.5), layout="constrained")
+        column = self.numbers["headline"]["column"]
+        curves = ((self.contraction_pct, f"Contraction by {column} (%)"), (self.sarcomere_um, "Sarcomere (um)"))
+        for one, (values, label) in zip(axes, curves):
+            one.plot(self.t_ms, values, color="#2a6099")
+            one.set_ylabel(label)
+            one.spines[["top", "right"]].set_visible(False)
+        axes[-1].set_xlabel("Time (ms)")
+        return axes
+
+    def save(
+        self, folder: str | PathLike[str], *, force: bool = False, outputs: Sequence[str] | str | None = None
+    ) -> Path:
+        """Writes what ``myospring track`` writes: ``track.csv``, ``track.json``, the cell at rest, figures.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it is not there.
+        force : bool
+            Replaces results that the folder holds. Refused where it holds anything that no command wrote, or that was
+            changed since; a file that was read is never replaced.
+        outputs : sequence of str, str or None
+            What to write beside the curve: "figures", "gif", "frames", "vtu"; None writes the first three.
+
+        Returns
+        -------
+        pathlib.Path
+            The folder.
+
+        Raises
+        ------
+        UnknownNameError
+            A word that names no output.
+        OSError
+            The folder holds files, or cannot be written to.
+        """
+        words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
+        saved, said = self._native.save(os.fspath(folder), force, words)
+        warn(said)
+        return Path(saved)
+
+    def _facts(self) -> str:
+        headline = self.numbers["headline"]
+        peak = headline["peak_contraction_pct"]
+        return f"{len(self.frames)} frames, contracts by {peak:.2f} % ({headline['column']})"
+
+    def __repr__(self) -> str:
+        return f"<myospring.Motion of {Path(self.numbers['film']).name}: {self._facts()}>"
+
+    def _repr_html_(self) -> str:
+        headline = self.numbers["headline"]
+        rows = {
+            "contraction": f"{headline['peak_contraction_pct']:.2f} %, read from {headline['column']}: {headline['because']}",
+            "length at rest": f"{self.numbers['resting_length_um']:.1f} um",
+            "frames": f"{len(self.frames)} at {self.numbers['frames_per_second']:g} /s",
+        }
+        if self.numbers["sarcomere_rest_um"] is not None:
+            rows["sarcomeres at rest"] = f"{self.numbers['sarcomere_rest_um']:.3f} um"
+        table = "".join(f"<tr><td>{name}</td><td>{html.escape(text)}</td></tr>" for name, text in rows.items())
+        warnings = "".join(f"<p>Warning: {html.escape(text)}</p>" for text in self.warnings)
+        return f"<div><b>{html.escape(repr(self)[1:-1])}</b><table>{table}</table>{warnings}</div>"
+
+
+def track(
+    film: str | PathLike[str] | ArrayLike,
+    *,
+    pixel_size_um: float | None = None,
+    frame_rate_per_s: float | None = None,
+    subset_um: float | None = None,
+    frame: int | None = None,
+    outline: str | PathLike[str] | None = None,
+    cell: int | str | None = None,
+    seed: tuple[float, float] | None = None,
+    modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
+    channel: int | None = None,
+    allow_cut: bool = False,
+    spacing_um: float | None = None,
+    stain: Literal["z-disc", "filament"] | None = None,
+    threads: int | None = None,
+    progress: Callable[[str, int, int], object] | None = None,
+) -> Motion:
+    """Follows a cell through a film by digital image correlation: what ``myospring track`` does.
+
+    Parameters
+    ----------
+    film : path, or array_like of shape (frames, rows, columns)
+        A film (TIFF, OME-TIFF, AVI, y4m; others where ffmpeg is installed), a folder of its pictures, or grey values.
+    pixel_size_um : float or None
+        Side of one pixel. Never guessed. None: what the film says of itself.
+    frame_rate_per_s : float or None
+        Frames a second; None: what the film says of itself.
+    subset_um : float or None
+        Side of the squares that are looked for in each frame; None: 4 um.
+    frame : int or None
+        The frame at rest, from 0; None finds it.
+    outline : path or None
+        The cell as it was drawn on the frame at rest.
+    cell, seed, modality : int or str, tuple of two floats, str or None
+        Which cell of the frame at rest is taken, and how it is found, as in `Cell.from_image`.
+    channel : int or None
+        Channel of the film, from 0.
+    allow_cut : bool
+        Takes a cell that the frame cuts.
+    spacing_um : float or None
+        Spacing of the points that are followed; None: by the size of the cell.
+    stain : {"z-disc", "filament"} or None
+        What the film shows: stripes across the fibre or threads along it. None: z-disc.
+    threads : int or None
+        Threads; the numbers do not depend on it.
+    progress : callable or None
+        Hears the stage, how many of its steps are done, and how many there are.
+
+    Returns
+    -------
+    Motion
+        The cell, frame by frame.
+
+    Raises
+    ------
+    ValueError
+        The film shows no cell, does not say its pixel size or frame rate, or cannot be followed.
+    OSError
+        The film cannot be read.
+    """
+    given = changed(
+        ("shape.pixel_size", pixel_size_um, None),
+        ("shape.spacing", spacing_um, None),
+        ("segmentation.outline", outline, None),
+        ("segmentation.frame", frame, None),
+        ("segmentation.cell", cell, None),
+        ("segmentation.seed", seed, None),
+        ("segmentation.modality", modality, None),
+        ("segmentation.channel", channel, None),
+        ("segmentation.allow_cut", allow_cut, False),
+        ("mechanics.stain", stain, None),
+    )
+    rest = (given, frame_rate_per_s, subset_um, threads, progress)
+    if isinstance(film, (str, PathLike)):
+        motion = Motion(_native.track(os.fspath(film), *rest))
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            place = Path(folder) / "film"
+            place.mkdir()
+            for number, picture in enumerate(np.asanyarray(film)):
+                _, arrays = path_or_bytes(picture, "frame.tif")
+                (place / f"frame_{number:06}.tif").write_bytes(arrays["frame.tif"])
+            motion = Motion(_native.track(os.fspath(place), *rest))
+    warn(motion.warnings)
+    return motion

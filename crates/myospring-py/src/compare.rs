@@ -1,0 +1,107 @@
+//! Runs beside each other.
+
+use crate::beat::Beat;
+use crate::experiment::{self, Progress};
+use crate::{errors, settings};
+use myospring::compare::dose::{self, Dose};
+use myospring::compare::factor::Factor;
+use myospring::experiment::Files;
+use myospring::experiment::compare::{Compare, Compared, Side, Source};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// What is compared: a beat with its name, or a file.
+#[derive(FromPyObject)]
+pub(crate) enum Input {
+    Beat(String, Py<Beat>),
+    Path(PathBuf),
+}
+
+/// Runs that were compared.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct Comparison {
+    files: Files,
+    outcome: Compared,
+}
+
+/// Compares runs; `given` are settings by key, `scale` factors by name, each set with its label, `doses` the text of
+/// a file of doses.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+pub(crate) fn compare(
+    py: Python<'_>,
+    inputs: Vec<Input>,
+    given: &Bound<'_, PyDict>,
+    scale: Vec<(String, Vec<(String, f64)>)>,
+    doses: Option<String>,
+    threads: Option<usize>,
+    progress: Progress,
+) -> PyResult<Comparison> {
+    let factors = |factors: Vec<(String, f64)>| {
+        factors.into_iter().map(|(name, factor)| Factor { name, factor }).collect()
+    };
+    let scale = scale.into_iter().map(|(label, all)| Dose { label, factors: factors(all) });
+    let doses = doses.map(|text| dose::read(&text).map_err(errors::value)).transpose()?;
+    let description = Compare {
+        inputs: inputs.into_iter().map(source).collect::<PyResult<_>>()?,
+        settings: settings::list(given)?,
+        scale: scale.collect(),
+        doses: doses.unwrap_or_default(),
+        threads,
+        results: None,
+    };
+    let files = Files::default();
+    let outcome = experiment::run(py, &description, &files, progress)?;
+    Ok(Comparison { files, outcome })
+}
+
+fn source(input: Input) -> PyResult<Source> {
+    let (label, beat) = match input {
+        Input::Path(path) => return Ok(Source::Path(path)),
+        Input::Beat(label, beat) => (label, beat),
+    };
+    let beaten = &beat.get().beaten;
+    let (made, outcome) = (&beaten.made, &beaten.outcome);
+    let side = Side::of(
+        label,
+        beaten.name.clone(),
+        &beaten.run,
+        made,
+        outcome,
+        beaten.shape_sha256.clone(),
+    );
+    Ok(Source::Run(Box::new(side.map_err(|error| errors::of_experiment(&error))?)))
+}
+
+#[pymethods]
+impl Comparison {
+    /// All numbers, JSON.
+    #[getter]
+    fn numbers(&self) -> PyResult<String> {
+        experiment::numbers(&self.outcome)
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        experiment::warnings(&self.outcome)
+    }
+
+    /// Each setting in which the runs differ, with its values as people read them.
+    #[getter]
+    fn settings(&self) -> Vec<(String, Vec<String>)> {
+        let rows = self.outcome.differences.iter();
+        rows.map(|row| (row.name.clone(), row.values.clone())).collect()
+    }
+
+    /// Writes what `myospring compare` writes; the folder, and what was odd.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn save(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        force: bool,
+    ) -> PyResult<(PathBuf, Vec<String>)> {
+        experiment::save(py, &self.outcome, &folder, force, &self.files)
+    }
+}

@@ -1,0 +1,86 @@
+//! What is asked of a film.
+
+use crate::experiment::input::Given;
+use crate::experiment::refused::Place;
+use crate::microscopy::motion::Settings;
+use std::path::PathBuf;
+
+/// Follows the cell of a film.
+#[derive(Debug, Clone)]
+pub struct Track {
+    /// The film, or the folder of its pictures.
+    pub film: PathBuf,
+    /// Settings of shape, segmentation and fibres.
+    pub settings: Vec<Given>,
+    /// Frames a second; that of the film unless given.
+    pub frame_rate: Option<f64>,
+    /// Side of the squares of the picture that are looked for in each frame, um.
+    pub subset_um: f64,
+    /// Threads; as many as there are cores unless given. The numbers do not depend on it.
+    pub threads: Option<usize>,
+    /// Where an overlay goes if the film shows no cell.
+    pub refused: Option<Place>,
+    /// What is saved beside the curve.
+    pub outputs: Vec<Output>,
+}
+
+impl Track {
+    /// A film, with everything else as it is unless given.
+    pub fn of(film: impl Into<PathBuf>) -> Self {
+        Self {
+            film: film.into(),
+            settings: Vec::new(),
+            frame_rate: None,
+            subset_um: Settings::SUBSET_UM,
+            threads: None,
+            refused: None,
+            outputs: Output::DEFAULT.to_vec(),
+        }
+    }
+}
+
+/// What is saved beside the curve of a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Output {
+    /// Pictures of the cell and its curves.
+    Figures,
+    /// The film with the lattice laid over.
+    Gif,
+    /// Positions for NumPy.
+    Frames,
+    /// Displacements and strains for `ParaView`.
+    Vtu,
+}
+
+impl Output {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Figures, Self::Gif, Self::Frames, Self::Vtu];
+    /// What is saved unless others are asked for.
+    pub const DEFAULT: [Self; 3] = [Self::Figures, Self::Gif, Self::Frames];
+
+    /// Its word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Figures => "figures",
+            Self::Gif => "gif",
+            Self::Frames => "frames",
+            Self::Vtu => "vtu",
+        }
+    }
+
+    /// What it is, with the names of its files.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Figures => "cell at rest and shortest, curves: figures/track, SVG and PNG",
+            Self::Gif => "the film with the lattice laid over (track.gif)",
+            Self::Frames => {
+                "positions of all points, which were healed, mesh and fibres, for NumPy (frames.npz)"
+            }
+            Self::Vtu => {
+                "displacements and strains for ParaView: open cell.pvd (and the folder vtu/)"
+            }
+        }
+    }
+}
