@@ -74,8 +74,8 @@ impl Motion {
     }
 
     /// Names of the columns.
-    #[getter]
-    fn columns(&self) -> Vec<&'static str> {
+    #[staticmethod]
+    fn columns() -> Vec<&'static str> {
         COLUMNS.map(|(name, _)| name).to_vec()
     }
 

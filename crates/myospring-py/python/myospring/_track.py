@@ -128,7 +128,7 @@ class Motion:
         """
         import pandas
 
-        columns = {name: self._native.column(name) for name in self._native.columns}
+        columns = {name: self._native.column(name) for name in self._native.columns()}
         return pandas.DataFrame({"frame": self.frames, **columns})
 
     def plot(self, axes: Any = None) -> Any:
