@@ -27,7 +27,10 @@ fn pages_below(folder: &Path) -> Vec<PathBuf> {
 /// The pages, each with its path.
 fn pages() -> Vec<(PathBuf, String)> {
     let mut paths = pages_below(&root().join("docs"));
-    paths.extend(["README.md", "ARCHITECTURE.md", "RECIPES.md", "CONTRIBUTING.md"].map(|name| root().join(name)));
+    paths.extend(
+        ["README.md", "ARCHITECTURE.md", "RECIPES.md", "CONTRIBUTING.md"]
+            .map(|name| root().join(name)),
+    );
     paths.into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
 
