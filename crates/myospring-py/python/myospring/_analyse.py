@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Iterator, Mapping, Sequence, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -327,9 +327,9 @@ def analyse(
         for name, curve in curves.items():
             measured += reading.curves(curve, name)[0]
     elif isinstance(curves, tuple) and len(curves) == 2 and not any(isinstance(one, (str, PathLike)) for one in curves):
-        measured, _ = reading.curves(curves, "curve")
+        measured, _ = reading.curves(cast(Curve, curves), "curve")
     else:
-        paths = [os.fspath(path) for path in curves]
+        paths = [os.fspath(path) for path in cast(Sequence[Union[str, PathLike[str]]], curves)]
     finding = {
         "stimulus_times_ms": [float(one) for one in stimulus_times_ms],
         "stimulus_period_ms": stimulus_period_ms,
