@@ -29,8 +29,8 @@ def table(tmp_path_factory) -> str:
 @pytest.fixture(scope="module")
 def film() -> np.ndarray:
     """A striped ellipse of 100 um by 30 um, pixels of 0.5 um, that shortens by up to 6 %."""
-    rows, columns = np.mgrid[0:100, 0:240]
-    x, y = (columns - 120) * 0.5, (rows - 50) * 0.5
+    rows, columns = np.mgrid[0:100, 0:288]
+    x, y = (columns - 144) * 0.5, (rows - 50) * 0.5
     frames = []
     for short in (0, 0, 0.02, 0.04, 0.06, 0.04, 0.02, 0):
         u, v = x / (1 - short), y * (1 - 0.3 * short)
