@@ -16,6 +16,7 @@
 mod cell;
 mod chart;
 mod display;
+mod error;
 mod fields;
 mod figure;
 mod frames;
@@ -27,10 +28,12 @@ mod runs;
 mod table;
 mod template;
 
-pub use cell::{Beat, MovingCell, Photograph};
+pub use cell::{Beat, MovingCell};
 pub use chart::{Chart, Dot, Series, Span, Tone};
+pub use error::PageError;
 pub use figure::{Drawing, Thumbnail};
-pub use given::{Answer, Page, PageError, Part, Quality, Section};
+pub use given::{Answer, Page, Part, Quality, Section};
 pub use html::html;
+pub use photograph::Photograph;
 pub use runs::{Difference, PageRun, ParameterGroup, ParameterRow, Runs};
 pub use table::{Cell, Column, Look, Mark, Row, Table, Tile, metric_words};

@@ -2,7 +2,7 @@
 
 import { lineOf } from "./colours.js";
 import { Chart, valueAt } from "./curves.js";
-import { find, make } from "./elements.js";
+import { draw, find, make } from "./elements.js";
 import { quantity } from "./numbers.js";
 
 /** @import { Cell, ChartData } from "./payload.js" */
@@ -138,19 +138,11 @@ export function writeLegend(cells) {
  * @param {number} index
  */
 function swatch(index) {
-  const { colour: name, dash } = lineOf(index);
-  const kind = "http://www.w3.org/2000/svg";
-  const svg = document.createElementNS(kind, "svg");
-  for (const [key, value] of Object.entries({ viewBox: "0 0 36 8", class: "swatch", "aria-hidden": "true" })) {
-    svg.setAttribute(key, value);
-  }
-  const line = document.createElementNS(kind, "path");
-  line.setAttribute("d", "M0 4h36");
-  line.setAttribute("stroke-width", "2.5");
-  line.setAttribute("stroke-dasharray", dash.join(" "));
-  line.style.stroke = `var(${name})`;
-  svg.append(line);
-  return svg;
+  const { colour, dash } = lineOf(index);
+  const line = { d: "M0 4h36", "stroke-width": 2.5, "stroke-dasharray": dash.join(" ") };
+  const path = draw("path", line);
+  path.style.stroke = `var(${colour})`;
+  return draw("svg", { viewBox: "0 0 36 8", class: "swatch", "aria-hidden": "true" }, path);
 }
 
 /**

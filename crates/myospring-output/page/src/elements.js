@@ -15,6 +15,20 @@ export function make(tag, attributes = {}, ...children) {
 }
 
 /**
+ * An element of a drawing.
+ *
+ * @param {string} tag
+ * @param {Record<string, string | number>} attributes
+ * @param {(string | Node)[]} children
+ */
+export function draw(tag, attributes, ...children) {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  element.append(...children);
+  return element;
+}
+
+/**
  * Text in which what stands between backticks is code.
  *
  * @param {string} text

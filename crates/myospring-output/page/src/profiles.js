@@ -1,5 +1,6 @@
 // How sure a fitted number is: the rise of chi squared around its most likely value.
 
+import { draw } from "./elements.js";
 import { plain } from "./numbers.js";
 
 /** @import { Profile } from "./payload.js" */
@@ -9,18 +10,6 @@ const DRAWN = [240, 150];
 const AROUND = [30, 8, 10, 36];
 /** A profile is drawn up to this rise, over that at the ends of its interval. */
 const HIGHEST = 2.08;
-
-/**
- * @param {string} tag
- * @param {Record<string, string | number>} attributes
- * @param {(string | Node)[]} children
- */
-function shape(tag, attributes, ...children) {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
-  element.append(...children);
-  return element;
-}
 
 /**
  * A drawing of a profile.
@@ -43,10 +32,10 @@ export function profileDrawing({ label, value, interval, points, at_ends: atEnds
   const decimals = Math.min(Math.max(1 - Math.floor(Math.log10(high - low || 1)), 0), 12);
   const short = (/** @type {number} */ end) => end.toFixed(decimals).replace("-", "\u2212");
   const text = (/** @type {number} */ at, /** @type {number} */ down, /** @type {string} */ words, anchor = "middle") =>
-    shape("text", { x: at, y: down, "text-anchor": anchor }, words);
+    draw("text", { x: at, y: down, "text-anchor": anchor }, words);
   const ends = interval.flatMap((end) => (end === null ? [] : [end]));
   const of = ends.length === 2 ? `, 95 % interval ${plain(ends[0])} to ${plain(ends[1])}` : "";
-  return shape(
+  return draw(
     "svg",
     {
       viewBox: `0 0 ${DRAWN.join(" ")}`,
@@ -54,11 +43,11 @@ export function profileDrawing({ label, value, interval, points, at_ends: atEnds
       role: "img",
       "aria-label": `Rise of chi squared around ${label} = ${plain(value)}${of}`,
     },
-    shape("path", { class: "frame", d: `M${left} ${top}V${foot}H${left + width}` }),
-    shape("path", { class: "threshold", d: `M${left} ${y(atEnds)}H${left + width}` }),
-    ...ends.map((end) => shape("path", { class: "end", d: `M${x(end)} ${y(atEnds)}V${foot}` })),
-    shape("path", { class: "rise", d: path.join("") }),
-    shape("circle", { class: "best", cx: x(value), cy: foot, r: 3.5 }),
+    draw("path", { class: "frame", d: `M${left} ${top}V${foot}H${left + width}` }),
+    draw("path", { class: "threshold", d: `M${left} ${y(atEnds)}H${left + width}` }),
+    ...ends.map((end) => draw("path", { class: "end", d: `M${x(end)} ${y(atEnds)}V${foot}` })),
+    draw("path", { class: "rise", d: path.join("") }),
+    draw("circle", { class: "best", cx: x(value), cy: foot, r: 3.5 }),
     text(left - 5, foot + 4, "0", "end"),
     text(left - 5, y(atEnds) + 4, plain(Number(atEnds.toPrecision(2))), "end"),
     text(x(low), foot + 15, short(low), "start"),

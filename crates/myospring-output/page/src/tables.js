@@ -67,7 +67,7 @@ export function tableOf({ caption, look, columns, rows }) {
       ...others.map((nodes, index) => make("td", { class: columns[index + 1].class ?? "" }, ...nodes)),
     );
   });
-  const kinds = [look, columns.length > CROWDED ? "many" : ""].join(" ").trim();
+  const kinds = look === "wide" && columns.length > CROWDED ? "many" : look;
   const table = make(
     "table",
     { class: kinds },
@@ -91,9 +91,10 @@ function sortable(table, { caption, rows }) {
   const items = [...body.rows].map((row, index) => ({ row, cells: rows[index].cells }));
   const heads = [...table.querySelectorAll("thead th")];
   heads.forEach((head, column) => {
-    const button = make("button", { type: "button", class: "sort" });
-    button.append(...head.childNodes);
-    head.append(button);
+    // A name with a definition is a button already.
+    const button = head.querySelector("button") ?? make("button", { type: "button" }, ...head.childNodes);
+    if (!head.contains(button)) head.append(button);
+    button.classList.add("sort");
     button.addEventListener("click", () => {
       const up = head.getAttribute("aria-sort") !== "ascending";
       heads.forEach((other) => other.removeAttribute("aria-sort"));

@@ -2,10 +2,10 @@
 
 use super::chart::Chart;
 use super::display::Display;
+use super::error::PageError;
 use super::fields::{self, FieldData};
 use super::frames;
-use super::given::PageError;
-use super::photograph::{self, PictureData};
+use super::photograph::{self, Photograph, PictureData};
 use crate::digits::rounded;
 use crate::field::{Field, Fields};
 use crate::figure::{check_frame, check_mesh};
@@ -13,7 +13,6 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::outline::Outline;
-use myospring_core::mesh::pixel_size::PixelSize;
 use myospring_core::recording::Frame;
 use serde::Serialize;
 
@@ -62,19 +61,6 @@ pub struct MovingCell<'a> {
     pub picture: Option<Photograph<'a>>,
     /// When it contracts most, ms: the shape that is printed.
     pub peak_ms: f64,
-}
-
-/// The picture of a cell: grey values row by row from the top left.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Photograph<'a> {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Values, any scale.
-    pub values: &'a [f32],
-    /// Side of one pixel; the lower left corner of the picture is at 0, 0 of the mesh.
-    pub pixel_size: PixelSize,
 }
 
 #[derive(Debug, Serialize)]

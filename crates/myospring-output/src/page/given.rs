@@ -4,9 +4,7 @@ use super::cell::Beat;
 use super::chart::Chart;
 use super::figure::{Drawing, Thumbnail};
 use super::table::{Table, Tile};
-use crate::field::FieldError;
-use crate::figure::{FigureError, LikelihoodProfile};
-use crate::json::JsonError;
+use crate::figure::LikelihoodProfile;
 use serde::Serialize;
 
 /// What a page shows.
@@ -104,21 +102,4 @@ pub enum Part<'a> {
         /// What is behind.
         parts: Vec<Part<'a>>,
     },
-}
-
-/// Why there is no page.
-#[derive(Debug, thiserror::Error)]
-pub enum PageError {
-    /// No cell to show.
-    #[error("a page needs at least 1 run, it was given 0")]
-    NoRuns,
-    /// A mesh, frame or picture that cannot be drawn.
-    #[error(transparent)]
-    Drawing(#[from] FigureError),
-    /// Fibres or contents of another mesh.
-    #[error(transparent)]
-    Field(#[from] FieldError),
-    /// Data that JSON does not hold.
-    #[error(transparent)]
-    Json(#[from] JsonError),
 }

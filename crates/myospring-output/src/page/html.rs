@@ -1,6 +1,7 @@
 //! The page as text.
 
-use super::given::{Page, PageError};
+use super::error::PageError;
+use super::given::Page;
 use super::payload;
 use super::template::TEMPLATE;
 

@@ -2,8 +2,9 @@
 
 use super::cell::{self, Beat, CellData};
 use super::chart::{Chart, ChartData, Times};
+use super::error::PageError;
 use super::figure::{Drawing, Thumbnail};
-use super::given::{Answer, Page, PageError, Part, Section};
+use super::given::{Answer, Page, Part, Section};
 use super::table::{Table, Tile};
 use crate::digits::rounded;
 use crate::figure::LikelihoodProfile;

@@ -1,12 +1,12 @@
 //! The part of a picture around a cell.
 
-use super::cell::Photograph;
+use super::error::PageError;
 use super::figure::address;
-use super::given::PageError;
 use crate::figure::FigureError;
 use crate::figure::photograph::{Part, embedded};
 use crate::figure::thumbnail;
 use myospring_core::mesh::outline::Outline;
+use myospring_core::mesh::pixel_size::PixelSize;
 use serde::Serialize;
 
 /// What is shown around the cell, of its longer side.
@@ -16,6 +16,19 @@ const LONGEST: f64 = 900.0;
 /// Longest side of a thumbnail, px, and its resolution, dots per inch: a pixel is a px.
 const SMALL: f64 = 160.0;
 const DPI: f64 = 96.0;
+
+/// The picture of a cell: grey values row by row from the top left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Photograph<'a> {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Values, any scale.
+    pub values: &'a [f32],
+    /// Side of one pixel; the lower left corner of the picture is at 0, 0 of the mesh.
+    pub pixel_size: PixelSize,
+}
 
 #[derive(Debug, Serialize)]
 pub(super) struct PictureData {

@@ -1,8 +1,9 @@
 //! The sections of runs: what they have in common, whatever they were made for.
 
-use super::cell::{Beat, MovingCell, Photograph};
+use super::cell::{Beat, MovingCell};
 use super::chart::{Chart, Series, Tone};
 use super::given::{Part, Section};
+use super::photograph::Photograph;
 use super::table::{Cell, Column, Look, Mark, Row, Table, Tile, metric_words};
 use crate::field::Field;
 use crate::report::Summary;

@@ -1,11 +1,16 @@
 //! `report.html`: what goes into the page. That it beats is tested in a browser, beside the page's source.
 
 use crate::synthetic::{STIMULUS, recording};
+use myospring::analysis::curve::{Options, analyse};
+use myospring::analysis::kind::Kind;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::mesh::{Mesh, lattice};
 use myospring::output::field::Field;
-use myospring::output::page::{self, Page, PageError, PageRun, Part, Photograph, Runs, Section};
+use myospring::output::figure::Measured;
+use myospring::output::page::{
+    self, Chart, Page, PageError, PageRun, Part, Photograph, Runs, Section,
+};
 use myospring::output::report::Summary;
 use myospring::recording::Recording;
 use serde_json::Value;
@@ -207,4 +212,64 @@ fn of_a_picture_the_part_around_the_cell_lies_where_the_cell_is() {
     cell.outline = cell.outline.moved([5000.0, 0.0]);
     let away = cells(&html(vec![PageRun { picture: Some(picture), ..cell.on_page() }]));
     assert_eq!(away[0]["picture"], Value::Null);
+}
+
+/// A made-up length of ten beats; in the fifth somebody touches the table, and some frames are missing in the eighth.
+fn ten_beats() -> (Vec<f64>, Vec<f64>) {
+    let times = (0..1250).map(|frame| 8.0 * f64::from(frame));
+    let times: Vec<f64> = times.filter(|time| !(7250.0..7450.0).contains(time)).collect();
+    let length = |time: &f64| {
+        let phase = (time + 800.0).rem_euclid(1000.0);
+        let pulse = if phase < 300.0 { (phase / 300.0 * std::f64::consts::PI).sin() } else { 0.0 };
+        let touched = if (4700.0..5100.0).contains(time) { 60.0 } else { 0.0 };
+        120.0 - 10.0 * pulse + touched + 0.02 * (7.0 * time * time).sin()
+    };
+    let values = times.iter().map(length).collect();
+    (times, values)
+}
+
+#[test]
+fn a_measured_curve_is_drawn_whole_and_as_one_beat_without_artefacts_that_would_make_it_small() {
+    let (times, values) = ten_beats();
+    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    let [whole, one] = Chart::of_curve(&Measured {
+        title: "cell",
+        kind: Kind::Length,
+        unit: "um",
+        times_ms: &times,
+        values: &values,
+        analysis: &analysis,
+        numbers: &[],
+    })
+    .try_into()
+    .unwrap();
+    let numbers = whole.dots.iter().filter(|dot| !dot.words.is_empty()).count();
+    assert_eq!(numbers, analysis.beats.len());
+    let shaded: Vec<&str> = whole.spans.iter().map(|span| span.words).collect();
+    assert!(shaded.contains(&"artefact") && shaded.contains(&"no frames"), "{shaded:?}");
+    let highest = |chart: &Chart| {
+        let values = chart.series.iter().flat_map(|series| &series.values);
+        values.copied().filter(|value| value.is_finite()).fold(0.0, f64::max)
+    };
+    assert!(highest(&whole) < 125.0, "{}", highest(&whole));
+    // Onset, peak, 10, 50 and 90 % of the rise, 50 and 90 % of the way back.
+    assert!(one.dots.len() >= 7, "{:?}", one.dots);
+    assert!(one.series[0].times_ms.len() < times.len() / 5);
+}
+
+#[test]
+fn a_thumbnail_is_small_and_a_cell_outside_of_its_picture_has_none() {
+    let values: Vec<f32> = (0..800 * 200).map(|pixel| (pixel % 800) as f32).collect();
+    let pixel_size = PixelSize::new(0.5).unwrap();
+    let picture = Photograph { width: 800, height: 200, values: &values, pixel_size };
+    let cell = Cell::new(4.0);
+    for (shift, turned) in [([200.0, 50.0], 0.0), ([200.0, 50.0], 90.0)] {
+        let outline = cell.outline.rotated(turned).moved(shift);
+        let png = picture.thumbnail(&outline).unwrap().unwrap();
+        let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+        let (width, height) = (side(16), side(20));
+        assert!(width.max(height) <= 161 && width.min(height) > 20, "{width} x {height}");
+        assert!(png.len() < 40_000, "{}", png.len());
+    }
+    assert!(picture.thumbnail(&cell.outline.moved([5000.0, 0.0])).unwrap().is_none());
 }
