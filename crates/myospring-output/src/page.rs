@@ -29,7 +29,7 @@ mod table;
 mod template;
 
 pub use cell::{Beat, MovingCell};
-pub use chart::{Chart, Dot, Series, Span, Tone};
+pub use chart::{Chart, Dot, Series, Side, Span, Tone};
 pub use error::PageError;
 pub use figure::{Drawing, Thumbnail};
 pub use given::{Answer, Page, Part, Quality, Section};

@@ -203,16 +203,16 @@ export class Chart {
     const pixel = devicePixelRatio;
     pen.save();
     pen.font = `${11 * pixel}px system-ui, sans-serif`;
-    pen.textAlign = "center";
-    for (const { t_ms: time, value, words, counts } of this.data.dots) {
+    for (const { t_ms: time, value, words, side, counts } of this.data.dots) {
       const [x, y] = [plot.valToPos(time, "x", true), plot.valToPos(value, "y", true)];
       if (x < bbox.left || x > bbox.left + bbox.width) continue;
       pen.fillStyle = colour(counts ? "--ink" : "--muted");
       pen.beginPath();
       pen.arc(x, y, DOT * pixel, 0, 2 * Math.PI);
       pen.fill();
-      const above = y < bbox.top + bbox.height / 2;
-      pen.fillText(words, x, above ? y - 6 * pixel : y + 14 * pixel);
+      pen.textAlign = side === "left" ? "right" : side === "right" ? "left" : "center";
+      const [right, down] = side === "out" ? [0, y < bbox.top + bbox.height / 2 ? -6 : 14] : [side === "left" ? -7 : 7, 4];
+      pen.fillText(words, x + right * pixel, y + down * pixel);
     }
     pen.restore();
   }

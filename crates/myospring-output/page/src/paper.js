@@ -14,8 +14,8 @@ import { fitCharts, heightOfCharts } from "./layout.js";
 
 /** Ink on paper that is printed. */
 const PRINTED = { line: "#1a1d21", muted: "#555d68", paper: "#ffffff" };
-/** Height of a plot on paper and width of all, px. */
-const PAPER = { width: 660, plot: 76 };
+/** Height of a plot on paper, width of all and of one of two beside each other, px. */
+const PAPER = { width: 660, plot: 76, half: 318 };
 
 /**
  * A cell at one time.
@@ -110,7 +110,7 @@ export function setUpPrinting(charts, beat) {
     for (const details of opened) details.open = true;
     beat?.toPaper();
     for (const chart of charts) {
-      chart.show(PAPER.width);
+      chart.show(PAPER.half);
       chart.redraw();
     }
   });

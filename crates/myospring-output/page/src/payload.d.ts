@@ -77,8 +77,8 @@ export interface ChartData {
   missed_ms: number[];
   /** Parts of the time that stand out. */
   spans: { from_ms: number; to_ms: number; words: string }[];
-  /** Places on the curve; those that do not count are grey. */
-  dots: { t_ms: number; value: number; words: string; counts: boolean }[];
+  /** Places on the curve, with their words beside them; those that do not count are grey. */
+  dots: { t_ms: number; value: number; words: string; side: "left" | "right" | "out"; counts: boolean }[];
 }
 
 export interface Series {

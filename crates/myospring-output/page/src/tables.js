@@ -1,7 +1,7 @@
 // Tables and key numbers.
 
 import { make, withCode } from "./elements.js";
-import { number, quantity, shortened, unitText } from "./numbers.js";
+import { number, shortened, unitText } from "./numbers.js";
 
 /** @import { Entry, Mark, Table, Tile } from "./payload.js" */
 
@@ -27,7 +27,10 @@ function entryNodes({ text, number: value, spread, unit = "", definition, note, 
   const below = [];
   if (note !== undefined) below.push(make("div", { class: "why" }, note));
   if (against !== undefined) below.push(make("div", { class: "change" }, difference(value, against[0])));
-  return [quantity(value, plusMinus === "" ? unit : "") + plusMinus, ...verdict.flatMap((it) => [" ", it]), ...below];
+  // A count has no decimals.
+  const digits = Number.isInteger(value) && spread === undefined ? String(value).replace("-", "\u2212") : number(value);
+  const words = `${digits}${plusMinus}\u00a0${unitText(unit)}`.trim();
+  return [words, ...verdict.flatMap((it) => [" ", it]), ...below];
 }
 
 /** @param {Mark} mark */

@@ -2,7 +2,7 @@
 
 use crate::digits::rounded;
 use crate::figure::{FittedCurve, Measured, around, shown};
-use myospring_core::analysis::curve::{Analysis, State};
+use myospring_core::analysis::curve::{Analysis, Mark, State};
 use myospring_core::analysis::kind::Family;
 use serde::Serialize;
 
@@ -90,8 +90,22 @@ pub struct Dot {
     pub value: f64,
     /// What is beside it; empty where that would crowd the chart.
     pub words: String,
+    /// Where the words are.
+    pub side: Side,
     /// Whether it counts; others are grey.
     pub counts: bool,
+}
+
+/// Where the words of a place are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// Left of it.
+    Left,
+    /// Right of it.
+    Right,
+    /// Above it, or below where it is low on the chart.
+    Out,
 }
 
 /// Beats that are numbered, at most.
@@ -109,28 +123,19 @@ impl Chart {
             let counts = matches!(beat.state, State::Whole | State::CutAtEnd);
             let number = beat.number.to_string();
             let marks = beat.marks.iter().filter(|mark| matches!(mark.name, "peak" | "onset"));
-            whole.dots.extend(marks.map(|mark| Dot {
-                t_ms: mark.point.time,
-                value: mark.point.value,
-                words: if few && mark.name == "peak" { number.clone() } else { String::new() },
-                counts,
+            whole.dots.extend(marks.map(|mark| {
+                let words = if few && mark.name == "peak" { number.clone() } else { String::new() };
+                Dot { words, counts, ..dot(mark) }
             }));
         }
         let one = shown(analysis).and_then(|beat| Some((beat, around(beat)?)));
         let one = one.map(|(beat, span)| Self {
             name: format!("Beat {}", beat.number),
             note: "dots: where its metrics were read".to_owned(),
-            dots: beat
-                .marks
-                .iter()
-                .filter(|mark| (span[0]..=span[1]).contains(&mark.point.time))
-                .map(|mark| Dot {
-                    t_ms: mark.point.time,
-                    value: mark.point.value,
-                    words: mark.name.to_owned(),
-                    counts: true,
-                })
-                .collect(),
+            dots: {
+                let within = |mark: &&Mark| (span[0]..=span[1]).contains(&mark.point.time);
+                beat.marks.iter().filter(within).map(dot).collect()
+            },
             ..Self::between(curve, span)
         });
         [Some(whole), one].into_iter().flatten().collect()
@@ -234,6 +239,17 @@ impl Chart {
         };
         [above, below]
     }
+}
+
+/// A place where something was read; the steepest ones have no words.
+fn dot(mark: &Mark) -> Dot {
+    let (words, side) = match mark.name.split_once(" % ") {
+        Some((part, "up")) => (format!("{part} %"), Side::Left),
+        Some((part, "down")) => (format!("{part} % back"), Side::Right),
+        _ if matches!(mark.name, "peak" | "onset") => (mark.name.to_owned(), Side::Out),
+        _ => (String::new(), Side::Out),
+    };
+    Dot { t_ms: mark.point.time, value: mark.point.value, words, side, counts: true }
 }
 
 /// How to read the chart of a measured curve.

@@ -1,6 +1,6 @@
 //! Tables and key numbers.
 
-use crate::table;
+use crate::table::{self, column_name};
 use serde::Serialize;
 
 /// A table.
@@ -16,6 +16,12 @@ pub struct Table {
     pub rows: Vec<Row>,
 }
 
+/// Units that columns of results have in their names, those that end like another before it.
+const UNITS: [&str; 18] = [
+    "um^2", "1/um", "um/s", "um/ms", "um", "L0/s", "1/ms", "1/s", "kPa/s", "kPa ms", "kPa", "% ms",
+    "%", "mV/ms", "mV", "ms", "deg", "s",
+];
+
 impl Table {
     /// A table of results that a reader sorts and filters: its first rows, and the columns that are wanted by their names.
     pub fn of(
@@ -29,12 +35,15 @@ impl Table {
         for column in chosen {
             let cells: Vec<Cell> = match column {
                 table::Column::Text { name, values } => {
-                    columns.push(Column::text(&name.replace('_', " ")));
+                    columns.push(Column::text(&metric_words(name)));
                     let text = |text: &Option<String>| Cell::text(text.clone().unwrap_or_default());
                     values.iter().take(most).map(text).collect()
                 }
                 table::Column::Number { name, values } => {
-                    columns.push(Column::of("number", &name.replace('_', " ")));
+                    let unit = UNITS.iter().find(|unit| name.ends_with(&column_name("", unit)));
+                    let stem = unit.and_then(|unit| name.strip_suffix(&column_name("", unit)));
+                    let words = metric_words(stem.unwrap_or(name));
+                    columns.push(Column::number(&words, unit.copied().unwrap_or_default()));
                     values.iter().take(most).map(|value| Cell::number(*value)).collect()
                 }
             };

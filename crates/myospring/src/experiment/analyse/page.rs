@@ -3,6 +3,7 @@
 use super::curve::AnalysedCurve;
 use super::record::{Mean, conventions, means};
 use crate::analysis::curve::{Analysis, CurveBeat, State};
+use crate::experiment::legible::number;
 use crate::output::figure::Measured;
 use crate::output::page::{
     self, Answer, Cell, Chart, Column, Look, Mark, Page, PageError, Part, Quality, Row, Section,
@@ -152,7 +153,7 @@ fn tiles(analysis: &Analysis) -> Part<'static> {
         definition: mean.definition.to_owned(),
         lines: mean
             .standard_deviation
-            .map(|sd| Cell::text(format!("\u{b1} {sd:.2} {}", mean.unit)))
+            .map(|sd| Cell::text(format!("\u{b1} {} {}", number(sd), mean.unit)))
             .into_iter()
             .collect(),
         ..Tile::new(metric_words(mean.name), Cell { spread: None, ..cell(mean) })
