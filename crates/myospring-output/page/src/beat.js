@@ -219,7 +219,7 @@ export function showBeat(beat, lists) {
     const { spacing_um: spacing, accuracy_um: accuracy } = beat.cells[0];
     find("drawn", HTMLElement).textContent =
       `Drawn on squares of ${number(spacing)} ${unitText("um")}; positions are right to ` +
-      `${number(accuracy)} ${unitText("um")}. Curves and numbers are those of the run itself.`;
+      `${number(accuracy)} ${unitText("um")}. Curves and numbers do not depend on that.`;
   }
 }
 

@@ -29,7 +29,7 @@ const TOLD = 4;
 function placeFor(note) {
   const now = make("span", { class: "now", "aria-hidden": "true" });
   const title = make("h3", {}, "", now);
-  if (note !== "") title.append(make("span", { class: "in-band" }, note));
+  if (note !== "") title.append(make("span", { class: "in-band", title: note }, note));
   const figure = make("div", { class: "plot", role: "img" });
   const axis = make("p", { class: "axis" }, "Time (ms)");
   return { now, title, figure, axis, element: make("div", { class: "chart" }, title, figure, axis) };

@@ -131,7 +131,7 @@ export class Chart {
             label,
             stroke: () => colour(stroke),
             dash,
-            width: dotted ? 0 : stroke === "--measured" ? 1 : 2,
+            width: dotted ? 0 : stroke === "--raw" ? 1 : 2,
             spanGaps: false,
             points: dotted ? { show: true, size: 3.5, width: 0, fill: () => colour(stroke) } : { show: false },
           })),
@@ -203,6 +203,7 @@ export class Chart {
     const pixel = devicePixelRatio;
     pen.save();
     pen.font = `${11 * pixel}px system-ui, sans-serif`;
+    pen.lineJoin = "round";
     for (const { t_ms: time, value, words, side, counts } of this.data.dots) {
       const [x, y] = [plot.valToPos(time, "x", true), plot.valToPos(value, "y", true)];
       if (x < bbox.left || x > bbox.left + bbox.width) continue;
@@ -212,6 +213,10 @@ export class Chart {
       pen.fill();
       pen.textAlign = side === "left" ? "right" : side === "right" ? "left" : "center";
       const [right, down] = side === "out" ? [0, y < bbox.top + bbox.height / 2 ? -6 : 14] : [side === "left" ? -7 : 7, 4];
+      // On a noisy curve words need paper around them.
+      pen.strokeStyle = colour("--paper");
+      pen.lineWidth = 3 * pixel;
+      pen.strokeText(words, x + right * pixel, y + down * pixel);
       pen.fillText(words, x + right * pixel, y + down * pixel);
     }
     pen.restore();

@@ -408,7 +408,7 @@ test("measured curves are drawn with what was read of them, enlarged, sorted and
     assert.match((await page.textContent("#answer")) ?? "", /^\d+ of 20 beats count in 2 of 2 curves\.$/);
     const titles = await page.$$eval("#curves h3", (all) => all.map((title) => title.textContent ?? ""));
     assert.equal(titles.length, 4, "of each curve the recording and one beat");
-    assert.match(titles[0], /^train\.csv: length.*\(\u00b5m\).*dots: onset and peak.*shaded: artefacts, left out/);
+    assert.match(titles[0], /^length.*\(\u00b5m\).*dots: onset and peak.*shaded: artefacts, left out/);
     assert.match(titles[1], /^Beat \d+ .*where its metrics were read/);
     assert.match((await page.textContent("#curves .axis")) ?? "", /Time \(s\)/);
     // A drag over a part of a curve enlarges it, a double click shows all.

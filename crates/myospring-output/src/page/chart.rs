@@ -62,8 +62,10 @@ pub enum Tone {
     Shortening,
     /// Calcium, and other signals of a cell model.
     Signal,
-    /// Samples as they were measured.
+    /// Samples as they were measured, beside a fitted curve.
     Measured,
+    /// Samples as they were measured, behind what was read of them.
+    Raw,
     /// Samples that were left out.
     Out,
     /// The n-th of several runs.
@@ -171,7 +173,7 @@ impl Chart {
         };
         let mut lines = vec![series("as read", tone, &|frame, _| read[frame])];
         if curve.values != read.as_slice() {
-            lines.insert(0, series("as measured", Tone::Measured, &measured));
+            lines.insert(0, series("as measured", Tone::Raw, &measured));
         }
         let span = |from_ms, to_ms, words| Span { from_ms, to_ms, words };
         let artefacts = treatment.artefacts.iter().map(|it| span(it.from_ms, it.to_ms, "artefact"));
@@ -342,6 +344,7 @@ impl Tone {
             Self::Shortening => "shortening".to_owned(),
             Self::Signal => "signal".to_owned(),
             Self::Measured => "measured".to_owned(),
+            Self::Raw => "raw".to_owned(),
             Self::Out => "out".to_owned(),
             Self::Run(index) => index.to_string(),
         }

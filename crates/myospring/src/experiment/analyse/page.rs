@@ -64,14 +64,21 @@ const KEY: [(&str, &[&str]); 6] = [
 
 /// The page.
 pub(super) fn html(all: &[AnalysedCurve], warnings: Vec<String>) -> Result<String, PageError> {
-    let found: Vec<(&AnalysedCurve, &Analysis)> =
-        all.iter().filter_map(|read| Some((read, read.found.as_ref().ok()?))).collect();
+    let several = files(all).len() > 1;
+    let found = all.iter().filter_map(|read| {
+        Some(Found { name: name(read, several), read, analysis: read.found.as_ref().ok()? })
+    });
+    let found: Vec<Found<'_>> = found.collect();
     let mut sections = Vec::new();
     match &found[..] {
-        [(_, analysis)] if all.len() == 1 => {
+        [Found { analysis, .. }] if all.len() == 1 => {
             sections.push(Section::new("key", "Key numbers", vec![tiles(analysis)]));
         }
-        _ => sections.push(Section::new("all", "All curves", vec![Part::Table(by_curve(all))])),
+        _ => sections.push(Section {
+            hint: "Mean \u{b1} SD over the beats that count. A click on a heading sorts."
+                .to_owned(),
+            ..Section::new("all", "All curves", vec![Part::Table(by_curve(all, several))])
+        }),
     }
     sections.push(curves(&found));
     sections.push(numbers(&found));
@@ -85,6 +92,18 @@ pub(super) fn html(all: &[AnalysedCurve], warnings: Vec<String>) -> Result<Strin
         warnings,
         sections,
     })
+}
+
+/// A curve with beats.
+struct Found<'a> {
+    name: String,
+    read: &'a AnalysedCurve,
+    analysis: &'a Analysis,
+}
+
+/// The name of a curve; of several files with its own.
+fn name(read: &AnalysedCurve, several: bool) -> String {
+    if several { read.title() } else { read.curve.name.clone() }
 }
 
 fn files(all: &[AnalysedCurve]) -> BTreeSet<&str> {
@@ -106,16 +125,16 @@ fn facts(all: &[AnalysedCurve]) -> Vec<String> {
     let kinds: BTreeSet<String> = all.iter().map(|read| read.curve.kind.to_string()).collect();
     let mut facts: Vec<String> = kinds.into_iter().collect();
     if let [one] = all {
-        let rate = one.curve.frame_rate_per_s().map(|rate| format!(" at {rate:.4} /s"));
+        let rate = one.curve.frame_rate_per_s().map(|rate| format!(" at {} /s", number(rate)));
         facts.push(format!("{} frames{}", one.curve.values.len(), rate.unwrap_or_default()));
     }
     facts
 }
 
 /// How many beats count, and of one curve how large they are.
-fn answer(all: &[AnalysedCurve], found: &[(&AnalysedCurve, &Analysis)]) -> Answer {
-    let beats: usize = found.iter().map(|(_, analysis)| analysis.beats.len()).sum();
-    let counted: usize = found.iter().map(|(_, analysis)| analysis.counted().len()).sum();
+fn answer(all: &[AnalysedCurve], found: &[Found<'_>]) -> Answer {
+    let beats: usize = found.iter().map(|Found { analysis, .. }| analysis.beats.len()).sum();
+    let counted: usize = found.iter().map(|Found { analysis, .. }| analysis.counted().len()).sum();
     let of = if all.len() == 1 {
         String::new()
     } else {
@@ -127,7 +146,7 @@ fn answer(all: &[AnalysedCurve], found: &[(&AnalysedCurve, &Analysis)]) -> Answe
     } else {
         format!("{counted} of {beats} beat{plural} count{of}")
     };
-    if let [(_, analysis)] = found
+    if let [Found { analysis, .. }] = found
         && let Some(mean) = key(&means(analysis), KEY[2].1)
         && let Some(value) = mean.in_words()
     {
@@ -162,12 +181,13 @@ fn tiles(analysis: &Analysis) -> Part<'static> {
 }
 
 /// A row for each curve.
-fn by_curve(all: &[AnalysedCurve]) -> Table {
+fn by_curve(all: &[AnalysedCurve], several: bool) -> Table {
     let mut columns =
         vec![Column::text("curve"), Column::text("kind"), Column::number("beats that count", "")];
     columns.extend(KEY.iter().map(|(words, _)| Column::of("number", words)));
     let row = |read: &AnalysedCurve| {
-        let mut cells = vec![Cell::text(read.title()), Cell::text(read.curve.kind.to_string())];
+        let mut cells =
+            vec![Cell::text(name(read, several)), Cell::text(read.curve.kind.to_string())];
         match &read.found {
             Err(why) => {
                 let none = Mark::new(false, "no beat");
@@ -193,10 +213,10 @@ fn by_curve(all: &[AnalysedCurve]) -> Table {
     }
 }
 
-fn curves(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
-    let charts = found.iter().take(DRAWN).map(|(read, analysis)| {
+fn curves(found: &[Found<'_>]) -> Section<'static> {
+    let charts = found.iter().take(DRAWN).map(|Found { name, read, analysis }| {
         Part::Charts(Chart::of_curve(&Measured {
-            title: &read.title(),
+            title: name,
             kind: read.curve.kind,
             unit: read.curve.unit,
             times_ms: &read.curve.times_ms,
@@ -222,17 +242,14 @@ fn curves(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
 }
 
 /// The parts of the only curve, or those of each of several behind its name.
-fn each(
-    found: &[(&AnalysedCurve, &Analysis)],
-    part: impl Fn(&Analysis) -> Part<'static>,
-) -> Vec<Part<'static>> {
+fn each(found: &[Found<'_>], part: impl Fn(&Analysis) -> Part<'static>) -> Vec<Part<'static>> {
     match found {
-        [(_, analysis)] => vec![part(analysis)],
+        [Found { analysis, .. }] => vec![part(analysis)],
         several => several
             .iter()
             .take(DRAWN)
-            .map(|(read, analysis)| Part::Folded {
-                title: read.title(),
+            .map(|Found { name, analysis, .. }| Part::Folded {
+                title: name.clone(),
                 on_paper: true,
                 parts: vec![part(analysis)],
             })
@@ -240,7 +257,7 @@ fn each(
     }
 }
 
-fn numbers(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
+fn numbers(found: &[Found<'_>]) -> Section<'static> {
     let table = |analysis: &Analysis| {
         let row = |mean: Mean| {
             let values: Vec<f64> = analysis
@@ -282,7 +299,7 @@ fn numbers(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
     }
 }
 
-fn beats(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
+fn beats(found: &[Found<'_>]) -> Section<'static> {
     let table = |analysis: &Analysis| {
         let means = means(analysis);
         let mut columns = vec![Column::text("beat"), Column::text("state")];
@@ -312,12 +329,12 @@ fn beats(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
         part => part,
     });
     Section {
-        hint: "Beats on orange do not count in means. `metrics.csv` has all of them.".to_owned(),
+        hint: "Beats on orange do not count in means. A click on a heading sorts; `metrics.csv` has all.".to_owned(),
         ..Section::new("beats", "Beat by beat", parts.collect())
     }
 }
 
-fn treatment(found: &[(&AnalysedCurve, &Analysis)]) -> Section<'static> {
+fn treatment(found: &[Found<'_>]) -> Section<'static> {
     let words = |analysis: &Analysis| {
         Part::Words(conventions(&analysis.treatment).split("; ").map(str::to_owned).collect())
     };
