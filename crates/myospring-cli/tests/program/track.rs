@@ -58,6 +58,7 @@ fn a_folder_of_pictures_becomes_a_curve_a_film_and_figures() {
         "figures",
         "frames.npz",
         "outline.geojson",
+        "report.html",
         "rest.tif",
         "track.csv",
         "track.gif",

@@ -4,6 +4,7 @@ mod description;
 mod followed;
 mod open;
 mod outputs;
+mod page;
 mod report;
 
 pub use description::{Output, Track};

@@ -2,6 +2,7 @@
 
 use super::description::Output;
 use super::followed::Followed;
+use super::page;
 use super::report::Report;
 use crate::experiment::{Draw, ExperimentError, Folder, Observer};
 use crate::microscopy::plane::Plane;
@@ -31,8 +32,12 @@ pub(super) fn write(
     if outputs.contains(&Output::Gif) && !observer.is_late() {
         drawn.gif(folder)?;
     }
+    if outputs.is_empty() {
+        return Ok(());
+    }
     let [frames, vtu] = [Output::Frames, Output::Vtu].map(|output| outputs.contains(&output));
-    let shapes = if frames || vtu { shapes(followed) } else { Vec::new() };
+    let shapes = shapes(followed);
+    folder.write("report.html", page::html(followed, report, &shapes)?)?;
     if frames {
         npz(folder, followed, &shapes)?;
     }
