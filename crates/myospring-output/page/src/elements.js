@@ -28,6 +28,20 @@ export function draw(tag, attributes, ...children) {
   return element;
 }
 
+/** How often each name was given. @type {Map<string, number>} */
+const given = new Map();
+
+/**
+ * A name for a region that no other region has.
+ *
+ * @param {string} name
+ */
+export function ownName(name) {
+  const times = (given.get(name) ?? 0) + 1;
+  given.set(name, times);
+  return times > 1 ? `${name}, ${times}` : name;
+}
+
 /**
  * Text in which what stands between backticks is code.
  *

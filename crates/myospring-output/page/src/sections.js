@@ -1,7 +1,7 @@
 // The sections of a page: each part by its kind.
 
 import { OwnChart } from "./charts.js";
-import { make, find, say, withCode } from "./elements.js";
+import { find, make, ownName, say, withCode } from "./elements.js";
 import { profileDrawing } from "./profiles.js";
 import { scrolling, tableOf, tilesOf } from "./tables.js";
 
@@ -23,7 +23,8 @@ export function writeSections({ sections, times_ms: lists }) {
   for (const { id, title, hint, parts } of sections) {
     const quiet = parts.length > 0 && parts.every(({ kind }) => QUIET.includes(kind));
     const heading = make("h2", { id: `${id}-title`, class: quiet ? "unseen" : "" }, title);
-    const body = make("div", { class: "parts" }, ...parts.flatMap(show));
+    const body = make("div", { class: "parts" }, ...parts.filter((part) => !isEmpty(part)).flatMap(show));
+    if (body.childElementCount === 0) continue;
     const section = make("section", { id, "aria-labelledby": `${id}-title` }, heading);
     const help = body.querySelector(".term") === null || quiet ? [] : [POINT];
     if (hint !== "" || help.length > 0) {
@@ -35,6 +36,22 @@ export function writeSections({ sections, times_ms: lists }) {
   }
   charts.forEach((chart) => chart.show());
   return charts;
+}
+
+/** @param {Part} part */
+function isEmpty(part) {
+  switch (part.kind) {
+    case "tiles":
+      return part.tiles.length === 0;
+    case "profiles":
+      return part.profiles.length === 0;
+    case "gallery":
+      return part.thumbnails.length === 0;
+    case "words":
+      return part.words.length === 0;
+    default:
+      return false;
+  }
 }
 
 const POINT = "Point at a name, or move to it with Tab, for how it is defined. ";
@@ -87,7 +104,7 @@ function thumbnail({ name, words, mark, image }) {
     {},
     make("img", { src: image, alt: "", loading: "lazy" }),
     make("span", { class: "name" }, name),
-    make("span", { class: "seen" }, words),
+    make("span", { class: "seen", title: words }, words),
     ...verdict,
   );
 }
@@ -100,7 +117,7 @@ function figure({ words, light, dark }) {
     make("source", { srcset: dark, media: "screen and (prefers-color-scheme: dark)" }),
     make("img", { src: light, alt: words, class: "drawn" }),
   );
-  return scrolling(image, words);
+  return scrolling(image, `Figure: ${words}`);
 }
 
 /**
@@ -121,7 +138,7 @@ function folded({ title, on_paper: onPaper, parts }, lists, charts) {
  * @param {Text} part
  */
 function snippet({ what, file, text }) {
-  const block = make("pre", { tabindex: "0", role: "region", "aria-label": what }, text);
+  const block = make("pre", { tabindex: "0", role: "region", "aria-label": ownName(what) }, text);
   const copy = make("button", { type: "button" }, `Copy ${what}`);
   copy.addEventListener("click", async () => {
     try {

@@ -1,12 +1,14 @@
 // Tables and key numbers.
 
-import { make, withCode } from "./elements.js";
+import { make, ownName, withCode } from "./elements.js";
 import { number, shortened, unitText } from "./numbers.js";
 
 /** @import { Entry, Mark, Table, Tile } from "./payload.js" */
 
 /** Rows from which on a table can be filtered. */
 const MANY = 8;
+/** Letters of a text that a sortable table may cut. */
+const LONG_TEXT = 30;
 /** Columns from which on a table is wide. */
 const CROWDED = 6;
 
@@ -67,7 +69,12 @@ export function tableOf({ caption, look, columns, rows }) {
       "tr",
       marked ? { class: "marked" } : {},
       make("th", { scope: "row" }, ...first),
-      ...others.map((nodes, index) => make("td", { class: columns[index + 1].class ?? "" }, ...nodes)),
+      ...others.map((nodes, index) => {
+        const text = cells[index + 1].text ?? "";
+        const cell = make("td", { class: columns[index + 1].class ?? "" }, ...nodes);
+        if (look === "sortable" && text.length > LONG_TEXT) cell.title = text;
+        return cell;
+      }),
     );
   });
   const kinds = look === "wide" && columns.length > CROWDED ? "many" : look;
@@ -80,8 +87,10 @@ export function tableOf({ caption, look, columns, rows }) {
   );
   if (look === "numbers" || look === "parameters") return table;
   if (look === "sortable") return sortable(table, { caption, columns, rows });
-  return scrolling(table, caption);
+  return scrolling(table, `Table: ${caption}`);
 }
+
+const HOW = "A click on a heading sorts.";
 
 /**
  * A table whose rows a reader sorts and filters.
@@ -106,15 +115,15 @@ function sortable(table, { caption, rows }) {
       body.append(...sorted.map(({ row }) => row));
     });
   });
-  const wide = scrolling(table, caption);
+  const wide = scrolling(table, `Table: ${caption}`);
   if (rows.length < MANY) return wide;
   const search = make("input", { type: "search" });
-  const count = make("span", { class: "seen", role: "status" });
+  const count = make("span", { class: "seen", role: "status" }, HOW);
   search.addEventListener("input", () => {
     const wanted = search.value.toLowerCase();
     for (const { row } of items) row.hidden = !(row.textContent ?? "").toLowerCase().includes(wanted);
     const left = items.filter(({ row }) => !row.hidden).length;
-    count.textContent = wanted === "" ? "" : `${left} of ${items.length} rows`;
+    count.textContent = wanted === "" ? HOW : `${left} of ${items.length} rows`;
   });
   const bar = make("div", { class: "bar on-screen" }, make("label", { class: "choice" }, "Filter rows ", search), count);
   return make("div", {}, bar, wide);
@@ -141,7 +150,7 @@ function compared(a, b, sign) {
  * @param {string} name
  */
 export function scrolling(content, name) {
-  return make("div", { class: "wide", role: "region", "aria-label": name, tabindex: "0" }, content);
+  return make("div", { class: "wide", role: "region", "aria-label": ownName(name), tabindex: "0" }, content);
 }
 
 /** How many names with definitions there are. */

@@ -75,8 +75,7 @@ pub(super) fn html(all: &[AnalysedCurve], warnings: Vec<String>) -> Result<Strin
             sections.push(Section::new("key", "Key numbers", vec![tiles(analysis)]));
         }
         _ => sections.push(Section {
-            hint: "Mean \u{b1} SD over the beats that count. A click on a heading sorts."
-                .to_owned(),
+            hint: "Mean \u{b1} SD over the beats that count.".to_owned(),
             ..Section::new("all", "All curves", vec![Part::Table(by_curve(all, several))])
         }),
     }
@@ -329,7 +328,7 @@ fn beats(found: &[Found<'_>]) -> Section<'static> {
         part => part,
     });
     Section {
-        hint: "Beats on orange do not count in means. A click on a heading sorts; `metrics.csv` has all.".to_owned(),
+        hint: "Beats on orange do not count in means. `metrics.csv` has all.".to_owned(),
         ..Section::new("beats", "Beat by beat", parts.collect())
     }
 }

@@ -13,6 +13,26 @@ pub(super) const FILE: &str = "report.html";
 /// Bytes of all small pictures, and rows of the table, at most.
 const LARGEST: usize = 3_000_000;
 const ROWS: usize = 1000;
+/// Columns that are listed, as far as a batch has them.
+const COLUMNS: [&str; 17] = [
+    "picture",
+    "cell",
+    "group",
+    "status",
+    "confidence",
+    "length_um",
+    "width_um",
+    "area_um2",
+    "sarcomere_um",
+    "peak_shortening_pct",
+    "peak_lengthening_pct",
+    "time_to_peak_from_stimulus_ms",
+    "relaxation_time_90_ms",
+    "maximum_shortening_rate_L0_per_s",
+    "peak_tension_kPa",
+    "reason",
+    "warnings",
+];
 /// Numbers that a reader looks at first: column, what it is, unit.
 const KEY: [(&str, &str, &str); 5] = [
     ("length_um", "length", "um"),
@@ -48,13 +68,15 @@ pub(super) fn html(
     // Sentences come after the numbers.
     let mut table = CellRow::table(rows);
     table.columns.sort_by_key(|column| ["reason", "warnings"].contains(&column.name()));
-    let table = Table::of("All cells", &table, ROWS, |_| true);
+    let table = Table::of("All cells", &table, ROWS, |name| COLUMNS.contains(&name));
     let table = Section {
         hint: match rows.len() {
             count if count > ROWS => {
-                format!("The first {ROWS} of {count} rows; cells.csv and cells.parquet have all.")
+                format!(
+                    "The first {ROWS} of {count} rows; `cells.csv` and `cells.parquet` have all rows and columns."
+                )
             }
-            _ => "cells.csv and cells.parquet have the same table.".to_owned(),
+            _ => "`cells.csv` and `cells.parquet` have all columns.".to_owned(),
         },
         ..Section::new("table", "Numbers of every cell", vec![Part::Table(table)])
     };
