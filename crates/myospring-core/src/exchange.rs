@@ -14,6 +14,7 @@
 //! in each triangle.
 
 mod by_triangle;
+mod crossbridges;
 mod whole_cell;
 
 pub use by_triangle::ByTriangle;
@@ -147,6 +148,10 @@ pub trait Activation: Send + Sync {
 
     /// The most that is to be expected.
     fn strongest(&self) -> ActivationBounds;
+
+    /// Called before the first interval if the mesh is at rest at every time: what it feels then goes smoothly, so that it
+    /// may be foretold. Nothing by default.
+    fn at_equilibria(&mut self) {}
 
     /// The potential variable, dimensionless, where there is one.
     fn potential(&self) -> Option<f64> {

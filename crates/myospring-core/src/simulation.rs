@@ -11,33 +11,39 @@
 //! |-|-|-|-|-|   masses: n equal steps, tension linear in between
 //! ```
 //!
-//! Where the tension depends on the stretch that it causes, both are found together (see `coupling`).
+//! Where the tension depends on the stretch that it causes, both are found together (see `coupler`).
 //!
 //! [`Simulation::build`] checks everything and makes a run ready by the method that the settings name: in
 //! time ([`Prepared`]), along the path of equilibria ([`PreparedPath`]), or, where the tension differs from
-//! place to place, from equilibrium to equilibrium ([`PreparedField`]); the loop is the same. What it makes
+//! place to place, from equilibrium to equilibrium ([`PreparedField`]); the loop is the same (`course`). What it makes
 //! owns all that it needs and can be sent to a thread.
 //!
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
 //! the time and the place; what was recorded up to there is kept.
 
+mod beats;
 mod capture;
 mod check;
-mod coupling;
+mod coupler;
+mod course;
+pub mod equilibria;
 mod fault;
 mod field;
+mod given_calcium;
 mod held;
 mod in_time;
 mod observer;
 mod outcome;
 mod pace;
-pub mod quasi_static;
+mod quasi_static;
 mod ready;
 mod setup;
 mod shared;
 mod stop;
 mod strain;
+mod train;
 
+pub use beats::Beating;
 pub use check::{MOST_FRAME_MEMORY, MOST_FRAMES, MOST_SAMPLES, SettingError, divides};
 pub use fault::projected_area;
 pub use field::PreparedField;
@@ -50,6 +56,7 @@ pub use ready::Ready;
 pub use shared::SharedPath;
 pub use stop::{SetupError, StopReason};
 pub use strain::MOST_STRAIN;
+pub use train::Train;
 
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::Settings;

@@ -44,7 +44,7 @@ pub(super) fn plan(
     let fibres = of_picture.as_ref();
     let run::Plan { effort, spring_updates, estimated_s } = prepared.plan();
     if let Ready::AlongPath(path) = &prepared.ready
-        && let Some(end) = &path.end
+        && let Some(end) = path.end()
     {
         print::warn(&format!("the run will stop early: {end}"));
     }

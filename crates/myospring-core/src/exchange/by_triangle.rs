@@ -252,7 +252,7 @@ impl Activation for ByTriangle {
     fn output_values(&self) -> Vec<f64> {
         let mut sum = vec![0.0; self.outputs().len()];
         for cell in &self.moved {
-            for (sum, value) in sum.iter_mut().zip(super::whole_cell::told(cell)) {
+            for (sum, value) in sum.iter_mut().zip(super::whole_cell::told(cell, cell.state())) {
                 *sum += value;
             }
         }

@@ -1,5 +1,6 @@
 //! A cell model as the activation of a whole cell.
 
+use super::crossbridges::Crossbridges;
 use super::{
     Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
 };
@@ -9,6 +10,7 @@ use crate::cell::solve::{Settings, SolveError};
 use crate::cell::{CellModel, Input, Output, StateVariable};
 use crate::mechanics::Tension;
 use crate::recording::{CALCIUM, STEEPEST_RISE};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// One cell model for the whole cell.
@@ -18,6 +20,8 @@ pub struct WholeCell {
     moved: CellIntegrator,
     /// What it felt at the time it was moved to.
     felt: Input,
+    /// Crossbridges that are followed apart from the rest of the cell, which then goes on but once an interval.
+    crossbridges: Option<Crossbridges>,
     /// kPa per unit of the model's tension.
     scale: f64,
     strongest: ActivationBounds,
@@ -65,6 +69,7 @@ impl WholeCell {
             moved: kept.clone(),
             kept,
             felt: Input::REST,
+            crossbridges: None,
             scale,
             strongest,
             feels_stretch,
@@ -78,6 +83,14 @@ impl WholeCell {
     #[must_use]
     pub fn at_resting_stretch(self, resting_stretch: f64) -> Self {
         Self { resting_stretch, ..self }
+    }
+
+    /// The state that it was moved to.
+    fn state(&self) -> Cow<'_, [f64]> {
+        match &self.crossbridges {
+            Some(crossbridges) => crossbridges.state(&self.moved).into(),
+            None => self.moved.state().into(),
+        }
     }
 }
 
@@ -96,9 +109,9 @@ pub(super) fn told_by(model: &dyn CellModel) -> Vec<Output> {
 }
 
 /// Their values.
-pub(super) fn told(cell: &CellIntegrator) -> Vec<f64> {
+pub(super) fn told(cell: &CellIntegrator, state: &[f64]) -> Vec<f64> {
     let mut values = cell.outputs();
-    values.extend(cell.model().recorded_states().iter().map(|&place| cell.state()[place]));
+    values.extend(cell.model().recorded_states().iter().map(|&place| state[place]));
     values.extend(cell.calcium_um().filter(|_| tells_calcium_besides(&**cell.model())));
     values
 }
@@ -119,20 +132,27 @@ impl Activation for WholeCell {
     fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
         let failed = |error: SolveError| ActivationError(error.to_string());
         let [stretch, rate] = [felt.stretch[0], felt.rate[0]].map(|of| self.resting_stretch * of);
+        self.felt = Input { stretch, stretch_rate: rate, ..Input::REST };
+        if let Some(crossbridges) = &mut self.crossbridges {
+            return crossbridges
+                .advance(&self.kept, &mut self.moved, to_ms, stretch)
+                .map_err(failed);
+        }
         self.moved.clone_from(&self.kept);
         // The stretch goes evenly to its end: half way it is right to the second order of the interval.
         let middle = stretch - 0.5 * rate * (to_ms - self.kept.time());
-        self.moved.advance_to(to_ms, middle, rate).map_err(failed)?;
-        self.felt = Input { stretch, stretch_rate: rate, ..Input::REST };
-        Ok(())
+        self.moved.advance_to(to_ms, middle, rate).map_err(failed)
     }
 
     fn keep(&mut self) {
         self.kept.clone_from(&self.moved);
+        if let Some(crossbridges) = &mut self.crossbridges {
+            crossbridges.keep(self.felt.stretch);
+        }
     }
 
     fn tension(&self) -> Tension<'_> {
-        let tension = self.moved.model().tension(self.moved.state(), &self.felt);
+        let tension = self.moved.model().tension(&self.state(), &self.felt);
         Tension::Uniform(self.scale * tension)
     }
 
@@ -142,6 +162,10 @@ impl Activation for WholeCell {
 
     fn strongest(&self) -> ActivationBounds {
         self.strongest
+    }
+
+    fn at_equilibria(&mut self) {
+        self.crossbridges = Crossbridges::of(&self.kept);
     }
 
     fn potential(&self) -> Option<f64> {
@@ -174,7 +198,7 @@ impl Activation for WholeCell {
     }
 
     fn output_values(&self) -> Vec<f64> {
-        let mut values = told(&self.moved);
+        let mut values = told(&self.moved, &self.state());
         let model = self.moved.model();
         if model.potential(self.moved.state()).is_some() {
             values.push(self.moved.steepest_rise().unwrap_or(0.0));

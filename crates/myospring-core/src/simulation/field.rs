@@ -3,7 +3,8 @@
 //! Such a tension has no path that could be solved in advance: at the end of every exchange interval the
 //! equilibrium under the tensions of all triangles is solved anew, from the last one on.
 
-use super::coupling::{Observed, Shaping};
+use super::coupler::Shaping;
+use super::course::{Observable, Observed};
 use super::fault::{fault, projected_area};
 use super::held::Held;
 use super::observer::{Observer, Progress, Samples};
@@ -155,10 +156,12 @@ impl Shaping for FromRestToRest<'_> {
         self.state.clone_from(&self.marked);
     }
 
-    fn length(&self) -> f64 {
-        self.setup.assembly.meter.measure(&self.state.body.positions).length
+    fn felt(&self) -> Vec<f64> {
+        self.setup.felt(&self.state.body.positions)
     }
+}
 
+impl Observable for FromRestToRest<'_> {
     fn observe(&self) -> Observed {
         let Setup { simulation, assembly, .. } = self.setup;
         let State { body, tension, active_work } = &self.state;

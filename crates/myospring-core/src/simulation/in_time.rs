@@ -1,6 +1,7 @@
 //! A mesh whose masses move in time.
 
-use super::coupling::{Observed, Shaping};
+use super::coupler::Shaping;
+use super::course::{Observable, Observed};
 use super::fault::{fault, projected_area};
 use super::held::Held;
 use super::observer::{Observer, Progress, Samples};
@@ -221,10 +222,12 @@ impl Shaping for InTime<'_> {
         }
     }
 
-    fn length(&self) -> f64 {
-        self.setup.assembly.meter.measure(&self.stepper.body().positions).length
+    fn felt(&self) -> Vec<f64> {
+        self.setup.felt(&self.stepper.body().positions)
     }
+}
 
+impl Observable for InTime<'_> {
     fn observe(&self) -> Observed {
         let (Setup { simulation, assembly, .. }, body) = (self.setup, self.stepper.body());
         let extent = assembly.meter.measure(&body.positions);

@@ -155,7 +155,7 @@ impl Simulation {
     }
 
     /// Mean over the volume of the myofibrils.
-    fn mean_resting_stretch(&self) -> f64 {
+    pub(super) fn mean_resting_stretch(&self) -> f64 {
         let Some(stretch) = &self.resting_stretch else { return 1.0 };
         let volumes = self.volumes();
         let sum: f64 = stretch.iter().zip(&volumes).map(|(stretch, volume)| stretch * volume).sum();

@@ -1,11 +1,10 @@
-//! Mechanics that many runs share: the path of equilibria hangs on the mesh and its forces alone.
+//! Mechanics that many runs share: the path of equilibria depends on the mesh and its forces alone.
 
-use super::quasi_static::{Curve, PreparedPath};
-use super::setup::{Assembly, Setup};
+use super::equilibria::Equilibria;
+use super::quasi_static::PreparedPath;
 use super::{SettingError, SetupError, Simulation};
-use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
-use crate::interruption::Interrupted;
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::integrate::quasi_static::Tolerance;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// One mesh with its forces, and its path of equilibria as far as any of its runs has needed it.
 ///
@@ -13,15 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// bits as it has alone.
 pub struct SharedPath {
     simulation: Simulation,
-    assembly: Arc<Assembly>,
-    solved: Mutex<Arc<Solved>>,
-}
-
-struct Solved {
-    shapes: Shapes,
-    curve: Arc<Curve>,
-    /// Why it goes no further.
-    end: Option<PathError>,
+    solved: Mutex<Equilibria>,
 }
 
 impl Simulation {
@@ -47,14 +38,8 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn shared_path(&self, tolerance: Tolerance) -> Result<SharedPath, SetupError> {
-        let setup = self.set_up()?;
-        setup.check_path()?;
-        let Assembly { system, body, .. } = &*setup.assembly;
-        let path = Path::start_interruptible(system, body, tolerance, &self.interruption)?;
-        let mesh = &setup.simulation.mesh;
-        let curve = Arc::new(Curve::along(&path, mesh, &setup.assembly, &self.interruption)?);
-        let solved = Mutex::new(Arc::new(Solved { shapes: path.into_shapes(), curve, end: None }));
-        Ok(SharedPath { simulation: self.clone(), assembly: setup.assembly, solved })
+        let solved = Mutex::new(self.equilibria_at_rest(tolerance)?);
+        Ok(SharedPath { simulation: self.clone(), solved })
     }
 }
 
@@ -72,31 +57,16 @@ impl SharedPath {
                 because: "its shapes are those of its own mechanics; take Simulation::build",
             }));
         }
-        let setup = simulation.set_up_on(Arc::clone(&self.assembly))?;
+        let assembly = Arc::clone(&self.solved().held.assembly);
+        let setup = simulation.set_up_on(assembly)?;
         setup.check_path()?;
-        let peak = setup.peak();
-        let solved = self.up_to(peak, &setup)?;
-        let (shapes, curve) = (solved.shapes.clone(), Arc::clone(&solved.curve));
-        let end = solved.end.clone().filter(|_| !shapes.reaches(peak));
-        let loaded = setup.loaded(shapes.tolerance())?;
-        Ok(PreparedPath { setup, shapes, end, curve, loaded })
+        let mut solved = self.solved();
+        solved.extend_to(simulation, setup.peak())?;
+        Ok(PreparedPath { setup, equilibria: solved.clone() })
     }
 
-    /// The path up to a tension, or as far as it goes.
-    fn up_to(&self, tension: f64, setup: &Setup) -> Result<Arc<Solved>, Interrupted> {
-        let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
-        if solved.shapes.reaches(tension) || solved.end.is_some() {
-            return Ok(Arc::clone(&solved));
-        }
-        let Assembly { system, body, .. } = &*self.assembly;
-        let interruption = &setup.simulation.interruption;
-        let mut path = Path::resume(system, body, solved.shapes.clone(), interruption);
-        let end = path.extend(tension).err();
-        interruption.check()?;
-        let mesh = &setup.simulation.mesh;
-        let curve = Arc::new(Curve::along(&path, mesh, &self.assembly, interruption)?);
-        *solved = Arc::new(Solved { shapes: path.into_shapes(), curve, end });
-        Ok(Arc::clone(&solved))
+    fn solved(&self) -> MutexGuard<'_, Equilibria> {
+        self.solved.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn has_mechanics_of(&self, other: &Simulation) -> bool {

@@ -1,23 +1,29 @@
 //! From unknowns to curves of shortening.
 
 use super::error::FitError;
-use super::felt::Felt;
 use super::least_squares::Column;
-use super::physics::{Physics, Train};
+use super::stretch_dependent::StretchDependent;
 use super::table::{Shelf, Tables};
-use super::unknown::Unknown;
+use super::unknown::{Physics, Unknown};
 use crate::cell::tension::Rates;
 use crate::cell::tension::lag::Lag;
 use crate::cell::tension::train::Potential;
-use crate::simulation::Simulation;
+use crate::simulation::equilibria::TensionResponse;
+use crate::simulation::{Simulation, Train};
 use std::sync::Arc;
 
 /// How a cell on its mesh shortens after stimuli.
 pub(super) enum Contraction {
     /// Its tension follows its potential and feels nothing.
-    Given { potential: Potential, rates: Rates, places: Vec<usize>, tables: Arc<Tables>, peak: f64 },
+    FollowsPotential {
+        potential: Potential,
+        rates: Rates,
+        places: Vec<usize>,
+        tables: Arc<Tables>,
+        peak: f64,
+    },
     /// Anything else.
-    Felt(Box<Felt>),
+    StretchDependent(Box<StretchDependent>),
 }
 
 impl Contraction {
@@ -30,7 +36,7 @@ impl Contraction {
         up_to: f64,
         shelf: &Shelf,
     ) -> Result<Self, FitError> {
-        let Train { before, beats, cycle } = *train;
+        let Train { before, beats, cycle_ms } = *train;
         let names: Vec<String> = unknowns
             .iter()
             .filter_map(|unknown| match unknown {
@@ -44,15 +50,15 @@ impl Contraction {
         let places: Option<Vec<usize>> = names.iter().map(of_tension).collect();
         if let (Some(tension), Some(places)) = (cell.tension_of_potential(), places) {
             let protocol = simulation.protocol;
-            let potential = Potential::solve(cell, tension, protocol, before, beats, cycle)?;
+            let potential = Potential::solve(cell, tension, protocol, before, beats, cycle_ms)?;
             let rates = Rates::of(tension, Lag::by(simulation.material.retardation_time));
             let peak = simulation.peak_tension;
             let tables = shelf.tables(simulation, up_to, loaded)?;
-            return Ok(Self::Given { potential, rates, places, tables, peak });
+            return Ok(Self::FollowsPotential { potential, rates, places, tables, peak });
         }
-        let tables = || shelf.tables(simulation, up_to, loaded);
-        let felt = Felt::new(simulation, names, train, loaded, tables)?;
-        Ok(Self::Felt(Box::new(felt)))
+        let tables = shelf.tables(simulation, up_to, loaded)?;
+        let cell = StretchDependent::new(simulation, names, *train, tables)?;
+        Ok(Self::StretchDependent(Box::new(cell)))
     }
 
     /// Shortening, a part of the resting length, at ascending times; `None` where these numbers make no beat.
@@ -63,17 +69,18 @@ impl Contraction {
         times: &[f64],
     ) -> Option<Vec<f64>> {
         match self {
-            Self::Given { potential, rates, places, tables, peak } => {
+            Self::FollowsPotential { potential, rates, places, tables, peak } => {
                 let mut curve = Vec::with_capacity(times.len());
                 let rates = rates.with(places, physics.parameters);
                 potential.tension(&rates, stimuli, times, &mut curve);
                 let by = peak * physics.tension * physics.stiffness;
+                let response = tables.at(physics.stiffness);
                 for value in &mut curve {
-                    *value = tables.at(by * *value, physics.stiffness);
+                    [*value, _] = response.shortening(by * *value);
                 }
                 Some(curve)
             }
-            Self::Felt(felt) => felt.shortening(physics, stimuli, times),
+            Self::StretchDependent(cell) => cell.shortening(physics, stimuli, times),
         }
     }
 
@@ -85,12 +92,13 @@ impl Contraction {
         times: &[f64],
     ) -> Option<Vec<Column>> {
         match self {
-            Self::Given { potential, rates, places, tables, peak } => {
+            Self::FollowsPotential { potential, rates, places, tables, peak } => {
                 let rates = rates.with(places, physics.parameters);
                 let mut tension = Vec::with_capacity(times.len());
                 potential.tension(&rates, stimuli, times, &mut tension);
                 let by = peak * physics.tension * physics.stiffness;
-                let slopes = |value: &f64| by * tables.with_slope(by * value, physics.stiffness)[1];
+                let response = tables.at(physics.stiffness);
+                let slopes = |value: &f64| by * response.shortening(by * value)[1];
                 let slopes: Vec<f64> = tension.iter().map(slopes).collect();
                 let columns = potential.by_stimulus(&rates, stimuli, times);
                 let column = |(first, mut values): (usize, Vec<f64>)| {
@@ -101,13 +109,13 @@ impl Contraction {
                 };
                 Some(columns.into_iter().map(column).collect())
             }
-            Self::Felt(felt) => felt.by_stimulus(physics, stimuli, times),
+            Self::StretchDependent(cell) => cell.by_stimulus(physics, stimuli, times),
         }
     }
 
     /// Whether a curve takes longer than all else of a fit.
     pub(super) fn is_slow(&self) -> bool {
-        matches!(self, Self::Felt(felt) if felt.is_slow())
+        matches!(self, Self::StretchDependent(cell) if cell.is_slow())
     }
 
     /// The tension over the run's own, such that the largest shortening is about this.

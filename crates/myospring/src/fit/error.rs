@@ -6,7 +6,6 @@ use crate::cell::solve::SolveError;
 use crate::parameter::ParameterError;
 use crate::settings::{MakeError, ShapeError};
 use crate::simulation::SetupError;
-use crate::simulation::quasi_static::OutOfRange;
 
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]
@@ -128,7 +127,4 @@ pub enum FitError {
     /// A parameter out of bounds.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A table of equilibria with a hole.
-    #[error(transparent)]
-    Range(#[from] OutOfRange),
 }

@@ -2,8 +2,7 @@
 
 use super::contraction::Contraction;
 use super::observed::{Frames, Observed, Scale, Stimuli};
-use super::physics::Physics;
-use super::unknown::Unknown;
+use super::unknown::{Physics, Unknown};
 
 /// Delays are sought so far from where the rise puts them, ms.
 const DELAY_MS: f64 = 150.0;

@@ -52,3 +52,14 @@ impl fmt::Display for Unknown {
         formatter.write_str(self.name())
     }
 }
+
+/// A cell with some of its numbers changed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Physics<'a> {
+    /// Factor on the peak of tension, over stiffness.
+    pub(super) tension: f64,
+    /// Factor on every elastic constant.
+    pub(super) stiffness: f64,
+    /// Values of the parameters that are free, in the order in which they are.
+    pub(super) parameters: &'a [f64],
+}

@@ -437,7 +437,7 @@ fn ten_beats_and_any_course_of_tension_solve_no_more_load_steps_than_one() {
     // The tension of that beat as a bare series gives the same curve; a made-up one runs as well.
     let simulation = Simulation::new(built_in_cell(0.0, 4.0));
     let equilibria = simulation.equilibria(&[50.1, -5.0], Tolerance::default()).unwrap();
-    let solved = equilibria.shapes.load_steps();
+    let solved = equilibria.shapes().load_steps();
     let series: Vec<[f64; 2]> = one.recording.samples.iter().map(|s| [s.t_ms, s.ta_kpa]).collect();
     let curve = equilibria.follow(&series).unwrap();
     for (response, sample) in curve.iter().zip(&one.recording.samples) {
@@ -448,10 +448,10 @@ fn ten_beats_and_any_course_of_tension_solve_no_more_load_steps_than_one() {
     let wave: Vec<[f64; 2]> =
         (0..5000).map(|k| [f64::from(k), 20.0 + 24.0 * (0.01 * f64::from(k)).sin()]).collect();
     assert_eq!(equilibria.follow(&wave).unwrap().len(), wave.len());
-    assert_eq!(equilibria.shapes.load_steps(), solved);
+    assert_eq!(equilibria.shapes().load_steps(), solved);
     let shape = equilibria.positions(44.0).unwrap();
     assert_eq!(shape[0].len(), simulation.mesh.len());
-    let [lowest, highest] = equilibria.shapes.range();
+    let [lowest, highest] = equilibria.shapes().range();
     for tension in [highest + 1.0, f64::NAN] {
         let error = equilibria.follow(&[[0.0, 1.0], [7.0, tension]]).unwrap_err().to_string();
         let solved = format!("{lowest} to {highest} kPa");

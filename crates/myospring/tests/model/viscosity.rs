@@ -2,8 +2,10 @@
 //! another program's in `verification/src/viscosity.rs`.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use myospring::cell::{self, pacing::Protocol};
 use myospring::integrate::Method;
 use myospring::integrate::quasi_static::Tolerance;
+use myospring::mechanics::material::Stiffness;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::lattice;
 use myospring::simulation::{Outcome, Simulation};
@@ -78,4 +80,34 @@ fn where_a_cell_cannot_lag_as_a_whole_it_is_refused() {
     simulation.numerics.method = Simulation::new(simulation.mesh.clone()).numerics.method;
     let error = simulation.build().err().unwrap().to_string();
     assert!(error.contains("quasi-static"), "{error}");
+}
+
+#[test]
+fn cells_that_feel_their_stretch_are_of_second_order_in_the_exchange_interval() {
+    // A membrane that is slow to solve, given calcium, and a shape that lags.
+    for (model, lag) in [("land_2017", 0.0), ("land_2017", 20.0), ("tor_ord_land", 0.0)] {
+        let curve = |interval: f64| -> Vec<f64> {
+            let mut simulation = strip(lag);
+            simulation.cell = cell::model(model).unwrap();
+            simulation.protocol =
+                Protocol { start_ms: 40.0, ..Protocol::once(simulation.cell.default_stimulus()) };
+            simulation.numerics.cell = simulation.cell.usual_settings();
+            simulation.material.stiffness = Stiffness::YoungModulus(100.0);
+            simulation.duration = 320.0;
+            simulation.numerics.exchange_interval = interval;
+            simulation.numerics.output_interval = 4.0;
+            simulation.numerics.frame_interval = 320.0;
+            beat(&simulation).recording.samples.iter().map(|it| it.shortening_pct).collect()
+        };
+        let fine = curve(0.25);
+        let most = fine.iter().copied().fold(0.0, f64::max);
+        let off = |interval: f64| {
+            let pairs = curve(interval).into_iter().zip(&fine);
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let [long, short] = [4.0, 2.0].map(off);
+        assert!(long < 5e-3 * most, "{model}, lag {lag} ms: {long} of {most} %");
+        // Four, but for higher orders; of first order it would be two.
+        assert!(long > 3.0 * short, "{model}, lag {lag} ms: {long} and {short} %");
+    }
 }

@@ -35,14 +35,14 @@ impl Lag {
         if self.is_none() { 0.0 } else { (tension - theta) / self.tau }
     }
 
-    /// `theta` after a time (ms) over which the tension goes evenly from one value to another: `[share, kept]`, of which it
-    /// is `share` times the other value plus `kept`. Exact.
-    pub fn over_line(self, time: f64, theta: f64, from: f64) -> [f64; 2] {
-        if self.is_none() {
-            return [1.0, 0.0];
+    /// `theta` after a time (ms) over which the tension goes evenly from one value to another. Exact. Where no time is
+    /// left to it, the other value has acted for ever and made the shape.
+    pub fn over_line(self, time: f64, theta: f64, [from, to]: [f64; 2]) -> f64 {
+        if self.is_none() || time <= 0.0 {
+            return to;
         }
-        let (g, e) = (self.tau / time, (-time / self.tau).exp());
-        [1.0 - g + g * e, g * from * (1.0 - e) + (theta - from) * e]
+        let behind = self.tau * (to - from) / time;
+        to - behind + (theta - from + behind) * (-time / self.tau).exp()
     }
 
     /// `theta` after a time (ms) over which the tension is the parabola through its values at the begin, in the middle and
@@ -87,12 +87,12 @@ mod tests {
         };
         let lag = Lag::by(tau);
         let line = |t: f64| 5.0 + 2.0 * t;
-        let [share, kept] = lag.over_line(time, theta, line(0.0));
-        assert!((share * line(time) + kept - plain(&line)).abs() < 1e-8);
+        let found = lag.over_line(time, theta, [line(0.0), line(time)]);
+        assert!((found - plain(&line)).abs() < 1e-8);
         let parabola = |t: f64| 5.0 + 2.0 * t - 0.7 * t * t;
         let through = [parabola(0.0), parabola(0.5 * time), parabola(time)];
         assert!((lag.over_parabola(time, theta, through) - plain(&parabola)).abs() < 1e-8);
-        assert_eq!(Lag::NONE.over_line(time, theta, 1.0), [1.0, 0.0]);
+        assert_eq!(Lag::NONE.over_line(time, theta, [1.0, 4.0]), 4.0);
         assert_eq!(Lag::NONE.over_parabola(time, theta, through), through[2]);
     }
 

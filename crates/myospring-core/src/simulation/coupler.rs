@@ -1,13 +1,13 @@
-//! The loop of a run, and how activation and mesh find each other in it.
+//! How activation and mesh find each other, interval by interval: in a run and wherever a cell beats on its equilibria.
 //!
 //! - **Nothing is felt** (`tangent` is `None`): the activation moves on under the stretch at the start of the
 //!   interval, and the mesh follows its tension: explicit exchange.
 //! - **One site that feels**: tension and length at the end of the interval are found together, by trying
 //!   tensions from the same start until the activation answers with the one that was tried. The answer falls
 //!   as the tension rises (a stronger pull shortens the cell, and a shorter one pulls less), so there is one
-//!   solution between a tension and what it is answered with; secants find it, bisection keeps them in. In
-//!   time it acts over the whole interval (backward Euler): one that rose towards it would swing ever more
-//!   where it hangs steeply on the rate.
+//!   solution between a tension and what it is answered with; secants find it, bisection keeps them in. At
+//!   equilibrium the tension goes evenly to it over the interval, which is of second order. In time it acts over the
+//!   whole interval (backward Euler): one that rose towards it would swing ever more where it depends steeply on the rate.
 //! - **A site for each triangle, in time**: within the interval the tension of each triangle follows its own
 //!   stretch and rate by the activation's tangent, in every step of the masses ([`Following`]). The time step
 //!   is stable under the steepest tangent that the activation states
@@ -17,32 +17,13 @@
 //! - **A site for each triangle, at equilibrium**: the tangent joins the mesh's own, and the equilibrium
 //!   with it is repeated about the stretch it has found until that stays.
 
+use super::StopReason;
 use super::held::Held;
-use super::observer::{Observer, Part, Progress};
-use super::setup::Setup;
-use super::{Simulation, StopReason};
-use crate::cell::Output;
+use super::observer::{Observer, Part};
 use crate::exchange::{
     Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
 };
-use crate::mechanics::{Following, Tension, Vectors};
-use crate::recording::{END_FORCE, Frame, Recording, Sample, Signal};
-
-/// What a shape is recorded by; units as in [`Sample`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Observed {
-    pub(super) length: f64,
-    pub(super) width: f64,
-    pub(super) area: f64,
-    pub(super) elastic_energy: f64,
-    pub(super) kinetic_energy: f64,
-    pub(super) active_work: f64,
-    pub(super) dissipated_energy: f64,
-    pub(super) momentum: f64,
-    pub(super) angular_momentum: f64,
-    /// Where both ends are held.
-    pub(super) end_force: Option<f64>,
-}
+use crate::mechanics::{Following, Tension};
 
 /// What gives the mesh its shape under a tension: a motion in time, or equilibria.
 pub(super) trait Shaping {
@@ -54,12 +35,8 @@ pub(super) trait Shaping {
     fn mark(&mut self);
     /// Goes back to the state that was remembered.
     fn back(&mut self);
-    /// Length along the long axis now, um.
-    fn length(&self) -> f64;
-    /// All that is recorded now.
-    fn observe(&self) -> Observed;
-    /// Positions now, um.
-    fn positions(&self) -> Vectors;
+    /// Stretch of the whole cell now, or that of each triangle along its fibre where the activation has its sites there.
+    fn felt(&self) -> Vec<f64>;
 }
 
 /// Most tries of an exchange that is found by trying.
@@ -75,11 +52,15 @@ const FOLLOWED: f64 = 1e-3;
 const STAYED: f64 = 1e-11;
 
 /// The meeting of one activation and one mesh.
-struct Exchange<'a> {
-    setup: &'a Setup,
-    activation: Box<dyn Activation>,
+pub(super) struct Coupler<'a> {
+    pub(super) activation: Box<dyn Activation>,
     /// At the end of the last interval.
-    tension: Held,
+    pub(super) tension: Held,
+    strongest: ActivationBounds,
+    /// Of the triangles, for the mean tension.
+    volumes: &'a [f64],
+    /// Between meetings, ms.
+    every: f64,
     stretch: Vec<f64>,
     rate: Vec<f64>,
     /// Time over which a change of stretch has its mean rate, ms; endless before the run begins.
@@ -114,25 +95,26 @@ impl Last {
     }
 }
 
-impl<'a> Exchange<'a> {
-    fn new(setup: &'a Setup) -> Self {
-        let activation = setup.activation.boxed();
+impl<'a> Coupler<'a> {
+    /// Of an activation and the most that is to be expected of it; both meet every `every` ms. A mean tension weighs
+    /// triangles by their volumes.
+    pub(super) fn new(
+        activation: Box<dyn Activation>,
+        strongest: ActivationBounds,
+        every: f64,
+        volumes: &'a [f64],
+    ) -> Self {
         let sites = activation.sites().count();
         Self {
             tension: Held::of(activation.tension()),
+            strongest,
+            volumes,
+            every,
             stretch: vec![1.0; sites],
             rate: vec![0.0; sites],
             interval: f64::INFINITY,
             last: None,
             activation,
-            setup,
-        }
-    }
-
-    fn felt(&self, shaping: &impl Shaping) -> Vec<f64> {
-        match &self.setup.fibre_stretch {
-            Some(meter) => meter.stretches(&shaping.positions()),
-            None => vec![self.setup.assembly.stretch(shaping.length())],
         }
     }
 
@@ -158,7 +140,7 @@ impl<'a> Exchange<'a> {
         let Some(ActivationTangent { per_stretch, per_rate }) = self.activation.tangent() else {
             return Ok(());
         };
-        let strongest = self.setup.strongest;
+        let strongest = self.strongest;
         for (what, slopes, most) in [
             ("stretch", per_stretch, strongest.per_stretch),
             ("rate of stretch", per_rate, strongest.per_rate),
@@ -185,8 +167,11 @@ impl<'a> Exchange<'a> {
 
     /// Before the run begins: a mesh that is at rest under every tension is at rest under this one; one that moves in time
     /// feels its stretch.
-    fn begin(&mut self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
-        self.stretch = self.felt(shaping);
+    pub(super) fn begin(&mut self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
+        if shaping.is_static() {
+            self.activation.at_equilibria();
+        }
+        self.stretch = shaping.felt();
         if self.activation.tangent().is_some() {
             let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
             self.ask(0.0, &stretch, &rate)?;
@@ -196,14 +181,14 @@ impl<'a> Exchange<'a> {
                 Sites::PerElement(_) => self.rest_together(0.0, shaping)?,
             }
             self.activation.keep();
-            self.stretch = self.felt(shaping);
+            self.stretch = shaping.felt();
         }
-        self.interval = self.setup.simulation.numerics.exchange_interval;
+        self.interval = self.every;
         Ok(())
     }
 
     /// Takes activation and mesh over one interval.
-    fn pass(
+    pub(super) fn pass(
         &mut self,
         time: f64,
         shaping: &mut impl Shaping,
@@ -233,7 +218,7 @@ impl<'a> Exchange<'a> {
             (true, Sites::PerElement(_)) => self.move_together(time, shaping)?,
         }
         self.activation.keep();
-        let now = self.felt(shaping);
+        let now = shaping.felt();
         self.rate = self.rates(&now);
         self.stretch = now;
         Ok(())
@@ -248,17 +233,19 @@ impl<'a> Exchange<'a> {
     /// One site: the tension that the activation answers with when it is tried.
     fn find_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         let start = self.tension.tension().at(0);
-        let ActivationBounds { tension: strongest, per_stretch, per_rate } = self.setup.strongest;
+        let ActivationBounds { tension: strongest, per_stretch, per_rate } = self.strongest;
         let strongest = strongest.abs();
         // A stretch near 1 and that before it round, which comes back as tension.
         let rounding = 2.0 * f64::EPSILON * (per_stretch.abs() + per_rate.abs() / self.interval);
         let enough = (AGREED * strongest.max(start.abs())).max(rounding);
         shaping.mark();
+        let goes_evenly = shaping.is_static() && self.interval.is_finite();
         // What the answer is above the tension that was tried.
         let mut excess = |tension: f64, this: &mut Self| {
             shaping.back();
-            shaping.follow(time, [tension.into(); 2])?;
-            let stretch = [this.setup.assembly.stretch(shaping.length())];
+            let from = if goes_evenly { start } else { tension };
+            shaping.follow(time, [from.into(), tension.into()])?;
+            let stretch = shaping.felt();
             let rate = this.rates(&stretch);
             this.ask(time, &stretch, &rate)?;
             Ok(this.activation.tension().at(0) - tension)
@@ -346,7 +333,7 @@ impl<'a> Exchange<'a> {
 
     /// A site for each triangle, in time.
     fn move_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
-        let enough = FOLLOWED * self.setup.strongest.tension.abs();
+        let enough = FOLLOWED * self.strongest.tension.abs();
         let (mut about, mut rate) = (self.stretch.clone(), self.rate.clone());
         let mut miss = f64::INFINITY;
         let before = (0..about.len()).map(|e| self.tension.tension().at(e)).collect::<Vec<_>>();
@@ -358,7 +345,7 @@ impl<'a> Exchange<'a> {
             let start = Following { tension: &before, stretch: &from, rate: &from_rate, ..law };
             shaping.back();
             shaping.follow(time, [Tension::Following(start), Tension::Following(law)])?;
-            about = self.felt(shaping);
+            about = shaping.felt();
             rate = self.rates(&about);
             self.ask(time, &about, &rate)?;
             let answer = self.activation.tension();
@@ -369,7 +356,7 @@ impl<'a> Exchange<'a> {
                 return Ok(());
             }
         }
-        let tension = self.tension.average(&self.setup.volumes);
+        let tension = self.tension.average(self.volumes);
         Err(StopReason::NoExchange { time, tension, miss })
     }
 
@@ -392,7 +379,7 @@ impl<'a> Exchange<'a> {
             let law = self.law(&about, &still, true);
             shaping.back();
             shaping.follow(time, [self.tension.tension(), Tension::Following(following(&law))])?;
-            let now = self.felt(shaping);
+            let now = shaping.felt();
             change = now.iter().zip(&about).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
             let rate = self.rates(&now);
             self.ask(time, &now, &rate)?;
@@ -402,122 +389,11 @@ impl<'a> Exchange<'a> {
                 return Ok(());
             }
         }
-        let tension = self.tension.average(&self.setup.volumes);
+        let tension = self.tension.average(self.volumes);
         Err(StopReason::NoExchange { time, tension, miss: change })
     }
 }
 
 fn following([tension, per_stretch, per_rate, stretch, rate]: &[Vec<f64>; 5]) -> Following<'_> {
     Following { tension, per_stretch, per_rate, stretch, rate }
-}
-
-impl Setup {
-    /// Brings a mesh that is at rest under every tension, and what it feels, to rest together.
-    pub(super) fn settle(&self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
-        Exchange::new(self).begin(shaping)
-    }
-
-    /// The loop.
-    pub(super) fn run(
-        &self,
-        shaping: &mut impl Shaping,
-        observer: &mut dyn Observer,
-    ) -> (Recording, Option<StopReason>) {
-        let Simulation { duration, numerics, .. } = &self.simulation;
-        let exchange = numerics.exchange_interval;
-        let exchanges = (duration / exchange).round() as u64;
-        let per_sample = (numerics.output_interval / exchange).round().max(1.0) as u64;
-        let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
-
-        let mut meeting = Exchange::new(self);
-        let signal = |output: Output| Signal {
-            name: output.name.into_owned(),
-            unit: output.unit.into_owned(),
-            values: Vec::new(),
-        };
-        let ends = self.assembly.ends.as_ref().map(|_| Output {
-            name: END_FORCE.into(),
-            unit: "nN".into(),
-            meaning: "force with which the cell draws its ends inward".into(),
-        });
-        let outputs = self.activation.outputs().into_iter().chain(ends);
-        let mut recording =
-            Recording { signals: outputs.map(signal).collect(), ..Recording::default() };
-        let mut strongest: Option<Frame> = None;
-        let mut stop = meeting.begin(shaping).err();
-        let exchanges = if stop.is_some() { 0 } else { exchanges };
-        for index in 0..=exchanges {
-            let time = index as f64 * exchange;
-            if self.simulation.interruption.is_asked() {
-                stop = Some(StopReason::Interrupted { time });
-                break;
-            }
-            if index > 0
-                && let Err(reason) = meeting.pass(time, shaping, observer)
-            {
-                stop = Some(reason);
-                break;
-            }
-            observer.begins(Part::Recording);
-            let tension = meeting.tension.average(&self.volumes);
-            let snapshot = || Frame {
-                t_ms: time,
-                ta_kpa: tension,
-                ta_by_triangle_kpa: meeting.tension.by_element().map(<[f64]>::to_vec),
-                positions: shaping.positions(),
-            };
-            if index % per_sample == 0 {
-                let observed = shaping.observe();
-                recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
-                let values =
-                    meeting.activation.output_values().into_iter().chain(observed.end_force);
-                for (signal, value) in recording.signals.iter_mut().zip(values) {
-                    signal.values.push(value);
-                }
-                if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
-                    strongest = Some(snapshot());
-                }
-            }
-            if index % per_frame == 0 {
-                recording.frames.push(snapshot());
-            }
-            if index % per_sample == 0 && !observer.sample(Progress { time, duration: *duration }) {
-                stop = Some(StopReason::Interrupted { time });
-                break;
-            }
-        }
-        // The shape at the peak of tension belongs to every record, whatever the frame interval.
-        if let Some(frame) = strongest {
-            let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
-            if recording.frames.get(place).is_none_or(|other| other.t_ms > frame.t_ms) {
-                recording.frames.insert(place, frame);
-            }
-        }
-        (recording, stop)
-    }
-
-    fn sample(
-        &self,
-        time: f64,
-        activation: &dyn Activation,
-        tension: f64,
-        observed: &Observed,
-    ) -> Sample {
-        Sample {
-            t_ms: time,
-            u: activation.potential(),
-            vm_mv: activation.membrane_potential_mv(),
-            ta_kpa: tension,
-            length_um: observed.length,
-            width_um: observed.width,
-            area_um2: observed.area,
-            shortening_pct: 100.0 * (1.0 - observed.length / self.assembly.held_length),
-            elastic_energy_fj: observed.elastic_energy,
-            kinetic_energy_fj: observed.kinetic_energy,
-            active_work_fj: observed.active_work,
-            dissipated_energy_fj: observed.dissipated_energy,
-            momentum_nn_ms: observed.momentum,
-            angular_momentum_nn_um_ms: observed.angular_momentum,
-        }
-    }
 }

@@ -1,5 +1,5 @@
-//! The contraction of a cell whose myofilaments feel its length and whose calcium is given: `land_2017` along a mesh's
-//! equilibria.
+//! Trains of beats of a cell whose myofilaments feel its length and whose calcium is given: `land_2017` on the equilibria
+//! of a mesh.
 //!
 //! Distortions follow the rate of the stretch, which follows the tension, which follows the distortions. What a
 //! distortion has beyond the stretch itself has no such circle:
@@ -9,25 +9,22 @@
 //! lambda = S(Ta(XS, XW, y + A lambda, lambda))
 //! ```
 //!
-//! with `S` the table of equilibria. A stronger pull shortens the cell and a shorter cell pulls less, so the second line
-//! has one solution. What is left are six equations without a rate on their right side, which the classical method of
+//! with `S` the equilibria. A stronger pull shortens the cell and a shorter cell pulls less, so the second line
+//! has one solution. There remain six equations without a rate on their right side, which the classical method of
 //! Runge and Kutta takes in steps of two milliseconds.
 //!
 //! The shape of a viscous cell is that of another tension, `theta` ([`Lag`]): `lambda = S(theta)`.
 
-use super::physics::Train;
-use super::table::Tables;
+use super::equilibria::TensionResponse;
+use super::train::Train;
+use super::{Simulation, StopReason};
 use crate::cell::CellModel;
 use crate::cell::calcium::Calcium;
-use crate::cell::land_2017::{self, STATES};
+use crate::cell::land_2017::{Myofilaments, STATES};
 use crate::cell::tension::lag::Lag;
-use crate::simulation::Simulation;
-use std::sync::Arc;
 
-/// Most between samples, ms; steps are as long or shorter. Against steps of 0.1 ms curves are within 1e-5 of their
-/// height.
-const INTERVAL_MS: f64 = 2.0;
-/// A step is at most so many times the fastest time constant: the method is stable up to 2.8.
+/// A step is at most this many times the fastest time constant: the method is stable up to 2.8. Steps are no longer than
+/// between samples: against 0.1 ms curves are within 1e-5 of their height.
 const OF_FASTEST: f64 = 1.5;
 /// Steps of Newton's method, and the change of the stretch that ends it.
 const TRIES: usize = 40;
@@ -40,61 +37,59 @@ const STEADY: f64 = 1e-9;
 type State = [f64; STATES + 1];
 const THETA: usize = STATES;
 
-/// Beats of myofilaments on a mesh.
-pub(super) struct Myofilaments {
-    tables: Arc<Tables>,
-    train: Train,
+/// Myofilaments whose calcium is given, on a mesh.
+pub(super) struct GivenCalcium<'a> {
+    filaments: &'a Myofilaments,
+    calcium: &'a Calcium,
+    response: &'a dyn TensionResponse,
     lag: Lag,
+    /// How much a stretch distorts crossbridges; 0 while the cell rests before its first stimulus.
+    distortion: f64,
     steady: f64,
 }
 
-/// A cell on its way.
-struct Way<'a> {
-    filaments: &'a land_2017::Myofilaments,
-    calcium: &'a Calcium,
-    tables: &'a Tables,
-    stiffness: f64,
-    distortion: f64,
-    lag: Lag,
+/// Whether a model is such, and the mesh of a simulation neither held nor begun in a way of its own.
+pub(super) fn serves(simulation: &Simulation, cell: &dyn CellModel) -> bool {
+    equations(cell).is_some()
+        && simulation.end_stretch == 1.0
+        && simulation.resting_stretch.is_none()
+        && simulation.start_state.is_none()
+        && !simulation.support.clamps()
 }
 
-impl Myofilaments {
-    /// Whether a simulation's cell is such, and its mesh neither held nor begun in a way of its own.
-    pub(super) fn serve(simulation: &Simulation) -> bool {
-        given(&*simulation.cell).is_some() && is_plain(simulation)
+/// The equations and the calcium of a cell that is nothing but myofilaments with given calcium.
+fn equations(cell: &dyn CellModel) -> Option<(&Myofilaments, &Calcium)> {
+    let filaments = cell.filaments().filter(|_| cell.states().len() == STATES)?;
+    Some((filaments.equations, filaments.calcium?))
+}
+
+impl<'a> GivenCalcium<'a> {
+    /// Of a model on a mesh; `None` where the model is not such.
+    pub(super) fn of(
+        cell: &'a dyn CellModel,
+        response: &'a dyn TensionResponse,
+        lag: Lag,
+    ) -> Option<Self> {
+        let (filaments, calcium) = equations(cell)?;
+        Some(Self { filaments, calcium, response, lag, distortion: 0.0, steady: STEADY })
     }
 
-    pub(super) fn new(tables: Arc<Tables>, train: Train, lag: Lag) -> Self {
-        Self { tables, train, lag, steady: STEADY }
-    }
-
-    /// Between samples, ms: a cycle is a whole number of them.
-    pub(super) fn interval(&self) -> f64 {
-        self.train.cycle / self.intervals() as f64
-    }
-
-    fn intervals(&self) -> usize {
-        ((self.train.cycle / INTERVAL_MS).ceil() as usize).max(3)
-    }
-
-    /// Shortening at every interval from the first stimulus of those that were recorded on; `None` where there is no
-    /// beat.
-    pub(super) fn shortening(&self, cell: &dyn CellModel, stiffness: f64) -> Option<Arc<[f64]>> {
-        let (filaments, calcium) = given(cell)?;
-        let distortion = filaments.distortion_per_stretch();
-        let (tables, lag) = (&*self.tables, self.lag);
-        let mut way = Way { filaments, calcium, tables, stiffness, distortion: 0.0, lag };
-        let Train { before, beats, cycle } = self.train;
-        let (intervals, length) = (self.intervals(), self.interval());
-        let steps = way.steps(cycle, length)?;
+    /// Shortening at every interval from the first stimulus that is wanted on.
+    pub(super) fn shortening(mut self, train: &Train) -> Result<Vec<f64>, StopReason> {
+        let Train { before, beats, cycle_ms } = *train;
+        let (intervals, length) = (train.intervals(), train.interval_ms());
+        let none = |time: f64| StopReason::CellModel {
+            cause: format!("no stretch belongs to its tension at t = {time} ms"),
+        };
+        let steps = self.steps(cycle_ms, length).ok_or_else(|| none(0.0))?;
         // Before the first stimulus nothing moves, and nothing is distorted.
         let mut state = [0.0; STATES + 1];
-        state[..STATES].copy_from_slice(&filaments.steady(calcium.rest(), 1.0));
-        let mut stretch = way.stretch_at_once(&state, 1.0)?;
-        state[THETA] = filaments.tension(&way.whole(&state, stretch), stretch);
-        way.distortion = distortion;
+        state[..STATES].copy_from_slice(&self.filaments.steady(self.calcium.rest(), 1.0));
+        let mut stretch = self.stretch_at_once(&state, 1.0).ok_or_else(|| none(0.0))?;
+        state[THETA] = self.filaments.tension(&self.whole(&state, stretch), stretch);
+        self.distortion = self.filaments.distortion_per_stretch();
         for y in [4, 5] {
-            state[y] = -distortion * stretch;
+            state[y] = -self.distortion * stretch;
         }
         let mut samples = Vec::with_capacity(beats * intervals + 1);
         samples.push(1.0 - stretch);
@@ -107,7 +102,8 @@ impl Myofilaments {
                 course.clear();
                 for interval in 0..intervals {
                     let since = interval as f64 * length;
-                    way.interval(&mut state, &mut stretch, since, length, steps)?;
+                    let moved = self.interval(&mut state, &mut stretch, since, length, steps);
+                    moved.ok_or_else(|| none(beat as f64 * cycle_ms + since))?;
                     course.push(1.0 - stretch);
                 }
                 let moved = state.iter().zip(was).map(|(now, was)| (now - was).abs());
@@ -119,54 +115,9 @@ impl Myofilaments {
                 samples.extend_from_slice(&course);
             }
         }
-        Some(samples.into())
+        Ok(samples)
     }
-}
 
-/// The stretch of a mesh under the tension that myofilaments make at that stretch: Newton's method from a guess. The
-/// first of `shaping` times that tension, and the second, shape the mesh; `whole` is the state at a stretch, and which
-/// part of a distortion that comes with it is gone already.
-pub(super) fn meet(
-    filaments: &land_2017::Myofilaments,
-    tables: &Tables,
-    stiffness: f64,
-    guess: f64,
-    [share, kept]: [f64; 2],
-    whole: impl Fn(f64) -> ([f64; STATES], f64),
-) -> Option<f64> {
-    let mut stretch = guess;
-    for _ in 0..TRIES {
-        let (state, gone) = whole(stretch);
-        let tension = share * filaments.tension(&state, stretch) + kept;
-        let [shortening, slope] = tables.with_slope(tension, stiffness);
-        let by = (1.0 - gone) * share * filaments.instantaneous_stiffness(&state, stretch).max(0.0);
-        // d/d lambda of lambda - S(Ta(lambda)), at least 1
-        let step = (1.0 - shortening - stretch) / (1.0 + slope.max(0.0) * by);
-        stretch += step;
-        if step.abs() < AGREED {
-            return stretch.is_finite().then_some(stretch);
-        }
-    }
-    None
-}
-
-/// Whether a mesh is neither held nor begun in a way of its own, and its tension one.
-pub(super) fn is_plain(simulation: &Simulation) -> bool {
-    simulation.end_stretch == 1.0
-        && simulation.resting_stretch.is_none()
-        && simulation.start_state.is_none()
-        && simulation.activation.is_none()
-        && !simulation.has_sites_in_triangles()
-        && !simulation.support.clamps()
-}
-
-/// The equations and the calcium of a cell that is nothing but myofilaments with given calcium.
-fn given(cell: &dyn CellModel) -> Option<(&land_2017::Myofilaments, &Calcium)> {
-    let filaments = cell.filaments().filter(|_| cell.states().len() == STATES)?;
-    Some((filaments.equations, filaments.calcium?))
-}
-
-impl Way<'_> {
     /// So many steps from a time after the stimulus on.
     fn interval(
         &self,
@@ -227,15 +178,26 @@ impl Way<'_> {
         if self.lag.is_none() {
             return self.stretch_at_once(state, guess);
         }
-        let stretch = 1.0 - self.tables.at(state[THETA], self.stiffness);
+        let stretch = 1.0 - self.response.shortening(state[THETA])[0];
         stretch.is_finite().then_some(stretch)
     }
 
-    /// The stretch of the mesh under the tension that it makes at that stretch.
+    /// The stretch of the mesh under the tension that it makes at that stretch: Newton's method from a guess.
     fn stretch_at_once(&self, state: &State, guess: f64) -> Option<f64> {
-        let filaments = self.filaments;
-        let whole = |stretch: f64| (self.whole(state, stretch), 0.0);
-        meet(filaments, self.tables, self.stiffness, guess, [1.0, 0.0], whole)
+        let mut stretch = guess;
+        for _ in 0..TRIES {
+            let whole = self.whole(state, stretch);
+            let tension = self.filaments.tension(&whole, stretch);
+            let [shortening, slope] = self.response.shortening(tension);
+            let by = self.filaments.instantaneous_stiffness(&whole, stretch).max(0.0);
+            // d/d lambda of lambda - S(Ta(lambda)), at least 1
+            let step = (1.0 - shortening - stretch) / (1.0 + slope.max(0.0) * by);
+            stretch += step;
+            if step.abs() < AGREED {
+                return stretch.is_finite().then_some(stretch);
+            }
+        }
+        None
     }
 
     /// Steps an interval, such that none is longer than the fastest of the equations allows.
@@ -257,7 +219,7 @@ impl Way<'_> {
         // A shape that lags is drawn by crossbridges that it distorts: no more of them than that calcium would bind.
         let bound = filaments.steady(calcium, 1.0);
         let drawn = filaments.instantaneous_stiffness(&bound, 1.0);
-        let gives = self.tables.largest_slope() / self.stiffness;
+        let gives = self.response.steepest();
         let fastest = fastest.max(self.lag.rate(0.0, 1.0 + gives * drawn));
         let steps = (interval * fastest / OF_FASTEST).ceil().max(1.0);
         (steps < 1e4).then_some(steps as usize)
@@ -267,30 +229,28 @@ impl Way<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::table::Shelf;
+    use crate::cell::land_2017::Land2017;
+    use crate::integrate::quasi_static::Tolerance;
     use crate::mesh::lattice;
 
     #[test]
     fn a_steady_beat_stands_for_those_that_follow() {
-        let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
-        simulation.cell = Arc::new(land_2017::Land2017::published());
-        let tables = Shelf::default().tables(&simulation, 0.2, false).unwrap();
-        for lag in [0.0, 25.0] {
-            for (before, cycle) in [(0, 1000.0), (0, 380.0), (10, 380.0)] {
-                let train = Train { before, beats: 8, cycle };
-                let lag = Lag::by(lag);
-                let quick = Myofilaments::new(Arc::clone(&tables), train, lag);
-                let whole = Myofilaments {
-                    steady: 0.0,
-                    ..Myofilaments::new(Arc::clone(&tables), train, lag)
+        let simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
+        let table = simulation.equilibria_to(0.2, Tolerance::default()).unwrap();
+        let cell = Land2017::published();
+        for lag in [0.0, 25.0].map(Lag::by) {
+            for (before, cycle_ms) in [(0, 1000.0), (0, 380.0), (10, 380.0)] {
+                let train = Train { before, beats: 8, cycle_ms };
+                let of = |steady: f64| {
+                    let given = GivenCalcium::of(&cell, &table, lag).unwrap();
+                    GivenCalcium { steady, ..given }.shortening(&train).unwrap()
                 };
-                let [quick, whole] =
-                    [quick, whole].map(|way| way.shortening(&*simulation.cell, 1.0).unwrap());
+                let [quick, whole] = [STEADY, 0.0].map(of);
                 assert_eq!(quick.len(), whole.len());
                 let off = quick.iter().zip(whole.iter()).map(|(a, b)| (a - b).abs());
                 let off = off.fold(0.0, f64::max);
                 // No state is further from the steady one than it moves in a beat.
-                assert!(off < 1e-9, "{before} beats of {cycle} ms before, {lag:?}: {off}");
+                assert!(off < 1e-9, "{before} beats of {cycle_ms} ms before, {lag:?}: {off}");
             }
         }
     }

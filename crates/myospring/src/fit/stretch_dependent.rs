@@ -1,28 +1,16 @@
-//! The contraction of a cell whose tension feels its length.
+//! The contraction of a cell whose tension depends on its stretch.
 //!
 //! What makes a curve anew are the numbers of the cell alone; delays and levels only move it, so curves are remembered.
-//! Myofilaments with given calcium have a way of their own ([`Myofilaments`]), everything else runs along the path of
-//! equilibria, which all of its runs share.
 
 use super::error::FitError;
 use super::least_squares::Column;
-use super::membrane::Membrane;
-use super::myofilaments::Myofilaments;
-use super::physics::{Physics, Train};
 use super::table::Tables;
-use crate::cell::pacing::Protocol;
-use crate::cell::solve::Method;
-use crate::cell::tension::lag::Lag;
+use super::unknown::Physics;
 use crate::cell::{CellModel, TensionKind};
-use crate::integrate::quasi_static::Tolerance;
-use crate::simulation::{Ready, SharedPath, Simulation};
+use crate::simulation::{Beating, Simulation, Train};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Cell and mesh meet so often, ms: a longer interval moves a curve by 1e-4 of its height.
-const EXCHANGE_MS: f64 = 2.0;
-/// Steps of myofilaments alone, ms: a longer one moves a curve by less than 1e-6 of its height.
-const STEP_MS: f64 = 0.4;
 /// Curves that are remembered.
 const KEPT: usize = 256;
 
@@ -30,82 +18,36 @@ const KEPT: usize = 256;
 type Made = HashMap<Vec<u64>, Option<Arc<[f64]>>>;
 
 /// Curves that differ in the cell model.
-pub(super) struct Felt {
-    way: Way,
+pub(super) struct StretchDependent {
     simulation: Simulation,
     names: Vec<String>,
-    cycle: f64,
-    /// Between samples, ms.
-    interval: f64,
+    train: Train,
+    tables: Arc<Tables>,
     made: Mutex<Made>,
 }
 
-/// How a curve is made.
-enum Way {
-    Myofilaments(Myofilaments),
-    Membrane(Membrane),
-    Runs(Box<SharedPath>),
-}
-
-impl Felt {
+impl StretchDependent {
     pub(super) fn new(
         simulation: &Simulation,
         names: Vec<String>,
-        train: &Train,
-        loaded: bool,
-        tables: impl Fn() -> Result<Arc<Tables>, FitError>,
+        train: Train,
+        tables: Arc<Tables>,
     ) -> Result<Self, FitError> {
-        let cycle = train.cycle;
-        let made = Mutex::default();
-        if Myofilaments::serve(simulation) {
-            let lag = Lag::by(simulation.material.retardation_time);
-            let own = Myofilaments::new(tables()?, *train, lag);
-            let interval = own.interval();
-            let (way, simulation) = (Way::Myofilaments(own), simulation.clone());
-            return Ok(Self { way, simulation, names, cycle, interval, made });
-        }
-        if Membrane::serve(simulation) {
-            let own = Membrane::new(tables()?, train, simulation);
-            let interval = own.interval();
-            let (way, simulation) = (Way::Membrane(own), simulation.clone());
-            return Ok(Self { way, simulation, names, cycle, interval, made });
-        }
-        if loaded {
-            return Err(FitError::Unknown {
-                name: "young_modulus".to_owned(),
-                why: "the tension of this cell feels its length, so every stiffness would be a mesh of its own".to_owned(),
-                known: "it with coelho_2021, the sets of bueno_orovio_2008 and land_2017".to_owned(),
+        if simulation.activation.is_some() || simulation.has_sites_in_triangles() {
+            return Err(FitError::Setting {
+                what: "a tension for each triangle, or another activation than a cell model",
+                why: "a fit is of one cell model for the whole cell",
             });
         }
-        let protocol = Protocol {
-            start_ms: 0.0,
-            cycle_length_ms: cycle,
-            beats: train.beats as u32,
-            ..simulation.protocol
-        };
-        let interval = simulation.numerics.exchange_interval.max(EXCHANGE_MS);
-        // Measured cycles are no multiples of anything.
-        let exchanges = (train.beats as f64 * cycle / interval).ceil().max(1.0);
-        let duration = exchanges * interval;
-        let mut simulation = Simulation { protocol, duration, ..simulation.clone() };
-        simulation.numerics.exchange_interval = interval;
-        simulation.numerics.output_interval = interval;
-        // Nobody looks at the shapes in between.
-        simulation.numerics.frame_interval = duration;
-        let cell = &mut simulation.numerics.cell;
-        // Made for the action potential's upstroke; nothing in myofilaments is as fast.
-        if cell.method == Method::RungeKutta4
-            && simulation.cell.potential(&simulation.cell.initial_state()).is_none()
-        {
-            cell.step_ms = cell.step_ms.max(STEP_MS);
-        }
-        let way = Way::Runs(Box::new(simulation.shared_path(Tolerance::default())?));
-        Ok(Self { way, simulation, names, cycle, interval, made })
+        let simulation = simulation.clone();
+        Ok(Self { simulation, names, train, tables, made: Mutex::default() })
     }
 
     /// Whether a curve takes longer than all else of a fit. Such a cell begins as it is, whatever was before.
     pub(super) fn is_slow(&self) -> bool {
-        !matches!(self.way, Way::Myofilaments(_))
+        let (simulation, cell) = (&self.simulation, &self.simulation.cell);
+        let response = &self.tables.at(1.0);
+        !Beating { simulation, cell, strength: 1.0, response }.repeats()
     }
 
     /// Shortening, a part of the resting length, at ascending times; `None` where these numbers make no beat.
@@ -126,7 +68,7 @@ impl Felt {
         Some(times.iter().map(value).collect())
     }
 
-    /// Derivatives of [`Felt::shortening`] by each of the stimuli, 1/ms: each moves its own beat.
+    /// Derivatives of [`StretchDependent::shortening`] by each of the stimuli, 1/ms: each moves its own beat.
     pub(super) fn by_stimulus(
         &self,
         physics: &Physics<'_>,
@@ -147,14 +89,15 @@ impl Felt {
     /// The shortening so long after a stimulus, and its slope, 1/ms.
     fn at(&self, samples: &[f64], number: usize, since: f64) -> [f64; 2] {
         // Before the first stimulus nothing moves; a pause longer than the cycle ends as this beat does.
-        let last = self.cycle * (1.0 - 1e-9);
+        let (cycle, interval) = (self.train.cycle_ms, self.train.interval_ms());
+        let last = cycle * (1.0 - 1e-9);
         let within = since.clamp(0.0, last);
-        let time = number as f64 * self.cycle + within;
-        let place = (time / self.interval).clamp(0.0, (samples.len() - 1) as f64);
+        let time = number as f64 * cycle + within;
+        let place = (time / interval).clamp(0.0, (samples.len() - 1) as f64);
         let before = (place as usize).min(samples.len() - 2);
         let [value, slope] = curve_at(samples, before, place - before as f64);
         let moves = (0.0..=last).contains(&since);
-        [value, if moves { slope / self.interval } else { 0.0 }]
+        [value, if moves { slope / interval } else { 0.0 }]
     }
 
     /// Shortening at every interval.
@@ -169,11 +112,14 @@ impl Felt {
         if let Some(known) = known(&self.made.lock().unwrap_or_else(PoisonError::into_inner)) {
             return known;
         }
-        let cell = self.changed(physics);
-        let made = cell.and_then(|cell| match &self.way {
-            Way::Myofilaments(own) => own.shortening(&*cell, physics.stiffness),
-            Way::Membrane(own) => own.shortening(cell, physics.stiffness),
-            Way::Runs(path) => self.run(path, cell, physics),
+        let made = self.changed(physics).and_then(|cell| {
+            let beating = Beating {
+                simulation: &self.simulation,
+                cell: &cell,
+                strength: physics.tension * physics.stiffness,
+                response: &self.tables.at(physics.stiffness),
+            };
+            beating.shortening(&self.train).ok().map(Arc::from)
         });
         let mut all = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if all.len() >= KEPT {
@@ -181,22 +127,6 @@ impl Felt {
         }
         all.insert(key, made.clone());
         made
-    }
-
-    fn run(
-        &self,
-        path: &SharedPath,
-        cell: Arc<dyn CellModel>,
-        physics: &Physics<'_>,
-    ) -> Option<Arc<[f64]>> {
-        let mut simulation = Simulation { cell, ..self.simulation.clone() };
-        if matches!(simulation.cell.tension_kind(), TensionKind::Relative { .. }) {
-            simulation.peak_tension *= physics.tension;
-        }
-        let outcome = Ready::AlongPath(path.prepare(&simulation).ok()?).run(|_| true);
-        let samples = &outcome.recording.samples;
-        let whole = outcome.stop.is_none() && samples.len() > 3;
-        whole.then(|| samples.iter().map(|sample| sample.shortening_pct / 100.0).collect())
     }
 
     /// The cell model with these numbers; `None` where it does not take them.

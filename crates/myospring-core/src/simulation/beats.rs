@@ -1,0 +1,152 @@
+//! Trains of beats of a cell model on the equilibria of a mesh, of which the shortening alone is wanted: what fits ask for.
+//!
+//! Cell and equilibria meet as in a run ([`Coupler`]), seldom enough for a curve. A cell whose calcium is given takes steps of
+//! a higher order and repeats a steady beat (`given_calcium`).
+
+use super::coupler::{Coupler, Shaping};
+use super::equilibria::TensionResponse;
+use super::given_calcium::{self, GivenCalcium};
+use super::observer::Samples;
+use super::train::Train;
+use super::{Simulation, StopReason};
+use crate::cell::pacing::Protocol;
+use crate::cell::solve::{Method, SolveError};
+use crate::cell::tension::lag::Lag;
+use crate::cell::{CellModel, TensionKind};
+use crate::exchange::{ActivationBounds, WholeCell};
+use crate::mechanics::Tension;
+use std::sync::Arc;
+
+/// Fixed steps of a cell without a potential, ms: a longer one moves a curve by less than 1e-6 of its height.
+const STEP_MS: f64 = 0.4;
+
+/// A cell model on the equilibria of a mesh.
+pub struct Beating<'a> {
+    /// Protocol, peak tension of a tension that is relative, state at the start, what the cell is made of and how its
+    /// model is integrated.
+    pub simulation: &'a Simulation,
+    /// The model, instead of that of the simulation.
+    pub cell: &'a Arc<dyn CellModel>,
+    /// Factor on the peak tension of one that is relative.
+    pub strength: f64,
+    /// The mesh.
+    pub response: &'a dyn TensionResponse,
+}
+
+impl Beating<'_> {
+    /// Whether steady beats are repeated, so that trains cost little. Others begin as they are: what was before is left out.
+    pub fn repeats(&self) -> bool {
+        given_calcium::serves(self.simulation, &**self.cell)
+    }
+
+    /// Shortening, a part of the length before a beat, at every interval of a train from the first stimulus that is wanted
+    /// on.
+    ///
+    /// # Errors
+    /// Why there is no such curve.
+    pub fn shortening(&self, train: &Train) -> Result<Vec<f64>, StopReason> {
+        let lag = Lag::by(self.simulation.material.retardation_time);
+        if self.repeats()
+            && let Some(given) = GivenCalcium::of(&**self.cell, self.response, lag)
+        {
+            return given.shortening(train);
+        }
+        let interval = train.interval_ms();
+        // The first stimulus is one of the times at which both meet.
+        let waits = (self.simulation.protocol.start_ms / interval).floor();
+        let protocol = Protocol {
+            start_ms: waits * interval,
+            cycle_length_ms: train.cycle_ms,
+            beats: u32::try_from(train.beats).unwrap_or(u32::MAX),
+            ..self.simulation.protocol
+        };
+        let bounds = ActivationBounds { tension: self.response.highest(), ..Default::default() };
+        let failed = |error: SolveError| StopReason::CellModel { cause: error.to_string() };
+        let cell = self.whole_cell(protocol, bounds).map_err(failed)?;
+        let mut coupler = Coupler::new(Box::new(cell), bounds, interval, &[]);
+        let response = self.response;
+        let mut shape = OnResponse { response, lag, interval, tension: 0.0, marked: 0.0 };
+        coupler.begin(&mut shape)?;
+        let mut samples = vec![shape.shortening()];
+        for number in 1..=waits as usize + train.beats * train.intervals() {
+            let time = number as f64 * interval;
+            let asked = self.simulation.interruption.check();
+            asked.map_err(|_| StopReason::Interrupted { time })?;
+            coupler.pass(time, &mut shape, &mut Samples(|_| true))?;
+            if number <= waits as usize {
+                samples.clear();
+            }
+            samples.push(shape.shortening());
+        }
+        Ok(samples)
+    }
+
+    fn whole_cell(
+        &self,
+        protocol: Protocol,
+        bounds: ActivationBounds,
+    ) -> Result<WholeCell, SolveError> {
+        let Self { simulation, cell, strength, .. } = *self;
+        let mut settings = simulation.numerics.cell;
+        // Made for the action potential's upstroke; nothing in myofilaments is as fast.
+        if settings.method == Method::RungeKutta4 && cell.potential(&cell.initial_state()).is_none()
+        {
+            settings.step_ms = settings.step_ms.max(STEP_MS);
+        }
+        let scale = match cell.tension_kind() {
+            TensionKind::Relative { published_peak } => {
+                strength * simulation.peak_tension / published_peak
+            }
+            _ => 1.0,
+        };
+        let start = simulation.start_state.as_deref();
+        let (cell, stretch) = (Arc::clone(cell), simulation.mean_resting_stretch());
+        let cell = WholeCell::starting_from(cell, start, protocol, settings, scale, bounds)?;
+        Ok(cell.at_resting_stretch(stretch))
+    }
+}
+
+/// A mesh at rest, of which nothing but its stretch is known.
+struct OnResponse<'a> {
+    response: &'a dyn TensionResponse,
+    lag: Lag,
+    /// Over which a tension is followed, ms.
+    interval: f64,
+    /// The tension that shapes it, kPa.
+    tension: f64,
+    marked: f64,
+}
+
+impl OnResponse<'_> {
+    fn shortening(&self) -> f64 {
+        self.response.shortening(self.tension)[0]
+    }
+}
+
+impl Shaping for OnResponse<'_> {
+    fn is_static(&self) -> bool {
+        true
+    }
+
+    fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
+        let [from, to] = tensions.map(|tension| tension.at(0));
+        self.tension = self.lag.over_line(self.interval.min(time), self.tension, [from, to]);
+        if self.shortening().is_finite() {
+            return Ok(());
+        }
+        let cause = "its shortening is not a number".to_owned();
+        Err(StopReason::NoEquilibrium { time, tension: self.tension, cause })
+    }
+
+    fn mark(&mut self) {
+        self.marked = self.tension;
+    }
+
+    fn back(&mut self) {
+        self.tension = self.marked;
+    }
+
+    fn felt(&self) -> Vec<f64> {
+        vec![self.response.stretch(self.shortening())]
+    }
+}

@@ -1,0 +1,159 @@
+//! The loop of a run: activation and mesh meet every exchange interval, and what is recorded of them.
+
+use super::coupler::{Coupler, Shaping};
+use super::observer::{Observer, Part, Progress};
+use super::setup::{Assembly, Setup};
+use super::{Simulation, StopReason};
+use crate::cell::Output;
+use crate::exchange::Activation;
+use crate::mechanics::Vectors;
+use crate::recording::{END_FORCE, Frame, Recording, Sample, Signal};
+
+/// What a shape is recorded by; units as in [`Sample`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Observed {
+    pub(super) length: f64,
+    pub(super) width: f64,
+    pub(super) area: f64,
+    pub(super) elastic_energy: f64,
+    pub(super) kinetic_energy: f64,
+    pub(super) active_work: f64,
+    pub(super) dissipated_energy: f64,
+    pub(super) momentum: f64,
+    pub(super) angular_momentum: f64,
+    /// Where both ends are held.
+    pub(super) end_force: Option<f64>,
+}
+
+/// A shape that can be recorded.
+pub(super) trait Observable: Shaping {
+    /// All that is recorded now.
+    fn observe(&self) -> Observed;
+    /// Positions now, um.
+    fn positions(&self) -> Vectors;
+}
+
+impl Setup {
+    fn coupler(&self) -> Coupler<'_> {
+        let every = self.simulation.numerics.exchange_interval;
+        Coupler::new(self.activation.boxed(), self.strongest, every, &self.volumes)
+    }
+
+    /// What the sites of the activation feel of a shape.
+    pub(super) fn felt(&self, positions: &Vectors) -> Vec<f64> {
+        let Assembly { meter, .. } = &*self.assembly;
+        match &self.fibre_stretch {
+            Some(fibres) => fibres.stretches(positions),
+            None => vec![self.assembly.stretch(meter.measure(positions).length)],
+        }
+    }
+
+    /// Brings a mesh that is at rest under every tension, and what it feels, to rest together.
+    pub(super) fn settle(&self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
+        self.coupler().begin(shaping)
+    }
+
+    /// The loop.
+    pub(super) fn run(
+        &self,
+        shaping: &mut impl Observable,
+        observer: &mut dyn Observer,
+    ) -> (Recording, Option<StopReason>) {
+        let Simulation { duration, numerics, .. } = &self.simulation;
+        let exchange = numerics.exchange_interval;
+        let exchanges = (duration / exchange).round() as u64;
+        let per_sample = (numerics.output_interval / exchange).round().max(1.0) as u64;
+        let per_frame = (numerics.frame_interval / exchange).round().max(1.0) as u64;
+
+        let mut meeting = self.coupler();
+        let signal = |output: Output| Signal {
+            name: output.name.into_owned(),
+            unit: output.unit.into_owned(),
+            values: Vec::new(),
+        };
+        let ends = self.assembly.ends.as_ref().map(|_| Output {
+            name: END_FORCE.into(),
+            unit: "nN".into(),
+            meaning: "force with which the cell draws its ends inward".into(),
+        });
+        let outputs = self.activation.outputs().into_iter().chain(ends);
+        let mut recording =
+            Recording { signals: outputs.map(signal).collect(), ..Recording::default() };
+        let mut strongest: Option<Frame> = None;
+        let mut stop = meeting.begin(shaping).err();
+        let exchanges = if stop.is_some() { 0 } else { exchanges };
+        for index in 0..=exchanges {
+            let time = index as f64 * exchange;
+            if self.simulation.interruption.is_asked() {
+                stop = Some(StopReason::Interrupted { time });
+                break;
+            }
+            if index > 0
+                && let Err(reason) = meeting.pass(time, shaping, observer)
+            {
+                stop = Some(reason);
+                break;
+            }
+            observer.begins(Part::Recording);
+            let tension = meeting.tension.average(&self.volumes);
+            let snapshot = || Frame {
+                t_ms: time,
+                ta_kpa: tension,
+                ta_by_triangle_kpa: meeting.tension.by_element().map(<[f64]>::to_vec),
+                positions: shaping.positions(),
+            };
+            if index % per_sample == 0 {
+                let observed = shaping.observe();
+                recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
+                let values =
+                    meeting.activation.output_values().into_iter().chain(observed.end_force);
+                for (signal, value) in recording.signals.iter_mut().zip(values) {
+                    signal.values.push(value);
+                }
+                if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
+                    strongest = Some(snapshot());
+                }
+            }
+            if index % per_frame == 0 {
+                recording.frames.push(snapshot());
+            }
+            if index % per_sample == 0 && !observer.sample(Progress { time, duration: *duration }) {
+                stop = Some(StopReason::Interrupted { time });
+                break;
+            }
+        }
+        // The shape at the peak of tension belongs to every record, whatever the frame interval.
+        if let Some(frame) = strongest {
+            let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
+            if recording.frames.get(place).is_none_or(|other| other.t_ms > frame.t_ms) {
+                recording.frames.insert(place, frame);
+            }
+        }
+        (recording, stop)
+    }
+
+    fn sample(
+        &self,
+        time: f64,
+        activation: &dyn Activation,
+        tension: f64,
+        observed: &Observed,
+    ) -> Sample {
+        Sample {
+            t_ms: time,
+            u: activation.potential(),
+            vm_mv: activation.membrane_potential_mv(),
+            ta_kpa: tension,
+            length_um: observed.length,
+            width_um: observed.width,
+            area_um2: observed.area,
+            shortening_pct: 100.0 * (1.0 - observed.length / self.assembly.held_length),
+            elastic_energy_fj: observed.elastic_energy,
+            kinetic_energy_fj: observed.kinetic_energy,
+            active_work_fj: observed.active_work,
+            dissipated_energy_fj: observed.dissipated_energy,
+            momentum_nn_ms: observed.momentum,
+            angular_momentum_nn_um_ms: observed.angular_momentum,
+        }
+    }
+}

@@ -1,0 +1,505 @@
+//! The equilibria of a mesh under one tension, whatever holds it.
+//!
+//! Length, width, area and energies are functions of the tension alone. They are computed at nine tensions in each load
+//! step and interpolated by cubics through four of them: exact for lengths along an axis that does not turn, which are
+//! cubic polynomials of the tension. A shape is the path's own.
+//!
+//! An afterloaded cell has two branches: clamped at its stop, and shortened against its load. Where the load would let it
+//! be longer than the stop does, it is at its stop; no memory of what was before is needed.
+
+use super::fault::{fault, projected_area};
+use super::setup::Assembly;
+use super::{SetupError, Simulation, StopReason};
+use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
+use crate::interruption::{Interrupted, Interruption};
+use crate::mechanics::{Configuration, Vectors, zeros};
+use crate::mesh::Mesh;
+use std::sync::Arc;
+
+/// Intervals at whose ends a load step is measured.
+const PARTS: usize = 8;
+
+/// Where a path to a shortening looks first, kPa, and where it gives up: no cell pulls as hard.
+const FIRST_TENSION: f64 = 1.0;
+const LARGEST_TENSION: f64 = 1e5;
+
+/// Part of the tension by which more is solved than is asked for: a beat's peak differs from the reference beat's by
+/// some 1e-4, a train of beats may go on rising.
+pub(super) const MARGIN: f64 = 1e-3;
+
+/// How a mesh at rest answers one tension: its equilibria, or a table of them.
+pub trait TensionResponse: Sync {
+    /// Shortening, a part of the length before a beat, under a tension in kPa, and its derivative, 1/kPa.
+    fn shortening(&self, tension: f64) -> [f64; 2];
+    /// The largest of these derivatives, 1/kPa.
+    fn steepest(&self) -> f64;
+    /// The highest tension that it knows, kPa; beyond it shortening goes on in a straight line.
+    fn highest(&self) -> f64;
+    /// The stretch of what is not within clamps at a shortening.
+    fn stretch(&self, shortening: f64) -> f64 {
+        1.0 - shortening
+    }
+}
+
+/// One mesh at rest under every tension of a range.
+#[derive(Clone)]
+pub struct Equilibria {
+    pub(super) held: Branch,
+    /// Of an afterloaded cell, away from its stop.
+    pub(super) loaded: Option<Box<Branch>>,
+}
+
+/// A mesh with its forces, and its equilibria as far as they were solved.
+#[derive(Clone)]
+pub(super) struct Branch {
+    pub(super) assembly: Arc<Assembly>,
+    pub(super) shapes: Shapes,
+    curve: Arc<Curve>,
+    /// Why they go no further.
+    pub(super) end: Option<PathError>,
+}
+
+impl Branch {
+    fn at_rest(
+        simulation: &Simulation,
+        assembly: Arc<Assembly>,
+        tolerance: Tolerance,
+    ) -> Result<Self, SetupError> {
+        let Simulation { mesh, interruption, .. } = simulation;
+        let Assembly { system, body, .. } = &*assembly;
+        let path = Path::start_interruptible(system, body, tolerance, interruption)?;
+        let curve = Arc::new(Curve::along(&path, mesh, &assembly, interruption)?);
+        let shapes = path.into_shapes();
+        Ok(Self { assembly, shapes, curve, end: None })
+    }
+
+    /// Solves further.
+    fn extend(
+        &mut self,
+        simulation: &Simulation,
+        further: impl FnOnce(&mut Path<'_>) -> Result<(), PathError>,
+    ) -> Result<(), Interrupted> {
+        let Simulation { mesh, interruption, .. } = simulation;
+        let Assembly { system, body, .. } = &*self.assembly;
+        let mut path = Path::resume(system, body, self.shapes.clone(), interruption);
+        let end = further(&mut path).err();
+        interruption.check()?;
+        self.end = end;
+        self.curve = Arc::new(Curve::along(&path, mesh, &self.assembly, interruption)?);
+        self.shapes = path.into_shapes();
+        Ok(())
+    }
+
+    /// Goes on to a tension, unless it ends before.
+    fn extend_to(&mut self, simulation: &Simulation, tension: f64) -> Result<(), Interrupted> {
+        if self.shapes.reaches(tension) || self.end.is_some() {
+            return Ok(());
+        }
+        self.extend(simulation, |path| path.extend(tension))
+    }
+
+    /// Goes on to a tension, which is asked for at a time of a run.
+    fn reach(
+        &mut self,
+        simulation: &Simulation,
+        time: f64,
+        tension: f64,
+    ) -> Result<(), StopReason> {
+        if self.shapes.reaches(tension) {
+            return Ok(());
+        }
+        let further = self.extend(simulation, |path| path.extend((1.0 + MARGIN) * tension));
+        further.map_err(|_| StopReason::Interrupted { time })?;
+        match &self.end {
+            Some(cause) if !self.shapes.reaches(tension) => {
+                let cause = cause.to_string();
+                Err(StopReason::NoEquilibrium { time, tension, cause })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Lowest and highest tension, kPa, up to which the shapes are without fault.
+    pub(super) fn intact(&self) -> [f64; 2] {
+        self.curve.intact
+    }
+
+    /// What is measured of its shape at a tension.
+    fn at(&self, tension: f64) -> Quantities {
+        self.curve.at(tension)
+    }
+}
+
+impl Simulation {
+    /// The mesh at rest without tension, of which equilibria can be solved.
+    pub(super) fn equilibria_at_rest(
+        &self,
+        tolerance: Tolerance,
+    ) -> Result<Equilibria, SetupError> {
+        self.check()?;
+        self.interruption.check()?;
+        let assembly = Arc::new(self.assembled_at_rest()?);
+        let loaded = self.loaded(&assembly).map(Arc::new);
+        let branch = |assembly| Branch::at_rest(self, assembly, tolerance);
+        let (held, loaded) = (branch(assembly)?, loaded.map(branch).transpose()?.map(Box::new));
+        Ok(Equilibria { held, loaded })
+    }
+
+    /// The mesh's equilibria at every tension from 0 to those in kPa, without a cell model: for any
+    /// course of tension ([`Equilibria::follow`]).
+    ///
+    /// # Errors
+    /// Forces for which there is no path of equilibria, and a path that ends before a tension.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::integrate::quasi_static::Tolerance;
+    /// use myospring::mesh::lattice;
+    /// use myospring::simulation::Simulation;
+    ///
+    /// let simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
+    /// let equilibria = simulation.equilibria(&[50.0], Tolerance::default())?;
+    /// // A transient that was measured: time (ms) and tension (kPa).
+    /// let curve = equilibria.follow(&[[0.0, 0.0], [80.0, 31.0], [120.0, 50.0], [300.0, 4.0]])?;
+    /// assert!((curve[2].shortening_pct - 12.0).abs() < 0.1);
+    /// let shape = equilibria.positions(31.0).ok_or("31 kPa lies on the way to 50")?;
+    /// assert_eq!(shape[0].len(), simulation.mesh.len());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn equilibria(
+        &self,
+        tensions: &[f64],
+        tolerance: Tolerance,
+    ) -> Result<Equilibria, SetupError> {
+        let mut equilibria = self.equilibria_at_rest(tolerance)?;
+        for &tension in tensions {
+            equilibria.extend_to(self, tension)?;
+            if let Some(end) = equilibria.end(tension) {
+                return Err(end.clone().into());
+            }
+        }
+        Ok(equilibria)
+    }
+
+    /// As [`Simulation::equilibria`], up to the tension at which the cell is shorter by a part of its resting length,
+    /// or as far as its path goes.
+    ///
+    /// # Errors
+    /// Forces for which there is no path of equilibria.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::integrate::quasi_static::Tolerance;
+    /// use myospring::mesh::lattice;
+    /// use myospring::simulation::Simulation;
+    ///
+    /// let simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
+    /// let equilibria = simulation.equilibria_to(0.2, Tolerance::default())?;
+    /// let [_, highest] = equilibria.shapes().range();
+    /// assert!(equilibria.follow(&[[0.0, highest]])?[0].shortening_pct > 20.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn equilibria_to(
+        &self,
+        shortening: f64,
+        tolerance: Tolerance,
+    ) -> Result<Equilibria, SetupError> {
+        let mut equilibria = self.equilibria_at_rest(tolerance)?;
+        let Equilibria { held, loaded } = &mut equilibria;
+        let branch = loaded.as_deref_mut().unwrap_or(held);
+        let assembly = Arc::clone(&branch.assembly);
+        let Assembly { meter, held_length, .. } = &*assembly;
+        let enough = |path: &Path<'_>| {
+            let [_, highest] = path.range();
+            let shape = path.positions(highest);
+            shape.is_none_or(|shape| 1.0 - meter.measure(&shape).length / held_length >= shortening)
+        };
+        let mut tension = FIRST_TENSION;
+        branch.extend(self, |path| {
+            while tension < LARGEST_TENSION && path.extend(tension).is_ok() && !enough(path) {
+                tension *= 2.0;
+            }
+            Ok(())
+        })?;
+        let [_, highest] = branch.shapes.range();
+        equilibria.extend_to(self, highest)?;
+        Ok(equilibria)
+    }
+}
+
+/// The answer of a mesh to one tension.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Time, ms.
+    pub t_ms: f64,
+    /// Active tension, kPa.
+    pub ta_kpa: f64,
+    /// Length along the reference long axis, um.
+    pub length_um: f64,
+    /// Width across the long axis, um.
+    pub width_um: f64,
+    /// Projected area, um^2.
+    pub area_um2: f64,
+    /// Shortening, per cent of the resting length.
+    pub shortening_pct: f64,
+    /// Energy of the passive forces, fJ.
+    pub elastic_energy_fj: f64,
+}
+
+/// A tension for which no equilibrium was asked.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "entry {index}, {tension} kPa at t = {time} ms, lies outside the equilibria that were solved, \
+     {lowest} to {highest} kPa; ask for the lowest and the highest tension of the series"
+)]
+pub struct OutOfRange {
+    /// Which entry of the series, the first is 0.
+    pub index: usize,
+    /// Time, ms.
+    pub time: f64,
+    /// Tension, kPa.
+    pub tension: f64,
+    /// Lowest tension solved, kPa.
+    pub lowest: f64,
+    /// Highest tension solved, kPa.
+    pub highest: f64,
+}
+
+impl TensionResponse for Equilibria {
+    fn shortening(&self, tension: f64) -> [f64; 2] {
+        let held_length = self.held.assembly.held_length;
+        let [length, slope] = self.branch(tension).curve.length(tension);
+        [1.0 - length / held_length, -slope / held_length]
+    }
+
+    fn steepest(&self) -> f64 {
+        let branches = std::iter::once(&self.held).chain(self.loaded.as_deref());
+        let slopes =
+            branches.flat_map(|branch| branch.curve.pieces.iter().map(|[[_, b, ..], ..]| -b));
+        slopes.fold(0.0, f64::max) / self.held.assembly.held_length
+    }
+
+    fn highest(&self) -> f64 {
+        let [_, highest] = self.held.shapes.range();
+        highest
+    }
+
+    fn stretch(&self, shortening: f64) -> f64 {
+        let Assembly { held_length, .. } = *self.held.assembly;
+        self.held.assembly.stretch(held_length * (1.0 - shortening))
+    }
+}
+
+impl Equilibria {
+    /// Goes on to a tension, unless the path ends before.
+    pub(super) fn extend_to(
+        &mut self,
+        simulation: &Simulation,
+        tension: f64,
+    ) -> Result<(), Interrupted> {
+        let mut branches = std::iter::once(&mut self.held).chain(self.loaded.as_deref_mut());
+        branches.try_for_each(|branch| branch.extend_to(simulation, tension))
+    }
+
+    /// Goes on to a tension, which is asked for at a time of a run.
+    pub(super) fn reach(
+        &mut self,
+        simulation: &Simulation,
+        time: f64,
+        tension: f64,
+    ) -> Result<(), StopReason> {
+        let mut branches = std::iter::once(&mut self.held).chain(self.loaded.as_deref_mut());
+        branches.try_for_each(|branch| branch.reach(simulation, time, tension))
+    }
+
+    /// Why they end before a tension, if they do.
+    pub(super) fn end(&self, tension: f64) -> Option<&PathError> {
+        self.held.end.as_ref().filter(|_| !self.held.shapes.reaches(tension))
+    }
+
+    /// The branch that the mesh is on at a tension.
+    pub(super) fn branch(&self, tension: f64) -> &Branch {
+        let length = |branch: &Branch| branch.curve.length(tension)[0];
+        match self.loaded.as_deref() {
+            Some(loaded) if length(loaded) < length(&self.held) => loaded,
+            _ => &self.held,
+        }
+    }
+
+    /// What is measured at a tension.
+    pub(super) fn at(&self, tension: f64) -> Quantities {
+        self.branch(tension).at(tension)
+    }
+
+    /// The shapes and what they took; of an afterloaded cell those at its stop.
+    pub fn shapes(&self) -> &Shapes {
+        &self.held.shapes
+    }
+
+    /// The answer to a series of tensions, `[time (ms), tension (kPa)]` each: as many entries, in the same
+    /// order. Nothing is solved for it.
+    ///
+    /// # Errors
+    /// A tension outside the range that was solved, or that is no number.
+    pub fn follow(&self, series: &[[f64; 2]]) -> Result<Vec<Response>, OutOfRange> {
+        let [lowest, highest] = self.held.shapes.range();
+        let one = |(index, &[time, tension]): (usize, &[f64; 2])| {
+            if !(lowest..=highest).contains(&tension) {
+                return Err(OutOfRange { index, time, tension, lowest, highest });
+            }
+            let [length, width, area, elastic_energy, ..] = self.at(tension);
+            Ok(Response {
+                t_ms: time,
+                ta_kpa: tension,
+                length_um: length,
+                width_um: width,
+                area_um2: area,
+                shortening_pct: 100.0 * (1.0 - length / self.held.assembly.held_length),
+                elastic_energy_fj: elastic_energy,
+            })
+        };
+        series.iter().enumerate().map(one).collect()
+    }
+
+    /// Positions under a tension in kPa, um; `None` outside the range that was solved.
+    pub fn positions(&self, tension: f64) -> Option<Vectors> {
+        self.branch(tension).shapes.positions(tension)
+    }
+}
+
+/// Length, width, area, elastic energy, work of the active forces since tension 0, their energy at 1 kPa, force at
+/// the ends.
+pub(super) type Quantities = [f64; QUANTITIES];
+const QUANTITIES: usize = 7;
+const WORK: usize = 4;
+pub(super) const PER_TENSION: usize = 5;
+
+/// Quantities as functions of the tension, in cubic pieces.
+#[derive(Debug)]
+struct Curve {
+    /// Where pieces begin and where the last one ends, kPa, ascending; `PARTS` intervals to a load step.
+    tensions: Vec<f64>,
+    /// Coefficients by the tension above the begin of each.
+    pieces: Vec<[Cubic; QUANTITIES]>,
+    /// Lowest and highest tension, kPa, up to which the measured shapes are without fault.
+    intact: [f64; 2],
+}
+
+/// Coefficients, the constant first.
+type Cubic = [f64; 4];
+
+impl Curve {
+    fn along(
+        shapes: &Shapes,
+        mesh: &Mesh,
+        assembly: &Assembly,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
+        let Assembly { system, meter, ends, .. } = assembly;
+        let knots = shapes.tensions();
+        let mut tensions: Vec<f64> = knots
+            .windows(2)
+            .flat_map(|pair| {
+                (0..PARTS)
+                    .map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / PARTS as f64)
+                    .collect::<Vec<f64>>()
+            })
+            .collect();
+        tensions.extend(knots.last());
+        let still = zeros(mesh.len());
+        let mut values: Vec<Quantities> = Vec::new();
+        let mut sound = Vec::new();
+        let mut before: Option<(f64, Vectors)> = None;
+        let mut added = Vec::new();
+        for &tension in &tensions {
+            interruption.check()?;
+            let Some(positions) = shapes.positions(tension) else { break };
+            let energy = |positions: &Vectors, tension: f64| {
+                let tension = tension.into();
+                let at = Configuration { positions, velocities: &still, tension };
+                system.active_energy(&at)
+            };
+            // W = -int grad E(x; Ta) dx by the mean tension of each part
+            added.push(before.as_ref().map_or(0.0, |(last, from)| {
+                let mean = 0.5 * (last + tension);
+                energy(from, mean) - energy(&positions, mean)
+            }));
+            let extent = meter.measure(&positions);
+            let at = Configuration {
+                positions: &positions,
+                velocities: &still,
+                tension: tension.into(),
+            };
+            values.push([
+                extent.length,
+                extent.width,
+                projected_area(mesh, &positions),
+                system.elastic_energy(&at),
+                0.0,
+                energy(&positions, 1.0),
+                ends.as_ref().map_or(0.0, |ends| ends.of(system, &at)),
+            ]);
+            sound.push(fault(mesh, &positions, 0.0, tension).is_none());
+            before = Some((tension, positions));
+        }
+        // Work counts from tension 0, which is a knot, both ways: neither knows how far the other goes.
+        let rest = tensions.partition_point(|tension| *tension < 0.0);
+        for above in rest + 1..values.len() {
+            values[above][WORK] = values[above - 1][WORK] + added[above];
+        }
+        for below in (0..rest).rev() {
+            values[below][WORK] = values[below + 1][WORK] - added[below + 1];
+        }
+        let up = sound[rest..].iter().take_while(|sound| **sound).count();
+        let down = sound[..=rest].iter().rev().take_while(|sound| **sound).count();
+        let intact = [tensions[rest + 1 - down.max(1)], tensions[rest + up.max(1) - 1]];
+        let piece = |part: usize| std::array::from_fn(|of| cubic(&tensions, &values, part, of));
+        let pieces: Vec<[Cubic; QUANTITIES]> = (0..tensions.len() - 1).map(piece).collect();
+        let at_rest = || vec![values[0].map(|value| [value, 0.0, 0.0, 0.0])];
+        let pieces = if pieces.is_empty() { at_rest() } else { pieces };
+        Ok(Self { tensions, pieces, intact })
+    }
+
+    /// The piece of a tension, and how far it is above its begin, kPa.
+    fn piece(&self, tension: f64) -> (&[Cubic; QUANTITIES], f64) {
+        let after = self.tensions.partition_point(|begin| *begin <= tension);
+        let piece = after.saturating_sub(1).min(self.pieces.len() - 1);
+        (&self.pieces[piece], tension - self.tensions[piece])
+    }
+
+    fn at(&self, tension: f64) -> Quantities {
+        let (piece, by) = self.piece(tension);
+        piece.map(|[a, b, c, d]| a + by * (b + by * (c + by * d)))
+    }
+
+    /// Length and its derivative by the tension; past either end, on the straight line.
+    fn length(&self, tension: f64) -> [f64; 2] {
+        let ends = [self.tensions[0], self.tensions[self.tensions.len() - 1]];
+        let within = tension.clamp(ends[0], ends[1]);
+        let ([[a, b, c, d], ..], by) = self.piece(within);
+        let slope = b + by * (2.0 * c + by * 3.0 * d);
+        [a + by * (b + by * (c + by * d)) + (tension - within) * slope, slope]
+    }
+}
+
+/// One quantity in a part of a load step: the cubic through the four nearest tensions of the step.
+fn cubic(tensions: &[f64], values: &[Quantities], part: usize, of: usize) -> Cubic {
+    let first = part - part % PARTS;
+    let start = (part.max(first + 1) - 1).min(first + PARTS - 3);
+    let x: [f64; 4] = std::array::from_fn(|k| tensions[start + k] - tensions[part]);
+    let mut y: [f64; 4] = std::array::from_fn(|k| values[start + k][of]);
+    // Newton's divided differences: what does not change stays the same to the last bit.
+    for order in 1..4 {
+        for k in (order..4).rev() {
+            y[k] = (y[k] - y[k - 1]) / (x[k] - x[k - order]);
+        }
+    }
+    let mut powers = [y[3], 0.0, 0.0, 0.0];
+    for k in (0..3).rev() {
+        for at in (1..4).rev() {
+            powers[at] = powers[at - 1] - x[k] * powers[at];
+        }
+        powers[0] = y[k] - x[k] * powers[0];
+    }
+    powers
+}
