@@ -87,7 +87,8 @@ pub(crate) fn load(py: Python<'_>, folder: PathBuf) -> PyResult<(Cell, Beat)> {
     let outcome = Outcome {
         recording,
         stop: serde_json::from_value(part("stop")).unwrap_or_default(),
-        effort: serde_json::from_value(part("effort")).map_err(errors::value)?,
+        // It stands among the other numbers of the record.
+        effort: serde_json::from_value(record.clone()).map_err(errors::value)?,
         engine: serde_json::from_value(part("engine")).unwrap_or_default(),
         stimulus_times_ms: run.stimulus_times(),
         s2_ms: run.s2_ms(),

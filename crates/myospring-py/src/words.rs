@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Options of the program that are no settings: name, argument here, and words that may follow as a value. Those of an
 /// empty argument have no counterpart: what they say is done by arrays.
-const OF_TABLES: [(&str, &str, &[&str]); 17] = [
+const OF_TABLES: [(&str, &str, &[&str]); 19] = [
     ("--columns", "columns", &[]),
     ("--time", "time", &[]),
     ("--kind", "kind", &["contraction"]),
@@ -20,6 +20,8 @@ const OF_TABLES: [(&str, &str, &[&str]); 17] = [
     ("--to", "until_ms", &[]),
     ("--until", "until_ms", &[]),
     ("--stimulus-times", "stimulus_times_ms", &[]),
+    ("--stimulus-period", "stimulus_period_ms", &[]),
+    ("--stimulus-start", "stimulus_start_ms", &[]),
     ("--ignore-marks", "ignore_marks=True", &[]),
     ("--skip-gaps", "skip_gaps=True", &[]),
     ("--mean", "mean=True", &[]),
@@ -28,14 +30,19 @@ const OF_TABLES: [(&str, &str, &[&str]); 17] = [
     ("--decimal", "", &["comma", "point"]),
 ];
 
-/// Sentences about the folder of results, which Python names otherwise.
-const OF_FOLDERS: [(&str, &str); 3] =
-    [(" with --output DIR", ""), ("--output DIR names", "choose"), ("--output ", "")];
+/// What Python says otherwise of the folder of results, and of numbers, which have no unit there.
+const OTHERWISE: [(&str, &str); 5] = [
+    (" with --output DIR", ""),
+    ("--output DIR names", "choose"),
+    ("--output ", ""),
+    ("give it with its unit, like --stimulus-period \"1 s\"", "give it in ms"),
+    ("--smooth is", "smoothing_ms is"),
+];
 
 /// A message with the names of Python instead of those of run files and options.
 pub(crate) fn in_python(message: &str) -> String {
     let mut message = legible::with_powers(message);
-    for (said, in_python) in OF_FOLDERS {
+    for (said, in_python) in OTHERWISE {
         message = message.replace(said, in_python);
     }
     for setting in table() {

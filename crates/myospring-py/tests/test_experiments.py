@@ -76,7 +76,7 @@ def test_arrays_are_curves_without_a_file():
         myospring.analyse((t_ms, np.full_like(t_ms, 120.0)))
     with pytest.raises(FileNotFoundError):
         myospring.analyse("nowhere.csv")
-    with pytest.raises(ValueError, match="stimulus_period"):
+    with pytest.raises(ValueError, match="stimulus_period_ms is 1 ms.*; give it in ms"):
         myospring.analyse((t_ms, lengths(t_ms)), stimulus_period_ms=1.0)
 
 
