@@ -1,10 +1,12 @@
 //! Marks that a program burned into a picture: scale bars, captions, letters, arrows.
 //!
-//! They were drawn, not seen through a lens. So they have one grey value, often the largest or the least of all, and
-//! their edge is as sharp as the grid of pixels: within two pixels all of the step is done, along the whole rim. Light
-//! spreads over more than that, also around a place that is overexposed. And they are bars, or strokes of one width, or
-//! lie beside such, with room around them, which stripes of a cell do not leave each other. What is drawn is painted over with
-//! what surrounds it, so that it is no cell and shows no fibres. In a picture of one colour, what has another was drawn.
+//! Three properties identify a mark. It has one grey value, often the largest or smallest of the
+//! picture. Its edge is sharp along the whole rim: the grey value changes completely within two
+//! pixels, whereas an image formed by a lens is blurred over more, also around an overexposed
+//! place. It is a bar, a stroke of constant width, or next to one, with free space around it; the
+//! stripes of a cell lie closer together. In a picture of one colour, everything in another colour
+//! is a mark. Marks are replaced by a continuation of their surroundings, so that they count
+//! neither as cells nor as fibres.
 
 mod colour;
 
@@ -12,62 +14,70 @@ use super::filter;
 use super::plane::Plane;
 use super::region::{Connectivity, Island, Region, Window};
 
-/// How far the grey values of one mark may lie apart, in parts of the picture's range: what a lossy file makes of one
-/// value.
+/// Largest spread of the grey values within one mark, as a part of the picture's range; lossy
+/// compression spreads a single value this far.
 const ONE_VALUE: f32 = 0.04;
-/// Least part of a mark that has its middle grey value: exactly in a bar, and in letters but for a hundredth of the picture's
-/// range, which a lossy file adds. Of what a camera has seen, noise leaves less, unless it is overexposed.
+/// Least part of a mark's pixels that has its median grey value exactly (bars), or within a
+/// hundredth of the picture's range (letters; lossy compression adds that much). Noise leaves a
+/// smaller part in anything that a camera has recorded, unless it is overexposed.
 const NEARLY_ONE_VALUE: f64 = 0.5;
 const NEARLY: f32 = 0.01;
-/// Classes of the histograms in which a value of a mark is sought that is neither the largest nor the least: as it was
-/// drawn, and as a lossy file spreads it.
+/// Numbers of histogram classes in which the value of a mark is searched that is neither the
+/// largest nor the smallest: fine for marks as drawn, coarse for marks that lossy compression has
+/// spread.
 const CLASSES: [usize; 2] = [128, 32];
-/// Least frequency of such a value relative to the values around it, and least number of its pixels.
+/// Least frequency of such a value relative to the values around it, and its least number of
+/// pixels.
 const SPIKE: usize = 8;
 const SPIKE_PIXELS: usize = 40;
-/// Least pixels of a mark; a smaller one is no cell either.
+/// Smallest mark, pixels; anything smaller is too small for a cell, too.
 const LEAST_PIXELS: usize = 12;
-/// Least pixels of a mark that is known by itself; a smaller one must lie in line with such. A few pixels of an overexposed
-/// cell may have any shape.
+/// Smallest mark that is recognised on its own, pixels; a smaller one must lie in line with
+/// another. A few overexposed pixels may have any shape.
 const LEAST_DRAWN: usize = 80;
-/// The same of a bar, whose shape is plain.
+/// The same for a bar, whose shape is easier to recognise.
 const LEAST_BAR: usize = 40;
-/// Least part of the surroundings of a mark that is free of its value, and of one that lies in line with such: between
-/// overexposed stripes lie gaps that are narrower than those between letters.
+/// Least part of a mark's surroundings that does not have its value, for a mark on its own and for
+/// one in line with another: gaps between overexposed stripes are narrower than those between
+/// letters.
 const FREE: f64 = 0.6;
 const FREE_IN_LINE: f64 = 0.3;
-/// Half the width of a gap within it that is not free, pixels.
+/// Gaps within a mark up to twice this width count as not free, pixels.
 const GAP: f64 = 1.5;
-/// Largest part of the picture that one mark takes; more is the ground, or an object.
+/// Largest part of the picture that one mark covers; anything larger is background or an object.
 const MOST_SHARE: f64 = 0.05;
-/// Largest part of the picture that has the grey value of a mark: what more has is the ground.
+/// Largest part of the picture that may have a mark's grey value; a more frequent value is
+/// background.
 const MOST_OF_VALUE: f64 = 0.2;
-/// Least step at the edge of a mark, in parts of the picture's range.
+/// Least change of grey value at the edge of a mark, as a part of the picture's range.
 const LEAST_STEP: f32 = 0.15;
-/// Part of the step that is done two pixels beyond the edge: on average, and at least in nearly all places.
+/// Part of that change which is complete two pixels beyond the edge: on average, and at nearly all
+/// places.
 const SHARP: f32 = 0.85;
 const SHARP_EVERYWHERE: f32 = 0.4;
 const NEARLY_ALL: f64 = 0.9;
-/// Largest part of it there: beside a stripe lies a dark gap, and beyond that the next stripe, so more than all of the
-/// step is done; beside a mark lies what lies beyond.
+/// Largest such part. Beyond a stripe lies a dark gap and then the next stripe, so the grey value
+/// overshoots; beyond a mark it does not.
 const OVERSHOOT: f32 = 1.15;
-/// How far around a mark its surroundings are looked at, pixels.
+/// Width of the surroundings that are examined, pixels.
 const AROUND: f64 = 6.0;
-/// Least part of its box that a bar fills, and least length of a bar relative to its width.
+/// Least part of its bounding box that a bar fills, and its least ratio of length to width.
 const FILLS_BOX: f64 = 0.95;
 const BAR_ASPECT: f64 = 3.0;
-/// What strokes keep of their area when points narrower than six tenths of the widest place are taken off.
+/// Part of their area that strokes keep when all places narrower than six tenths of the widest are
+/// removed.
 const STROKE_KEPT: f64 = 0.7;
 const STROKE_WIDTH: f64 = 0.6;
 /// Strokes fill less than this of their box.
 const STROKE_FILLS: f64 = 0.75;
-/// How many times as long as wide strokes are at least.
+/// Least ratio of length to width of a stroke.
 const STROKE_ASPECT: f64 = 3.0;
-/// And at most: overexposed stripes that hang together on coarse pixels are longer.
+/// Largest such ratio: overexposed stripes that are connected on coarse pixels are longer.
 const STROKE_LONGEST: f64 = 60.0;
-/// How far beyond a mark its blurred rim is painted over, too, pixels.
+/// Width of the blurred rim that is painted over with a mark, pixels.
 const RIM: f64 = 3.0;
-/// Scales on which what surrounds a mark is continued into it, pixels; the first is taken that reaches.
+/// Scales on which the surroundings are continued into a mark, pixels; the first one that fills it
+/// is used.
 const FILLING: [f64; 4] = [3.0, 8.0, 24.0, 72.0];
 
 /// A picture without its burned-in marks.
@@ -75,13 +85,13 @@ const FILLING: [f64; 4] = [3.0, 8.0, 24.0, 72.0];
 pub struct PaintedOver {
     /// The plane, with the marks painted over.
     pub plane: Plane,
-    /// Which pixels were, row by row from the top left.
+    /// For each pixel, row by row from the top left: whether it was painted over.
     pub marks: Vec<bool>,
-    /// What a person should know.
+    /// Warning for the user.
     pub note: String,
 }
 
-/// The plane without what was drawn into it; `None` where nothing was.
+/// The plane with its marks painted over; `None` if it has none.
 ///
 /// # Example
 /// ```
@@ -99,7 +109,8 @@ pub fn painted_over(plane: &Plane) -> Option<PaintedOver> {
     without(plane, &grey_marks(plane)?)
 }
 
-/// The same of a colour picture, with its red, green and blue: what has another colour than the rest was drawn, too.
+/// Like [`painted_over`], for a colour picture given by its red, green and blue planes: everything
+/// in a colour other than the picture's own counts as a mark, too.
 #[must_use]
 pub fn painted_over_in_colour(plane: &Plane, channels: &[Plane; 3]) -> Option<PaintedOver> {
     let mut marks = grey_marks(plane)?;
@@ -109,7 +120,7 @@ pub fn painted_over_in_colour(plane: &Plane, channels: &[Plane; 3]) -> Option<Pa
     without(plane, &marks)
 }
 
-/// What was drawn in one grey value; `None` for a picture that cannot have marks.
+/// The marks of one grey value; `None` for a picture that cannot have any.
 fn grey_marks(plane: &Plane) -> Option<Region> {
     let (width, height) = (plane.width(), plane.height());
     let [low, high] = plane.range();
@@ -148,7 +159,8 @@ fn without(plane: &Plane, marks: &Region) -> Option<PaintedOver> {
     Some(PaintedOver { plane, marks: marks.inside().collect(), note })
 }
 
-/// Grey values that marks may have: the largest, the least, and those that are far more frequent than their like.
+/// Candidate grey values of marks: the largest, the smallest, and those far more frequent than
+/// similar values.
 fn values_of_marks(plane: &Plane, [low, high]: [f32; 2]) -> Vec<f32> {
     let mut values = vec![high, low];
     for classes in CLASSES {
@@ -173,14 +185,14 @@ fn values_of_marks(plane: &Plane, [low, high]: [f32; 2]) -> Vec<f32> {
     values
 }
 
-/// What may be drawn in one grey value.
+/// The pixels of one grey value, in which marks are searched.
 struct Drawing<'a> {
     plane: &'a Plane,
     value: f32,
     range: f32,
 }
 
-/// Something of one grey value with a sharp edge.
+/// A region of one grey value with a sharp edge.
 struct Sharp {
     own: Region,
     window: Window,
@@ -193,7 +205,8 @@ impl Drawing<'_> {
         (self.plane.values()[at] - self.value).abs() <= ONE_VALUE * self.range
     }
 
-    /// The marks, each in its window: bars and strokes with sharp edges, and what is as sharp beside them.
+    /// The marks, each with its bounding window: bars and strokes with sharp edges, and sharp
+    /// regions in line with them.
     fn marks(&self) -> Vec<(Region, Window)> {
         let (width, height) = (self.plane.width(), self.plane.height());
         let all = Region::new(width, height, (0..width * height).map(|at| self.has_value(at)));
@@ -225,7 +238,8 @@ impl Drawing<'_> {
         sharp.into_iter().map(|Sharp { own, window, .. }| (own, window)).collect()
     }
 
-    /// Whether the grey value is another beside the middle of most sides of its box; a quick look before a long one.
+    /// Whether the grey value differs just outside the middle of most sides of the bounding box; a
+    /// cheap test before the full one.
     fn stands_apart(&self, island: &Island) -> bool {
         const BESIDE: usize = 3;
         let (width, height) = (self.plane.width(), self.plane.height());
@@ -255,7 +269,7 @@ impl Drawing<'_> {
         let inside = window.cut(numbers, width).into_iter().map(|other| other == number);
         let own = Region::new(window.width(), window.height(), inside);
         let values = window.cut(self.plane.values(), width);
-        // What else has the value, such as the next letter, is no surroundings.
+        // Other regions of this value, such as the next letter, are not surroundings.
         let others: Vec<bool> = values
             .iter()
             .map(|value| (value - self.value).abs() <= ONE_VALUE * self.range)
@@ -267,7 +281,7 @@ impl Drawing<'_> {
             ring.map(|at| (values[at] - self.value).abs()).collect()
         };
         let close = |at: usize| second.contains(at) && !first.contains(at);
-        // Gaps within it are surroundings, too, that are not free.
+        // Gaps within the region are surroundings that are not free.
         let gaps = own.closed(GAP).count() - own.count();
         let all = (0..values.len()).filter(|&at| close(at)).count() + gaps;
         let beside = steps(&close);
@@ -303,7 +317,8 @@ fn is_of_one_value(own: &Region, values: &[f32], off: f32) -> bool {
     alike as f64 >= NEARLY_ONE_VALUE * inside.len() as f64
 }
 
-/// Whether an island fills its box. So do straight stripes of a camera's picture, which noise makes uneven.
+/// Whether an island fills its bounding box evenly. Straight stripes in a camera's picture may fill
+/// theirs, but noise makes them uneven.
 fn is_bar(island: &Island) -> bool {
     let [across, down] = sides(island);
     island.pixels as f64 >= FILLS_BOX * across * down
@@ -332,7 +347,8 @@ fn is_drawn(own: &Region, island: &Island) -> bool {
         && kept >= STROKE_KEPT * pixels
 }
 
-/// Whether an island is the next letter, a dot of one, or the bar above: as high or less, and no further away than that.
+/// Whether an island is the next letter, the dot of a letter, or the scale bar above it: at most as
+/// high as the mark, and no further away than its height.
 fn in_line(mark: &Island, other: &Island) -> bool {
     let ([mark_across, mark_down], [across, down]) = (sides(mark), sides(other));
     let height = mark_down.max(mark_across.min(3.0 * mark_down));
@@ -347,7 +363,7 @@ fn sides(island: &Island) -> [f64; 2] {
     [island.columns, island.rows].map(|[first, last]| (last - first + 1) as f64)
 }
 
-/// The plane with what surrounds the marks continued into them.
+/// The plane with the marks filled in from their surroundings.
 fn filled(plane: &Plane, marks: &Region) -> Option<Plane> {
     let (width, height) = (plane.width(), plane.height());
     let mut values = plane.values().to_vec();

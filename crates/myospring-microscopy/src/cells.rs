@@ -1,5 +1,5 @@
-//! From the bytes of a picture to its cells: read, pixel size settled, segmented; then one cell of them with
-//! its outline, its report and the direction of its fibres.
+//! From the bytes of a picture to its cells: reads the picture, determines the pixel size,
+//! segments; then gives one cell with its outline, shape report and fibre directions.
 //!
 //! ```text
 //! bytes ─▶ PictureCells::find ─▶ .cell(choice) ─▶ PictureCell {outline, mask, shape, confidence}
@@ -34,7 +34,8 @@ use myospring_core::mesh::mask::{Mask, MaskError};
 use myospring_core::mesh::outline::Outline;
 use myospring_core::mesh::pixel_size::PixelSize;
 
-/// How far the pixel size that was given may be from the picture's own before it is said, 1 %.
+/// Relative difference between the given pixel size and the picture's own above which a note is
+/// written.
 const SAME_PIXEL_SIZE: f64 = 0.01;
 
 /// What to look for in a picture.
@@ -42,17 +43,17 @@ const SAME_PIXEL_SIZE: f64 = 0.01;
 pub struct Options {
     /// Which plane of the picture.
     pub selection: Selection,
-    /// Side of one pixel; `None` takes what the picture says.
+    /// Side of one pixel; `None` uses the picture's own.
     pub pixel_size: Option<PixelSize>,
     /// How to find cells.
     pub segmentation: Settings,
-    /// Least and largest area that is expected of a cell, um^2; others are warned about, and studies leave them
-    /// out.
+    /// Smallest and largest expected area of a cell, um^2; cells outside are warned about, and
+    /// studies leave them out.
     pub areas_um2: [f64; 2],
 }
 
 impl Default for Options {
-    /// What the picture says of itself, and the areas of single heart cells.
+    /// The picture's own pixel size, and the usual areas of single heart cells.
     fn default() -> Self {
         Self {
             selection: Selection::default(),
@@ -69,7 +70,7 @@ pub enum CellError {
     /// The picture cannot be read.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// No pixel size, neither in the picture nor given.
+    /// Neither the picture nor the caller states a pixel size.
     #[error(
         "the picture does not say how large its pixels are; give the side of one, like --pixel-size \"0.27 um\" \
          (the microscope's software shows it; it is the camera's pixel over the magnification)"
@@ -78,7 +79,7 @@ pub enum CellError {
     /// Segmentation found no cell, or not the one that was asked for.
     #[error(transparent)]
     Segment(#[from] SegmentError),
-    /// The cell is a speck.
+    /// The cell is too small.
     #[error(
         "cell {number} has only {pixels} pixels ({area_um2:.3} um^2); at least {FEWEST_PIXELS} are needed: is this the \
          right picture, cell or label?"
@@ -91,7 +92,7 @@ pub enum CellError {
         /// Their area, um^2.
         area_um2: f64,
     },
-    /// The pixels of the cell make no outline.
+    /// The pixels of the cell have no valid outline.
     #[error(transparent)]
     Trace(#[from] TraceError),
     /// The file of outlines cannot be used.
@@ -100,7 +101,7 @@ pub enum CellError {
     /// The picture's size is out of range.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// The outline covers no pixel.
+    /// The outline covers no pixel of the picture.
     #[error("the outline `{name}` cannot be laid over the picture: {cause}")]
     Rasterise {
         /// Its name.
@@ -113,16 +114,16 @@ pub enum CellError {
 /// A picture with its cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureCells {
-    /// The plane that was looked at.
+    /// The plane in which cells were searched.
     pub plane: Plane,
     /// Side of one pixel.
     pub pixel_size: PixelSize,
     /// Where the pixel size comes from, in words.
     pub pixel_size_source: &'static str,
-    /// What a person should know about the picture.
+    /// Warnings about the picture.
     pub notes: Vec<String>,
     areas_um2: [f64; 2],
-    /// Pixels that were painted over, since marks are burned into the picture.
+    /// The pixels that were painted over because they belong to a burned-in mark.
     marks: Option<Arc<Vec<bool>>>,
     cells: Cells,
 }
@@ -130,10 +131,10 @@ pub struct PictureCells {
 /// Where the cells come from.
 #[derive(Debug, Clone, PartialEq)]
 enum Cells {
-    /// Shared by all copies: they are as large as the picture.
+    /// Shared between copies of the value, since masks are as large as the picture.
     Found {
         found: Arc<Segmentation>,
-        /// The least one around each, by number from 1 on.
+        /// Bounding window of each cell; cell numbers count from 1.
         windows: Vec<Window>,
     },
     /// Largest first.
@@ -153,12 +154,12 @@ pub struct PictureCell {
     pub mask: Mask,
     /// Its size and shape, with warnings.
     pub shape: ShapeReport,
-    /// How sure it is.
+    /// How certain the outline is.
     pub confidence: Confidence,
 }
 
 impl PictureCell {
-    /// What a person should know before they trust the outline, a sentence each.
+    /// Warnings about the outline, one sentence each.
     pub fn warnings(&self) -> impl Iterator<Item = String> + '_ {
         self.confidence.warning().into_iter().chain(self.shape.warnings.iter().cloned())
     }
@@ -191,7 +192,7 @@ impl PictureCells {
     /// Reads a picture and the outlines that a file of outlines has for it.
     ///
     /// # Errors
-    /// A picture or outlines that cannot be read, no pixel size, or outlines beside the picture.
+    /// A picture or outlines that cannot be read, no pixel size, or outlines outside the picture.
     pub fn given(
         bytes: &[u8],
         outlines: &[u8],
@@ -208,7 +209,7 @@ impl PictureCells {
         Ok(seen)
     }
 
-    /// Reads a picture, without looking for cells: what there is to show where none is found.
+    /// Reads a picture without segmenting it, so that it can be shown when no cell was found.
     ///
     /// # Errors
     /// A picture that cannot be read, or no pixel size.
@@ -282,25 +283,25 @@ impl PictureCells {
         let threshold = threshold.unwrap_or_default();
         let modality = self.modality();
         let reason = self.modality_reason();
-        let reason = reason.map(|reason| format!("; taken for {modality} since {reason}"));
+        let reason = reason.map(|reason| format!("; treated as {modality} because {reason}"));
         let reason = reason.unwrap_or_default();
         format!("{modality} picture, pixels of {size} ({source}){threshold}{reason}")
     }
 
-    /// What is unusual about the area of a cell, if it is beside [`Options::areas_um2`].
+    /// Warns of a cell whose area lies outside [`Options::areas_um2`]; `None` for a usual one.
     pub fn unusual_area(&self, cell: &PictureCell) -> Option<String> {
         unusual_area(cell.shape.area_um2, self.areas_um2)
     }
 
-    /// Why a cell is no heart cell by its size, as the predicate of a sentence, if it is none. Of one that was pointed
-    /// at the area is not asked.
+    /// Why the cell's size is impossible for a heart cell, as the predicate of a sentence; `None`
+    /// if it is possible. The area of a cell that the user pointed at is not checked.
     pub fn impossible_size(&self, cell: &PictureCell, pointed_at: bool) -> Option<String> {
         let ShapeReport { area_um2, dimensions, .. } = &cell.shape;
         let areas_um2 = if pointed_at { [0.0, f64::INFINITY] } else { self.areas_um2 };
         impossible_size(dimensions.length_um, *area_um2, areas_um2)
     }
 
-    /// What segmentation found; `None` where outlines were given.
+    /// The segmentation; `None` where outlines were given.
     pub fn segmentation(&self) -> Option<&Segmentation> {
         match &self.cells {
             Cells::Found { found, .. } => Some(found),
@@ -308,7 +309,7 @@ impl PictureCells {
         }
     }
 
-    /// The modality in a word: as segmented, or `outline` where it was given.
+    /// The modality in one word: that of the segmentation, or `outline` for given outlines.
     pub fn modality(&self) -> &'static str {
         match self.segmentation().map(|found| found.modality) {
             None => "outline",
@@ -318,7 +319,7 @@ impl PictureCells {
         }
     }
 
-    /// Why the picture was taken for that, in words, where nobody said it.
+    /// Why the picture was treated as this modality, in words; `None` if the user stated it.
     pub fn modality_reason(&self) -> Option<&str> {
         self.segmentation()?.modality_reason.as_deref()
     }
@@ -399,7 +400,8 @@ impl PictureCells {
         }
     }
 
-    /// The outlines of all cells, largest first, each with its name; those that make no outline are left out.
+    /// The outlines of all cells with their names, largest first; cells without a valid outline are
+    /// left out.
     pub fn outlines(&self) -> Vec<NamedOutline> {
         match &self.cells {
             Cells::Given(given) => given.outlines.clone(),
@@ -412,7 +414,7 @@ impl PictureCells {
         }
     }
 
-    /// What a person should know before they trust the direction of the fibres, a sentence each.
+    /// Warnings about the direction of the fibres, one sentence each.
     pub fn fibre_warnings(&self, field: &FibreField) -> Vec<String> {
         let mut warnings = field.warnings();
         let modality = self.segmentation().map(|found| found.modality);
@@ -426,8 +428,8 @@ impl PictureCells {
         warnings
     }
 
-    /// The direction of the fibres in one cell, as the picture shows it; `long_axis` stands in where it shows
-    /// none.
+    /// The direction of the fibres in one cell, as the picture shows it; `long_axis` is used where
+    /// it shows none.
     ///
     /// # Errors
     /// Pixels too coarse to show myofibrils, or settings out of range.
@@ -440,8 +442,8 @@ impl PictureCells {
         fibres(&self.plane, &cell.mask.inside(), self.pixel_size, long_axis, settings)
     }
 
-    /// The direction of the fibres in all that the picture shows, without an outline of a cell; x stands in where it
-    /// shows none. Marks that are burned into the picture are left out.
+    /// The direction of the fibres in the whole picture, without the outline of a cell; the x axis
+    /// is used where it shows none. Burned-in marks are left out.
     ///
     /// # Errors
     /// Pixels too coarse to show myofibrils, or settings out of range.
@@ -455,7 +457,7 @@ impl PictureCells {
     }
 }
 
-/// Red, green and blue of a colour picture of which no channel was asked for.
+/// Red, green and blue of a colour picture; `None` if a channel was selected.
 fn channels(bytes: &[u8], selection: &Selection) -> Option<[Plane; 3]> {
     if selection.channel.is_some() {
         return None;

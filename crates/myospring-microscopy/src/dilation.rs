@@ -1,16 +1,16 @@
-//! What lies within a distance of a set of pixels.
+//! Dilation and erosion of sets of pixels by a radius.
 
 /// How distance is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Norm {
-    /// As the crow flies.
+    /// Euclidean distance.
     Euclid,
-    /// The longer of the ways along rows and columns: a diagonal step is one.
+    /// The larger of the distances along rows and columns: a diagonal step has length one.
     Chessboard,
 }
 
 impl Norm {
-    /// How far a ball of a radius reaches to each side in a row `away` from its middle.
+    /// Half-width of a ball of the radius in a row `away` rows from its centre.
     fn half_width(self, radius: usize, away: usize) -> usize {
         match self {
             Self::Euclid => (radius * radius - away * away).isqrt(),
@@ -21,20 +21,20 @@ impl Norm {
 
 /// The pixels within `radius` pixels of one of the set, row by row as the set is.
 ///
-/// Columns first, then rows, as for distances (Felzenszwalb and Huttenlocher 2012), but only as far as the radius and
-/// in whole numbers: each pixel knows how far away the set is in its column, and so how far the ball about that place
-/// reaches along the row. Whatever the radius, a pixel takes four steps.
+/// Columns first, then rows, as in distance transforms (Felzenszwalb and Huttenlocher 2012), but in
+/// whole numbers and only up to the radius: the distance to the set within a column determines how
+/// far the ball reaches along the row. The cost is four steps per pixel, whatever the radius.
 pub(super) fn dilated(inside: &[bool], width: usize, radius: usize, norm: Norm) -> Vec<bool> {
     let radius = radius.min(usize::from(u16::MAX) - 1);
     let away = away_in_columns(inside, width, radius as u16 + 1);
-    // By the distance in the column; nothing where that is more than the radius.
+    // Half-width for each distance within the column; negative beyond the radius.
     let half_widths: Vec<i32> = (0..=radius)
         .map(|away| i32::try_from(norm.half_width(radius, away)).unwrap_or(i32::MAX))
         .chain(std::iter::once(-1))
         .collect();
     let mut near = vec![false; inside.len()];
     for (near, away) in near.chunks_exact_mut(width).zip(away.chunks_exact(width)) {
-        // How many pixels more the ball that reaches farthest has from here on.
+        // How many pixels further the farthest-reaching ball covers from here.
         let mut left = -1;
         for (near, &away) in near.iter_mut().zip(away) {
             left = half_widths[usize::from(away)].max(left - 1);
@@ -49,7 +49,8 @@ pub(super) fn dilated(inside: &[bool], width: usize, radius: usize, norm: Norm) 
     near
 }
 
-/// The pixels further than `radius` pixels from all that are not of the set; beyond the picture's rim there are none.
+/// The pixels of the set whose distance to every pixel outside it exceeds `radius` pixels; beyond
+/// the picture's rim nothing counts as outside.
 pub(super) fn eroded(inside: &[bool], width: usize, radius: usize, norm: Norm) -> Vec<bool> {
     let outside: Vec<bool> = inside.iter().map(|inside| !inside).collect();
     let mut near = dilated(&outside, width, radius, norm);
@@ -59,7 +60,7 @@ pub(super) fn eroded(inside: &[bool], width: usize, radius: usize, norm: Norm) -
     near
 }
 
-/// The distance of each pixel from the set along its column, `most` where it is that or more.
+/// The distance of each pixel from the set along its column, at most `most`.
 fn away_in_columns(inside: &[bool], width: usize, most: u16) -> Vec<u16> {
     let mut away: Vec<u16> = inside.iter().map(|&is| if is { 0 } else { most }).collect();
     let nearer = |row: &mut [u16], next: &[u16]| {

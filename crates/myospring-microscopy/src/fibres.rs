@@ -1,30 +1,30 @@
 //! The direction of the myofibrils and the length of their sarcomeres, from the picture.
 //!
-//! **Stripes** ([`Stain::ZDisc`]) are found by what only sarcomeres have, a period: peaks that stand out of local
-//! power spectra at 1.4 to 2.6 um, near one period for the whole cell, in directions that neighbours share
-//! (`stripes`). Columns of myofibrils, the rim, nuclei and single lines have strong edges but no period, and do not
-//! answer. Where nothing stands out, there is no answer. Stripes of another period are never used: they say
-//! that the pixel size is wrong ([`Misfit`]). A length near an end of the band, or from little of the cell, is doubtful
-//! ([`SarcomereDoubt`]).
+//! **Stripes** ([`Stain::ZDisc`]) are recognised by the period that only sarcomeres have: peaks in
+//! local power spectra at 1.4 to 2.6 um, near one period for the whole cell, in directions that
+//! neighbours share (`stripes`). Columns of myofibrils, the rim, nuclei and single lines have
+//! strong edges but no period, so they give no direction. Stripes of another period are never used:
+//! they show that the pixel size is wrong ([`Misfit`]). A sarcomere length near an end of the band,
+//! or read from a small part of the cell, is doubtful ([`SarcomereDoubt`]).
 //!
 //! **Threads** ([`Stain::Filament`]) have no period. At each pixel the grey values have a gradient `g`. The mean of
 //! `g g^T` over a neighbourhood, the structure tensor, has its small eigenvector along the threads
 //! (`bigun_granlund_1987`). The difference of the eigenvalues over their sum is the coherency: 1 where all
 //! gradients lie on one line, 0 where no direction is preferred (`rezakhaniha_2012`). Done in this order:
 //!
-//! 1. Outside the cell pixels have no weight. The local mean of the cell is taken off, so that uneven
-//!    light and the step at the outline leave nothing to differentiate.
+//! 1. Outside the cell pixels have no weight. The local mean of the cell is subtracted, so that
+//!    uneven light and the step at the outline have no gradient.
 //! 2. Gradients, as derivatives of a Gaussian of [`FibreSettings::gradient_scale_um`]. Those in a rim
 //!    of [`FibreSettings::rim_um`] along the outline are left out.
-//! 3. Tensors are divided by the gradient energy (their trace) around them, so that bright myofibrils
-//!    count no more than dim ones. The energy is a mean over some um and not the pixel's own: dividing
-//!    each pixel's tensor by its own trace would make the noise between two threads as loud as a thread.
+//! 3. Tensors are divided by the gradient energy (their trace) around them, so that bright and dim
+//!    myofibrils weigh the same. The energy is averaged over a few um: dividing each pixel's tensor
+//!    by its own trace would give the noise between two threads the weight of a thread.
 //! 4. A Gaussian of [`FibreSettings::smoothing_um`] over the tensors, and their eigenvectors.
 //!
-//! Where the picture does not answer, the direction turns into the long axis of the cell. Directions are
-//! lines: `v` and `-v` are one. All mixing is therefore done with the doubled angle, in which both
-//! are the same vector. The mixed field is smoothed once more, over half as much, so that the border
-//! between picture and long axis is no kink for the mechanics.
+//! Where the picture shows no direction, the long axis of the cell is used. Directions are lines:
+//! `v` and `-v` are one. All mixing is therefore done with the doubled angle, in which both are the
+//! same vector. The mixed field is smoothed once more, over half as much, so that the direction
+//! changes smoothly between the picture's and the long axis, as the mechanics need.
 
 mod doubt;
 mod field;
@@ -104,12 +104,12 @@ pub enum FibreError {
 /// The direction of the myofibrils everywhere in a cell.
 ///
 /// `inside` says row by row from the top left which pixels are the cell; `pixel_size` is the side
-/// of a pixel. `long_axis` (of any length, y upward) is the direction where the picture shows none.
-/// Points of the field are um from the lower left corner of the picture, y upward, as in meshes made
-/// from a mask of that picture. Pixels that are not finite are left out.
+/// of a pixel. `long_axis` (of any length, y upward) is the direction used where the picture shows
+/// none. Points of the field are um from the lower left corner of the picture, y upward, as in
+/// meshes made from a mask of that picture. Pixels with values that are not finite are ignored.
 ///
 /// The field is found at any pixel size up to [`COARSEST_PIXEL_UM`]; a picture without structure is
-/// no error, it gives the long axis everywhere ([`FibreSummary::share_from_picture`] says so).
+/// not an error: it gives the long axis everywhere, and [`FibreSummary::share_from_picture`] is 0.
 ///
 /// # Errors
 /// A mask of another size or without a cell, pixels that are too coarse, a long axis of
@@ -163,7 +163,7 @@ pub fn fibres(
         }
     };
     let axis = [x / length, y / length];
-    // The border between picture and long axis, half as wide as what the directions are means of.
+    // Half as wide as the neighbourhood over which directions are averaged.
     let border_um = 0.5 * settings.smoothing_um;
     let readings = readings.ok_or(FibreError::EmptyMask)?;
     Ok(FibreField::new(readings, band, misfit, axis, border_um))

@@ -1,7 +1,8 @@
-//! Films: frames one after the other, decoded when they are asked for.
+//! Films: sequences of frames, each decoded when it is needed.
 //!
-//! A film is a TIFF of many pages (OME-TIFF, ImageJ's, plain), an AVI that is not compressed or whose frames are
-//! JPEG or PNG, a list of pictures, or `YUV4MPEG2`, the plain stream into which ffmpeg turns any other.
+//! A film is a TIFF of many pages (OME-TIFF, ImageJ's, plain), an AVI that is uncompressed or has
+//! JPEG or PNG frames, a list of pictures, or `YUV4MPEG2`, the uncompressed stream into which
+//! ffmpeg converts any other format.
 
 pub(crate) mod error;
 mod order;
@@ -25,18 +26,18 @@ pub struct Film {
     size: [usize; 2],
     /// Side of a pixel, where the file states one.
     pub pixel_size: Option<StatedPixelSize>,
-    /// Frames a second, where the file states them.
+    /// Frames a second, if the file states them.
     pub frames_per_second: Option<f64>,
-    /// Kind of the numbers.
+    /// Type of the pixel values.
     pub samples: Samples,
-    /// What a person should know, a sentence each.
+    /// Warnings, one sentence each.
     pub notes: Vec<String>,
 }
 
 /// Where frames come from.
 #[derive(Debug, Clone)]
 enum Frames {
-    /// The pages of one file; whether its slices are the frames.
+    /// The pages of one TIFF; `slices` if its slices are the frames.
     Tiff {
         bytes: Vec<u8>,
         selection: Selection,
@@ -44,7 +45,7 @@ enum Frames {
     },
     Avi(Avi),
     Y4m(Y4m),
-    /// A file for each, with its name.
+    /// One file per frame, with its name.
     Pictures {
         files: Vec<(String, Vec<u8>)>,
         selection: Selection,
@@ -52,11 +53,11 @@ enum Frames {
 }
 
 impl Film {
-    /// Reads a film from the bytes of one file. Of a TIFF, `selection` says which channel and depth to take; its frame
-    /// does not matter. Pages that a file calls slices are frames where it has no others.
+    /// Reads a film from the bytes of one file. `selection` chooses channel and depth of a TIFF;
+    /// its frame is ignored. Slices count as frames in a file that has no others.
     ///
     /// # Errors
-    /// What is no film or is damaged, compression that is not read, fewer than [`FEWEST_FRAMES`].
+    /// Bytes that are not a film, damage, unsupported compression, fewer than [`FEWEST_FRAMES`].
     ///
     /// # Example
     /// ```
@@ -99,7 +100,7 @@ impl Film {
             first = read_picture(&bytes, &selection)?;
         }
         let len = if slices { first.slices } else { first.frames };
-        // Of many pages it is known by now what they are.
+        // The note on how pages were interpreted is settled here.
         first.notes.retain(|note| !note.contains("they were taken as"));
         notes.append(&mut first.notes);
         let size = [first.plane.width(), first.plane.height()];
@@ -153,7 +154,7 @@ impl Film {
         self.len
     }
 
-    /// Whether there is no frame; never so.
+    /// Whether there are no frames; always false.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -166,7 +167,7 @@ impl Film {
     /// Decodes a frame.
     ///
     /// # Errors
-    /// A frame that is not there, is damaged, has pixels that are no number, or another size than the first.
+    /// A frame that does not exist, is damaged, has NaN pixels, or differs in size from the first.
     pub fn frame(&self, index: usize) -> Result<Plane, FilmError> {
         if index >= self.len {
             return Err(FilmError::NoSuchFrame { frame: index, frames: self.len });
@@ -203,7 +204,7 @@ impl Film {
         still::tiff(&self.frame(index)?, self.pixel_size.map(|stated| stated.size))
     }
 
-    /// Name of the file of a frame, where each has one.
+    /// Name of a frame's file, if each frame has one.
     fn name(&self, index: usize) -> Option<String> {
         match &self.frames {
             Frames::Pictures { files, .. } => files.get(index).map(|(name, _)| name.clone()),

@@ -2,9 +2,10 @@
 
 use super::plane::Plane;
 
-/// Smooths with a Gaussian of standard deviation `sigma` pixels, cut off at two of them; the rim is continued outward.
+/// Smooths with a Gaussian of standard deviation `sigma` pixels, cut off at two standard
+/// deviations; the values at the rim continue outward.
 ///
-/// Below 0.3 pixels a Gaussian is narrower than a pixel, and the plane comes back as it is.
+/// Below 0.3 pixels the plane is returned unchanged.
 ///
 /// # Example
 /// ```
@@ -22,7 +23,8 @@ pub fn gaussian(plane: &Plane, sigma: f64) -> Plane {
     let weights = gaussian_weights(sigma as f32);
     let reach = weights.len() / 2;
     let mut continued = vec![0.0; width + 2 * reach];
-    // Rows smoothed along, as many as one row of the result takes; the plane's row r stands at r modulo their number.
+    // Ring buffer of smoothed rows, as many as one row of the result needs; row r is stored at r
+    // modulo their number.
     let mut along = vec![0.0; width * weights.len()];
     let mut next = 0;
     let mut values = vec![0.0; width * height];
@@ -47,7 +49,7 @@ pub fn gaussian(plane: &Plane, sigma: f64) -> Plane {
     Plane::new(width, height, values).unwrap_or_else(|| plane.clone())
 }
 
-/// How many pixels to each side a Gaussian of standard deviation `sigma` pixels looks.
+/// Reach to each side of a Gaussian of standard deviation `sigma` pixels, pixels.
 pub(super) fn reach(sigma: f64) -> usize {
     (2.0 * sigma).ceil() as usize
 }
@@ -59,7 +61,7 @@ fn add(sums: &mut [f32], weight: f32, values: &[f32]) {
     }
 }
 
-/// A Gaussian at whole pixels up to two standard deviations to both sides; all weights together are 1.
+/// A Gaussian at whole pixels up to two standard deviations to both sides; the weights sum to 1.
 fn gaussian_weights(sigma: f32) -> Vec<f32> {
     let reach = (2.0 * sigma).ceil() as i32;
     let height = (sigma * (2.0 * std::f32::consts::PI).sqrt()).recip();
@@ -105,14 +107,13 @@ pub fn coarse(plane: &Plane, factor: usize) -> Plane {
 /// The slowly varying brightness of a plane: a Gaussian of `sigma` pixels, computed on a coarse grid.
 #[must_use]
 pub fn slow_part(plane: &Plane, sigma: f64) -> Plane {
-    // A block a quarter of the width of the Gaussian: linear interpolation between them is then within
-    // a per cent of the curve.
+    // Blocks of a quarter of the Gaussian's width: linear interpolation is then accurate to 1 %.
     let factor = ((sigma / 4.0) as usize).max(1);
     let blocks = gaussian(&coarse(plane, factor), sigma / factor as f64);
     spread(&blocks, factor, plane.width(), plane.height())
 }
 
-/// Coarse values brought back to a fine grid by linear interpolation between block centres.
+/// Interpolates coarse values linearly between block centres onto a fine grid.
 pub(super) fn spread(blocks: &Plane, factor: usize, width: usize, height: usize) -> Plane {
     let places = |count: usize, blocks: usize| -> Vec<(usize, usize, f32)> {
         let last = blocks - 1;
@@ -160,7 +161,7 @@ pub(super) fn smallest_nearby(plane: &Plane, reach: usize) -> Plane {
     largest_nearby(&plane.map(|value| -value), reach).map(|value| -value)
 }
 
-/// With dark gaps of up to `2 reach` pixels as bright as what lies on both sides.
+/// Grey-value closing: dark gaps of up to `2 reach` pixels become as bright as both sides.
 pub(super) fn closed(plane: &Plane, reach: usize) -> Plane {
     smallest_nearby(&largest_nearby(plane, reach), reach)
 }
@@ -182,7 +183,7 @@ pub(super) fn slopes(plane: &Plane) -> [Vec<f32>; 2] {
     [along, down]
 }
 
-/// The value below which lies the part `share` (0 to 1) of all values.
+/// Quantile: the value below which the part `share` (0 to 1) of all values lies.
 ///
 /// # Example
 /// ```
@@ -198,14 +199,14 @@ pub fn quantile(values: &[f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(at, f32::total_cmp).1
 }
 
-/// Values at regular places, at most about `most` of them, for statistics of a large plane.
+/// At most about `most` values, at regular positions, for statistics of a large plane.
 pub(super) fn sample(values: &[f32], most: usize) -> Vec<f32> {
-    // A stride that is odd does not fall into step with rows of even width.
+    // An odd stride does not sample the same columns in every row of even width.
     let stride = (values.len() / most.max(1)).max(1) | 1;
     values.iter().copied().step_by(stride).collect()
 }
 
-/// Median and standard deviation of the bulk of values, by the median of absolute deviations.
+/// Median and robust standard deviation, from the median absolute deviation.
 pub(super) fn bulk(values: &[f32]) -> [f32; 2] {
     let middle = quantile(values, 0.5);
     let off: Vec<f32> = values.iter().map(|value| (value - middle).abs()).collect();
@@ -213,11 +214,11 @@ pub(super) fn bulk(values: &[f32]) -> [f32; 2] {
     [middle, quantile(&off, 0.5) / 0.6745]
 }
 
-/// Levels between the least and the largest value that are told apart for a threshold.
+/// Number of levels between the smallest and the largest value, of which one is the threshold.
 const LEVELS: usize = 256;
 
-/// The threshold that parts values into two classes with the largest variance between them
-/// (Otsu 1979), and the share of the whole variance that lies between the classes, 0 to 1.
+/// The threshold that divides values into two classes with the largest variance between them (Otsu
+/// 1979), and the part of the total variance that lies between the classes, 0 to 1.
 pub(super) fn otsu(values: &[f32]) -> Option<[f32; 2]> {
     let mut low = f32::INFINITY;
     let mut high = f32::NEG_INFINITY;
@@ -252,8 +253,8 @@ pub(super) fn otsu(values: &[f32]) -> Option<[f32; 2]> {
     Some([low + (level as f32 + 0.5) / scale, (between / whole.max(1e-12)) as f32])
 }
 
-/// The last level of the lower class, such that the variance between the two classes is the largest (Otsu 1979,
-/// Eq. 14); the first of several.
+/// The last level of the lower class at which the variance between the two classes is largest (Otsu
+/// 1979, Eq. 14); the first of several.
 fn otsu_level(histogram: &[f64; LEVELS]) -> usize {
     let sum = |levels: &[f64]| {
         levels.iter().enumerate().map(|(at, number)| at as f64 * number).sum::<f64>()

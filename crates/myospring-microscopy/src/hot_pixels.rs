@@ -1,22 +1,25 @@
 //! Hot pixels: single pixels far beyond everything else in the picture, from a damaged sensor or a cosmic ray.
 //!
-//! One of them stretches the range of grey values until nothing else can be seen, and smoothing spreads it. A
-//! pixel is hot if it lies beyond the values that at least two neighbours bear out by three times the whole
-//! range of those, and if such pixels are few: dots as sharp as a pixel are many, and of each other's height.
+//! A single hot pixel stretches the range of grey values until nothing else is visible, and
+//! smoothing spreads it. The reference range consists of the values that a pixel shares with at
+//! least two neighbours. A pixel is hot if it lies outside that range by more than three times the
+//! range's width, and if such pixels are few: true dots of one pixel are many and of similar
+//! height.
 
 use crate::plane::Plane;
 
-/// A hot pixel lies so many ranges of all other pixels beyond them. Noise and dots stay within one.
+/// Least distance of a hot pixel from the range of all other pixels, in widths of that range; noise
+/// and dots stay within one.
 const BEYOND: f64 = 3.0;
 
-/// One pixel of so many may be hot; more are a structure of the picture.
+/// At most one pixel of this number may be hot; more are a structure in the picture.
 const ONE_IN: usize = 20_000;
 
-/// So few hot pixels are believed of any picture.
+/// This number of hot pixels is accepted in a picture of any size.
 const FEW: usize = 8;
 
-/// The plane with its hot pixels taken as the median of their neighbours, and what a person should know about
-/// them; `None` where there is none.
+/// The plane with each hot pixel replaced by the median of its neighbours, and a note on them;
+/// `None` if there are none.
 ///
 /// # Example
 /// ```
@@ -34,7 +37,7 @@ pub fn cooled(plane: &Plane) -> Option<(Plane, String)> {
         return None;
     }
     let [low, high] = borne_out(plane);
-    // The largest floats overflow their own difference.
+    // The difference of the largest floats would overflow `f32`.
     let [low, high] = [low, high].map(f64::from);
     let slack = BEYOND * (high - low);
     let is_hot = |value: f32| {
@@ -64,22 +67,22 @@ fn note(plane: &Plane, hot: &[usize], middle: f64) -> Option<String> {
     let value = plane.values()[furthest];
     let value = if value.abs() < 1e7 { value.to_string() } else { format!("{value:e}") };
     let (count, taken) = match hot.len() {
-        1 => (format!("1 hot pixel, {value}"), "was taken as the median of its"),
+        1 => (format!("1 hot pixel, {value}"), "was replaced by the median of its"),
         several => (
-            format!("{several} hot pixels, the furthest {value}"),
-            "were taken as the median of their",
+            format!("{several} hot pixels, the most extreme {value}"),
+            "were replaced by the median of their",
         ),
     };
     Some(format!("{count} at column {column}, row {row}, {taken} neighbours"))
 }
 
-/// Smallest and largest value that a pixel shares with at least two of its neighbours, or surpasses: those of the
-/// picture without what stands alone or in twos.
+/// Smallest and largest value of the picture without isolated pixels and pairs: a value counts only
+/// as far as at least two of its neighbours reach it.
 fn borne_out(plane: &Plane) -> [f32; 2] {
     let values = plane.values();
     let [mut low, mut high] = [f32::INFINITY, f32::NEG_INFINITY];
     for (at, &value) in values.iter().enumerate() {
-        // Most pixels can move neither bound.
+        // Most pixels change neither bound.
         if value > high {
             let [_, second] = largest_two(neighbours(plane, at).into_iter().flatten());
             high = high.max(value.min(second));
@@ -99,7 +102,7 @@ fn largest_two(values: impl Iterator<Item = f32>) -> [f32; 2] {
     })
 }
 
-/// The eight neighbours; on the frame those that there are.
+/// The eight neighbours; fewer at the picture's rim.
 fn neighbours(plane: &Plane, at: usize) -> [Option<f32>; 8] {
     const STEPS: [[isize; 2]; 8] =
         [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];

@@ -1,9 +1,11 @@
 //! Pictures to cells: bytes in, outlines, masks and fibre directions out; no file is opened here.
 //!
-//! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`hot`] takes its hot pixels
-//! out, [`burned_in`] scale bars and letters; [`segment`] finds the cells in the plane; [`outlines`] reads those that
-//! were drawn elsewhere, and writes ours; [`report`] says what shape a cell has; [`fibres`] reads the direction of its
-//! myofibrils. [`cells`] strings these together; [`whole_frame`] reads fibres where no cell has an outline. A [`film`] is many such planes; [`motion`] follows a cell through them.
+//! In reading order: [`read`] decodes a [`picture`] and gives one [`plane`] of it; [`hot_pixels`]
+//! removes hot pixels, [`burned_in`] scale bars and letters; [`segment`] finds the cells in the
+//! plane; [`outlines`] reads outlines that were drawn elsewhere, and writes outlines; [`report`]
+//! measures the shape of a cell; [`fibres`] reads the direction of its myofibrils. [`cells`]
+//! combines these steps; [`whole_frame`] reads fibres where no cell has an outline. A [`film`] is
+//! many such planes; [`motion`] follows a cell through them.
 
 pub mod burned_in;
 pub mod cells;

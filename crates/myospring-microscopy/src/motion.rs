@@ -1,17 +1,19 @@
 //! The motion of a cell through a film: digital image correlation on the points of its lattice.
 //!
 //! 1. [`Rest::find`] chooses the frame at rest.
-//! 2. Around each point of the lattice a **subset** of the picture at rest, as far as it is the cell, is looked for in
-//!    every frame, translation and gradients free, by the zero-normalised sum of squared differences (brightness and
-//!    contrast do not matter) and inverse-compositional Gauss-Newton steps, between pixels by cubic B-splines.
-//! 3. Every frame is compared with the one at rest, so nothing drifts; the search starts from the frame before, and
-//!    from a coarse level, where stripes are blurred away: stripes repeat, so a start that is half a sarcomere off
-//!    would end on the wrong one.
-//! 4. Points that correlate badly, do not agree with their neighbours, or belong to a group that does not agree with a
-//!    larger one beside it are looked for anew from where their neighbours would have them, and those that are still
-//!    wrong are **healed**: put there. They are marked and counted.
-//! 5. The motion of the stage is taken out: that of the background, where it has a texture; otherwise the mean of the
-//!    cell.
+//! 2. Around each point of the lattice a **subset** (the cell's pixels of the frame at rest) is
+//!    matched in every frame, with free translation and gradients, by the zero-normalised sum of
+//!    squared differences (independent of brightness and contrast), inverse-compositional
+//!    Gauss-Newton steps, and cubic B-splines between pixels.
+//! 3. Every frame is compared with the one at rest, so nothing drifts; the search starts from the
+//!    result of the frame before, and from a coarse level, where stripes are blurred away: stripes
+//!    repeat, so a start that is half a sarcomere off would end on the wrong stripe.
+//! 4. Points that correlate badly, disagree with their neighbours, or belong to a group that
+//!    disagrees with a larger adjacent group are searched again from the position that their
+//!    neighbours predict. Points that still disagree are **interpolated** from their neighbours,
+//!    marked and counted.
+//! 5. The motion of the stage is subtracted: that of the background if it has a texture, otherwise
+//!    the mean of the cell.
 //!
 //! Displacements are um, y upward, as in meshes.
 
@@ -51,47 +53,49 @@ use stage::Background;
 use stripes::Stripes;
 use subset::Warp;
 
-/// Half of the least and of the largest side of a subset, pixels.
+/// Half of the smallest and of the largest side of a subset, pixels.
 const HALVES: [usize; 2] = [8, 30];
-/// Width beside the cell that is looked at with it, um: the rim belongs to it.
+/// Width of the band outside the cell that is also used, um, because it contains the blurred rim.
 const RIM_UM: f64 = 0.6;
-/// Blur that leaves nothing of stripes, um, and at least so many pixels; the pixels of the coarse level.
+/// Blur that removes stripes, um, and its least value in pixels; pixels of the film per pixel of
+/// the coarse level.
 const BLUR_UM: f64 = 0.9;
 const LEAST_BLUR: f64 = 1.5;
 const COARSE_UM: f64 = 0.8;
 /// Half of a coarse subset's side, pixels of its level, and the distance of its points, um.
 const COARSE_HALF: usize = 9;
 const COARSE_APART_UM: f64 = 4.0;
-/// From this difference on the coarse level is another start than the frame before, pixels.
+/// If the coarse level differs from the frame before by at least this, it is used as a second
+/// start, pixels.
 const ANOTHER_START: f32 = 0.3;
-/// Most that a point may be off its neighbours, um: well below half a sarcomere.
+/// Largest deviation of a point from its neighbours, um: well below half a sarcomere.
 const OFF_UM: f64 = 0.4;
-/// Distance of neighbours in spacings of the lattice, and of those next to each other.
+/// Distance of neighbours, and of adjacent points, in spacings of the lattice.
 const REACH: f32 = 2.6;
 const NEXT: f32 = 1.5;
-/// Least part of the points that must be found in the middle one of all frames.
+/// Least part of the points that must be found in the median frame.
 const LEAST_FOUND: f64 = 0.3;
 
-/// How a cell is followed.
+/// Options for following a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Frames a second.
     pub frames_per_second: f64,
-    /// Side of a subset, um; at least 17 pixels and at most 61 are taken.
+    /// Side of a subset, um; limited to 17 to 61 pixels.
     pub subset_um: f64,
-    /// Threads; `None` takes as many as there are cores. The numbers do not depend on it.
+    /// Number of threads; `None` uses one per core. Results do not depend on it.
     pub threads: Option<usize>,
 }
 
 impl Settings {
-    /// Side of a subset unless another is asked for, um: two sarcomeres.
+    /// Default side of a subset, um: two sarcomeres.
     pub const SUBSET_UM: f64 = 4.0;
     /// Sides of a subset that make sense, um.
     pub const SUBSETS_UM: [f64; 2] = [0.5, 100.0];
     /// No camera takes more frames a second.
     pub const HIGHEST_FRAME_RATE: f64 = 1e6;
 
-    /// The defaults, with a frame rate.
+    /// The defaults for a frame rate.
     pub const fn at(frames_per_second: f64) -> Self {
         Self { frames_per_second, subset_um: Self::SUBSET_UM, threads: None }
     }
@@ -102,13 +106,14 @@ impl Settings {
 pub struct Cell<'a> {
     /// Its lattice, um from the lower left corner of the picture.
     pub mesh: &'a Mesh,
-    /// Row by row from the top left: is this pixel the cell?
+    /// For each pixel, row by row from the top left: whether it belongs to this cell.
     pub inside: &'a [bool],
-    /// Row by row from the top left: does this pixel belong to any cell, this one or another?
+    /// For each pixel, row by row from the top left: whether it belongs to any cell, this one or
+    /// another.
     pub any_cell: &'a [bool],
     /// Side of a pixel.
     pub pixel_size: PixelSize,
-    /// What the picture shows of its fibres.
+    /// Its fibres; used to measure sarcomeres.
     pub fibres: Option<&'a FibreField>,
 }
 
@@ -117,37 +122,42 @@ pub struct Cell<'a> {
 pub struct Motion {
     /// The lattice at rest.
     pub mesh: Mesh,
-    /// Number in the film of each frame that was followed, ascending. What stands by frame below stands for these.
+    /// Numbers in the film of the frames that were followed, ascending. All lists by frame below
+    /// are in this order.
     pub frames: Vec<usize>,
-    /// Numbers of the frames between them that repeat the one before ([`Film::repeats`]): nothing was measured there.
+    /// Numbers of the frames that repeat the one before ([`Film::repeats`]); they were not
+    /// followed.
     pub repeated: Vec<usize>,
-    /// Whether `goes_on` ended it before all frames were done.
+    /// Whether `goes_on` stopped it before all frames were done.
     pub interrupted: bool,
     /// Number in the film of the frame at rest; it is one of [`Motion::frames`].
     pub rest: usize,
     /// Time of each frame from the first of the film, ms.
     pub times_ms: Vec<f64>,
-    /// How far each point has gone from where it rests, without the motion of the stage, um, y upward:
-    /// `displacements_um[frame][axis][point]`.
+    /// Displacement of each point from its position at rest, without the motion of the stage, um, y
+    /// upward: `displacements_um[frame][axis][point]`.
     pub displacements_um: Vec<[Vec<f64>; 2]>,
-    /// Which points were put where their neighbours would have them: `healed[frame][point]`.
-    pub healed: Vec<Vec<bool>>,
-    /// Median zero-normalised correlation of the points that were found, 1 for a perfect match.
+    /// Which points were interpolated from their neighbours: `interpolated[frame][point]`.
+    pub interpolated: Vec<Vec<bool>>,
+    /// Median zero-normalised correlation of the points that were found, by frame; 1 for a perfect
+    /// match.
     pub correlation: Vec<Option<f64>>,
-    /// What was taken for the motion of the stage.
+    /// How the motion of the stage was determined.
     pub stage: Stage,
-    /// Motion of the stage that was taken out of each frame, um, y upward.
+    /// Motion of the stage that was subtracted in each frame, um, y upward.
     pub stage_um: Vec<[f64; 2]>,
     /// Mean length of the sarcomeres in each frame by the period of the stripes, um; `None` where the picture shows
     /// none.
     pub sarcomeres_um: Vec<Option<f64>>,
-    /// Places at which they were read.
+    /// Number of places at which sarcomeres were read.
     pub sarcomere_places: usize,
-    /// Parts of the cell in which these lie, so far apart that what one shows is not seen in another.
+    /// Number of independent parts of the cell in which these places lie: the parts are so far
+    /// apart that they share no stripes.
     pub sarcomere_parts: usize,
-    /// Mean length in each frame, in each of these parts, um; no parts where they are too few for a mean.
+    /// Mean length in each frame, in each of these parts, um; empty if there are too few parts for
+    /// a mean.
     pub sarcomeres_by_part_um: Vec<Vec<Option<f64>>>,
-    /// Median standard error of a point's displacement that the noise makes, um.
+    /// Median standard error of a point's displacement due to noise, um.
     pub error_um: Option<f64>,
     /// Standard deviation of the noise, grey levels.
     pub noise: f64,
@@ -159,15 +169,15 @@ pub struct Motion {
     pub frame_um: [f64; 2],
 }
 
-/// How far it has come: frames that are done, and all that are to be done; repeated ones are not.
+/// Progress: number of frames done, and of all frames to follow (without repeats).
 pub type Progress = (usize, usize);
 
-/// Follows a cell through a film from the frame at rest. `goes_on` hears of each frame; where it says no, the motion has
-/// the frames that were done.
+/// Follows a cell through a film from the frame at rest. `goes_on` is called after each frame; if
+/// it returns false, the motion has the frames done so far.
 ///
 /// # Errors
-/// A frame that cannot be read, a rate that is none, a mask of another size, a cell without texture, a film in which
-/// hardly a point is found again.
+/// A frame that cannot be read, a frame rate out of range, a mask of another size, a cell without
+/// texture, or a film in which too few points are found again.
 pub fn follow(
     film: &Film,
     rest: Rest,
@@ -191,7 +201,7 @@ pub fn follow(
     pool.install(|| Follower::new(film, rest, cell, settings)?.film(goes_on))
 }
 
-/// What is known of the frame at rest.
+/// The frame at rest, prepared for the comparison with others.
 struct Follower<'a> {
     film: &'a Film,
     repeats: Vec<Option<usize>>,
@@ -200,7 +210,8 @@ struct Follower<'a> {
     settings: Settings,
     fine: Level,
     coarse: Level,
-    /// Of the points those of the coarse level, and for each point which of these stand for it, with their weights.
+    /// Which points the coarse level uses, and for each point the coarse points that represent it,
+    /// with weights.
     chosen: Vec<usize>,
     standing: Vec<Vec<(usize, f32)>>,
     points: Vec<[f32; 2]>,
@@ -208,14 +219,14 @@ struct Follower<'a> {
     background: Option<Background>,
 }
 
-/// What was found in a frame.
+/// Result of one frame.
 struct Frame {
     field: Field,
     stage: Option<[f32; 2]>,
     periods: Vec<Option<f32>>,
 }
 
-/// A frame as both levels see it.
+/// A frame, prepared for both levels.
 struct Seen {
     fine: Spline,
     coarse: Spline,
@@ -229,7 +240,7 @@ impl<'a> Follower<'a> {
         settings: Settings,
     ) -> Result<Self, MotionError> {
         let repeats = film.repeats()?;
-        // Of a frame at rest that repeats another, that one was taken.
+        // If the frame at rest is a repeat, the frame that it repeats is used.
         let rest = Rest { frame: repeats[rest.frame].unwrap_or(rest.frame), ..rest };
         let plane = film.frame(rest.frame)?;
         let pixel_um = cell.pixel_size.um();
@@ -344,7 +355,7 @@ impl<'a> Follower<'a> {
         let seen = self.see(plane);
         let start: Vec<Warp> = self.chosen.iter().map(|&point| last[point]).collect();
         let coarse = self.coarse.follow(&seen.coarse, &[&start]);
-        // What the coarse level says beyond the last frame, spread over all points.
+        // Change since the last frame according to the coarse level, interpolated to all points.
         let beyond: Vec<Option<Warp>> = (coarse.warps.iter().zip(&coarse.found).zip(&start))
             .map(|((now, found), start)| found.map(|_| difference(now, start)))
             .collect();
@@ -387,7 +398,7 @@ impl<'a> Follower<'a> {
         (total > 0.0).then(|| Warp { shift: all.shift.map(|shift| shift / total), ..all })
     }
 
-    /// Puts the frames that were done together.
+    /// Combines the frames that were done.
     fn motion(&self, frames: Vec<Option<Frame>>) -> Result<Motion, MotionError> {
         let numbers: Vec<usize> = (0..frames.len()).filter(|&at| frames[at].is_some()).collect();
         let between = numbers.first().zip(numbers.last()).map_or(0..0, |(a, b)| *a..*b);
@@ -409,7 +420,8 @@ impl<'a> Follower<'a> {
         }
         let pixel_um = self.cell.pixel_size.um();
         let from_background = done.iter().filter(|frame| frame.stage.is_some()).count();
-        // Where the background was seen in nearly all frames, what it did in the others lies between.
+        // Frames without a visible background are interpolated if it was visible in nearly all
+        // others.
         let stage = match &self.background {
             Some(background) if 10 * from_background >= 9 * done.len() => {
                 Stage::Background { points: background.len() }
@@ -457,7 +469,7 @@ impl<'a> Follower<'a> {
             interrupted,
             rest: self.rest.frame,
             displacements_um,
-            healed: done
+            interpolated: done
                 .iter()
                 .map(|frame| frame.field.found.iter().map(Option::is_none).collect())
                 .collect(),
@@ -481,7 +493,7 @@ impl<'a> Follower<'a> {
 }
 
 impl Motion {
-    /// Which points lie where the frame cuts the cell: within a spacing of its edge.
+    /// Which points lie within one spacing of the frame's edge, where the frame may cut the cell.
     pub fn cut(&self) -> Vec<bool> {
         let reach = spacing(&self.mesh);
         let at_edge = |point: usize| {
@@ -491,11 +503,13 @@ impl Motion {
         (0..self.mesh.len()).map(at_edge).collect()
     }
 
-    /// Side of a square whose points have one error between them, um: subsets lap over each other, and neighbours are
-    /// averaged. Noise has about as many independent values as the cell has such squares.
+    /// Side of a square within which the errors of points are correlated, um, because subsets
+    /// overlap and neighbours are averaged. The cell has about as many independent errors as it has
+    /// such squares.
     pub fn alike_um(&self) -> f64 {
         let smoothing = f64::from(REACH / neighbours::SMOOTHING) * spacing(&self.mesh);
-        // Areas add as those of normal distributions do; a side a has a^2, a standard deviation s has 4 pi s^2.
+        // Areas of correlation add: a side a has a^2, a Gaussian of standard deviation s has 4 pi
+        // s^2.
         (self.subset_um.powi(2) + 4.0 * std::f64::consts::PI * smoothing.powi(2)).sqrt()
     }
 }
@@ -506,7 +520,7 @@ fn spacing(mesh: &Mesh) -> f64 {
     mesh.lattice.as_ref().map_or_else(mean, |lattice| lattice.spacing)
 }
 
-/// Of many points some, at most one in each square of a grid.
+/// Indices of some points: at most one in each square of a grid.
 fn scattered(points: &[[f32; 2]], apart: f32) -> Vec<usize> {
     let mut nearest = std::collections::BTreeMap::<[i32; 2], (f32, usize)>::new();
     for (index, point) in points.iter().enumerate() {
@@ -521,7 +535,7 @@ fn scattered(points: &[[f32; 2]], apart: f32) -> Vec<usize> {
     nearest.into_values().map(|(_, index)| index).collect()
 }
 
-/// For each point the coarse points around it, with weights that fall with their distance.
+/// For each point, the coarse points around it with weights that decrease with distance.
 fn standing(points: &[[f32; 2]], coarse: &[[f32; 2]], apart: f32) -> Vec<Vec<(usize, f32)>> {
     let of = |point: &[f32; 2]| {
         let weigh = |(index, other): (usize, &[f32; 2])| {

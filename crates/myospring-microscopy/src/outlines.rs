@@ -1,22 +1,22 @@
-//! Outlines that a laboratory has drawn or mended elsewhere: read, written, and joined with masks.
+//! Outlines drawn or corrected in other programs: reading, writing, conversion to and from masks.
 //!
 //! | format | made by | coordinates |
 //! |---|---|---|
 //! | `.roi`, RoiSet `.zip` | Fiji, ImageJ | pixels, y downward, whole numbers are pixel corners |
 //! | GeoJSON | this program, QuPath, GIS programs | um, y upward; or pixels, y downward |
-//! | `_outlines.txt` | Cellpose | whole numbers are pixels, those that the edge of the cell passes |
+//! | `_outlines.txt` | Cellpose | whole numbers are pixels, those on the edge of the cell |
 //! | label picture | Cellpose, StarDist, ilastik, Fiji | none: a picture like any other, see [`super::cells`] |
 //!
-//! [`read_outlines`] tells the format by the first bytes. Pixels become um by a [`PixelFrame`], which
-//! puts the origin at the lower left corner of the picture and y upward, as masks have it: a mask and
-//! its traced outline lie in the same place and give the same mesh.
+//! [`read_outlines`] recognises the format by the first bytes. A [`PixelFrame`] converts pixels to
+//! um, with the origin at the lower left corner of the picture and y upward, as in masks: a mask
+//! and its traced outline lie in the same place and give the same mesh.
 //!
 //! # Which coordinates a GeoJSON has
 //! GeoJSON itself does not say. In this order:
 //! 1. a property `unit` of the feature, or a member `unit` of the collection: `um`, or `pixel` (also
 //!    `px`), the latter with y downward from the top left corner of the picture;
 //! 2. a property `objectType`, which only QuPath writes: pixels;
-//! 3. [`ReadOptions::silent_unit`], um unless the caller says otherwise.
+//! 3. [`ReadOptions::silent_unit`], um by default.
 
 mod cellpose;
 mod error;
@@ -69,27 +69,27 @@ pub struct NamedOutline {
 pub struct GivenOutlines {
     /// The outlines in the order of the file; at least one.
     pub outlines: Vec<NamedOutline>,
-    /// What a person should know: lines and points that were left out, a frame that was guessed.
+    /// Warnings: lines and points that were left out, a frame that was guessed.
     pub notes: Vec<String>,
 }
 
 impl GivenOutlines {
-    /// Puts the largest first, as the cells of a picture are numbered.
+    /// Sorts the outlines by area, largest first, in the order of a picture's cell numbers.
     pub fn sort_by_area(&mut self) {
         self.outlines.sort_by(|a, b| b.outline.area().total_cmp(&a.outline.area()));
     }
 
-    /// Place of the outline with this number, 1 being the first; `None` beyond the last.
+    /// Index of the outline with this number, counted from 1; `None` beyond the last.
     pub fn numbered(&self, number: u32) -> Option<usize> {
         (number as usize).checked_sub(1).filter(|&at| at < self.outlines.len())
     }
 
-    /// Place of the outline whose name is this label; `None` when none has it.
+    /// Index of the outline whose name is this label; `None` if there is none.
     pub fn labelled(&self, label: u32) -> Option<usize> {
         self.outlines.iter().position(|cell| cell.name == label.to_string())
     }
 
-    /// The first names in words, for messages.
+    /// The first names as a list for messages.
     pub fn names(&self) -> String {
         const SHOWN: usize = 12;
         let names = self.outlines.iter().take(SHOWN).map(|cell| format!("`{}`", cell.name));
@@ -144,13 +144,13 @@ pub enum CoordinateUnit {
     Pixel,
 }
 
-/// Where coordinates in pixels lie.
+/// How coordinates in pixels are placed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Placement {
     /// In a picture of known size: the outlines must lie within it.
     Picture(PixelFrame),
-    /// In a picture that is not at hand: the picture is taken to end where the outlines do, on the
-    /// right and below, so that the lowest point has y = 0.
+    /// In an unknown picture: it is assumed to end with the outlines on the right and below, so
+    /// that the lowest point has y = 0.
     Bounds {
         /// Side of a pixel.
         pixel_size: PixelSize,
@@ -160,13 +160,13 @@ pub enum Placement {
 /// How to read outlines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadOptions {
-    /// Where coordinates in pixels lie.
+    /// How coordinates in pixels are placed.
     pub placement: Placement,
     /// Unit of a GeoJSON that does not state one.
     pub silent_unit: CoordinateUnit,
 }
 
-/// A polygon as a file has it: the exterior, then the holes.
+/// A polygon in the file's coordinates: the exterior, then the holes.
 struct Raw {
     name: String,
     unit: CoordinateUnit,

@@ -1,4 +1,4 @@
-//! What a picture file holds, and which plane of it is wanted.
+//! The content of a picture file, and the selection of a plane.
 
 use std::str::FromStr;
 
@@ -8,18 +8,18 @@ use myospring_core::mesh::pixel_size::PixelSize;
 /// Which plane of a picture to take. Channels, frames and slices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Selection {
-    /// Channel; `None` takes the first, and of a colour picture its luminance.
+    /// Channel; `None` takes the first, or the luminance of a colour picture.
     pub channel: Option<usize>,
     /// Frame (time point).
     pub frame: usize,
-    /// What to make of a stack in depth; `None` is the maximum of what the file calls slices.
+    /// How a stack in depth becomes one plane; `None` takes the maximum over the slices.
     ///
-    /// The pages of a file that does not say what they are count as frames; where a depth is
-    /// given, they count as slices.
+    /// If the file does not say what its pages are, they count as slices when a depth is given, and
+    /// as frames otherwise.
     pub depth: Option<Depth>,
 }
 
-/// What to make of a stack of slices in depth.
+/// How a stack of slices in depth becomes one plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Depth {
     /// The largest value over all slices at each pixel.
@@ -31,10 +31,10 @@ pub enum Depth {
     Slice(usize),
 }
 
-/// A word that is no way to take a stack in depth.
+/// A word that does not name a [`Depth`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{word}` is no way to take a stack in depth; write max, mean, or the number of a slice, from 0"
+    "`{word}` is not a way to reduce a stack in depth; write max, mean, or the number of a slice, from 0"
 )]
 pub struct DepthError {
     /// What was written.
@@ -83,44 +83,45 @@ pub enum PixelSizeSource {
 pub struct StatedPixelSize {
     /// Side.
     pub size: PixelSize,
-    /// Where the file says so.
+    /// Where the file states it.
     pub source: PixelSizeSource,
 }
 
-/// Kind of the numbers in the file.
+/// Type of the pixel values in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Samples {
-    /// Whole numbers of so many bits.
+    /// Whole numbers.
     Integer {
-        /// 1 to 64.
+        /// Bits of each, 1 to 64.
         bits: u8,
     },
-    /// Floating point of so many bits.
+    /// Floating-point numbers.
     Float {
-        /// 16, 32 or 64.
+        /// Bits of each: 16, 32 or 64.
         bits: u8,
     },
 }
 
-/// One plane of a picture with what the file says about itself.
+/// One plane of a picture with the metadata of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// The plane that was selected.
     pub plane: Plane,
-    /// Side of a pixel, where the file states one that makes sense under a microscope.
+    /// Side of a pixel, if the file states one that is plausible for a microscope.
     pub pixel_size: Option<StatedPixelSize>,
-    /// Kind of the numbers.
+    /// Type of the pixel values.
     pub samples: Samples,
     /// Whether red, green and blue differ somewhere in the plane.
     pub coloured: bool,
-    /// Number of channels; 3 for a colour picture. Transparency is none.
+    /// Number of channels; 3 for a colour picture. Opacity is not counted.
     pub channels: usize,
     /// Number of frames.
     pub frames: usize,
     /// Number of slices in depth.
     pub slices: usize,
-    /// Time between two frames, s, where the file states one.
+    /// Time between two frames, s, if the file states one.
     pub frame_interval_s: Option<f64>,
-    /// What a person should know: which channel was taken of several, a pixel size that was not believed.
+    /// Warnings, for instance which of several channels was taken, or a stated pixel size that was
+    /// rejected as implausible.
     pub notes: Vec<String>,
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 /// Grey values row by row from the top left, as the picture stores them (counts, not stretched).
 ///
-/// A copy shares the values, which never change.
+/// Copies share the values, which never change.
 ///
 /// Rows run downward: row 0 is the top of the picture. The y axis of meshes and outlines runs upward.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,14 +54,14 @@ impl Plane {
         self.values[row * self.width + column]
     }
 
-    /// The plane with each value changed.
+    /// The plane with a function applied to each value.
     #[must_use]
     pub fn map(&self, change: impl Fn(f32) -> f32) -> Self {
         let values = self.values.iter().map(|&value| change(value)).collect();
         Self { values: Arc::new(values), ..*self }
     }
 
-    /// Smallest and largest finite value; both 0 where there is none.
+    /// Smallest and largest finite value; both 0 if there is none.
     pub fn range(&self) -> [f32; 2] {
         let finite = self.values.iter().copied().filter(|value| value.is_finite());
         let start = [f32::INFINITY, f32::NEG_INFINITY];

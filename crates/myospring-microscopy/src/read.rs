@@ -16,42 +16,42 @@ pub(crate) mod y4m;
 pub use error::PictureError;
 pub use limits::{LONGEST_SIDE, MOST_PIXELS};
 
-/// Kinds of pictures that are not read, by the ending of their name without its dot: the error says what they are and
-/// what to do. `None` for endings of pictures that are read, and for any other.
+/// The error for a kind of picture that cannot be read, from the ending of the file name (without
+/// dot): it says what the file is and how to convert it. `None` for all other endings.
 ///
 /// # Example
 /// ```
 /// use myospring::microscopy::read::unread_kind;
 /// let error = unread_kind("czi").unwrap().to_string();
-/// assert!(error.starts_with("this is a Zeiss CZI file, which is not read here; export it as OME-TIFF"));
+/// assert!(error.starts_with("this is a Zeiss CZI file, which cannot be read; export it as OME-TIFF"));
 /// assert!(unread_kind("tif").is_none());
 /// ```
 pub fn unread_kind(ending: &str) -> Option<PictureError> {
     kind::unread(ending)
 }
 
-/// Reads one plane of a PNG or TIFF file, with what the file says about itself.
+/// Reads one plane of a PNG or TIFF file, with the metadata of the file.
 ///
 /// PNG of every kind; TIFF and `BigTIFF` with one page or many, OME-TIFF, ImageJ hyperstacks; whole
-/// numbers of 1 to 16, 32 and 64 bits, with sign from 8 bits on, and floating point of 16, 32 and 64
-/// bits; grey, colour and any number of channels; uncompressed, LZW, deflate and `PackBits`. A palette PNG
-/// is its colours; a palette TIFF is its indices, which are the labels where it is a label image. A
-/// fully transparent pixel is 0. Only the pages that are needed are decoded, one slice at a time.
+/// numbers of 1 to 16, 32 and 64 bits (signed from 8 bits on), and floating point of 16, 32 and 64
+/// bits; grey, colour and any number of channels; uncompressed, LZW, deflate and `PackBits`. A
+/// palette PNG gives its colours; a palette TIFF gives its indices, which are the labels of a label
+/// image. A fully transparent pixel is 0. Only the needed pages are decoded, one slice at a time.
 ///
-/// Pages mean what OME-XML says, else ImageJ's description, else they are frames; see
-/// [`Selection::depth`]. Pages of another size than the first (thumbnails) are left out.
+/// The meaning of pages comes from OME-XML, else from ImageJ's description, else they are frames;
+/// see [`Selection::depth`]. Pages of another size than the first (thumbnails) are left out.
 ///
-/// The pixel size is that of OME-XML, else of ImageJ, else of the resolution tags, else of a PNG's `pHYs`;
-/// sizes outside 0.01 to 20 um and resolutions of printers and screens are not believed, which a note
-/// says.
+/// The pixel size comes from OME-XML, else from ImageJ, else from the resolution tags, else from a
+/// PNG's `pHYs`; sizes outside 0.01 to 20 um and resolutions of printers and screens are rejected
+/// with a note.
 ///
-/// Values are the file's own as `f32`, which holds whole numbers up to 16777216 exactly; a note says
-/// where a picture has larger ones.
+/// Values are those of the file as `f32`, which represents whole numbers up to 16777216 exactly;
+/// larger values are noted.
 ///
 /// # Errors
-/// Bytes that are no PNG or TIFF, or are not complete; kinds of pixels and compression that are not
-/// read; more than [`MOST_PIXELS`] or [`LONGEST_SIDE`]; a channel, frame or slice that is not there;
-/// infinite pixels or such that are no number; pixels that are not square.
+/// Bytes that are not a complete PNG or TIFF; unsupported pixel types and compression; more than
+/// [`MOST_PIXELS`] or [`LONGEST_SIDE`]; a channel, frame or slice that does not exist; infinite or
+/// NaN pixels; pixels that are not square.
 ///
 /// # Example
 /// ```

@@ -1,4 +1,4 @@
-//! Sets of pixels: gaps closed, holes filled, islands numbered, rims smoothed.
+//! Sets of pixels: closing gaps, filling holes, numbering islands, smoothing rims.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub(super) struct Region {
     inside: Vec<bool>,
 }
 
-/// Which pixels touch.
+/// Which pixels count as connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Connectivity {
     /// Those that share a side.
@@ -27,11 +27,11 @@ pub(super) enum Connectivity {
     Eight,
 }
 
-/// Islands of a region, each with its number from 1 on; 0 lies outside.
+/// Islands (connected components) of a region, numbered from 1; 0 is outside.
 pub(super) struct Islands {
     /// Number of each pixel.
     pub(super) numbers: Vec<u32>,
-    /// What is known of each; island n stands at n - 1.
+    /// The islands; island n has index n - 1.
     pub(super) list: Vec<Island>,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Island {
 }
 
 impl Islands {
-    /// Part of the rim of each that lies on the frame of a plane of that size.
+    /// For each island, the part of its rim that lies on the frame of a plane of this size.
     pub(super) fn on_frame(&self, width: usize, height: usize) -> Vec<f64> {
         let mut counts = vec![[0_usize; 2]; self.list.len()];
         for (at, &number) in self.numbers.iter().enumerate().filter(|(_, number)| **number > 0) {
@@ -63,7 +63,7 @@ impl Islands {
 }
 
 impl Island {
-    /// Without any pixel, in a picture of this size.
+    /// An island without pixels, in a picture of this size.
     fn none(width: usize, height: usize) -> Self {
         Self { pixels: 0, columns: [width, 0], rows: [height, 0] }
     }
@@ -74,7 +74,7 @@ impl Island {
         self.rows = [self.rows[0].min(run.row), self.rows[1].max(run.row)];
     }
 
-    /// Those that runs in a picture of this size make.
+    /// The islands of the runs of a picture of this size.
     fn list(runs: &[Run], width: usize, height: usize) -> Vec<Self> {
         let count = runs.iter().map(|run| run.island + 1).max().unwrap_or(0);
         let mut list = vec![Self::none(width, height); count];
@@ -84,13 +84,13 @@ impl Island {
         list
     }
 
-    /// Length of the diagonal of its box, pixels.
+    /// Length of the diagonal of its bounding box, pixels.
     pub(super) fn extent(&self) -> f64 {
         let side = |[first, last]: [usize; 2]| (last - first + 1) as f64;
         side(self.columns).hypot(side(self.rows))
     }
 
-    /// How many of the four sides of the picture it reaches.
+    /// Number of sides of the picture that it reaches.
     pub(super) fn sides(&self, width: usize, height: usize) -> usize {
         let reach = |[first, last]: [usize; 2], count: usize| {
             usize::from(first == 0) + usize::from(last + 1 == count)
@@ -107,8 +107,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The box of an island and `margin` pixels around it, as far as a picture of this size has any; it begins with
-    /// a block of `block` x `block` pixels.
+    /// The bounding box of an island with a margin of `margin` pixels within the picture, aligned
+    /// to blocks of `block` x `block` pixels.
     pub(super) fn around(
         island: &Island,
         margin: usize,
@@ -140,7 +140,7 @@ impl Window {
         self.rows = both(&self.rows, &other.rows);
     }
 
-    /// A window within this one, as one of the picture.
+    /// Converts a window within this one to the picture's coordinates.
     pub(super) fn part(&self, within: &Self) -> Self {
         let shifted =
             |own: &Range<usize>, part: &Range<usize>| own.start + part.start..own.start + part.end;
@@ -150,13 +150,13 @@ impl Window {
         }
     }
 
-    /// Where a column and row of the window lie in the picture.
+    /// Column and row of the picture for a column and row of the window.
     pub(super) fn place(&self, column: usize, row: usize) -> [usize; 2] {
         [self.columns.start + column, self.rows.start + row]
     }
 
-    /// The same on pixels of which `factor` x `factor` make one of these, with `margin` more around it, as far as a
-    /// picture of this size has any.
+    /// The same window on a grid finer by `factor`, with a margin of `margin` fine pixels within
+    /// the picture.
     pub(super) fn finer(&self, factor: usize, margin: usize, [width, height]: [usize; 2]) -> Self {
         let widened = |range: &Range<usize>, count: usize| {
             (range.start * factor).saturating_sub(margin)..(range.end * factor + margin).min(count)
@@ -164,7 +164,7 @@ impl Window {
         Self { columns: widened(&self.columns, width), rows: widened(&self.rows, height) }
     }
 
-    /// The values within, of a picture of so many columns.
+    /// The values within the window, from a picture of `width` columns.
     pub(super) fn cut<T: Copy>(&self, values: &[T], width: usize) -> Vec<T> {
         let row = |row: usize| &values[row * width..][self.columns.clone()];
         self.rows.clone().flat_map(row).copied().collect()
@@ -172,7 +172,7 @@ impl Window {
 }
 
 impl Region {
-    /// The pixels for which `inside` says so.
+    /// The pixels for which `inside` is true.
     pub(super) fn new(width: usize, height: usize, inside: impl Iterator<Item = bool>) -> Self {
         let mut inside: Vec<bool> = inside.take(width * height).collect();
         inside.resize(width * height, false);
@@ -191,7 +191,7 @@ impl Region {
         self.inside.iter().copied()
     }
 
-    /// What both have.
+    /// The intersection of two regions.
     pub(super) fn and(&self, other: &Self) -> Self {
         let both = self.inside().zip(other.inside()).map(|(a, b)| a && b);
         Self::new(self.width, self.height, both)
@@ -201,29 +201,31 @@ impl Region {
         self.inside().filter(|&is| is).count()
     }
 
-    /// Without gaps and bays narrower than `2 radius` pixels; the picture's rim counts as neither.
+    /// Morphological closing: fills gaps and bays narrower than `2 radius` pixels, except at the
+    /// picture's rim.
     pub(super) fn closed(&self, radius: f64) -> Self {
         self.grown(radius).shrunk(radius)
     }
 
-    /// Without necks and points narrower than `2 radius` pixels.
+    /// Morphological opening: removes necks and tips narrower than `2 radius` pixels.
     pub(super) fn opened(&self, radius: f64) -> Self {
         self.shrunk(radius).grown(radius)
     }
 
-    /// With everything that lies within `radius` pixels, a whole number of them.
+    /// Dilation by `radius` pixels, rounded to a whole number.
     pub(super) fn grown(&self, radius: f64) -> Self {
         let inside = dilated(&self.inside, self.width, radius.round() as usize, Norm::Euclid);
         Self { inside, ..*self }
     }
 
-    /// Without everything that lies within `radius` pixels of the outside, a whole number of them.
+    /// Erosion by `radius` pixels, rounded to a whole number.
     pub(super) fn shrunk(&self, radius: f64) -> Self {
         let inside = eroded(&self.inside, self.width, radius.round() as usize, Norm::Euclid);
         Self { inside, ..*self }
     }
 
-    /// On a grid of blocks of `factor` x `factor` pixels: those blocks that hold a pixel of the region.
+    /// The region on a grid of blocks of `factor` x `factor` pixels: the blocks that contain a
+    /// pixel of the region.
     pub(super) fn coarse(&self, factor: usize) -> Self {
         let (width, height) = (self.width().div_ceil(factor), self.height().div_ceil(factor));
         let mut blocks = vec![false; width * height];
@@ -236,7 +238,8 @@ impl Region {
         Self::new(width, height, blocks.into_iter())
     }
 
-    /// On a grid of blocks of `factor` x `factor` pixels: those blocks of which the region has half or more.
+    /// The region on a grid of blocks of `factor` x `factor` pixels: the blocks of which it covers
+    /// at least half.
     pub(super) fn halves(&self, factor: usize) -> Self {
         if factor == 1 {
             return self.clone();
@@ -253,7 +256,7 @@ impl Region {
         Self::new(width, height, counts.into_iter().map(half))
     }
 
-    /// On a grid of pixels of which `factor` x `factor` make one of this region's.
+    /// The region on a grid that is finer by `factor`.
     pub(super) fn spread(&self, factor: usize, width: usize, height: usize) -> Self {
         let mut inside = vec![false; width * height];
         let blocks = self.inside.chunks_exact(self.width);
@@ -269,7 +272,7 @@ impl Region {
         Self { width, height, inside }
     }
 
-    /// On pixels that are `ratio` times as wide as this region's.
+    /// The region on pixels `ratio` times as wide.
     pub(super) fn resampled(&self, ratio: f64, width: usize, height: usize) -> Self {
         let place = |at: usize, count: usize| {
             (((at as f64 + 0.5) * ratio) as usize).min(count.saturating_sub(1))
@@ -283,8 +286,8 @@ impl Region {
         Self { width, height, inside }
     }
 
-    /// On finer pixels, of which `factor` x `factor` make one of this region's, within a window of them; the region
-    /// lies in a window of the coarse ones.
+    /// The region, which lies in the window `coarse` of a coarse grid, on the window `fine` of a
+    /// grid that is finer by `factor`.
     pub(super) fn spread_within(&self, coarse: &Window, factor: usize, fine: &Window) -> Self {
         let inside = |at: usize| {
             let [column, row] = fine.place(at % fine.width(), at / fine.width());
@@ -295,7 +298,7 @@ impl Region {
         Self::new(fine.width(), fine.height(), (0..fine.width() * fine.height()).map(inside))
     }
 
-    /// Adds a part where a window is.
+    /// Adds a part at the position of its window.
     pub(super) fn add(&mut self, part: &Self, window: &Window) {
         for at in (0..part.pixels()).filter(|&at| part.contains(at)) {
             let [column, row] = window.place(at % window.width(), at / window.width());
@@ -303,15 +306,16 @@ impl Region {
         }
     }
 
-    /// Puts a part where a window is, apart from what is there already: two pixels at least from it, so that smoothing does not join them.
+    /// Adds a part at the position of its window, except within two pixels of existing pixels, so
+    /// that smoothing does not join them.
     pub(super) fn put_apart(&mut self, part: &Self, window: &Window) {
         let there = self.cut(window).grown(2.0);
         let apart = part.inside().zip(there.inside()).map(|(part, there)| part && !there);
         self.add(&Self::new(part.width, part.height, apart), window);
     }
 
-    /// The least window that holds the region and `margin` pixels around it, as far as there are any, and begins
-    /// with a block of `block` x `block` pixels; the whole picture if the region is empty.
+    /// The bounding window of the region with a margin of `margin` pixels within the picture,
+    /// aligned to blocks of `block` x `block` pixels; the whole picture if the region is empty.
     pub(super) fn window(&self, margin: usize, block: usize) -> Window {
         let (width, height) = (self.width(), self.height());
         let mut all = Island::none(width, height);
@@ -324,8 +328,8 @@ impl Region {
         }
     }
 
-    /// A window for each island, with `margin` pixels around it as far as there are any; windows that overlap are
-    /// one.
+    /// A window for each island, with a margin of `margin` pixels within the picture; overlapping
+    /// windows are merged.
     pub(super) fn windows(&self, margin: usize) -> Vec<Window> {
         let size = [self.width(), self.height()];
         let islands = Island::list(&self.runs(Connectivity::Eight), size[0], size[1]);
@@ -347,20 +351,20 @@ impl Region {
         }
     }
 
-    /// The part within a window.
+    /// The part of the region within a window.
     pub(super) fn cut(&self, window: &Window) -> Self {
         let inside = window.cut(&self.inside, self.width);
         Self { width: window.width(), height: window.height(), inside }
     }
 
-    /// Put back where a window was cut out of a picture of this size.
+    /// The region, cut out by a window, as a region of a picture of this size.
     pub(super) fn pasted(&self, window: &Window, width: usize, height: usize) -> Self {
         let mut whole = Self::new(width, height, std::iter::empty());
         whole.put(self, window);
         whole
     }
 
-    /// Puts a part back where a window was cut out.
+    /// Replaces the pixels of a window by a part.
     pub(super) fn put(&mut self, part: &Self, window: &Window) {
         let rows = part.inside.chunks_exact(window.width());
         for (row, values) in window.rows.clone().zip(rows) {
@@ -378,7 +382,8 @@ impl Region {
         self.inside[at]
     }
 
-    /// Every hole of at most `most` pixels filled: what is outside and does not reach the picture's rim.
+    /// The region with every hole of at most `most` pixels filled; a hole is an outside area that
+    /// does not reach the picture's rim.
     pub(super) fn filled(&self, most: usize) -> Self {
         let (width, height) = (self.width(), self.height());
         let outside = |at: usize| (!self.inside[at]).then_some(());
@@ -392,14 +397,15 @@ impl Region {
         filled
     }
 
-    /// The rim smoothed: where a Gaussian of `sigma` pixels over the region exceeds one half.
+    /// The region with a smooth rim: the pixels where the region, blurred with a Gaussian of
+    /// `sigma` pixels, exceeds one half.
     pub(super) fn smoothed(&self, sigma: f64) -> Self {
         if sigma < 0.3 {
             return self.clone();
         }
         let mut smooth = Self::new(self.width, self.height, std::iter::empty());
         let margin = filter::reach(sigma);
-        // In bands, since numbers take four times the memory and most of a picture is all outside.
+        // In bands, to save memory, and because most of a picture is outside.
         for first in (0..self.height).step_by(BAND) {
             let last = (first + BAND).min(self.height);
             let rows = first.saturating_sub(margin)..(last + margin).min(self.height);
@@ -419,7 +425,7 @@ impl Region {
         smooth
     }
 
-    /// The runs of the region, with the islands that they make.
+    /// The runs of the region, with the numbers of their islands.
     fn runs(&self, connectivity: Connectivity) -> Vec<Run> {
         let kind = |at: usize| self.inside[at].then_some(());
         runs(self.width, self.height, kind, connectivity == Connectivity::Eight)
@@ -430,7 +436,7 @@ impl Region {
         self.numbered(&self.runs(connectivity))
     }
 
-    /// The same, where only pixels of the same mark hang together.
+    /// Numbers the islands, where only pixels of the same mark are connected.
     pub(super) fn islands_of_marks(&self, connectivity: Connectivity, marks: &[u32]) -> Islands {
         let kind = |at: usize| self.inside[at].then(|| marks[at]);
         self.numbered(&runs(self.width, self.height, kind, connectivity == Connectivity::Eight))
@@ -444,7 +450,7 @@ impl Region {
         Islands { numbers, list: Island::list(runs, self.width, self.height) }
     }
 
-    /// The islands for which `keep` says so.
+    /// The islands for which `keep` is true.
     pub(super) fn kept(&self, connectivity: Connectivity, keep: impl Fn(&Island) -> bool) -> Self {
         let runs = self.runs(connectivity);
         let islands = Island::list(&runs, self.width, self.height);

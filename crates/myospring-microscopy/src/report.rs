@@ -1,4 +1,4 @@
-//! The shape of a cell in numbers, and what a person should look at.
+//! The shape of a cell in numbers, with warnings.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -12,19 +12,20 @@ use super::segment::Confidence;
 use myospring_core::mesh::outline::Outline;
 use myospring_core::mesh::quality::{Dimensions, outline_dimensions, write_report};
 
-/// Solidity below which the report warns. Rod-shaped and spindle-shaped cells have 0.85 and more, also
-/// with the steps of their intercalated discs; two rods of 5:1 in an L have 0.53, in a T 0.60.
+/// Solidity below which the report warns. Rod-shaped and spindle-shaped cells have 0.85 and more,
+/// including those with stepped intercalated discs; two rods of 5:1 in an L have 0.53, in a T 0.60.
 pub const LEAST_SOLIDITY: f64 = 0.8;
 
-/// Areas that are expected of single heart cells unless others are stated, um^2. Narrow patterned hiPSC
-/// cardiomyocytes have 800, neonatal rat cells in culture mostly 600 to 2000, adult rods 2000 to 4500, widely
-/// spread hiPSC cardiomyocytes up to 10 000; debris, stripes and vessels mostly lie below 500, sheets and clumps
-/// above 20 000. A pixel size that is wrong by three or more leaves this range.
+/// Default range of the expected area of a single heart cell, um^2. Narrow patterned hiPSC
+/// cardiomyocytes have 800, neonatal rat cells in culture mostly 600 to 2000, adult rods 2000 to
+/// 4500, widely spread hiPSC cardiomyocytes up to 10 000; debris, stripes and vessels mostly lie
+/// below 500, sheets and clumps above 20 000. A pixel size that is wrong by a factor of three or
+/// more gives an area outside this range.
 pub const USUAL_AREAS_UM2: [f64; 2] = [500.0, 20_000.0];
 
-/// Lengths beyond which nothing is a heart cell, um. The longest adult ventricular cells have 250, atrial and
-/// Purkinje cells up to 300; the smallest cells that beat in culture are some 20 across. A pixel size that is wrong
-/// by ten leaves this range.
+/// Shortest and longest possible length of a heart cell, um. The longest adult ventricular cells
+/// have 250, atrial and Purkinje cells up to 300; the smallest cells that beat in culture are some
+/// 20 across. A pixel size that is wrong by a factor of ten gives a length outside this range.
 pub const POSSIBLE_LENGTHS_UM: [f64; 2] = [15.0, 400.0];
 
 /// Longest usual cell, um: adult ventricular cells have 100 to 150, in failing hearts up to 200.
@@ -38,30 +39,32 @@ pub const MOST_HOLES_PCT: f64 = 1.0;
 
 /// Shape of a cell; prints as a table.
 ///
-/// All measures are those of the polygon. Holes count against the area and nowhere else.
+/// All measures are those of the polygon. Holes reduce the area; they do not change any other
+/// measure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShapeReport {
     /// Area within the exterior and outside of holes, um^2.
     pub area_um2: f64,
-    /// Length of the exterior, um. Of an outline along pixel edges it is that of a staircase.
+    /// Length of the exterior, um. For an outline along pixel edges it is the length of a
+    /// staircase, which is too long.
     pub perimeter_um: f64,
     /// Length, width and long axis.
     #[serde(flatten)]
     pub dimensions: Dimensions,
-    /// Area over that of the convex hull, 0 to 1: 1 has no dents and no holes.
+    /// Area over that of the convex hull, 0 to 1: 1 means no dents and no holes.
     pub solidity: f64,
     /// `4 pi area / perimeter^2`, 0 to 1: 1 is a circle.
     pub circularity: f64,
     /// Number of holes.
     pub holes: usize,
-    /// Pixels of the cell in the first and last row and column of the picture; 0 where the picture is
+    /// Pixels of the cell in the first and last row and column of the picture; 0 if the picture is
     /// not known.
     pub pixels_on_frame: usize,
-    /// What a person should look at; empty when all is well.
+    /// Warnings; empty if nothing is unusual.
     pub warnings: Vec<String>,
 }
 
-/// Measures an outline, and its place in a picture where that is known; warns of an area beside
+/// Measures an outline, and its position in a picture if that is known; warns of an area outside
 /// [`USUAL_AREAS_UM2`].
 ///
 /// # Example
@@ -76,8 +79,8 @@ pub fn shape_report(outline: &Outline, frame: Option<&PixelFrame>) -> ShapeRepor
     shape_report_of(outline, on_frame, USUAL_AREAS_UM2, &Confidence::full())
 }
 
-/// Measures an outline of which so many pixels lie on the frame; warns of an area beside those that are expected,
-/// and of nothing that its confidence has said.
+/// Measures an outline with this number of pixels on the frame; warns of an unexpected area, but
+/// does not repeat the reasons of its confidence.
 pub(super) fn shape_report_of(
     outline: &Outline,
     pixels_on_frame: usize,
@@ -102,7 +105,7 @@ pub(super) fn shape_report_of(
     report
 }
 
-/// What is unusual about the area of a cell, as people read it; `None` within those that are expected, um^2.
+/// Warning about an unusual area of a cell, um^2; `None` within the expected range.
 ///
 /// # Example
 /// ```
@@ -126,7 +129,8 @@ pub fn unusual_area(area_um2: f64, [least, most]: [f64; 2]) -> Option<String> {
     })
 }
 
-/// Why a cell of this length and area is no heart cell, as the predicate of a sentence; `None` where it may be one.
+/// Why an object of this length and area cannot be a heart cell, as the predicate of a sentence;
+/// `None` if it can.
 ///
 /// # Example
 /// ```
@@ -143,11 +147,11 @@ pub fn impossible_size(length_um: f64, area_um2: f64, [least, most]: [f64; 2]) -
         Some(format!("is {length_um:.1} um long; no heart cell is shorter than {shortest} um"))
     } else if area_um2 < least {
         Some(format!(
-            "has an area of {area_um2:.0} um^2, below the least that is expected, {least} um^2 (--min-area)"
+            "has an area of {area_um2:.0} um^2, below the smallest expected area, {least} um^2 (--min-area)"
         ))
     } else if area_um2 > most {
         Some(format!(
-            "has an area of {area_um2:.0} um^2, above the largest that is expected, {most} um^2 (--max-area)"
+            "has an area of {area_um2:.0} um^2, above the largest expected area, {most} um^2 (--max-area)"
         ))
     } else {
         None
@@ -161,7 +165,7 @@ pub(super) fn pixels_on_frame(outline: &Outline, frame: &PixelFrame) -> usize {
         count += if row == 0 || row == last_row {
             columns.len()
         } else {
-            // A picture of one column has one side.
+            // A picture of one column has only one side.
             let right = columns.end == last_column + 1 && last_column > 0;
             usize::from(columns.start == 0) + usize::from(right)
         };
@@ -207,7 +211,7 @@ fn warnings(
     }
     if holes_pct > MOST_HOLES_PCT {
         warnings.push(format!(
-            "holes take {holes_pct:.1} % of the cell: fill them unless the cell has them"
+            "holes take {holes_pct:.1} % of the cell: fill them unless they are real"
         ));
     }
     warnings

@@ -1,21 +1,21 @@
-//! Pixels of one kind by the runs that they make in the rows, and the islands that those make.
+//! Runs of pixels of one kind along rows, and the islands that they form.
 //!
-//! A run costs as much as a pixel does where islands are numbered pixel by pixel, and a picture has few runs for its
-//! size: the background of one of 10 000 x 10 000 pixels with a cell has some ten thousand.
+//! Numbering islands costs as much per run as it would cost per pixel, and there are few runs: some
+//! ten thousand for the background of a picture of 10 000 x 10 000 pixels with a cell.
 
-/// Pixels beside each other in a row.
+/// Adjacent pixels of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Run {
     pub(super) row: usize,
-    /// First column, and the one behind the last.
+    /// First column, and the one after the last.
     pub(super) from: usize,
     pub(super) to: usize,
     /// Number of its island, from 0 on in the order of their first pixels.
     pub(super) island: usize,
 }
 
-/// The runs of those pixels that have a kind, in the order of the pixels; only pixels of the same kind hang together,
-/// with `corners` also those that share no more than a corner.
+/// The runs of the pixels that have a kind, in the order of the pixels. Only pixels of the same
+/// kind are connected; with `corners` also those that share only a corner.
 pub(super) fn runs<Kind: PartialEq>(
     width: usize,
     height: usize,
@@ -36,7 +36,7 @@ pub(super) fn runs<Kind: PartialEq>(
             let to = to.unwrap_or(width);
             let own = runs.len();
             runs.push(Run { row, from, to, island: own });
-            // Those above that end before this one touch none of the next ones either.
+            // Runs above that end before this one do not touch the following ones either.
             while above < first && runs[above].to + reach <= from {
                 above += 1;
             }
@@ -51,7 +51,7 @@ pub(super) fn runs<Kind: PartialEq>(
         }
         above = first;
     }
-    // `island` was the number of another run of the island, at last of its first one.
+    // Until here, `island` was the index of another run of the same island, for the root its own.
     let mut islands = 0;
     for own in 0..runs.len() {
         let of = runs[own].island;
@@ -65,13 +65,13 @@ pub(super) fn runs<Kind: PartialEq>(
     runs
 }
 
-/// Makes two runs one island: the root is its first run.
+/// Joins the islands of two runs; the root is the first run.
 fn join(runs: &mut [Run], a: usize, b: usize) {
     let (a, b) = (root(runs, a), root(runs, b));
     runs[a.max(b)].island = a.min(b);
 }
 
-/// The first run of an island, with the way there halved (Tarjan and van Leeuwen 1984).
+/// The first run of an island, with path halving (Tarjan and van Leeuwen 1984).
 fn root(runs: &mut [Run], mut run: usize) -> usize {
     while runs[run].island != run {
         runs[run].island = runs[runs[run].island].island;

@@ -1,21 +1,23 @@
-//! From a plane to the cells in it: which pixels, how sure, and why.
+//! Finds the cells in a plane: their pixels, with a confidence and its reasons.
 //!
-//! [`segment`] smooths, thresholds and tidies; lengths are micrometres, so that one setting serves every
-//! magnification. [`Segmentation`] keeps the cells apart, largest first, each with a [`Confidence`].
+//! [`segment`] smooths, thresholds and cleans up; lengths are in micrometres, so that settings do
+//! not depend on the magnification. [`Segmentation`] keeps the cells apart, largest first, each
+//! with a [`Confidence`].
 //!
-//! - **Fluorescence** ([`Modality::Fluorescence`]): the slowly varying background is fitted and taken off, and
-//!   brightness is counted in units of noise on a scale that is logarithmic above it. Of the outlines at all levels,
-//!   those are taken that the picture explains best, each cell's at its own level.
-//! - **Brightfield** ([`Modality::Brightfield`]): a cell is as grey as what surrounds it, but it has edges.
-//!   Crests of the gradient (Canny 1986) that hang together over some um are kept, which leaves out beads and
-//!   debris; gaps between them are closed by the least radius after which the area stays, and filled.
-//! - **Auto** ([`Modality::Auto`]): as fluorescence if what stands out does so by its brightness, as brightfield if
-//!   by its texture.
+//! - **Fluorescence** ([`Modality::Fluorescence`]): the slowly varying background is fitted and
+//!   subtracted, and brightness is measured in units of noise, logarithmically above it. Each cell
+//!   has its own threshold level: the one at which its outline agrees best with the picture.
+//! - **Brightfield** ([`Modality::Brightfield`]): a cell is as grey as what surrounds it, but it
+//!   has edges. Crests of the gradient (Canny 1986) that are connected over some um are kept, which
+//!   excludes beads and debris; gaps between them are closed by the smallest radius beyond which
+//!   the area no longer grows, and the inside is filled.
+//! - **Auto** ([`Modality::Auto`]): as fluorescence if objects differ from the background mainly in
+//!   brightness, as brightfield if mainly in texture.
 //! - **Mask** ([`Modality::Mask`]): every value that is not zero; labels are kept apart.
 //!
-//! In pictures, cells that touch are parted at necks, dark lines and where a branch has stripes of its own; what
-//! may be two cells and is taken for one has a reason in its [`Confidence`]. That asks not only how well an outline is
-//! seen, but whether it is a heart cell (`tissue`).
+//! Touching cells in pictures are separated at necks, at dark lines, and where a branch has stripes
+//! of its own direction; a cell that may be two has a reason in its [`Confidence`]. The confidence
+//! measures how clear the outline is, and whether the object is a heart cell (`tissue`).
 
 mod brightfield;
 mod by_modality;
@@ -51,40 +53,41 @@ use parting::{Doubt, Parting, Seen};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Modality {
-    /// To be told from the grey values.
+    /// Determined from the grey values.
     #[default]
     Auto,
     /// A bright cell on a dark ground.
     Fluorescence,
-    /// A cell that shows by its edges and texture; phase contrast too.
+    /// A cell visible by its edges and texture; also phase contrast.
     Brightfield,
     /// Not a picture but its segmentation: background 0.
     Mask,
 }
 
-/// Largest label of a mask: `f32`, as which the pixels are held, tells no larger whole numbers apart.
+/// Largest label of a mask: pixels are `f32`, which cannot distinguish larger whole numbers.
 pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
 
-/// Smallest island that is called a cell unless stated, um^2: a tenth of a small myocyte.
+/// Default area below which an island is not a cell, um^2: a tenth of a small myocyte.
 pub const SMALLEST_CELL_UM2: f64 = 100.0;
 
-/// How to segment.
+/// Options of segmentation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// How the picture was taken.
     pub modality: Modality,
-    /// Fluorescence: grey value above which a pixel is cell, background included. Brightfield: least
-    /// gradient of an edge, relative change of brightness per um. `None` finds it.
+    /// Fluorescence: grey value above which a pixel is cell, background included. Brightfield:
+    /// least gradient of an edge, relative change of brightness per um. `None` determines it from
+    /// the picture.
     pub threshold: Option<f64>,
-    /// Scale of smoothing, um. `None` takes 0.5 um for fluorescence and 0.8 um for brightfield: finer than
-    /// any feature of an outline, coarser than noise and, for brightfield, than grains.
+    /// Scale of smoothing, um. `None` takes 0.5 um for fluorescence and 0.8 um for brightfield:
+    /// finer than the features of an outline, coarser than noise and, for brightfield, than grains.
     pub smooth_um: Option<f64>,
-    /// Islands smaller than this are no cells, um^2.
+    /// Islands smaller than this are not cells, um^2.
     pub smallest_cell_um2: f64,
 }
 
 impl Default for Settings {
-    /// All found from the picture.
+    /// Everything is determined from the picture.
     fn default() -> Self {
         Self {
             modality: Modality::Auto,
@@ -98,12 +101,12 @@ impl Default for Settings {
 /// Which cell of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Choice {
-    /// The largest that is whole (or, if cut ones are allowed, the largest).
+    /// The largest that the frame does not cut (or the largest of all, if cut cells are allowed).
     #[default]
     Largest,
     /// By its number; 1 is the largest.
     Number(u32),
-    /// By its value in a label mask.
+    /// By its value in a label image.
     Label(u32),
     /// The one at this place: column and row in pixels, from the top left.
     At([f64; 2]),
@@ -112,17 +115,17 @@ pub enum Choice {
 /// One cell of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
-    /// Its number, from 1 on; the larger the area, the lower.
+    /// Its number, counted from 1 in the order of decreasing area.
     pub number: u32,
-    /// Its value, where the picture is a label mask.
+    /// Its value, if the picture is a label image.
     pub label: Option<u32>,
     /// Its pixels.
     pub pixels: usize,
     /// Its area, um^2.
     pub area_um2: f64,
-    /// Pixels that lie on the rim of the picture: where there are any, the cell may go on outside.
+    /// Number of its pixels on the frame of the picture; if there are any, the cell may be cut.
     pub pixels_on_the_frame: usize,
-    /// How sure it is.
+    /// How certain it is.
     pub confidence: Confidence,
 }
 
@@ -137,28 +140,28 @@ pub struct Segmentation {
     pub pixel_size: PixelSize,
     /// Number of the cell of each pixel, row by row from the top left; 0 is background.
     pub numbers: Vec<u32>,
-    /// The cells; number n stands at n - 1.
+    /// The cells; number n has index n - 1.
     pub cells: Vec<Cell>,
-    /// How the picture was taken, as said or as found.
+    /// How the picture was taken, as stated or as determined.
     pub modality: Modality,
-    /// Why it was taken for that, in words; `None` where it was said, and for masks.
+    /// Why it was treated as this modality, in words; `None` if it was stated, and for masks.
     pub modality_reason: Option<String>,
     /// The threshold that was used, in the unit of [`Settings::threshold`]; 0 for a mask.
     pub threshold: f64,
-    /// What a person should know.
+    /// Warnings.
     pub notes: Vec<String>,
 }
 
-/// Why a plane has no cell to offer.
+/// Why no cell is found in a plane.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SegmentError {
-    /// The pixels of a cell make no mask.
+    /// The pixels of a cell are not a valid mask.
     #[error(transparent)]
     Mask(#[from] MaskError),
-    /// A setting that is not a positive number.
+    /// A setting out of range.
     #[error("{what} is {value} {unit}; give a number from {low} to {high} {unit}, or leave it out")]
     Setting {
-        /// Which.
+        /// Which one.
         what: &'static str,
         /// Its value.
         value: f64,
@@ -169,9 +172,9 @@ pub enum SegmentError {
         /// Largest value.
         high: f64,
     },
-    /// Nothing in the picture differs from anything else.
+    /// All pixels have the same value.
     #[error(
-        "all {width} x {height} pixels have the same value, {value}: there is no cell to see; is this the right \
+        "all {width} x {height} pixels have the same value, {value}: no cell is visible; is this the right \
          channel, frame or slice?"
     )]
     Blank {
@@ -182,7 +185,7 @@ pub enum SegmentError {
         /// The value.
         value: f32,
     },
-    /// A value that is no number.
+    /// A value that is not finite.
     #[error("the pixel in column {column}, row {row} is {value}; pixels must be finite")]
     NotFinite {
         /// Column.
@@ -198,7 +201,7 @@ pub enum SegmentError {
          --modality, check the pixel size of {pixel_size}, or draw the outline by hand"
     )]
     NoCell {
-        /// As what it was segmented.
+        /// The modality of the segmentation.
         modality: &'static str,
         /// The threshold, with its unit.
         threshold: String,
@@ -207,14 +210,14 @@ pub enum SegmentError {
         /// Side of one pixel.
         pixel_size: PixelSize,
     },
-    /// Nothing that could be a cell, in whatever way the picture was taken.
+    /// Nothing that could be a cell, by any modality.
     #[error(
-        "no cell was found: nothing as large as {smallest_um2} um^2 stands out by its brightness, its texture or \
-         its edges; is this the right channel, frame or slice, and is a pixel {pixel_size}? Otherwise give \
+        "no cell was found: nothing as large as {smallest_um2} um^2 differs from the background in brightness, texture or \
+         edges; is this the right channel, frame or slice, and is a pixel {pixel_size}? Otherwise give \
          --modality and a --threshold, or draw the outline by hand"
     )]
     NothingStandsOut {
-        /// Smallest island that is called a cell, um^2.
+        /// Area below which an island is not a cell, um^2.
         smallest_um2: f64,
         /// Side of one pixel.
         pixel_size: PixelSize,
@@ -227,9 +230,9 @@ pub enum SegmentError {
         /// How many there are, in words.
         cells: String,
     },
-    /// A value that marks no cell.
+    /// A value that is not a label.
     #[error(
-        "the pixel in column {column}, row {row} is {value}, but a mask holds values from 0 to {LARGEST_LABEL}; is this \
+        "the pixel in column {column}, row {row} is {value}, but a mask contains values from 0 to {LARGEST_LABEL}; is this \
          the picture itself, not its mask?"
     )]
     NoLabel {
@@ -243,14 +246,14 @@ pub enum SegmentError {
     /// There is no such label.
     #[error("label {label} is not in the picture, which holds {labels}; 0 is the background")]
     NoSuchLabel {
-        /// The label.
+        /// The requested label.
         label: u32,
-        /// Those that there are.
+        /// The existing labels.
         labels: String,
     },
-    /// A label was asked for, but the picture is no mask.
+    /// A label was asked for, but the picture is not a label image.
     #[error(
-        "label {label} was asked for, but the picture is not a label mask; choose a cell with --cell or --seed, or \
+        "label {label} was asked for, but the picture is not a label image; choose a cell with --cell or --seed, or \
          say --modality mask if it is one"
     )]
     NotAMask {
@@ -271,7 +274,7 @@ pub enum SegmentError {
         width: usize,
         /// Rows.
         height: usize,
-        /// Which cell is near, and where.
+        /// The nearest cell and its position.
         nearest: String,
     },
     /// The cell reaches the frame.
@@ -287,21 +290,21 @@ pub enum SegmentError {
     },
 }
 
-/// Most pixels that a method works with.
+/// Largest number of pixels on which a method works.
 const MOST_WORKING_PIXELS: f64 = 12e6;
 
-/// The plane at the pixels that a method works with.
+/// The plane at the resolution on which a method works.
 struct Working {
     plane: Plane,
-    /// Pixels of the picture along the side of one of these.
+    /// Pixels of the picture along the side of one working pixel.
     factor: usize,
-    /// Side of one of these, um.
+    /// Side of a working pixel, um.
     pixel_um: f64,
 }
 
 impl Working {
-    /// Pixels are averaged as long as they stay as fine as `coarsest_um`; those of a very large picture as long as
-    /// they are more than memory should hold several planes of.
+    /// Averages pixels up to a side of `coarsest_um`, or more for a very large picture, so that
+    /// several planes fit into memory.
     fn of(plane: &Plane, pixel_size: PixelSize, coarsest_um: f64) -> Self {
         let pixels = (plane.width() * plane.height()) as f64;
         let affordable = (pixels / MOST_WORKING_PIXELS).sqrt().ceil() as usize;
@@ -311,10 +314,10 @@ impl Working {
     }
 }
 
-/// What a method of segmentation hands on: the cells on a grid whose pixels have `factor` of the picture's.
+/// Result of a segmentation method: the cells on a grid coarser than the picture by `factor`.
 struct Found<'a> {
     region: Region,
-    /// In what the region was found: touching cells are parted by it.
+    /// The data in which the region was found; used to separate touching cells.
     seen: Seen<'a>,
     factor: usize,
     modality: Modality,
@@ -348,9 +351,9 @@ impl Segmentation {
         Ok(cell)
     }
 
-    /// The name of a cell: its label, where the labels of a mask tell cells apart, else its number.
+    /// The name of a cell: its label if the labels distinguish cells, else its number.
     pub fn name(&self, cell: &Cell) -> String {
-        // The one value of a mask says what is cell, not which.
+        // A single mask value marks all cells alike.
         let labelled = self.cells.iter().any(|other| other.label != cell.label);
         cell.label.filter(|_| labelled).unwrap_or(cell.number).to_string()
     }
@@ -398,7 +401,7 @@ impl Segmentation {
         } else if self.modality != Modality::Mask {
             let threshold = self.threshold;
             nearest = format!(
-                "{nearest}; if you see a cell there, try a --threshold below {threshold:.4}, which takes in more, or draw it and \
+                "{nearest}; if you see a cell there, try a --threshold below {threshold:.4}, which includes dimmer pixels, or draw it and \
                  give --outline"
             );
         }
@@ -428,7 +431,7 @@ impl Segmentation {
         Ok(Mask::of_part(self.width, self.height, self.pixel_size, part)?)
     }
 
-    /// The least window around each cell, by number from 1 on.
+    /// The bounding window of each cell, in the order of their numbers.
     pub(super) fn windows(&self) -> Vec<Window> {
         let most = self.cells.iter().map(|cell| cell.number as usize).max().unwrap_or(0);
         let mut windows = vec![Window { columns: 0..0, rows: 0..0 }; most];
@@ -456,7 +459,7 @@ pub(super) fn counted(cells: usize) -> String {
 }
 
 impl Found<'_> {
-    /// Brings the cells back to the picture's own pixels and numbers them, largest first.
+    /// Maps the cells to the picture's own pixels and numbers them, largest first.
     fn finish(
         self,
         plane: &Plane,
@@ -540,7 +543,7 @@ impl Found<'_> {
         }
     }
 
-    /// The cells on the picture's own pixels, those that touch parted.
+    /// The cells on the picture's own pixels, with touching cells separated.
     fn islands(&self, parting: &Parting, width: usize, height: usize) -> Islands {
         let region = self.on_plane(width, height);
         match parting.marks(&region, self.factor) {
@@ -558,8 +561,8 @@ impl Found<'_> {
     }
 }
 
-/// Those pixels of a cell that have a neighbour outside it, without those on the frame; and how many lie on
-/// the frame.
+/// The pixels of a cell with a neighbour outside it, except those on the frame; and the number of
+/// pixels on the frame.
 fn rim(numbers: &[u32], width: usize, height: usize, pixels: &[u32]) -> (Vec<u32>, usize) {
     let (mut rim, mut on_frame) = (Vec::new(), 0);
     for &pixel in pixels {

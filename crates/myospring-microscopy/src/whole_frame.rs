@@ -1,13 +1,13 @@
-//! Fibres and sarcomeres of all that a picture shows, without an outline: sheets and tissues.
+//! Fibres and sarcomeres of a whole picture without outlines, for sheets and tissues.
 
 use super::cells::PictureCells;
 use super::fibres::{Fibre, FibreError, FibreField, FibreSettings, FibreSummary};
 
-/// Distance of neighbouring places unless it is given, um, and most places.
+/// Default distance of neighbouring places, um, and the largest number of places.
 const SPACING_UM: f64 = 1.0;
 const MOST_PLACES: f64 = 20_000.0;
 
-/// What was read of a whole frame.
+/// Fibres and sarcomeres of a whole frame.
 #[derive(Debug, Clone)]
 pub struct WholeFrame {
     /// Width and height of the frame, um.
@@ -16,17 +16,19 @@ pub struct WholeFrame {
     pub spacing_um: f64,
     /// Places (um, y upward from the lower left corner) with their fibres.
     pub places: Vec<([f64; 2], Fibre)>,
-    /// Numbers over the whole frame.
+    /// Summary over the whole frame.
     pub summary: FibreSummary,
-    /// Mean direction of the places that were read, degrees counter-clockwise from x, above -90 and up to 90.
+    /// Mean direction over the places with fibres, degrees counter-clockwise from x, above -90 and
+    /// up to 90.
     pub direction_deg: Option<f64>,
-    /// How parallel the fibres are there, 0 to 1.
+    /// How parallel the fibres of these places are, 0 to 1.
     pub alignment: Option<f64>,
     field: FibreField,
 }
 
 impl WholeFrame {
-    /// Reads places that are `spacing_um` apart; `None` takes 1 um, and more where that were more than 20 000 places.
+    /// Reads the fibres at places `spacing_um` apart; `None` takes 1 um, or more if there would be
+    /// more than 20 000 places.
     ///
     /// # Errors
     /// Pixels that are too coarse, or settings out of range.
@@ -46,7 +48,7 @@ impl WholeFrame {
         let read: Vec<&Fibre> =
             places.iter().map(|(_, place)| place).filter(|place| place.from_picture).collect();
         let count = read.len() as f64;
-        // Directions are lines: twice their angle is that of a vector.
+        // Directions are lines without sign, so doubled angles are averaged.
         let [x, y] = read.iter().fold([0.0, 0.0], |[x, y], place| {
             let (sine, cosine) = (2.0 * place.angle_deg().to_radians()).sin_cos();
             [x + cosine, y + sine]
@@ -63,15 +65,15 @@ impl WholeFrame {
         })
     }
 
-    /// Whether a sarcomere length of a place is doubtful.
+    /// Returns a function that determines whether a sarcomere length (um) is doubtful.
     pub fn doubtful_lengths(&self) -> impl Fn(f64) -> bool {
         self.field.doubtful_lengths()
     }
 
-    /// What a person should know.
+    /// Warning if the picture shows no fibres.
     pub fn note(&self) -> Option<&'static str> {
         (self.summary.share_from_picture == 0.0).then_some(
-            "the picture shows no fibres: is the pixel size right, and what does the stain show (--stain)?",
+            "the picture shows no fibres: is the pixel size right, and does --stain match the stain?",
         )
     }
 }

@@ -1,25 +1,28 @@
 //! Marks in a colour that the picture itself does not have.
 //!
-//! A camera sees grey, and a program shows it in grey or in shades of one colour: all pixels lie on one line through
-//! black in the space of red, green and blue. What was drawn in another colour lies off it, whatever its shape, and
-//! after lossy compression, too.
+//! A camera records grey values, and a program shows them in grey or in shades of one colour: all
+//! pixels lie on one line through black in the space of red, green and blue. A mark in another
+//! colour lies off that line, whatever its shape, even after lossy compression.
 
 use crate::filter::quantile;
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
 
-/// Distance from the line, in parts of the largest value, of a pixel that still lies on it: rounding and compression.
+/// Distance from the line, as a part of the largest value, up to which a pixel counts as on it
+/// (rounding, compression).
 const ON_LINE: f32 = 0.06;
-/// Distance of a pixel that was drawn.
+/// Distance from which a pixel counts as drawn.
 const DRAWN: f32 = 0.15;
-/// Least part of the pixels on the line. Fewer are a picture of several stains, or of a colour camera.
+/// Least part of the pixels on the line. With fewer, the picture shows several stains or comes from
+/// a colour camera.
 const MOST: f64 = 0.93;
-/// Fewer pixels are noise.
+/// Least number of drawn pixels; fewer are noise.
 const LEAST_PIXELS: usize = 8;
-/// Brighter pixels, in parts of the largest value, show the colour of the line.
+/// Pixels brighter than this, as a part of the largest value, determine the colour of the line.
 const SHOWS_COLOUR: f32 = 0.1;
 
-/// What has another colour than the rest; `None` where nothing has, or where the rest has several.
+/// The pixels in a colour other than the picture's; `None` if there are none, or if the picture has
+/// several colours.
 pub(super) fn drawn(channels: &[Plane; 3]) -> Option<Region> {
     let [red, green, blue] = channels.each_ref().map(Plane::values);
     let pixels = || red.iter().zip(green).zip(blue).map(|((&r, &g), &b)| [r, g, b]);
@@ -32,7 +35,7 @@ pub(super) fn drawn(channels: &[Plane; 3]) -> Option<Region> {
     if shades.is_empty() {
         return None;
     }
-    // Most pixels have the colour of the line, so the median does not see the others.
+    // Most pixels have the colour of the line, so the others do not change the median.
     let median = |part: usize| {
         let parts: Vec<f32> = shades.iter().map(|shade| shade[part]).collect();
         quantile(&parts, 0.5)

@@ -1,17 +1,18 @@
-//! Lengths of sarcomeres that are not to be relied on.
+//! Sarcomere lengths that are unreliable.
 //!
-//! Stripes are looked for at the periods that sarcomeres have. Near an end of that band a period may be one beyond it,
-//! seen as far as the band reaches; and a length that few places of a cell gave may be that of few sarcomeres, or of none.
+//! Stripes are searched at the periods of sarcomeres. A period near an end of that band may in
+//! truth lie beyond it. A length read at few places of a cell may not represent its sarcomeres, or
+//! may be chance.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// Part of an end of the band within which a length is doubtful.
+/// A length within this relative distance from an end of the band is doubtful.
 const NEAR: f64 = 0.1;
-/// Part of a cell that says how long its sarcomeres are, at least.
+/// Least part of a cell in which the length must be read.
 const LEAST_SHARE: f64 = 0.1;
 
-/// The periods that are looked for, um.
+/// The periods that are searched, um.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Band {
     pub(super) shortest_um: f64,
@@ -19,12 +20,12 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// Whether it holds a period, um.
+    /// Whether the band contains a period, um.
     pub(super) fn contains(&self, period_um: f64) -> bool {
         (self.shortest_um..=self.longest_um).contains(&period_um)
     }
 
-    /// What makes a length doubtful that was read in a part of a cell, if something does.
+    /// Why a length is doubtful that was read in the part `share` of a cell; `None` if it is not.
     pub(super) fn doubt(&self, length_um: f64, share: f64) -> Option<SarcomereDoubt> {
         let Self { shortest_um, longest_um } = *self;
         if length_um < (1.0 + NEAR) * shortest_um {
@@ -42,17 +43,17 @@ impl Band {
 /// Why the length of sarcomeres is doubtful.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SarcomereDoubt {
-    /// It is near the shortest period that is looked for.
+    /// It is near the shortest period that is searched.
     NearShortest {
         /// That period, um.
         end_um: f64,
     },
-    /// It is near the longest period that is looked for.
+    /// It is near the longest period that is searched.
     NearLongest {
         /// That period, um.
         end_um: f64,
     },
-    /// Few places of the cell gave it.
+    /// It was read in a small part of the cell.
     FewPlaces {
         /// Part of the cell, %.
         share_pct: f64,
@@ -64,11 +65,11 @@ impl fmt::Display for SarcomereDoubt {
         match self {
             Self::NearShortest { end_um } => write!(
                 f,
-                "within a tenth of {end_um:.2} um, the shortest that is looked for: the true length may be below"
+                "within a tenth of {end_um:.2} um, the shortest that is searched: the true length may be below"
             ),
             Self::NearLongest { end_um } => write!(
                 f,
-                "within a tenth of {end_um:.2} um, the longest that is looked for: the true length may be above"
+                "within a tenth of {end_um:.2} um, the longest that is searched: the true length may be above"
             ),
             Self::FewPlaces { share_pct } => write!(f, "read in only {share_pct:.1} % of the cell"),
         }

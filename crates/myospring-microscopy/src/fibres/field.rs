@@ -6,23 +6,24 @@ use super::misfit::Misfit;
 use super::reading::{Place, Reading, Readings};
 use myospring_core::mesh::Mesh;
 
-/// Below this part of its neighbourhood in the cell a place has the long axis.
+/// A place with less than this part of its neighbourhood in the cell takes the long axis.
 const LEAST_SHARE: f32 = 1e-3;
 
 /// The fibre at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fibre {
-    /// Unit vector along the fibre, y upward; of the two the one that points along the long axis.
+    /// Unit vector along the fibre, y upward; of the two opposite vectors, the one nearer to the
+    /// long axis.
     pub direction: [f64; 2],
-    /// Whether the picture has the larger say; otherwise the long axis has, and what the picture shows here
-    /// (order, coverage) is too little to read a direction from.
+    /// Whether the direction comes mainly from the picture; otherwise it comes mainly from the long
+    /// axis, because the picture shows too little here (order, coverage).
     pub from_picture: bool,
     /// Length of a sarcomere, um: the period of the stripes along the fibre. None where the picture shows
     /// none, and with stains that have no stripes.
     pub sarcomere_um: Option<f64>,
     /// How sharply the picture shows one direction and one period, 0 for not at all to 1.
     pub order: f64,
-    /// Part of the neighbourhood within the cell that answered, 0 to 1.
+    /// Part of the neighbourhood within the cell that shows a direction, 0 to 1.
     pub coverage: f64,
 }
 
@@ -47,23 +48,24 @@ impl Fibre {
     }
 }
 
-/// An angle in radians as that of a line, degrees above -90 and up to 90.
+/// Angle of a line in degrees, above -90 and up to 90, from an angle in radians.
 fn line_angle_deg(angle: f64) -> f64 {
     let degrees = angle.to_degrees();
     90.0 - (90.0 - degrees).rem_euclid(180.0)
 }
 
-/// Numbers that sum up a field.
+/// Summary of a fibre field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FibreSummary {
-    /// Part of the cell's area in which the picture has the larger say, 0 to 1.
+    /// Part of the cell's area in which the direction comes mainly from the picture, 0 to 1.
     pub share_from_picture: f64,
-    /// Mean direction against the long axis, degrees counter-clockwise, above -90 and up to 90.
+    /// Mean angle to the long axis, degrees counter-clockwise, above -90 and up to 90.
     pub mean_angle_deg: f64,
-    /// How parallel the fibres of the cell are, `|mean of (cos 2 theta, sin 2 theta)|`: 1 for all in one direction,
-    /// 0 for all directions. Places where the long axis stands in count as such.
+    /// How parallel the fibres of the cell are, `|mean of (cos 2 theta, sin 2 theta)|`: 1 for all
+    /// in one direction, 0 for all directions. Places where the long axis is used are included.
     pub alignment: f64,
-    /// Mean over the cell of how sharply the picture shows one direction and one period, 0 to 1.
+    /// Mean over the cell of [`Fibre::order`]: how sharply the picture shows one direction and one
+    /// period, 0 to 1.
     pub mean_order: f64,
     /// Median length of the sarcomeres that were read, um, each place weighed by its area.
     pub median_sarcomere_um: Option<f64>,
@@ -73,32 +75,33 @@ pub struct FibreSummary {
     pub sarcomere_doubt: Option<SarcomereDoubt>,
 }
 
-/// Below this part of the cell, and above this angle from its long axis, a person is told.
+/// A warning is given below this part of the cell read from the picture, and above this angle from
+/// its long axis.
 const SMALL_SHARE: f64 = 0.25;
 const LARGE_ANGLE_DEG: f64 = 45.0;
 
-/// From this length over width on a cell is slender.
+/// A cell with at least this ratio of length to width is slender.
 const SLENDER: f64 = 2.5;
 
 /// Directions of the myofibrils everywhere in a cell; see [`fibres`](super::fibres()).
 #[derive(Debug, Clone, PartialEq)]
 pub struct FibreField {
     readings: Readings,
-    /// Vectors at twice the angle of the fibre, picture and long axis mixed.
+    /// Direction vectors at twice the fibre angle, mixed from picture and long axis.
     mixed: Vec<[f32; 2]>,
-    /// Part of each place's neighbourhood that answered.
+    /// Part of each place's neighbourhood that shows a direction.
     coverage: Vec<f32>,
     /// Unit vector.
     long_axis: [f64; 2],
-    /// The periods that were looked for, of stains that have stripes.
+    /// The periods that were searched, for stains with stripes.
     band: Option<Band>,
-    /// Stripes that no sarcomere can have made.
+    /// Stripes with a period that sarcomeres cannot have.
     misfit: Option<Misfit>,
 }
 
 impl FibreField {
-    /// Mixes the picture's directions with the long axis: where the picture answers it stands, and beside such
-    /// places it passes into the long axis over `border_um`.
+    /// Mixes the picture's directions with the long axis: the picture's direction is used where
+    /// there is one, and changes into the long axis over `border_um` beside such places.
     pub(super) fn new(
         readings: Readings,
         band: Option<Band>,
@@ -123,7 +126,7 @@ impl FibreField {
             .map(|part| part.min(1.0))
             .collect();
         let mixed = |place: usize| {
-            // On a straight border half of the neighbourhood answered.
+            // On a straight border half of the neighbourhood shows a direction.
             let beside = smooth_step(2.0 * f64::from(coverage[place]));
             let Reading { doubled, part, .. } = at[place];
             let vector =
@@ -142,11 +145,11 @@ impl FibreField {
 
     /// The fibre at a point, um from the lower left corner of the picture, y upward.
     ///
-    /// Outside the cell it is that of the nearest part of the picture that was looked at, or the long
-    /// axis; so a triangle that reaches over the outline has a fibre too.
+    /// Outside the cell it is that of the nearest examined part of the picture, or the long axis;
+    /// so a triangle that reaches over the outline has a fibre, too.
     pub fn at(&self, point_um: [f64; 2]) -> Fibre {
         let mut places = self.corners(point_um);
-        // What lies outside the cell has nothing to say beside what lies in it.
+        // Blocks outside the cell have no weight if another one lies inside.
         let share = |at: usize| f64::from(self.readings.place.share[at]);
         let within: f64 = places.iter().map(|&(at, part)| part * share(at)).sum();
         if within > f64::from(LEAST_SHARE) {
@@ -172,8 +175,8 @@ impl FibreField {
         }
     }
 
-    /// The fibre in each triangle of a mesh (`mesh.simplices`), at the triangle's centre: what the picture shows
-    /// there and the direction that was taken. The mesh must lie where the cell lies in the picture, as
+    /// The fibre in each triangle of a mesh (`mesh.simplices`), at the triangle's centre. The mesh
+    /// must lie where the cell lies in the picture, as
     /// [`lattice::from_mask`](myospring_core::mesh::lattice::from_mask) makes it.
     ///
     /// # Example
@@ -218,9 +221,9 @@ impl FibreField {
         self.on_triangles(mesh).into_iter().map(|fibre| fibre.direction).collect()
     }
 
-    /// Points of a square grid within the cell with their fibres, row by row from the top: what a
-    /// figure draws. `spacing_um` is the distance of neighbours; less than the field's own grid is taken
-    /// as that, so that the list is never longer than the picture.
+    /// The fibres at the points of a square grid within the cell, row by row from the top, for
+    /// figures. `spacing_um` is the distance between neighbours, at least that of the field's own
+    /// grid.
     pub fn on_grid(&self, spacing_um: f64) -> Vec<([f64; 2], Fibre)> {
         let place = &self.readings.place;
         let step = if spacing_um.is_finite() { spacing_um } else { 0.0 }.max(place.block_um);
@@ -243,18 +246,18 @@ impl FibreField {
         points
     }
 
-    /// Stripes too far apart or too close for sarcomeres, which were therefore not used.
+    /// Stripes too far apart or too close for sarcomeres; they were not used.
     pub fn misfit(&self) -> Option<Misfit> {
         self.misfit
     }
 
-    /// The long axis that stands in where the picture shows no direction, a unit vector.
+    /// The long axis, used where the picture shows no direction; a unit vector.
     pub fn long_axis(&self) -> [f64; 2] {
         self.long_axis
     }
 
-    /// Tells of a length of a sarcomere that was read somewhere, um, whether it is doubtful: near an end of the band that
-    /// is looked for, or in a cell of which too little was read.
+    /// Returns a function that determines whether a sarcomere length (um) is doubtful: near an end
+    /// of the searched band, or in a cell that was read in too small a part.
     pub fn doubtful_lengths(&self) -> impl Fn(f64) -> bool {
         let doubt = self.summary().sarcomere_doubt;
         let of_all = matches!(doubt, Some(SarcomereDoubt::FewPlaces { .. }));
@@ -262,7 +265,7 @@ impl FibreField {
         move |length| of_all || band.is_some_and(|band| band.doubt(length, 1.0).is_some())
     }
 
-    /// Numbers over the whole cell, each part of it weighed by its area.
+    /// Summary over the whole cell, weighted by area.
     pub fn summary(&self) -> FibreSummary {
         let (mut area, mut from_picture, mut order) = (0.0, 0.0, 0.0);
         let mut sum = [0.0; 2];
@@ -304,39 +307,27 @@ impl FibreField {
         }
     }
 
-    /// What a person should know before they trust the field, a sentence each: that the picture decided
-    /// in a small part of the cell only, that the fibres lie across the cell.
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::mesh::pixel_size::PixelSize;
-    /// use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
-    /// use myospring::microscopy::plane::Plane;
-    /// let plane = Plane::new(50, 50, vec![1.0; 2500]).unwrap();
-    /// let settings = FibreSettings::of(Stain::ZDisc);
-    /// let field = fibres(&plane, &[true; 2500], PixelSize::new(0.2)?, [0.0, 2.0], &settings)?;
-    /// assert!(field.warnings()[0].starts_with("the picture shows fibres in only 0 % of the cell"));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
+    /// Warnings about the field, one sentence each, for instance that the picture shows fibres in a
+    /// small part of the cell, or that they lie across the cell.
     pub fn warnings(&self) -> Vec<String> {
         let share = self.summary().share_from_picture;
         let mut warnings = self.doubts();
         if self.misfit.is_none() && share < SMALL_SHARE {
             warnings.push(format!(
-                "the picture shows fibres in only {:.0} % of the cell; elsewhere the long axis stands in",
+                "the picture shows fibres in only {:.0} % of the cell; elsewhere the long axis is used",
                 100.0 * share
             ));
         }
         warnings
     }
 
-    /// Of the warnings those that hold however little of the cell was expected to be read: stripes of another
-    /// period, a doubtful length of sarcomeres, fibres across the cell.
+    /// The warnings that do not depend on how much of the cell was read: stripes of another period,
+    /// a doubtful sarcomere length, fibres across the cell.
     pub fn doubts(&self) -> Vec<String> {
         let summary = self.summary();
         let mut warnings = Vec::new();
         if let Some(misfit) = self.misfit {
-            warnings.push(format!("{misfit}; they are not used, the long axis stands in"));
+            warnings.push(format!("{misfit}; they are not used; the long axis is used instead"));
         }
         if let (Some(length), Some(doubt)) = (summary.median_sarcomere_um, summary.sarcomere_doubt)
         {
@@ -359,7 +350,7 @@ impl FibreField {
         warnings
     }
 
-    /// The four blocks around a point with their parts.
+    /// The four blocks around a point with their interpolation weights.
     fn corners(&self, [x, y]: [f64; 2]) -> [(usize, f64); 4] {
         let place = &self.readings.place;
         let [columns, rows] = place.grid.size;
@@ -376,8 +367,8 @@ impl FibreField {
 
     /// The direction of a mixed vector.
     fn direction(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        // Picture and long axis may cancel: then there is no direction between the two. Where there is
-        // only the long axis it stays as it was given, to the last digit.
+        // Picture and long axis may cancel; then the long axis is used. Where there is only the
+        // long axis, it is returned exactly as given.
         let axis = double(self.long_axis);
         if x.hypot(y) < 1e-6 || (x - axis[0]).hypot(y - axis[1]) < 1e-6 {
             return self.long_axis;
@@ -398,7 +389,7 @@ impl FibreField {
             }
         }
         let [area, x, y, xx, yy, xy] = sums.map(|sum| sum / sums[0].max(f64::MIN_POSITIVE));
-        // A place is a square, not a point.
+        // Second moment of a unit square about its centre.
         let square = 1.0 / 12.0;
         let (xx, yy, xy) = (xx - x * x + square, yy - y * y + square, xy - x * y);
         let half = (0.5 * (xx - yy)).hypot(xy);
@@ -407,7 +398,8 @@ impl FibreField {
     }
 }
 
-/// The value below which lies a part of the weight, of values in ascending order with their weights.
+/// Weighted quantile: the value below which the part `part` of the total weight lies. `values` are
+/// (value, weight) in ascending order.
 fn quantile(values: &[(f64, f64)], part: f64) -> Option<f64> {
     let whole: f64 = values.iter().map(|(_, weight)| weight).sum();
     let mut below = 0.0;
@@ -420,7 +412,7 @@ fn quantile(values: &[(f64, f64)], part: f64) -> Option<f64> {
         .map(|(value, _)| *value)
 }
 
-/// From 0 at 0 to 1 at 1 without a kink.
+/// Smooth step from 0 at 0 to 1 at 1, with zero slope at both.
 fn smooth_step(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

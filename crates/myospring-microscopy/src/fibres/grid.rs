@@ -1,4 +1,4 @@
-//! A coarse grid over a window of pixels: sums over blocks, Gaussians, and values in between.
+//! A coarse grid over a window of pixels: sums over blocks, Gaussians, and linear interpolation.
 
 /// Square blocks of pixels over a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,7 +10,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Blocks of `block` pixels that cover a window of so many columns and rows.
+    /// Blocks of `block` pixels that cover a window of `[columns, rows]`.
     pub(super) fn over(window: [usize; 2], block: usize) -> Self {
         Self { size: window.map(|length| length.div_ceil(block).max(1)), block }
     }
@@ -27,7 +27,7 @@ impl Grid {
         }
     }
 
-    /// Convolves with a Gaussian of `sigma` blocks; nothing comes from outside.
+    /// Convolves with a Gaussian of `sigma` blocks; values outside the grid count as zero.
     pub(super) fn blur(&self, values: &mut [f32], sigma: f64) {
         let [columns, rows] = self.size;
         let half = half_gaussian(sigma, columns.max(rows));
@@ -44,7 +44,7 @@ impl Grid {
                 }
             }
         }
-        // Row by row, so that what is added to stays at hand.
+        // Row by row, so that memory is read in order.
         let line = |row: usize| &blurred[row * columns..(row + 1) * columns];
         for (row, out) in values.chunks_exact_mut(columns).enumerate() {
             out.fill(0.0);
@@ -61,7 +61,7 @@ impl Grid {
     }
 }
 
-/// Weights of a Gaussian at 0, 1, 2, ..., which sum to 1 with those on the other side.
+/// Weights of a Gaussian at 0, 1, 2, ..., normalised so that both sides together sum to 1.
 pub(super) fn half_gaussian(sigma: f64, longest: usize) -> Vec<f32> {
     let reach = ((4.0 * sigma).ceil() as usize).min(longest);
     let weight = |i: usize| (-0.5 * (i as f64 / sigma.max(1e-3)).powi(2)).exp();
@@ -69,7 +69,7 @@ pub(super) fn half_gaussian(sigma: f64, longest: usize) -> Vec<f32> {
     (0..=reach).map(|i| (weight(i) / sum) as f32).collect()
 }
 
-/// The value in the middle, 0 where there is none.
+/// The median; 0 for an empty list.
 pub(super) fn median(mut values: Vec<f32>) -> f32 {
     if values.is_empty() {
         return 0.0;
@@ -78,15 +78,15 @@ pub(super) fn median(mut values: Vec<f32>) -> f32 {
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// Place of a pixel's centre between the centres of two blocks: the first block, and the part of the
-/// way to the next.
+/// Interpolation of a pixel's position between block centres: the first block, and the fraction of
+/// the way to the next.
 pub(super) fn between(place: f64, blocks: usize) -> (usize, f64) {
     let place = if place.is_nan() { 0.0 } else { place.clamp(0.0, (blocks - 1) as f64) };
     let first = (place as usize).min(blocks.saturating_sub(2));
     (first, place - first as f64)
 }
 
-/// Values of a grid at all pixels of a row, straight lines between the centres of its blocks.
+/// Values of a grid at all pixels of a row, interpolated linearly between block centres.
 pub(super) struct Lines {
     columns: Vec<(u32, f32)>,
     line: Vec<f32>,

@@ -1,7 +1,6 @@
-//! Stripes whose period no sarcomere has: most likely the pixel size is wrong.
+//! Stripes with a period that sarcomeres cannot have: most likely the pixel size is wrong.
 //!
-//! Whatever looks for sarcomeres in a picture looks for other periods in the same picture at another pixel
-//! size. So nothing else is needed than to look again.
+//! Other periods are searched by the same code that searches sarcomeres, with another pixel size.
 
 use std::fmt;
 
@@ -10,21 +9,22 @@ use super::settings::FibreSettings;
 use super::spectra::{LONGEST_UM, SHORTEST_UM};
 use super::stripes::Stripes;
 
-/// Pixel sizes at which a picture is looked at again, relative to what is stated: periods from 2.5 to 4.7 um,
-/// from 0.8 to 1.4 and from 0.44 to 0.8.
+/// Pixel sizes, relative to the stated one, at which the picture is examined again: periods from
+/// 2.5 to 4.7 um, from 0.8 to 1.4 and from 0.44 to 0.8.
 const LONGER: f64 = 0.55;
 const SHORTER: [f64; 2] = [1.8, 3.2];
 
-/// Least part of a cell with stripes of another period for them to be believed.
+/// Least part of a cell that must show stripes of another period.
 const LEAST_SHARE: f64 = 0.4;
 
-/// A part of a cell with sarcomeres from which on shorter stripes are not looked for.
+/// If sarcomeres are found in at least this part of a cell, shorter stripes are not searched.
 const ENOUGH_SHARE: f64 = 0.1;
 
-/// Two periods are multiples of each other if their ratio is off a whole number by no more than this.
+/// Two periods are multiples of each other if their ratio differs from a whole number by at most
+/// this.
 const MULTIPLE: f64 = 0.15;
 
-/// The length that most sarcomeres have at rest, um.
+/// Usual length of sarcomeres at rest, um.
 const USUAL_UM: f64 = 1.85;
 
 /// Stripes that are too far apart or too close for sarcomeres.
@@ -63,7 +63,7 @@ impl fmt::Display for Misfit {
     }
 }
 
-/// Looks for another period that explains the picture better than the sarcomeres that were found in it.
+/// Searches for another period that explains the picture better than the sarcomeres found in it.
 pub(super) fn find(
     plane: &Plane,
     inside: &[bool],
@@ -79,7 +79,8 @@ pub(super) fn find(
         (share >= LEAST_SHARE).then_some((other.power, period_um))
     };
     let misfit = |period_um| Misfit { period_um, pixel_um };
-    // Stripes just beyond the band are seen from within it. Where they lie is told best by looking there.
+    // Stripes just beyond the band also appear at its end; the search beyond it finds their true
+    // period.
     let beyond = found.period_um.filter(|period| !found.band.contains(*period));
     if let Some(period) = beyond.filter(|_| found.share >= LEAST_SHARE) {
         let there = if period > found.band.longest_um { &[LONGER][..] } else { &SHORTER };
@@ -87,7 +88,8 @@ pub(super) fn find(
         return Some(misfit(better.unwrap_or(period)));
     }
     if let Some((power, period_um)) = at(LONGER) {
-        // Narrow stripes have twice and three times the wave number, too, but weaker: those are not the sarcomeres.
+        // Narrow stripes have weaker harmonics at two and three times their wave number; harmonics
+        // are not sarcomeres.
         let multiple = found.period_um.is_some_and(|period| {
             let ratio = period_um / period;
             ratio > 1.5 && (ratio - ratio.round()).abs() < MULTIPLE

@@ -1,4 +1,4 @@
-//! What a picture answers at the places of a grid.
+//! Directions and periods that a picture shows at the places of a grid.
 
 use super::grid::Grid;
 use super::window::Window;
@@ -16,7 +16,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// A grid of square blocks over a window, so many pixels wide.
+    /// A grid of square blocks over a window; `block` is the side of one in pixels.
     pub(super) fn over(window: &Window, block: usize) -> Self {
         let [columns, rows] = window.size;
         let grid = Grid::over(window.size, block.clamp(1, columns.max(rows)));
@@ -37,12 +37,12 @@ impl Place {
     }
 }
 
-/// The answer at one place.
+/// Direction and period at one place.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Reading {
     /// Unit vector at twice the angle of the fibre; zero where there is none.
     pub(super) doubled: [f32; 2],
-    /// Say of the picture against the long axis, 0 to 1.
+    /// Weight of the picture relative to the long axis, 0 to 1.
     pub(super) part: f32,
     /// How sharply the picture shows one direction (and, of stripes, one period), 0 to 1.
     pub(super) order: f32,
@@ -50,7 +50,7 @@ pub(super) struct Reading {
     pub(super) sarcomere_um: Option<f32>,
 }
 
-/// The answers of a picture over a cell.
+/// Directions and periods that a picture shows over a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Readings {
     pub(super) place: Place,
@@ -59,13 +59,13 @@ pub(super) struct Readings {
 }
 
 impl Readings {
-    /// The same places without an answer.
+    /// The same places without directions.
     pub(super) fn emptied(self) -> Self {
         let at = vec![Reading::default(); self.at.len()];
         Self { at, ..self }
     }
 
-    /// Part of the cell in which the picture has the larger say.
+    /// Part of the cell in which the picture has the larger weight.
     pub(super) fn answered_share(&self) -> f64 {
         let (mut answered, mut area) = (0.0, 0.0);
         for (reading, &share) in self.at.iter().zip(&self.place.share) {

@@ -2,10 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-/// Lengths that the settings may have, um.
+/// Bounds of the length settings, um.
 pub const SCALES_UM: RangeInclusive<f64> = 0.05..=100.0;
 
-/// Bounds of coherency that the settings may have.
+/// Bounds of the coherency setting.
 pub const COHERENCY_BOUNDS: RangeInclusive<f64> = 0.01..=0.9;
 
 /// What the picture shows of the myofibrils.
@@ -23,19 +23,19 @@ pub enum Stain {
 pub struct FibreSettings {
     /// What the picture shows.
     pub stain: Stain,
-    /// Standard deviation of the Gaussian whose derivative is the gradient, um; of filaments only. At least one
-    /// pixel is used, below which the directions of a square grid show through.
+    /// Standard deviation of the Gaussian whose derivative is the gradient, um; only for filaments.
+    /// At least one pixel is used: below that, the pixel grid biases the directions.
     pub gradient_scale_um: f64,
-    /// Standard deviation of the Gaussian whose mean is taken off, um: wider things than about six
-    /// times this are light, not structure.
+    /// Standard deviation of the Gaussian whose mean is subtracted, um: things wider than about six
+    /// times this count as uneven light.
     pub background_scale_um: f64,
     /// Standard deviation of the Gaussian over the local spectra or the tensors, um.
     pub smoothing_um: f64,
-    /// Width of the rim along the outline that does not count, um. Of filaments its inner part, three gradient
-    /// scales, is looked at for the gradients beside it.
+    /// Width of the ignored rim along the outline, um. For filaments, its inner part (three
+    /// gradient scales wide) still contributes to the gradients beside it.
     pub rim_um: f64,
-    /// Coherency at which picture and long axis weigh the same; of filaments only. From half of it to one and a
-    /// half of it the direction passes from the long axis to that of the picture.
+    /// Coherency at which picture and long axis have equal weight; only for filaments. The
+    /// picture's weight rises from 0 at half this value to 1 at one and a half times it.
     pub least_coherency: f64,
 }
 
@@ -45,10 +45,10 @@ impl FibreSettings {
     /// | setting | z-discs | filaments | why |
     /// |---|---|---|---|
     /// | gradient scale | - | 0.5 um | a Gaussian's derivative answers most to threads `2 pi` of its width apart: bundles of filaments |
-    /// | background scale | 1.5 um | 2 um | keeps what is up to 4 um long whole, and with it what a sarcomere is compared with |
-    /// | smoothing | 3 um | 3 um | about three sarcomeres to each side; fibres turn over more |
-    /// | rim | 0.8 um | 2 um | the blurred outline; with filaments beyond its reach through the gradient |
-    /// | least coherency | - | 0.2 | 99 of 100 places of a picture of noise alone stay below |
+    /// | background scale | 1.5 um | 2 um | keeps periods up to 4 um, with which those of sarcomeres are compared |
+    /// | smoothing | 3 um | 3 um | about three sarcomeres to each side; fibres turn over longer distances |
+    /// | rim | 0.8 um | 2 um | the blurred outline; for filaments, also its reach through the gradient |
+    /// | least coherency | - | 0.2 | 99 of 100 places in a picture of noise stay below |
     ///
     /// # Example
     /// ```

@@ -1,74 +1,77 @@
-//! Local power spectra: how much of which period lies in which direction, at places 2 um apart.
+//! Local power spectra: power by wave number and direction, at places 2 um apart.
 //!
-//! Around each place the picture is weighed with a Gaussian of [`WINDOW_UM`], and its Fourier transform is taken
-//! at wave numbers up to [`HIGHEST`] by direct sums (rows first, which neighbours in a column share). Of a
-//! stripe pattern such a transform shows a Gaussian peak of 0.08 per um standard deviation at its wave vector,
-//! without side lobes. The power is then read off along rays, at [`ORIENTATIONS`] directions and wave numbers that
-//! grow by a constant factor.
+//! Around each place the picture is weighted with a Gaussian of [`WINDOW_UM`], and its Fourier
+//! transform is taken at wave numbers up to [`HIGHEST`] by direct sums (rows first, shared by the
+//! places of a column). A stripe pattern gives a Gaussian peak of standard deviation 0.08 per um at
+//! its wave vector, without side lobes. The power is then sampled along rays, in [`ORIENTATIONS`]
+//! directions at wave numbers in geometric progression.
 
 use super::grid::{Grid, Lines, median};
 use super::reading::Place;
 use super::window::Window;
 
-/// Standard deviation of the Gaussian around a place, um: it holds about four sarcomeres.
+/// Standard deviation of the Gaussian around a place, um: the window contains about four
+/// sarcomeres.
 pub(super) const WINDOW_UM: f64 = 2.0;
 
-/// Distance of places, um, as long as there are no more than [`MOST_PLACES`].
+/// Distance between places, um; larger if there would be more than [`MOST_PLACES`].
 const STEP_UM: f64 = 2.0;
 
-/// Places of a cell with its bounding box; a larger one is looked at in coarser steps.
+/// Largest number of places in the bounding box of a cell; larger cells are sampled more coarsely.
 const MOST_PLACES: f64 = 20_000.0;
 
-/// Reach of the Gaussian, in standard deviations.
+/// Cut-off of the Gaussian, in standard deviations.
 const REACH: f64 = 3.0;
 
 /// Directions in half a turn.
 pub(super) const ORIENTATIONS: usize = 36;
 
-/// The longest and the shortest sarcomere that is looked for, um.
+/// The longest and the shortest sarcomere that is searched, um.
 pub(super) const LONGEST_UM: f64 = 2.6;
 pub(super) const SHORTEST_UM: f64 = 1.4;
 
 /// Ratio of neighbouring wave numbers.
 pub(super) const RATIO: f64 = 1.07;
 
-/// Wave numbers below that of the longest sarcomere: down to about half of it.
+/// Number of wave numbers below that of the longest sarcomere; they reach down to about half of it.
 const BELOW: i32 = 11;
 
 /// Largest wave number, per um: 1.65 times that of the shortest sarcomere.
 const HIGHEST: f64 = 1.65 / SHORTEST_UM;
 
-/// Part of the Nyquist wave number up to which a picture is looked at.
+/// Part of the Nyquist wave number up to which a picture is examined.
 const NYQUIST_PART: f64 = 0.92;
 
 /// Distance of wave numbers at which the transform is taken, per um.
 const SPACING: f64 = 0.05;
 
-/// Standard deviation of the Gaussian over which contrast is evened out, um.
+/// Standard deviation of the Gaussian over which contrast is normalised, um.
 const CONTRAST_UM: f64 = 3.0;
 
-/// Part of the cell's median contrast that counts as none.
+/// Contrast below this part of the cell's median counts as no contrast.
 const FAINT: f32 = 0.2;
 
-/// Evened values beyond this many standard deviations are cut: a bright spot or line is no louder.
+/// Normalised values are clipped at this many standard deviations, so that a bright spot or line
+/// has no more weight.
 const LOUDEST: f32 = 2.0;
 
-/// A place with less than this part of its Gaussian within the cell is not looked at.
+/// A place with less than this part of its Gaussian within the cell is skipped.
 const LEAST_WEIGHT: f32 = 0.1;
 
 /// Power spectra at the places of a grid.
 pub(super) struct Spectra {
     pub(super) place: Place,
-    /// Part of each place's Gaussian that lies in the cell, 0 where it was not looked at.
+    /// Part of each place's Gaussian that lies in the cell, 0 for skipped places.
     pub(super) weight: Vec<f32>,
     /// Wave numbers, per um, ascending.
     pub(super) wave_numbers: Vec<f64>,
-    /// Power of each place, wave number and direction, in this order, relative to the usual power of the place.
+    /// Power of each place, wave number and direction, in this order, relative to the typical power
+    /// of the place.
     pub(super) power: Vec<f32>,
 }
 
 impl Spectra {
-    /// The spectra of a cell.
+    /// Computes the spectra of a cell.
     pub(super) fn of(window: &Window) -> Self {
         let [columns, rows] = window.size;
         let area_um2 = (columns * rows) as f64 * window.pixel_um.powi(2);
@@ -107,7 +110,8 @@ impl Spectra {
     }
 }
 
-/// Divides a spectrum by its usual power: the mean over wave numbers of the median over directions.
+/// Divides a spectrum by its typical power: the mean over wave numbers of the median over
+/// directions.
 fn relative(power: &mut [f32]) {
     let count = power.len() / ORIENTATIONS;
     let middle = |ring: &[f32]| {
@@ -121,7 +125,7 @@ fn relative(power: &mut [f32]) {
     }
 }
 
-/// Part of the Gaussian around each place that counts.
+/// Part of the Gaussian around each place that lies on counted pixels.
 fn weights(window: &Window, grid: &Grid) -> Vec<f32> {
     let counted = counted(window);
     let mut weight = grid.zeros();
@@ -142,7 +146,7 @@ fn counted(window: &Window) -> Vec<f32> {
     window.counted.iter().map(|&counted| if counted { 1.0 } else { 0.0 }).collect()
 }
 
-/// The window's values over their local standard deviation, cut at [`LOUDEST`].
+/// The window's values divided by their local standard deviation, clipped at [`LOUDEST`].
 fn evened(window: &Window) -> Vec<f32> {
     let columns = window.size[0];
     let sigma = CONTRAST_UM / window.pixel_um;
@@ -168,7 +172,7 @@ fn evened(window: &Window) -> Vec<f32> {
     let known = squares.iter().zip(&within).filter(|(_, within)| **within);
     let usual = median(known.map(|(deviation, _)| *deviation).collect());
     let faint = (FAINT * usual).max(f32::MIN_POSITIVE);
-    // Rounding a slope to whole grey levels makes stripes of 0.3 levels; that is no contrast.
+    // A slope rounded to whole grey levels has steps of 0.3 levels; those are not contrast.
     let least = 0.5 * window.grey_step as f32;
     let mut lines = Lines::new(&grid, columns);
     let mut evened = vec![0.0; window.values.len()];
@@ -184,13 +188,13 @@ fn evened(window: &Window) -> Vec<f32> {
     evened
 }
 
-/// Where rays cross the transform, and the waves that make it.
+/// Sampling rays of the transform, and the waves from which it is computed.
 struct Rays {
-    /// Pixels to one side of a place.
+    /// Half-width of the window, pixels.
     half: usize,
-    /// Wave numbers of the transform along y, to one side.
+    /// Largest index of a wave number along y.
     reach: usize,
-    /// Wave numbers of the transform along x: from two below zero on.
+    /// Number of wave numbers along x; the first two are below zero.
     width: usize,
     /// The Gaussian times cosine and sine, `[offset][wave number]`, along x and along y.
     across: [Vec<f32>; 2],
@@ -199,7 +203,7 @@ struct Rays {
     samples: Vec<(usize, [f32; 4], [f32; 4])>,
 }
 
-/// Values left of wave number zero, which the interpolation reaches.
+/// Number of wave numbers below zero, needed for interpolation.
 const MARGIN: usize = 2;
 
 impl Rays {
@@ -226,7 +230,8 @@ impl Rays {
             .flat_map(|&wave_number| {
                 (0..ORIENTATIONS).map(move |direction| {
                     let angle = std::f64::consts::PI * direction as f64 / ORIENTATIONS as f64;
-                    // Rows run downward. A wave and its reverse are one: take that with x at least 0.
+                    // Rows run downward. A wave and its reverse are the same; the one with x at
+                    // least 0 is used.
                     let (mut x, mut y) = (angle.cos(), -angle.sin());
                     if x < 0.0 {
                         (x, y) = (-x, -y);
@@ -256,7 +261,8 @@ impl Rays {
     }
 }
 
-/// Weights of the cubic through four values (Catmull and Rom), at a part of the way from the second to the third.
+/// Weights of the cubic interpolation through four values (Catmull and Rom), at a fraction of the
+/// way from the second to the third.
 fn cubic(t: f64) -> [f32; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [-t + 2.0 * t2 - t3, 2.0 - 5.0 * t2 + 3.0 * t3, t + 4.0 * t2 - 3.0 * t3, t3 - t2]
@@ -267,7 +273,8 @@ fn cubic(t: f64) -> [f32; 4] {
 struct Strip {
     /// Real and imaginary parts, `[row][wave number]`, with empty rows above and below.
     rows: [Vec<f32>; 2],
-    /// Sums over rows at the same distance above and below a place: of real and imaginary parts.
+    /// Even and odd sums of rows at equal distance above and below a place, for real and imaginary
+    /// parts.
     sums: [Vec<f32>; 4],
 }
 
@@ -278,7 +285,7 @@ impl Strip {
         Self { rows: [zeros(), zeros()], sums: [line(), line(), line(), line()] }
     }
 
-    /// Takes the transforms along the rows, around a column of pixels.
+    /// Computes the transforms along the rows, around a column of pixels.
     fn fill(&mut self, rays: &Rays, values: &[f32], columns: usize, middle: usize) {
         let width = rays.width;
         for (row, line) in values.chunks_exact(columns).enumerate() {
@@ -324,14 +331,15 @@ impl Strip {
                 let sine = rays.down[1][offset * (reach + 1) + wave];
                 let below = (middle + half + offset) * width;
                 let above = (middle + half - offset) * width;
-                // The row itself counts once.
+                // The central row is added only once.
                 let both = if offset == 0 { 0.0 } else { 1.0 };
                 let lines = |rows: &'a [f32]| [&rows[below..][..width], &rows[above..][..width]];
                 let wave = [cosine, sine];
                 add(even_real, odd_real, wave, both, lines(rows_real));
                 add(even_imaginary, odd_imaginary, wave, both, lines(rows_imaginary));
             }
-            // The sum of f(x, y) exp(-i k y) is C - i D with C of the even, D of the odd part.
+            // The sum of f(x, y) exp(-i k y) is C - i D, where C comes from the even and D from the
+            // odd part.
             for at in 0..width {
                 let (a, b, c, d) =
                     (even_real[at], even_imaginary[at], odd_real[at], odd_imaginary[at]);
@@ -342,7 +350,7 @@ impl Strip {
     }
 }
 
-/// Adds two lines to the sums of their even and of their odd part.
+/// Adds two lines to the sums of their even part and of their odd part.
 fn add(
     even: &mut [f32],
     odd: &mut [f32],

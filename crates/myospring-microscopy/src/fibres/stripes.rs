@@ -1,17 +1,18 @@
-//! Stripes: the direction and the period of sarcomeres, where a peak stands out of the local spectrum.
+//! Stripes: direction and period of sarcomeres, from peaks in local power spectra.
 //!
-//! 1. The spectra ([`Spectra`]) are averaged over neighbours (a Gaussian of [`FibreSettings::smoothing_um`] in
-//!    place, that of the window included), which keeps a peak that neighbours share and levels those that noise and columns of myofibrils
-//!    throw up here and there.
-//! 2. A peak's **contrast** is its power over the power at shorter and at longer waves of the same direction,
-//!    their geometric mean. This whitens the spectrum by itself: any power law, noise, a single line or an edge
-//!    has the contrast 1 in every direction, and only what repeats at one distance has more.
+//! 1. The spectra ([`Spectra`]) are averaged over neighbours (a Gaussian of
+//!    [`FibreSettings::smoothing_um`] in place, that of the window included), which keeps peaks that
+//!    neighbours share and flattens the isolated ones of noise and of columns of myofibrils.
+//! 2. A peak's **contrast** is its power divided by the geometric mean of the powers at shorter and
+//!    longer waves in the same direction. This whitens the spectrum: any power law (noise, a single
+//!    line, an edge) has contrast 1 in every direction; only a periodic pattern has more.
 //! 3. Sarcomeres of one cell have about one length: the most frequent period over all places.
-//! 4. Near this period the logarithms of the contrast are made continuous: three times, the evidence of a place is
-//!    multiplied by the mean of its neighbours' in place and direction (as votes of neighbours in
-//!    `guy_medioni_1996`). The direction with the most evidence is the fibre's, if its contrast is high enough and if
-//!    the wave is there at the place itself, not only around it.
-//! 5. The centre of the peak gives angle and period between the samples.
+//! 4. The evidence of a place for a direction is the logarithm of the contrast near this period.
+//!    Three times, it is multiplied by the mean of its neighbours' in place and direction (like the
+//!    votes of neighbours in `guy_medioni_1996`). The direction with the most evidence is the
+//!    fibre's, if its contrast is high enough and if the wave is present at the place itself, not
+//!    only around it.
+//! 5. The centre of the peak gives angle and period to better than the sampling.
 
 use super::super::plane::Plane;
 use super::doubt::Band;
@@ -22,56 +23,60 @@ use super::spectra::{LONGEST_UM, ORIENTATIONS, RATIO, SHORTEST_UM, Spectra, WIND
 use super::window::{Cut, Window};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Pixels are put together up to this side, um: the shortest sarcomere has still more than five of them.
+/// Pixels are binned up to this side, um: more than five pixels per shortest sarcomere.
 const ENOUGH_UM: f64 = 0.25;
-/// The shortest period that pixels show, pixels.
+/// The shortest period that can be resolved, pixels.
 const LEAST_PIXELS: f64 = 2.5;
-/// Contrast from which on a peak is one: 98 of 100 places stay below it in pictures of nothing but columns of
-/// myofibrils, all places in pictures of noise.
+/// Least contrast of a peak: 98 of 100 places stay below it in pictures of columns of myofibrils
+/// alone, and all places in pictures of noise.
 const LEAST_CONTRAST: f32 = 8.0;
 
-/// Contrast that counts for finding the period of the cell.
+/// Least contrast of a peak that helps to determine the cell's period.
 const SEEN_CONTRAST: f32 = 4.0;
 
-/// Least part of a cell's places with a peak at its period, and the contrast of that peak: many places with a
-/// peak, or few with a clear one. Less is what chance throws up.
+/// Least part of a cell's places with a peak at its period, and the contrast of that peak: many
+/// places with a peak, or few with a clear one. Less may be chance.
 const LEAST_SHARES: [(f64, f32); 2] = [(0.08, LEAST_CONTRAST), (0.02, 2.0 * LEAST_CONTRAST)];
 
-/// Fewest such places.
+/// Least number of such places.
 const FEWEST_PLACES: usize = 2;
 
-/// Sarcomeres of one cell: standard deviation of the logarithm of their length, and how far it may be off.
+/// Standard deviation of the logarithm of sarcomere length within one cell, and its largest
+/// deviation.
 const SPREAD: f64 = 0.12;
 const WIDEST: f64 = 0.18;
 
 /// Least ratio of the wave's amplitude at a place to that around it.
 const LEAST_AMPLITUDE: f32 = 0.4;
 
-/// Standard deviation of the Gaussian in which the wave itself must be seen, um, and of its surroundings.
+/// Standard deviations of the Gaussians over which the wave's amplitude is measured at a place and
+/// around it, um.
 const WAVE_UM: f64 = 1.0;
 const SURROUNDINGS_UM: f64 = 6.0;
 
 /// Standard deviation in direction, samples of 5 degrees: 8 degrees, about the width of a peak.
 const TURN: f32 = 1.6;
 
-/// Rounds in which neighbours make the evidence continuous, and over how much, um.
+/// Rounds of smoothing the evidence over neighbours, and the distance over which it is smoothed,
+/// um.
 const ROUNDS: usize = 3;
 const CONTINUITY_UM: f64 = 4.0;
 
-/// Shorter and longer waves that a peak is compared with, relative to its wave number.
+/// Wave numbers of the longer and shorter waves that a peak is compared with, relative to its own.
 const LONGER: [f64; 2] = [0.5, 0.72];
 const SHORTER: [f64; 2] = [1.32, 1.65];
 
-/// What the stripes of a cell say.
+/// Result of searching stripes in a cell.
 pub(super) struct Stripes {
     pub(super) readings: Readings,
-    /// The periods that were looked for.
+    /// The periods that were searched.
     pub(super) band: Band,
-    /// Median period of the places that show one, um; those beyond the band, which do not answer, count.
+    /// Median period of the places that show one, um, including periods beyond the band.
     pub(super) period_um: Option<f64>,
-    /// Part of the cell that these places are.
+    /// Part of the cell that these places cover.
     pub(super) share: f64,
-    /// Median over the answers of the wave's power (half the square of its height), in grey levels squared.
+    /// Median power of the wave (half its squared amplitude) over the places with a direction, grey
+    /// levels squared.
     pub(super) power: f32,
 }
 
@@ -94,10 +99,10 @@ pub(super) fn of_cell(
     Some(read(&window, LEAST_PIXELS * pixel_um, settings))
 }
 
-/// Looks for stripes whose period is at least `shortest_um`.
+/// Searches stripes with a period of at least `shortest_um`.
 pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) -> Stripes {
     let mut spectra = Spectra::of(window);
-    // The spectra are means over their windows already.
+    // The spectra are already means over their windows.
     let own_um = FRAC_1_SQRT_2 * WINDOW_UM;
     let around_um = (settings.smoothing_um.powi(2) - own_um.powi(2)).max(0.0).sqrt();
     let around = around_um / spectra.place.block_um;
@@ -128,33 +133,33 @@ pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) 
         let Some(period) = reading.sarcomere_um else { continue };
         periods.push(period);
         shown += f64::from(cell.spectra.place.share[place]);
-        // A peak at the end of the band may have its centre outside.
+        // The centre of a peak at the end of the band may lie outside.
         if band.contains(f64::from(period)) {
             at[place] = reading;
         }
     }
-    // Without those beyond the band the median would be drawn into it.
+    // Periods beyond the band are included; otherwise the median would be biased into it.
     let period_um = (!periods.is_empty()).then(|| f64::from(median(periods)));
     let all: f64 = cell.spectra.place.share.iter().map(|share| f64::from(*share)).sum();
     let share = if all > 0.0 { shown / all } else { 0.0 };
     Stripes { readings: Readings { place: cell.spectra.place, at }, band, period_um, share, power }
 }
 
-/// A peak of a spectrum, by the samples it lies nearest to.
+/// A peak of a spectrum, by its nearest samples.
 #[derive(Debug, Clone, Copy)]
 struct Peak {
-    /// Place in the list of wave numbers, and in the band.
+    /// Index in the list of wave numbers, and in the band.
     wave: usize,
     band: usize,
     direction: usize,
     contrast: f32,
 }
 
-/// What is known of a cell.
+/// Spectra of a cell, averaged over neighbours, with their contrasts.
 struct Cell<'a> {
     window: &'a Window,
     spectra: Spectra,
-    /// Averaged over neighbours, otherwise like that of the spectra.
+    /// Power averaged over neighbours; order as in [`Spectra::power`].
     power: Vec<f32>,
     comparison: Comparison,
     /// Contrast of each place, wave number of the band, and direction.
@@ -168,12 +173,12 @@ impl Cell<'_> {
         &self.contrasts[at * ORIENTATIONS..][..ORIENTATIONS]
     }
 
-    /// Natural logarithm of a wave number of the band against another.
+    /// Logarithm of the ratio of a wave number of the band to another.
     fn off(&self, wave: usize, common: f64) -> f64 {
         (self.spectra.wave_numbers[self.comparison.band[wave].at] / common).ln()
     }
 
-    /// The wave number that most places agree on, per um, if enough do.
+    /// The wave number that most places share, per um; `None` if too few do.
     fn common_wave_number(&self) -> Option<f64> {
         let share = &self.spectra.place.share;
         let mut best = Vec::new();
@@ -207,7 +212,8 @@ impl Cell<'_> {
         enough.then(|| common.exp())
     }
 
-    /// Logarithm of the contrast near the common wave number, of each place and direction, at least 0.
+    /// Evidence (logarithm of the contrast, at least 0) near the common wave number, for each place
+    /// and direction.
     fn evidence(&self, common: f64) -> Vec<f32> {
         let places = 0..self.spectra.weight.len();
         places
@@ -224,7 +230,7 @@ impl Cell<'_> {
             .collect()
     }
 
-    /// The direction with the most evidence at each place, once neighbours have made it continuous.
+    /// The direction with the most evidence at each place, after smoothing over neighbours.
     fn continuous(&self, evidence: &[f32]) -> Vec<usize> {
         let place = &self.spectra.place;
         let sigma = CONTINUITY_UM / place.block_um;
@@ -248,7 +254,7 @@ impl Cell<'_> {
         joined.chunks_exact(ORIENTATIONS).map(largest).collect()
     }
 
-    /// The highest contrast in a direction, near the common wave number.
+    /// The peak with the highest contrast in a direction, near the common wave number.
     fn peak(&self, place: usize, direction: usize, common: f64) -> Option<Peak> {
         let peak = |wave: usize| {
             let contrast = self.ring(place, wave)[direction];
@@ -263,9 +269,9 @@ impl Cell<'_> {
         })
     }
 
-    /// Whether the wave of a peak is there at the place itself: a place without stripes beside others has
-    /// their peak, for windows overlap, but not their amplitude. Too near to the outline neighbours decide. Beside, the median power
-    /// of the waves.
+    /// Whether the wave of a peak is present at the place itself. Windows overlap, so a place
+    /// without stripes shows the peak of its neighbours, but not their amplitude. Too near to the
+    /// outline, the neighbours' results decide. Also returns the median power of the waves.
     fn seen_at_the_place(&self, peaks: &[Option<Peak>]) -> (Vec<bool>, f32) {
         let grid = &self.spectra.place.grid;
         let power: Vec<Option<f32>> = peaks
@@ -297,7 +303,8 @@ impl Cell<'_> {
         (seen, median(power.into_iter().flatten().collect()))
     }
 
-    /// Power of a wave close around a place, the picture's contrast as it is; none too near to the outline.
+    /// Power of a wave close around a place, without normalised contrast; `None` too near to the
+    /// outline.
     fn power_at(&self, place: usize, peak: Peak) -> Option<f32> {
         let Window { size: [columns, rows], pixel_um, values, counted, .. } = self.window;
         let grid = &self.spectra.place.grid;
@@ -326,7 +333,7 @@ impl Cell<'_> {
             }
         }
         let whole = std::f64::consts::TAU * (WAVE_UM / pixel_um).powi(2);
-        // With less than a quarter of a Gaussian a wave and an edge look the same.
+        // With less than a quarter of a Gaussian, a wave cannot be distinguished from an edge.
         (mass > 0.25 * whole)
             .then(|| ((real * real + imaginary * imaginary) / (mass * mass)) as f32)
     }
@@ -349,7 +356,7 @@ impl Cell<'_> {
             for turn in -3..=3 {
                 let beside = peak.wave.saturating_sub(1)..=(peak.wave + 1).min(waves.len() - 1);
                 let power: f64 = beside.map(|wave| at(wave, nearest + turn) - background).sum();
-                // The sample at the end of the range moves out and in with the nearest one.
+                // The window of samples moves with the nearest sample.
                 sum += power.max(0.0) * f64::from(turn);
                 weights += power.max(0.0);
             }
@@ -377,8 +384,9 @@ impl Cell<'_> {
         } else {
             waves[wave]
         };
-        // Contrast of the other directions at this wave number, against their own neighbours in the spectrum and
-        // against those of the peak: where there is next to nothing, nothing stands out.
+        // Contrast of the other directions at this wave number, relative to the smaller of two
+        // references: their own spectral neighbours, and those of the peak. Where there is almost
+        // no power, no direction has contrast.
         let mut ring = power[peak.wave * ORIENTATIONS..][..ORIENTATIONS].to_vec();
         turned(&mut ring);
         let beside = ring[peak.direction] / peak.contrast;
@@ -405,22 +413,22 @@ fn angle(direction: f64) -> f64 {
     std::f64::consts::PI * direction / ORIENTATIONS as f64
 }
 
-/// Weight of a period that is off the common one, by the logarithm of their ratio.
+/// Weight of a period by the logarithm of its ratio to the common one.
 fn nearness(off: f64) -> f32 {
     if off.abs() > WIDEST { 0.0 } else { (-0.5 * (off / SPREAD).powi(2)).exp() as f32 }
 }
 
-/// The place of the top of a parabola through three points, not beyond the outer two.
+/// The position of the maximum of a parabola through three points, limited to their range.
 fn vertex([(a, fa), (b, fb), (c, fc)]: [(f64, f64); 3]) -> f64 {
     let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
     let bend = (right - left) / (c - a);
-    // The slope in the middle of the first two, and where it has come down to zero.
+    // Slope midway between the first two points, extrapolated linearly to zero.
     if bend < 0.0 { (0.5 * (a + b) - 0.5 * left / bend).clamp(a, c) } else { b }
 }
 
-/// A wave number of the band, with those it is compared with.
+/// A wave number of the band with the shorter and longer waves it is compared with.
 struct Compared {
-    /// Place in the list of wave numbers.
+    /// Index in the list of wave numbers.
     at: usize,
     longer: std::ops::Range<usize>,
     shorter: std::ops::Range<usize>,
@@ -438,14 +446,14 @@ impl Comparison {
             first..wave_numbers.partition_point(|&wave| wave < high)
         };
         let [first, last] = [LONGEST_UM, shortest_um.max(SHORTEST_UM)].map(f64::recip);
-        // Half a step more at each end, so that rounding leaves none out.
+        // Half a step more at each end, against rounding.
         let half = RATIO.sqrt();
         let band = between([first / half, last * half]).map(|at| Compared {
             at,
             longer: between(LONGER.map(|part| part * wave_numbers[at])),
             shorter: between(SHORTER.map(|part| part * wave_numbers[at])),
         });
-        // Where pixels hide what is shorter there is nothing to compare with.
+        // Wave numbers without shorter waves above the pixel size cannot be compared.
         Self { band: band.filter(|wave| wave.longer.len() > 1 && wave.shorter.len() > 1).collect() }
     }
 

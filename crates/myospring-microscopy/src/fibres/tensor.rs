@@ -1,4 +1,4 @@
-//! Structure tensors: products of gradients, summed over blocks of pixels, evened out and smoothed.
+//! Structure tensors: products of gradients, summed over blocks of pixels, normalised and smoothed.
 
 use super::super::plane::Plane;
 use super::grid::median;
@@ -6,24 +6,24 @@ use super::reading::{Place, Reading, Readings};
 use super::settings::FibreSettings;
 use super::window::{Cut, Window};
 
-/// Pixels are put together until the gradient scale has no more than about twice this many.
+/// Pixels are binned until the gradient scale is at most about twice this many pixels.
 const ENOUGH_PIXELS: f64 = 1.25;
 
-/// Reach of a Gaussian, in standard deviations: what lies beyond is a part in 3000 of its height.
+/// Cut-off of a Gaussian, in standard deviations; its value there is 1/3000 of its height.
 const REACH: f64 = 4.0;
 
-/// So many standard deviations of the gradient's Gaussian into the rim the picture is looked at: a step
-/// there weighs a part in 90 of one in the middle.
+/// How far into the rim the picture is used, in standard deviations of the gradient's Gaussian: a
+/// step there has 1/90 of the weight of one in the middle.
 const SEEN: f64 = 3.0;
 
-/// Part of the cell's median gradient energy below which a place counts as faint. A place with a third
-/// of the usual contrast has a ninth of its energy, and thus about half the weight.
+/// Gradient energy below this part of the cell's median counts as faint. A place with a third of
+/// the usual contrast has a ninth of the energy, and so about half the weight.
 const FAINT: f64 = 0.1;
 
-/// A place with less than this part of its neighbourhood counted has no direction of its own.
+/// A place with less than this part of its neighbourhood counted has no direction.
 const LEAST_SUPPORT: f32 = 0.05;
 
-/// Sums over the blocks of a grid of what the gradient `g` gives, y upward.
+/// Sums over the blocks of a grid, from the gradient `g`, y upward.
 struct Tensors {
     place: Place,
     /// `g_x^2 - g_y^2`, the trace times the coherency times the cosine of the doubled angle.
@@ -34,7 +34,7 @@ struct Tensors {
     energy: Vec<f32>,
     /// Number of pixels counted.
     weight: Vec<f32>,
-    /// Gradient energy of stripes one step of grey in amplitude.
+    /// Gradient energy of stripes with an amplitude of one grey step.
     least_energy: f64,
 }
 
@@ -50,7 +50,7 @@ fn kernels(sigma: f64, reach: usize) -> [Vec<f32>; 2] {
     ]
 }
 
-/// The directions that the gradients show; `None` where no pixel is the cell.
+/// Reads directions from gradients; `None` if no pixel belongs to the cell.
 pub(super) fn read(
     plane: &Plane,
     inside: &[bool],
@@ -64,8 +64,8 @@ pub(super) fn read(
         side,
         background_um: settings.background_scale_um,
         rim_um: settings.rim_um,
-        // The brightness of the membrane, and its blur, must not reach the gradients that count; what
-        // lies deeper than the gradient's reach must, for they are made of it.
+        // The bright, blurred membrane must not influence the counted gradients; the pixels within
+        // reach of these gradients are needed for them.
         unseen_um: settings.rim_um - SEEN * sigma * pixel_um,
         frame: (REACH * sigma).ceil() as usize,
     };
@@ -113,7 +113,7 @@ fn tensors(window: &Window, sigma: f64, settings: &FibreSettings) -> Tensors {
     tensors
 }
 
-/// What is summed, along one row of pixels; zero where a pixel does not count.
+/// Products of gradients along one row of pixels; zero where a pixel does not count.
 struct Products {
     cosine: Vec<f32>,
     sine: Vec<f32>,
@@ -127,7 +127,7 @@ impl Products {
         Self { cosine: zeros(), sine: zeros(), energy: zeros(), weight: zeros() }
     }
 
-    /// From the gradients of a row, rows running downward, between two columns.
+    /// Fills in the products from the gradients of a row (rows run downward), between two columns.
     fn fill(&mut self, [gx, gy]: [&[f32]; 2], counted: &[bool], [from, to]: [usize; 2]) {
         let Self { cosine, sine, energy, weight } = self;
         for out in [&mut *cosine, &mut *sine, &mut *energy, &mut *weight] {
@@ -138,7 +138,7 @@ impl Products {
         let (energy, weight) = (&mut energy[from..to], &mut weight[from..to]);
         let (gx, gy, counted) = (&gx[from..to], &gy[from..to], &counted[from..to]);
         for i in 0..to - from {
-            // Not by a product with zero, which a value that is not finite would survive.
+            // Not by multiplying with zero: NaN and infinity would remain.
             let (x, y) = if counted[i] { (gx[i], -gy[i]) } else { (0.0, 0.0) };
             cosine[i] = x * x - y * y;
             sine[i] = 2.0 * x * y;
@@ -179,7 +179,7 @@ enum Parity {
     Odd,
 }
 
-/// An even or odd kernel along a row, from one column to another.
+/// Convolves a row with an even or odd kernel, from one column to another.
 fn along_row(
     values: &[f32],
     [from, to]: [usize; 2],
@@ -207,7 +207,7 @@ fn along_row(
 }
 
 impl Tensors {
-    /// Evens out the contrast and takes the mean over the neighbourhood.
+    /// Normalises the contrast and averages over the neighbourhood.
     fn smoothed(self, settings: &FibreSettings) -> Readings {
         let Self { place, mut cosine, mut sine, mut energy, mut weight, least_energy } = self;
         let grid = place.grid;
@@ -221,8 +221,8 @@ impl Tensors {
         let counted = around.iter().zip(&weight).filter(|(_, weight)| **weight > 0.0);
         let usual = median(counted.map(|(energy, _)| *energy).collect());
         let faint = (FAINT * f64::from(usual)).max(least_energy) as f32;
-        // Coherency is |sum of the doubled vectors| / sum of the traces; what counts as faint stands in
-        // the traces like noise, which has no direction.
+        // Coherency is |sum of the doubled vectors| / sum of the traces; the faint energy is added
+        // to the traces like noise, which has no direction.
         for at in 0..around.len() {
             let whole = around[at] + faint;
             let scale = if whole > 0.0 { whole.recip() } else { 0.0 };
@@ -247,7 +247,7 @@ impl Tensors {
                 return Reading::default();
             }
             Reading {
-                // Along the threads lies the small eigenvector, across them the large one.
+                // The eigenvector of the small eigenvalue lies along the threads.
                 doubled: vector.map(|x| -x / order),
                 part: smooth_step(order / settings.least_coherency as f32 - 0.5),
                 order: order.min(1.0),
@@ -259,7 +259,7 @@ impl Tensors {
     }
 }
 
-/// From 0 at 0 to 1 at 1 without a kink.
+/// Smooth step from 0 at 0 to 1 at 1, with zero slope at both.
 fn smooth_step(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

@@ -1,4 +1,5 @@
-//! The part of a picture that holds the cell, its light evened out, at the pixels that gradients need.
+//! The part of a picture that holds the cell, with its local mean subtracted, at the needed
+//! resolution.
 
 use super::super::dilation::{Norm, eroded};
 use super::super::plane::Plane;
@@ -7,27 +8,28 @@ use super::grid::{Grid, Lines};
 /// How a cell is cut out of a picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cut {
-    /// So many pixels along rows and columns are put together.
+    /// This number of pixels along rows and along columns is binned into one.
     pub(super) side: usize,
-    /// Standard deviation of the Gaussian whose mean is taken off, um.
+    /// Standard deviation of the Gaussian whose mean is subtracted, um.
     pub(super) background_um: f64,
-    /// Width of the rim along the outline that does not count, um.
+    /// Width of the ignored rim along the outline, um.
     pub(super) rim_um: f64,
-    /// Width of its outer part that is not looked at either, um.
+    /// Width of the rim's outer part that is not used for filtering either, um.
     pub(super) unseen_um: f64,
     /// Width of the empty frame around the cell, pixels of the window.
     pub(super) frame: usize,
 }
 
-/// Grey values less their local mean within the cell, zero elsewhere, with an empty frame around it.
+/// Grey values minus their local mean within the cell, zero elsewhere, with an empty frame around
+/// it.
 pub(super) struct Window {
     /// Pixels along a row, and rows.
     pub(super) size: [usize; 2],
-    /// Values less their local mean, row by row from the top.
+    /// Values minus their local mean, row by row from the top.
     pub(super) values: Vec<f32>,
     /// Whether a pixel lies in the cell.
     pub(super) inside: Vec<bool>,
-    /// Whether a pixel lies in the cell and not in its rim, so that it counts.
+    /// Whether a pixel lies in the cell outside its rim, so that it counts.
     pub(super) counted: Vec<bool>,
     /// Side of a pixel here, um.
     pub(super) pixel_um: f64,
@@ -66,7 +68,7 @@ impl Window {
             frame,
             grey_step: 0.0,
         };
-        // Counted from one of the cell's own values, small numbers are left to add up.
+        // Subtracting one of the cell's own values keeps sums small and precise.
         let mut cell = plane.values().iter().zip(inside);
         let level = cell.find(|(value, inside)| **inside && value.is_finite());
         let level = level.map_or(0.0, |(value, _)| *value);
@@ -90,9 +92,9 @@ impl Window {
             }
             let start = (row + frame) * size[0] + frame;
             for (column, (sum, [of_cell, known])) in sums.iter().zip(&counts).enumerate() {
-                // A pixel that is partly outside would carry the step at the outline.
+                // A binned pixel partly outside would contain the step at the outline.
                 if *of_cell as usize == side * side {
-                    // Not a number where no value is known.
+                    // NaN if no value is known.
                     window.values[start + column] = sum / *known as f32;
                     window.inside[start + column] = true;
                 }
@@ -105,12 +107,12 @@ impl Window {
         Some(window)
     }
 
-    /// Takes off the mean around each pixel over the pixels that are seen: normalised convolution with
-    /// a Gaussian. What is not seen or not known becomes the mean, zero.
+    /// Subtracts the local mean over the visible pixels: normalised convolution with a Gaussian.
+    /// Pixels that are not visible or have no value become zero.
     fn take_off_local_mean(&mut self, scale_um: f64, seen: &[bool]) {
         let columns = self.size[0];
         let sigma = scale_um / self.pixel_um;
-        // Half of the Gaussian's width is fine enough to draw it straight in between.
+        // Blocks of half the Gaussian's width are fine enough for linear interpolation.
         let grid = Grid::over(self.size, ((sigma / 2.0) as usize).max(1));
         let (mut sums, mut counts) = (grid.zeros(), grid.zeros());
         let (mut known, mut weights) = (vec![0.0; columns], vec![0.0; columns]);
@@ -141,14 +143,14 @@ impl Window {
         }
     }
 
-    /// The pixels of the cell further than `rim` pixels from its outline (along rows, columns or
+    /// The pixels of the cell more than `rim` pixels from its outline (along rows, columns or
     /// diagonals).
     fn without_rim(&self, rim: f64) -> Vec<bool> {
         eroded(&self.inside, self.size[0], rim.round() as usize, Norm::Chessboard)
     }
 }
 
-/// First column, column behind the last, first row, row behind the last of the cell.
+/// Bounding box of the cell: first column, column after the last, first row, row after the last.
 fn bounds(inside: &[bool], width: usize) -> Option<[usize; 4]> {
     let mut bounds: Option<[usize; 4]> = None;
     for (row, line) in inside.chunks_exact(width).enumerate() {
@@ -160,7 +162,8 @@ fn bounds(inside: &[bool], width: usize) -> Option<[usize; 4]> {
     bounds
 }
 
-/// The smallest difference of neighbours in a row of the cell, at least what single precision resolves.
+/// The smallest difference between neighbours in a row of the cell, at least the resolution of
+/// single precision.
 fn grey_step(plane: &Plane, inside: &[bool]) -> f64 {
     let (mut step, mut largest) = (f32::INFINITY, 0.0_f32);
     let rows = plane.values().chunks_exact(plane.width());

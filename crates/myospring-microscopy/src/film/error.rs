@@ -2,13 +2,13 @@
 
 use crate::read::PictureError;
 
-/// Fewest frames of a film: at rest, and moved.
+/// Least number of frames of a film.
 pub const FEWEST_FRAMES: usize = 3;
 
 /// Why bytes are not a film, or a frame is not one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FilmError {
-    /// No TIFF, AVI or `YUV4MPEG2`, or a damaged one.
+    /// Not a TIFF, AVI or `YUV4MPEG2`, or a damaged one.
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// One frame cannot be read.
@@ -16,7 +16,7 @@ pub enum FilmError {
     Frame {
         /// Its number, from 0.
         frame: usize,
-        /// Its file, where each has one.
+        /// Its file, if each frame has one.
         name: Option<String>,
         /// What is wrong.
         cause: PictureError,
@@ -33,7 +33,7 @@ pub enum FilmError {
         name: Option<String>,
         /// Columns and rows of the first frame.
         expected: [usize; 2],
-        /// Its own.
+        /// Those of this frame.
         found: [usize; 2],
     },
     /// Too few frames.
@@ -46,7 +46,7 @@ pub enum FilmError {
         /// How many there are.
         frames: usize,
     },
-    /// A frame that is not there.
+    /// A frame that does not exist.
     #[error(
         "frame {frame} was asked for, but the film has {frames}, 0 to {}",
         frames.saturating_sub(1)
@@ -65,13 +65,13 @@ pub enum FilmError {
         /// What is wrong.
         reason: String,
     },
-    /// Compression that is not read here.
+    /// Unsupported compression.
     #[error(
-        "the frames are compressed with {codec}, which is not read here; save the film uncompressed (Fiji: \
+        "the frames are compressed with {codec}, which cannot be read; save the film uncompressed (Fiji: \
          File > Save As > AVI, compression none), or as TIFF"
     )]
     Codec {
-        /// Four letters, or a number.
+        /// Its four-letter code, or a number.
         codec: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The order of names that people expect.
+//! Natural order of file names.
 
 use std::cmp::Ordering;
 
@@ -25,7 +25,7 @@ pub fn in_natural_order(a: &str, b: &str) -> Ordering {
         } else {
             let [first, other] = [left, right].map(|text| text.chars().next());
             let (Some(first_is), Some(other_is)) = (first, other) else {
-                // The whole names decide between `t1` and `t01`.
+                // Names that differ only in leading zeros, such as `t1` and `t01`.
                 return first.cmp(&other).then_with(|| a.cmp(b));
             };
             left = &left[first_is.len_utf8()..];

@@ -1,35 +1,36 @@
 //! Frames that were written twice.
 //!
-//! Programs that record or convert a film at another rate repeat frames. A repeated frame is no measurement: taken for
-//! one, it says that the cell stood still. Two frames that a camera took are as different as its noise makes them, those
-//! of a resting cell, too; so a frame repeats the one before it where it differs from that by far less than frames of this
-//! film that are *not* near each other, and than all other frames differ from the ones before them. A compressed film
-//! repeats a frame nearly, not to the byte.
+//! Programs that record or convert a film at another rate repeat frames. A repeated frame is not a
+//! measurement: used as one, it suggests that the cell did not move. Camera noise makes any two
+//! recorded frames differ, even of a resting cell. So a frame counts as a repeat if it differs from
+//! the one before by far less than frames that are *not* near each other, and by far less than all
+//! other frames differ from the ones before them. In a compressed film, a repeat is nearly but not
+//! exactly identical.
 //!
-//! A film without noise, such as a made-up one, shows a resting cell by identical pictures all over the film. There
-//! nothing can be said, and no frame counts as repeated.
+//! In a film without noise, such as a synthetic one, all pictures of the resting cell are
+//! identical. Repeats cannot be recognised there, and no frame counts as one.
 
 use super::{Film, FilmError};
 use crate::plane::Plane;
 use rayon::prelude::*;
 
-/// A frame repeats the one before it where it differs by less than this part of the film's own difference, and of the
-/// least step to a frame that does not.
+/// Largest difference of a repeat from the frame before it, relative to the film's own difference
+/// and to the smallest difference of any frame that is not a repeat.
 const FAR_BELOW: f32 = 0.25;
-/// Steps below this part of the film's own difference are none.
+/// Differences below this part of the film's own difference count as zero.
 const SAME: f32 = 0.01;
-/// Most times that programs repeat a frame.
+/// Largest number of times that programs repeat a frame.
 const MOST_REPEATED: usize = 8;
-/// The film's own difference is that of this part of the frames, the most alike first.
+/// The film's own difference is this quantile over its frames.
 const OWN: f64 = 0.1;
-/// Frames that are compared with all others, at most, and values of each.
+/// Largest number of frames that are compared with all others, and of values of each.
 const MOST_FRAMES: usize = 300;
 const MOST_VALUES: usize = 8192;
 /// Frames that one thread decodes at a time.
 const CHUNK: usize = 32;
 
 impl Film {
-    /// Of each frame the earlier one that it repeats, `None` of a frame that was taken.
+    /// For each frame the earlier frame that it repeats; `None` for a frame that was recorded.
     ///
     /// # Errors
     /// A frame that cannot be read.
@@ -79,7 +80,7 @@ impl Film {
     }
 }
 
-/// What is kept of a frame.
+/// Samples of a frame.
 struct Sampled {
     /// Mean size of the difference from the frame before it, grey levels.
     from_last: Option<f32>,
@@ -87,13 +88,14 @@ struct Sampled {
     values: Option<Vec<f32>>,
 }
 
-/// The step to a frame below which it repeats the one before it, grey levels; 0 where this cannot be told.
+/// Difference from the frame before, grey levels, below which a frame is a repeat; 0 if repeats
+/// cannot be recognised.
 fn threshold(frames: &[Sampled]) -> f32 {
     let own = own_difference(frames);
     let mut steps: Vec<f32> = frames.iter().filter_map(|frame| frame.from_last).collect();
     steps.sort_by(f32::total_cmp);
-    // Steps of repeated frames stand apart from all others. Where the steps of a slow drift are small beside the own
-    // difference, they do not.
+    // There must be a gap between the differences of repeats and all others. Slow drift, with small
+    // differences, leaves no such gap.
     let nothing = SAME * own;
     let gap = |pair: &[f32]| pair[1] / pair[0].max(nothing);
     let below = steps.windows(2).filter(|pair| pair[0] < FAR_BELOW * own);
@@ -103,9 +105,10 @@ fn threshold(frames: &[Sampled]) -> f32 {
     }
 }
 
-/// How much frames differ that are not next to each other, grey levels: of each frame the least difference from all
-/// that are farther away than programs repeat a frame, and of these the one below which a tenth of the frames are. In a
-/// film with noise that is the noise; in one without it, 0 where the cell comes back to rest.
+/// The film's own difference, grey levels: how much frames differ that are not close in time. For
+/// each frame the smallest difference from all frames farther away than programs repeat a frame; of
+/// these, the quantile [`OWN`]. With noise this is the noise; without noise it is 0 if the cell
+/// returns to rest.
 fn own_difference(frames: &[Sampled]) -> f32 {
     let apart = (frames.len() / 4).clamp(2, MOST_REPEATED);
     let kept: Vec<(usize, &[f32])> = (frames.iter().enumerate())
@@ -124,7 +127,7 @@ fn own_difference(frames: &[Sampled]) -> f32 {
     least.get((least.len() as f64 * OWN) as usize).copied().unwrap_or(0.0)
 }
 
-/// Mean size of the difference.
+/// Mean absolute difference.
 fn difference(one: &[f32], other: &[f32]) -> f32 {
     let (a, b) = (one.as_chunks::<8>(), other.as_chunks::<8>());
     let mut sums = [0.0_f32; 8];

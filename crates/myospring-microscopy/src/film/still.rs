@@ -10,11 +10,13 @@ use tiff::encoder::colortype::{ColorType, Gray8, Gray16, Gray32Float};
 use tiff::encoder::{Rational, TiffEncoder, TiffValue};
 use tiff::tags::ResolutionUnit;
 
-/// Micrometres in the unit of the resolution, a centimetre, and the denominator of the fraction that says it.
+/// Micrometres per centimetre (the unit of resolution), and the denominator of the fraction that
+/// states it.
 const CENTIMETRE_UM: f64 = 1e4;
 const PARTS: u32 = 10_000;
 
-/// The bytes of a TIFF: whole numbers of 8 or 16 bits where the values are such, else floating point.
+/// The bytes of a TIFF: whole numbers of 8 or 16 bits if all values are whole numbers, else
+/// floating point.
 pub(super) fn tiff(plane: &Plane, pixel_size: Option<PixelSize>) -> Result<Vec<u8>, FilmError> {
     let whole = plane.values().iter().all(|value| value.fract() == 0.0);
     let [low, high] = plane.range();

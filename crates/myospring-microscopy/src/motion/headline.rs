@@ -1,28 +1,31 @@
-//! Which number of a film says how much its cell contracts: its length, or the strains of all of it.
+//! Which measure gives the contraction of a cell in a film: its length, or the strain of the whole
+//! cell.
 //!
-//! The length speaks for the cell where both of its ends are seen and move as the rest of it does. Where the frame cuts
-//! an end, an end is not found again, or the distance between them does not follow the strains of the whole cell (a cell
-//! held at its ends, a tissue between posts, one that contracts across its long axis), the smaller principal stretch of
-//! all points does.
+//! The length is used if both ends are visible and move with the rest of the cell. The smaller
+//! principal stretch of all points is used if the frame cuts an end, an end is not found again, or
+//! the distance between the ends does not follow the strain of the whole cell (a cell held at its
+//! ends, a tissue between posts, a cell that contracts across its long axis).
 
 use super::{Motion, Stretches};
 use myospring_core::mesh::ends::end_points;
 use myospring_core::mesh::quality::long_axis;
 use std::fmt;
 
-/// Part of an end's area that the frame may cut, or that may be lost in most frames.
+/// Largest part of an end's area that may be cut by the frame, or be lost in most frames.
 const MOST_CUT: f64 = 0.1;
 const MOST_LOST: f64 = 0.5;
-/// Least correlation of the shortening with the contraction by strains, and the ratios of the two that are usual.
+/// Least correlation of the shortening with the contraction by strain, and the usual range of their
+/// ratio.
 const LEAST_CORRELATION: f64 = 0.9;
 const USUAL: [f64; 2] = [0.5, 2.0];
-/// From this angle on a cell contracts along another line than its long axis, degrees.
+/// Angle between contraction and long axis from which the length is not used, degrees.
 const ASKEW: f64 = 30.0;
-/// Least contraction that is one, %, and in standard errors of a point over the length of the cell.
+/// Least detectable contraction, %, and in standard errors of a point relative to the length of the
+/// cell.
 const LEAST_PCT: f64 = 0.2;
 const LEAST_ERRORS: f64 = 4.0;
 
-/// What says how much a cell contracts.
+/// The measure of a cell's contraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
     /// Its length: [`Motion::lengths_um`].
@@ -31,7 +34,7 @@ pub enum Measure {
     Stretch,
 }
 
-/// Why.
+/// Why a measure was chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reason {
     /// Both ends are seen and move with the rest.
@@ -43,11 +46,11 @@ pub enum Reason {
     Cut,
     /// An end was not found again in most frames.
     Lost,
-    /// The outline is doubtful, so nobody knows where the cell ends.
+    /// The outline is doubtful, so the ends of the cell are not known.
     Outline,
-    /// Nothing moves.
+    /// The cell does not move.
     Still {
-        /// The least contraction that would be seen, %.
+        /// The least detectable contraction, %.
         least_pct: f64,
     },
     /// It contracts along another line than its long axis.
@@ -55,14 +58,14 @@ pub enum Reason {
         /// Angle between both, degrees.
         degrees: f64,
     },
-    /// The ends do something else than the cell.
+    /// The ends do not move as the whole cell does.
     Differs {
         /// Correlation of the two curves.
         correlation: f64,
     },
-    /// The ends do as the cell does, but by much less or more.
+    /// The ends move in time with the whole cell, but by much less or more.
     Disproportion {
-        /// Shortening over contraction by strains.
+        /// Ratio of the shortening to the contraction by strain.
         ratio: f64,
     },
 }
@@ -77,7 +80,7 @@ impl fmt::Display for Reason {
             Self::Cut => write!(f, "the frame cuts an end of the cell, so its length is not known"),
             Self::Lost => write!(f, "an end of the cell was not found again in most frames"),
             Self::Outline => {
-                write!(f, "the outline is doubtful, so nobody knows where the cell ends")
+                write!(f, "the outline is doubtful, so the ends of the cell are not known")
             }
             Self::Still { least_pct } => {
                 write!(f, "the cell hardly moves (less than {least_pct:.2} % cannot be seen)")
@@ -91,28 +94,29 @@ impl fmt::Display for Reason {
             ),
             Self::Disproportion { ratio } if *ratio < 1.0 => write!(
                 f,
-                "the ends come nearer by {:.0} % of what the whole cell contracts: something holds them",
+                "the shortening between the ends is {:.0} % of the whole cell's contraction: something holds the ends",
                 100.0 * ratio.max(0.0)
             ),
             Self::Disproportion { ratio } => write!(
                 f,
-                "the ends come nearer by {ratio:.1} times what the whole cell contracts: something else moves them"
+                "the shortening between the ends is {ratio:.1} times the whole cell's contraction: something else moves the ends"
             ),
         }
     }
 }
 
-/// The number that says how much a cell contracts.
+/// The chosen measure of a cell's contraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Headline {
-    /// What it is read from.
+    /// The measure.
     pub measure: Measure,
-    /// Why that.
+    /// Why it was chosen.
     pub reason: Reason,
 }
 
 impl Headline {
-    /// The same, where the outline of the cell is doubtful: its length is that of the outline.
+    /// Changes the measure if it is the length, because a doubtful outline does not give the
+    /// length.
     #[must_use]
     pub fn with_doubtful_outline(self) -> Self {
         match self.measure {
@@ -123,7 +127,7 @@ impl Headline {
 }
 
 impl Motion {
-    /// Which number of this film can be trusted; see [`Measure`].
+    /// Chooses the measure of contraction for this film; see [`Measure`].
     pub fn headline(&self) -> Headline {
         let lengths = self.lengths_um();
         let stretches = self.stretches();
@@ -156,14 +160,14 @@ impl Motion {
         Headline { measure, reason }
     }
 
-    /// The least contraction that this film can show, %.
+    /// The least contraction that can be detected in this film, %.
     pub fn least_contraction_pct(&self) -> f64 {
         let length = self.lengths_um()[self.rest_index()];
         let error_pct = 100.0 * self.error_um.unwrap_or(0.0) / length;
         (LEAST_ERRORS * error_pct).max(LEAST_PCT)
     }
 
-    /// What is wrong with an end of the cell, if something is.
+    /// Why an end of the cell cannot be used; `None` if both can.
     fn at_ends(&self) -> Option<Reason> {
         let (cut, seen, areas) = (self.cut(), self.seen_areas(), &self.mesh.areas);
         for end in end_points(&self.mesh.points, long_axis(&self.mesh)) {
@@ -179,14 +183,14 @@ impl Motion {
         None
     }
 
-    /// Angle between the line along which the cell contracts and its long axis, degrees, 0 to 90; each frame counts by
-    /// how different its two stretches are.
+    /// Angle between the line along which the cell contracts and its long axis, degrees, 0 to 90;
+    /// each frame is weighted by the difference between its two stretches.
     fn askew(&self, stretches: &[Stretches]) -> f64 {
         let (mut cosine, mut sine) = (0.0, 0.0);
         for stretch in stretches {
             let [x, y] = stretch.direction;
             let weight = (stretch.larger - stretch.smaller).powi(2);
-            // A line has the same direction both ways: twice its angle is averaged.
+            // Lines have no sign, so doubled angles are averaged.
             cosine += weight * (x * x - y * y);
             sine += weight * 2.0 * x * y;
         }
@@ -197,7 +201,7 @@ impl Motion {
     }
 }
 
-/// Correlation of two curves, and the factor by which the first follows the second.
+/// Correlation of two curves, and the slope of the first against the second.
 fn compared(one: &[f64], other: &[f64]) -> (f64, f64) {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let (a, b) = (mean(one), mean(other));

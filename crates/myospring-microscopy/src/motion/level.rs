@@ -1,4 +1,5 @@
-//! All points at one level of detail: followed each by itself, checked against each other, healed where that fails.
+//! All points at one level of detail: each is followed on its own, checked against its neighbours,
+//! and interpolated from them if it fails.
 
 use super::neighbours::{Neighbours, distance, median};
 use super::spline::Spline;
@@ -7,33 +8,37 @@ use crate::filter;
 use crate::plane::Plane;
 use rayon::prelude::*;
 
-/// Blur before anything is compared, pixels: what single pixels do is noise, and its slopes would shorten every step.
+/// Blur before comparison, pixels: single pixels are mostly noise, whose slopes would shorten every
+/// step.
 pub(super) const SMOOTHING: f64 = 0.8;
 
-/// Rounds in which points that do not agree with their neighbours are looked for anew from where these would have them.
+/// Rounds in which points that disagree with their neighbours are searched again from the position
+/// that the neighbours predict.
 const ROUNDS: usize = 6;
-/// Least correlation, as a part of that which noise would leave, and in any case: chance alone gives less.
+/// Least correlation: as a part of the correlation expected with this noise, and in absolute terms
+/// (chance alone gives less).
 const LEAST_PART: f32 = 0.5;
 const LEAST_CORRELATION: f32 = 0.25;
-/// Largest error that noise alone may make, pixels: points whose surroundings show less are not followed.
+/// Largest error due to noise, pixels: points with too little texture to reach it are not followed.
 const LARGEST_ERROR: f32 = 0.5;
-/// A start this far from the last one is worth another search, pixels.
+/// A predicted start at least this far from the last one is searched again, pixels.
 const ANEW: f32 = 0.3;
-/// How many standard deviations of its neighbours a point may be off, beside `off_by`.
+/// Largest deviation of a point from its neighbours, in their standard deviations; `off_by` bounds
+/// it.
 const DEVIATIONS: f32 = 3.0;
 
-/// How a level looks at the film.
+/// Resolution and tolerances of a level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Detail {
-    /// Pixels of the film on a side of one of this level.
+    /// Pixels of the film along the side of one pixel of this level.
     pub(super) factor: usize,
-    /// Standard deviation of the blur before that, pixels of the film.
+    /// Standard deviation of the blur before binning, pixels of the film.
     pub(super) blur: f64,
     /// Half of a subset's side, pixels of this level.
     pub(super) half: usize,
-    /// Distance up to which points are neighbours, and up to which they are next to each other, pixels of this level.
+    /// Largest distance of neighbours, and of adjacent points, pixels of this level.
     pub(super) reach: [f32; 2],
-    /// Least and most that a point may be off what its neighbours say, pixels of this level.
+    /// Bounds of the largest deviation of a point from its neighbours, pixels of this level.
     pub(super) off_by: [f32; 2],
 }
 
@@ -43,17 +48,18 @@ pub(super) struct Level {
     detail: Detail,
     subsets: Vec<Option<Subset>>,
     neighbours: Neighbours,
-    /// Correlation that noise leaves of a subset that is found.
+    /// Expected correlation of a subset that is found, given the noise.
     expected: Vec<f32>,
-    /// Weight of each point where several are smoothed: one over the square of its error and of the usual one.
+    /// Weight of each point in smoothing: the inverse of the sum of the squares of its error and of
+    /// the typical error.
     weights: Vec<f32>,
 }
 
-/// Where the points of a level have gone.
+/// Displacements of the points of a level.
 #[derive(Debug, Clone)]
 pub(super) struct Field {
     pub(super) warps: Vec<Warp>,
-    /// Correlation of those that were found; `None` of those that were healed.
+    /// Correlation of the points that were found; `None` for interpolated ones.
     pub(super) found: Vec<Option<f32>>,
 }
 
@@ -64,7 +70,7 @@ impl Field {
         found as f64 / self.found.len().max(1) as f64
     }
 
-    /// Median correlation of those that were found.
+    /// Median correlation of the points that were found.
     pub(super) fn correlation(&self) -> Option<f32> {
         let found: Vec<f32> = self.found.iter().copied().flatten().collect();
         (!found.is_empty()).then(|| median(found))
@@ -72,8 +78,8 @@ impl Field {
 }
 
 impl Level {
-    /// A level over the picture at rest; points are pixels of the film, `allowed` says which of its pixels may be
-    /// looked at, `noise` is the standard deviation of its grey values.
+    /// A level over the picture at rest; points are pixels of the film, `allowed` says which of its
+    /// pixels may be used, `noise` is the standard deviation of its grey values.
     pub(super) fn new(
         rest: &Plane,
         points: &[[f32; 2]],
@@ -92,7 +98,7 @@ impl Level {
         debug_assert_eq!(allowed.len(), width * height);
         let points: Vec<[f32; 2]> =
             points.iter().map(|point| point.map(|at| detail.own(at))).collect();
-        // A mean over pixels has less noise; a blur takes the more off the wider it is.
+        // Binning and blurring reduce the noise.
         let blurred = (2.0 * std::f64::consts::PI.sqrt() * detail.blur).max(1.0);
         let noise = (noise / blurred.max(detail.factor as f64)) as f32;
         let subsets: Vec<Option<Subset>> = points
@@ -128,13 +134,13 @@ impl Level {
         self.subsets.len()
     }
 
-    /// Part of the points whose surroundings show enough to be followed.
+    /// Part of the points whose surroundings have enough texture.
     pub(super) fn textured_share(&self) -> f64 {
         let seen = self.subsets.iter().filter(|subset| subset.is_some()).count();
         seen as f64 / self.subsets.len().max(1) as f64
     }
 
-    /// Median over the points of the error that noise makes, pixels of the film.
+    /// Median error of the points due to noise, pixels of the film.
     pub(super) fn error(&self, noise: f64) -> Option<f64> {
         let errors: Vec<f32> =
             self.subsets.iter().flatten().map(|subset| subset.sensitivity).collect();
@@ -142,7 +148,7 @@ impl Level {
         error.is_finite().then_some(error)
     }
 
-    /// A frame as this level sees it.
+    /// Prepares a frame for this level.
     pub(super) fn look(&self, plane: &Plane) -> Spline {
         look(plane, self.detail)
     }
@@ -155,7 +161,7 @@ impl Level {
             .map_init(Vec::new, |room, point| {
                 let mut best: Option<Found> = None;
                 for (at, start) in starts.iter().enumerate() {
-                    // A start that is near an earlier one ends where that did.
+                    // A start near an earlier one would give the same result.
                     let from = start[point].shift;
                     if starts[..at].iter().any(|other| distance(other[point].shift, from) < ANEW) {
                         continue;
@@ -171,7 +177,7 @@ impl Level {
             .collect();
         let scaled =
             |start: &&[Warp]| start.iter().map(|warp| warp.scaled(scale).shift).collect::<Vec<_>>();
-        // From where each point was looked for last.
+        // The last start of each point.
         let mut tried = starts.last().map(scaled).unwrap_or_default();
         for round in 0..ROUNDS {
             let doubtful = self.doubtful(&found);
@@ -209,7 +215,7 @@ impl Level {
                 found[point] = again;
             }
         }
-        self.healed(&found)
+        self.with_interpolated(&found)
     }
 
     fn find(&self, point: usize, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
@@ -223,7 +229,7 @@ impl Level {
         (least + DEVIATIONS * spread).min(most.max(least))
     }
 
-    /// Which points do not agree with their neighbours.
+    /// Which points disagree with their neighbours.
     fn doubtful(&self, found: &[Option<Found>]) -> Vec<bool> {
         let warps: Vec<Option<Warp>> =
             found.iter().map(|found| Some(found.as_ref()?.warp)).collect();
@@ -235,7 +241,7 @@ impl Level {
         doubtful
     }
 
-    /// Which points are off what the neighbours say.
+    /// Which points deviate too much from the position that their neighbours predict.
     fn off(&self, warps: &[Option<Warp>]) -> Vec<bool> {
         let is_off = |point: usize| {
             let Some(own) = &warps[point] else { return false };
@@ -247,27 +253,28 @@ impl Level {
         (0..warps.len()).into_par_iter().map(is_off).collect()
     }
 
-    /// The field with all others where their neighbours would have them, in pixels of the film. Far from any point that
-    /// was found all go alike: slopes that were continued would grow to nonsense.
-    fn healed(&self, found: &[Option<Found>]) -> Field {
+    /// The field, with points that were not found interpolated from their neighbours, in pixels of
+    /// the film. Far from any found point, the displacement is constant, because extrapolated
+    /// gradients would grow without bound.
+    fn with_interpolated(&self, found: &[Option<Found>]) -> Field {
         let mut warps: Vec<Option<Warp>> =
             found.iter().map(|found| Some(found.as_ref()?.warp)).collect();
         while warps.iter().any(Option::is_none) {
-            let healed: Vec<(usize, Warp)> = (0..warps.len())
+            let interpolated: Vec<(usize, Warp)> = (0..warps.len())
                 .filter(|&point| warps[point].is_none())
                 .filter_map(|point| {
                     let shift = self.neighbours.shift(point, |other| warps[other])?;
                     Some((point, Warp { shift, ..Warp::default() }))
                 })
                 .collect();
-            if healed.is_empty() {
+            if interpolated.is_empty() {
                 break;
             }
-            for (point, warp) in healed {
+            for (point, warp) in interpolated {
                 warps[point] = Some(warp);
             }
         }
-        // Points without neighbours go with all others.
+        // Points without neighbours take the median displacement.
         let known: Vec<Warp> = warps.iter().copied().flatten().collect();
         let middle = |a: usize| median(known.iter().map(|warp| warp.shift[a]).collect());
         let shift = if known.is_empty() { [0.0; 2] } else { [middle(0), middle(1)] };
@@ -287,7 +294,7 @@ impl Level {
 }
 
 impl Detail {
-    /// A place in pixels of the film in those of this level.
+    /// Converts a position from pixels of the film to pixels of this level.
     fn own(self, place: f32) -> f32 {
         let factor = self.factor as f32;
         (place + 0.5) / factor - 0.5

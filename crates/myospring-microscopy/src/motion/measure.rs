@@ -1,11 +1,11 @@
-//! What a motion says of the whole cell: length, width, area and stretches, by the definitions of a simulated beat.
+//! Length, width, area and stretches of the whole cell, defined as for a simulated beat.
 
 use super::Motion;
 use myospring_core::analysis::shape::{Extent, ShapeMeter};
 use myospring_core::mesh::quality::long_axis;
 use myospring_core::mesh::simplex::measure_at;
 
-/// Least part of the cell's area that must be seen to speak for all of it.
+/// Least part of the cell's area that must be tracked to represent the whole cell.
 const LEAST_SEEN: f64 = 0.1;
 
 /// Principal stretches of a deformation, and the direction of the smaller one at rest.
@@ -15,13 +15,13 @@ pub struct Stretches {
     pub smaller: f64,
     /// The larger one.
     pub larger: f64,
-    /// Unit vector at rest along which the smaller one is.
+    /// Unit vector at rest along the smaller stretch.
     pub direction: [f64; 2],
 }
 
 impl Stretches {
-    /// Of a deformation gradient `f[a][b]`, position `a` now by position `b` at rest: the square roots of the
-    /// eigenvalues of `F^T F`.
+    /// Computes the stretches from a deformation gradient `f[a][b]`, position `a` now by position
+    /// `b` at rest: the square roots of the eigenvalues of `F^T F`.
     ///
     /// # Example
     /// ```
@@ -35,7 +35,8 @@ impl Stretches {
         let (a, b, d) = (dot(0, 0), dot(0, 1), dot(1, 1));
         let (mean, half) = (f64::midpoint(a, d), 0.5 * (a - d));
         let radius = half.hypot(b);
-        // Of the larger eigenvalue the direction is at half of this angle; the smaller one lies across it.
+        // The eigenvector of the larger eigenvalue lies at half this angle; that of the smaller one
+        // is perpendicular.
         let angle = 0.5 * b.atan2(half) + std::f64::consts::FRAC_PI_2;
         Self {
             smaller: (mean - radius).max(0.0).sqrt(),
@@ -56,12 +57,12 @@ impl Motion {
         self.times_ms.is_empty()
     }
 
-    /// Place of the frame at rest among those that were followed.
+    /// Index of the frame at rest among the frames that were followed.
     pub fn rest_index(&self) -> usize {
         self.frames.partition_point(|frame| *frame < self.rest)
     }
 
-    /// Where the points are in a frame, without the motion of the stage, um: `[axis][point]`.
+    /// Positions of the points in a frame, without the motion of the stage, um: `[axis][point]`.
     ///
     /// # Panics
     /// There is no such frame.
@@ -72,17 +73,19 @@ impl Motion {
         })
     }
 
-    /// Part of the points that were healed in a frame, 0 to 1.
+    /// Part of the points that were interpolated in a frame, 0 to 1.
     ///
     /// # Panics
     /// There is no such frame.
-    pub fn healed_share(&self, frame: usize) -> f64 {
-        let healed = &self.healed[frame];
-        healed.iter().filter(|&&healed| healed).count() as f64 / healed.len().max(1) as f64
+    pub fn interpolated_share(&self, frame: usize) -> f64 {
+        let interpolated = &self.interpolated[frame];
+        interpolated.iter().filter(|&&interpolated| interpolated).count() as f64
+            / interpolated.len().max(1) as f64
     }
 
-    /// Length and width of the cell in each frame, um, as of a simulated beat ([`ShapeMeter`]): along and across its long
-    /// axis, as far as the whole cell has turned. Points that were healed in more than half of the frames have no say.
+    /// Length and width of the cell in each frame, um, as for a simulated beat ([`ShapeMeter`]):
+    /// along and across its long axis, which turns with the cell. Points that were interpolated in
+    /// more than half of the frames are left out.
     pub fn extents(&self) -> Vec<Extent> {
         let axis = long_axis(&self.mesh);
         let meter = ShapeMeter::new(self.mesh.points.clone(), axis, self.seen_areas());
@@ -134,9 +137,10 @@ impl Motion {
         self.mesh.simplices.iter().map(|triangle| of(triangle.nodes)).collect()
     }
 
-    /// Deformation gradient of the whole cell in each frame: the affine map that comes closest to its motion, each point
-    /// by its area. Points that were healed in more than half of the frames have no say. (The mean over the triangles
-    /// hangs on the points of the rim alone, by Gauss's theorem, and with them on their noise.)
+    /// Deformation gradient of the whole cell in each frame: the affine map closest to its motion,
+    /// with points weighted by area. Points that were interpolated in more than half of the frames
+    /// are left out. (The mean over triangles is not used: by Gauss's theorem it depends only on
+    /// the points of the rim, and so on their noise.)
     pub fn mean_deformations(&self) -> Vec<[[f64; 2]; 2]> {
         let areas = self.seen_areas();
         self.displacements_um.iter().map(|moved| self.mean_deformation(moved, &areas)).collect()
@@ -165,12 +169,13 @@ impl Motion {
         [[1.0 + xx, xy], [yx, 1.0 + yy]]
     }
 
-    /// Area of each point, 0 of those that were healed in more than half of the frames; of all points, where these are
-    /// nearly all.
+    /// Area of each point, 0 for points that were interpolated in more than half of the frames; if
+    /// too few points remain, all points count.
     pub(super) fn seen_areas(&self) -> Vec<f64> {
         let often = |point: usize| {
-            let healed = self.healed.iter().filter(|healed| healed[point]).count();
-            2 * healed > self.len()
+            let interpolated =
+                self.interpolated.iter().filter(|interpolated| interpolated[point]).count();
+            2 * interpolated > self.len()
         };
         let areas = &self.mesh.areas;
         let seen: Vec<f64> = areas

@@ -1,11 +1,12 @@
-//! Points beside each other: what neighbours say of a point, and which of them belong together.
+//! Neighbouring points: predicting a point from its neighbours, and groups of points that agree.
 
 use super::subset::Warp;
 
-/// Fewest neighbours that speak for a point.
+/// Least number of neighbours from which a point is predicted.
 const FEWEST: usize = 3;
-/// Fewest points of an affine fit, the standard deviation of its weights as a part of the reach, and the least spread
-/// of its points, relative to the fourth power of that: less lies in a line or on one side.
+/// Least number of points of an affine fit; the standard deviation of its weights, as a part of the
+/// reach; and the least spread of its points, relative to the fourth power of that standard
+/// deviation (with less, the points are collinear or on one side).
 const FEWEST_FITTED: usize = 5;
 pub(super) const SMOOTHING: f32 = 2.0;
 const LEAST_SPREAD: f64 = 0.02;
@@ -15,26 +16,27 @@ const LEAST_SPREAD: f64 = 0.02;
 pub(super) struct Neighbours {
     reach: f32,
     points: Vec<[f32; 2]>,
-    /// Others within some distance of each point, the nearest first.
+    /// Neighbours of each point, the nearest first.
     near: Vec<Vec<u32>>,
-    /// How many of them are next to it.
+    /// How many of them are adjacent to it.
     adjacent: Vec<usize>,
 }
 
-/// Where a neighbour would have a point, and how that neighbour has gone itself.
+/// Shift of a point predicted by a neighbour, and the neighbour's own warp.
 type Heard = ([f32; 2], Warp);
 
-/// What the neighbours of a point say of it.
+/// Prediction of a point by its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hearsay {
-    /// Median of where each of them would have it.
+    /// Median of the predictions.
     pub(super) warp: Warp,
-    /// Standard deviation of what they say, by their median absolute deviation, pixels.
+    /// Standard deviation of the predictions, from their median absolute deviation, pixels.
     pub(super) spread: f32,
 }
 
 impl Neighbours {
-    /// Others within `reach` of each point; those within `next` are next to it.
+    /// Lists the points within `reach` of each point as neighbours, and those within `next` as
+    /// adjacent.
     pub(super) fn of(points: Vec<[f32; 2]>, reach: f32, next: f32) -> Self {
         let bin = |place: f32| (place / reach).floor() as i32;
         let mut bins = std::collections::HashMap::<[i32; 2], Vec<u32>>::new();
@@ -63,13 +65,14 @@ impl Neighbours {
         self.points.len()
     }
 
-    /// Where a neighbour would have a point.
+    /// Shift of a point predicted by the warp of a neighbour.
     fn says(&self, neighbour: usize, warp: &Warp, point: usize) -> [f32; 2] {
         let [from, to] = [self.points[neighbour], self.points[point]];
         warp.at([to[0] - from[0], to[1] - from[1]])
     }
 
-    /// What the neighbours of a point say of it, of those that `know` something; `None` where they are too few.
+    /// Prediction of a point by those of its neighbours whose warp is known; `None` if they are too
+    /// few.
     pub(super) fn hearsay(
         &self,
         point: usize,
@@ -88,12 +91,13 @@ impl Neighbours {
         let shift = [0, 1].map(|a: usize| middle(&|said| said.0[a]));
         let slope = |a: usize, b: usize| middle(&|said| said.1.gradient[a][b]);
         let gradient = [[slope(0, 0), slope(0, 1)], [slope(1, 0), slope(1, 1)]];
-        // Of a normal distribution in a plane the median distance is 1.1774 standard deviations.
+        // For a normal distribution in the plane, the median distance is 1.1774 standard
+        // deviations.
         let spread = middle(&|said| distance(said.0, shift)) / 1.1774;
         Some(Hearsay { warp: Warp { shift, gradient }, spread })
     }
 
-    /// Median shift of the neighbours of a point, of those that `know` something.
+    /// Median shift of those neighbours of a point whose warp is known.
     pub(super) fn shift(
         &self,
         point: usize,
@@ -106,8 +110,9 @@ impl Neighbours {
             .then(|| [0, 1].map(|a: usize| median(heard.iter().map(|shift| shift[a]).collect())))
     }
 
-    /// The affine motion that fits a point and its neighbours best, each with its weight, which falls with the distance:
-    /// smooth where they are noisy, true where they move evenly. `None` where they are too few, or in a line.
+    /// The affine motion that best fits a point and its neighbours, with weights that decrease with
+    /// distance: it smooths noise and keeps uniform strain. `None` if the points are too few or
+    /// collinear.
     pub(super) fn fitted(
         &self,
         point: usize,
@@ -158,8 +163,8 @@ impl Neighbours {
         })
     }
 
-    /// Points of smaller groups that border on a larger one and do not agree with it: a group is of points that are
-    /// next to each other and agree within `tolerance`.
+    /// Marks the points of groups that border on a larger group and disagree with it. A group
+    /// consists of adjacent points that agree within `tolerance`.
     pub(super) fn at_odds(&self, known: &[Option<Warp>], tolerance: f32) -> Vec<bool> {
         let mut root: Vec<u32> = (0..self.len() as u32).collect();
         let mut torn = Vec::new();
@@ -202,7 +207,7 @@ impl Neighbours {
     }
 }
 
-/// The point that stands for the group of a point.
+/// The representative of a point's group.
 fn top(root: &mut [u32], mut at: u32) -> u32 {
     while root[at as usize] != at {
         root[at as usize] = root[root[at as usize] as usize];
@@ -215,7 +220,7 @@ pub(super) fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The value in the middle; of an even number the upper of two.
+/// The median; for an even number of values the upper of the two middle ones.
 pub(super) fn median(mut values: Vec<f32>) -> f32 {
     let middle = values.len() / 2;
     if values.is_empty() {

@@ -6,16 +6,16 @@ use crate::picture::Samples;
 use crate::plane::Plane;
 use rayon::prelude::*;
 
-/// Most frames that are compared with each other, and most values of each.
+/// Largest number of frames that are compared with each other, and of values of each.
 const MOST_FRAMES: usize = 300;
 const MOST_VALUES: usize = 10_000;
-/// Part of a film during which a cell rests, at least.
+/// Least part of a film during which a cell rests.
 const RESTING: f64 = 0.25;
-/// How far to both sides of the frame at rest the noise is looked for, frames.
+/// Number of frames before and after the frame at rest from which the noise is measured.
 const BESIDE: usize = 3;
-/// Part of the usual difference from the frames beside it below which one was written twice.
+/// A frame whose difference from the frame at rest is below this part of the usual one is a repeat.
 const REPEATED: f64 = 0.25;
-/// Standard deviation of what rounding to whole numbers does.
+/// Standard deviation of the error of rounding to whole numbers.
 const ROUNDING: f64 = 0.288_675;
 
 /// The frame at rest.
@@ -30,9 +30,9 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// The frame that a quarter of the film looks most like: a cell rests longer, and comes back to rest, while
-    /// nothing else repeats as well, neither the top of a beat nor the ways there and back. Brightness and contrast of
-    /// the whole frame do not matter, so a stain may bleach.
+    /// Finds the frame that is most similar to a quarter of the film: a cell rests for long and
+    /// returns to rest, while no other phase of a beat repeats as exactly. The result does not
+    /// depend on brightness and contrast of the whole frame, so a stain may bleach.
     ///
     /// # Errors
     /// A frame that cannot be read.
@@ -46,7 +46,7 @@ impl Rest {
         let count = ((frames.len() as f64 * RESTING).ceil() as usize).max(1);
         let strangeness = |one: &Vec<f32>| {
             let mut unlike: Vec<f32> = small.iter().map(|other| unlike(one, other)).collect();
-            // The least of all is that to itself.
+            // The smallest difference is that of the frame to itself.
             let last = count.min(unlike.len() - 1);
             unlike.select_nth_unstable_by(last, f32::total_cmp);
             unlike[..=last].iter().sum::<f32>()
@@ -56,10 +56,10 @@ impl Rest {
         Self::at(film, frames[least.unwrap_or(0)])
     }
 
-    /// A given frame as the one at rest.
+    /// Uses a given frame as the one at rest.
     ///
     /// # Errors
-    /// A frame that is not there or cannot be read.
+    /// A frame that does not exist or cannot be read.
     pub fn at(film: &Film, frame: usize) -> Result<Self, FilmError> {
         let rest = film.frame(frame)?;
         let beside = frame.saturating_sub(BESIDE)..(frame + BESIDE + 1).min(film.len());
@@ -68,11 +68,12 @@ impl Rest {
             let other = film.frame(other)?;
             let pairs = rest.values().iter().zip(other.values());
             let sum: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
-            // Of a normal distribution the mean size of a difference is 2 / sqrt(pi) standard deviations of one.
+            // For a normal distribution, the mean absolute difference of two values is 2 / sqrt(pi)
+            // standard deviations.
             found.push(sum / rest.values().len() as f64 * std::f64::consts::PI.sqrt() / 2.0);
         }
         found.sort_by(f64::total_cmp);
-        // A frame that was written twice has none, or hardly any where films are compressed.
+        // A repeat has no noise of its own, or almost none in a compressed film.
         let repeated = REPEATED * found.get(found.len() / 2).copied().unwrap_or(0.0);
         let noise = found.into_iter().find(|noise| *noise > repeated).unwrap_or(f64::INFINITY);
         let [low, high] = rest.range();
@@ -91,9 +92,9 @@ fn deviation(values: &[f32]) -> f64 {
     (values.iter().map(|&value| (f64::from(value) - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// Values of a frame at regular places, with mean 0 and norm 1.
+/// Values of a frame at regular positions, scaled to mean 0 and norm 1.
 fn normalised(plane: &Plane) -> Vec<f32> {
-    // Means of four: half of the noise, and stripes stay.
+    // Means of 2 x 2 pixels halve the noise and keep stripes.
     let plane = filter::coarse(plane, 2);
     let step = (plane.values().len() as f64 / MOST_VALUES as f64).sqrt().ceil().max(1.0) as usize;
     let rows = plane.values().chunks_exact(plane.width()).step_by(step);

@@ -1,4 +1,4 @@
-//! How sure the mean length of the sarcomeres is.
+//! Mean length of the sarcomeres, with its uncertainty.
 
 use super::Motion;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -8,12 +8,13 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub struct Estimate {
     /// The number.
     pub value: f64,
-    /// Its 95 % interval, from how much the parts of the cell differ (Student's t).
+    /// Its 95 % confidence interval, from the differences between the parts of the cell (Student's
+    /// t).
     pub interval: [f64; 2],
 }
 
 impl Estimate {
-    /// Of a mean over values that are independent of each other; `None` of fewer than two.
+    /// Estimate of a mean over independent values; `None` for fewer than two.
     fn new(value: f64, parts: &[f64]) -> Option<Self> {
         let count = parts.len() as f64;
         let student = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
@@ -25,16 +26,17 @@ impl Estimate {
 }
 
 impl Motion {
-    /// Mean length of the sarcomeres in a frame, by its place among those that were followed, um; `None` where the stripes
-    /// of too few parts of the cell were read.
+    /// Mean length of the sarcomeres, um, in the followed frame with index `at`; `None` if stripes
+    /// were read in too few parts of the cell.
     pub fn sarcomere_length_um(&self, at: usize) -> Option<Estimate> {
         let parts: Vec<f64> =
             self.sarcomeres_by_part_um.get(at)?.iter().flatten().copied().collect();
         Estimate::new(self.sarcomeres_um[at]?, &parts)
     }
 
-    /// By how much the sarcomeres are shorter in a frame than in the frame at rest, per cent. Its interval is of the
-    /// shortening itself: parts of a cell whose sarcomeres are longer at rest do not widen it.
+    /// Shortening of the sarcomeres relative to the frame at rest, per cent, in the followed frame
+    /// with index `at`. The interval is that of the shortening itself: differences in resting
+    /// length between parts of the cell do not widen it.
     pub fn sarcomere_shortening_pct(&self, at: usize) -> Option<Estimate> {
         let rest = self.rest_index();
         let shorter = |now: f64, rest: f64| 100.0 * (1.0 - now / rest);

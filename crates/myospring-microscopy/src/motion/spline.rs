@@ -1,13 +1,13 @@
-//! A plane between its pixels: the cubic B-spline that passes through all of them (`unser_1993`).
-#![allow(clippy::inline_always, reason = "what is dispatched to wider vectors must be within")]
+//! Interpolation between pixels: the cubic B-spline through all pixels of a plane (`unser_1993`).
+#![allow(clippy::inline_always, reason = "code dispatched to wider vectors must be inlined")]
 
 use crate::plane::Plane;
 
 /// Pole of the filter that turns values into coefficients of cubic B-splines.
 const POLE: f32 = -0.267_949_2;
-/// Terms of the mirrored sum that starts the filter: `POLE^12` is 1e-7.
+/// Number of terms of the mirrored sum that starts the filter: `POLE^12` is 1e-7.
 const START: usize = 12;
-/// Coefficients beyond the rim, mirrored.
+/// Number of mirrored coefficients beyond the rim.
 const PAD: usize = 2;
 
 /// Coefficients of cubic B-splines, one for each pixel and two beyond each rim.
@@ -20,7 +20,7 @@ pub(super) struct Spline {
 }
 
 impl Spline {
-    /// The spline through the pixels of a plane, from which its mean is taken off.
+    /// The spline through the pixels of a plane, minus its mean.
     pub(super) fn of(plane: &Plane) -> Self {
         let (width, height) = (plane.width(), plane.height());
         let values = plane.values();
@@ -41,7 +41,7 @@ impl Spline {
         spline
     }
 
-    /// Mirrors the coefficients over the rim.
+    /// Mirrors the coefficients beyond the rim.
     fn pad(&mut self) {
         let Self { width, height, stride, coefficients } = self;
         let mirrored = |at: usize, count: usize| at.min(count.saturating_sub(1));
@@ -65,11 +65,13 @@ impl Spline {
         [self.width, self.height]
     }
 
-    /// The values at eight places, pixels from the centre of the first; NaN outside of the centres of the outermost.
+    /// The values at eight positions, in pixels from the centre of the first pixel; NaN outside the
+    /// centres of the outermost pixels.
     #[inline(always)]
     pub(super) fn at_eight(&self, xs: &[f32; 8], ys: &[f32; 8]) -> [f32; 8] {
         let [right, bottom] = [self.width, self.height].map(|count| (count - 1) as f32);
-        // The first of sixteen coefficients of each place, and how far behind the second it lies.
+        // Index of the first of the sixteen coefficients of each position, and the fractional
+        // distance past the second.
         let mut first = [0_usize; 8];
         let (mut across, mut down) = ([0.0; 8], [0.0; 8]);
         for k in 0..8 {
@@ -94,14 +96,14 @@ impl Spline {
                 + (across[2][k] * along[2] + across[3][k] * along[3]);
         }
         for k in 0..8 {
-            // Also false for what is no number.
+            // Also false for NaN.
             let inside = xs[k] >= 0.0 && ys[k] >= 0.0 && xs[k] <= right && ys[k] <= bottom;
             values[k] = if inside { values[k] } else { f32::NAN };
         }
         values
     }
 
-    /// The value at a place; `None` outside of the centres of the outermost pixels.
+    /// The value at a position; `None` outside the centres of the outermost pixels.
     #[cfg(test)]
     fn at(&self, x: f32, y: f32) -> Option<f32> {
         let [value, ..] = self.at_eight(&[x; 8], &[y; 8]);
@@ -128,7 +130,8 @@ impl Spline {
     }
 }
 
-/// Weights of four neighbouring coefficients at eight distances of 0 to 1 behind the second: `[coefficient][place]`.
+/// Weights of four neighbouring coefficients at eight fractional distances past the second:
+/// `[coefficient][place]`.
 #[inline(always)]
 fn weights_of_eight(distances: &[f32; 8]) -> [[f32; 8]; 4] {
     let mut weights = [[0.0; 8]; 4];
@@ -148,7 +151,8 @@ fn powers() -> impl Iterator<Item = f32> {
     std::iter::successors(Some(1.0), |power| Some(power * POLE)).take(START)
 }
 
-/// Values of a line to coefficients: forward and backward over the line, mirrored at its ends.
+/// Turns the values of a line into coefficients: forward and backward over the line, mirrored at
+/// its ends.
 fn filter_line(line: &mut [f32]) {
     let count = line.len();
     if count < 2 {

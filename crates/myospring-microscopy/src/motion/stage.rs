@@ -1,4 +1,4 @@
-//! The motion of the stage: what the background does, where it has a texture.
+//! The motion of the stage, from that of the background if it has a texture.
 
 use super::level::{Detail, Level, SMOOTHING, mask};
 use super::neighbours::median;
@@ -7,24 +7,26 @@ use super::subset::Warp;
 use crate::filter;
 use crate::plane::Plane;
 
-/// What was taken for the motion of the stage.
+/// How the motion of the stage was determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// What the background does: the median over so many places.
+    /// From the background: the median over `points` places.
     Background {
-        /// Places in the background that show enough.
+        /// Number of places in the background with enough texture.
         points: usize,
     },
-    /// The background shows too little: the mean displacement of the cell, each point by its area.
+    /// From the cell, because the background has too little texture: the mean displacement of its
+    /// points, weighted by area.
     CellMean,
 }
 
-/// Distance from any cell at which the background begins, um: what pulls beads and dish along stays behind.
+/// Least distance of the background from any cell, um: nearer to it, the cell pulls the substrate
+/// along.
 const AWAY_UM: f64 = 5.0;
-/// Fewest places in the background, and the most that are looked at.
+/// Least and largest number of places in the background.
 const FEWEST: usize = 8;
 const MOST: usize = 150;
-/// Most by which the places may differ in a frame, by the median of their distances, pixels.
+/// Largest median deviation of the places within a frame, pixels.
 const LARGEST_SPREAD: f32 = 0.35;
 
 /// Places in the background.
@@ -35,7 +37,7 @@ pub(super) struct Background {
 }
 
 impl Background {
-    /// Places that show enough; `None` where they are too few.
+    /// Places with enough texture; `None` if there are too few.
     pub(super) fn new(
         rest: &Plane,
         any_cell: &[bool],
@@ -71,7 +73,8 @@ impl Background {
         self.len
     }
 
-    /// How far the background has gone in a frame, pixels, from a start; `None` where its places do not agree.
+    /// Shift of the background in a frame, pixels, searched from a start; `None` if its places
+    /// disagree.
     pub(super) fn shift(&self, now: &Spline, start: [f32; 2]) -> Option<[f32; 2]> {
         let start = vec![Warp { shift: start, ..Warp::default() }; self.level.len()];
         let field = self.level.follow(now, &[&start]);

@@ -1,8 +1,8 @@
 //! The length of sarcomeres in every frame, from the period of the stripes themselves.
 //!
-//! Where the picture at rest shows stripes, grey values are read along the fibre in every frame, from the place to which
-//! the fibre has gone and in the direction to which it has turned; the wave that has the most power in that profile is
-//! the sarcomere.
+//! At each place with stripes at rest, a profile of grey values is read along the fibre in every
+//! frame, at the fibre's displaced position and rotated direction. The wavelength with the most
+//! power in that profile is the sarcomere length.
 
 use super::spline::Spline;
 use super::subset::Warp;
@@ -11,33 +11,34 @@ use crate::outlines::PixelFrame;
 use rayon::prelude::*;
 use std::f32::consts::TAU;
 
-/// Distance of the places, um, unless they were more than [`MOST_PLACES`].
+/// Distance between places, um; larger if there would be more than [`MOST_PLACES`].
 const APART_UM: f64 = 1.0;
 const MOST_PLACES: usize = 800;
-/// Half of the profile, periods: its window, a squared cosine, leaves about half of it.
+/// Half-length of the profile, periods; its window, a squared cosine, has an effective length of
+/// about half of it.
 const HALF_PERIODS: f32 = 3.0;
-/// Samples of a period, at least.
+/// Least number of samples per period.
 const SAMPLES: f32 = 10.0;
-/// Half of the width over which profiles are averaged, um, and how many they are.
+/// Half of the width over which parallel profiles are averaged, um, and their number.
 const HALF_WIDTH_UM: f64 = 0.5;
 const PROFILES: usize = 5;
-/// Periods that are looked at, relative to that at rest: first and last wave number, and how many.
+/// First and last wave number that are tested, relative to that at rest, and their number.
 const WAVES: [f32; 2] = [0.78, 1.3];
 const STEPS: usize = 27;
-/// Least part of the profile's variation that is the wave.
+/// Least part of the profile's variance that the wave explains.
 const LEAST_POWER: f32 = 0.25;
-/// Part of the frames in which a place must be read to count.
+/// Least part of the frames in which a place must be read.
 const OFTEN: f64 = 0.8;
-/// Fewest parts of a cell that say how long its sarcomeres are.
+/// Least number of parts of a cell from which a mean sarcomere length is given.
 pub const FEWEST_PARTS: usize = 5;
-/// Least distance of the middles of two parts, periods: nearer profiles show mostly the same stripes, so two are no surer
-/// than one.
+/// Least distance between the centres of two parts, periods: nearer profiles contain mostly the
+/// same stripes, so they are not independent.
 const PARTS_APART: f32 = HALF_PERIODS;
 
 /// A place with stripes.
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// The point next to it, and how far it is from that, pixels.
+    /// The nearest point, and the offset from it, pixels.
     point: usize,
     offset: [f32; 2],
     middle: [f32; 2],
@@ -46,14 +47,14 @@ struct Place {
     period: f32,
 }
 
-/// How long sarcomeres are in each frame.
+/// Sarcomere lengths in each frame.
 pub(super) struct Lengths {
     /// Mean over all places, um.
     pub(super) mean_um: Vec<Option<f64>>,
-    /// Places that were read, and the parts of the cell in which they lie.
+    /// Number of places that were read, and of parts of the cell in which they lie.
     pub(super) places: usize,
     pub(super) parts: usize,
-    /// Mean over the places of each part, um; nothing where they are too few.
+    /// Mean over the places of each part, um; empty if there are too few.
     pub(super) by_part_um: Vec<Vec<Option<f64>>>,
 }
 
@@ -93,8 +94,8 @@ impl Stripes {
         Self { places, half_width: (HALF_WIDTH_UM / pixel_um) as f32 }
     }
 
-    /// The part of the cell, from 0, to which each of some places belongs: that of the nearest middle, all of which are
-    /// places that lie apart.
+    /// The part of the cell (counted from 0) to which each place belongs: the one with the nearest
+    /// centre. Centres are places far enough from each other.
     fn parts(&self, places: &[usize]) -> Vec<usize> {
         let apart = |a: usize, b: usize| {
             let [a, b] = [a, b].map(|place| self.places[place].middle);
@@ -114,8 +115,9 @@ impl Stripes {
         places.iter().map(nearest).collect()
     }
 
-    /// Mean lengths in each frame from the periods of the places by frame; the places are those that were read in nearly
-    /// all frames, so that none comes and goes. No length where they lie in too few parts of the cell.
+    /// Mean lengths in each frame, from the periods of the places by frame. Only places that were
+    /// read in nearly all frames are used. No length is given if they lie in too few parts of the
+    /// cell.
     pub(super) fn lengths(&self, periods: &[Vec<Option<f32>>], pixel_um: f64) -> Lengths {
         let often = (OFTEN * periods.len() as f64).ceil() as usize;
         let known: Vec<(usize, f64)> = (0..self.places.len())
@@ -137,7 +139,8 @@ impl Stripes {
                 by_part_um: Vec::new(),
             };
         }
-        // What a place is longer than others it is in every frame, also where it is not read.
+        // Ratios to each place's usual length are averaged, so that a missing reading does not
+        // shift the mean.
         let mean_of = |frame: &[Option<f32>], of_part: &dyn Fn(usize) -> bool| {
             let own =
                 || known.iter().zip(&parts).filter(|(_, part)| of_part(**part)).map(|(it, _)| it);
@@ -198,7 +201,7 @@ impl Stripes {
         profile.clear();
         for k in -half..=half {
             let along = f32::from(k) * step;
-            // The profiles beside each other; the three places that are over repeat the last.
+            // The parallel profiles; the three unused of eight lanes repeat the last.
             let place = |line: usize| {
                 let part = 2.0 * line.min(PROFILES - 1) as f32 / (PROFILES - 1) as f32 - 1.0;
                 let across = part * self.half_width;
@@ -222,11 +225,12 @@ fn steps(period: f32) -> (f32, i16) {
     (step, (HALF_PERIODS * period / step).round() as i16)
 }
 
-/// The period with the most power in a profile, near one that is known; `None` where no wave stands out.
+/// The period with the most power in a profile, near a known one; `None` if no wave has enough
+/// power.
 fn period(profile: &mut [f32], known: f32) -> Option<f32> {
     let (step, half) = steps(known);
     let window = |k: i16| (0.25 * TAU * f32::from(k) / f32::from(half + 1)).cos().powi(2);
-    // Level and slope are no stripes.
+    // Level and slope are subtracted.
     let (mut weights, mut mean, mut slope, mut squares) = (0.0, 0.0, 0.0, 0.0);
     for (value, k) in profile.iter().zip(-half..) {
         let (weight, k) = (window(k), f32::from(k));
@@ -259,7 +263,7 @@ fn period(profile: &mut [f32], known: f32) -> Option<f32> {
     if top == 0 || top + 1 == STEPS {
         return None;
     }
-    // Of a pure wave the power is half of weights times variation.
+    // For a pure wave, the power is half of the weights times the variance.
     let part = 2.0 * powers[top] / (weights * variation);
     if part.is_nan() || part < LEAST_POWER {
         return None;

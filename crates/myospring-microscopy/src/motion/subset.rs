@@ -1,31 +1,33 @@
-//! One subset of the picture at rest, and where it has gone: inverse-compositional Gauss-Newton on the zero-normalised
-//! sum of squared differences, with translation and gradients free (`baker_matthews_2004`, `pan_2013`).
-#![allow(clippy::inline_always, reason = "what is dispatched to wider vectors must be within")]
+//! Matching one subset of the picture at rest in another frame: inverse-compositional Gauss-Newton
+//! on the zero-normalised sum of squared differences, with translation and gradients free
+//! (`baker_matthews_2004`, `pan_2013`).
+#![allow(clippy::inline_always, reason = "code dispatched to wider vectors must be inlined")]
 
 use super::spline::Spline;
 
 /// Most steps of one search.
 const MOST_STEPS: usize = 10;
-/// Steps that shrink by a steady ratio, since noise steepens the slopes, are taken together; at most so many.
+/// Steps that shrink by a constant ratio (noise steepens the slopes) are combined into one; largest
+/// factor of a combined step.
 const MOST_TOGETHER: f32 = 3.0;
-/// A search has ended when its step moves no pixel of the subset by more than this part of what noise does, within
-/// these bounds, pixels.
+/// A search ends when its step moves no pixel of the subset by more than this part of the error due
+/// to noise, limited to these bounds, pixels.
 const SMALL_PART: f32 = 0.15;
 const SMALL_STEPS: [f32; 2] = [0.005, 0.04];
-/// What did not come to rest within all steps is taken if its last step was below this, pixels.
+/// A search that has not ended after all steps is accepted if its last step was below this, pixels.
 const RESTLESS: f32 = 0.05;
-/// Gradients above this are none that a cell has.
+/// Largest displacement gradient of a cell.
 const STEEPEST: f32 = 0.5;
 /// Least part of a subset that must be within the frame.
 const LEAST_SEEN: f32 = 0.6;
 /// Fewest pixels of a subset.
 const FEWEST: usize = 40;
-/// From so many pixels on half of them do.
+/// From this number of pixels on, every second pixel is used.
 const DENSE: usize = 300;
-/// Sums are made in so many strands, which vectorise.
+/// Number of parallel partial sums, so that the compiler vectorises them.
 const STRANDS: usize = 8;
 
-/// Where a subset has gone: `x + d` to `x + d + shift + gradient d`, pixels, y downward.
+/// Motion of a subset: `x + d` moves to `x + d + shift + gradient d`, pixels, y downward.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Warp {
     pub(super) shift: [f32; 2],
@@ -39,12 +41,13 @@ impl Warp {
         [0, 1].map(|a: usize| self.shift[a] + self.gradient[a][0] * x + self.gradient[a][1] * y)
     }
 
-    /// With the shift in other pixels.
+    /// The warp with its shift in other pixels.
     pub(super) fn scaled(&self, factor: f32) -> Self {
         Self { shift: self.shift.map(|shift| factor * shift), ..*self }
     }
 
-    /// This warp with the inverse of a small one before it; `None` where that turns the subset over.
+    /// This warp composed with the inverse of a small one; `None` if that would turn the subset
+    /// over.
     fn after_inverse(&self, step: &Self) -> Option<Self> {
         let [[a, b], [c, d]] = step.gradient;
         let (a, d) = (1.0 + a, 1.0 + d);
@@ -78,31 +81,32 @@ pub(super) struct Found {
 /// The pixels around a point at rest.
 #[derive(Debug, Clone)]
 pub(super) struct Subset {
-    /// Pixel that stands for the middle.
+    /// Pixel at the centre.
     centre: [f32; 2],
     /// From that pixel to the point.
     offset: [f32; 2],
-    /// Distances from the middle.
+    /// Distances from the centre.
     x: Vec<f32>,
     y: Vec<f32>,
-    /// Grey values less their mean, over their norm.
+    /// Grey values minus their mean, divided by their norm.
     grey: Vec<f32>,
-    /// Slopes over that norm.
+    /// Slopes divided by that norm.
     slope_x: Vec<f32>,
     slope_y: Vec<f32>,
-    /// Inverse of the normal equations.
+    /// Inverse of the matrix of the normal equations.
     inverse: [[f32; 6]; 6],
     half: f32,
     /// Standard error of the shift in its worst direction per standard deviation of the noise, pixels per grey level.
     pub(super) sensitivity: f32,
-    /// A search has ended when its step moves no pixel by more, pixels.
+    /// A search ends when its step moves no pixel by more than this, pixels.
     small_step: f32,
     /// Variance of the grey values.
     pub(super) variance: f32,
 }
 
 impl Subset {
-    /// The pixels of a square around a point that may be looked at; `None` where they are too few or flat.
+    /// The allowed pixels of a square around a point; `None` if they are too few or have no
+    /// contrast.
     pub(super) fn new(
         rest: &Spline,
         point: [f32; 2],
@@ -122,7 +126,7 @@ impl Subset {
         let [column, row] = middle.map(|place| place as usize);
         let (mut x, mut y) = (Vec::new(), Vec::new());
         let mut values: [Vec<f32>; 3] = Default::default();
-        // As on a chessboard: after the blur the pixels between tell nothing more.
+        // As on a chessboard: after the blur, the other pixels add no information.
         let thin = (2 * half + 1).pow(2) > DENSE;
         for r in row.saturating_sub(half)..(row + half + 1).min(height) {
             for c in column.saturating_sub(half)..(column + half + 1).min(width) {
@@ -167,7 +171,7 @@ impl Subset {
         let inverse = inverted(normal)?;
         let [a, b, d] = [inverse[0][0], inverse[0][3], inverse[3][3]];
         let worst = f64::midpoint(a, d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
-        // Both pictures have the noise.
+        // Both pictures are noisy.
         let sensitivity = ((2.0 * worst).sqrt() / f64::from(norm)) as f32;
         let [least, most] = SMALL_STEPS;
         Some(Self {
@@ -186,9 +190,9 @@ impl Subset {
         })
     }
 
-    /// Looks for the subset from where it may be; `start` and what is found are shifts of the point itself.
+    /// Searches the subset from a start; `start` and the result are shifts of the point itself.
     pub(super) fn find(&self, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
-        // The widest vectors that the processor has; sums are made in the same order with any.
+        // Uses the widest vectors of the processor; the order of summation is always the same.
         pulp::Arch::new().dispatch(
             #[inline(always)]
             || self.search(now, start, room),
@@ -225,7 +229,7 @@ impl Subset {
                     + self.half * (step.gradient[a][0].abs() + step.gradient[a][1].abs())
             };
             let size = of(0).max(of(1));
-            // A longer step than this goes somewhere else.
+            // A longer step would leave the subset.
             if size.is_nan() || step.shift[0].hypot(step.shift[1]) > 2.0 * self.half {
                 return None;
             }
@@ -234,7 +238,7 @@ impl Subset {
                 return None;
             }
             if size < RESTLESS {
-                // The last step has changed the correlation by next to nothing.
+                // The last step has hardly changed the correlation.
                 let shift = warp.at(self.offset);
                 taken = Some(Found { warp: Warp { shift, ..warp }, correlation });
             }
@@ -245,13 +249,15 @@ impl Subset {
         taken
     }
 
-    /// Product of two steps, gradients by what they do at the rim.
+    /// Scalar product of two steps; gradients are weighted by the displacement they cause at the
+    /// subset's rim.
     fn alike(&self, a: &[f32; 6], b: &[f32; 6]) -> f32 {
         let weigh = |at: usize| if at.is_multiple_of(3) { 1.0 } else { self.half * self.half };
         (0..6).map(|at| weigh(at) * a[at] * b[at]).sum()
     }
 
-    /// Leaves in `room` the differences of the normalised grey values, now less at rest; their correlation.
+    /// Writes the residual (normalised grey values now minus at rest) into `room` and returns the
+    /// correlation; `None` if too little of the subset is in the frame.
     #[inline(always)]
     fn compare(&self, now: &Spline, warp: &Warp, room: &mut Vec<f32>) -> Option<f32> {
         let count = self.x.len();
@@ -285,7 +291,7 @@ impl Subset {
         }
         let (mut rest_mean, mut rest_scale) = (0.0, 1.0);
         if outside > 0 {
-            // What is out of sight does not count, in neither picture.
+            // Pixels outside the frame are left out of both pictures.
             let both = || self.grey.iter().zip(room.iter()).filter(|(_, now)| !now.is_nan());
             rest_mean = both().map(|(rest, _)| rest).sum::<f32>() / seen;
             let norm = both().map(|(rest, _)| (rest - rest_mean).powi(2)).sum::<f32>().sqrt();
@@ -311,7 +317,7 @@ impl Subset {
         Some(1.0 - 0.5 * total_of(room, |value| value * value))
     }
 
-    /// Sums of the differences over the directions of steepest descent.
+    /// Projections of the residual onto the steepest-descent images.
     #[inline(always)]
     fn descent(&self, differences: &[f32]) -> [f32; 6] {
         let mut sums = [[0.0_f32; STRANDS]; 6];
@@ -357,7 +363,8 @@ fn total_of(values: &[f32], of: impl Fn(f32) -> f32) -> f32 {
     sums.iter().sum::<f32>() + rest.iter().map(|&value| of(value)).sum::<f32>()
 }
 
-/// The inverse of a symmetric matrix by Gauss and Jordan with pivots; `None` where it has none to speak of.
+/// The inverse of a symmetric matrix by Gauss-Jordan elimination with pivoting; `None` if it is
+/// nearly singular.
 fn inverted(mut matrix: [[f64; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     let mut inverse = [[0.0; 6]; 6];
     for (i, row) in inverse.iter_mut().enumerate() {

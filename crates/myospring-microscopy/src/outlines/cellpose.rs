@@ -1,9 +1,9 @@
 //! Cellpose's `_outlines.txt`: one cell a line, `x1,y1,x2,y2,...`, as its `io.outlines_to_text` writes.
 //!
-//! The points are the pixels of the cell's edge, whole numbers counted from the top left, each a
-//! neighbour of the one before. They belong to the cell: a ring through their middles would be half a
-//! pixel small all round. So the pixels are filled and traced, and the outline is that of Cellpose's
-//! own mask, without its holes.
+//! The points are the pixels of the cell's edge, in whole numbers from the top left, each a
+//! neighbour of the one before. These pixels belong to the cell, so a ring through their centres
+//! would be half a pixel too small on all sides. Therefore the ring is filled and traced; the
+//! outline is that of Cellpose's own mask, without its holes.
 
 use super::raster::{fill, no_pixel, part};
 use super::trace::{follow, trace};
@@ -12,7 +12,7 @@ use super::{
     PixelFrame, Raw,
 };
 
-/// Most pixels of the box around a cell.
+/// Largest number of pixels in the bounding box of a cell.
 const MOST_PIXELS: usize = 100_000_000;
 
 /// Reads all cells; they are named by the number of their line. Empty lines, which Cellpose writes for
@@ -31,7 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Vec<Raw>, OutlineFileError> {
         let points = points(line).map_err(wrong)?;
         let ring = match chain(&points) {
             Some(chain) => around(&chain).map_err(wrong)?,
-            // Moved by hand, or thinned out: a ring through the middles of pixels.
+            // Edited or thinned out: a ring through pixel centres.
             None => points.iter().map(|point| point.map(|value| value + 0.5)).collect(),
         };
         let name = (index + 1).to_string();
@@ -101,7 +101,7 @@ fn around(chain: &[[isize; 2]]) -> Result<Vec<[f64; 2]>, String> {
 
 /// Writes outlines as Cellpose does, in the pixels of a picture; holes are lost.
 ///
-/// Of an outline whose pixels fall apart, the first part from the top is written.
+/// If the pixels of an outline are not connected, the part nearest to the top is written.
 ///
 /// # Errors
 /// An outline that covers no pixel of the picture.

@@ -9,7 +9,7 @@ use myospring_core::mesh::pixel_size::PixelSize;
 pub enum OutlineFileError {
     /// Bytes of no known format.
     #[error(
-        "this is no file of outlines ({bytes} bytes that start with {start}); give an ImageJ .roi or \
+        "this is not a file of outlines ({bytes} bytes that start with {start}); give an ImageJ .roi or \
          RoiSet .zip, GeoJSON, or Cellpose's _outlines.txt"
     )]
     Unknown {
@@ -27,10 +27,8 @@ pub enum OutlineFileError {
         /// The file, or the entry of the zip.
         name: String,
     },
-    /// A file that is named like one of ImageJ's, but is none.
-    #[error(
-        "{name} is damaged, or no {kind}: its first bytes are not those of one; save it again in Fiji"
-    )]
+    /// A file whose name ends like one of ImageJ's, but whose content is different.
+    #[error("{name} is damaged, or not a {kind}: its first bytes differ; save it again in Fiji")]
     NotOfImageJ {
         /// The file.
         name: String,
@@ -49,7 +47,7 @@ pub enum OutlineFileError {
         /// Bytes there.
         found: usize,
     },
-    /// A ROI that is no closed outline.
+    /// A ROI that is not a closed outline.
     #[error("{name} is an ImageJ {kind} ROI, which is not the outline of a cell; {mend}")]
     RoiKind {
         /// The file, or the entry of the zip.
@@ -73,24 +71,24 @@ pub enum OutlineFileError {
         /// What is wrong.
         reason: String,
     },
-    /// More than is read, in number.
+    /// Too many outlines, points or holes.
     #[error(
         "the file has {found} {what}; at most {bound} are read: simplify it, or split the file"
     )]
     TooMany {
-        /// Of what.
+        /// What there is too much of.
         what: &'static str,
         /// How many.
         found: usize,
-        /// How many may be.
+        /// How many are allowed.
         bound: usize,
     },
-    /// More than is read, in bytes.
+    /// A zip entry that unpacks to too many bytes.
     #[error("{name} unpacks to more than {bound} bytes, which no ROI needs; is this a RoiSet?")]
     TooLarge {
         /// The entry of the zip, or the zip.
         name: String,
-        /// How many bytes may be.
+        /// How many bytes are allowed.
         bound: u64,
     },
     /// Text that is not GeoJSON.
@@ -99,7 +97,7 @@ pub enum OutlineFileError {
         /// What the parser says.
         reason: String,
     },
-    /// A unit that is not known.
+    /// An unknown unit.
     #[error(
         "outline `{name}` has the property `unit` \"{unit}\"; give \"um\" (y upward from the lower \
          left corner of the picture) or \"pixel\" (y downward from the top left corner)"
@@ -144,7 +142,7 @@ pub enum OutlineFileError {
         /// Rows of the picture.
         height: usize,
     },
-    /// A polygon that is no outline.
+    /// A polygon that is not a valid outline.
     #[error("outline `{name}`: {error}")]
     Outline {
         /// Name of the outline.
@@ -173,15 +171,15 @@ impl OutlineFileError {
 /// Why outlines cannot be written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OutlineWriteError {
-    /// More than the format can tell apart.
-    #[error("{found} outlines are more than the {bound} that this format can tell apart")]
+    /// More than the format can distinguish.
+    #[error("{found} outlines are more than the {bound} that this format can distinguish")]
     TooMany {
         /// How many.
         found: usize,
-        /// How many may be.
+        /// How many are allowed.
         bound: usize,
     },
-    /// An outline that holds no pixel's centre.
+    /// An outline that contains no pixel's centre.
     #[error(
         "outline `{name}` covers no pixel of the picture of {width} x {height} pixels of \
          {pixel_size}: is it from this picture?"
@@ -196,7 +194,7 @@ pub enum OutlineWriteError {
         /// Side of a pixel.
         pixel_size: PixelSize,
     },
-    /// The encoder refuses.
+    /// The encoder fails.
     #[error("the outlines cannot be written: {reason}")]
     Encode {
         /// What it says.

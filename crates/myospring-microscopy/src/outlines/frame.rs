@@ -1,4 +1,4 @@
-//! How the pixels of a picture lie in um.
+//! Conversion between pixels and um.
 
 use myospring_core::mesh::mask::Mask;
 use myospring_core::mesh::outline::{Outline, OutlineError};
@@ -10,7 +10,7 @@ const LONGEST_SIDE: usize = 65_536;
 /// Most pixels that a frame may have.
 const MOST_PIXELS: usize = 100_000_000;
 
-/// Why numbers do not describe a picture.
+/// Why a picture size is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FrameError {
     /// No pixel, or too many.
@@ -97,13 +97,13 @@ impl PixelFrame {
         Outline::new(exterior, rings.collect())
     }
 
-    /// A point in pixels, y downward, as one in um, y upward.
+    /// Converts a point from pixels, y downward, to um, y upward.
     pub fn to_um(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let side = self.pixel_size.um();
         [x * side, (self.height as f64 - y) * side]
     }
 
-    /// A point in um, y upward, as one in pixels, y downward.
+    /// Converts a point from um, y upward, to pixels, y downward.
     pub fn to_pixels(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let side = self.pixel_size.um();
         [x / side, self.height as f64 - y / side]

@@ -70,7 +70,8 @@ fn unit_of(unit: &Value, name: &str) -> Result<CoordinateUnit, OutlineFileError>
     }
 }
 
-/// The property `name`, else the property or member `id`, else the place in the file from 1.
+/// The property `name`, else the property or member `id`, else the position in the file, counted
+/// from 1.
 fn name(feature: &Feature, index: usize) -> String {
     let text = |value: &Value| match value {
         Value::String(text) if !text.trim().is_empty() => Some(text.trim().to_owned()),
@@ -101,7 +102,7 @@ fn collect(value: GeometryValue, polygons: &mut Vec<Rings>, left_out: &mut impl 
         GeometryValue::MultiPolygon { coordinates } => polygons.extend(coordinates),
         GeometryValue::GeometryCollection { geometries } => {
             for Geometry { value, .. } in geometries {
-                // Nested closures would not end in types; the depth is bounded by the parser's.
+                // The recursion is bounded by the parser's depth limit.
                 collect(value, polygons, left_out);
             }
         }
@@ -117,8 +118,8 @@ fn points(ring: &[Position]) -> Vec<[f64; 2]> {
     ring.iter().map(|position| [at(position, 0), at(position, 1)]).collect()
 }
 
-/// Writes outlines as a GeoJSON `FeatureCollection` in um, y upward, each with its name and
-/// `unit: um`. It reads back to the same numbers.
+/// Writes outlines as a GeoJSON `FeatureCollection` in um, y upward, each with its name and `unit:
+/// um`. Reading it back gives the same numbers.
 ///
 /// # Example
 /// ```
@@ -140,7 +141,7 @@ pub fn write_geojson(cells: &[NamedOutline]) -> String {
         feature
     };
     let features = cells.iter().map(feature).collect();
-    // Without it, programs for maps take the coordinates for degrees.
+    // Without it, GIS programs read the coordinates as degrees.
     let crs = json!({ "type": "name", "properties": { "name": MICROMETRES } });
     let foreign_members = Some(JsonObject::from_iter([("crs".to_owned(), crs)]));
     GeoJson::from(FeatureCollection { bbox: None, features, foreign_members }).to_string()

@@ -8,12 +8,12 @@ use super::{NamedOutline, OutlineWriteError, PixelFrame};
 use myospring_core::mesh::mask::{Mask, MaskError, Part};
 use myospring_core::mesh::outline::Outline;
 
-/// Most labels that a 16-bit picture can tell apart.
+/// Largest label of a 16-bit picture.
 const MOST_LABELS: usize = 65_535;
 
 /// The pixels of a picture whose centres lie within an outline.
 ///
-/// It undoes [`super::trace::trace_mask`] to the pixel.
+/// It is the exact inverse of [`super::trace::trace_mask`].
 ///
 /// # Errors
 /// An outline that covers no pixel of the picture, or all.
@@ -34,11 +34,11 @@ pub fn rasterise(outline: &Outline, frame: &PixelFrame) -> Result<Mask, MaskErro
     Mask::of_part(width, height, frame.pixel_size(), part)
 }
 
-/// The box of pixels whose centres lie within an outline; `None` if there are none.
+/// The pixels whose centres lie within an outline, in their bounding box; `None` if there are none.
 pub(super) fn part(outline: &Outline, frame: &PixelFrame) -> Option<Part> {
     let mut spans = Vec::new();
     within(outline, frame, |row, columns| spans.push((row, columns)));
-    // Rows come from the top.
+    // Rows are sorted from the top.
     let (top, last) = (spans.first()?.0, spans.last()?.0);
     let left = spans.iter().map(|(_, columns)| columns.start).min()?;
     let width = spans.iter().map(|(_, columns)| columns.end).max()? - left;
@@ -49,8 +49,8 @@ pub(super) fn part(outline: &Outline, frame: &PixelFrame) -> Option<Part> {
     Some(Part { left, top, width, inside })
 }
 
-/// The pixels of a picture whose centres lie within an outline: rows from the top, each with ranges of columns, none
-/// of which is empty.
+/// The pixels of a picture whose centres lie within an outline: rows from the top, each with ranges
+/// of columns that are not empty.
 pub(crate) fn within(
     outline: &Outline,
     frame: &PixelFrame,
@@ -71,14 +71,14 @@ pub(super) fn fill(rings: &[Vec<[f64; 2]>], width: usize, height: usize) -> Vec<
     inside
 }
 
-/// [`fill`] as ranges of columns, row by row from the top; none is empty.
+/// The pixels of [`fill`] as ranges of columns that are not empty, row by row from the top.
 fn spans(
     rings: &[Vec<[f64; 2]>],
     width: usize,
     height: usize,
     mut visit: impl FnMut(usize, Range<usize>),
 ) {
-    /// An edge from its first row on: where it crosses the row, and how far that moves per row.
+    /// An edge from its first row on: the column where it crosses the row, and its change per row.
     struct Edge {
         first: usize,
         end: usize,
@@ -211,7 +211,7 @@ fn encode(
     }
 }
 
-/// Gives the pixels within an outline a value.
+/// Sets the pixels within an outline to a value.
 fn paint<Value: Copy>(
     cell: &NamedOutline,
     frame: &PixelFrame,
@@ -226,7 +226,7 @@ fn paint<Value: Copy>(
     if any { Ok(()) } else { Err(no_pixel(cell, frame)) }
 }
 
-/// That an outline covers no pixel of the picture.
+/// The error for an outline that covers no pixel of the picture.
 pub(super) fn no_pixel(cell: &NamedOutline, frame: &PixelFrame) -> OutlineWriteError {
     OutlineWriteError::NoPixel {
         name: cell.name.clone(),

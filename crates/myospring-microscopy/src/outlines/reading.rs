@@ -1,4 +1,4 @@
-//! Any format read: counted, placed in the picture, checked.
+//! Reading outlines of any format, with limits and checks of their position.
 
 use super::{
     CoordinateUnit, GivenOutlines, MOST_HOLES, MOST_OUTLINES, MOST_POINTS, MOST_POINTS_IN_FILE,
@@ -7,15 +7,16 @@ use super::{
 };
 use myospring_core::mesh::outline::Outline;
 
-/// Reads a file of outlines in any of the formats that [`super`] lists; `file_name` names what has no name of its
-/// own and stands in errors.
+/// Reads a file of outlines in any of the formats that [`super`] lists; `file_name` is used in
+/// errors and as the name of an outline without one.
 ///
-/// Lines and points in a RoiSet or GeoJSON that also holds cells are left out with a note, and so are outlines that
-/// [`Outline::new`] refuses where others are right.
+/// Lines and points in a RoiSet or GeoJSON that also contains cells are left out with a note. So
+/// are outlines that [`Outline::new`] rejects, if others are valid.
 ///
 /// # Errors
-/// Bytes of no known format, damaged or too large ones; kinds of ROI that enclose no area; an outline
-/// that lies outside the picture, or none that [`Outline::new`] takes, with the name of the first.
+/// Bytes of no known format, damaged or too large ones; kinds of ROI that enclose no area; an
+/// outline that lies outside the picture, or only outlines that [`Outline::new`] rejects (the error
+/// names the first).
 ///
 /// # Example
 /// ```
@@ -41,7 +42,7 @@ pub fn read_outlines(
         Some(format) => read_outlines_as(format, bytes, file_name, options),
         None => Err(OutlineFileError::unknown(bytes)),
     };
-    // What is named like a file of ImageJ's and cannot be read as anything else is one that is damaged.
+    // A file with ImageJ's ending and unreadable content is a damaged one.
     let ending = file_name.rsplit_once('.').map(|(_, ending)| ending.to_lowercase());
     let kind = match ending.as_deref() {
         Some("roi") => "ImageJ ROI",
@@ -97,7 +98,7 @@ pub fn read_outlines_as(
     for raw in raw {
         match place(raw, &frame, options) {
             Ok(outline) => outlines.push(outline),
-            // One that cannot be meshed does not cost the others.
+            // An invalid outline does not affect the others.
             Err(error @ OutlineFileError::Outline { .. }) => {
                 notes.push(format!("left out: {error}"));
                 first.get_or_insert(error);
@@ -152,7 +153,7 @@ fn frame_of(
     let frame = PixelFrame::new(side(0), side(1), pixel_size)?;
     if in_pixels().next().is_some() {
         notes.push(format!(
-            "the size of the picture is not known: it was taken to end with the outlines, at {} x {} \
+            "the size of the picture is not known: it is assumed to end with the outlines, at {} x {} \
              pixels",
             frame.width(),
             frame.height()
@@ -161,7 +162,7 @@ fn frame_of(
     Ok(frame)
 }
 
-/// A file's polygon in um.
+/// Converts a file's polygon to um.
 fn place(
     mut raw: Raw,
     frame: &PixelFrame,
@@ -186,7 +187,7 @@ fn place(
     }
 }
 
-/// Coordinates may leave the picture by a pixel, which is drawing and rounding; more than that is
+/// Coordinates may lie outside the picture by up to a pixel (drawing, rounding); anything more is
 /// another picture or another unit.
 fn check_within(raw: &Raw, frame: &PixelFrame) -> Result<(), OutlineFileError> {
     const SLACK: f64 = 1.0;

@@ -1,18 +1,19 @@
-//! Rings in pixels: joined to polygons, and parted where they touch.
+//! Rings in pixels: combined into polygons, and separated where they touch.
 
 use std::collections::HashMap;
 
 use geo::coordinate_position::{CoordPos, CoordinatePosition};
 
-/// How far a corner is cut where a ring passes a point twice, pixels: far below what a picture can
-/// show, and exact in binary. Each such point changes the area by half of its square.
+/// Length by which a corner is cut where a ring passes a point twice, pixels: far below the
+/// resolution of a picture, and exact in binary. Each such point changes the area by half the
+/// square of this length.
 pub(super) const CUT: f64 = 1.0 / 1024.0;
 
-/// Parts rings where they touch in a common vertex, by cutting both corners there by `cut`, in the unit
-/// of the points.
+/// Separates rings that touch in a common vertex by cutting both corners there by `cut`, in the
+/// unit of the points.
 ///
-/// Traced outlines pass a corner twice where two pixels meet only there, which an outline may not. Threads without
-/// width, along which a ring runs there and back, are taken off. Nothing else is changed.
+/// Traced outlines pass a corner twice where two pixels meet only there, but an outline must not.
+/// Spikes without width, along which a ring runs forth and back, are removed. Nothing else changes.
 pub(super) fn part_touching(rings: &mut [Vec<[f64; 2]>], cut: f64) {
     let key = |point: [f64; 2]| point.map(|value| (value + 0.0).to_bits());
     let mut passes: HashMap<[u64; 2], u32> = HashMap::new();
@@ -45,7 +46,7 @@ pub(super) fn part_touching(rings: &mut [Vec<[f64; 2]>], cut: f64) {
     }
 }
 
-/// Takes off what a ring runs there and back: `a b a` is `a`.
+/// Removes spikes without width: `a b a` becomes `a`.
 fn take_threads_off(ring: &mut Vec<[f64; 2]>) {
     let mut kept: Vec<[f64; 2]> = Vec::with_capacity(ring.len());
     for &point in ring.iter() {
@@ -55,7 +56,7 @@ fn take_threads_off(ring: &mut Vec<[f64; 2]>) {
             kept.push(point);
         }
     }
-    // A thread that begins or ends the ring.
+    // A spike at the beginning or end of the list.
     let (mut first, mut last) = (0, kept.len());
     while last - first > 2 {
         if kept[last - 2] == kept[first] {
@@ -69,16 +70,16 @@ fn take_threads_off(ring: &mut Vec<[f64; 2]>) {
     *ring = kept[first..last].to_vec();
 }
 
-/// A point `cut` from `from` on the way to `to`, at most a quarter of the way.
+/// The point at distance `cut` from `from` towards `to`, at most a quarter of the way.
 fn toward(from: [f64; 2], to: [f64; 2], cut: f64) -> [f64; 2] {
     let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
     let share = (cut / dx.hypot(dy)).min(0.25);
     [from[0] + share * dx, from[1] + share * dy]
 }
 
-/// Joins rings of which some lie within others to polygons by the even-odd rule: a ring within an
-/// even number of others is an exterior, one within an odd number a hole of the smallest ring around
-/// it. Rings of fewer than three points and without area are dropped.
+/// Combines nested rings into polygons by the even-odd rule: a ring within an even number of others
+/// is an exterior, one within an odd number a hole of the smallest ring around it. Rings of fewer
+/// than three points and without area are dropped.
 pub(super) fn nest(rings: Vec<Vec<[f64; 2]>>) -> Vec<Vec<Vec<[f64; 2]>>> {
     struct Ring {
         points: Vec<[f64; 2]>,
@@ -95,7 +96,7 @@ pub(super) fn nest(rings: Vec<Vec<[f64; 2]>>) -> Vec<Vec<Vec<[f64; 2]>>> {
             (points.len() > 2 && area > 0.0).then_some(Ring { points, polygon, bounds, area })
         })
         .collect();
-    // Large ones first, so that a ring comes after all that are around it.
+    // Large ones first, so that a ring comes after all rings around it.
     sorted.sort_by(|a, b| b.area.total_cmp(&a.area));
     let around = |inner: &Ring, outer: &Ring| {
         let within = |point: &[f64; 2]| {

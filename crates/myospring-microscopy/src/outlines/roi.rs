@@ -7,7 +7,7 @@
 //! |---|---|
 //! | 0..4 | `Iout` |
 //! | 4..6 | version |
-//! | 6 | kind: 0 polygon, 1 rectangle, 2 oval, 7 freehand, 8 traced; others enclose nothing |
+//! | 6 | kind: 0 polygon, 1 rectangle, 2 oval, 7 freehand, 8 traced; others enclose no area |
 //! | 8..16 | top, left, bottom, right |
 //! | 16..18 | number of points; if 0, four bytes at 18 |
 //! | 18..34 | four floats: x, y, width, height of a sub-pixel rectangle; the axis of an ellipse |
@@ -16,10 +16,10 @@
 //! | 50..52 | options: 1 spline, 128 sub-pixel coordinates |
 //! | 52..56 | float: ratio of an ellipse's axes, width of a rotated rectangle |
 //! | 54..56 | corner diameter of a rounded rectangle |
-//! | 60..64 | where header 2 stands; at its byte 16 place and length of the name (UTF-16) |
+//! | 60..64 | offset of header 2; at its byte 16 offset and length of the name (UTF-16) |
 //! | 64.. | all x then all y as shorts from left and top; then as floats, with option 128 |
 //!
-//! Coordinates of such areas are pixel corners: pixel (0, 0) lies between the points (0, 0) and (1, 1).
+//! Coordinates are pixel corners: pixel (0, 0) lies between the points (0, 0) and (1, 1).
 
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ const HEADER: usize = 64;
 const SPLINE: u16 = 1;
 const SUB_PIXEL: u16 = 128;
 
-/// Sides of the polygon that stands for an ellipse: its area is 0.005 % small.
+/// Sides of the polygon that approximates an ellipse; its area is 0.005 % too small.
 const ELLIPSE_SIDES: usize = 360;
 
 /// Reads one ROI; a composite may give several polygons. `file` is its file or entry in the zip.
@@ -94,7 +94,7 @@ impl<'a> Roi<'a> {
         self.array(at).map(u16::from_be_bytes)
     }
 
-    /// A coordinate in two bytes: values below -5000 are meant without sign, as in ImageJ.
+    /// A coordinate in two bytes; values below -5000 are read as unsigned, as in ImageJ.
     fn short(&self, at: usize) -> Result<f64, OutlineFileError> {
         let word = self.word(at)?;
         let signed = word.cast_signed();
@@ -170,7 +170,7 @@ impl<'a> Roi<'a> {
             (6, _) => return Err(self.kind("empty", OUTLINE)),
             (9, _) => return Err(self.kind("angle", OUTLINE)),
             (10, _) => return Err(self.kind("point", OUTLINE)),
-            (other, _) => return Err(self.damaged(format!("{other} is no kind of ROI"))),
+            (other, _) => return Err(self.damaged(format!("{other} is not a kind of ROI"))),
         };
         Ok(vec![vec![ring]])
     }
@@ -212,7 +212,7 @@ impl<'a> Roi<'a> {
         (0..count).map(point).collect()
     }
 
-    /// An ellipse by the ends of its major axis and the ratio of the axes.
+    /// An ellipse from the ends of its major axis and the ratio of the axes.
     fn ellipse(&self) -> Result<Vec<[f64; 2]>, OutlineFileError> {
         let [x1, y1, x2, y2] = [self.float(18)?, self.float(22)?, self.float(26)?, self.float(30)?];
         let ratio = self.float(52)?;
@@ -221,7 +221,7 @@ impl<'a> Roi<'a> {
         Ok(ellipse([x1 + half[0], y1 + half[1]], half, across))
     }
 
-    /// A rectangle by the ends of its middle line and its width.
+    /// A rectangle from the ends of its middle line and its width.
     fn rotated_rectangle(&self) -> Result<Vec<[f64; 2]>, OutlineFileError> {
         let [x1, y1, x2, y2] = [self.float(18)?, self.float(22)?, self.float(26)?, self.float(30)?];
         let (width, length) = (self.float(52)?, (x2 - x1).hypot(y2 - y1));
@@ -258,7 +258,7 @@ impl<'a> Roi<'a> {
                 2.0 => 2,
                 3.0 => 3,
                 4.0 => 0,
-                _ => return Err(self.damaged(format!("{kind} is no kind of segment"))),
+                _ => return Err(self.damaged(format!("{kind} is not a kind of segment"))),
             };
             let controls = (0..points)
                 .map(|index| point(place + 1 + 2 * index))
@@ -299,7 +299,7 @@ impl<'a> Roi<'a> {
     }
 }
 
-/// An ellipse by its centre and the two halves of its axes.
+/// An ellipse from its centre and its two semi-axes.
 fn ellipse(centre: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
     let point = |step: usize| {
         let (sin, cos) = (step as f64 * TAU / ELLIPSE_SIDES as f64).sin_cos();
@@ -308,7 +308,7 @@ fn ellipse(centre: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
     (0..ELLIPSE_SIDES).map(point).collect()
 }
 
-/// A point of a Bezier curve, by de Casteljau's rule.
+/// A point of a Bezier curve, by de Casteljau's algorithm.
 fn bezier(control: &[[f64; 2]], t: f64) -> [f64; 2] {
     let mut points = control.to_vec();
     while points.len() > 1 {

@@ -18,7 +18,7 @@ const LARGEST_ROI: u64 = 12 * MOST_POINTS as u64 + (1 << 16);
 /// Largest sum of all ROIs, unpacked, bytes.
 const LARGEST_SET: u64 = 1 << 26;
 
-/// Reads all ROIs of a zip in their order; those that enclose no area become notes.
+/// Reads all ROIs of a zip in their order; ROIs that enclose no area are left out with a note.
 pub(super) fn read(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<Raw>, OutlineFileError> {
     let failed = |error: ZipError| OutlineFileError::Zip { reason: error.to_string() };
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(failed)?;
@@ -55,12 +55,13 @@ pub(super) fn read(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<Raw>, Ou
     Ok(outlines)
 }
 
-/// What macOS adds to a zip.
+/// Whether an entry is one of the files that macOS adds to a zip.
 fn hidden(name: &str) -> bool {
     name.starts_with("__MACOSX/") || name.ends_with(".DS_Store")
 }
 
-/// Writes outlines as a RoiSet, which Fiji's ROI Manager opens; names stay, repeated ones get a number.
+/// Writes outlines as a RoiSet, which Fiji's ROI Manager opens; names are kept, and repeated names
+/// get a number.
 ///
 /// # Errors
 /// More than [`MOST_OUTLINES`].
@@ -91,7 +92,7 @@ fn pack(cells: &[NamedOutline], frame: &PixelFrame) -> Result<Vec<u8>, ZipError>
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     let mut taken = BTreeSet::new();
     for cell in cells {
-        // A name may not lead out of the folder into which the zip is unpacked.
+        // A name must not point outside the folder into which the zip is unpacked.
         let plain = cell.name.replace(['/', '\\', ':'], "_");
         let plain = if plain.trim().is_empty() { "cell".to_owned() } else { plain };
         let mut name = plain.clone();

@@ -1,4 +1,4 @@
-//! One ImageJ ROI, written, as `ij/io/RoiEncoder.java` does; the layout stands in `roi.rs`.
+//! Writes one ImageJ ROI like `ij/io/RoiEncoder.java`; `roi.rs` documents the layout.
 
 use super::{NamedOutline, PixelFrame};
 
@@ -11,14 +11,14 @@ const POLYGON: u8 = 0;
 const RECTANGLE: u8 = 1;
 const TRACED: u8 = 8;
 
-/// Longest polygon that the header can count; longer ones are written as composites.
+/// Largest number of points that the header can hold; longer polygons are written as composites.
 const LONGEST_POLYGON: usize = 65_535;
 
 /// Writes an outline as an ImageJ ROI in the pixels of a picture.
 ///
-/// An outline without holes becomes a polygon with sub-pixel points, which Fiji lets a person drag, or
-/// a traced ROI where all points are pixel corners; one with holes becomes a composite. Points are
-/// single precision: good to 0.0001 pixel in a picture of 2000.
+/// An outline without holes becomes a polygon with sub-pixel points, which can be dragged in Fiji,
+/// or a traced ROI if all points are pixel corners; one with holes becomes a composite. Points have
+/// single precision: 0.0001 pixel in a picture of 2000 pixels.
 ///
 /// # Example
 /// ```
@@ -60,7 +60,7 @@ pub fn write_roi(cell: &NamedOutline, frame: &PixelFrame) -> Vec<u8> {
     bytes
 }
 
-/// Rounds to the pixel's corner what misses it by rounding only.
+/// Rounds a point to the pixel's corner if only rounding separates them.
 fn corner(point: [f64; 2]) -> [f64; 2] {
     const ROUNDING: f64 = 1e-6;
     point.map(|x| if (x - x.round()).abs() < ROUNDING { x.round() } else { x })
@@ -86,7 +86,7 @@ fn put(bytes: &mut [u8], at: usize, word: u16) {
 }
 
 fn polygon(bytes: &mut Vec<u8>, ring: &[[f64; 2]], low: [f64; 2]) {
-    // Whole numbers that two bytes can hold for certain.
+    // Whole numbers that surely fit into two bytes.
     let short_range = 0.0..=f64::from(i16::MAX);
     let whole = |&value: &f64| value.fract() == 0.0 && short_range.contains(&value);
     let whole = ring.iter().flatten().all(whole);

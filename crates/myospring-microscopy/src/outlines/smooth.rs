@@ -1,34 +1,34 @@
-//! A smooth outline of rings along pixel edges.
+//! Smooth outlines from rings along pixel edges.
 
 use geo::Simplify;
 
 use super::PixelFrame;
 use myospring_core::mesh::outline::Outline;
 
-/// Largest distance of a left-out point from the smooth outline, pixels; halved where the result
-/// crosses itself or misses the area.
+/// Largest distance of a removed point from the smooth outline, pixels; halved if the result
+/// crosses itself or has the wrong area.
 const DEVIATION: f64 = 0.5;
 
-/// How often [`DEVIATION`] is halved.
+/// Largest number of halvings of [`DEVIATION`].
 const HALVINGS: u32 = 3;
 
-/// How often neighbouring points are averaged, with weights 1, 2, 1: enough to take the steps of the pixels
-/// out of the length of the outline, which is then right to 0.5 % (discs and slanted ellipses of 30 pixels and
-/// more), little enough to keep tips. Without it the length is 2 to 3 % too long. It costs about a pixel and
-/// a half of the area, too much for a small cell, which has fewer averages or none.
+/// Number of rounds of averaging neighbouring points, with weights 1, 2, 1. It removes the pixels'
+/// steps, so that the length is right to 0.5 % (discs and slanted ellipses of 30 pixels and more;
+/// without averaging it is 2 to 3 % too long), and still keeps tips. It reduces the area by about a
+/// pixel and a half, which is too much for a small cell; such a cell gets fewer rounds or none.
 const AVERAGES: usize = 2;
 
-/// Shortest ring that is averaged, in sides of pixels; small holes would close.
+/// Shortest ring that is averaged, in pixel sides; smaller holes would close.
 const SHORTEST_AVERAGED: usize = 16;
 
-/// Largest change of the area.
+/// Largest relative change of the area.
 const AREA_ERROR: f64 = 0.005;
 
-/// Joins the middles of all pixel edges, averages neighbours, and leaves out points that deviate little (Douglas and
-/// Peucker 1973). `None` where no such outline keeps the area.
+/// Joins the midpoints of all pixel edges, averages neighbours, and removes points that deviate
+/// little (Douglas and Peucker 1973). `None` if no such outline keeps the area.
 ///
-/// Joining the middles cuts each outer corner of a pixel and fills each inner one by the same
-/// triangle; a ring has four outer corners more, so the area falls by just half a pixel.
+/// Joining midpoints cuts each outer corner of a pixel and fills each inner one by the same
+/// triangle; a ring has four more outer corners, so the area decreases by exactly half a pixel.
 pub(super) fn smooth(rings: &[Vec<[f64; 2]>], frame: &PixelFrame) -> Option<Outline> {
     let pixel = frame.pixel_size().um();
     let exact = rings.iter().map(|ring| signed_area(ring)).sum::<f64>().abs() * pixel * pixel;
@@ -50,7 +50,7 @@ pub(super) fn smooth(rings: &[Vec<[f64; 2]>], frame: &PixelFrame) -> Option<Outl
     })
 }
 
-/// The ring with each point moved to the mean of itself, twice, and its neighbours, so many times.
+/// The ring after `times` rounds of averaging each point (weight 2) with its neighbours (weight 1).
 fn averaged(mut ring: Vec<[f64; 2]>, times: usize) -> Vec<[f64; 2]> {
     let count = ring.len();
     if count < SHORTEST_AVERAGED {
@@ -67,13 +67,13 @@ fn averaged(mut ring: Vec<[f64; 2]>, times: usize) -> Vec<[f64; 2]> {
     ring
 }
 
-/// Area of a ring in pixels; holes, walked the other way, have the other sign.
+/// Area of a ring in pixels; holes run the other way and have the opposite sign.
 fn signed_area(ring: &[[f64; 2]]) -> f64 {
     let edges = ring.iter().zip(ring.iter().cycle().skip(1));
     edges.map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1])).sum()
 }
 
-/// Middles of the sides of pixels along a ring given by its corners.
+/// Midpoints of the pixel sides along a ring, which is given by its corners.
 fn edge_middles(ring: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut middles = Vec::new();
     for (p, q) in ring.iter().zip(ring.iter().cycle().skip(1)) {

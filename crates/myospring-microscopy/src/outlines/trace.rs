@@ -1,12 +1,11 @@
-//! Pixels to outlines.
+//! Traces the pixels of a cell as an outline.
 //!
-//! Two forms of one outline ([`Edge`]): along the edges of the pixels, which keeps every pixel and the
-//! exact area, but whose length is that of a staircase, up to 1.27 times too long on average over all
-//! directions; and smooth, which has the right length and direction too and is the one to use where
-//! nothing speaks against it.
+//! An outline has two forms ([`Edge`]). Along the edges of the pixels it keeps every pixel and the
+//! exact area, but it is a staircase, whose length is too long, by a factor of 1.27 on average over
+//! all directions. The smooth form also has the right length and direction; it is the default.
 //!
-//! Pixels that touch by a side or a corner are one cell, as for [`Mask::largest_part`]. Where two of
-//! them meet in a corner only, the outline has a bridge of 0.001 pixel. Holes are kept.
+//! Pixels that touch by a side or a corner are one cell, as for [`Mask::largest_part`]. Where two
+//! of them touch only in a corner, the outline has a bridge 0.001 pixel wide. Holes are kept.
 
 use super::ring::{CUT, part_touching};
 use super::smooth::smooth;
@@ -14,46 +13,46 @@ use super::{MOST_HOLES, PixelFrame};
 use myospring_core::mesh::mask::Mask;
 use myospring_core::mesh::outline::{Outline, OutlineError};
 
-/// Most corners that all traced rings may have: a picture of noise has more.
+/// Largest number of corners of all traced rings; a picture of noise has more.
 const MOST_CORNERS: usize = 4_000_000;
 
-/// Which form of an outline to make.
+/// The form of an outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Edge {
-    /// Through the middles of the pixels' edges, averaged over some of them, and without points that
-    /// deviate by less than half a pixel; its area is that of the pixels to 0.5 %. Where that cannot be kept, in cells of a few
-    /// pixels, it is the exact one.
+    /// Through the midpoints of the pixels' edges, averaged over neighbours, without points that
+    /// deviate by less than half a pixel. Its area differs from that of the pixels by at most 0.5
+    /// %; if that is impossible, in cells of a few pixels, the exact form is used.
     #[default]
     Smooth,
     /// Along the edges of the pixels.
     Exact,
 }
 
-/// Why pixels give no outlines.
+/// Why pixels have no valid outline.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TraceError {
-    /// More than a cell can have.
+    /// More corners or holes than a cell can have.
     #[error(
         "the pixels of the cell have {found} {what}, more than {bound}: is this the picture itself, not its mask? \
          Else fill holes and remove specks"
     )]
     TooMany {
-        /// Of what.
+        /// What there is too much of.
         what: &'static str,
         /// How many, at least.
         found: usize,
-        /// How many there may be.
+        /// How many are allowed.
         bound: usize,
     },
-    /// They are no outline.
+    /// The traced rings are not a valid outline.
     #[error("the pixels of the cell: {0}")]
     Outline(#[from] OutlineError),
 }
 
 /// Outline of the largest part of a mask, um from the lower left corner of the picture.
 ///
-/// The exact one has the area of the part and gives the mesh that [`myospring_core::mesh::lattice::from_mask`]
-/// gives.
+/// The exact form has the area of the part and gives the same mesh as
+/// [`myospring_core::mesh::lattice::from_mask`] .
 ///
 /// # Errors
 /// A part of less than 1 um^2 or more than 10 mm, or with more than [`MOST_HOLES`] holes.
@@ -94,7 +93,7 @@ pub fn trace_mask(mask: &Mask, edge: Edge) -> Result<Outline, TraceError> {
     Ok(frame.outline(rings)?)
 }
 
-/// Corners along the pixel edges of the one island that pixels make, the exterior first.
+/// The rings of corners along the pixel edges of one connected set of pixels, the exterior first.
 pub(super) fn trace(
     width: usize,
     height: usize,
@@ -106,7 +105,7 @@ pub(super) fn trace(
         within && inside[row as usize * width + column as usize]
     };
     let mut rings = Vec::new();
-    // Every ring passes the upper side of some pixel, the exterior that of the first.
+    // Every ring passes the upper side of a pixel, the exterior that of the first pixel.
     let mut passed = vec![false; inside.len()];
     let mut corners = 0;
     for (index, _) in inside.iter().enumerate().filter(|(_, inside)| **inside) {
@@ -133,20 +132,20 @@ pub(super) fn trace(
     Ok(rings)
 }
 
-/// One side of a pixel on the way round.
+/// One pixel side of a ring.
 pub(crate) struct Step {
-    /// The pixel within: column and row.
+    /// The pixel on its inner side: column and row.
     pub(crate) pixel: [isize; 2],
     /// Which of its sides: 0 upper, 1 right, 2 lower, 3 left.
     side: usize,
     /// Corner at the end of the side.
     end: [isize; 2],
-    /// Whether the way turns there.
+    /// Whether the ring turns there.
     turns: bool,
 }
 
-/// Walks once round from the upper side of a pixel, with the inside on the right hand; at a corner
-/// where two pixels of the inside meet it goes over to the other one.
+/// Walks once around, from the upper side of a pixel, with the inside on the right; at a corner
+/// where two inside pixels touch, it continues along the other one.
 pub(crate) fn follow(
     start: [isize; 2],
     inside: impl Fn(isize, isize) -> bool,

@@ -1,7 +1,8 @@
-//! AVI: chunks of a RIFF file (Microsoft, AVI RIFF File Reference; `OpenDML` 1.02 for those above 1 GB).
+//! AVI: chunks of a RIFF file (Microsoft, AVI RIFF File Reference; `OpenDML` 1.02 for files above 1
+//! GB).
 //!
-//! Frames are uncompressed (grey, palette, 24 and 32 bits of colour, planar and packed YUV), JPEG or PNG. The list of
-//! frames is made by walking through the file, so an index that is missing or wrong does not matter.
+//! Frames are uncompressed (grey, palette, 24 and 32 bits of colour, planar and packed YUV), JPEG
+//! or PNG. Frames are found by walking through the file, so a missing or wrong index does no harm.
 
 use std::ops::Range;
 
@@ -16,10 +17,10 @@ use crate::film::error::FilmError;
 use crate::picture::Selection;
 use crate::plane::Plane;
 
-/// Weights of red, green and blue in the luminance, as of pictures (ITU-R BT.709-6, item 3.2).
+/// Weights of red, green and blue in the luminance, as for pictures (ITU-R BT.709-6, item 3.2).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// How deep lists of pictures may be nested; cameras write one, two at most.
+/// Largest nesting of lists of pictures; cameras write one or two levels.
 const DEEPEST: usize = 8;
 
 /// A film.
@@ -29,28 +30,30 @@ pub(crate) struct Avi {
     size: [usize; 2],
     rate: Option<f64>,
     coding: Coding,
-    /// Where each frame is; one that the camera dropped is where the one before it is.
+    /// Position of each frame; a frame that the camera dropped has the position of the one before
+    /// it.
     frames: Vec<Range<usize>>,
 }
 
-/// How frames are written.
+/// How frames are encoded.
 #[derive(Debug, Clone)]
 enum Coding {
     Jpeg,
     Png,
-    /// One byte a pixel with the grey value of each, rows from below unless `down`.
+    /// One byte per pixel, with the grey value of each palette entry; rows from bottom to top
+    /// unless `down`.
     Palette {
         grey: Vec<f32>,
         down: bool,
     },
-    /// Blue, green, red and perhaps a fourth byte, rows from below unless `down`.
+    /// Blue, green, red and possibly a fourth byte; rows from bottom to top unless `down`.
     Colour {
         bytes: usize,
         down: bool,
     },
-    /// Luminance first, a byte a pixel.
+    /// Luminance first, one byte per pixel.
     Planar,
-    /// Luminance, two bytes a pixel.
+    /// Luminance, two bytes per pixel.
     Wide,
     /// Luminance in each second byte, from this one on.
     Packed {
@@ -58,11 +61,11 @@ enum Coding {
     },
 }
 
-/// A chunk: its name, and where its content stands.
+/// A chunk: its name and the position of its content.
 struct Chunk {
     name: [u8; 4],
     content: Range<usize>,
-    /// Whether the file ends before it does.
+    /// Whether the file ends within it.
     cut: bool,
 }
 
@@ -75,7 +78,7 @@ fn chunks(bytes: &[u8], part: Range<usize>) -> impl Iterator<Item = Chunk> + '_ 
         let size = u32::from_le_bytes([head[4], head[5], head[6], head[7]]) as usize;
         let start = at + 8;
         let end = start.saturating_add(size);
-        // Chunks begin at even places.
+        // Chunks begin at even offsets.
         at = end.saturating_add(size & 1);
         Some(Chunk { name, content: start..end.min(part.end), cut: end > part.end })
     })
@@ -91,7 +94,7 @@ fn damaged(reason: impl Into<String>) -> FilmError {
     FilmError::Damaged { format: "AVI", reason: reason.into() }
 }
 
-/// What the header says of the stream of pictures.
+/// The header of the stream of pictures.
 #[derive(Default)]
 struct Header {
     /// Its number among the streams.
@@ -152,7 +155,7 @@ impl Avi {
         bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"AVI ")
     }
 
-    /// The film, and what a person should know.
+    /// Reads the film; also returns warnings.
     pub(crate) fn read(bytes: Vec<u8>) -> Result<(Self, Vec<String>), FilmError> {
         let mut header = Header::default();
         let mut frames = Vec::new();
@@ -184,7 +187,8 @@ impl Avi {
         let size = sides.map(|side| side as usize);
         if let Some(least) = coding.bytes(size) {
             check_memory(least as u64)?;
-            // The last may be cut off; one in the middle is damaged, and says so.
+            // The last frame may be cut off; a damaged one in the middle gives an error when it is
+            // read.
             while frames
                 .last()
                 .is_some_and(|frame: &Range<usize>| (1..least).contains(&frame.len()))
@@ -199,10 +203,10 @@ impl Avi {
         if cut || header.declared > frames.len() {
             let declared = header.declared.max(frames.len());
             if frames.is_empty() {
-                return Err(damaged(format!("it declares {declared} frames and holds none")));
+                return Err(damaged(format!("it declares {declared} frames but contains none")));
             }
             notes.push(format!(
-                "the film is cut off: {} whole frames of {declared} that it declares were taken",
+                "the film is cut off: {} complete frames of the {declared} declared ones were read",
                 frames.len()
             ));
         }
@@ -288,7 +292,8 @@ fn luminance(pixel: &[u8]) -> f32 {
     red * LUMINANCE[0] + green * LUMINANCE[1] + blue * LUMINANCE[2]
 }
 
-/// Where the pictures of a stream stand in a list; whether the last of them is cut off, which leaves it out.
+/// Collects the positions of the pictures of a stream in a list; returns whether the last one is
+/// cut off and therefore left out.
 fn pictures(
     bytes: &[u8],
     list: Range<usize>,
@@ -322,7 +327,7 @@ fn pictures(
 }
 
 impl Coding {
-    /// From the `BITMAPINFOHEADER` of a stream.
+    /// Reads the encoding from the `BITMAPINFOHEADER` of a stream.
     fn of(format: &[u8], down: bool) -> Result<Self, FilmError> {
         let bits = number(format, 14, 2).unwrap_or(0);
         let code = number(format, 16, 4).unwrap_or(0);
@@ -353,14 +358,14 @@ impl Coding {
                 let codec = if named {
                     String::from_utf8_lossy(&letters).into_owned()
                 } else {
-                    format!("method {code} and {bits} bits a pixel")
+                    format!("method {code} and {bits} bits per pixel")
                 };
                 return Err(FilmError::Codec { codec });
             }
         })
     }
 
-    /// Bytes of a frame, where they follow from its size.
+    /// Bytes of a frame, if they follow from its size.
     fn bytes(&self, [width, height]: [usize; 2]) -> Option<usize> {
         Some(match self {
             Self::Jpeg | Self::Png => return None,

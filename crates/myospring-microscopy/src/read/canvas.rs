@@ -1,4 +1,4 @@
-//! Rows of samples to one plane: colour to grey, several slices to one.
+//! Turns rows of samples into one plane: colour to grey, several slices to one.
 
 use super::super::picture::Depth;
 use super::super::plane::Plane;
@@ -18,12 +18,12 @@ impl Strand<'_> {
     }
 }
 
-/// The samples of one row that are wanted.
+/// The selected samples of one row.
 #[derive(Clone, Copy)]
 pub(super) struct Row<'a> {
     /// One channel, or red, green and blue.
     pub(super) colours: Colours<'a>,
-    /// Where this is 0, the pixel is 0 whatever its colour.
+    /// Opacity; where it is 0, the pixel is 0 whatever its colour.
     pub(super) alpha: Option<Strand<'a>>,
 }
 
@@ -59,7 +59,7 @@ impl Row<'_> {
 pub(super) struct Canvas {
     width: usize,
     height: usize,
-    /// Empty until there is something to hold, so that a damaged file takes no memory.
+    /// Allocated with the first row, so that a damaged file takes no memory.
     values: Vec<f32>,
     depth: Depth,
     slices: usize,
@@ -87,14 +87,14 @@ impl Canvas {
         self.slices += 1;
     }
 
-    /// Lays `count` pixels of a row from `column` on.
+    /// Adds `count` pixels of a row from `column` on.
     pub(super) fn lay(&mut self, column: usize, row: usize, count: usize, samples: &Row) {
         if self.values.is_empty() {
             self.values.resize(self.width * self.height, 0.0);
         }
         let start = row * self.width + column;
         match (samples.colours, samples.alpha) {
-            // Nearly all pictures; without the general case in the loop it is twice as fast.
+            // Nearly all pictures; twice as fast without the general case in the loop.
             (Colours::Grey(channel), None) => {
                 self.blend(start, count, |at| (channel.at(at), false));
             }
@@ -139,7 +139,7 @@ impl Canvas {
     }
 }
 
-/// Takes whole numbers of 1 to 16 bits, packed from the high end of each byte, apart.
+/// Unpacks whole numbers of 1 to 16 bits, packed from the high end of each byte.
 pub(super) fn unpack(bytes: &[u8], bits: u32, into: &mut Vec<f32>) {
     let (mut held, mut count) = (0_u32, 0);
     for &byte in bytes {

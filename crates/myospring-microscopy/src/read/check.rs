@@ -1,9 +1,9 @@
-//! What a picture declares is checked before memory is taken.
+//! Checks of a picture's declared size, before memory is allocated.
 
 use super::error::PictureError;
 use super::limits::{LONGEST_SIDE, MOST_MEMORY, MOST_PIXELS};
 
-/// Refuses sizes that no picture here may have; called before memory is taken.
+/// Rejects sizes out of range; called before memory is allocated.
 pub(super) fn check_size(width: u32, height: u32) -> Result<(), PictureError> {
     let pixels = u64::from(width) * u64::from(height);
     if width > LONGEST_SIDE || height > LONGEST_SIDE || pixels > MOST_PIXELS {
@@ -12,7 +12,7 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<(), PictureError> {
     Ok(())
 }
 
-/// Refuses a buffer that is larger than [`MOST_MEMORY`].
+/// Rejects a buffer larger than [`MOST_MEMORY`].
 pub(super) fn check_memory(bytes: u64) -> Result<(), PictureError> {
     if bytes <= MOST_MEMORY {
         return Ok(());
@@ -24,7 +24,7 @@ pub(super) fn check_memory(bytes: u64) -> Result<(), PictureError> {
     })
 }
 
-/// Refuses a number that is not below `count`.
+/// Rejects a number that is not below `count`.
 pub(super) fn check_range(
     what: &'static str,
     asked: usize,

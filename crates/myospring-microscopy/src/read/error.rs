@@ -1,11 +1,11 @@
-//! Why bytes are not a picture, or not the plane that was asked for.
+//! Why bytes are not a picture, or do not contain the requested plane.
 
 use super::limits::{LONGEST_SIDE, MOST_PIXELS};
 
-/// Why bytes are not a picture, or not the plane that was asked for.
+/// Why bytes are not a picture, or do not contain the requested plane.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PictureError {
-    /// The bytes are no picture at all.
+    /// The bytes are not a picture.
     #[error(
         "this is not a picture ({bytes} bytes that start with {start}); give a PNG or TIFF file"
     )]
@@ -15,18 +15,18 @@ pub enum PictureError {
         /// Its first bytes.
         start: String,
     },
-    /// A picture of another kind.
+    /// A picture in an unsupported format.
     #[error(
-        "this is a {format} picture, which is not read here; save the original as PNG or TIFF without lossy \
-         compression, which invents edges that stay when it is saved anew"
+        "this is a {format} picture, which cannot be read; save the original as PNG or TIFF without lossy \
+         compression (lossy compression creates false edges, which remain when the picture is saved again)"
     )]
     Format {
         /// What it is.
         format: &'static str,
     },
-    /// A microscope's own file.
+    /// A microscope's own file format.
     #[error(
-        "this is a {format} file, which is not read here; export it as OME-TIFF (from the \
+        "this is a {format} file, which cannot be read; export it as OME-TIFF (from the \
          microscope's program, or Fiji: Plugins > Bio-Formats > Bio-Formats Exporter)"
     )]
     Container {
@@ -41,20 +41,20 @@ pub enum PictureError {
         /// What is wrong.
         reason: String,
     },
-    /// Pixels of a kind that cannot be read.
+    /// Pixels of an unsupported type.
     #[error(
-        "the {format} picture has pixels of a kind that is not read ({reason}); save it with 8 or 16 \
+        "the {format} picture has pixels of a type that cannot be read ({reason}); save it with 8 or 16 \
          bits per pixel"
     )]
     Pixels {
         /// PNG or TIFF.
         format: &'static str,
-        /// Which kind.
+        /// Which type.
         reason: String,
     },
-    /// A compression that cannot be read.
+    /// An unsupported compression.
     #[error(
-        "the TIFF picture is compressed with {method}, which is not read; save it without \
+        "the TIFF picture is compressed with {method}, which cannot be read; save it without \
          compression, or with LZW or deflate"
     )]
     Compression {
@@ -92,10 +92,10 @@ pub enum PictureError {
         /// How many there are.
         count: usize,
     },
-    /// The file says that there is a plane, but holds no page for it.
+    /// The file declares a plane but contains no page for it.
     #[error(
         "the file declares channel {channel}, frame {frame}, slice {slice}, but none of its {pages} \
-         pages holds them; was the recording cut off? save it again from Fiji"
+         pages contains them; was the recording cut off? save it again from Fiji"
     )]
     MissingPlane {
         /// Channel.
@@ -113,7 +113,7 @@ pub enum PictureError {
          export all as one OME-TIFF"
     )]
     Elsewhere {
-        /// Its name, as the set has it.
+        /// Its name in the set.
         file: String,
     },
     /// The slices of a stack differ.
@@ -124,7 +124,7 @@ pub enum PictureError {
         /// Another.
         found: String,
     },
-    /// Pixels that are no number.
+    /// Infinite or NaN pixels.
     #[error(
         "{count} pixels are infinite or not a number, the first at column {column}, row {row}; give \
          them a value (Fiji: Process > Filters > Remove NaNs)"
@@ -157,7 +157,7 @@ fn numbered(what: &str, count: usize) -> String {
     }
 }
 
-/// A TIFF that is not as it should be.
+/// The error for a damaged TIFF.
 pub(super) fn damaged_tiff(reason: impl Into<String>) -> PictureError {
     PictureError::Unreadable { format: "TIFF", reason: reason.into() }
 }

@@ -1,18 +1,18 @@
-//! Which kind of file bytes are, by how they start.
+//! Recognises the kind of a file by its first bytes.
 
 use super::PictureError;
 
-/// Kinds that are read.
+/// Supported kinds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Png,
     Tiff,
 }
 
-/// Marks of a kind of file, each with its place, and the name of the kind.
+/// Signatures of a kind of file, each with its offset, and the name of the kind.
 type Marks = (&'static [(usize, &'static [u8])], &'static str);
 
-/// Files of microscopes and of programs beside them.
+/// File formats of microscopes and their software.
 const CONTAINERS: [Marks; 10] = [
     (&[(0, b"ZISRAWFILE")], "Zeiss CZI"),
     (&[(0, b"\xda\xce\xbe\x0a")], "Nikon ND2"),
@@ -26,7 +26,7 @@ const CONTAINERS: [Marks; 10] = [
     (&[(0, b"\x93NUMPY")], "NumPy"),
 ];
 
-/// Pictures of everyday life.
+/// Common picture formats.
 const PICTURES: [Marks; 10] = [
     (&[(0, b"\xff\xd8\xff")], "JPEG"),
     (&[(0, b"GIF8")], "GIF"),
@@ -40,7 +40,7 @@ const PICTURES: [Marks; 10] = [
     (&[(0, b"P6")], "PNM"),
 ];
 
-/// Endings of those, in small letters.
+/// Endings of microscope formats, in lower case.
 const CONTAINER_ENDINGS: [(&str, &str); 18] = [
     ("czi", "Zeiss CZI"),
     ("zvi", "Zeiss ZVI"),
@@ -73,7 +73,7 @@ const PICTURE_ENDINGS: [(&str, &str); 9] = [
     ("pgm", "PNM"),
 ];
 
-/// What a file of this ending is, if it is a picture that is not read.
+/// The error for a file with this ending, if it is an unsupported picture format.
 pub(super) fn unread(ending: &str) -> Option<PictureError> {
     let ending = ending.to_lowercase();
     let named = |kinds: &[(&str, &'static str)]| {
@@ -83,7 +83,7 @@ pub(super) fn unread(ending: &str) -> Option<PictureError> {
     container.or_else(|| named(&PICTURE_ENDINGS).map(|format| PictureError::Format { format }))
 }
 
-/// Tells what the bytes are.
+/// Recognises what the bytes are.
 pub(super) fn recognise(bytes: &[u8]) -> Result<Kind, PictureError> {
     let starts = |start: &[u8]| bytes.starts_with(start);
     if starts(b"\x89PNG\r\n\x1a\n") {

@@ -1,10 +1,10 @@
-//! How large a picture may be.
+//! Limits on the size of a picture.
 
-/// Most pixels that a picture may declare.
+/// Largest number of pixels of a picture.
 pub const MOST_PIXELS: u64 = 100_000_000;
 
-/// Longest side that a picture may declare, pixels.
+/// Longest side of a picture, pixels.
 pub const LONGEST_SIDE: u32 = 32_768;
 
-/// Most memory that the decoded bytes of a picture, or of one of its strips or tiles, may take, bytes.
+/// Largest memory of the decoded bytes of a picture, or of one of its strips or tiles, bytes.
 pub(super) const MOST_MEMORY: u64 = 1 << 29;

@@ -1,13 +1,13 @@
-//! Which of the pixel sizes that a file states is believed.
+//! Chooses among the pixel sizes that a file states.
 
 use super::super::picture::{PixelSizeSource, StatedPixelSize};
 use super::PictureError;
 use myospring_core::mesh::pixel_size::PixelSize;
 
-/// Most by which the sides of a pixel may differ, as a fraction.
+/// Largest relative difference between the sides of a pixel.
 const SQUARE: f64 = 0.01;
 
-/// Finest print and scan, pixels per inch.
+/// Finest resolution of prints and scans, pixels per inch.
 const FINEST_PRINT: f64 = 9600.0;
 
 /// Micrometres in an inch.
@@ -21,7 +21,7 @@ pub(super) struct Stated {
     pub(super) source: PixelSizeSource,
 }
 
-/// The first of several statements that is believed; the others that came before it become notes.
+/// The first plausible one of several statements; implausible ones before it become notes.
 pub(super) fn choose(
     stated: impl IntoIterator<Item = Stated>,
     notes: &mut Vec<String>,
@@ -43,23 +43,23 @@ pub(super) fn choose(
     Ok(None)
 }
 
-/// The side of a pixel as it is stated, or why that is not believed.
+/// The side of a pixel as stated, or why it is not plausible.
 fn believed(um: f64, source: PixelSizeSource) -> Result<PixelSize, String> {
     let size = PixelSize::new(um).map_err(|_| {
         let [least, most] = [PixelSize::SMALLEST_UM, PixelSize::LARGEST_UM];
-        format!("outside {least} to {most} um, not believed")
+        format!("outside {least} to {most} um, ignored")
     })?;
     let per_inch = INCH_UM / um;
     let from_resolution =
         matches!(source, PixelSizeSource::TiffResolution | PixelSizeSource::PngResolution);
     if from_resolution && is_print(per_inch) {
-        return Err(format!("a print setting of {per_inch:.0} dpi, not believed"));
+        return Err(format!("a print setting of {per_inch:.0} dpi, ignored"));
     }
     Ok(size)
 }
 
-/// Whether a resolution is one of printers, screens and scanners: round in pixels per inch, as near as
-/// whole pixels per metre allow.
+/// Whether a resolution is typical of printers, screens and scanners: a round number of pixels per
+/// inch, to the precision of whole pixels per metre.
 fn is_print(per_inch: f64) -> bool {
     let near = |step: f64| (per_inch - (per_inch / step).round() * step).abs() < 0.02;
     per_inch <= FINEST_PRINT && [72.0, 96.0, 100.0].into_iter().any(near)
@@ -74,10 +74,10 @@ fn name(source: PixelSizeSource) -> &'static str {
     }
 }
 
-/// Micrometres in a unit of length as OME-XML, ImageJ and people write it; `None` for `pixel` and the
-/// unknown.
+/// Micrometres in a unit of length as written in OME-XML and ImageJ; `None` for `pixel` and unknown
+/// units.
 pub(super) fn unit_um(unit: &str) -> Option<f64> {
-    // Both the micro sign and the Greek letter stand in files, and ImageJ's escape of the first.
+    // Files contain the micro sign, the Greek letter, or ImageJ's escape of the micro sign.
     let unit = unit.trim().replace("\\u00B5", "u").replace(['\u{b5}', '\u{3bc}'], "u");
     Some(match unit.as_str() {
         "um" | "micron" | "microns" | "micrometer" | "micrometre" | "micrometers" => 1.0,

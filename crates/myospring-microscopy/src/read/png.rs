@@ -11,7 +11,7 @@ use super::canvas::{Canvas, Colours, Row, Strand, unpack};
 use super::check::{check_memory, check_range, check_size};
 use super::pixel_size::{self, Stated};
 
-/// Most memory that the decoder may take beside the pixels (colour profiles, rows), bytes.
+/// Largest memory of the decoder in addition to the pixels (colour profiles, rows), bytes.
 const MOST_EXTRA_MEMORY: usize = 1 << 26;
 
 fn unreadable(reason: &dyn Display) -> PictureError {
@@ -68,11 +68,11 @@ fn stated_size(info: &Info) -> Option<Stated> {
     Some(Stated { x_um: um(size.xppu)?, y_um: um(size.yppu)?, source })
 }
 
-/// What the samples of a pixel are.
+/// Meaning of the samples of a pixel.
 struct Colouring {
     kind: ColorType,
     bits: u32,
-    /// Three bytes for each index.
+    /// Red, green and blue of each index, one byte each.
     palette: Vec<u8>,
     /// Opacity of the first indices, or the samples of the transparent colour.
     transparent: Option<Vec<u8>>,
@@ -92,7 +92,7 @@ impl Colouring {
         if self.kind == ColorType::Indexed { 8 } else { self.bits as u8 }
     }
 
-    /// Channels without opacity.
+    /// Number of channels without opacity.
     fn channels(&self) -> usize {
         match self.kind {
             ColorType::Grayscale | ColorType::GrayscaleAlpha => 1,
@@ -110,10 +110,10 @@ impl Colouring {
         !self.is_plain() || matches!(self.kind, ColorType::GrayscaleAlpha | ColorType::Rgba)
     }
 
-    /// Makes the stored samples of one row into pixels of `channels()` samples and an opacity.
+    /// Expands the stored samples of one row into pixels of `channels()` samples and an opacity.
     fn expand(&self, stored: &[f32], pixels: &mut Vec<f32>) {
         let stride = self.kind.samples();
-        // The library cuts the two bytes of each number to one where samples have no more than 8 bits.
+        // The library gives one byte instead of two for samples of at most 8 bits.
         let size = if self.bits == 16 { 2 } else { 1 };
         let number =
             |bytes: &[u8]| bytes.iter().fold(0.0, |sum, &byte| 256.0 * sum + f32::from(byte));

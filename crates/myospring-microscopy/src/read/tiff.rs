@@ -1,4 +1,4 @@
-//! TIFF files: `BigTIFF`, OME-TIFF, ImageJ's, and plain ones.
+//! TIFF files: plain, `BigTIFF`, OME-TIFF, and ImageJ's.
 
 use super::super::picture::{Depth, Picture, Samples, Selection};
 use super::canvas::{Canvas, Colours, Row, Strand};
@@ -18,16 +18,17 @@ mod page;
 mod planes;
 mod stack;
 
-/// Most work of one reading, in bytes decoded: a thousand slices of 2048 x 2048 pixels of 16 bits.
+/// Largest work of reading one plane, in decoded bytes: a thousand slices of 2048 x 2048 pixels of
+/// 16 bits.
 const MOST_WORK: u64 = 1 << 33;
 
-/// Work of opening a strip or tile, in bytes decoded.
+/// Overhead of a strip or tile, in decoded bytes.
 const WORK_OF_A_CHUNK: u64 = 2000;
 
-/// Largest whole number up to which `f32` holds all.
+/// Largest number up to which `f32` represents all whole numbers.
 const LARGEST_EXACT: f32 = 16_777_216.0;
 
-/// Reads the plane that is asked for.
+/// Reads the selected plane.
 pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, PictureError> {
     let file = File::new(bytes);
     let directories = file.directories()?;
@@ -44,7 +45,7 @@ pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Pictu
         _ => Wanted::Channel(asked % inner),
     };
     if first.white_is_zero {
-        notes.push("the file says that 0 is white; the values were turned over".to_owned());
+        notes.push("the file says that 0 is white; the values were inverted".to_owned());
     }
     let alternatives = channels / if first.colour { inner } else { 1 };
     if selection.channel.is_none() && alternatives > 1 {
@@ -98,7 +99,7 @@ pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Pictu
     })
 }
 
-/// What is made of the samples of a pixel.
+/// Which samples of a pixel are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wanted {
     Luminance,
@@ -106,7 +107,7 @@ enum Wanted {
 }
 
 impl Wanted {
-    /// The samples that are needed, opacity last.
+    /// Indices of the needed samples, opacity last.
     fn samples(self, page: &Page) -> Vec<u32> {
         let mut samples = match self {
             Wanted::Luminance => vec![0, 1, 2],
@@ -121,7 +122,7 @@ impl Wanted {
     }
 }
 
-/// Refuses what would take minutes: `slices` pages like this one.
+/// Rejects reading `slices` pages like this one if it would take minutes.
 fn check_work(page: &Page, slices: usize, wanted: Wanted) -> Result<(), PictureError> {
     let planes = if page.planar { wanted.samples(page).len() as u64 } else { 1 };
     let chunk = page.row_bytes().saturating_mul(u64::from(page.grid.rows));
@@ -137,7 +138,7 @@ fn check_work(page: &Page, slices: usize, wanted: Wanted) -> Result<(), PictureE
     })
 }
 
-/// Decodes the chunks of a page that are needed.
+/// Decodes the needed chunks of a page.
 fn lay_page(
     file: &File,
     directory: &Directory,
@@ -152,7 +153,7 @@ fn lay_page(
         let left = (index % u64::from(grid.across)) as u32 * grid.columns;
         let top = (index / u64::from(grid.across)) as u32 * grid.rows;
         let visible = grid.rows.min(page.height - top);
-        // The last strip ends with the page; a tile is always whole.
+        // The last strip ends with the page; a tile is always complete.
         let stored = if grid.tiled { grid.rows } else { visible };
         let decode = |plane: u64| {
             Chunk::decode(file, directory, page, plane * grid.chunks() + index, stored)

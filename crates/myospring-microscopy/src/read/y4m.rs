@@ -1,4 +1,4 @@
-//! `YUV4MPEG2`: a line that says what the frames are, then each of them behind a line `FRAME`.
+//! `YUV4MPEG2`: a header line that describes the frames, then each frame after a line `FRAME`.
 //!
 //! Only the luminance is read; it comes first in every frame.
 
@@ -8,7 +8,7 @@ use crate::film::error::FilmError;
 use crate::plane::Plane;
 
 const START: &[u8] = b"YUV4MPEG2";
-/// Longest line that is looked for, bytes.
+/// Longest accepted line, bytes.
 const LONGEST_LINE: usize = 1000;
 
 /// A film.
@@ -18,7 +18,7 @@ pub(crate) struct Y4m {
     size: [usize; 2],
     rate: Option<f64>,
     bits: u8,
-    /// Where the luminance of each frame starts.
+    /// Start of each frame's luminance.
     starts: Vec<usize>,
 }
 
@@ -27,7 +27,7 @@ impl Y4m {
         bytes.starts_with(START)
     }
 
-    /// The film, and what a person should know.
+    /// Reads the film; also returns warnings.
     pub(crate) fn read(bytes: Vec<u8>) -> Result<(Self, Vec<String>), FilmError> {
         let damaged =
             |reason: &str| FilmError::Damaged { format: "YUV4MPEG2", reason: reason.to_owned() };
@@ -53,7 +53,7 @@ impl Y4m {
             }
         }
         if sides.contains(&0) {
-            return Err(damaged("its first line says no size"));
+            return Err(damaged("its first line states no size"));
         }
         check_size(sides[0], sides[1])?;
         let [width, height] = sides.map(|side| side as usize);
@@ -80,7 +80,10 @@ impl Y4m {
         let mut notes = Vec::new();
         while let Some((mark, start)) = line(at) {
             if !mark.starts_with("FRAME") {
-                return Err(damaged(&format!("frame {} does not begin as one", starts.len())));
+                return Err(damaged(&format!(
+                    "frame {} does not begin with `FRAME`",
+                    starts.len()
+                )));
             }
             at = start + samples * bytes_each;
             if at > bytes.len() {

@@ -1,4 +1,4 @@
-//! A cell that shows by its edges.
+//! Segmentation of a cell that is visible by its edges.
 
 use myospring_core::mesh::pixel_size::PixelSize;
 use std::cmp::Reverse;
@@ -13,44 +13,48 @@ use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
 
-/// Scale of smoothing unless stated, um: beads and grains of a micrometre lose most of their edges, the rim
-/// of a cell, which runs straight over many, loses none.
+/// Default scale of smoothing, um: beads and grains of a micrometre lose most of their edges, the
+/// long straight rim of a cell loses nothing.
 const SMOOTH_UM: f64 = 0.8;
-/// Coarsest pixel that the work needs, um.
+/// Side up to which pixels are averaged, um.
 const WORKING_PIXEL_UM: f64 = 0.3;
-/// Scale of the light's unevenness, um.
+/// Scale of uneven illumination, um.
 const LIGHT_UM: f64 = 15.0;
-/// A connected edge must extend over so much, um; that of a bead or speck does not.
+/// Least extent of a connected edge, um; edges of beads and specks are shorter.
 const LEAST_EDGE_UM: f64 = 6.0;
-/// And over so many pixels: noise on coarse pixels makes crests that extend over some of them.
+/// Least extent of a connected edge, pixels: noise creates crests over a few pixels.
 const LEAST_EDGE_PIXELS: f64 = 10.0;
-/// How far from what has texture edges are looked for, um, where anything has.
+/// Edges are searched within this distance of textured areas, um, if there are any.
 const TEXTURED_UM: f64 = 20.0;
-/// Least gradient of an edge, and the gradient that it must have over the length of an edge, in standard
-/// deviations of the picture's noise. Over a length, not at one place (Canny 1986), since grains are strong but
-/// short. Several pairs, of which the cell is what some agree on, so that it does not hang on one choice.
+/// Low and high gradient thresholds (hysteresis, Canny 1986), in standard deviations of the
+/// picture's noise. The high threshold must be reached along a length, not at one place, because
+/// grains are strong but short. Several pairs are used and a cell is the area on which some agree,
+/// so that it does not depend on one choice.
 const LEVELS: [[f32; 2]; 5] = [[1.5, 4.0], [2.0, 4.0], [2.0, 5.0], [2.5, 4.0], [2.5, 5.0]];
-/// How many of them must agree: fewer than half, for a faint tip shows at some levels only.
+/// How many pairs must agree: fewer than half, because a faint tip is visible only with some.
 const AGREEING: usize = 2;
-/// Coarsest pixel of the grid on which gaps are closed, um; the outline is found anew on the finer one.
+/// Coarsest pixel of the grid on which gaps are closed, um; the outline is then determined on the
+/// finer one.
 const CLOSING_PIXEL_UM: f64 = 1.1;
-/// Radii by which gaps in the outline are closed, um; the least is taken that encloses enough.
+/// Radii by which gaps in the outline are closed, um; the smallest that encloses enough is used.
 const CLOSING_UM: [f64; 5] = [1.0, 1.6, 2.5, 4.0, 6.0];
-/// Part of the largest area over all radii that is enough: what is missing then are bays of the outline, not
-/// a piece of the cell.
+/// Part of the largest enclosed area (over all radii) that is enough: only bays of the outline may
+/// be missing, not a piece of the cell.
 const ENOUGH: f64 = 0.94;
-/// Points and necks narrower than twice this go, um.
+/// Tips and necks narrower than twice this are removed, um.
 const OPENING_UM: f64 = 1.0;
-/// How far the outline may lie within and without the first guess, um: it goes to the highest crest in this
-/// band, for a bright halo has two sides and the first guess lies on the outer one.
+/// Largest distance of the outline inside and outside of the first guess, um. It is moved to the
+/// highest crest in this band, because a bright halo has two sides and the first guess lies on the
+/// outer one.
 const BAND_UM: [f64; 2] = [2.6, 1.2];
-/// Bays and cracks of the outline narrower than twice this are closed, um: debris on the rim makes them.
+/// Bays and cracks of the outline narrower than twice this are closed, um; debris on the rim causes
+/// them.
 const BAY_UM: f64 = 3.0;
 /// Smoothing of the final outline, um.
 const OUTLINE_UM: f64 = 0.6;
 
-/// Strength of grains within relative to the change of brightness over a um at the outline: of a smooth thing, and of a
-/// cell.
+/// Strength of grains inside, relative to the change of brightness over 1 um at the outline: of a
+/// smooth object, and of a cell.
 const GRAIN: [f64; 2] = [0.03, 0.09];
 
 pub(super) fn segment(
@@ -68,12 +72,13 @@ pub(super) fn segment(
     let unit =
         settings.threshold.map_or(noise, |threshold| (threshold * pixel) as f32 / LEVELS[2][0]);
     let threshold = f64::from(LEVELS[2][0] * unit) / pixel;
-    // The first level has the edges of all others. Only around them: distances and islands of a whole field of
-    // view cost more than all the rest.
+    // The edges of the first pair include those of all others. Work is limited to their
+    // surroundings, because distances and islands over the whole field of view would dominate the
+    // cost.
     let least_edge = (LEAST_EDGE_UM / pixel).max(LEAST_EDGE_PIXELS);
     let [weak, strong] = LEVELS[0].map(|level| level * unit);
     let mut crests = gradient.crests(weak);
-    // Noise has long edges, too, if the field of view is large; it has no texture.
+    // In a large field of view, noise also has long edges, but it has no texture.
     if let Some(near) = texture.around(TEXTURED_UM, pixel, [working.width(), working.height()]) {
         crests = crests.and(&near);
     }
@@ -102,7 +107,7 @@ pub(super) fn segment(
             modality: "brightfield",
             threshold: format!("{threshold:.4} relative change of brightness per um"),
             why: format!(
-                "no edges that hang together over {LEAST_EDGE_UM} um enclose {} um^2",
+                "no edges that are connected over {LEAST_EDGE_UM} um enclose {} um^2",
                 settings.smallest_cell_um2
             ),
             pixel_size,
@@ -110,7 +115,7 @@ pub(super) fn segment(
     }
     let guess = agreed.spread(coarse, seen.width(), seen.height());
     let band = BAND_UM.map(|um| um / pixel);
-    // And only around those edges that enclose something, cells that are apart each by itself.
+    // Only around edges that enclose something; separate cells are processed separately.
     let Guess { edges, closing_um, .. } = &tries[2];
     let closing_um = *closing_um;
     let nothing = Region::new(seen.width(), seen.height(), std::iter::empty());
@@ -128,7 +133,7 @@ pub(super) fn segment(
     let [region, near_edges] =
         [region, near_edges].map(|part| part.pasted(&seen, working.width(), working.height()));
     let smallest_um2 = settings.smallest_cell_um2;
-    // Relative to the surroundings, which are as bright as the cell.
+    // The cell is as bright as its surroundings, so brightness is relative to them.
     let seen = Seen { brightness: &relative, dark: -1.0, pixel_um: pixel, smallest_um2 };
     let found = Found { region, seen, factor, modality: Modality::Brightfield, threshold };
     let grain_of_ground = noise_of(&relative);
@@ -144,25 +149,25 @@ pub(super) fn segment(
         let contrast = f64::from(quantile(&strengths, 0.5) / noise.max(f32::MIN_POSITIVE));
         confidence.contrast = Some(contrast);
         confidence.weigh(contrast, 1.0, 4.0, || {
-            format!("along its outline the brightness changes only {contrast:.1} times as fast as noise makes it")
+            format!("along its outline the brightness changes only {contrast:.1} times as fast as noise alone")
         });
         let seen = rim.iter().filter(|&&at| near_edges.contains(at)).count();
         let seen = seen as f64 / rim.len().max(1) as f64;
         confidence.weigh(seen, 0.3, 0.85, || {
             format!(
-                "along {:.0} % of its outline no edge was seen; gaps were bridged",
+                "along {:.0} % of its outline no edge is visible; gaps were bridged",
                 100.0 * (1.0 - seen)
             )
         });
         if let Some(own) = candidate.region(factor, [working.width(), working.height()])
             && let Some(grain) = Grain::within(&relative, &own, pixel, grain_of_ground)
         {
-            // What noise may hide counts for it.
+            // The grain that noise may hide counts in the cell's favour.
             let step = contrast * f64::from(noise) / pixel;
             let part = grain.most / step.max(f64::MIN_POSITIVE);
             confidence.weigh(part, GRAIN[0], GRAIN[1], || {
                 format!(
-                    "it is smooth within: its grains are {part:.2} times as strong as its outline changes over a um, those \
+                    "it is smooth inside: its grains are {part:.2} times as strong as the change over 1 um at its outline, those \
                      of cells 0.2 times and more; is it a mark, a bubble, a post, or a halo?"
                 )
             });
@@ -185,7 +190,7 @@ fn closing_factor(pixel_um: f64) -> usize {
 /// Brightness relative to that of the surroundings.
 fn relative(plane: &Plane, pixel_um: f64) -> Plane {
     let light = filter::slow_part(plane, LIGHT_UM / pixel_um);
-    // A camera's offset is not known; dark corners must not be blown up.
+    // The camera's offset is unknown, so dark corners must not be amplified.
     let middle = quantile(&sample(light.values(), 100_000), 0.5).abs();
     let least = (0.1 * middle).max(f32::MIN_POSITIVE);
     let values = plane.values().iter().zip(light.values());
@@ -219,11 +224,12 @@ impl Gradient {
         Self { along, down, strength: strength.unwrap_or_else(|| self.strength.clone()) }
     }
 
-    /// Standard deviation of one component where there is no edge. The strength of isotropic noise follows a
-    /// Rayleigh distribution, whose median is 1.177 standard deviations.
+    /// Standard deviation of one component away from edges. The strength of isotropic noise follows
+    /// a Rayleigh distribution, whose median is 1.177 standard deviations.
     fn noise(&self) -> f32 {
         let strengths = sample(self.strength.values(), 400_000);
-        // Where edges fill much of the picture, the median is one of theirs: Otsu's threshold parts them.
+        // If edges fill much of the picture, the median is that of edges; Otsu's threshold excludes
+        // them.
         let quiet: Vec<f32> = match otsu(&strengths) {
             Some([level, _]) => strengths.iter().copied().filter(|&value| value <= level).collect(),
             None => strengths,
@@ -231,8 +237,9 @@ impl Gradient {
         quantile(&quiet, 0.5) / 1.177
     }
 
-    /// The part of the gradient across the rim of a region: of the two sides of a rim, a dark line and its
-    /// bright halo, that which has the outline between them. Which way it goes is found from the band.
+    /// The component of the gradient across the rim of a region, with the sign that changes from
+    /// the dark line to the bright halo: the outline lies between them. The sign is determined from
+    /// the band.
     fn towards_the_light(&self, region: &Region, [within, without]: [f64; 2]) -> Plane {
         let (width, height) = (region.width(), region.height());
         let values = region.inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
@@ -255,7 +262,8 @@ impl Gradient {
         Plane::new(width, height, across).unwrap_or(step)
     }
 
-    /// The strongest gradient at and around a place: an outline lies within a pixel of its crest.
+    /// The strongest gradient at a place and its neighbours; an outline lies within a pixel of its
+    /// crest.
     fn near(&self, at: usize) -> f32 {
         let (width, height) = (self.strength.width(), self.strength.height());
         let (column, row) = (at % width, at / width);
@@ -268,7 +276,7 @@ impl Gradient {
         strongest
     }
 
-    /// Crests of the gradient of more than `weak`.
+    /// Crests of the gradient above `weak`.
     fn crests(&self, weak: f32) -> Region {
         let (width, height) = (self.strength.width(), self.strength.height());
         let strength = self.strength.values();
@@ -285,7 +293,7 @@ impl Gradient {
         Region::new(width, height, (0..strength.len()).map(crest))
     }
 
-    /// Those crests that, where they are above `weak`, hang together over `extent` pixels and are `strong` in as
+    /// The crests that are connected above `weak` over `extent` pixels and are above `strong` in as
     /// many.
     fn edges(&self, crests: &Region, weak: f32, strong: f32, extent: f64) -> Region {
         let (width, height) = (self.strength.width(), self.strength.height());
@@ -304,7 +312,7 @@ impl Gradient {
         Region::new(width, height, islands.numbers.iter().map(kept))
     }
 
-    /// Strength one pixel away in the direction `u`, `v`, by linear interpolation.
+    /// Gradient strength one pixel away in the direction (`u`, `v`), interpolated linearly.
     fn between(&self, column: usize, row: usize, u: f32, v: f32) -> f32 {
         let (x, y) = (column as f32 + u, row as f32 + v);
         let (i, j) = (x.floor(), y.floor());
@@ -324,13 +332,13 @@ impl Gradient {
 struct Guess {
     edges: Region,
     region: Region,
-    /// Radius by which gaps had to be closed, um.
+    /// Radius by which gaps were closed, um.
     closing_um: f64,
 }
 
 impl Guess {
-    /// What edges enclose once gaps are closed by the least radius after which a larger one adds little more
-    /// than bays.
+    /// The area enclosed by edges after closing gaps by the smallest sufficient radius: larger ones
+    /// add little more than bays.
     fn within(edges: Region, pixel_um: f64, smallest_um2: f64) -> Self {
         let factor = closing_factor(pixel_um);
         let pixel_um = pixel_um * factor as f64;
@@ -352,16 +360,17 @@ impl Guess {
     }
 }
 
-/// The region whose rim lies on the highest crest within a band about the rim of a first guess: both sides of
-/// the band are flooded in the order of the gradient, and where the floods meet is the rim (the watershed,
-/// Meyer 1994). `band` is how far inside and outside, pixels.
+/// The region whose rim lies on the highest crest within a band around the rim of a first guess.
+/// Both sides of the band are flooded in the order of the gradient; the rim is where the floods
+/// meet (watershed, Meyer 1994). `within` and `without` are the widths of the band inside and
+/// outside, pixels.
 fn flooded(strength: &Plane, guess: &Region, [within, without]: [f64; 2]) -> Region {
     const INSIDE: u8 = 1;
     const OUTSIDE: u8 = 2;
     let (width, height) = (guess.width(), guess.height());
     let (core, reach) = (guess.shrunk(within), guess.grown(without));
     let thick = core.grown(within);
-    // Necks and tips that are thinner than the band keep a core of their own.
+    // Necks and tips thinner than the band get a core of their own.
     let thin_core = guess.shrunk(within / 3.0);
     let mut owner: Vec<u8> = (0..guess.pixels())
         .map(|at| {
@@ -373,7 +382,7 @@ fn flooded(strength: &Plane, guess: &Region, [within, without]: [f64; 2]) -> Reg
     let mut order = 0_u64;
     let mut push = |queue: &mut BinaryHeap<_>, at: usize, level: f32, owner: u8| {
         order += 1;
-        // Strengths are not negative, so their bits are in their order.
+        // Strengths are not negative, so their bits sort like their values.
         queue.push(Reverse((strength.values()[at].max(level).to_bits(), order, at, owner)));
     };
     let neighbours = |at: usize| {

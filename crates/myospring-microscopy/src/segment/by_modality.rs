@@ -1,4 +1,4 @@
-//! The plane is checked, and segmented as the picture was taken.
+//! Checks the plane and segments it by the picture's modality.
 
 use super::fluorescence::Bright;
 use super::ladder::Climbed;
@@ -9,7 +9,7 @@ use super::{
 use crate::plane::Plane;
 use myospring_core::mesh::pixel_size::PixelSize;
 
-/// Scales of smoothing that may be asked for, um.
+/// Bounds of the scale of smoothing, um.
 const SMOOTH_UM: [f64; 2] = [0.0, 20.0];
 
 /// Finds the cells of a plane.
@@ -58,7 +58,7 @@ pub fn segment(
     }
 }
 
-/// As what explains the picture better.
+/// Segments by the modality that explains the picture better.
 fn told_apart(
     plane: &Plane,
     pixel_size: PixelSize,
@@ -69,12 +69,12 @@ fn told_apart(
     let bright = Bright::of(working, settings);
     let told = modality::by_evidence(&bright, &texture);
     let Some((modality, reason)) = told else {
-        // Edges may show what has neither, if they close.
+        // Objects with neither may have closed edges.
         return brightfield::segment(plane, pixel_size, settings, &texture)
             .ok()
             .filter(|found| found.cells.iter().any(|cell| !cell.confidence.is_doubtful()))
             .map(|found| {
-                let reason = "only edges stand out, neither brightness nor texture".to_owned();
+                let reason = "objects differ from the background only in their edges".to_owned();
                 Segmentation { modality_reason: Some(reason), ..found }
             })
             .ok_or(SegmentError::NothingStandsOut {
@@ -90,14 +90,14 @@ fn told_apart(
     match found {
         Ok(found) => Ok(Segmentation { modality_reason: Some(reason), ..found }),
         Err(SegmentError::NoCell { modality, threshold, why, pixel_size }) => {
-            let why = format!("{why} (taken for {modality} since {reason})");
+            let why = format!("{why} (treated as {modality} because {reason})");
             Err(SegmentError::NoCell { modality, threshold, why, pixel_size })
         }
         Err(error) => Err(error),
     }
 }
 
-/// Whether a plane is segmented as a mask: said, or told from the values.
+/// Whether a plane is segmented as a mask: as stated, or determined from its values.
 pub(crate) fn is_taken_for_mask(plane: &Plane, settings: &Settings) -> bool {
     match settings.modality {
         Modality::Mask => true,

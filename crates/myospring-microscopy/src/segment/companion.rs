@@ -1,6 +1,7 @@
-//! Whether something dim lies beside a bright candidate that single pixels do not show for noise: the other half of a
-//! cell that is stained unevenly. Light that is averaged over blocks shows what is far below the noise of a pixel, the
-//! larger they are, the dimmer it may be. The candidate's own light is left out of the blocks beside it.
+//! Finds dim light next to a bright candidate that is hidden by the noise of single pixels: the
+//! other half of an unevenly stained cell. Averages over blocks reveal light far below the noise of
+//! a pixel; larger blocks reveal dimmer light. The candidate's own light is left out of the blocks
+//! around it.
 
 use super::evidence::Grid;
 use crate::filter::{self, bulk, quantile};
@@ -9,20 +10,21 @@ use crate::region::{Connectivity, Islands, Region, Window};
 
 /// Sides of the blocks over which light is averaged, um.
 const BLOCKS_UM: [f64; 3] = [4.0, 8.0, 16.0];
-/// What stands out, in standard deviations of the blocks of the ground, and at least in parts of the brightest.
+/// Least brightness of a block above the background, in standard deviations of background blocks,
+/// and as a part of the brightest.
 const STANDS_OUT: f32 = 4.0;
 const STANDS_OUT_LEAST: f32 = 0.003;
-/// Scattered light fades from the outline on; a part of a cell stays as bright. The light from and to so far away, um, is
-/// compared with that beyond, which must have at least so much of it.
+/// Scattered light fades with the distance from the outline; a part of a cell does not. The light
+/// at these distances, um, is compared with that beyond, which must be at least this part of it.
 const NEAR_UM: [f64; 2] = [6.0, 14.0];
 const FADES: f32 = 0.6;
-/// Closer to the outline it is no other part, um.
+/// Light within this distance of the outline is not another part, um.
 const RIM_UM: f64 = 2.0;
-/// What reaches the frame with more of its rim is several cells.
+/// An island with a larger part of its rim on the frame is several cells.
 const MOST_ON_FRAME: f64 = 0.25;
-/// Fewer blocks do not show how much the ground scatters.
+/// Least number of blocks from which the scatter of the background is measured.
 const FEWEST_BLOCKS: usize = 40;
-/// Least part of a block that lies beside the candidate.
+/// Least part of a block outside the candidate.
 const LEAST_BESIDE: f32 = 0.5;
 
 /// A picture in blocks of several sizes.
@@ -35,20 +37,21 @@ pub(super) struct Blocks {
 
 /// A picture in blocks of one size.
 struct Size {
-    /// Pixels of the coarse grid along the side of a block.
+    /// Side of a block, pixels of the coarse grid.
     blocks: usize,
-    /// Standard deviation of the blocks of the ground, and from what light on one stands out.
+    /// Standard deviation of background blocks, and least brightness of a bright block.
     scatter: f32,
     middle: f32,
     least: f32,
-    /// Blocks across, and what stands out.
+    /// Number of blocks along a row, and islands of bright blocks.
     columns: usize,
     islands: Islands,
     on_frame: Vec<f64>,
 }
 
 impl Blocks {
-    /// Of light above the ground on a coarse grid; `bright` is the brightness of the brightest.
+    /// Computes blocks from light above the background on a coarse grid; `bright` is the brightness
+    /// of the brightest objects.
     pub(super) fn of(plain: &Plane, grid: Grid, bright: f32) -> Self {
         let mut sizes: Vec<Size> = Vec::new();
         for um in BLOCKS_UM {
@@ -69,7 +72,8 @@ impl Blocks {
         Self { plain: plain.clone(), factor: grid.factor, sizes }
     }
 
-    /// The columns and rows of what stands out at a pixel, the first and the last, unless it is of several cells.
+    /// First and last column and row of the bright island at a pixel; `None` if the island is
+    /// several cells.
     pub(super) fn bounds(&self, column: usize, row: usize) -> Option<[[usize; 2]; 2]> {
         let both = |a: [[usize; 2]; 2], b: [[usize; 2]; 2]| {
             [0, 1].map(|side| [a[side][0].min(b[side][0]), a[side][1].max(b[side][1])])
@@ -84,8 +88,8 @@ impl Blocks {
         bounds.reduce(both)
     }
 
-    /// Part of all that stands out there and lies beyond a region, where `hidden` says that light as dim shows no texture;
-    /// 0 where that fades away from the outline.
+    /// Part of the bright island that lies beyond a region, where `hidden` says that light so dim
+    /// shows no texture; 0 if it fades with the distance from the outline.
     pub(super) fn beside(
         &self,
         own: &Region,
@@ -128,7 +132,7 @@ impl Blocks {
         let whole = (side * side) as f32;
         let stands = |block: &Block| {
             let part = block.beside as f32 / whole;
-            // Of fewer pixels the mean scatters more.
+            // The mean of fewer pixels scatters more.
             let least = size.least + STANDS_OUT * size.scatter * (part.max(1e-3).powf(-0.5) - 1.0);
             part >= LEAST_BESIDE && block.mean() > least
         };
@@ -169,7 +173,7 @@ impl Blocks {
 }
 
 impl Size {
-    /// The island of a block, unless it is of several cells.
+    /// The bright island of a block; `None` if it is several cells.
     fn island(&self, column: usize, row: usize) -> Option<usize> {
         let at = (column < self.columns).then(|| row * self.columns + column)?;
         let island = (*self.islands.numbers.get(at)? as usize).checked_sub(1)?;
@@ -186,7 +190,8 @@ struct Around<'a> {
     window: &'a Window,
 }
 
-/// Pixels of one block: all in the window, those of the candidate, and those beside it with their light.
+/// Pixels of one block: all within the window, those of the candidate, and those outside it with
+/// their light.
 #[derive(Debug, Clone, Default)]
 struct Block {
     pixels: usize,

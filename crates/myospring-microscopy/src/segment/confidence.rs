@@ -1,38 +1,40 @@
-//! How sure a cell is, as a number and in words.
+//! Confidence in a cell, as a number and in words.
 
 use crate::region::Region;
 use geo::{Area, ConvexHull, MultiPoint, Point};
 use serde::Serialize;
 
-/// Below this score a cell is doubtful and a person should look at it.
+/// Below this score a cell is doubtful and should be checked by eye.
 pub(super) const DOUBTFUL: f64 = 0.5;
 
-/// Area over that of the convex hull, of debris and of a compact cell; a disc with four to eight
-/// arms has 0.47 to 0.54.
+/// Solidity (area divided by that of the convex hull) of debris and of a compact cell; a disc with
+/// four to eight arms has 0.47 to 0.54.
 const SOLIDITY: [f64; 2] = [0.15, 0.75];
 
-/// Factor of a cell that barely touches the frame, and of one of whose outline so large a part lies on it.
+/// Factor of a cell that barely touches the frame, and of one with at least the part [`CUT_MUCH`]
+/// of its outline on it.
 const CUT_FACTORS: [f64; 2] = [0.7, 0.5];
 const CUT_MUCH: f64 = 0.1;
 
-/// Part of its box that is filled by a rectangle, and by a cell that lies along rows or columns.
+/// Part of the bounding box that is filled by a rectangle, and by a cell along rows or columns.
 const BOX: [f64; 2] = [0.985, 0.955];
 
-/// Standard deviation of the rim's distance from the middle, over its mean: of a circle, and of a round cell.
+/// Relative standard deviation of the rim's distance from the centre: of a circle, and of a round
+/// cell.
 const CIRCLE: [f64; 2] = [0.012, 0.03];
 
 /// What to do about a doubtful outline.
 const ADVICE: &str = "if it is wrong, draw it (in ImageJ, say) and give --outline; of a tissue, `myospring segment \
                       --whole-frame` reads the fibres without one";
 
-/// How the reasons begin that the report of a cell's shape would repeat.
+/// Beginnings of the reasons that the report of a cell's shape does not repeat.
 const CUT: &str = "the frame cuts it";
 const RAGGED: &str = "it fills little of its convex hull";
 
-/// How the reason begins that it is a patch of something larger.
+/// Beginning of the reason for a patch of something larger.
 pub(super) const PATCH: &str = "it does not end at its outline";
 
-/// A cell as those see it who judge how sure it is.
+/// A cell to be judged.
 pub(super) struct Candidate<'a> {
     /// Its number.
     pub(super) number: u32,
@@ -41,16 +43,16 @@ pub(super) struct Candidate<'a> {
     pub(super) width: usize,
     /// Its pixels, as places in the plane.
     pub(super) pixels: &'a [u32],
-    /// Those of them that have a neighbour outside, without those on the frame.
+    /// Its pixels with a neighbour outside, except those on the frame.
     pub(super) rim: &'a [u32],
-    /// Pixels on the frame.
+    /// Number of its pixels on the frame.
     pub(super) on_frame: usize,
-    /// What speaks for its being two cells, or a part of one: a factor for the score, and a reason.
+    /// Evidence that it is two cells or part of one: a factor for the score, and a reason.
     pub(super) doubt: Option<(f64, String)>,
 }
 
 impl Candidate<'_> {
-    /// Its pixels on a grid of that size whose pixels have `factor` of the plane's along their side.
+    /// Its pixels on a grid of this size, coarser than the plane by `factor`.
     pub(super) fn region(&self, factor: usize, [columns, rows]: [usize; 2]) -> Option<Region> {
         let mut inside = vec![false; columns * rows];
         for &pixel in self.pixels {
@@ -63,7 +65,8 @@ impl Candidate<'_> {
         inside.contains(&true).then(|| Region::new(columns, rows, inside.into_iter()))
     }
 
-    /// Part of its box that it fills; and how far its rim is from a circle, which nothing is that the frame cuts.
+    /// Part of its bounding box that it fills, and deviation of its rim from a circle (a cell cut
+    /// by the frame is never a circle).
     fn figure(&self, width: usize) -> (f64, f64) {
         let place =
             |&pixel: &u32| [(pixel as usize % width) as f64, (pixel as usize / width) as f64];
@@ -95,32 +98,31 @@ impl Candidate<'_> {
     }
 }
 
-/// How sure a cell is.
+/// How certain a cell is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confidence {
-    /// From 0 (a guess) to 1 (nothing speaks against it): the product of one factor for each thing that was
-    /// looked at.
+    /// From 0 (a guess) to 1 (no doubt): the product of one factor for each criterion.
     pub score: f64,
-    /// What speaks against it, in words; empty where nothing does.
+    /// Reasons for doubt, in words; empty if there are none.
     pub reasons: Vec<String>,
-    /// How well the cell stands out. Fluorescence: its median brightness above the background, in standard
-    /// deviations of the background. Brightfield: the median gradient along its outline, in those of the
-    /// picture's noise. `None` for a mask.
+    /// Contrast of the cell. Fluorescence: its median brightness above the background, in standard
+    /// deviations of the background. Brightfield: the median gradient along its outline, in those
+    /// of the picture's noise. `None` for a mask.
     pub contrast: Option<f64>,
 }
 
 impl Confidence {
-    /// Nothing speaks against it.
+    /// Confidence without any doubt.
     pub(crate) fn full() -> Self {
         Self { score: 1.0, reasons: Vec::new(), contrast: None }
     }
 
-    /// Whether a person should look at the outline.
+    /// Whether the outline should be checked by eye.
     pub fn is_doubtful(&self) -> bool {
         self.score < DOUBTFUL
     }
 
-    /// What a person should know before they trust the outline; `None` where nothing speaks against it.
+    /// Warning about the outline; `None` if there is no doubt.
     ///
     /// # Example
     /// ```
@@ -143,18 +145,18 @@ impl Confidence {
             .then(|| format!("{what} (confidence {:.2} of 1): {reasons}{advice}", self.score))
     }
 
-    /// Whether the reasons have that the frame cuts it.
+    /// Whether one reason is that the frame cuts it.
     pub(crate) fn says_cut(&self) -> bool {
         self.reasons.iter().any(|reason| reason.starts_with(CUT))
     }
 
-    /// Whether the reasons have that it is ragged, or two cells.
+    /// Whether one reason is that it is ragged, or two cells.
     pub(crate) fn says_ragged(&self) -> bool {
         self.reasons.iter().any(|reason| reason.starts_with(RAGGED))
     }
 
-    /// Multiplies a factor in: 1 where `value` reaches `good`, 0 where it is at `bad`, linear between. Below
-    /// 0.8 the reason is kept.
+    /// Multiplies the score by a factor: 1 if `value` reaches `good`, 0 at `bad`, linear between.
+    /// Below 0.8 the reason is recorded.
     pub(super) fn weigh(
         &mut self,
         value: f64,
@@ -170,20 +172,21 @@ impl Confidence {
         }
     }
 
-    /// What any cell is judged by: whether the frame cuts it, and whether its shape is that of one cell.
+    /// Applies the criteria common to all modalities: whether the frame cuts the cell, and whether
+    /// its shape is that of one cell.
     pub(super) fn weigh_shape(&mut self, candidate: &Candidate<'_>, width: usize) {
         let on_frame = candidate.on_frame;
         if on_frame > 0 {
-            // The more of its outline lies there, the more of the cell may be missing.
+            // The larger the part of its outline on the frame, the more of the cell may be missing.
             let share = on_frame as f64 / (on_frame + candidate.rim.len()) as f64;
             let [barely, much] = CUT_FACTORS;
             self.score *= barely + (much - barely) * (share / CUT_MUCH).min(1.0);
-            self.reasons.push(format!("{CUT}: {on_frame} of its pixels lie there"));
+            self.reasons.push(format!("{CUT}: {on_frame} of its pixels lie on the frame"));
         }
         let (fills_box, roundness) = candidate.figure(width);
         self.weigh(-fills_box, -BOX[0], -BOX[1], || {
             format!(
-                "it is a rectangle along the picture's rows and columns, of which it fills {:.0} %: is it a panel of a \
+                "it fills {:.0} % of a rectangle along the picture's rows and columns: is it a panel of a \
                  figure, or part of a device?",
                 100.0 * fills_box
             )
@@ -193,20 +196,21 @@ impl Confidence {
         });
         let solidity = candidate.solidity(width);
         let [ragged, compact] = SOLIDITY;
-        // Of one fact there is one reason: that which says more.
+        // Each fact gives one reason, the more specific one.
         if let Some((factor, reason)) = &candidate.doubt {
             let both = factor.min((solidity - ragged) / (compact - ragged));
             self.weigh(both, 0.0, 1.0, || reason.clone());
             return;
         }
         self.weigh(solidity, ragged, compact, || {
-            // Its number is the solidity of the report.
+            // The report states the solidity.
             format!("{RAGGED}: is it ragged, branched, or two cells that touch?")
         });
     }
 }
 
-/// Area, pixels, over that of the convex hull of the corners of the pixels on the rim (column, row).
+/// Solidity: area in pixels, divided by that of the convex hull of the corners of the rim's pixels
+/// (column, row).
 pub(super) fn solidity(rim: impl Iterator<Item = [f64; 2]>, pixels: usize) -> f64 {
     let corners = rim.flat_map(|[x, y]| {
         [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[dx, dy]| Point::new(x + dx, y + dy))

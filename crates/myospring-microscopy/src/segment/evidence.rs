@@ -1,4 +1,4 @@
-//! What speaks for a cell at each place: that it is brighter than its surroundings, or that it has a texture.
+//! Evidence for a cell at each place: brightness above the surroundings, or texture.
 
 use super::Working;
 use super::ground::Ground;
@@ -6,31 +6,32 @@ use crate::filter::{self, otsu, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
 
-/// Coarsest pixel that the work needs, um; finer pictures are averaged.
+/// Side up to which pixels are averaged, um.
 pub(super) const PIXEL_UM: f64 = 0.25;
-/// Scale on which brightness is smoothed unless stated, um.
+/// Default scale on which brightness is smoothed, um.
 pub(super) const SMOOTH_UM: f64 = 0.5;
-/// Dark gaps of up to twice this are taken for as bright as what lies on both sides, um: stripes of a myocyte
-/// are 1.6 to 2.2 um apart.
+/// Dark gaps up to twice this width are filled with the brightness of both sides, um: stripes of a
+/// myocyte are 1.6 to 2.2 um apart.
 const GAP_UM: f64 = 1.2;
-/// Scales between which texture lies, standard deviations of Gaussians, um: stripes, threads and grains.
+/// Band of scales of texture (stripes, threads, grains), as standard deviations of Gaussians, um.
 pub(super) const TEXTURE_UM: [f64; 2] = [0.35, 1.2];
 /// Scale over which the texture's energy is averaged, um: more than a period.
 const ENERGY_UM: f64 = 2.5;
-/// Part of the brightest by which the unit of evidence is at least measured: below it is stray light rather
-/// than noise.
+/// Least unit of evidence, as a part of the brightest: below it, stray light dominates noise.
 const LEAST_UNIT: f32 = 0.03;
-/// What covers less than this is no measure of how bright the brightest is, um^2: debris, hot pixels.
+/// Smallest area from which the brightness of the brightest is measured, um^2; debris and hot
+/// pixels are smaller.
 const BRIGHT_UM2: f64 = 50.0;
 /// Least evidence of a cell, in standard deviations of the background.
 const LEAST_NOISES: f32 = 3.5;
-/// A ground that scatters more than so many times what the quietest dark places do may be none.
+/// Background that scatters more than this many times as much as the quietest dark places may not
+/// be background.
 const UNEVEN: f32 = 2.0;
-/// The mean of the background is taken from within so much of what stands out, um, so that it does not matter
-/// how large the field of view is.
+/// The mean of the background is measured within this distance of bright objects, um, so that it
+/// does not depend on the size of the field of view.
 const AROUND_UM: f64 = 10.0;
 
-/// The working grid, and the coarser one of islands.
+/// The working grid, and the coarser one on which islands are found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
     /// Side of a pixel of the working grid, um.
@@ -40,7 +41,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// As fine as islands need it, and so coarse that the work on a large field of view stays within bounds.
+    /// Chooses the coarse grid: fine enough for islands, coarse enough for a large field of view.
     pub(super) fn of(working: &Working) -> Self {
         let pixels = (working.plane.width() * working.plane.height()) as f64;
         let affordable_um = working.pixel_um * (pixels / MOST_PIXELS).sqrt();
@@ -55,53 +56,56 @@ impl Grid {
     }
 }
 
-/// Pixels of the coarse grid, um: the larger the field of view, the coarser.
+/// Finest pixel of the coarse grid, um, and the largest number of its pixels.
 const FINEST_PIXEL_UM: f64 = 0.4;
 const COARSEST_PIXEL_UM: f64 = 1.0;
 const MOST_PIXELS: f64 = 250_000.0;
 
-/// A plane that is large in a cell and small outside, above its slowly varying ground.
+/// A plane that is large in a cell and small outside, above its slowly varying background.
 ///
-/// It is counted in units of noise, logarithmically above it, so that a bright cell does not hide a dim one.
+/// It is measured in units of noise, logarithmically above one unit, so that a bright cell does not
+/// hide a dim one.
 pub(super) struct Evidence {
-    /// The plane above its ground.
+    /// The plane above its background.
     pub(super) lifted: Plane,
     /// The same on the coarse grid.
     pub(super) coarse: Plane,
     /// The same before gaps were filled.
     pub(super) plain: Plane,
-    /// Standard deviation of the ground.
+    /// Standard deviation of the background.
     pub(super) noise: f32,
-    /// What counts as one.
+    /// The unit of evidence.
     unit: f32,
-    /// A value of the ground.
+    /// The typical value of the background.
     pub(super) middle: f32,
-    /// Means of background and cells on the logarithmic scale, as Otsu's threshold parts them (Otsu 1979).
+    /// Means of background and cells on the logarithmic scale, separated by Otsu's threshold (Otsu
+    /// 1979).
     means: [f32; 2],
 }
 
-/// What the ground may be.
+/// Alternative estimates of the background.
 pub(super) struct Readings {
     pub(super) first: Evidence,
     pub(super) other: Option<Evidence>,
 }
 
 impl Evidence {
-    /// How bright the plane is, with gaps as between stripes filled; `smooth_um` is the scale of noise.
+    /// Evidence from brightness, with gaps between stripes filled; `smooth_um` is the scale of
+    /// smoothing.
     pub(super) fn brightness(working: &Working, smooth_um: f64, grid: Grid) -> Readings {
         let pixel = working.pixel_um;
         let smooth = filter::gaussian(&working.plane, smooth_um / pixel);
         Self::readings(&filter::closed(&smooth, (GAP_UM / pixel).round() as usize), &smooth, grid)
     }
 
-    /// How much the plane varies on the scale of stripes and grains.
+    /// Evidence from texture: variation on the scale of stripes and grains.
     pub(super) fn texture(working: &Working, grid: Grid) -> Readings {
         let energy = texture_of(working);
         Self::readings(&energy, &energy, grid)
     }
 
-    /// Above the surface that the ground seems to be; and if what lies about that scatters more than ground does,
-    /// so that cells or haze may fill most of the picture, also above the darkest of it.
+    /// Evidence above the fitted background; also above the darkest places if the fitted background
+    /// scatters too much, because cells or haze may then fill most of the picture.
     fn readings(plane: &Plane, plain: &Plane, grid: Grid) -> Readings {
         let (surface, dark) = (Ground::under(plane), Ground::darkest(plane, grid.working_um));
         let doubtful = surface.noise > UNEVEN * dark.noise;
@@ -145,25 +149,25 @@ impl Evidence {
         self.lifted.map(|value| (self.scaled(value) - low) / (high - low))
     }
 
-    /// The least level that noise does not reach.
+    /// The smallest level above noise.
     pub(super) fn least(&self) -> f32 {
         let [low, high] = self.means;
         (self.scaled(LEAST_NOISES * self.noise) - low) / (high - low)
     }
 
-    /// A level above the ground, in the unit of the plane.
+    /// A level above the background, in the unit of the plane.
     pub(super) fn above_ground(&self, level: f32) -> f32 {
         let [low, high] = self.means;
         self.unit * (low + level * (high - low)).sinh()
     }
 
-    /// The value in the plane, where the ground is as in most places.
+    /// A level as a value of the plane, over the typical background.
     pub(super) fn value(&self, level: f32) -> f32 {
         self.middle + self.above_ground(level)
     }
 }
 
-/// How much a plane varies on the scale of stripes and grains, around each place.
+/// Variation of a plane on the scale of stripes and grains, averaged around each place.
 pub(super) fn texture_of(working: &Working) -> Plane {
     let pixel = working.pixel_um;
     let [fine, rough] = TEXTURE_UM.map(|um| filter::gaussian(&working.plane, um / pixel));
@@ -173,7 +177,7 @@ pub(super) fn texture_of(working: &Working) -> Plane {
     filter::slow_part(&squares, ENERGY_UM / pixel).map(f32::sqrt)
 }
 
-/// Means of Otsu's classes; `None` where all are equal.
+/// Means of Otsu's classes; `None` if all values are equal.
 fn classes(values: &[f32]) -> Option<[f32; 2]> {
     let [level, _] = otsu(values)?;
     let mean = |of: &dyn Fn(f32) -> bool| {

@@ -1,21 +1,22 @@
-//! Whether a picture is a page: a figure with panels, axes and captions, or a plot. Paper has one grey value, brighter than
-//! what is printed on it, all around; no camera gives that.
+//! Recognises a page: a figure with panels, axes and captions, or a plot. Paper has one grey value,
+//! brighter than the print, along the whole rim; a camera's picture does not.
 
 use crate::plane::Plane;
 
 /// Least part of the pixels on the frame that have the value of paper.
 const RIM: f64 = 0.8;
-/// How far that may lie below the largest value, relative to the range: what a lossy file makes of white.
+/// Largest distance of white paper from the largest value, relative to the range (lossy
+/// compression).
 const WHITE: f32 = 0.01;
-/// Paper of another value is at least so bright, relative to the range: the ground of a fluorescent picture may have one
-/// value, too, but is dark.
+/// Least brightness of other paper, relative to the range: the background of a fluorescence picture
+/// may also have a single value, but it is dark.
 const BRIGHT: f32 = 0.25;
-/// Factor for everything on it.
+/// Factor for the confidence of all cells on a page.
 pub(super) const FACTOR: f64 = 0.3;
 /// Why all cells are doubtful.
 pub(super) const REASON: &str = "the picture looks like a figure or a page";
 
-/// What a person should know if a picture is a page.
+/// Warning if a picture is a page.
 pub(super) fn note(plane: &Plane) -> Option<String> {
     let (width, height) = (plane.width(), plane.height());
     let [low, high] = plane.range();
@@ -31,7 +32,7 @@ pub(super) fn note(plane: &Plane) -> Option<String> {
     let is_page = paper - low >= BRIGHT * range && alike as f64 >= RIM * rim.len() as f64;
     is_page.then(|| {
         format!(
-            "this looks like a figure or a page, not like a microscope's picture: {:.0} % of its rim have one bright grey \
+            "this looks like a figure or a page, not like a microscope's picture: {:.0} % of its rim has one bright grey \
              value. Cut out the panel that shows the cell, without axes and captions, at its own pixel size",
             100.0 * alike as f64 / rim.len() as f64
         )

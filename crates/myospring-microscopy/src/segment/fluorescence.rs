@@ -1,4 +1,4 @@
-//! A bright cell on a dark ground.
+//! Segmentation of bright cells on a dark background.
 
 use super::confidence::Candidate;
 use super::evidence::SMOOTH_UM;
@@ -11,23 +11,24 @@ use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
 use myospring_core::mesh::pixel_size::PixelSize;
 
-/// Radius by which gaps are closed, um: stripes of a myocyte are 1.6 to 2.2 um apart, and between two
-/// stripes of the rim the outline is to go on.
+/// Radius by which gaps are closed, um: stripes of a myocyte are 1.6 to 2.2 um apart, and the
+/// outline must continue between two stripes at the rim.
 const CLOSING_UM: f64 = 1.5;
-/// Brightness of the edge as part of the largest within two scales of smoothing: that of a step that was
-/// blurred.
+/// Brightness of the edge, as a part of the largest brightness within two scales of smoothing: one
+/// half for a blurred step.
 const EDGE: f32 = 0.5;
-/// How far the outline may lie from where the coarser pixels of the ladder have it, um.
+/// Largest distance of the outline from that on the coarser grid of the ladder, um.
 const AROUND_UM: f64 = 2.5;
-/// Parts of a cell that are thinner than twice this, um, and smaller than this share of it do not tie it to the
-/// frame.
+/// Parts of a cell that are thinner than twice this, um, and smaller than this part of it are cut
+/// off if only they connect it to the frame.
 const SPUR_UM: f64 = 3.0;
 const SPUR_SHARE: f64 = 0.02;
 
-/// How far within the outline the brightness is looked for from which it falls, um; the largest counts.
+/// Distances inside the outline at which the brightness is measured from which it falls, um; the
+/// largest value counts.
 const WITHIN_UM: [f64; 3] = [1.5, 3.0, 6.0];
 
-/// What a picture shows by its brightness.
+/// The objects of a picture that are brighter than their surroundings.
 pub(super) struct Bright {
     pub(super) working: Working,
     smooth_um: f64,
@@ -35,15 +36,15 @@ pub(super) struct Bright {
 }
 
 impl Bright {
-    /// Looks for what is brighter than its surroundings.
+    /// Finds the objects that are brighter than their surroundings.
     pub(super) fn of(working: Working, settings: &Settings) -> Self {
         let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
         let climbed = Climbed::by_brightness(&working, smooth_um, settings.smallest_cell_um2);
         Self { working, smooth_um, climbed }
     }
 
-    /// The outlines on the finer grid: where brightness crosses the level that explains the cell best, and half
-    /// of what is brightest nearby.
+    /// The outlines on the finer grid: where brightness crosses the level that explains the cell
+    /// best, and half of the largest brightness nearby.
     fn region(&self, settings: &Settings) -> Region {
         let Self { working, climbed: Climbed { evidence, levels, grid, rough, .. }, .. } = self;
         let (width, height) = (levels.width(), levels.height());
@@ -54,7 +55,7 @@ impl Bright {
             let above = smooth.values().iter().map(|&value| f64::from(value) > threshold);
             return self.tidied(&Region::new(width, height, above), settings);
         }
-        // The light of a bright place spreads over the outline; half of it marks the edge.
+        // Light of a bright place is blurred across the outline; the edge is at half of it.
         let near = filter::largest_nearby(lifted, (2.0 * self.smooth_um / pixel).round() as usize);
         let around = AROUND_UM / pixel;
         let mut all = Region::new(width, height, std::iter::empty());
@@ -74,14 +75,15 @@ impl Bright {
         all
     }
 
-    /// Without specks, gaps, holes and spikes.
+    /// The region without specks, gaps, holes and spikes.
     fn tidied(&self, region: &Region, settings: &Settings) -> Region {
         let pixel = self.working.pixel_um;
         let smallest = settings.smallest_cell_um2 / pixel.powi(2);
-        // Specks first: they would be joined to the cell or each other.
+        // Specks first, so that they are not joined to the cell or to each other.
         let speck = std::f64::consts::PI * (CLOSING_UM / 2.0 / pixel).powi(2);
         let region = region.kept(Connectivity::Eight, |island| island.pixels as f64 > speck);
-        // Only around what is left: distances over a whole field of view cost more than all the rest.
+        // Only around the remaining region: distances over the whole field of view would dominate
+        // the cost.
         let window = region.window((2.0 * CLOSING_UM / pixel).ceil() as usize, 1);
         region
             .cut(&window)
@@ -94,8 +96,8 @@ impl Bright {
     }
 }
 
-/// Without thin parts by which alone a cell reaches the frame, where they are small: dust and threads that lie
-/// beside it.
+/// The region without small thin parts that alone connect a cell to the frame, such as dust and
+/// threads.
 fn without_spurs_to_the_frame(
     region: Region,
     window: &Window,
@@ -146,7 +148,7 @@ pub(super) fn segment(
         return Err(SegmentError::NoCell {
             modality: "fluorescence",
             threshold: format!("grey value {threshold:.4}"),
-            why: format!("nothing brighter is as large as {} um^2", settings.smallest_cell_um2),
+            why: format!("no brighter object is as large as {} um^2", settings.smallest_cell_um2),
             pixel_size,
         });
     }
@@ -161,7 +163,7 @@ pub(super) fn segment(
     Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
 }
 
-/// The picture as the judge sees it.
+/// The picture as needed for the confidence.
 struct View<'a> {
     lifted: &'a Plane,
     tissue: Tissue<'a>,
@@ -198,8 +200,8 @@ impl View<'_> {
                 "it is only {contrast:.1} times the background's noise brighter than the background"
             )
         });
-        // How far the brightness takes to fall from what it is within, were it to fall as steeply as on the outline. Each
-        // place has its own, since a cell may be dim in part.
+        // Width of the edge: brightness inside divided by the slope at the outline. Each place has
+        // its own, since a cell may be dim in part.
         let falls: Vec<f32> = candidate
             .rim
             .iter()
@@ -221,14 +223,16 @@ impl View<'_> {
             })
             .collect();
         let fall_um = f64::from(quantile(&falls, 0.5));
-        // Twice the area over the outline: the radius of a disc, the width of a strip.
+        // Twice the area divided by the outline's length: the radius of a disc, the width of a
+        // strip.
         let pixel_um = self.pixel / self.factor as f64;
         let width_um =
             2.0 * candidate.pixels.len() as f64 / candidate.rim.len().max(1) as f64 * pixel_um;
         confidence.weigh(-fall_um / width_um, -0.7, -0.2, || {
-            format!("its rim is blurred: its brightness falls over some {fall_um:.1} um; is it out of focus?")
+            format!("its rim is blurred: its brightness falls over about {fall_um:.1} um; is it out of focus?")
         });
-        // Smoothing blurs the rim, too; an edge of one falls as steeply as a Gaussian's middle.
+        // Smoothing blurs the rim, too; the slope of a blurred unit step is the peak of the
+        // Gaussian.
         let blur_um =
             (fall_um.powi(2) / std::f64::consts::TAU - self.smooth_um.powi(2)).max(0.0).sqrt();
         self.tissue.weigh(&mut confidence, candidate, blur_um);

@@ -1,39 +1,39 @@
-//! How much what lies within an outline varies, on the scale of sarcomeres and organelles, beyond what noise does.
+//! Texture inside an outline, on the scale of sarcomeres and organelles, beyond that of noise.
 //!
-//! Only what lies within has a say: pixels beside it are left out of every mean, since the step at an outline would
-//! count as texture as far in as the smoothing reaches.
+//! Only pixels inside the outline are used: pixels outside are left out of every mean, since the
+//! step at the outline would count as texture as far in as smoothing reaches.
 
 use super::evidence::TEXTURE_UM;
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::Region;
 
-/// Depth below the outline from which on texture is measured, um, the first that leaves enough: what a lens spreads of
-/// the outline's step lies above it.
+/// Depths inside the outline from which texture is measured, um; the first that leaves enough area
+/// is used. The blurred step of the outline lies above it.
 const BELOW_UM: [f64; 4] = [3.0, 2.0, 1.5, 1.0];
-/// Least area below it, um^2.
+/// Least area at that depth, um^2.
 const ENOUGH_UM2: f64 = 60.0;
-/// Over how much area texture is averaged before the median is taken, um: more than a period.
+/// Scale over which texture is averaged before its median is taken, um: more than a period.
 const ENERGY_UM: f64 = 2.5;
-/// Coarser pixels have texture that cannot be told from noise, um: half of a short sarcomere.
+/// On coarser pixels, texture cannot be distinguished from noise, um: half of a short sarcomere.
 const COARSEST_UM: f64 = 0.75;
-/// By how many standard deviations texture may differ from what was measured.
+/// Half-width of the interval of texture, in standard deviations of its measurement.
 const SURE: f64 = 3.0;
-/// How exactly the texture of noise is known, noise of cameras being not quite white, relative.
+/// Relative uncertainty of the texture of noise, because camera noise is not quite white.
 const WHITE: f64 = 0.1;
 
 /// Strength of texture, in grey values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grain {
-    /// At least.
+    /// Lower bound.
     pub(super) least: f64,
-    /// At most, where noise may hide so much of it.
+    /// Upper bound, including the texture that noise may hide.
     pub(super) most: f64,
 }
 
 impl Grain {
-    /// Of the pixels of a region; `ground` is the standard deviation of the noise beside it, per pixel. `None` where the
-    /// region is too small to have an inside.
+    /// Measures the texture of a region; `ground` is the standard deviation of the noise outside
+    /// it, per pixel. `None` if the region is too small to have an inside.
     pub(super) fn within(plane: &Plane, own: &Region, pixel_um: f64, ground: f32) -> Option<Self> {
         let enough = |core: &Region| core.count() as f64 * pixel_um * pixel_um >= ENOUGH_UM2;
         let core = BELOW_UM.iter().map(|um| own.shrunk(um / pixel_um)).find(enough)?;
@@ -46,7 +46,7 @@ impl Grain {
         let values = window.cut(plane.values(), plane.width());
         let picture = Plane::new(width, height, values.clone())?;
         let inside = part(&|at| f32::from(u8::from(core.contains(at))))?;
-        // Means of what lies within only; about its own mean, so that rounding stays small.
+        // Means over the inside only; relative to its mean, so that rounding errors stay small.
         let mean = |plane: &Plane, sigma: f64| {
             let [sums, weights] =
                 [plane, &inside].map(|plane| filter::gaussian(plane, sigma / pixel_um));
@@ -74,7 +74,7 @@ impl Grain {
         let local = || noise_at(&picture, (0..width * height).filter(|&at| inner.contains(at)));
         let noise = if pixel_um > COARSEST_UM { ground } else { ground.max(local()) };
         let expected = f64::from(noise * texture_of_noise(pixel_um)).powi(2);
-        // Squares of what was smoothed by a Gaussian are as good as independent over this area.
+        // Squares of a field smoothed by a Gaussian are nearly independent beyond this area.
         let scale = TEXTURE_UM[0].max(0.5 * pixel_um);
         let independent = (area / (2.0 * std::f64::consts::PI * scale * scale)).max(1.0);
         let off = SURE * expected * (2.0 / independent).sqrt() + WHITE * expected;
@@ -83,8 +83,8 @@ impl Grain {
     }
 }
 
-/// Standard deviation of white noise: the mixed second difference knows no stripes, and its median no edges (Immerkaer
-/// 1996).
+/// Standard deviation of white noise: the mixed second difference cancels stripes, and its median
+/// ignores edges (Immerkaer 1996).
 pub(super) fn noise_of(plane: &Plane) -> f32 {
     let pixels = plane.width() * plane.height();
     let stride = (pixels / 200_000).max(1) | 1;
@@ -104,11 +104,12 @@ fn noise_at(plane: &Plane, places: impl Iterator<Item = usize>) -> f32 {
         Some((corners - 2.0 * sides + 4.0 * value(1, 1)).abs())
     };
     let differences: Vec<f32> = places.filter_map(difference).collect();
-    // Of a normal distribution half lies within 0.6745 standard deviations; the weights' squares sum to 36.
+    // Half of a normal distribution lies within 0.6745 standard deviations; the weights' squares
+    // sum to 36.
     if differences.is_empty() { 0.0 } else { quantile(&differences, 0.5) / (0.6745 * 6.0) }
 }
 
-/// Texture of white noise of standard deviation 1: that of a single pixel, over the whole plane.
+/// Texture of white noise of standard deviation 1, from the response to a single pixel.
 pub(super) fn texture_of_noise(pixel_um: f64) -> f32 {
     let reach = (3.0 * TEXTURE_UM[1] / pixel_um).ceil() as usize;
     let side = 2 * reach + 1;

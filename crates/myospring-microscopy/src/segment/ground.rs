@@ -3,22 +3,22 @@
 use crate::filter::{self, bulk, otsu, quantile, sample};
 use crate::plane::Plane;
 
-/// Blocks along the longer side to which the background is fitted.
+/// Number of blocks along the longer side, to which the background is fitted.
 const BLOCKS: usize = 64;
 
-/// Rounds of fitting: each lets the surface reach further from where it began.
+/// Rounds of fitting; each lets the surface extend further from the dark blocks.
 const ROUNDS: usize = 12;
 
-/// Side of the blocks of which the darkest are taken, um.
+/// Side of the blocks of which the darkest are used, um.
 const BLOCK_UM: f64 = 4.0;
 
-/// Part of them that is.
+/// Part of the blocks that counts as the darkest.
 const DARK: f64 = 0.05;
 
-/// Standard deviation of smoothed noise over that within blocks, as measured.
+/// Ratio of the standard deviation of smoothed noise to that within blocks, as measured.
 const WITHIN_BLOCKS: f32 = 1.5;
 
-/// The background: a surface of second degree, and how much pixels scatter about it.
+/// The background: a quadratic surface, and the scatter of pixels about it.
 pub(super) struct Ground {
     surface: Plane,
     /// Standard deviation about the surface.
@@ -26,8 +26,8 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// Fitted to those blocks of the picture that no cell covers: first the dark ones, then those that lie
-    /// near the surface.
+    /// Fits the background to the blocks without cells: first to the dark ones, then to those near
+    /// the surface.
     pub(super) fn under(smooth: &Plane) -> Self {
         let factor = smooth.width().max(smooth.height()).div_ceil(BLOCKS);
         let blocks = filter::coarse(smooth, factor);
@@ -52,7 +52,8 @@ impl Ground {
             used =
                 off.iter().map(|&off| (-5.0..2.5).contains(&((off - middle) / scatter))).collect();
         }
-        // Under a large cell the surface is a guess: it stays within what was seen of it.
+        // Under a large cell the surface is extrapolated, so it is limited to the range of the used
+        // blocks.
         let seen: Vec<f32> = surface
             .values()
             .iter()
@@ -78,8 +79,8 @@ impl Ground {
         Self { surface, noise }
     }
 
-    /// The darkest of the picture, everywhere the same: where cells, haze or others' light fill most of it, no surface
-    /// can be told.
+    /// A constant background from the darkest places, for pictures that are mostly filled with
+    /// cells, haze or stray light, where no surface can be fitted.
     pub(super) fn darkest(smooth: &Plane, pixel_um: f64) -> Self {
         let side = ((BLOCK_UM / pixel_um).ceil() as usize).max(4);
         let [means, squares] = [smooth.clone(), smooth.map(|value| value * value)]
@@ -92,7 +93,8 @@ impl Ground {
             .filter(|(mean, _)| **mean <= dark)
             .map(|(mean, square)| (square - mean * mean).max(0.0).sqrt())
             .collect();
-        // Blocks are not much larger than the grains of smoothed noise, and so differ among each other, too.
+        // Blocks are not much larger than the correlation length of smoothed noise, so their means
+        // differ, too.
         let noise = WITHIN_BLOCKS * quantile(&scatter, 0.5);
         Self { surface: smooth.map(|_| dark), noise }
     }
@@ -110,7 +112,7 @@ impl Ground {
     }
 }
 
-/// The median of the used blocks everywhere.
+/// A constant surface: the median of the used blocks.
 fn constant(blocks: &Plane, used: &[bool]) -> Plane {
     let values: Vec<f32> =
         blocks.values().iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| *v).collect();
@@ -118,11 +120,11 @@ fn constant(blocks: &Plane, used: &[bool]) -> Plane {
     blocks.map(|_| flat)
 }
 
-/// Terms of a surface of second degree.
+/// Terms of a quadratic surface.
 const TERMS: usize = 6;
 
-/// The surface `a + b x + c y + d x^2 + e x y + f y^2` of least squares through the used blocks; `None` where
-/// they are few.
+/// The least-squares surface `a + b x + c y + d x^2 + e x y + f y^2` through the used blocks;
+/// `None` if they are too few.
 fn fitted(blocks: &Plane, used: &[bool]) -> Option<Plane> {
     let (width, height) = (blocks.width(), blocks.height());
     let terms = |at: usize| {
@@ -146,7 +148,7 @@ fn fitted(blocks: &Plane, used: &[bool]) -> Option<Plane> {
         }
     }
     for (term, row) in left.iter_mut().enumerate() {
-        // Keeps a direction that no block tells of at zero.
+        // Regularisation: keeps undetermined terms at zero.
         row[term] += 1e-6 * chosen.len() as f64;
     }
     let weights = solved(left, right)?;
@@ -156,7 +158,7 @@ fn fitted(blocks: &Plane, used: &[bool]) -> Option<Plane> {
     Plane::new(width, height, (0..used.len()).map(|at| value(at) as f32).collect())
 }
 
-/// The solution for a symmetric matrix, by elimination; `None` if it is not positive definite.
+/// Solves a symmetric system by elimination; `None` if the matrix is not positive definite.
 fn solved(mut left: [[f64; TERMS]; TERMS], mut right: [f64; TERMS]) -> Option<[f64; TERMS]> {
     for done in 0..TERMS {
         let (row, value) = (left[done], right[done]);

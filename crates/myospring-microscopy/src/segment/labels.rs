@@ -1,4 +1,4 @@
-//! Masks and label images: the work was done elsewhere.
+//! Cells from masks and label images.
 
 use myospring_core::mesh::pixel_size::PixelSize;
 use std::collections::BTreeMap;
@@ -7,12 +7,12 @@ use super::{Cell, Confidence, LARGEST_LABEL, Modality, SegmentError, Segmentatio
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
 
-/// An island of which so many make the largest is a speck of the mask, not a cell.
+/// An island smaller than the largest by this factor is a speck, not a cell.
 const SPECKS_IN_A_CELL: usize = 50;
 
-/// Cells of a picture in which every value that is not zero marks one. Where there is one such value, or so many
-/// that they are no labels but soft edges, the islands of all together are the cells. Values that are not whole,
-/// such as the luminance of colours, tell cells apart but are no labels.
+/// Reads the cells of a picture in which every value other than zero marks a cell. If there is only
+/// one such value, or too many for labels (soft edges), the connected islands are the cells. Values
+/// that are not whole, such as the luminance of colours, distinguish cells but are not labels.
 pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentation, SegmentError> {
     let mut notes = Vec::new();
     let (width, height) = (plane.width(), plane.height());
@@ -22,7 +22,7 @@ pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentati
         return Err(SegmentError::NoLabel { column, row, value });
     }
     let whole = plane.values().iter().all(|value| value.fract() == 0.0);
-    // Adding zero takes the sign off a zero.
+    // Adding zero turns -0 into 0.
     let mark = |value: &f32| if whole { *value as u32 } else { (value + 0.0).to_bits() };
     let values: Vec<u32> = plane.values().iter().map(mark).collect();
     let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
@@ -32,7 +32,7 @@ pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentati
     let by_value = sizes.len() > 1 && modality::has_flat_labels(plane);
     if sizes.len() > 1 && !by_value {
         notes.push(format!(
-            "the mask holds {} different values that are not 0, which are no labels: all count as cell",
+            "the mask holds {} different values that are not 0, too many for labels: all count as cell",
             sizes.len()
         ));
     }
@@ -49,7 +49,7 @@ pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentati
         let specks = islands.list.len() - cells.len();
         if specks > 0 {
             notes.push(format!(
-                "{specks} island(s) of less than 1/{SPECKS_IN_A_CELL} of the largest are no cells and were left out"
+                "{specks} island(s) of less than 1/{SPECKS_IN_A_CELL} of the largest are too small for cells and were left out"
             ));
         }
         (islands.numbers, cells)

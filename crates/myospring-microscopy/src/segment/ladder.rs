@@ -1,11 +1,12 @@
-//! The outlines that explain best where evidence lies: of all levels, each cell at its own.
+//! Chooses for each cell the threshold level whose outline explains the evidence best.
 //!
-//! At each rung of a ladder of levels, what lies above it falls into islands; those of a rung lie in those of the
-//! rung below. An island is the better explained as a cell, the more the evidence falls across its outline, the
-//! more of the outline this holds for, the less of it is cut by the frame, and the more compact it is. Of
-//! an island and those within it on higher rungs, that is taken which explains more: so one
-//! threshold need not serve a whole picture, and two cells that only haze joins are two (component trees, Jones
-//! 1999; extremal regions that are chosen by how stable they are, Matas et al. 2002, are kin).
+//! The levels form a ladder. The pixels above each rung form islands, and the islands of a rung lie
+//! within those of the rung below. An island explains more as a cell if the evidence falls more
+//! steeply across its outline, along more of its outline, if less of it is cut by the frame, and if
+//! it is more compact. An island is chosen over the islands within it on higher rungs if it
+//! explains more. So different cells have different thresholds, and two cells connected only by
+//! haze are separated (component trees, Jones 1999; related to the maximally stable extremal
+//! regions of Matas et al. 2002).
 
 use super::Working;
 use super::confidence::solidity;
@@ -14,37 +15,38 @@ use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
 
-/// Distance of the rungs, of the way from background to cell.
+/// Distance of the rungs, as a part of the difference between cells and background.
 const RUNG: f32 = 0.05;
 /// Highest rung.
 const TOP: f32 = 1.3;
-/// Gaps that are closed, points and necks that are taken off, radii in um.
+/// Radii of closing gaps and of opening tips and necks, um.
 const CLOSING_UM: f64 = 0.5;
 const OPENING_UM: f64 = 1.5;
 /// Scale on which the slope across an outline is measured, um.
 const SLOPE_UM: f64 = 0.5;
 /// Scale on which the direction across an outline is measured, um.
 const ACROSS_UM: f64 = 1.0;
-/// What lies beside an island, from and to so far from it, um.
+/// The surroundings of an island lie at these distances from it, um.
 const BESIDE_UM: [f64; 2] = [1.5, 5.0];
-/// An outline within another that explains as much but for this is taken: light strays outward.
+/// An outline within another is chosen if it explains at least this part as much, because blur
+/// moves light outward.
 const AS_GOOD: f64 = 0.8;
-/// By how much most of an island is higher than what lies beside it, gaps not filled, in parts of its mean height with
-/// gaps filled: surely no more than its halo, and surely the island itself. Half of a striped cell is.
+/// Rise of an island's median (gaps not filled) above its surroundings, relative to its mean height
+/// (gaps filled): at or below the first it is only a halo, from the second on it is an object.
 const RISE: [f32; 2] = [0.15, 0.4];
-/// Least slope that counts as a fall, per um.
+/// Least slope across the outline that counts as falling, per um.
 const FALL_PER_UM: f32 = 0.03;
 
-/// How well an island is explained as a cell.
+/// How well an island is explained as a single cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Explained {
-    /// Mean slope of the evidence across the outline, where the frame does not cut it, per um.
+    /// Mean slope of the evidence across the outline, except on the frame, per um.
     pub(super) slope_per_um: f64,
     /// Part of that outline across which it falls.
     pub(super) falling: f64,
     /// Part of the outline that lies on the frame.
     pub(super) on_frame: f64,
-    /// How surely most of the inside is higher than what lies beside it, from 0 to 1.
+    /// Certainty that most of the inside is higher than the surroundings, 0 to 1.
     pub(super) inside: f64,
     /// Area over that of the convex hull.
     pub(super) solidity: f64,
@@ -53,20 +55,20 @@ pub(super) struct Explained {
 }
 
 impl Explained {
-    /// What counts for an island, for each unit of its area.
+    /// Quality of an island, per unit of its area.
     fn quality(&self) -> f64 {
         let whole = 1.0 - self.on_frame;
         let rises = self.slope_per_um.max(0.0) * self.inside;
         rises * self.falling * whole.powi(3) * self.solidity.powi(2)
     }
 
-    /// What it explains: of several islands the sum counts.
+    /// How much the island explains; values of several islands add.
     pub(super) fn value(&self) -> f64 {
         self.area_um2 * self.quality().powi(2)
     }
 }
 
-/// An island that was taken for a cell.
+/// An island that was chosen as a cell.
 pub(super) struct Rough {
     /// Where it lies.
     pub(super) window: Window,
@@ -77,7 +79,7 @@ pub(super) struct Rough {
     pub(super) explained: Explained,
 }
 
-/// Evidence with the islands that it explains.
+/// Evidence with the islands chosen from it.
 pub(super) struct Climbed {
     pub(super) evidence: Evidence,
     /// Its levels, on the working grid.
@@ -85,7 +87,7 @@ pub(super) struct Climbed {
     pub(super) grid: Grid,
     /// The islands, on the coarse grid.
     pub(super) rough: Vec<Rough>,
-    /// Part of all light that they explain, where it is not sure what is ground and what is not.
+    /// Part of all light in these islands, if the background is uncertain.
     share: f64,
 }
 
@@ -98,24 +100,24 @@ impl Climbed {
         Self { evidence, levels, grid, rough, share: 1.0 }
     }
 
-    /// What stands out by its brightness.
+    /// Chooses islands by brightness.
     pub(super) fn by_brightness(working: &Working, smooth_um: f64, smallest_um2: f64) -> Self {
         let grid = Grid::of(working);
         Self::best(Evidence::brightness(working, smooth_um, grid), grid, smallest_um2)
     }
 
-    /// What stands out by its texture.
+    /// Chooses islands by texture.
     pub(super) fn by_texture(working: &Working, smallest_um2: f64) -> Self {
         let grid = Grid::of(working);
         Self::best(Evidence::texture(working, grid), grid, smallest_um2)
     }
 
-    /// Of several readings that which explains most.
+    /// The alternative that explains most.
     fn best(readings: Readings, grid: Grid, smallest_um2: f64) -> Self {
         let mut first = Self::of(readings.first, grid, smallest_um2);
         let Some(other) = readings.other else { return first };
         let mut other = Self::of(other, grid, smallest_um2);
-        // Above the darkest there is all the light that wants to be explained.
+        // The light above the darkest places is the whole that must be explained.
         let light = filter::coarse(&other.evidence.lifted, grid.factor);
         (first.share, other.share) = (first.share_of(&light), other.share_of(&light));
         if other.value() > first.value() { other } else { first }
@@ -123,12 +125,13 @@ impl Climbed {
 
     /// How much all islands explain.
     pub(super) fn value(&self) -> f64 {
-        // A sum of nothing is -0.
+        // An empty sum would be -0.
         let sum = self.rough.iter().fold(0.0, |sum, rough| sum + rough.explained.value());
         sum * self.share.powi(2)
     }
 
-    /// What lies within `reach_um` of the islands, on pixels of `pixel_um`; `None` where there are no islands.
+    /// The region within `reach_um` of the islands, on pixels of `pixel_um`; `None` without
+    /// islands.
     pub(super) fn around(
         &self,
         reach_um: f64,
@@ -171,7 +174,8 @@ pub(super) struct Ladder<'a> {
 }
 
 impl<'a> Ladder<'a> {
-    /// On the levels of a plane whose pixels are `pixel_um` wide, for cells of at least `smallest_um2`.
+    /// A ladder on the levels of a plane with pixels of `pixel_um`, for cells of at least
+    /// `smallest_um2`.
     fn on(levels: &'a Plane, evidence: &'a Evidence, pixel_um: f64, smallest_um2: f64) -> Self {
         let smooth = filter::gaussian(levels, SLOPE_UM / pixel_um);
         let slopes = filter::slopes(&smooth).map(|slopes| {
@@ -180,13 +184,13 @@ impl<'a> Ladder<'a> {
         Self { levels, evidence, slopes, pixel_um, smallest_um2 }
     }
 
-    /// The islands that explain most, from the level `least` on.
+    /// The islands that explain most, at levels from `least` on.
     fn climb(&self, least: f32) -> Vec<Rough> {
         let (width, height) = (self.levels.width(), self.levels.height());
         let least = least.max(RUNG);
         let above = Region::new(width, height, self.levels.values().iter().map(|&v| v > least));
         let smallest = self.smallest_um2 / self.pixel_um.powi(2) / 4.0;
-        // Noise first: it is most of the islands.
+        // Most islands are noise; removing them first saves work.
         let above = above.kept(Connectivity::Eight, |island| island.pixels as f64 >= smallest);
         let mut found = Vec::new();
         for window in above.windows((BESIDE_UM[1] / self.pixel_um).ceil() as usize) {
@@ -195,7 +199,7 @@ impl<'a> Ladder<'a> {
         found
     }
 
-    /// The islands within a region that explain most, and how much that is.
+    /// The islands within a region that explain most, and the sum of their values.
     fn best(&self, region: &Region, window: &Window, level: f32) -> (f64, Vec<Rough>) {
         let (mut value, mut found) = (0.0, Vec::new());
         if level > TOP {
@@ -288,7 +292,7 @@ impl<'a> Ladder<'a> {
         let height = sum / region.count().max(1) as f32;
         let own = median(&|at| region.contains(at));
         let beside = median(&|at| beyond.contains(at) && !apart.contains(at));
-        // Where nothing lies beside it, above the ground.
+        // Without surroundings, the rise above the background is used.
         let [own, beside] = [own, beside].map(|median| median.unwrap_or(0.0));
         let [low, high] = RISE;
         let rise = (own - beside) / height.max(f32::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! How a picture was taken, told from its grey values.
+//! Determines from the grey values how a picture was taken.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -7,26 +7,28 @@ use super::fluorescence::Bright;
 use super::ladder::Climbed;
 use crate::plane::Plane;
 
-/// Brightness explains a fluorescent cell so many times as well as texture does, at least: texture is spread over
-/// some um, and what it finds is larger than the cell.
+/// Least ratio of brightness to texture evidence for fluorescence; it is below 1 because texture is
+/// averaged over some um, so its islands are larger than the cell.
 const AS_WELL: f64 = 0.6;
 
-/// Below this ratio of the two the kind of picture is not sure; above the other nobody asks how much.
+/// Below this ratio the modality is uncertain; above the other, the ratio is not reported.
 const SURE: f64 = 1.4;
 const MUCH: f64 = 10.0;
 
-/// Most values of a mask with labels of its own.
+/// Largest number of different values of a label image.
 const MOST_LABELS: usize = 4096;
 
-/// A label borders on itself so many times as often as on other labels.
+/// A pixel of a label borders on the same label at least this many times as often as on other
+/// labels.
 const FLAT: u64 = 3;
 
-/// A picture changes from pixel to pixel; the rows of a mask do so in one pixel of so many at the most.
+/// A picture changes from pixel to pixel; in the rows of a mask, at most one pixel of this many
+/// differs from the next.
 const CHANGES: usize = 12;
 
-/// Tells fluorescence and brightfield from each other, with the reason in words: by which the cells are better
-/// explained, their brightness or their texture. In brightfield a cell has darker places as well as brighter ones.
-/// `None` where neither stands out.
+/// Decides between fluorescence and brightfield, with the reason in words: whether brightness or
+/// texture explains the cells better. (In brightfield, a cell has both darker and brighter places.)
+/// `None` if neither shows a cell.
 pub(super) fn by_evidence(bright: &Bright, texture: &Climbed) -> Option<(Modality, String)> {
     let texture = texture.value().sqrt();
     let brightness = bright.climbed.value().sqrt();
@@ -38,13 +40,13 @@ pub(super) fn by_evidence(bright: &Bright, texture: &Climbed) -> Option<(Modalit
     let reason = match ratio {
         ratio if ratio.is_nan() => return None,
         ratio if ratio > MUCH => {
-            format!("what stands out does so by its {more}, not by its {less}")
+            format!("objects differ from the background in their {more}, not in their {less}")
         }
         ratio => format!(
-            "what stands out does so {ratio:.1} times as clearly by its {more} as by its {less}"
+            "objects differ from the background {ratio:.1} times as clearly in their {more} as in their {less}"
         ),
     };
-    let reason = if ratio < SURE { format!("{reason}, so this is not sure") } else { reason };
+    let reason = if ratio < SURE { format!("{reason}, so this is uncertain") } else { reason };
     Some((modality, reason))
 }
 
@@ -71,8 +73,8 @@ pub(super) fn is_mask(plane: &Plane) -> bool {
     zero && (values.len() == 2 || has_flat_labels(plane))
 }
 
-/// Whether most values that are not 0 border on themselves wherever they do not border on 0, as the inside of a
-/// label does; those of a soft edge do not.
+/// Whether most pixels with a value other than 0 border on equal pixels or 0, as in a label; those
+/// of a soft edge do not.
 pub(super) fn has_flat_labels(plane: &Plane) -> bool {
     let width = plane.width();
     let values = plane.values();
@@ -80,7 +82,7 @@ pub(super) fn has_flat_labels(plane: &Plane) -> bool {
     let mut count = |of: f32, same: bool, by: u64| {
         pairs.entry(of.to_bits()).or_default()[usize::from(same)] += by;
     };
-    // Equal pairs in a row come after each other and are counted together.
+    // Consecutive equal pairs in a row are counted together.
     let (mut run, mut equal) = (0.0, 0);
     for (at, &value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
         if value != run {

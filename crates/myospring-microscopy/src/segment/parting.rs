@@ -1,9 +1,9 @@
-//! Cells that touch are parted where their shape, their brightness or their stripes say that they are two.
+//! Separates touching cells by their shape, brightness or stripes.
 //!
-//! One island of the region at a time. Straight cuts from rim to rim are looked at ([`cuts`]), and what speaks for
-//! each of them ([`cut`]): a neck between two wide parts, a dark line from rim to rim, stripes that change their
-//! direction. The strongest is cut where it is strong enough, and both parts are looked at again. What is neither
-//! surely one cell nor surely two stays one, with a doubt in words.
+//! Each island is treated on its own. Candidates are straight cuts from rim to rim ([`cuts`]); the
+//! evidence for each ([`cut`]) is a neck between two wide parts, a dark line from rim to rim, or
+//! stripes that change direction. The strongest cut is made if it is strong enough, and both parts
+//! are treated again. An uncertain case stays one cell, with a doubt in words.
 
 mod cut;
 mod cuts;
@@ -19,25 +19,25 @@ use light::Light;
 pub(super) use light::Seen;
 use piece::Piece;
 
-/// Coarsest pixel that shape needs, um: a tenth of a narrow cell.
+/// Side up to which pixels are averaged, um: a tenth of a narrow cell.
 const PIXEL_UM: f64 = 0.75;
-/// Most cells of one island: more of them are a tissue, or a picture of noise.
+/// Largest number of cells of one island; more are a tissue, or noise.
 const MOST_PARTS: usize = 64;
 
-/// What speaks for another number of cells than was taken.
+/// Evidence for another number of cells than was chosen.
 pub(super) struct Doubt {
     /// The middle of the cut and one place on each side of it: column and row on the region's grid.
     places: [[f64; 2]; 3],
-    /// How much, 0 nothing, 1 all.
+    /// Strength of the evidence, 0 to 1.
     strength: f64,
-    /// What was seen.
+    /// The evidence in words.
     what: String,
-    /// Whether the cells were parted there.
+    /// Whether the cells were separated there.
     parted: bool,
 }
 
 impl Doubt {
-    /// How sure the cells are that have it, 0 to 1.
+    /// Factor for the confidence of the cells concerned, 0 to 1.
     pub(super) fn factor(&self) -> f64 {
         if self.parted {
             return self.strength;
@@ -45,7 +45,7 @@ impl Doubt {
         0.79 - 0.4 * (self.strength - DOUBTED) / (PARTED - DOUBTED)
     }
 
-    /// The cells that have it, in a picture of whose pixels `factor` make the side of one of the region's.
+    /// The cells concerned, in a picture finer than the region by `factor`.
     pub(super) fn concerns(
         &self,
         number: u32,
@@ -60,13 +60,13 @@ impl Doubt {
         self.places.iter().any(|&place| at(place) == Some(&number))
     }
 
-    /// What a person should know.
+    /// The doubt as a reason for the user.
     pub(super) fn reason(&self, factor: usize) -> String {
         let [column, row] = self.places[0].map(|at| at * factor as f64);
         let what = &self.what;
         if self.parted {
             return format!(
-                "it was parted from its neighbour at {what}, column {column:.0}, row {row:.0}: are both one cell?"
+                "it was separated from its neighbour at {what}, column {column:.0}, row {row:.0}: are both one cell?"
             );
         }
         format!(
@@ -76,18 +76,18 @@ impl Doubt {
     }
 }
 
-/// The parts of the islands of a region.
+/// The separated parts of the islands of a region.
 pub(super) struct Parting {
-    /// Pixels of the region's grid along the side of one of the parts'.
+    /// Pixels of the region along the side of a pixel of the parts.
     factor: usize,
-    /// Islands that are several cells: their parts, in windows.
+    /// For each island of several cells, its parts in their windows.
     islands: Vec<Vec<Piece>>,
-    /// What is not sure.
+    /// Uncertain cases.
     pub(super) doubts: Vec<Doubt>,
 }
 
 impl Parting {
-    /// Looks at each island.
+    /// Separates the cells of each island.
     pub(super) fn of(region: &Region, seen: &Seen<'_>) -> Self {
         let factor = ((PIXEL_UM / seen.pixel_um) as usize).max(1);
         let pixel_um = seen.pixel_um * factor as f64;
@@ -110,8 +110,8 @@ impl Parting {
         parting
     }
 
-    /// The part to which each pixel of an island of several cells belongs, 0 for all other islands, in a picture of
-    /// whose pixels `factor` make the side of one of the region's; `None` if there is no such island.
+    /// The part to which each pixel of an island of several cells belongs, 0 for all other islands,
+    /// in a picture finer than the region by `factor`; `None` if there is no such island.
     pub(super) fn marks(&self, region: &Region, factor: usize) -> Option<Vec<u32>> {
         if self.islands.is_empty() {
             return None;
@@ -119,7 +119,7 @@ impl Parting {
         let (width, height) = (region.width(), region.height());
         let factor = self.factor * factor;
         let mut marks = vec![0; region.pixels()];
-        // Less is beyond the rim: of another island, perhaps.
+        // Smaller values lie beyond the rim, possibly in another island.
         let mut most = vec![0.5_f32; region.pixels()];
         for (mark, part) in (1..).zip(self.islands.iter().flatten()) {
             let Some((corner, soft)) = part.soft() else { continue };
@@ -171,7 +171,7 @@ impl Parting {
     }
 }
 
-/// What of the region has no mark takes that of what it hangs together with.
+/// Pixels of the region without a mark take the mark of a connected pixel.
 fn spread_marks(marks: &mut [u32], region: &Region) {
     let width = region.width();
     let mut open: Vec<usize> = (0..marks.len()).filter(|&at| marks[at] != 0).collect();

@@ -1,26 +1,26 @@
-//! Whether a picture is full of its like: a sheet, a tissue, or a cell that is larger than it.
+//! Recognises a picture of a sheet, a tissue, or a cell larger than the picture.
 
 use super::confidence::{Confidence, PATCH};
 
-/// Part of the frame's rim that is covered: by a sheet, and by a cell that is larger than the picture.
+/// Part of the frame's rim that a sheet covers, and that a large cell covers.
 const FRAME: [f64; 2] = [0.55, 0.35];
-/// Below this factor a person is told.
+/// Factor below which a warning is given.
 const TOLD: f64 = 0.8;
-/// Part of the area found that is patches of something larger, in a picture of a sheet.
+/// Least part of the segmented area that consists of patches, in a picture of a sheet.
 const PATCHES: f64 = 0.5;
 
-/// Why all cells of a picture are doubtful at once.
+/// Reason why all cells of a picture are doubtful.
 const LIKE_A_SHEET: &str = "the picture looks like a sheet";
 
-/// What was found, as it counts for a sheet.
+/// A segmented object, as needed to recognise a sheet.
 pub(super) struct Part<'a> {
     pub(super) pixels: usize,
     pub(super) on_frame: usize,
     pub(super) confidence: &'a mut Confidence,
 }
 
-/// Lowers the confidence of all cells of a picture that looks like a sheet, and says what a person should know of it;
-/// `rim_of_frame` is how many pixels lie on the frame.
+/// Lowers the confidence of all cells of a picture that looks like a sheet, and returns a warning;
+/// `rim_of_frame` is the number of pixels on the frame.
 pub(super) fn weigh(parts: &mut [Part<'_>], rim_of_frame: usize) -> Option<String> {
     let on_frame: usize = parts.iter().map(|part| part.on_frame).sum();
     let covered = on_frame as f64 / rim_of_frame.max(1) as f64;
@@ -30,9 +30,9 @@ pub(super) fn weigh(parts: &mut [Part<'_>], rim_of_frame: usize) -> Option<Strin
     let all: usize = parts.iter().map(|part| part.pixels).sum();
     let patches: usize = parts.iter().filter(is_patch).map(|part| part.pixels).sum();
     let seen = if factor < TOLD {
-        format!("what was found covers {:.0} % of the picture's rim", 100.0 * covered)
+        format!("the segmented area covers {:.0} % of the picture's rim", 100.0 * covered)
     } else if patches > 0 && patches as f64 >= PATCHES * all as f64 {
-        "what was found goes on beyond its outlines".to_owned()
+        "the picture continues beyond the outlines as it is inside them".to_owned()
     } else {
         return None;
     };

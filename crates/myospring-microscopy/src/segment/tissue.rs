@@ -1,8 +1,8 @@
-//! Whether what was found is a heart cell: something with a texture of its own, that ends at its outline, in a picture
-//! that is not full of its like.
+//! Decides whether an object is a heart cell: it has a texture, it ends at its outline, and the
+//! picture is not full of similar texture.
 //!
-//! How well an outline is seen says nothing of what lies within: letters, posts and patches of a sheet have outlines as
-//! clear as cells. Each question here is independent of the others, and answers with a factor and a reason.
+//! A clear outline is not enough: letters, posts and patches of a sheet have outlines as clear as
+//! cells. Each criterion is independent of the others and gives a factor and a reason.
 
 use super::Working;
 use super::companion::Blocks;
@@ -13,67 +13,72 @@ use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Islands, Region, Window};
 
-/// Relative strength of the texture between the scales of stripes and grains: of something without, and of a cell.
-/// Cells have 0.04 (a dissolved dye at 1 um a pixel) to 0.7 (z-discs).
+/// Relative strength of texture on the scale of stripes and grains: of an object without texture,
+/// and of a cell. Cells have 0.04 (a dissolved dye at 1 um a pixel) to 0.7 (z-discs).
 const TEXTURE: [f64; 2] = [0.008, 0.025];
-/// Factor where noise may hide all texture that a cell has: neither is it seen, nor is it sure that there is none.
+/// Factor if noise may hide a cell's texture, so that neither its presence nor its absence is
+/// certain.
 const HIDDEN: f64 = 0.6;
-/// Texture, relative, that noise may hide where this holds: as little as that of a dissolved dye.
+/// Relative texture from which on this applies: that of a dissolved dye.
 const MAY_HIDE: f64 = 0.04;
-/// Blur, um, that hides texture: from the first on some of it, from the second on all, since a lens that spreads light over
-/// half a sarcomere shows no stripe. Its standard deviation is that of the rim.
+/// Blur (standard deviation, measured at the rim), um, from which on some texture is hidden, and
+/// all of it: a lens that spreads light over half a sarcomere shows no stripes.
 const BLURS_UM: [f64; 2] = [0.9, 1.1];
-/// Texture passes a finer blur in part. Its coarsest period, um, of which most passes.
+/// Coarsest period of texture, um, which passes blur best.
 const COARSE_UM: f64 = 3.5;
-/// Blur that is worth a word, um.
+/// Least blur that is mentioned, um.
 const TELLS_BLUR_UM: f64 = 0.6;
-/// Factor where blur hides all texture: a sharper picture would show it.
+/// Factor if blur hides all texture, which a sharper picture would show.
 const BLURRED: f64 = 0.5;
-/// The quietest places have so much less noise than the mean, by chance.
+/// Ratio of the mean noise to that of the quietest places, due to chance.
 const QUIETEST: f32 = 1.3;
-/// Coarsest pixel that shows what kind of texture there is, um.
+/// Coarsest pixel on which texture can be compared, um.
 const COARSEST_UM: f64 = 0.55;
-/// Depth below the outline at which the texture is that of the inside, um: the outline itself has an edge.
+/// Depth inside the outline from which on texture is read, um, away from the edge itself.
 const CORE_UM: f64 = 3.0;
-/// Beyond the outline it is looked for from and to so far away, um.
+/// Distances beyond the outline at which texture is read, um.
 const BEYOND_UM: [f64; 2] = [4.0, 7.0];
-/// What lies beyond is more of the same if it has so much of the texture and of the brightness.
+/// The surroundings are similar if they have at least this part of the texture and of the
+/// brightness.
 const SAME_TEXTURE: f32 = 0.4;
 const SAME_LIGHT: f32 = 0.25;
-/// Where the ground itself may be a sheet, its texture alone must be so much, and that within so clear.
+/// If the background itself may be a sheet: the least part of the texture, and the least strength
+/// of the texture inside.
 const SAME_TEXTURE_ALONE: f32 = 0.5;
 const CLEAR_TEXTURE: f64 = 0.18;
 /// Scale on which light is averaged, um: more than a stripe.
 const LIGHT_UM: f64 = 1.2;
 /// Least variance of the texture beyond the outline, relative to that of the noise.
 const ABOVE_NOISE: f32 = 0.5;
-/// What stands out of the ground, in standard deviations of it, and at least in parts of the brightest.
+/// Least brightness above the background, in its standard deviations, and as a part of the
+/// brightest.
 const STANDS_OUT: f32 = 5.0;
 const STANDS_OUT_LEAST: f32 = 0.01;
-/// Gaps that are closed in it, and points that are taken off, um.
+/// Radius of closing gaps and removing tips in the bright area, um.
 const TIDY_UM: f64 = 1.2;
-/// Further from the outline than this it is no rim of the cell, um.
+/// Width of the blurred rim around a cell, um.
 const RIM_UM: f64 = 2.0;
-/// Part of all that stands out there and is left out: of half a cell, and of a whole one.
+/// Part of the bright island outside the outline: for half a cell, and for a whole one.
 const LEFT_OUT: [f64; 2] = [0.6, 0.2];
-/// What reaches the frame with more of its rim is several cells.
+/// An island with a larger part of its rim on the frame is several cells.
 const MOST_ON_FRAME: f64 = 0.25;
-/// Part of the surroundings that is more of the same: of a patch of a sheet, and of a cell among neighbours.
+/// Part of the surroundings that is similar to the inside: for a patch of a sheet, and for a cell
+/// among neighbours.
 const GOES_ON: [f64; 2] = [0.8, 0.45];
 
-/// The picture as it is judged: its light above the ground, and its texture.
+/// The picture as needed for these criteria: its light above the background, and its texture.
 pub(super) struct Tissue<'a> {
     lifted: &'a Plane,
     plane: &'a Plane,
     texture: Plane,
     /// Standard deviation of the noise of the quietest places, per pixel.
     noise: f32,
-    /// Its brightness, and the least of it.
+    /// Its brightness, and the smallest brightness.
     plain: Plane,
     darkest: f32,
-    /// Texture of the quietest places: noise.
+    /// Texture of the quietest places, which is that of noise.
     quiet: f32,
-    /// What stands out of the ground, each island with the part of its rim that lies on the frame.
+    /// Islands above the background, each with the part of its rim that lies on the frame.
     standing: Islands,
     on_frame: Vec<f64>,
     blocks: Blocks,
@@ -86,7 +91,8 @@ impl<'a> Tissue<'a> {
         let (lifted, noise) = (&evidence.lifted, evidence.noise);
         let texture = texture_of(working);
         let pixel_um = working.pixel_um;
-        // Where texture is everywhere, the quietest places have some, too; noise alone changes from pixel to pixel.
+        // If texture is everywhere, even the quietest places have some; only noise changes from
+        // pixel to pixel.
         let quietest = quantile(&filter::sample(texture.values(), 100_000), 0.05);
         let unit = texture_of_noise(pixel_um).max(f32::MIN_POSITIVE);
         let quiet = (noise_of(&working.plane) * unit).min(QUIETEST * quietest);
@@ -119,7 +125,7 @@ impl<'a> Tissue<'a> {
         }
     }
 
-    /// Asks whether a candidate is a heart cell; `blur_um` is the blur of its rim.
+    /// Applies the criteria to a candidate; `blur_um` is the blur of its rim.
     pub(super) fn weigh(
         &self,
         confidence: &mut Confidence,
@@ -147,10 +153,10 @@ impl<'a> Tissue<'a> {
         let ring: Vec<usize> = (0..own.pixels())
             .filter(|&at| to.contains(at) && !from.contains(at) && !others.contains(at))
             .collect();
-        // The ground may be the sheet itself: then its light is that above the darkest of all.
+        // The background may be the sheet itself; then light is measured above the darkest place.
         let plain = window.cut(self.plain.values(), columns);
         let plain_within = median(&|at| core.contains(at), &plain).unwrap_or(bright);
-        // Nothing is asked where noise or coarse pixels hide the texture.
+        // Skipped if noise or coarse pixels hide the texture.
         let asked = self.pixel_um <= COARSEST_UM && squares >= ABOVE_NOISE * self.quiet.powi(2);
         let own_texture = |at: usize| {
             (texture[at].powi(2) - self.quiet.powi(2)).max(0.0).sqrt()
@@ -167,11 +173,12 @@ impl<'a> Tissue<'a> {
         let share = goes_on as f64 / ring.len().max(1) as f64;
         confidence.weigh(-share, -GOES_ON[0], -GOES_ON[1], || {
             format!(
-                "{PATCH}: around {:.0} % of it the picture goes on as within; is it a patch of a sheet?",
+                "{PATCH}: around {:.0} % of it the picture continues as inside; is it a patch of a sheet?",
                 100.0 * share
             )
         });
-        // A dim part has as much texture for its light as the bright one, scattered light has less.
+        // A dim part has the same ratio of texture to light as the bright one; scattered light has
+        // less.
         let rim = own.grown((RIM_UM / self.pixel_um).max(1.0));
         let number = self.standing_at(&core, &window);
         let left_out = (0..own.pixels()).filter(|&at| {
@@ -188,8 +195,8 @@ impl<'a> Tissue<'a> {
         if dim > share {
             confidence.weigh(-dim, -LEFT_OUT[0], -LEFT_OUT[1], || {
                 format!(
-                    "it may be part of something larger: {:.0} % of what stands out there, so dim that it shows no texture, \
-                     lies beyond the outline; a lower --threshold or a larger --smooth takes it in",
+                    "it may be part of something larger: {:.0} % of the bright area there, so dim that it shows no texture, \
+                     lies outside the outline; a lower --threshold or a larger --smooth includes it",
                     100.0 * dim
                 )
             });
@@ -197,14 +204,14 @@ impl<'a> Tissue<'a> {
         }
         confidence.weigh(-share, -LEFT_OUT[0], -LEFT_OUT[1], || {
             format!(
-                "it is part of something larger: {:.0} % of what stands out there, dimmer but of the same texture, lies \
-                 beyond the outline; a lower --threshold takes it in",
+                "it is part of something larger: {:.0} % of the bright area there, dimmer but of the same texture, lies \
+                 outside the outline; a lower --threshold includes it",
                 100.0 * share
             )
         });
     }
 
-    /// Asks whether it varies within, as sarcomeres and organelles make all cells do.
+    /// Checks for texture inside, which sarcomeres and organelles give to all cells.
     fn weigh_grain(
         &self,
         confidence: &mut Confidence,
@@ -230,15 +237,15 @@ impl<'a> Tissue<'a> {
         if seen < BLURRED && blurred >= 1.0 {
             confidence.weigh(BLURRED, 0.0, 1.0, || {
                 format!(
-                    "it is out of focus: a blur of {blur_um:.1} um, as at its rim, hides sarcomeres and organelles, so nobody \
-                     can say whether it is a cell; take a sharper picture, or look whether the outline is right"
+                    "it is out of focus: a blur of {blur_um:.1} um, as at its rim, hides sarcomeres and organelles, so it \
+                     may or may not be a cell; take a sharper picture, or check the outline by eye"
                 )
             });
         } else if most < MAY_HIDE * passes * (1.0 - blurred) || seen >= HIDDEN {
             confidence.weigh(least, none, enough, || {
                 format!(
-                    "it is uniform: its brightness varies by {:.1} % on the scale of sarcomeres and organelles, that of \
-                     cells by 4 % and more; is it a bead, a post, a mark or an overexposed place?",
+                    "it is uniform: its brightness varies by {:.1} % on the scale of sarcomeres and organelles, in \
+                     cells by 4 % or more; is it a bead, a post, a mark or an overexposed place?",
                     100.0 * least
                 )
             });
@@ -246,15 +253,15 @@ impl<'a> Tissue<'a> {
             confidence.weigh(HIDDEN, 0.0, 1.0, || {
                 let hide = if blur_um > TELLS_BLUR_UM { "noise and blur hide" } else { "noise hides" };
                 format!(
-                    "{hide} whether it has a texture as cells have: less than {:.0} % of its brightness would not be \
-                     seen; is it a cell?",
+                    "{hide} whether it has the texture of a cell: a variation below {:.0} % of its brightness would not be \
+                     visible; is it a cell?",
                     100.0 * most
                 )
             });
         }
     }
 
-    /// The island of what stands out in which a region lies, unless the frame cuts that.
+    /// The bright island in which a region lies; `None` if the frame cuts it.
     fn standing_at(&self, core: &Region, window: &Window) -> Option<u32> {
         let within = (0..core.pixels()).filter(|&at| core.contains(at));
         let number = |at: usize| {
@@ -297,7 +304,7 @@ impl<'a> Tissue<'a> {
             (columns, rows) = (both(columns, island.columns), both(rows, island.rows));
         }
         if let Some([across, down]) = self.blocks.bounds(column, row) {
-            // The rest of a cell lies within the length of what was found.
+            // The rest of a cell lies within the length of the candidate.
             let reach = columns.len().max(rows.len());
             let near = |[first, last]: [usize; 2], own: &std::ops::Range<usize>| {
                 [first.max(own.start.saturating_sub(reach)), last.min(own.end + reach)]
@@ -322,7 +329,7 @@ impl<'a> Tissue<'a> {
     }
 }
 
-/// A candidate in a window around it and what it is part of.
+/// A candidate in a window that also contains its surroundings.
 struct Seen {
     own: Region,
     others: Region,

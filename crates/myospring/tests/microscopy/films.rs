@@ -24,7 +24,7 @@ fn words(numbers: &[u32]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// An AVI of so many bits a pixel and compression with these frames, 25 of them a second.
+/// An AVI with these bits per pixel, compression and frames, 25 frames a second.
 fn avi(size: [u32; 2], bits: u32, compression: [u8; 4], frames: &[Vec<u8>]) -> Vec<u8> {
     let count = frames.len() as u32;
     let header =
@@ -76,7 +76,7 @@ fn an_avi_that_is_cut_off_has_the_frames_before_and_says_so() {
         let film = read(whole[..whole.len() - cut].to_vec()).unwrap();
         assert_eq!(film.len(), left);
         let note =
-            format!("the film is cut off: {left} whole frames of 6 that it declares were taken");
+            format!("the film is cut off: {left} complete frames of the 6 declared ones were read");
         assert_eq!(film.notes, [note]);
         assert_eq!(film.frame(left - 1).unwrap().at(3, 3), (left - 1) as f32);
     }

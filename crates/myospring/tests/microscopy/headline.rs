@@ -35,7 +35,7 @@ fn motion(displacement: impl Fn([f64; 2], usize) -> [f64; 2]) -> Motion {
         rest: 0,
         times_ms: (0..FRAMES).map(|frame| 20.0 * frame as f64).collect(),
         displacements_um: (0..FRAMES).map(displaced).collect(),
-        healed: vec![vec![false; mesh.len()]; FRAMES],
+        interpolated: vec![vec![false; mesh.len()]; FRAMES],
         correlation: vec![Some(0.99); FRAMES],
         stage: Stage::CellMean,
         stage_um: vec![[0.0; 2]; FRAMES],
@@ -141,11 +141,11 @@ fn a_cell_whose_length_says_nothing_is_read_by_its_stretch() {
     let mut lost = motion(even);
     for (node, &x) in lost.mesh.points[0].iter().enumerate() {
         if x < 15.0 {
-            lost.healed.iter_mut().for_each(|healed| healed[node] = true);
+            lost.interpolated.iter_mut().for_each(|interpolated| interpolated[node] = true);
         }
     }
     for (motion, wanted) in [
-        (held, "something holds them"),
+        (held, "something holds the ends"),
         (across, "at 90 degrees to its long axis"),
         (wandering, "do not move as the whole cell does"),
         (still, "hardly moves"),

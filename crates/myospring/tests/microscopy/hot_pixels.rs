@@ -46,12 +46,12 @@ fn a_cell_is_found_as_well_with_hot_pixels_as_without_and_they_are_counted() {
         let clear = found(&truth.plane, scene.pixel_um);
         assert!(clear.notes.is_empty() && clear.modality() == kind, "{:?}", clear.notes);
         for (pixels, note) in [
-            (vec![(12, 30, 1e38)], "1 hot pixel, 1e38 at column 12, row 30, was taken"),
-            (vec![(0, 0, 65535.0)], "1 hot pixel, 65535 at column 0, row 0, was taken"),
-            (vec![(5, 9, -3.4e38), (6, 9, 3.4e38)], "2 hot pixels, the furthest"),
+            (vec![(12, 30, 1e38)], "1 hot pixel, 1e38 at column 12, row 30, was replaced"),
+            (vec![(0, 0, 65535.0)], "1 hot pixel, 65535 at column 0, row 0, was replaced"),
+            (vec![(5, 9, -3.4e38), (6, 9, 3.4e38)], "2 hot pixels, the most extreme"),
             (
                 vec![(40, 60, 1e8), (200, 100, 1e6), (300, 2, 1e5)],
-                "3 hot pixels, the furthest 1e8 at column 40, row 60, were taken",
+                "3 hot pixels, the most extreme 1e8 at column 40, row 60, were replaced",
             ),
         ] {
             let hot = found(&changed(&truth.plane, &pixels), scene.pixel_um);

@@ -164,7 +164,7 @@ fn values_that_mark_no_cell_are_refused() {
         error(&common::tiff::<RGB32Float>(SIZE, &picture))
     };
     for value in [-1.0, LARGEST_LABEL as f32 + 1.0] {
-        let start = format!("the pixel in column 3, row 2 is {value}, but a mask holds values");
+        let start = format!("the pixel in column 3, row 2 is {value}, but a mask contains values");
         assert!(refused(value).starts_with(&start), "{}", refused(value));
     }
 }
@@ -188,8 +188,8 @@ fn what_is_not_a_picture_is_refused() {
     );
     assert_eq!(
         error(b"\xff\xd8\xff\xe0\0\x10JFIF\0"),
-        "this is a JPEG picture, which is not read here; save the original as PNG or TIFF without lossy compression, \
-         which invents edges that stay when it is saved anew"
+        "this is a JPEG picture, which cannot be read; save the original as PNG or TIFF without lossy compression \
+         (lossy compression creates false edges, which remain when the picture is saved again)"
     );
 }
 

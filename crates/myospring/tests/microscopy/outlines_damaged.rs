@@ -65,7 +65,7 @@ fn counts_that_cannot_be_are_refused_at_once() {
 fn other_files_are_told_from_outlines() {
     assert_eq!(
         refused(b"\x89PNG\r\n\x1a\n"),
-        "this is no file of outlines (8 bytes that start with \"\u{fffd}PNG\\r\\n\\u{1a}\\n\"); give an \
+        "this is not a file of outlines (8 bytes that start with \"\u{fffd}PNG\\r\\n\\u{1a}\\n\"); give an \
          ImageJ .roi or RoiSet .zip, GeoJSON, or Cellpose's _outlines.txt"
     );
     assert!(refused(b"").contains("0 bytes"));

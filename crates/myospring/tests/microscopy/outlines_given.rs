@@ -127,7 +127,7 @@ fn rois_that_enclose_nothing_are_refused_by_name() {
     assert!(refused(&rounded).contains("rounded rectangle"));
     let mut unknown = fixture("polygon.roi");
     unknown[6] = 77;
-    assert!(refused(&unknown).contains("77 is no kind of ROI"));
+    assert!(refused(&unknown).contains("77 is not a kind of ROI"));
 }
 
 #[test]

@@ -161,7 +161,7 @@ fn every_kind_of_number_keeps_its_value() {
     }
     let picture = read("white_is_zero.tif", &FIRST);
     check("white_is_zero.tif", &picture, 1, |column, row| 255.0 - pixel(column, row));
-    assert_eq!(picture.notes, ["the file says that 0 is white; the values were turned over"]);
+    assert_eq!(picture.notes, ["the file says that 0 is white; the values were inverted"]);
     let picture = read("one_bit.tif", &FIRST);
     let third = |column, row| if pixel(column, row) % 3.0 == 0.0 { 1.0 } else { 0.0 };
     check("one_bit.tif", &picture, 1, third);
@@ -280,7 +280,7 @@ fn the_pixel_size_of_the_resolution_tags_is_believed_unless_it_is_a_print_settin
     assert_eq!(picture.pixel_size, None);
     assert_eq!(
         picture.notes,
-        ["the TIFF resolution says 84.6667 um per pixel: outside 0.001 to 50 um, not believed"]
+        ["the TIFF resolution says 84.6667 um per pixel: outside 0.001 to 50 um, ignored"]
     );
 }
 
@@ -350,7 +350,7 @@ fn values_that_are_rounded_are_noted() {
 fn compressions_that_are_not_read_are_named() {
     assert_eq!(
         error(&file("zstd.tif"), &FIRST),
-        "the TIFF picture is compressed with Zstandard, which is not read; save it without \
+        "the TIFF picture is compressed with Zstandard, which cannot be read; save it without \
          compression, or with LZW or deflate"
     );
     assert!(error(&file("jpeg.tif"), &FIRST).contains("compressed with JPEG (lossy)"));
@@ -367,7 +367,7 @@ fn other_files_are_named_with_what_to_do() {
         (dicom, "DICOM"),
     ] {
         let text = error(&bytes, &FIRST);
-        let start = format!("this is a {name} file, which is not read here; export it as OME-TIFF");
+        let start = format!("this is a {name} file, which cannot be read; export it as OME-TIFF");
         assert!(text.starts_with(&start), "{text}");
     }
     for (bytes, name) in [
@@ -376,7 +376,7 @@ fn other_files_are_named_with_what_to_do() {
         (b"BM\0\0\0\0\0\0", "BMP"),
         (b"RIFF\0\0\0\0WEBPVP8 ", "WEBP"),
     ] {
-        let start = format!("this is a {name} picture, which is not read here");
+        let start = format!("this is a {name} picture, which cannot be read");
         assert!(error(bytes, &FIRST).starts_with(&start));
     }
     assert!(error(b"time_ms,length_um\n0,100\n", &FIRST).starts_with("this is not a picture (24"));
@@ -433,7 +433,7 @@ fn hostile_headers_are_refused_before_they_take_memory_or_time() {
     let mut circle = tiff(&plain, &[1; 16]);
     let end = circle.len();
     circle[end - 4..].copy_from_slice(&24_u32.to_le_bytes());
-    assert!(error(&circle, &FIRST).contains("its list of pages runs in a circle"));
+    assert!(error(&circle, &FIRST).contains("its list of pages is circular"));
 }
 
 #[test]

@@ -1,8 +1,8 @@
-//! One strip or tile, decoded.
+//! Decodes one strip or tile.
 //!
-//! Each is handed to the `tiff` library as a small TIFF of its own, whose directory is written here from
-//! checked values. So decompression, predictors and byte order are the library's, and what a hostile
-//! or unusual directory says (palettes, planes, odd bit depths, lists that do not fit) never reaches it.
+//! Each is passed to the `tiff` library as a small TIFF of its own, whose directory is written here
+//! from checked values. So the library does decompression, predictors and byte order, but never
+//! sees a hostile or unusual directory (palettes, planes, odd bit depths, lists of wrong length).
 
 use std::io::Cursor;
 
@@ -14,20 +14,20 @@ use crate::read::PictureError;
 use crate::read::canvas::unpack;
 use crate::read::error::damaged_tiff;
 
-/// More than any of the compressions can shrink: LZW has codes of 12 bits for up to 4096 bytes.
+/// Upper bound of the compression ratio: LZW has codes of 12 bits for up to 4096 bytes.
 const MOST_EXPANSION: u64 = 4096;
 
 /// One decoded strip or tile.
 pub(super) struct Chunk {
     stored: DecodingResult,
-    /// Numbers of `stored` in a row.
+    /// Number of values of `stored` per row.
     row_length: usize,
-    /// Bits of a sample where several share a byte.
+    /// Bits of a sample, if several samples share a byte.
     packed: Option<u32>,
 }
 
 impl Chunk {
-    /// Decodes the strip or tile with this number in the page's list; `rows` of it are wanted.
+    /// Decodes the first `rows` rows of the strip or tile with this number in the page's list.
     pub(super) fn decode(
         file: &File,
         directory: &Directory,
@@ -76,7 +76,7 @@ impl Chunk {
         })
     }
 
-    /// Puts the samples of one row into `values`.
+    /// Writes the samples of one row into `values`.
     pub(super) fn row(&self, row: usize, values: &mut Vec<f32>) {
         let range = row * self.row_length..(row + 1) * self.row_length;
         values.clear();
@@ -101,7 +101,7 @@ fn convert<Number: Copy>(stored: &[Number], values: &mut Vec<f32>, number: impl 
     values.extend(stored.iter().map(|&value| number(value)));
 }
 
-/// The bytes of a strip or tile as they stand in the file.
+/// The encoded bytes of a strip or tile.
 fn data<'a>(
     file: &File<'a>,
     directory: &Directory,
@@ -118,7 +118,7 @@ fn data<'a>(
     let decoded = page.row_bytes() * u64::from(rows);
     let missing = || damaged_tiff(format!("strip or tile {index} is not in its list"));
     let start = file.integer(directory, offsets, index).ok_or_else(missing)?;
-    // Of uncompressed data the length is known; some programs state it wrongly.
+    // The length of uncompressed data is computed, since some programs state it wrongly.
     let (length, cut) = if page.compression == 1 {
         (decoded, true)
     } else {

@@ -1,4 +1,5 @@
-//! The directories of a TIFF file: where the values of its tags stand, none of them trusted.
+//! The directories of a TIFF file: positions of the values of its tags; nothing in the file is
+//! trusted.
 //!
 //! TIFF 6.0 (Adobe 1992), section 2; `BigTIFF` (Aware Systems 2014).
 
@@ -7,13 +8,14 @@ use std::collections::HashSet;
 use crate::read::PictureError;
 use crate::read::error::damaged_tiff;
 
-/// Most pages that a file may have.
+/// Largest number of pages of a file.
 const MOST_PAGES: usize = 100_000;
 
-/// Most entries of all directories together; directories that overlap cannot make the reading long.
+/// Largest number of entries of all directories together, so that overlapping directories cannot
+/// make reading slow.
 const MOST_ENTRIES: u64 = 4_000_000;
 
-/// A tag that is used here; all others are passed over.
+/// The tags that are used; all others are ignored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u16)]
 pub(super) enum Tag {
@@ -72,11 +74,11 @@ const TAGS: [Tag; 24] = [
     Tag::ZeissLsm,
 ];
 
-/// The values of one tag: where they stand in the file.
+/// The values of one tag: their position in the file.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     tag: Tag,
-    /// TIFF's number of the type.
+    /// Type number in TIFF.
     kind: u16,
     count: u64,
     at: u64,
@@ -88,7 +90,7 @@ pub(super) struct Directory {
     entries: Vec<Entry>,
 }
 
-/// The bytes of a TIFF file and how its numbers are written.
+/// The bytes of a TIFF file and its number format.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct File<'a> {
     pub(super) bytes: &'a [u8],
@@ -124,7 +126,7 @@ impl<'a> File<'a> {
         let (mut directories, mut seen, mut entries) = (Vec::new(), HashSet::new(), 0);
         while next != 0 {
             if !seen.insert(next) {
-                return Err(damaged_tiff("its list of pages runs in a circle"));
+                return Err(damaged_tiff("its list of pages is circular"));
             }
             let page = directories.len();
             if page == MOST_PAGES || entries > MOST_ENTRIES {
@@ -144,8 +146,8 @@ impl<'a> File<'a> {
         if directories.is_empty() { Err(damaged_tiff("it has no pages")) } else { Ok(directories) }
     }
 
-    /// One directory, the number of its entries, and where the next one is (0: there is none);
-    /// `None` where a part of it, or of the values of its tags, is not in the file.
+    /// One directory, the number of its entries, and the offset of the next one (0: there is none);
+    /// `None` if a part of it, or of the values of its tags, lies beyond the end of the file.
     fn directory(&self, at: u64) -> Option<(Directory, u64, u64)> {
         let (count_size, offset_size) = if self.wide { (8, 8) } else { (2, 4) };
         let count = self.number(at, count_size)?;
@@ -184,7 +186,7 @@ impl<'a> File<'a> {
         self.number(entry.at.checked_add(index.checked_mul(size)?)?, size)
     }
 
-    /// One fraction or floating-point number of a tag; `None` without it, or where it is not finite.
+    /// One fraction or floating-point number of a tag; `None` without it, or if it is not finite.
     pub(super) fn fraction(&self, directory: &Directory, tag: Tag) -> Option<f64> {
         let entry = directory.entry(tag).filter(|entry| entry.count > 0)?;
         let value = match entry.kind {
@@ -199,7 +201,7 @@ impl<'a> File<'a> {
         value.is_finite().then_some(value)
     }
 
-    /// The text of a tag, up to its zero byte; what is no UTF-8 counts as Latin-1.
+    /// The text of a tag, up to its zero byte; text that is not UTF-8 is read as Latin-1.
     pub(super) fn text(&self, directory: &Directory, tag: Tag) -> Option<String> {
         let entry = directory.entry(tag).filter(|entry| matches!(entry.kind, BYTE | ASCII))?;
         let start = usize::try_from(entry.at).ok()?;
@@ -217,7 +219,7 @@ impl Directory {
         self.entries.iter().find(|entry| entry.tag == tag)
     }
 
-    /// How many values a tag has; 0 without it.
+    /// Number of values of a tag; 0 without it.
     pub(super) fn count(&self, tag: Tag) -> u64 {
         self.entry(tag).map_or(0, |entry| entry.count)
     }
@@ -234,7 +236,7 @@ const IFD: u16 = 13;
 const LONG8: u16 = 16;
 const IFD8: u16 = 18;
 
-/// Bytes of one value of a type; `None` for types that TIFF does not know.
+/// Bytes of one value of a type; `None` for unknown types.
 fn kind_size(kind: u16) -> Option<u64> {
     match kind {
         BYTE | ASCII | 6 | 7 => Some(1),

@@ -5,16 +5,17 @@ use crate::picture::PixelSizeSource;
 use crate::read::PictureError;
 use crate::read::pixel_size::{Stated, unit_um};
 
-/// What the description says.
+/// The content of ImageJ's description.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ImageJ {
     images: u64,
     channels: u64,
     slices: u64,
     frames: u64,
-    /// Its axes were set by a person or an instrument; else `slices` is only the number of pages.
+    /// Whether the axes were set by a user or an instrument; otherwise `slices` is only the number
+    /// of pages.
     hyperstack: bool,
-    /// Distance of slices, which only a stack in depth has.
+    /// Whether a distance between slices is stated, which only a stack in depth has.
     spacing: bool,
     unit: Option<String>,
     /// Time between two frames, s.
@@ -22,7 +23,7 @@ pub(super) struct ImageJ {
 }
 
 impl ImageJ {
-    /// Reads a description; `None` where it is another program's.
+    /// Reads a description; `None` if another program wrote it.
     pub(super) fn read(description: &str) -> Option<Self> {
         description.starts_with("ImageJ=").then(|| {
             let value = |name: &str| {
@@ -30,7 +31,8 @@ impl ImageJ {
             };
             let number = |name| value(name).and_then(|text| text.trim().parse().ok()).unwrap_or(1);
             let real = |name| value(name).and_then(|text| text.trim().parse::<f64>().ok());
-            // `finterval` is what was recorded; `fps` is how fast it is shown, which stands in for it.
+            // `finterval` is the recorded interval; without it, `fps`, the speed of display, is
+            // used.
             let per_unit = match value("tunit").map(str::trim) {
                 Some("ms" | "msec") => 1e-3,
                 Some("min") => 60.0,
@@ -52,17 +54,17 @@ impl ImageJ {
         })
     }
 
-    /// Whether the file says what its pages are.
+    /// Whether the description states the meaning of the pages.
     ///
-    /// `slices=5` alone is what ImageJ writes for any series of pages, also for a film.
+    /// ImageJ writes `slices=5` for any series of 5 pages, also for a film.
     pub(super) fn says_axes(&self) -> bool {
         self.hyperstack || self.spacing || self.channels > 1 || self.frames > 1
     }
 
-    /// Which page holds what; `None` where the numbers do not fit the pages.
+    /// Which plane each page contains; `None` if the numbers do not match the pages.
     ///
     /// # Errors
-    /// A file above 4 GB, in which ImageJ gives one page for all images.
+    /// A file above 4 GB, in which ImageJ writes one page for all images.
     pub(super) fn planes(&self, pages: u64) -> Result<Option<Planes>, PictureError> {
         if self.images > 1 && pages == 1 {
             return Err(PictureError::TooMuch {
@@ -93,14 +95,14 @@ impl ImageJ {
         Some(Stated { x_um, y_um, source: PixelSizeSource::ImageJ })
     }
 
-    /// Declared numbers in words.
+    /// The declared numbers in words.
     pub(super) fn words(&self) -> String {
         let [channels, slices, frames] = [self.channels, self.slices, self.frames];
         format!("{channels} channels x {slices} slices x {frames} frames")
     }
 }
 
-/// Pages without stated meaning along one axis.
+/// Pages without stated meaning, assigned to one axis.
 pub(super) fn series(axis: Axis, pages: u64) -> Option<Planes> {
     let mut sizes = [1; 3];
     sizes[axis as usize] = pages;

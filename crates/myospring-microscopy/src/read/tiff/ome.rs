@@ -1,6 +1,6 @@
 //! OME-XML: the description of an OME-TIFF (Open Microscopy Environment, schema 2016-06).
 //!
-//! Only the first image is read. Entities that a document defines itself are not expanded.
+//! Only the first image is read. Entities defined in the document are not expanded.
 
 use std::borrow::Cow;
 
@@ -13,22 +13,22 @@ use crate::read::PictureError;
 use crate::read::error::damaged_tiff;
 use crate::read::pixel_size::{Stated, unit_um};
 
-/// Longest description that is read, bytes.
+/// Longest accepted description, bytes.
 const MOST_XML: usize = 64 << 20;
 
-/// What is read of the document.
+/// The needed content of the document.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Ome {
     /// The file's own identifier.
     uuid: Option<String>,
     /// Number of images described; the first is read.
     pub(super) images: usize,
-    /// Channels, slices, frames; samples of colour count as channels.
+    /// Numbers of channels, slices and frames; colour samples count as channels.
     sizes: [u64; 3],
     order: String,
     sides: [Option<f64>; 2],
     units: [Option<String>; 2],
-    /// Time between two frames as it was set, s.
+    /// Time between two frames as set, s.
     increment_s: Option<f64>,
     /// Number and time of the first and of the last frame that has a time, s.
     times: [Option<(u64, f64)>; 2],
@@ -131,7 +131,7 @@ impl Ome {
         Ok(())
     }
 
-    /// Notes when a plane was taken.
+    /// Records the time at which a plane was taken.
     fn plane(&mut self, element: &BytesStart) -> Result<(), String> {
         let time = seconds(element, "DeltaT", "DeltaTUnit")?;
         let other = |name| Ok::<_, String>(number(element, name)?.unwrap_or(0) > 0);
@@ -144,7 +144,7 @@ impl Ome {
         Ok(())
     }
 
-    /// Time between two frames, s: as it was set, else the mean of the times at which they were taken.
+    /// Time between two frames, s: as set, else the mean of the recorded intervals.
     pub(super) fn frame_interval_s(&self) -> Option<f64> {
         let taken = || {
             let [Some((first, start)), Some((last, end))] = self.times else { return None };
@@ -153,7 +153,7 @@ impl Ome {
         self.increment_s.filter(|interval| *interval > 0.0).or_else(taken)
     }
 
-    /// Which page holds what, where each page has `samples` channels.
+    /// Which plane each page contains, if each page has `samples` channels.
     pub(super) fn planes(&self, pages: u64, samples: u64) -> Option<Planes> {
         let mut sizes = self.sizes;
         if sizes[0].is_multiple_of(samples) {
@@ -178,7 +178,8 @@ impl Ome {
             };
             let elsewhere =
                 is_other.then(|| data.file.clone().unwrap_or_else(|| "unnamed".to_owned()));
-            // Without a page the element means all pages, with one that page alone.
+            // An element without a page number refers to all pages, one with a number to that page
+            // alone.
             let count = data.count.unwrap_or(if data.page.is_some() { 1 } else { pages });
             planes.add(first, Run { page: data.page.unwrap_or(0), count, elsewhere });
         }
@@ -196,7 +197,7 @@ impl Ome {
         }
     }
 
-    /// Size of a pixel; micrometres where no unit stands.
+    /// Size of a pixel; micrometres if no unit is stated.
     pub(super) fn pixel_size(&self) -> Option<Stated> {
         let side = |axis: usize| {
             let um = unit_um(self.units[axis].as_deref().unwrap_or("um"))?;
@@ -216,7 +217,7 @@ fn attribute<'a>(element: &'a BytesStart, name: &str) -> Result<Option<Cow<'a, s
         .map_err(|error| format!("{name}: {error}"))
 }
 
-/// A time, s; that is its unit where none stands.
+/// A time, s; seconds are also the default unit.
 fn seconds(element: &BytesStart, name: &str, unit: &str) -> Result<Option<f64>, String> {
     let time = attribute(element, name)?.and_then(|text| text.trim().parse::<f64>().ok());
     let unit = attribute(element, unit)?;
@@ -232,6 +233,6 @@ fn seconds(element: &BytesStart, name: &str, unit: &str) -> Result<Option<f64>, 
 
 fn number(element: &BytesStart, name: &str) -> Result<Option<u64>, String> {
     let text = attribute(element, name)?;
-    text.map(|text| text.trim().parse().map_err(|_| format!("{name} is `{text}`, no number")))
+    text.map(|text| text.trim().parse().map_err(|_| format!("{name} is `{text}`, not a number")))
         .transpose()
 }

@@ -1,4 +1,4 @@
-//! What one page of a TIFF file holds, checked.
+//! The checked description of one page of a TIFF file.
 
 use super::directory::{Directory, File, Tag};
 use crate::picture::Samples;
@@ -6,10 +6,10 @@ use crate::read::PictureError;
 use crate::read::check::{check_memory, check_size};
 use crate::read::error::damaged_tiff;
 
-/// Most samples that a pixel may have.
+/// Largest number of samples per pixel.
 const MOST_SAMPLES: u64 = 1024;
 
-/// How samples are written.
+/// Number format of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Format {
     Unsigned,
@@ -31,14 +31,14 @@ pub(super) struct Page {
     pub(super) white_is_zero: bool,
     /// Which sample is the opacity.
     pub(super) alpha: Option<u32>,
-    /// Samples stand in chunks of their own.
+    /// Each sample has chunks of its own.
     pub(super) planar: bool,
     pub(super) compression: u16,
     pub(super) predictor: u16,
     pub(super) grid: Grid,
 }
 
-/// How a page is cut into strips or tiles.
+/// How a page is divided into strips or tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Grid {
     pub(super) tiled: bool,
@@ -49,17 +49,17 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Chunks that hold all pixels of one sample, or of all.
+    /// Number of chunks for all pixels of one sample, or of all samples if they share chunks.
     pub(super) fn chunks(&self) -> u64 {
         u64::from(self.across) * u64::from(self.down)
     }
 }
 
-/// Columns and rows as the directory has them.
+/// Columns and rows stated in the directory.
 pub(super) fn size(file: &File, directory: &Directory) -> Result<(u32, u32), PictureError> {
     let side = |tag, name| {
         let side = file.integer(directory, tag, 0);
-        side.ok_or_else(|| damaged_tiff(format!("a page does not say its {name}")))
+        side.ok_or_else(|| damaged_tiff(format!("a page does not state its {name}")))
             .map(|side| u32::try_from(side).unwrap_or(u32::MAX))
     };
     Ok((side(Tag::Width, "width")?, side(Tag::Height, "height")?))
@@ -99,7 +99,7 @@ impl Page {
         }
         let white_is_zero = photometric == 0;
         if white_is_zero && format != Format::Unsigned {
-            return Err(unread("white as zero in numbers that have a sign".to_owned()));
+            return Err(unread("white as zero in signed numbers".to_owned()));
         }
         let colours = if photometric == 2 && samples >= 3 { 3 } else { 1 };
         let page = Self {
@@ -122,7 +122,7 @@ impl Page {
         Ok(page)
     }
 
-    /// Channels without opacity.
+    /// Number of channels without opacity.
     pub(super) fn channels(&self) -> u32 {
         if self.colour { 3 } else { self.samples - u32::from(self.alpha.is_some()) }
     }
@@ -132,7 +132,7 @@ impl Page {
         !matches!(self.bits, 8 | 16 | 32 | 64)
     }
 
-    /// Samples of a pixel that stand in one chunk.
+    /// Number of samples of a pixel in one chunk.
     pub(super) fn samples_in_chunk(&self) -> u32 {
         if self.planar { 1 } else { self.samples }
     }
@@ -143,7 +143,7 @@ impl Page {
         (u64::from(self.grid.columns) * bits).div_ceil(8)
     }
 
-    /// Kind of the numbers.
+    /// Type of the pixel values.
     pub(super) fn kind(&self) -> Samples {
         let bits = self.bits as u8;
         if self.format == Format::Float {
@@ -153,14 +153,14 @@ impl Page {
         }
     }
 
-    /// Whether both can be slices of one stack.
+    /// Whether both pages can be slices of one stack.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let size = |page: &Self| (page.width, page.height);
         let kind = |page: &Self| (page.samples, page.bits, page.format, page.colour, page.alpha);
         size(self) == size(other) && kind(self) == kind(other)
     }
 
-    /// Size and kind in words.
+    /// Size and type in words.
     pub(super) fn words(&self) -> String {
         let Self { width, height, samples, bits, .. } = self;
         format!("{width} x {height} pixels of {samples} x {bits} bits")
@@ -197,7 +197,7 @@ fn model(photometric: u64) -> &'static str {
     }
 }
 
-/// The value of a tag that every sample has of its own, which must be the same for all.
+/// The value of a tag that is stated per sample and must be the same for all.
 fn uniform(
     file: &File,
     directory: &Directory,
@@ -211,7 +211,7 @@ fn uniform(
     if differs { Err(unread(format!("different {name} in one pixel"))) } else { Ok(first) }
 }
 
-/// Whether samples share bytes; an error where they cannot be read.
+/// Whether samples share bytes; an error if they cannot be read.
 fn check_samples(bits: u64, format: Format, predictor: u16) -> Result<bool, PictureError> {
     let read = match format {
         Format::Unsigned => matches!(bits, 1..=16 | 32 | 64),
@@ -221,7 +221,7 @@ fn check_samples(bits: u64, format: Format, predictor: u16) -> Result<bool, Pict
     if !read {
         let name = match format {
             Format::Unsigned => "whole numbers",
-            Format::Signed => "whole numbers with sign",
+            Format::Signed => "signed whole numbers",
             Format::Float => "floating-point numbers",
         };
         return Err(unread(format!("{name} of {bits} bits")));
@@ -236,7 +236,7 @@ fn check_samples(bits: u64, format: Format, predictor: u16) -> Result<bool, Pict
     Ok(packed)
 }
 
-/// Which sample is the opacity: the first of the extra ones that says so.
+/// Index of the opacity: the first extra sample of that type.
 fn opacity(file: &File, directory: &Directory, samples: u32) -> Option<u32> {
     let extra = u32::try_from(directory.count(Tag::ExtraSamples)).ok()?;
     let first = samples.checked_sub(extra).filter(|&first| first > 0)?;

@@ -1,14 +1,14 @@
-//! Which page holds which channel, frame and slice.
+//! Which page contains which channel, frame and slice.
 
 use std::collections::BTreeMap;
 
 use crate::read::PictureError;
 use crate::read::check::check_range;
 
-/// Most channels, frames or slices that a file may declare.
+/// Largest number of channels, frames or slices of a file.
 pub(super) const MOST_PLANES: u64 = 1_000_000;
 
-/// Axes in the order of the arrays here.
+/// The axes, in the order of the arrays below.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Axis {
     Channel = 0,
@@ -16,34 +16,34 @@ pub(super) enum Axis {
     Frame = 2,
 }
 
-/// The order of ImageJ, and of most: channels fastest, then slices, then frames.
+/// The order of ImageJ and most programs: channels fastest, then slices, then frames.
 pub(super) const CHANNEL_FIRST: [Axis; 3] = [Axis::Channel, Axis::Slice, Axis::Frame];
 
-/// Pages that hold planes one after the other.
+/// Consecutive pages with consecutive planes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Run {
     /// Number of the first page.
     pub(super) page: u64,
     /// Number of pages.
     pub(super) count: u64,
-    /// The file of a set that holds them, where it is another one.
+    /// The other file of the set that contains them; `None` for this file.
     pub(super) elsewhere: Option<String>,
 }
 
 /// The planes of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Planes {
-    /// How many channels, slices and frames; each 1 to [`MOST_PLANES`]. Samples within a page count as
-    /// one channel.
+    /// Numbers of channels, slices and frames, each 1 to [`MOST_PLANES`]. Samples within a page
+    /// count as one channel.
     sizes: [u64; 3],
     /// Fastest axis first.
     order: [Axis; 3],
-    /// By the number of the first plane in this order.
+    /// Runs by the number of their first plane in this order.
     runs: BTreeMap<u64, Run>,
 }
 
 impl Planes {
-    /// Planes without pages; `None` where a size is outside 1 to [`MOST_PLANES`].
+    /// Planes without pages; `None` if a size is outside 1 to [`MOST_PLANES`].
     pub(super) fn new(sizes: [u64; 3], order: [Axis; 3]) -> Option<Self> {
         let fit = sizes.iter().all(|size| (1..=MOST_PLANES).contains(size));
         fit.then_some(Self { sizes, order, runs: BTreeMap::new() })
@@ -54,7 +54,7 @@ impl Planes {
         self.runs.insert(self.index(at), run);
     }
 
-    /// How many channels, frames or slices there are.
+    /// Number of channels, frames or slices.
     pub(super) fn size(&self, axis: Axis) -> usize {
         self.sizes[axis as usize] as usize
     }
@@ -64,13 +64,13 @@ impl Planes {
         self.sizes.iter().product()
     }
 
-    /// Products stay below 10^18, since sizes are at most [`MOST_PLANES`].
+    /// Number of a plane; below 10^18, since sizes are at most [`MOST_PLANES`].
     fn index(&self, at: [u64; 3]) -> u64 {
         let by_axis = self.order.iter().rev();
         by_axis.fold(0, |index, &axis| index * self.sizes[axis as usize] + at[axis as usize])
     }
 
-    /// The page that holds a plane.
+    /// The page that contains a plane.
     pub(super) fn page(
         &self,
         channel: usize,

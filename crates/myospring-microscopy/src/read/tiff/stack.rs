@@ -1,4 +1,4 @@
-//! What the pages of a file mean, from OME-XML, ImageJ's description, or neither.
+//! Meaning of a file's pages, from OME-XML, ImageJ's description, or neither.
 
 use super::directory::{Directory, File, Tag};
 use super::imagej::{self, ImageJ};
@@ -10,14 +10,14 @@ use crate::read::PictureError;
 use crate::read::error::damaged_tiff;
 use crate::read::pixel_size::Stated;
 
-/// What the pages of a file mean, and what it says about the size of a pixel.
+/// Meaning of a file's pages, and its statements of the pixel size.
 pub(super) struct Stack {
     pub(super) planes: Planes,
     /// The page of each number in `planes`.
     pages: Vec<usize>,
     /// Statements of the size of a pixel, the most trustworthy first.
     pub(super) sizes: Vec<Stated>,
-    /// Time between two frames, s, as the file states it.
+    /// Time between two frames, s, if the file states it.
     pub(super) frame_interval_s: Option<f64>,
 }
 
@@ -84,7 +84,7 @@ impl Stack {
         Ok(Self { planes, pages, sizes, frame_interval_s })
     }
 
-    /// The page in the file that holds a plane.
+    /// The page of the file that contains a plane.
     pub(super) fn page(
         &self,
         channel: usize,
@@ -96,7 +96,7 @@ impl Stack {
     }
 }
 
-/// Stacks that other programs keep behind the back of the list of pages.
+/// Notes stacks that other programs store outside the list of pages.
 fn note_other_stacks(file: &File, directory: &Directory, notes: &mut Vec<String>) {
     let planes = directory.count(Tag::MetaMorphPlanes);
     if planes > 1 {

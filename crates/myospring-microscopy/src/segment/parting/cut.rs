@@ -1,21 +1,22 @@
-//! A cut, and what speaks for it.
+//! A cut, and the evidence for it.
 
 use super::line::{Line, STEP};
 use super::piece::Piece;
 use super::whole::{Whole, distance, rise, straight};
 
-/// From this strength on two cells are parted.
+/// From this strength on, two cells are separated.
 pub(super) const PARTED: f64 = 0.75;
-/// From this strength on there is a doubt whether it is one cell.
+/// From this strength on, it is doubtful whether it is one cell.
 pub(super) const DOUBTED: f64 = 0.35;
 
-/// The band along a cut whose texture is read, um.
+/// Distances from a cut at which texture is read, um.
 const BAND_UM: [f64; 2] = [1.5, 9.0];
-/// Texture is read so far from the rim, um: the rim has a direction of its own.
+/// Least distance from the rim at which texture is read, um: the rim has a direction of its own.
 const FROM_THE_RIM_UM: f64 = 2.0;
-/// Strength of a cut for which there is only a step of brightness.
+/// Strength of a cut with only a step of brightness as evidence.
 const STEPPED: f64 = 0.5;
-/// Most strength of a cut through what lies across: it cannot be parted, the cell below would be in two pieces.
+/// Largest strength of a cut through a cell that lies across another: separating it would leave the
+/// lower cell in two pieces.
 const CROSSED: f64 = 0.6;
 
 /// A cut from rim to rim.
@@ -23,11 +24,11 @@ const CROSSED: f64 = 0.6;
 pub(super) struct Cut {
     ends: [[f64; 2]; 2],
     voices: Voices,
-    /// Whether a part goes on beyond the other.
+    /// Whether one part continues beyond the other.
     crossed: bool,
 }
 
-/// How strongly each thing speaks for a cut, 0 to 1.
+/// Strength of each kind of evidence for a cut, 0 to 1.
 #[derive(Debug, Clone)]
 struct Voices {
     neck: f64,
@@ -67,9 +68,9 @@ impl Cut {
             return None;
         }
         let share = small / large;
-        // A sliver is no cell; what hangs on a neck may be small.
+        // A sliver is not a cell, but a part beyond a neck may be small.
         let sliver = rise(share, 0.05, 0.12);
-        // From the outer sides of both pixels.
+        // Measured between the outer sides of both pixels.
         let length = distance(from, to) + 1.0;
         let width = length / 2.0 / f64::from(widest[1].min(widest[2])).max(0.5);
         let line = Line::along(piece, light, straight(from, to, STEP));
@@ -87,7 +88,7 @@ impl Cut {
         Some((Self { ends, voices, crossed }, sides))
     }
 
-    /// How sure it is that there are two cells: 0 not at all, 1 wholly.
+    /// Certainty that there are two cells, 0 to 1.
     pub(super) fn strength(&self) -> f64 {
         let two = self.voices.together();
         if self.lies_across() { two.min(CROSSED) } else { two }
@@ -97,7 +98,7 @@ impl Cut {
         self.crossed && self.voices.neck < PARTED
     }
 
-    /// For comparison with other cuts: of those that are surely right, that for which there is more.
+    /// Value for comparison with other cuts; it also ranks cuts of full strength.
     pub(super) fn worth(&self) -> f64 {
         let Voices { neck, line, step, branch } = self.voices;
         self.strength() + 0.1 * (neck + line + step + branch)
@@ -114,7 +115,7 @@ impl Cut {
         })
     }
 
-    /// What speaks for it most, in words.
+    /// The strongest evidence, in words.
     pub(super) fn seen(&self, pixel_um: f64) -> String {
         let Voices { neck, line, step, branch } = self.voices;
         let length_um = distance(self.ends[0], self.ends[1]) * pixel_um;
@@ -133,16 +134,17 @@ impl Cut {
     }
 }
 
-/// How strongly a neck speaks for two cells, by half its width over the radius of the largest circle that fits into
-/// the slimmer part: a waist is no neck; half as wide as what it joins, it is.
+/// Strength of a neck as evidence for two cells, from half its width divided by the radius of the
+/// largest circle that fits into the slimmer part: a slight waist is not a neck, one half as wide
+/// as the parts is.
 fn neck(width: f64) -> f64 {
     DOUBTED * rise(width, 0.72, 0.64)
         + (PARTED - DOUBTED) * rise(width, 0.64, 0.42)
         + (1.0 - PARTED) * rise(width, 0.42, 0.25)
 }
 
-/// How strongly it speaks for two cells that both parts are plain while the whole is not, and that their texture has
-/// different directions.
+/// Strength of a branch as evidence for two cells: both parts are convex while the whole is not,
+/// and their textures have different directions.
 fn branch(whole: &Whole<'_>, sides: &[u8], ends: [[f64; 2]; 2]) -> f64 {
     let parts = whole.piece.parts(sides);
     let part = parts.iter().map(Piece::solidity).fold(1.0, f64::min);
@@ -154,7 +156,8 @@ fn branch(whole: &Whole<'_>, sides: &[u8], ends: [[f64; 2]; 2]) -> f64 {
     gain * (0.4 + 0.6 * rise(turn_deg, 35.0, 60.0) * rise(order, 0.1, 0.3))
 }
 
-/// The difference of the mean brightness of both sides, part of the brighter one, away from the rim.
+/// Difference of the mean brightness of both sides, relative to the brighter one, away from the
+/// rim.
 fn apart(whole: &Whole<'_>, sides: &[u8]) -> f64 {
     let rim = (FROM_THE_RIM_UM / whole.light.pixel_um) as f32;
     let (mut sums, mut counts) = ([0.0; 3], [0.0_f64; 3]);
@@ -168,8 +171,8 @@ fn apart(whole: &Whole<'_>, sides: &[u8]) -> f64 {
     (one - other).abs() / one.max(other).max(f64::from(f32::MIN_POSITIVE))
 }
 
-/// The angle between the directions of the texture on both sides of a cut, degrees, and how clear the less clear one
-/// is, 0 to 1.
+/// The angle between the directions of the texture on both sides of a cut, degrees, and the
+/// coherency of the less clear one, 0 to 1.
 fn turn(whole: &Whole<'_>, sides: &[u8], [from, to]: [[f64; 2]; 2]) -> (f64, f64) {
     let Some(texture) = whole.texture() else { return (0.0, 0.0) };
     let Whole { piece, light, depths, .. } = whole;
@@ -196,9 +199,9 @@ fn turn(whole: &Whole<'_>, sides: &[u8], [from, to]: [[f64; 2]; 2]) -> (f64, f64
     (between.min(180.0 - between), one.1.min(other.1))
 }
 
-/// Whether what is on one side of a cut goes on beyond the other side, as one cell that lies across another does:
-/// straight on through the middle of the cut, or from the middle of that side, the piece gets wide and then as narrow
-/// as the cut again.
+/// Whether the part on one side of a cut continues beyond the other side, like a cell that lies
+/// across another: straight on through the centre of the cut, or from the centre of that side, the
+/// piece becomes wide and then as narrow as the cut again.
 fn crossed(piece: &Piece, sides: &[u8], [from, to]: [[f64; 2]; 2]) -> bool {
     let length = distance(from, to);
     let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
@@ -222,7 +225,7 @@ fn crossed(piece: &Piece, sides: &[u8], [from, to]: [[f64; 2]; 2]) -> bool {
     })
 }
 
-/// How wide a piece is at a place, across a direction; at most so much to each side.
+/// Width of a piece at a place, across a direction, searched up to `most` to each side.
 fn width(piece: &Piece, [u, v]: [f64; 2], [x, y]: [f64; 2], most: f64) -> f64 {
     let run = |sign: f64| {
         let away = |at: i32| sign * f64::from(at);
@@ -232,7 +235,8 @@ fn width(piece: &Piece, [u, v]: [f64; 2], [x, y]: [f64; 2], most: f64) -> f64 {
     run(1.0) + run(-1.0)
 }
 
-/// Whether a piece gets much wider than a length and then about as narrow, on the way from a place in a direction.
+/// Whether a piece, followed from a place in a direction, becomes much wider than a length and then
+/// about as narrow as it.
 fn comes_out_again(piece: &Piece, from: [f64; 2], [x, y]: [f64; 2], length: f64) -> bool {
     let (mut wide, mut narrow) = (false, 0.0);
     for way in 1.. {

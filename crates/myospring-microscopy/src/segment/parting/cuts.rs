@@ -1,5 +1,5 @@
-//! Which cuts through a piece are looked at: straight ones between two places of its rim, of all of them those that
-//! are short, dark, or begin at a dent.
+//! Candidate cuts through a piece: straight lines between two places of its rim that are short,
+//! dark, or begin at a dent.
 
 use std::f64::consts::PI;
 
@@ -10,23 +10,23 @@ use super::piece::Piece;
 use super::whole::{Whole, distance, straight};
 use crate::filter::quantile;
 
-/// Distance of the ends of cuts along the rim, um, unless there are more than so many.
+/// Distance between the ends of cuts along the rim, um, and the largest number of ends.
 const SPACING_UM: f64 = 2.5;
 const MOST_ENDS: usize = 140;
-/// Both ends of another cut must not lie so near, um.
+/// Two candidates differ if at least one end is this far apart, um.
 const APART_UM: f64 = 6.0;
-/// How many cuts of each kind are looked at.
+/// Number of candidates of each kind.
 const EACH: usize = 5;
-/// Dark lines are no shorter, um.
+/// Least length of a dark line, um.
 const SHORTEST_LINE_UM: f64 = 6.0;
-/// Worth of a line below which it is none.
+/// Least worth of a dark line.
 const LEAST_WORTH: f64 = 0.015;
-/// Half the length of a neck is less than this part of the widest radius.
+/// Largest ratio of half the length of a neck to the widest radius.
 const NECK: f64 = 0.75;
-/// How many cuts from a dent are looked at, and the angle between them, degrees.
+/// Number of candidates from a dent, and the least angle between them, degrees.
 const FROM_A_DENT: usize = 3;
 const APART_DEG: f64 = 35.0;
-/// Length over which the rim bends, um, and least bend of a dent, degrees.
+/// Length over which the bend of the rim is measured, um, and least bend of a dent, degrees.
 const BEND_UM: f64 = 5.0;
 const DENT_DEG: f64 = 30.0;
 
@@ -40,17 +40,18 @@ struct Chord {
 /// Places of the rim, at equal distances.
 struct Rim {
     pixels: Vec<[f64; 2]>,
-    /// Number of the pixel at which each is.
+    /// Index of the pixel of each place.
     index: Vec<usize>,
     ends: Vec<[f64; 2]>,
-    /// Twice the area that the way from the first one sweeps about the origin.
+    /// Twice the area swept about the origin by the rim from the first place on.
     swept: Vec<f64>,
 }
 
 impl Rim {
     fn of(piece: &Piece, pixel_um: f64) -> Option<Self> {
         let pixels = piece.rim();
-        // A step along the rim is 1.1 pixels long, between one to a side and one to a corner.
+        // A step along the rim has a mean length of 1.1 pixels, between straight and diagonal
+        // steps.
         let count = (pixels.len() as f64 * 1.1 * pixel_um / SPACING_UM) as usize;
         let count = count.min(MOST_ENDS).min(pixels.len());
         if count < 8 {
@@ -72,7 +73,7 @@ impl Rim {
         ((self.swept[j] - self.swept[i] + c * b - d * a) / 2.0).abs()
     }
 
-    /// Whether the rim bends inward at each place, more than beside it.
+    /// Whether the rim bends inward at each place, more than at its neighbours.
     fn dents(&self, pixel_um: f64) -> Vec<bool> {
         let count = self.ends.len();
         let place = |at: usize| self.ends[at % count];
@@ -94,7 +95,7 @@ impl Rim {
         (0..count).map(|at| bends[at] > DENT_DEG && most_beside(at) <= bends[at]).collect()
     }
 
-    /// The most worthy, each apart from those before.
+    /// The candidates of largest worth, each different from those before.
     fn best(&self, mut chords: Vec<Chord>, apart: f64, most: usize) -> Vec<Chord> {
         chords.sort_by(|a, b| b.worth.total_cmp(&a.worth));
         let near = |a: usize, b: usize| distance(self.ends[a], self.ends[b]) < apart;
@@ -112,7 +113,7 @@ impl Rim {
         chosen
     }
 
-    /// The most worthy from a dent, and those that run in other directions.
+    /// The candidate of largest worth from a dent, and the best in other directions.
     fn in_all_directions(&self, dent: usize, mut chords: Vec<Chord>) -> Vec<Chord> {
         chords.sort_by(|a, b| b.worth.total_cmp(&a.worth));
         let direction = |chord: &Chord| {
@@ -132,7 +133,7 @@ impl Rim {
         chosen
     }
 
-    /// The ends moved along the rim to where the cut is the shortest or the line the darkest.
+    /// Moves the ends along the rim to where the cut is shortest or the line darkest.
     fn finer(&self, piece: &Piece, light: &Light<'_>, chord: Chord) -> [[f64; 2]; 2] {
         let count = self.pixels.len();
         let reach = count / self.ends.len() + 1;
@@ -143,7 +144,7 @@ impl Rim {
                 return f64::NEG_INFINITY;
             }
             let line = Line::along(piece, light, straight(from, to, 1.5));
-            // A dark line counts more than a short way.
+            // A dark line weighs more than a short cut.
             10.0 * line.worth().max(0.0) - distance(from, to) / 20.0
         };
         let [i, j] = chord.ends;
@@ -191,7 +192,7 @@ pub(super) fn strongest(
             }
             let [from, to] = [i, j].map(|end| rim.ends[end]);
             let length = distance(from, to);
-            // No circle in a part is larger than the part, nor than the largest of all.
+            // A circle in a part is smaller than the part and than the largest circle of the piece.
             let neck = length / 2.0 / (least / PI).sqrt().min(widest);
             let long = length * light.pixel_um >= SHORTEST_LINE_UM;
             let dented = dents[i] || dents[j];
@@ -202,7 +203,7 @@ pub(super) fn strongest(
             if neck < NECK {
                 necks.push(chord(-neck));
             }
-            // From one dent to another a cut may be longer.
+            // A cut between two dents may be longer.
             let length = if dents[i] && dents[j] { 0.7 * length } else { length };
             for end in [i, j].into_iter().filter(|&end| dents[end]) {
                 from_dents[end].push(chord(-length));
@@ -225,7 +226,7 @@ pub(super) fn strongest(
     if chosen.is_empty() {
         return None;
     }
-    // Above the median: below it is the rim, where light falls off.
+    // Measured above the median; values below it come from the rim, where light falls off.
     let scatter = f64::from(quantile(&seen, 0.841) - quantile(&seen, 0.5));
     let solidity = piece.solidity();
     let whole = Whole::of(piece, light, depths, solidity, scatter);

@@ -1,30 +1,30 @@
-//! What is to be seen of the cells on the grid of their parts.
+//! Brightness and texture on the grid on which cells are separated.
 
 use super::piece::Piece;
 use crate::filter;
 use crate::plane::Plane;
 
-/// Scale of smoothing, um: stripes and rows of myofibrils, up to 2.6 um apart, go; the dark line of two membranes
-/// stays.
+/// Scale of smoothing, um: stripes and rows of myofibrils, up to 2.6 um apart, vanish; the dark
+/// line between two membranes remains.
 const SMOOTH_UM: f64 = 1.0;
 /// Scale on which the gradient of stripes is seen, um.
 const STRIPES_UM: f64 = 0.4;
 /// Coarsest pixel that shows stripes, um.
 const COARSEST_UM: f64 = 0.7;
 
-/// What a region was found in, on the same grid.
+/// The data in which a region was found, on the same grid.
 pub(in crate::segment) struct Seen<'a> {
-    /// Brightness, with its noise and its gaps.
+    /// Brightness, neither smoothed nor with gaps filled.
     pub(in crate::segment) brightness: &'a Plane,
-    /// Brightness where there is no light.
+    /// Brightness without light.
     pub(in crate::segment) dark: f32,
     /// Side of a pixel, um.
     pub(in crate::segment) pixel_um: f64,
-    /// Cells are no smaller, um^2.
+    /// Smallest area of a cell, um^2.
     pub(in crate::segment) smallest_um2: f64,
 }
 
-/// Brightness on the grid of the parts, and where its finest texture is.
+/// Brightness on the grid of the parts, with the data from which texture is read.
 pub(super) struct Light<'a> {
     pub(super) pixel_um: f64,
     bright: Plane,
@@ -60,7 +60,7 @@ impl<'a> Light<'a> {
         upper * (1.0 - v) + lower * v
     }
 
-    /// The texture within a piece; `None` where pixels are too coarse for stripes.
+    /// The texture within a piece; `None` if pixels are too coarse for stripes.
     pub(super) fn texture(&self, piece: &Piece) -> Option<Texture> {
         let Seen { brightness, pixel_um, .. } = self.seen;
         if *pixel_um > COARSEST_UM {

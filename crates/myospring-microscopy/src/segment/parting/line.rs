@@ -1,33 +1,33 @@
-//! How dark a line through a piece is, and how much brighter one side of it than the other.
+//! Darkness of a line through a piece, and the difference in brightness between its sides.
 
 use super::light::Light;
 use super::piece::Piece;
 use super::whole::{Whole, distance, rise, straight};
 
-/// How far to both sides of a line its surroundings are looked at, um.
+/// Distance to both sides at which the surroundings of a line are read, um.
 const BESIDE_UM: f64 = 3.0;
-/// How far to both sides of a step brightness stays as it is, um: a bright rim is narrower.
+/// Least width of constant brightness on both sides of a step, um: a bright rim is narrower.
 const PLATEAU_UM: f64 = 9.0;
-/// Depth below which a line is none.
+/// Least depth of a dark line.
 const SHALLOW: f64 = 0.03;
-/// Places of a line are told apart at this distance, um: brightness is smoothed.
+/// Distance of independent places along a line, um, since brightness is smoothed.
 const APART_UM: f64 = 2.5;
-/// Where lines beside a line are looked for: the nearest, the furthest and the steps between, um.
+/// Distances of parallel lines that are compared with a line: nearest, furthest and step, um.
 const RIVALS_UM: [f64; 3] = [3.75, 12.0, 0.75];
 /// Step between the places of a line, pixels.
 pub(super) const STEP: f64 = 0.7;
 
-/// What brightness says along a line.
+/// Brightness along a line and beside it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Line {
-    /// Mean of how much darker it is than the darker side, part of the brighter.
+    /// Mean difference between the darker side and the line, relative to the brighter side.
     depth: f64,
     /// Part of its length on which it is darker than both sides.
     along: f64,
-    /// Part of its length that has two sides within.
+    /// Part of its length with both sides inside the piece.
     sided: f64,
-    /// Difference of both sides beyond what each changes further away, part of the brighter: that of a step
-    /// between two plateaus.
+    /// Height of a step between two plateaus: the difference between both sides minus the change of
+    /// each further away, relative to the brighter side.
     pub(super) step: f64,
 }
 
@@ -40,7 +40,8 @@ impl Line {
         Self::beside(piece, light, path, 0.0, |_| ())
     }
 
-    /// And what of each place `seen` wants to know: how much darker it is than the darker side.
+    /// Measures a line; `seen` is called for each place with the difference between the darker side
+    /// and the line.
     pub(super) fn telling(
         piece: &Piece,
         light: &Light<'_>,
@@ -50,7 +51,7 @@ impl Line {
         Self::beside(piece, light, path, 0.0, seen)
     }
 
-    /// Along a line so many um beside another one.
+    /// Measures a line parallel to another one, at a distance in um.
     fn beside(
         piece: &Piece,
         light: &Light<'_>,
@@ -81,7 +82,7 @@ impl Line {
             let depth = ((left.min(right) - own) / bright).max(-1.0);
             seen(depth as f32);
             sided += 1.0;
-            // So that no speck decides.
+            // Limited, so that a speck does not dominate.
             depths += depth.clamp(-0.2, 0.3);
             along += f64::from(u8::from(depth > SHALLOW));
             let further = [at(PLATEAU_UM), at(-PLATEAU_UM)];
@@ -102,7 +103,7 @@ impl Line {
         }
     }
 
-    /// The darkest line that runs beside another one: texture has many, a boundary is alone.
+    /// Depth of the darkest parallel line: texture has many of equal depth, a boundary has none.
     fn rival(piece: &Piece, light: &Light<'_>, [from, to]: [[f64; 2]; 2]) -> f64 {
         let [nearest, furthest, step] = RIVALS_UM;
         let count = ((furthest - nearest) / step) as usize;
@@ -115,16 +116,16 @@ impl Line {
             .fold(0.0, f64::max)
     }
 
-    /// For comparison with other lines.
+    /// Value for comparison with other lines.
     pub(super) fn worth(&self) -> f64 {
         if self.sided < 0.5 { 0.0 } else { (self.depth * self.along).max(self.step / 4.0) }
     }
 
-    /// How strongly it speaks for a boundary, 0 to 1, where it is the line between these ends.
+    /// Strength as evidence for a boundary between these ends, 0 to 1.
     pub(super) fn voice(&self, whole: &Whole<'_>, ends: [[f64; 2]; 2]) -> f64 {
         let Self { depth, along, sided, .. } = *self;
         let dark = rise(depth, 0.025, 0.08) * rise(along, 0.6, 0.9) * rise(sided, 0.4, 0.7);
-        // Of thousands of lines the darkest was taken.
+        // The darkest of thousands of lines was chosen, so chance must be excluded.
         let places = distance(ends[0], ends[1]) * whole.light.pixel_um / APART_UM;
         let clear = rise(depth * places.sqrt() / whole.scatter.max(1e-6), 3.5, 6.0);
         if dark * clear == 0.0 {

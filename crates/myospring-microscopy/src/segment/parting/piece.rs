@@ -6,23 +6,23 @@ use crate::plane::Plane;
 use crate::region::Island;
 use crate::segment::confidence::solidity;
 
-/// A part of an island, with a rim of pixels around it that are not inside.
+/// A part of an island, in a window with a margin of one pixel.
 pub(super) struct Piece {
-    /// Column and row of the picture that come after the first ones of the window.
+    /// Column and row of the picture at the second column and row of the window.
     pub(super) corner: [usize; 2],
     pub(super) width: usize,
     pub(super) inside: Vec<bool>,
 }
 
-/// Smoothing of the rim between two parts, pixels, and how far it reaches.
+/// Scale of smoothing the rim between two parts, pixels, and its reach.
 const SOFT: f64 = 1.0;
 const MARGIN: usize = 2;
-/// To which side of a cut a pixel belongs.
+/// Sides of a cut to which a pixel belongs.
 const NO_SIDE: u8 = 0;
 const THROUGH: u8 = u8::MAX;
 
 impl Piece {
-    /// An island of a picture of so many columns.
+    /// The piece of an island, in a picture of `columns` columns.
     pub(super) fn of(numbers: &[u32], columns: usize, number: u32, island: &Island) -> Self {
         let corner = [island.columns[0], island.rows[0]];
         let inner = island.columns[1] + 1 - corner[0];
@@ -38,7 +38,7 @@ impl Piece {
         Self { corner, width, inside }
     }
 
-    /// Some of the pixels, in the least window.
+    /// The pixels on one side of a cut, in their bounding window.
     fn part(&self, sides: &[u8], side: u8) -> Self {
         let places = || (0..sides.len()).filter(|&at| sides[at] == side);
         let columns = || places().map(|at| at % self.width);
@@ -63,19 +63,19 @@ impl Piece {
 
     /// Whether the pixel at a place of the picture is inside.
     pub(super) fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        // What is negative becomes 0, the rim of the window, which is never inside.
+        // Negative values become 0, the margin of the window, which is never inside.
         let column = (x - self.corner[0] as f64 + 1.5) as usize;
         let row = (y - self.corner[1] as f64 + 1.5) as usize;
         column < self.width && self.inside.get(row * self.width + column) == Some(&true)
     }
 
-    /// Column and row of the picture.
+    /// Column and row of the picture for an index of the window.
     pub(super) fn place(&self, at: usize) -> [f64; 2] {
         let [column, row] = [at % self.width + self.corner[0], at / self.width + self.corner[1]];
         [column as f64 - 1.0, row as f64 - 1.0]
     }
 
-    /// The pixels of the outer rim once round, in columns and rows of the picture.
+    /// The pixels of the outer rim in order, as columns and rows of the picture.
     pub(super) fn rim(&self) -> Vec<[f64; 2]> {
         let Some(first) = self.inside.iter().position(|inside| *inside) else { return Vec::new() };
         let width = self.width.cast_signed();
@@ -95,8 +95,8 @@ impl Piece {
         solidity(self.rim().into_iter(), self.count())
     }
 
-    /// The distance of each pixel's centre from the outside, pixels: steps to a neighbour count one, over a corner
-    /// four thirds (Borgefors 1986).
+    /// The distance of each pixel's centre from the outside, pixels: a step to a side neighbour
+    /// counts 1, a diagonal step 4/3 (Borgefors 1986).
     pub(super) fn depths(&self) -> Vec<f32> {
         let width = self.width;
         let mut depths: Vec<u32> =
@@ -121,11 +121,13 @@ impl Piece {
                     .fold(depths[at], u32::min);
             }
         }
-        // From the side of the last pixel, not from the middle of the first one outside.
+        // Measured from the edge of the last inside pixel, not from the centre of the first outside
+        // one.
         depths.into_iter().map(|depth| (depth as f32 / 3.0 - 0.5).max(0.0)).collect()
     }
 
-    /// On which side of a cut along these places each pixel lies, 1 or 2; `None` unless it parts the piece.
+    /// The side (1 or 2) of each pixel for a cut along these places; `None` if it does not separate
+    /// the piece.
     pub(super) fn sides(&self, path: impl Iterator<Item = [f64; 2]>) -> Option<Vec<u8>> {
         let mut sides: Vec<u8> = self.inside.iter().map(|_| NO_SIDE).collect();
         let mut through = Vec::new();
@@ -164,7 +166,7 @@ impl Piece {
         let mut order: Vec<usize> = (0..sizes.len()).collect();
         order.sort_by_key(|&side| std::cmp::Reverse(sizes[side]));
         let [first, second] = [*order.first()?, *order.get(1)?].map(|side| side as u8 + 1);
-        // What is neither goes to what is next to it.
+        // Pixels on neither side take the side of a neighbour.
         let mut front = Vec::new();
         for (at, side) in sides.iter_mut().enumerate().filter(|(at, _)| self.inside[*at]) {
             *side = if *side == first {
@@ -193,7 +195,8 @@ impl Piece {
         Some(sides)
     }
 
-    /// Column and row of the picture's first pixel in it, and a plane with soft edges: 1 inside, 0 outside.
+    /// The piece as a plane with soft edges (1 inside, 0 outside), and the column and row of its
+    /// first pixel in the picture.
     pub(super) fn soft(&self) -> Option<([usize; 2], Plane)> {
         let corner = self.corner.map(|at| at.saturating_sub(MARGIN + 1));
         let [left, top] = [0, 1].map(|axis| self.corner[axis] - corner[axis]);

@@ -1,18 +1,18 @@
-//! What is known of a piece before it is cut, and straight lines through it.
+//! Data of a piece before it is cut, and straight lines through it.
 
 use std::cell::OnceCell;
 
 use super::light::{Light, Texture};
 use super::piece::Piece;
 
-/// What is known of a piece before it is cut.
+/// Data of a piece before it is cut.
 pub(super) struct Whole<'a> {
     pub(super) piece: &'a Piece,
     pub(super) light: &'a Light<'a>,
     /// Distance of each pixel from the outside.
     pub(super) depths: Vec<f32>,
     pub(super) solidity: f64,
-    /// Standard deviation of how much darker a place is than both sides, as for a line.
+    /// Standard deviation of the depth of a place relative to both sides, as measured for lines.
     pub(super) scatter: f64,
     texture: OnceCell<Option<Texture>>,
 }
@@ -28,7 +28,7 @@ impl<'a> Whole<'a> {
         Self { piece, light, depths, solidity, scatter, texture: OnceCell::new() }
     }
 
-    /// The texture of the piece, read once it is asked for.
+    /// The texture of the piece, computed on first use.
     pub(super) fn texture(&self) -> Option<&Texture> {
         self.texture.get_or_init(|| self.light.texture(self.piece)).as_ref()
     }
@@ -51,7 +51,7 @@ pub(super) fn straight(
         .map(move |part| [from[0] + x * part, from[1] + y * part])
 }
 
-/// 0 at `none`, 1 at `all`, linear between, whichever is the larger.
+/// 0 at `none`, 1 at `all`, linear between; `all` may be smaller than `none`.
 pub(super) fn rise(value: f64, none: f64, all: f64) -> f64 {
     ((value - none) / (all - none)).clamp(0.0, 1.0)
 }
