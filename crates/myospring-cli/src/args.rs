@@ -281,7 +281,7 @@ pub(crate) struct SegmentArgs {
     Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; of other\n\
     kinds whatever ffmpeg reads, where it is installed.\n\n\
     Results: track.csv (a row a frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2,\n\
-    sarcomere_um where there are stripes, healed_pct), track.json (settings, warnings, numbers), rest.tif and\n\
+    sarcomere_um where there are stripes, interpolated_pct), track.json (settings, warnings, numbers), rest.tif and\n\
     outline.geojson (the cell at rest); then what --outputs names, and unless that is none, report.html (the moving cell\n\
     with its curves, for the browser).\n\
     Interrupted (Ctrl-C), the frames that are done are written.")]

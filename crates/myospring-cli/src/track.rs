@@ -119,8 +119,8 @@ fn for_people(report: &Report) -> String {
         ));
     }
     lines.push(format!(
-        "{} points, subsets of {:.1} um, healed {:.1} % on average, {:.1} % at most",
-        report.points, report.subset_um, report.healed_pct_mean, report.healed_pct_most
+        "{} points, subsets of {:.1} um, interpolated {:.1} % on average, {:.1} % at most",
+        report.points, report.subset_um, report.interpolated_pct_mean, report.interpolated_pct_most
     ));
     lines.push(format!(
         "motion of the stage: {}, up to {:.2} um",

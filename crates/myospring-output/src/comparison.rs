@@ -1,4 +1,4 @@
-//! Every number that the paper states, beside ours, with a computed verdict.
+//! Compares every number that the paper states with ours, with a computed verdict.
 
 use myospring_core::analysis::beat::{Beat, beats};
 use myospring_core::recording::Recording;
@@ -36,7 +36,7 @@ impl Verdict {
 pub struct Finding {
     /// What it is about.
     pub quantity: &'static str,
-    /// Where it stands.
+    /// Where the paper states it.
     pub place: &'static str,
     /// What the paper says.
     pub paper: &'static str,
@@ -63,7 +63,7 @@ pub const TENSIONS: [f64; 3] = [30.0, 40.0, 50.0];
 /// Compares runs at rising tension, stimulated once at `stimulus_ms`, with `coelho_2021`.
 ///
 /// `equations` is the number of state variables of the cell model, `weights` the masses up to a
-/// factor. A number that a run does not show makes its verdict `NotMet`.
+/// factor. A number that a run does not have makes its verdict `NotMet`.
 pub fn with_paper(
     runs: &[PaperRun<'_>],
     stimulus_ms: f64,
@@ -202,7 +202,7 @@ pub fn with_paper(
     ]
 }
 
-/// Values with so many decimals, parted by commas; equal ones once.
+/// Values with this number of decimals, separated by commas; equal ones are listed once.
 fn list(values: &[f64], decimals: usize) -> String {
     // No minus before zero.
     let one = |value: &f64| {
@@ -220,7 +220,7 @@ fn list(values: &[f64], decimals: usize) -> String {
     }
 }
 
-/// Largest distance of the mass centre from where it began, um.
+/// Largest distance of the mass centre from its initial position, um.
 fn centre_drift(recording: &Recording, weights: &[f64]) -> f64 {
     let total: f64 = weights.iter().sum();
     let centre = |positions: &[Vec<f64>; 2]| {
@@ -240,7 +240,7 @@ fn centre_drift(recording: &Recording, weights: &[f64]) -> f64 {
         .fold(0.0, larger)
 }
 
-/// The larger number, or NaN if one is: what is not known is not met.
+/// The larger number, or NaN if either is NaN, so that an unknown number does not count as met.
 fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
 }

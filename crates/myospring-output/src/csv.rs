@@ -2,7 +2,7 @@
 
 use myospring_core::recording::{Recording, Sample, Signal};
 
-/// Significant digits written: below what a measurement can tell, above rounding noise.
+/// Number of significant digits: more precise than any measurement, coarser than rounding errors.
 const DIGITS: usize = 9;
 
 /// Why a table was not rendered.
@@ -45,10 +45,10 @@ const COLUMNS: [Column; 14] = [
 ///
 /// Columns: `t_ms, u, vm_mV, ta_kPa, length_um, width_um, area_um2, shortening_pct,
 /// elastic_energy_fJ, kinetic_energy_fJ, active_work_fJ, dissipated_energy_fJ, momentum_nN_ms,
-/// angular_momentum_nN_um_ms`. A column that no
-/// sample defines (`vm_mV` of a dimensionless cell model, both potentials where calcium is given) is left out; where only some samples
-/// define it, the others stay empty. What the cell model tells besides follows, such as `Ca_i_uM`.
-/// Numbers have 9 significant digits.
+/// angular_momentum_nN_um_ms`. A column that no sample defines (`vm_mV` of a dimensionless cell
+/// model, both potentials where calcium is given) is left out; where only some samples define it,
+/// the others stay empty. Further signals of the cell model follow, such as `Ca_i_uM`. Numbers have
+/// 9 significant digits.
 ///
 /// # Errors
 /// A recording without samples.
@@ -93,34 +93,35 @@ pub fn traces(recording: &Recording) -> Result<String, CsvError> {
     Ok(String::from_utf8_lossy(&rows).into_owned())
 }
 
-/// Why a table is not read as curves.
+/// Why a table cannot be read as curves.
 #[derive(Debug, thiserror::Error)]
 pub enum TracesError {
-    /// Not such a table.
+    /// Not a table.
     #[error("the table cannot be read: {0}")]
     Table(#[from] ::csv::Error),
     /// A column that every run has is missing.
-    #[error("the column `{name}` is missing; a table of curves is what `myospring run` writes")]
+    #[error("the column `{name}` is missing; give a table of curves as written by `myospring run`")]
     Missing {
         /// Its name.
         name: &'static str,
     },
-    /// Something that is no number.
-    #[error("line {line}, column `{name}`: \"{found}\" is no number")]
+    /// Text where a number is expected.
+    #[error("line {line}, column `{name}`: \"{found}\" is not a number")]
     Number {
         /// Line, counted from 1, the header being the first.
         line: usize,
         /// The column.
         name: String,
-        /// What stands there.
+        /// The text found there.
         found: String,
     },
 }
 
-/// The curves of a table that [`traces`] has written, to its 9 digits; columns that are of no sample are signals.
+/// Reads the curves of a table that [`traces`] has written, to its 9 digits; columns other than
+/// those of samples become signals.
 ///
 /// # Errors
-/// What is no such table.
+/// Text that is not such a table.
 ///
 /// # Example
 /// ```
@@ -197,7 +198,7 @@ fn named(signal: &Signal) -> String {
     }
 }
 
-/// The shortest text that reads back to the value rounded to [`DIGITS`] significant digits.
+/// The shortest text of the value, rounded to [`DIGITS`] significant digits.
 pub(crate) fn number(value: f64) -> String {
     let rounded = format!("{value:.*e}", DIGITS - 1).parse::<f64>().unwrap_or(value);
     if rounded == 0.0 {
@@ -267,7 +268,7 @@ mod tests {
         assert_eq!(traces(&read_traces(&table).unwrap()).unwrap(), table);
         let broken = table.replacen("0.333333333", "much", 1);
         let error = read_traces(&broken).unwrap_err().to_string();
-        assert!(error.contains("much\" is no number"), "{error}");
+        assert!(error.contains("much\" is not a number"), "{error}");
     }
 
     #[test]

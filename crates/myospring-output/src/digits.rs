@@ -1,10 +1,10 @@
-//! How many digits people get: one rule for the JSON and CSV that are read by eye.
+//! Rounding of numbers in JSON and CSV that are read by people.
 //!
-//! Curves, shapes and whatever a program reads back (`traces.csv`, `frames.npz`, Parquet, `members.csv`, `fit.json`,
-//! `run.toml`) are not rounded here.
+//! Curves, shapes and everything that a program reads back (`traces.csv`, `frames.npz`, Parquet,
+//! `members.csv`, `fit.json`, `run.toml`) are not rounded here.
 
-/// Significant digits of a number for people: at least one more than any result is known to; an instant within twenty
-/// minutes is still known to 0.1 ms.
+/// Significant digits of numbers for people: at least one more than the precision of any result; a
+/// time up to twenty minutes still has a resolution of 0.1 ms.
 pub const DIGITS: usize = 7;
 
 /// A number with [`DIGITS`] significant digits.
@@ -19,7 +19,7 @@ pub fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
 }
 
-/// A number as text, to the last bit: tiny and huge ones with an exponent, not with ninety zeros.
+/// A number as exact text; very small and very large ones have an exponent.
 ///
 /// # Example
 /// ```

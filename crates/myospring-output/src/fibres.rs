@@ -1,4 +1,4 @@
-//! The fibres of cells as comma-separated values, a row a triangle.
+//! The fibres of cells as comma-separated values, one row per triangle.
 
 use crate::csv::{CsvError, number};
 
@@ -7,7 +7,8 @@ use crate::csv::{CsvError, number};
 pub struct FibreRow {
     /// Centre of the triangle, um from the lower left corner of the picture, y upward.
     pub point_um: [f64; 2],
-    /// Degrees counter-clockwise from x, y upward, above -90 and up to 90; none where the picture shows none.
+    /// Degrees counter-clockwise from x, y upward, above -90 and up to 90; `None` if the picture
+    /// shows no direction.
     pub direction_deg: Option<f64>,
     /// Length of a sarcomere, um.
     pub sarcomere_um: Option<f64>,
@@ -15,7 +16,7 @@ pub struct FibreRow {
     pub sarcomere_doubtful: Option<bool>,
     /// How sharply the picture shows one direction and one period, 0 to 1.
     pub order: Option<f64>,
-    /// Part of the neighbourhood within the cell that answered, 0 to 1.
+    /// Part of the neighbourhood within the cell that shows a direction, 0 to 1.
     pub coverage: Option<f64>,
 }
 
@@ -23,11 +24,12 @@ pub struct FibreRow {
 const COLUMNS: [&str; 7] =
     ["x_um", "y_um", "direction_deg", "sarcomere_um", "order", "coverage", "sarcomere_doubtful"];
 
-/// The fibres of cells, each with its name, as the text of `fibres.csv`: one row a triangle, in the order of the
-/// mesh. Where there are several cells their names stand in a first column, `cell`. What is not known is empty.
+/// The fibres of cells, each with its name, as the text of `fibres.csv`: one row per triangle, in
+/// the order of the mesh. With several cells, the first column, `cell`, has their names. Unknown
+/// values are empty.
 ///
 /// # Errors
-/// A row that the writer refuses.
+/// A row that cannot be written.
 ///
 /// # Example
 /// ```

@@ -1,4 +1,5 @@
-//! What a cell is coloured by, in figures, films, pages and files: values by triangle, their unit, their colours.
+//! Fields by which a cell is coloured in figures, films, pages and files: values by triangle, their
+//! units and colours.
 //!
 //! [`Field`] names them, [`Fields`] computes them on one mesh, [`ColourScale`] gives their colours: one scale for all
 //! frames of a run, so that a colour means the same throughout.
@@ -17,20 +18,21 @@ pub enum Field {
     /// Strain along the fibre: `|F f0| - 1`, with F the deformation gradient and f0 the fibre at rest.
     #[default]
     FibreStrain,
-    /// Strain of what lies across the fibre at rest: `|F n0| - 1`, with n0 at a right angle to f0.
+    /// Strain of the direction that is across the fibre at rest: `|F n0| - 1`, with n0 at a right
+    /// angle to f0.
     CrossStrain,
-    /// Area over area at rest: the determinant of F.
+    /// Area relative to that at rest: the determinant of F.
     AreaRatio,
     /// Active tension along the fibre times the content of myofibrils.
     ActiveStress,
-    /// Distance from the place at rest.
+    /// Distance from the position at rest.
     Displacement,
 }
 
-/// Why fibres or contents are not those of a mesh.
+/// Why fibres or contents do not fit a mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FieldError {
-    /// Fibres of another mesh.
+    /// Fibres or contents of another mesh.
     #[error(
         "{found} {what} were given for {triangles} triangles; give one for each triangle of this mesh"
     )]
@@ -42,7 +44,7 @@ pub enum FieldError {
         /// How many triangles the mesh has.
         triangles: usize,
     },
-    /// A fibre direction without a direction.
+    /// A fibre direction without length.
     #[error("the fibre direction ({x}, {y}) has no finite length above 0; give one like (1, 0)")]
     Fibre {
         /// Component along x.
@@ -53,7 +55,7 @@ pub enum FieldError {
 }
 
 impl Field {
-    /// All of them, the usual one first.
+    /// All fields, the default first.
     pub const ALL: [Self; 5] = [
         Self::FibreStrain,
         Self::CrossStrain,
@@ -62,7 +64,7 @@ impl Field {
         Self::Displacement,
     ];
 
-    /// Its word in options and files.
+    /// Its name in options and files.
     pub const fn word(self) -> &'static str {
         match self {
             Self::FibreStrain => "fibre-strain",
@@ -73,7 +75,7 @@ impl Field {
         }
     }
 
-    /// Its name for people.
+    /// Its title in figures.
     pub const fn title(self) -> &'static str {
         match self {
             Self::FibreStrain => "Fibre strain",
@@ -94,7 +96,7 @@ impl Field {
         }
     }
 
-    /// What it is, in a sentence.
+    /// Its definition, in a sentence.
     pub const fn definition(self) -> &'static str {
         match self {
             Self::FibreStrain => {
@@ -105,7 +107,7 @@ impl Field {
             }
             Self::AreaRatio => "projected area over that at rest; below 1 where smaller",
             Self::ActiveStress => "active tension along the fibre times the content of myofibrils",
-            Self::Displacement => "distance from the place at rest",
+            Self::Displacement => "distance from the position at rest",
         }
     }
 
@@ -117,12 +119,13 @@ impl Field {
         }
     }
 
-    /// Whether it goes both ways from rest.
+    /// Whether its values lie on both sides of that at rest.
     pub const fn is_two_sided(self) -> bool {
         !matches!(self, Self::ActiveStress | Self::Displacement)
     }
 
-    /// The narrowest range of colours: less than this is rounding, or nothing to see.
+    /// The narrowest range of a colour scale: smaller differences are rounding errors or
+    /// negligible.
     pub const fn least_range(self) -> f64 {
         match self {
             Self::FibreStrain | Self::CrossStrain | Self::ActiveStress => 1.0,
@@ -131,7 +134,7 @@ impl Field {
         }
     }
 
-    /// Least and greatest value of a colour scale for these values: it always holds that of rest.
+    /// Limits of a colour scale for these values; they always include the value at rest.
     ///
     /// # Example
     /// ```
@@ -167,8 +170,8 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// Of a mesh with the direction of its fibres, of any length, and the content of myofibrils, if it differs, in each
-    /// triangle.
+    /// Fields of a mesh with fibre directions by triangle (of any length), and the content of
+    /// myofibrils by triangle if it is not uniform.
     ///
     /// # Errors
     /// Fibres or contents of another mesh, fibres of no length.
@@ -215,7 +218,8 @@ impl<'a> Fields<'a> {
         self.mesh
     }
 
-    /// The value in each triangle, in the field's unit; of the displacement the mean of the corners.
+    /// The value in each triangle, in the field's unit; for the displacement, the mean over the
+    /// corners.
     ///
     /// # Panics
     /// If the frame is one of another mesh.
@@ -223,7 +227,8 @@ impl<'a> Fields<'a> {
         (0..self.mesh.simplices.len()).map(|index| self.in_triangle(field, frame, index)).collect()
     }
 
-    /// The value at each node: of the displacement its own, else the mean over the triangles around it by their area.
+    /// The value at each node: for the displacement its own, else the mean over adjacent triangles,
+    /// weighted by area.
     ///
     /// # Panics
     /// If the frame is one of another mesh.
@@ -236,10 +241,10 @@ impl<'a> Fields<'a> {
         self.averaged(field.at_rest(), |index| self.in_triangle(field, frame, index))
     }
 
-    /// Values of the triangles at the nodes: the mean over those around each by their area.
+    /// Averages values of triangles to nodes: the mean over adjacent triangles, weighted by area.
     ///
     /// # Panics
-    /// If there is not one for each triangle.
+    /// If there is not one value for each triangle.
     pub fn from_triangles(&self, values: &[f64]) -> Vec<f64> {
         self.averaged(0.0, |index| values[index])
     }
@@ -260,7 +265,7 @@ impl<'a> Fields<'a> {
         sums.into_iter().map(mean).collect()
     }
 
-    /// Least and greatest value of the colours of some frames.
+    /// Limits of the colour scale for some frames.
     pub fn limits<'f>(
         &self,
         field: Field,

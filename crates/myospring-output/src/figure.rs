@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`action_potential_and_tension`] | potential and active tension over time | Fig. 3 |
 //! | [`mesh`] | the lattice made from a picture | Fig. 4a |
-//! | [`cell_shapes`] | the cell at rest, on the way and at its peak, coloured by a field | Fig. 5 |
+//! | [`cell_shapes`] | the cell at rest, contracting and at its peak, coloured by a field | Fig. 5 |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`compared()`] | curves and cells of several runs over each other | |
 //! | [`overview()`] | cell and curves of one run in one picture | |
@@ -13,22 +13,23 @@
 //! | [`scatter`] | a metric of many members over each parameter | |
 //! | [`distributions`] | histograms of the metrics of many members | |
 //! | [`responses`], [`response_map`] | a metric over one parameter, or over two | |
-//! | [`trace_bands`] | curves of many members: where half of them lie, and nine of ten | |
-//! | [`Tracked`] | a film with the lattice that was followed through it, and its curves | |
-//! | [`maps()`] | a cell coloured by several quantities beside each other: a map, hatched where it is doubtful, and how sure it is | |
-//! | [`no_map()`] | the outline of a cell whose map is not known, and why | |
-//! | [`measured()`] | a measured curve with its beats, and where the metrics of one were read | |
+//! | [`trace_bands`] | curves of many members: median, and bands of 50 % and 90 % of them | |
+//! | [`Tracked`] | a film with the tracked lattice, and its curves | |
+//! | [`maps()`] | a cell coloured by several quantities, side by side: a map, hatched where it is doubtful, and its uncertainty | |
+//! | [`no_map()`] | the outline of a cell without a map, and the reason | |
+//! | [`measured()`] | a measured curve with its beats, and one beat with the points at which its metrics were read | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
 //! text in the SVG; the PNG is drawn with an embedded font (Noto Sans, SIL Open Font License 1.1),
-//! so both are the same bytes on every machine. Curves use the Okabe-Ito colours, and the cell those of
-//! [`ColourScale`](crate::field::ColourScale), which are light at rest; people with any colour vision can read both.
-//! [`Figure::themed`] puts it on dark paper.
+//! so both files are identical on every machine. Curves use the Okabe-Ito colours, and the cell
+//! those of [`ColourScale`](crate::field::ColourScale), which are light at rest; people with any
+//! colour vision can read both. [`Figure::themed`] puts it on dark paper.
 //!
-//! A [`Cell`] is drawn with its smooth outline, which its lattice carries along; [`mesh`] shows the lattice. Area and
-//! length that a run reports are those of the lattice. At rest the two areas differ by less than the mesh's report
-//! says (`area_error_pct`), the lengths by less than a spacing at either end.
+//! A [`Cell`] is drawn with its smooth outline, which moves with its lattice; [`mesh`] shows the
+//! lattice. Area and length in the results of a run are those of the lattice. At rest the areas of
+//! outline and lattice differ by less than the mesh's report says (`area_error_pct`), the lengths
+//! by less than a spacing at either end.
 
 use crate::field::FieldError;
 
@@ -85,7 +86,7 @@ pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
 pub use tracked::{Tracked, TrackedFrame};
 pub use work_loop::work_loop;
 
-/// Why a figure was not drawn.
+/// Why a figure cannot be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FigureError {
     /// No finite sample to draw.
@@ -97,7 +98,7 @@ pub enum FigureError {
         /// Which recording.
         what: String,
     },
-    /// Nothing to put in the figure.
+    /// Nothing to draw.
     #[error("the figure was given 0 {what}, it needs at least 1")]
     Nothing {
         /// What is missing.
@@ -118,7 +119,7 @@ pub enum FigureError {
         /// Points in the mesh.
         points: usize,
     },
-    /// A shape that is not a shape.
+    /// A position that is not finite.
     #[error(
         "{what} puts point {node} at ({x}, {y}) um, which is not finite; draw an earlier frame and \
          look at the time step"
@@ -133,18 +134,18 @@ pub enum FigureError {
         /// Its y, um.
         y: f64,
     },
-    /// A triangle or spring that names a point which is not there.
-    #[error("the mesh names point {node}, but has {points} points; build it with `Mesh::new`")]
+    /// A triangle or spring refers to a point that does not exist.
+    #[error("the mesh refers to point {node}, but has {points} points; build it with `Mesh::new`")]
     NoSuchPoint {
         /// The point.
         node: u32,
         /// Points in the mesh.
         points: usize,
     },
-    /// Fibres or contents that are not those of the mesh.
+    /// Fibres or contents that do not fit the mesh.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// A picture with another number of pixels than it says.
+    /// A picture whose number of values does not match its size.
     #[error("a picture of {width} x {height} pixels needs {} values, but {found} were given", width.saturating_mul(*height))]
     PictureShape {
         /// Columns.
@@ -154,22 +155,22 @@ pub enum FigureError {
         /// Values given.
         found: usize,
     },
-    /// A film that would run faster than the cell.
+    /// A film faster than real time.
     #[error("a film cannot be slowed by a factor of {slowed}; give at least 1, which is real time")]
     Slowed {
         /// The factor.
         slowed: f64,
     },
-    /// A resolution that no printer has.
+    /// A resolution out of range.
     #[error("a resolution of {dpi} dpi is outside 10 to 2400 dpi; 300 dpi suits a journal")]
     Resolution {
         /// What was asked for, pixels per inch.
         dpi: f64,
     },
-    /// More pixels than memory allows, or than a PNG holds.
+    /// More pixels than memory or the PNG format allows.
     #[error("the figure cannot be drawn as PNG: {reason}")]
     Raster {
-        /// What the painter says.
+        /// Message of the renderer.
         reason: String,
     },
 }

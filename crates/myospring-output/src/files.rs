@@ -1,4 +1,5 @@
-//! Whole files or none: the only place of the library that writes to the disk, beside the journal of a study.
+//! Writes files completely or not at all: the only part of the library that writes to the disk,
+//! except the journal of a study.
 
 mod bounded;
 mod draft;

@@ -1,29 +1,29 @@
-//! `frames.npz`: the shapes of a run with their mesh and fibres, all digits, for NumPy.
+//! `frames.npz`: the shapes of a run with mesh and fibres, in full precision, for NumPy.
 //!
 //! | array | shape | what |
 //! |---|---|---|
 //! | `t_ms` | frames | time |
 //! | `tension_kPa` | frames | active tension, the mean over the cell |
 //! | `positions_um` | frames, nodes, 2 | x and y of each mass, y upward |
-//! | `rest_um` | nodes, 2 | where it rests |
-//! | `area_um2` | nodes | area that it stands for |
+//! | `rest_um` | nodes, 2  position at rest |
+//! | `area_um2` | nodes | area that the mass represents |
 //! | `triangles` | triangles, 3 | corners, counter-clockwise, 0 is the first mass |
-//! | `weights` | triangles | 1/2 where two triangles cover the same place, so that sums count it once |
-//! | `column_row` | nodes, 2 | place in the lattice, where the mesh is one |
-//! | `spacing_um` | | distance of neighbours in it |
+//! | `weights` | triangles | 1/2 if two triangles cover the same place, so that sums count it once |
+//! | `column_row` | nodes, 2 | column and row in the lattice, if the mesh is one |
+//! | `spacing_um` | | distance between neighbours in the lattice |
 //! | `fibre` | triangles, 2 | unit vector along the fibre at rest |
-//! | `content` | triangles | content of myofibrils; only where it differs |
-//! | `tension_by_triangle_kPa` | frames, triangles | only where the tension differs from place to place |
+//! | `content` | triangles | content of myofibrils; only if it is not uniform |
+//! | `tension_by_triangle_kPa` | frames, triangles | only if the tension is not uniform |
 //! | `outline_um` | points, 2 | the outline that was meshed, at rest |
-//! | `outline_ring` | points | which ring of it: 0 the cell's rim, others its holes |
+//! | `outline_ring` | points | ring to which each point belongs: 0 the cell's rim, others its holes |
 
 use super::npz::{self, Array, NpzError};
 use myospring_core::mesh::outline::Outline;
 use myospring_core::mesh::{Lattice, Mesh, Simplex};
 use myospring_core::recording::{Frame, Recording};
 
-/// The frames of a recording as the bytes of `frames.npz`; `fibres` has a unit vector for each triangle, `content`
-/// its content of myofibrils, if that differs.
+/// The frames of a recording as the bytes of `frames.npz`; `fibres` has a unit vector for each
+/// triangle, `content` its content of myofibrils, if that is not uniform.
 ///
 /// # Errors
 /// More than an archive can hold.
@@ -37,7 +37,7 @@ pub fn to_npz(
     to_npz_with(mesh, &recording.frames, fibres, content, outline, Vec::new())
 }
 
-/// As [`to_npz`], of frames that may come from elsewhere, with more arrays behind its own.
+/// Like [`to_npz`], for frames from any source, with further arrays.
 ///
 /// # Errors
 /// More than an archive can hold.
@@ -102,7 +102,7 @@ pub fn to_npz_with(
     npz::to_bytes(&arrays)
 }
 
-/// What `frames.npz` says of a run: a mesh without springs, enough to draw it, and its frames.
+/// Content of `frames.npz`: a mesh without springs, enough to draw it, and its frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kept {
     /// Points, areas and triangles.
@@ -115,10 +115,10 @@ pub struct Kept {
     pub frames: Vec<Frame>,
 }
 
-/// Reads what [`to_npz`] wrote; `None` where arrays are missing or do not fit each other.
+/// Reads the output of [`to_npz`]; `None` if arrays are missing or inconsistent.
 ///
 /// # Errors
-/// What is no archive of arrays.
+/// Bytes that are not an archive of arrays.
 pub fn read(bytes: &[u8]) -> Result<Option<Kept>, NpzError> {
     let arrays = npz::read(bytes)?;
     Ok(kept(&|name| arrays.get(name)))
@@ -181,7 +181,7 @@ fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<Kept> {
     Some(Kept { mesh, fibres: fibres.to_vec(), rings, frames })
 }
 
-/// The lattice of points, where they have a place in one.
+/// The lattice of the points, if they have columns and rows.
 fn lattice(rest: &[[f64; 2]], places: Option<&[i32]>, spacing: Option<&[f64]>) -> Option<Lattice> {
     let (places, &[spacing]) = (places?.as_chunks::<2>().0, spacing?) else { return None };
     let place =

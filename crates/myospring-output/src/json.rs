@@ -5,7 +5,7 @@ use serde::Serialize;
 use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
 use std::io::{self, Write};
 
-/// Why a value did not become JSON.
+/// Why a value cannot be written as JSON.
 #[derive(Debug, thiserror::Error)]
 #[error("the value cannot be written as JSON: {source}; map keys must be text or numbers")]
 pub struct JsonError {
@@ -16,10 +16,10 @@ pub struct JsonError {
 
 /// Any serialisable value as indented JSON with a final newline.
 ///
-/// Numbers that JSON cannot hold (NaN, infinities) become `null`.
+/// Numbers that JSON cannot represent (NaN, infinities) become `null`.
 ///
 /// # Errors
-/// A value whose serialiser refuses, or a map with keys that are neither text nor numbers.
+/// A value whose serialiser fails, or a map with keys that are neither text nor numbers.
 ///
 /// # Example
 /// ```
@@ -33,7 +33,7 @@ pub fn pretty<T: Serialize + ?Sized>(value: &T) -> Result<String, JsonError> {
     Ok(text)
 }
 
-/// As [`pretty`], with numbers as people read them: [`DIGITS`](crate::digits::DIGITS) significant digits.
+/// Like [`pretty`], with rounded numbers: [`DIGITS`](crate::digits::DIGITS) significant digits.
 ///
 /// # Errors
 /// Those of [`pretty`].
@@ -52,7 +52,7 @@ pub fn for_people<T: Serialize + ?Sized>(value: &T) -> Result<String, JsonError>
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Indented, with rounded numbers.
+/// Formatter with indentation and rounded numbers.
 struct Rounded(PrettyFormatter<'static>);
 
 impl Formatter for Rounded {

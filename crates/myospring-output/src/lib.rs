@@ -1,25 +1,25 @@
 //! Curves, figures and numbers for people and machines.
 //!
-//! Every renderer here is pure: it takes what a run kept and returns text or bytes, the same ones
-//! for the same input. Only [`files`] touches the disk.
+//! Every renderer is a pure function: it takes recorded data and returns text or bytes, always the
+//! same for the same input. Only [`files`] touches the disk.
 //!
 //! | module | gives |
 //! |---|---|
 //! | [`csv`] | `traces.csv`, one row per sample, units in the column names |
 //! | [`fibres`] | `fibres.csv`, one row per triangle |
-//! | [`field`] | what a cell is coloured by: values, units, colours |
+//! | [`field`] | fields by which a cell is coloured: values, units, colours |
 //! | [`frames`] | `frames.npz`, all shapes with mesh and fibres, for NumPy |
 //! | [`npy`] | NumPy's file of one array, written record by record in any order |
 //! | [`npz`] | NumPy's archive of arrays, written and read |
 //! | [`vtu`] | frames for ParaView, compressed |
 //! | [`json`] | any serialisable value for machines |
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
-//! | [`page`] | `report.html`: beating cell, curves and numbers of one run or several in a page |
+//! | [`page`] | `report.html`: a page with the beating cell, curves and numbers of one or several runs |
 //! | [`report`] | the numbers of a run with units, definitions and reference bands |
-//! | [`comparison`] | the paper's numbers beside ours |
-//! | [`table`] | a row for each of many runs, as CSV and Parquet |
-//! | [`track`] | `track.csv`, a cell followed through a film, a row a frame |
-//! | [`files`] | whole files or none |
+//! | [`comparison`] | the paper's numbers compared with ours |
+//! | [`table`] | one row per run, as CSV and Parquet |
+//! | [`track`] | `track.csv`, a tracked cell, one row per frame |
+//! | [`files`] | atomic writing of files and folders |
 
 pub mod comparison;
 pub mod csv;

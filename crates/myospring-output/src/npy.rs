@@ -1,4 +1,5 @@
-//! NumPy's file of one array, `.npy`, record by record: curves of many members, without holding them.
+//! NumPy's file of one array, `.npy`, written record by record: curves of many members without
+//! holding them in memory.
 //!
 //! `numpy.load(path, mmap_mode="r")` reads it without loading it.
 
@@ -11,21 +12,21 @@ use std::path::{Path, PathBuf};
 /// Bytes of a number.
 const WIDTH: usize = 4;
 
-/// An array of 32-bit floats on the disk, whose records (all that stands under one first index) are written in any
-/// order. Those that nobody has written are NaN.
+/// An array of 32-bit floats on the disk, whose records (the entries of one first index) are
+/// written in any order. Records that were not written are NaN.
 #[derive(Debug)]
 pub struct Records {
     path: PathBuf,
     file: File,
-    /// Bytes before the first number.
+    /// Offset of the first number, bytes.
     start: u64,
-    /// Numbers of a record.
+    /// Number of values per record.
     length: usize,
     count: usize,
 }
 
 impl Records {
-    /// Goes on with a file of this shape, or begins one, all NaN.
+    /// Opens a file of this shape to continue it, or creates one filled with NaN.
     ///
     /// # Errors
     /// A file that cannot be read or written.
@@ -65,12 +66,13 @@ impl Records {
         Ok(Self { path: path.to_owned(), file, start: header.len() as u64, length, count })
     }
 
-    /// How many records there are.
+    /// Number of records.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Writes a record, and returns it as it was written: numbers beyond its length are left out, missing ones are NaN.
+    /// Writes a record and returns it as written: numbers beyond its length are left out, missing
+    /// ones are NaN.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -94,7 +96,7 @@ impl Records {
         Ok(numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
     }
 
-    /// Returns when all that was written is on the disk.
+    /// Flushes everything written to the disk.
     ///
     /// # Errors
     /// A disk that is full or gone.
@@ -112,7 +114,7 @@ impl Records {
     }
 }
 
-/// Header and so many NaN.
+/// Writes the header and `numbers` NaN.
 fn begin(file: &mut File, header: &[u8], numbers: usize) -> io::Result<()> {
     file.set_len(0)?;
     file.seek(SeekFrom::Start(0))?;

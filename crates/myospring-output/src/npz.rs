@@ -1,8 +1,8 @@
-//! NumPy's archive of arrays, `.npz`: written and read without Python, and without pickled objects.
+//! Reads and writes NumPy's archive of arrays, `.npz`, without pickled objects.
 //!
-//! The format is NumPy's own (NEP 1, version 1.0 of `.npy`): each array is a file `NAME.npy` in a ZIP archive, a
-//! short header and the numbers as they lie in memory, row by row. Written uncompressed, since positions hardly
-//! shrink, with the same bytes for the same arrays.
+//! The format is NumPy's own (NEP 1, version 1.0 of `.npy`): each array is a file `NAME.npy` in a
+//! ZIP archive, a short header and the numbers as they lie in memory, row by row. It is written
+//! uncompressed, since positions hardly compress; the same arrays give the same bytes.
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read, Write};
@@ -20,7 +20,7 @@ const ALIGNMENT: usize = 64;
 pub enum Numbers {
     /// 64-bit floats.
     Floats(Vec<f64>),
-    /// Whole numbers, 32 bits with sign.
+    /// Whole numbers, signed 32 bits.
     Whole(Vec<i32>),
 }
 
@@ -29,7 +29,7 @@ pub enum Numbers {
 pub struct Array {
     /// Length along each axis.
     pub shape: Vec<usize>,
-    /// As many as the product of the lengths.
+    /// The values; their number is the product of the lengths.
     pub numbers: Numbers,
 }
 
@@ -44,7 +44,7 @@ impl Array {
         Self { shape: shape.into(), numbers: Numbers::Whole(numbers.into_iter().collect()) }
     }
 
-    /// Its floats, if it has some.
+    /// Its values, if they are floats.
     pub fn as_floats(&self) -> Option<&[f64]> {
         match &self.numbers {
             Numbers::Floats(numbers) => Some(numbers),
@@ -52,7 +52,7 @@ impl Array {
         }
     }
 
-    /// Its whole numbers, if it has some.
+    /// Its values, if they are whole numbers.
     pub fn as_whole(&self) -> Option<&[i32]> {
         match &self.numbers {
             Numbers::Whole(numbers) => Some(numbers),
@@ -60,7 +60,7 @@ impl Array {
         }
     }
 
-    /// The header of NumPy's file.
+    /// The header of its NumPy file.
     fn header(&self) -> Vec<u8> {
         let kind = match self.numbers {
             Numbers::Floats(_) => "<f8",
@@ -70,7 +70,7 @@ impl Array {
     }
 }
 
-/// The header of NumPy's file of an array of this kind (`<f8`) and shape.
+/// The header of a NumPy file for an array of this type (`<f8`) and shape.
 pub(crate) fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
     let lengths: Vec<String> = shape.iter().map(|length| format!("{length},")).collect();
     let lengths = lengths.join(" ");
@@ -83,13 +83,13 @@ pub(crate) fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
     [MAGIC.as_slice(), &length, text.as_bytes()].concat()
 }
 
-/// Why an archive was not written or read.
+/// Why an archive cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum NpzError {
-    /// The archive itself.
-    #[error("the archive of arrays is not whole: {0}")]
+    /// The archive is damaged.
+    #[error("the archive of arrays is incomplete or damaged: {0}")]
     Archive(#[from] ZipError),
-    /// Its bytes.
+    /// The bytes of an array cannot be read or written.
     #[error("the array `{name}` of the archive cannot be read or written: {source}")]
     Bytes {
         /// The array.
@@ -97,9 +97,9 @@ pub enum NpzError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// An array that is none of ours.
+    /// An array of an unsupported type.
     #[error(
-        "`{name}` of the archive is no array of 64-bit floats or 32-bit whole numbers, row by row"
+        "`{name}` of the archive is not an array of 64-bit floats or 32-bit whole numbers, row by row"
     )]
     Kind {
         /// The array.
@@ -107,10 +107,10 @@ pub enum NpzError {
     },
 }
 
-/// An archive of named arrays.
+/// Writes an archive of named arrays.
 ///
 /// # Errors
-/// More than the archive can hold.
+/// More data than an archive can hold.
 ///
 /// # Example
 /// ```
@@ -141,10 +141,10 @@ pub fn to_bytes(arrays: &[(&str, Array)]) -> Result<Vec<u8>, NpzError> {
     Ok(writer.finish()?.into_inner())
 }
 
-/// The arrays of an archive by their names; what is no array of ours is an error.
+/// Reads the arrays of an archive by their names.
 ///
 /// # Errors
-/// What is no archive, or holds something else.
+/// Bytes that are not an archive, or contain something other than supported arrays.
 pub fn read(bytes: &[u8]) -> Result<BTreeMap<String, Array>, NpzError> {
     let mut archive = ZipArchive::new(Cursor::new(bytes))?;
     let mut arrays = BTreeMap::new();
@@ -160,7 +160,7 @@ pub fn read(bytes: &[u8]) -> Result<BTreeMap<String, Array>, NpzError> {
     Ok(arrays)
 }
 
-/// An array of one of our kinds from a `.npy` file.
+/// Reads an array of a supported type from a `.npy` file.
 fn parse(bytes: &[u8]) -> Option<Array> {
     let rest = bytes.strip_prefix(MAGIC.as_slice())?;
     let (length, rest) = rest.split_first_chunk::<2>()?;

@@ -12,23 +12,23 @@ use serde::Serialize;
 /// The numbers of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// One entry for each stimulus within the run; without values where it was not captured.
+    /// One entry for each stimulus within the run, without values if it was not captured.
     pub beats: Vec<Beat>,
     /// How the beats follow their stimuli: which were not captured, capture ratio, alternans.
     pub rhythm: Rhythm,
-    /// Mean and standard deviation over the beats that count, where there are several.
+    /// Mean and standard deviation over the beats that count, if there are several.
     pub beat_to_beat: Vec<Spread>,
-    /// Whether the run ended before the last beat of the train was over; means leave it out.
+    /// Whether the run ended before the last beat of the train was over; means exclude that beat.
     pub cut_short: bool,
-    /// Where the work of the active force went, at the end of the run.
+    /// The energy balance at the end of the run: where the work of the active force went.
     pub energy: Vec<Metric>,
-    /// Bands, not targets, from measurements on unloaded adult ventricular myocytes.
+    /// Reference bands (not targets) from measurements on unloaded adult ventricular myocytes.
     pub reference_bands: [Band; 5],
-    /// What became of the picture or outline.
+    /// Report on the mesh made from the picture or outline.
     pub mesh: MeshReport,
-    /// What a person should look at.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// What is known of the cell model and seen in this run, in a sentence.
+    /// A known property of the cell model that this run shows, in a sentence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub about_model: Option<String>,
     #[serde(skip)]
@@ -36,8 +36,8 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// The numbers of a recording whose stimuli fell at these times, ms; `s2_ms` is the last of them where that is an
-    /// extra one, S2.
+    /// The numbers of a recording with these stimulus times, ms; `s2_ms` is the time of the extra
+    /// stimulus S2, if the last one is such.
     pub fn new(
         recording: &Recording,
         stimulus_times_ms: &[f64],
@@ -62,29 +62,29 @@ impl Summary {
         }
     }
 
-    /// With what is known of the cell model, where this run shows it.
+    /// Adds a known property of the cell model, if this run shows it.
     #[must_use]
     pub fn with_pace(self, pace: &Pace) -> Self {
         Self { about_model: about_model(pace), ..self }
     }
 
-    /// The beat whose numbers stand for the run where there is no mean: the first that counts.
+    /// The beat that represents the run if there is no mean: the first that counts.
     pub fn usual(&self) -> Option<&Beat> {
         self.beats.get(self.usual)
     }
 
-    /// How many beats of the train there are: stimuli that were captured, or may have been.
+    /// Number of beats of the train: stimuli that were captured, or may have been.
     pub fn captured(&self) -> usize {
         self.rhythm.stimuli - self.rhythm.not_captured.len()
     }
 
-    /// The beat of an extra stimulus, where there is one.
+    /// The beat of the extra stimulus, if there is one.
     pub fn s2(&self) -> Option<&Beat> {
         self.beats.last().filter(|last| last.is_s2())
     }
 }
 
-/// What is known of a cell model and seen in a run, in a sentence.
+/// A known property of a cell model that a run shows, in a sentence.
 pub fn about_model(pace: &Pace) -> Option<String> {
     match pace {
         Pace::AsItsModel(KnownDeparture { fact, instead, .. }) => {

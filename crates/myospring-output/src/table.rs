@@ -21,7 +21,7 @@ use parquet::schema::types::Type;
 use super::csv::CsvError;
 use super::digits;
 
-/// One column: its name, with the unit in it, and a value or none for each row.
+/// One column: its name, including the unit, and an optional value for each row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Column {
     /// Words.
@@ -35,7 +35,7 @@ pub enum Column {
     Number {
         /// Name.
         name: String,
-        /// One for each row; a value that is not finite counts as none.
+        /// One for each row; a value that is not finite counts as missing.
         values: Vec<Option<f64>>,
     },
 }
@@ -60,7 +60,7 @@ pub fn column_name(name: &str, unit: &str) -> String {
 /// Columns of equal length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// In the order of reading.
+    /// The columns, from left to right.
     pub columns: Vec<Column>,
 }
 
@@ -78,7 +78,7 @@ impl Column {
         }
     }
 
-    /// What a row of a CSV has; nothing for none.
+    /// The field of a CSV row; empty for a missing value.
     fn field(&self, row: usize) -> String {
         match self {
             Self::Text { values, .. } => {
@@ -92,7 +92,8 @@ impl Column {
     }
 }
 
-/// A text that no spreadsheet takes for a formula: before one that begins like a formula comes an apostrophe.
+/// Protects a text from being read as a formula by a spreadsheet: an apostrophe is put before one
+/// that begins like a formula.
 fn no_formula(text: &str) -> String {
     let apostrophe = if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { "'" } else { "" };
     format!("{apostrophe}{text}")
@@ -104,7 +105,7 @@ impl Table {
         self.columns.iter().map(Column::len).max().unwrap_or(0)
     }
 
-    /// The table with numbers as people read them: [`digits::DIGITS`] significant digits.
+    /// The table with numbers rounded to [`digits::DIGITS`] significant digits.
     #[must_use]
     pub fn for_people(mut self) -> Self {
         for column in &mut self.columns {
@@ -115,11 +116,12 @@ impl Table {
         self
     }
 
-    /// The table as CSV: a line of names, then a line for each row. Words that begin with `=`, `+`, `-` or `@` have an
-    /// apostrophe before them, so that a spreadsheet takes none for a formula.
+    /// The table as CSV: a line of names, then a line for each row. An apostrophe is put before
+    /// text that begins with `=`, `+`, `-` or `@`, so that a spreadsheet does not read it as a
+    /// formula.
     ///
     /// # Errors
-    /// None that a table can cause; the writer's signature has one.
+    /// A table cannot cause one; the CSV writer's signature has it.
     ///
     /// # Example
     /// ```
@@ -140,7 +142,8 @@ impl Table {
         Ok(bytes)
     }
 
-    /// The table as Apache Parquet: text as UTF-8 strings, numbers as doubles, none as null.
+    /// The table as Apache Parquet: text as UTF-8 strings, numbers as doubles, missing values as
+    /// null.
     ///
     /// # Errors
     /// Columns of different lengths.
@@ -151,7 +154,7 @@ impl Table {
         Ok(bytes)
     }
 
-    /// The columns with their kinds, as Parquet has them.
+    /// The columns with their types, as a Parquet schema.
     #[cfg(feature = "parquet")]
     fn schema(&self) -> Result<Type, ParquetError> {
         let fields = self.columns.iter().map(|column| {
@@ -169,10 +172,10 @@ impl Table {
     }
 }
 
-/// Writes pieces of one table below each other as CSV: what is held is a piece.
+/// Writes consecutive pieces of one table as CSV; only one piece at a time is in memory.
 ///
 /// # Errors
-/// What the sink says, with the row.
+/// Errors of the sink, with the row.
 pub fn write_csv<T: Borrow<Table>>(
     sink: impl Write,
     pieces: impl IntoIterator<Item = T>,
@@ -196,7 +199,8 @@ pub fn write_csv<T: Borrow<Table>>(
     writer.flush().map_err(|error| failed(before, error.into()))
 }
 
-/// Writes pieces of one table below each other as Apache Parquet, each a row group: what is held is a piece.
+/// Writes consecutive pieces of one table as Apache Parquet, each as a row group; only one piece at
+/// a time is in memory.
 ///
 /// # Errors
 /// No piece, or columns of different lengths.

@@ -1,4 +1,4 @@
-//! `track.csv`: a cell that was followed through a film, a row a frame; and its frames as arrays and grids.
+//! `track.csv`: a tracked cell, one row per frame of the film.
 
 use crate::csv::{CsvError, number};
 
@@ -9,12 +9,13 @@ pub struct TrackRow {
     pub frame: usize,
     /// Time from the first frame of the film, ms.
     pub t_ms: f64,
-    /// Length along the long axis after rigid rotation is removed, um: end to end at rest, changed as the distance between
-    /// the means of both ends.
+    /// Length along the long axis after rigid rotation is removed, um: at rest the distance between
+    /// its ends, scaled by the distance between the means of both ends.
     pub length_um: f64,
     /// Shortening against the frame at rest, per cent of its length.
     pub shortening_pct: f64,
-    /// Largest extent across the long axis at rest, changed as the distance between the means of both sides, um.
+    /// Width across the long axis, um: at rest the largest extent, scaled by the distance between
+    /// the means of both sides.
     pub width_um: f64,
     /// Projected area of the lattice, um^2.
     pub area_um2: f64,
@@ -22,13 +23,13 @@ pub struct TrackRow {
     pub stretch_1: f64,
     /// Larger principal stretch of the whole cell.
     pub stretch_2: f64,
-    /// Mean length of the sarcomeres, um, where the picture shows stripes.
+    /// Mean length of the sarcomeres, um, if the picture shows stripes.
     pub sarcomere_um: Option<f64>,
-    /// Points that were put where their neighbours would have them, per cent.
-    pub healed_pct: f64,
+    /// Part of the points that were interpolated from their neighbours, per cent.
+    pub interpolated_pct: f64,
     /// Median zero-normalised correlation of the points that were found.
     pub correlation: Option<f64>,
-    /// Motion of the stage that was taken out, um, x to the right and y upward.
+    /// Motion of the stage that was subtracted, um, x to the right and y upward.
     pub stage_um: [f64; 2],
 }
 
@@ -43,16 +44,16 @@ const COLUMNS: [&str; 13] = [
     "stretch_1",
     "stretch_2",
     "sarcomere_um",
-    "healed_pct",
+    "interpolated_pct",
     "correlation",
     "stage_x_um",
     "stage_y_um",
 ];
 
-/// The rows as the text of `track.csv`; what is not known is empty.
+/// The rows as the text of `track.csv`; unknown values are empty.
 ///
 /// # Errors
-/// A row that the writer refuses.
+/// A row that cannot be written.
 ///
 /// # Example
 /// ```
@@ -77,7 +78,7 @@ pub fn to_csv(rows: &[TrackRow]) -> Result<String, CsvError> {
             Some(row.stretch_1),
             Some(row.stretch_2),
             row.sarcomere_um,
-            Some(row.healed_pct),
+            Some(row.interpolated_pct),
             row.correlation,
             Some(stage_x),
             Some(stage_y),

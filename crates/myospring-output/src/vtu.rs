@@ -1,19 +1,20 @@
-//! Frames for ParaView and whatever else reads VTK's XML files: one unstructured grid a frame, and the collection
-//! that gives each its time.
+//! Frames for ParaView and other readers of VTK's XML files: one unstructured grid per frame, and a
+//! collection with their times.
 //!
-//! Cells are lattice squares (triangles of other meshes), each once, so that sums over them count no place twice.
-//! Arrays are 32-bit floats, compressed by zlib (`vtkZLibDataCompressor`), as text in base64: 7 digits, which is
-//! more than a picture shows. `frames.npz` ([`super::npz`]) has all digits.
+//! Cells are lattice squares (triangles of other meshes), without overlap, so that sums over them
+//! count each place once. Arrays are 32-bit floats, compressed by zlib (`vtkZLibDataCompressor`),
+//! as base64 text: 7 digits, more precise than any picture. `frames.npz` ([`super::npz`]) has full
+//! precision.
 //!
 //! | array | of | what |
 //! |---|---|---|
 //! | `displacement_um` | point | from rest |
 //! | `displacement_magnitude_um` | point | its length |
-//! | `velocity_um_per_s` | point | between the neighbouring frames, so smoothed over twice the frame interval |
+//! | `velocity_um_per_s` | point | from the neighbouring frames, so smoothed over twice the frame interval |
 //! | `fibre` | cell | unit vector along the fibre at that time |
 //! | `fibre_strain_pct` | cell | along the fibre, negative where it is shorter |
-//! | `cross_strain_pct` | cell | of what lay across the fibre at rest |
-//! | `area_ratio` | cell | area by that at rest |
+//! | `cross_strain_pct` | cell | of the direction that is across the fibre at rest |
+//! | `area_ratio` | cell | area relative to that at rest |
 //! | `active_stress_kPa` | cell | active tension times the content of myofibrils |
 
 use super::field::{Field, FieldError, Fields};
@@ -28,12 +29,12 @@ use myospring_core::recording::Frame;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Numbers of VTK's kinds of cell.
+/// VTK's numbers of cell types.
 const VTK_TRIANGLE: u8 = 5;
 const VTK_POLYGON: u8 = 7;
 const VTK_QUAD: u8 = 9;
 
-/// Arrays of the cells and what they hold.
+/// Cell arrays and their fields.
 const CELL_ARRAYS: [(&str, Field); 4] = [
     ("fibre_strain_pct", Field::FibreStrain),
     ("cross_strain_pct", Field::CrossStrain),
@@ -41,7 +42,7 @@ const CELL_ARRAYS: [(&str, Field); 4] = [
     ("active_stress_kPa", Field::ActiveStress),
 ];
 
-/// Why there are no frames to write.
+/// Why frames cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum VtuError {
     /// Frames of another mesh, or positions that are not finite.
@@ -52,22 +53,22 @@ pub enum VtuError {
     Field(#[from] FieldError),
 }
 
-/// The frames of a run, to be written one by one.
+/// The frames of a run, written one by one.
 #[derive(Debug, Clone)]
 pub struct Frames<'a> {
     fields: Fields<'a>,
     shapes: &'a [Frame],
     fibres: &'a [[f64; 2]],
     facets: Vec<Facet>,
-    /// Resting area of each triangle, um^2, by which it counts in its facet.
+    /// Resting area of each triangle, um^2: its weight in its facet.
     areas: Vec<f64>,
-    /// The `Cells` element, the same of all frames.
+    /// The `Cells` element, the same for all frames.
     cells: String,
 }
 
 impl<'a> Frames<'a> {
-    /// Frames of a mesh with the resting direction of the fibre in each of its triangles and the content of
-    /// myofibrils, if it differs.
+    /// Frames of a mesh with the resting direction of the fibre in each of its triangles and the
+    /// content of myofibrils, if it is not uniform.
     ///
     /// # Errors
     /// Frames, fibres or contents of another mesh, or positions that are not finite.
@@ -89,12 +90,12 @@ impl<'a> Frames<'a> {
         Ok(Self { fields, shapes: frames, fibres, facets, areas, cells })
     }
 
-    /// How many there are.
+    /// Number of frames.
     pub fn len(&self) -> usize {
         self.shapes.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no frames.
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()
     }
@@ -104,7 +105,7 @@ impl<'a> Frames<'a> {
         format!("cell_{index:04}.vtu")
     }
 
-    /// The collection of all frames, a `.pvd` file that stands beside their folder; times are ms.
+    /// The collection of all frames, a `.pvd` file beside their folder; times are ms.
     pub fn collection(&self, folder: &str) -> String {
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n\
@@ -124,7 +125,7 @@ impl<'a> Frames<'a> {
     /// One frame, a `.vtu` file.
     ///
     /// # Panics
-    /// Where there is no such frame.
+    /// If there is no such frame.
     pub fn frame(&self, index: usize) -> String {
         let frame = &self.shapes[index];
         let rest = &self.fields.mesh().points;
@@ -171,7 +172,8 @@ impl<'a> Frames<'a> {
         text
     }
 
-    /// The velocity of each node, um/s, from the frames before and after; at the ends from one of them.
+    /// The velocity of each node, um/s, from the frames before and after; one-sided at the first
+    /// and last frame.
     fn velocities(&self, index: usize) -> impl Fn(usize) -> [f64; 2] + use<'_> {
         let before = &self.shapes[index.saturating_sub(1)];
         let after = &self.shapes[(index + 1).min(self.shapes.len() - 1)];
@@ -184,7 +186,8 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// The mean over the triangles of a facet, by their resting areas; of no area the value at rest.
+    /// The mean over the triangles of a facet, by their resting areas; for zero area, the value at
+    /// rest.
     fn mean(&self, facet: &Facet, at_rest: f64, value: impl Fn(usize) -> f64) -> f32 {
         let (sum, total) = facet.triangles.iter().fold((0.0, 0.0), |(sum, total), &index| {
             (sum + self.areas[index] * value(index), total + self.areas[index])
@@ -192,14 +195,15 @@ impl<'a> Frames<'a> {
         if total > 0.0 { (sum / total) as f32 } else { at_rest as f32 }
     }
 
-    /// The unit vector along the fibre of a facet at that time, F f0 by its length.
+    /// The unit vector along the fibre of a facet at that time: F f0 divided by its length.
     fn fibre(&self, frame: &Frame, facet: &Facet) -> [f64; 2] {
         let mesh = self.fields.mesh();
         let mut sum = [0.0; 2];
         for &index in &facet.triangles {
             let (nodes, [x, y]) = (mesh.simplices[index].nodes, self.fibres[index]);
             let corners = nodes.map(|node| mesh.points.each_ref().map(|xs| xs[node as usize]));
-            // F f0 = sum x_i (grad N_i . f0), and grad N_i is that of the content by the content.
+            // F f0 = sum x_i (grad N_i . f0), and grad N_i is the gradient of the content divided
+            // by the content.
             let mut now = [0.0; 2];
             for (node, gradient) in nodes.into_iter().zip(simplex::measure_gradients(&corners)) {
                 let share = gradient[0] * x + gradient[1] * y;
@@ -207,7 +211,7 @@ impl<'a> Frames<'a> {
                     *part += share * frame.positions[axis][node as usize];
                 }
             }
-            // A fibre has no front: all of a square point the way of its first.
+            // A fibre has no sign; the vectors of a square are aligned with the first.
             let sign = if now[0] * sum[0] + now[1] * sum[1] < 0.0 { -1.0 } else { 1.0 };
             sum = [sum[0] + sign * now[0], sum[1] + sign * now[1]];
         }
@@ -248,7 +252,7 @@ fn cells(facets: &[Facet]) -> String {
     text
 }
 
-/// A number that VTK knows, as it lies in the file.
+/// A number type of VTK, with its bytes in the file.
 trait Number: Copy {
     const NAME: &'static str;
     fn put(self, bytes: &mut Vec<u8>);
@@ -267,21 +271,21 @@ macro_rules! numbers {
 
 numbers!(f32 = "Float32", u32 = "UInt32", u8 = "UInt8");
 
-/// An array as one compressed block: how many blocks, their size, that of the last, the compressed size, and the
-/// block. Components are 0 in field data, which has tuples instead.
+/// Writes an array as one compressed block: number of blocks, their size, size of the last,
+/// compressed size, and the block. Components are 0 in field data, which has tuples instead.
 fn array<T: Number>(text: &mut String, name: &str, components: usize, values: &[T]) {
     let mut bytes = Vec::with_capacity(std::mem::size_of_val(values));
     for value in values {
         value.put(&mut bytes);
     }
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
-    // Memory takes all that is written to it.
+    // Writing to memory cannot fail.
     let packed = encoder.write_all(&bytes).and_then(|()| encoder.finish()).unwrap_or_default();
     let size = bytes.len() as u64;
     let header = [1, size, size, packed.len() as u64].map(u64::to_le_bytes).concat();
     let shape = match components {
         0 => format!(" NumberOfTuples=\"{}\"", values.len()),
-        // Unless told otherwise; who is told makes a matrix of one column.
+        // The default; stating it would make a matrix of one column.
         1 => String::new(),
         _ => format!(" NumberOfComponents=\"{components}\""),
     };

@@ -25,7 +25,7 @@ const COLUMNS: [Column; 10] = [
     ("stretch_1", |row| row.stretch_1),
     ("stretch_2", |row| row.stretch_2),
     ("sarcomere_um", |row| row.sarcomere_um.unwrap_or(f64::NAN)),
-    ("healed_pct", |row| row.healed_pct),
+    ("interpolated_pct", |row| row.interpolated_pct),
     ("correlation", |row| row.correlation.unwrap_or(f64::NAN)),
 ];
 
@@ -112,11 +112,11 @@ impl Motion {
         PyArray1::from_vec(py, flat).reshape([motion.len(), motion.mesh.len(), 2])
     }
 
-    /// Which points were put where their neighbours would have them: (frames, points).
+    /// Which points were interpolated from their neighbours: (frames, points).
     #[getter]
-    fn healed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<bool>>> {
+    fn interpolated<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<bool>>> {
         let motion = &self.outcome.followed.motion;
-        let flat: Vec<bool> = motion.healed.iter().flatten().copied().collect();
+        let flat: Vec<bool> = motion.interpolated.iter().flatten().copied().collect();
         PyArray1::from_vec(py, flat).reshape([motion.len(), motion.mesh.len()])
     }
 

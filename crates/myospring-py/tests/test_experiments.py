@@ -84,7 +84,7 @@ def test_a_film_of_arrays_is_followed(motion, film, tmp_path):
     assert motion.t_ms == pytest.approx(50 * motion.frames)
     assert motion.contraction_pct.max() == pytest.approx(6, abs=0.6)
     points = motion.positions.shape[1]
-    assert motion.positions.shape == (len(film), points, 2) and motion.healed.shape == (len(film), points)
+    assert motion.positions.shape == (len(film), points, 2) and motion.interpolated.shape == (len(film), points)
     assert motion.triangles.max() < points
     assert motion.numbers["pixel_size_um"] == 0.5 and motion.numbers["frames_per_second"] == 20
     assert f"{len(film)} frames, contracts by" in repr(motion) and "<table>" in motion._repr_html_()

@@ -65,7 +65,7 @@ fn row(scene: &FilmScene) {
     let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
     let wrong = 0.5 * SARCOMERE_UM / scene.pixel_um;
     let wrong = errors.iter().filter(|error| **error > wrong).count() as f64 / errors.len() as f64;
-    let healed: f64 = (0..motion.len()).map(|frame| motion.healed_share(frame)).sum();
+    let interpolated: f64 = (0..motion.len()).map(|frame| motion.interpolated_share(frame)).sum();
     println!(
         "| {:.0} | {} | {:.0} | {:.0} | {} | {:.3} | {:.2} | {:.2} | {:.1} | {:.3} |",
         SARCOMERE_UM / scene.pixel_um,
@@ -76,7 +76,7 @@ fn row(scene: &FilmScene) {
         at(0.5),
         at(0.95),
         100.0 * wrong,
-        100.0 * healed / motion.len() as f64,
+        100.0 * interpolated / motion.len() as f64,
         shortening(scene, &motion)
     );
 }
@@ -84,7 +84,7 @@ fn row(scene: &FilmScene) {
 fn grid() {
     println!(
         "| px a sarcomere | noise | shortening, % | length, um | frames a beat | median error, px | 95 % | wrong stripe, % | \
-         healed, % | error of shortening, points |"
+         interpolated, % | error of shortening, points |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let usual = FilmScene { bits: 8, ..FilmScene::default() };

@@ -267,7 +267,7 @@ fn a_metric_that_cannot_be_read_is_empty_with_its_reason_in_every_file() {
     assert_eq!(of(1, "peak_shortening")["value"], serde_json::Value::Null);
     assert_eq!(of(0, "interval")["missing"], "no beat comes before");
     let last = beats.len() - 1;
-    assert_eq!(of(last, "area_under_curve")["missing"], "the recording ends before");
+    assert_eq!(of(last, "area_under_curve")["missing"], "the recording ends earlier");
     let mean = |name: &str| {
         summary["curves"][0]["metrics"]
             .as_array()

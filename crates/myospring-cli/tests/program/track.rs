@@ -68,7 +68,7 @@ fn a_folder_of_pictures_becomes_a_curve_a_film_and_figures() {
     assert_eq!(names(&results), expected);
     let table = fs::read_to_string(results.join("track.csv")).unwrap();
     let mut lines = table.lines();
-    let header = "frame,t_ms,length_um,shortening_pct,width_um,area_um2,stretch_1,stretch_2,sarcomere_um,healed_pct,\
+    let header = "frame,t_ms,length_um,shortening_pct,width_um,area_um2,stretch_1,stretch_2,sarcomere_um,interpolated_pct,\
                   correlation,stage_x_um,stage_y_um";
     assert_eq!(lines.next(), Some(header));
     let rows: Vec<Vec<f64>> = lines

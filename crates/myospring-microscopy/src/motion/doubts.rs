@@ -2,16 +2,16 @@
 
 use super::{FEWEST_PARTS, Motion};
 
-/// Share of healed points from which on a person is told, per cent.
-const MANY_HEALED_PCT: f64 = 30.0;
+/// Share of interpolated points from which on the user is told, per cent.
+const MANY_INTERPOLATED_PCT: f64 = 30.0;
 /// Part of its excursion by which a cell may be longer than at rest.
 const LONGER: f64 = 0.5;
 
 impl Motion {
-    /// What limits the numbers of this motion, in sentences: sarcomeres that are too few for a mean, many healed points,
+    /// What limits the numbers of this motion, in sentences: sarcomeres that are too few for a mean, many interpolated points,
     /// a cell that hardly moves, a frame at rest that is none.
     pub fn doubts(&self) -> Vec<String> {
-        let all = [self.without_sarcomeres(), self.much_healed(), self.without_rest()];
+        let all = [self.without_sarcomeres(), self.much_interpolated(), self.without_rest()];
         all.into_iter().flatten().collect()
     }
 
@@ -27,13 +27,14 @@ impl Motion {
         })
     }
 
-    fn much_healed(&self) -> Option<String> {
-        let shares = (0..self.len()).map(|at| (at, 100.0 * self.healed_share(at)));
-        let many: Vec<(usize, f64)> = shares.filter(|(_, pct)| *pct > MANY_HEALED_PCT).collect();
+    fn much_interpolated(&self) -> Option<String> {
+        let shares = (0..self.len()).map(|at| (at, 100.0 * self.interpolated_share(at)));
+        let many: Vec<(usize, f64)> =
+            shares.filter(|(_, pct)| *pct > MANY_INTERPOLATED_PCT).collect();
         let (at, pct) = many.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(format!(
-            "in {} frames more than {MANY_HEALED_PCT} % of the points were not found again but put where their \
-             neighbours would have them (frame {}: {pct:.0} %)",
+            "in {} frames more than {MANY_INTERPOLATED_PCT} % of the points were not found again but interpolated from \
+             their neighbours (frame {}: {pct:.0} %)",
             many.len(),
             self.frames[*at]
         ))

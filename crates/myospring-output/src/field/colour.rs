@@ -2,7 +2,8 @@
 
 use super::Field;
 
-/// Downward from rest: magma (van der Walt and Smith 2015, CC0) reversed and without its blackest end.
+/// Colours below rest: magma (van der Walt and Smith 2015, CC0), reversed and without its darkest
+/// end.
 const LESS: [[u8; 3]; 17] = [
     [0xfc, 0xfd, 0xbf],
     [0xfd, 0xe3, 0xa5],
@@ -22,7 +23,7 @@ const LESS: [[u8; 3]; 17] = [
     [0x3d, 0x0f, 0x71],
     [0x25, 0x12, 0x55],
 ];
-/// Upward from rest: the greens and blues of `YlGnBu` (Brewer 2003, Apache-2.0).
+/// Colours above rest: the greens and blues of `YlGnBu` (Brewer 2003, Apache-2.0).
 const MORE: [[u8; 3]; 7] = [
     [0xfc, 0xfd, 0xbf],
     [0xc7, 0xe9, 0xb4],
@@ -33,12 +34,13 @@ const MORE: [[u8; 3]; 7] = [
     [0x0c, 0x2c, 0x84],
 ];
 
-/// The colour of a part of the way from the least value of a map to the largest, light to dark.
+/// The colour at a fraction of the way from the smallest value of a map to the largest, light to
+/// dark.
 pub(crate) fn light_to_dark(part: f64) -> [u8; 3] {
     along(&MORE, part)
 }
 
-/// The colour at a part of the way through some.
+/// The colour at a fraction of the way through a colour map, interpolated.
 fn along(map: &[[u8; 3]], part: f64) -> [u8; 3] {
     let place = part.clamp(0.0, 1.0) * (map.len() - 1) as f64;
     let below = (place.floor() as usize).min(map.len() - 2);
@@ -51,8 +53,8 @@ fn along(map: &[[u8; 3]], part: f64) -> [u8; 3] {
 
 /// The colours of a field between two values.
 ///
-/// Rest is light; less than at rest goes over red to purple, more over green to blue. Both sides have the same length,
-/// so that the side that goes less far stays lighter.
+/// Rest is light; values below rest run through red to purple, values above through green to blue.
+/// Both sides have the same scale, so the side with the smaller range stays lighter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColourScale {
     field: Field,
@@ -84,7 +86,8 @@ impl ColourScale {
         self.limits
     }
 
-    /// Red, green and blue of a value; beyond the limits that of the nearer one, of what is not finite that of rest.
+    /// Red, green and blue of a value; beyond the limits it is the colour of the nearer limit, and
+    /// for values that are not finite that of rest.
     pub fn colour(&self, value: f64) -> [u8; 3] {
         let [low, high] = self.limits;
         let rest = self.field.at_rest();
@@ -95,7 +98,7 @@ impl ColourScale {
         along(map, relative.abs())
     }
 
-    /// The value at a part of the way from the lower limit to the upper.
+    /// The value at a fraction of the way from the lower limit to the upper.
     pub fn value(&self, part: f64) -> f64 {
         let [low, high] = self.limits;
         low + part * (high - low)

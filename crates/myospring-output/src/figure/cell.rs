@@ -1,4 +1,4 @@
-//! A cell that is to be drawn, and what it is coloured by.
+//! A cell to be drawn, and the field by which it is coloured.
 
 use super::FigureError;
 use super::facets::{check_frame, check_mesh, facets};
@@ -10,7 +10,7 @@ use myospring_core::mesh::Mesh;
 use myospring_core::mesh::outline::Outline;
 use myospring_core::recording::Frame;
 
-/// Steps of the colour scale; more cannot be told apart.
+/// Number of steps of the colour scale; more cannot be distinguished.
 pub(super) const COLOURS: usize = 64;
 
 /// A cell as it is drawn: its outline, filled with the colours of a field.
@@ -23,11 +23,12 @@ pub struct Cell<'a> {
 }
 
 impl<'a> Cell<'a> {
-    /// A cell with its fields and its outline at rest, um, which its lattice carries along; without one, or where its
-    /// mesh is no lattice, the rim of the mesh is drawn.
+    /// A cell with its fields and its outline at rest, um, which moves with its lattice. Without an
+    /// outline, or if its mesh is not a lattice, the rim of the mesh is drawn.
     ///
     /// # Errors
-    /// A mesh without triangles, with positions that are not finite, or that names points it lacks.
+    /// A mesh without triangles, with positions that are not finite, or that refers to points it
+    /// does not have.
     pub fn new(fields: Fields<'a>, outline: Option<&Outline>) -> Result<Self, FigureError> {
         let mesh = fields.mesh();
         check_mesh(mesh)?;
@@ -38,13 +39,13 @@ impl<'a> Cell<'a> {
         Ok(Self { fields, skin, field: Field::default(), limits: None })
     }
 
-    /// Coloured by a field, instead of the strain along the fibre.
+    /// Sets the field by which the cell is coloured; the default is the strain along the fibre.
     #[must_use]
     pub fn coloured_by(self, field: Field) -> Self {
         Self { field, limits: None, ..self }
     }
 
-    /// With one colour scale for all of these frames, whichever of them are drawn.
+    /// Fixes one colour scale for all of these frames, whichever of them are drawn.
     #[must_use]
     pub fn scaled_to<'f>(self, frames: impl IntoIterator<Item = &'f Frame>) -> Self {
         let whole = frames.into_iter().filter(|frame| check_frame(self.mesh(), frame).is_ok());
@@ -56,13 +57,13 @@ impl<'a> Cell<'a> {
         self.fields.mesh()
     }
 
-    /// The colours of some checked frames, or of those that were given.
+    /// The colour scale of some checked frames, or the fixed one.
     pub(super) fn colours<'f>(&self, frames: impl IntoIterator<Item = &'f Frame>) -> ColourScale {
         let limits = self.limits.unwrap_or_else(|| self.fields.limits(self.field, frames));
         ColourScale::new(self.field, limits)
     }
 
-    /// Whether positions are those of its mesh.
+    /// Checks that positions fit the mesh and are finite.
     pub(super) fn check(&self, positions: &[Vec<f64>; 2]) -> Result<(), FigureError> {
         let positions = positions.clone();
         let frame = Frame { t_ms: f64::NAN, ta_kpa: f64::NAN, ta_by_triangle_kpa: None, positions };
@@ -73,7 +74,7 @@ impl<'a> Cell<'a> {
         self.skin.rings(positions)
     }
 
-    /// Fills the outline of a checked frame; `at` is where a point stands on the sheet.
+    /// Fills the outline of a checked frame; `at` maps a point to the sheet.
     pub(super) fn fill(
         &self,
         sheet: &mut Sheet,
@@ -86,7 +87,7 @@ impl<'a> Cell<'a> {
         self.fill_with(sheet, name, &frame.positions, &values, colours, at);
     }
 
-    /// Fills the outline of checked positions with the colours of values of the points.
+    /// Fills the outline of checked positions with the colours of values at the points.
     pub(super) fn fill_with(
         &self,
         sheet: &mut Sheet,
@@ -104,7 +105,8 @@ impl<'a> Cell<'a> {
         let colour = |step: usize| Colour::from_channels(colours.step(step, COLOURS));
         let part = ((least - low) / (high - low)).clamp(0.0, 1.0);
         let first = ((part * COLOURS as f64) as usize).min(COLOURS - 1);
-        // From the lowest step on each covers those before where the field is above: no seams, no white.
+        // Steps are drawn from the lowest on; each covers the previous ones where the field is
+        // higher, so there are no seams.
         let mut inside = Sheet::default();
         inside.path(Path::rect(area), Look::fill(colour(first)));
         for step in first + 1..COLOURS {
@@ -117,7 +119,7 @@ impl<'a> Cell<'a> {
         sheet.window(name, rim, inside);
     }
 
-    /// Hatches the outline of checked positions where values of the points are above a level.
+    /// Hatches the outline of checked positions where values at the points are above a level.
     pub(super) fn hatch_above(
         &self,
         sheet: &mut Sheet,
@@ -135,7 +137,7 @@ impl<'a> Cell<'a> {
         let above = if least > level { rim.clone() } else { closed(&shaped.above(level), &at) };
         let Some(area) = above.bounds() else { return };
         let mut lines = Sheet::default();
-        // Dark lines on light ones stand out from any colour.
+        // Dark lines on light ones are visible on any colour.
         lines.path(hatching(area), Stroke::new(WHITE, 1.6).opacity(0.7));
         lines.path(hatching(area), Stroke::new(INK, 0.7));
         let mut inside = Sheet::default();
@@ -144,7 +146,7 @@ impl<'a> Cell<'a> {
     }
 }
 
-/// Distance of the lines of a hatching, px.
+/// Distance between hatching lines, px.
 const HATCHED: f64 = 5.0;
 
 /// Lines from the lower left to the upper right of an area.
@@ -157,7 +159,7 @@ fn hatching(Area { corner: [left, top], size: [width, height] }: Area) -> Path {
     lines
 }
 
-/// Rings on a sheet.
+/// Rings as a closed path on a sheet.
 pub(super) fn closed(rings: &Rings, at: impl Fn([f64; 2]) -> [f64; 2]) -> Path {
     let mut path = Path::default();
     for ring in rings {
@@ -183,7 +185,7 @@ pub(super) fn draw_titled_bar(sheet: &mut Sheet, place: Area, colours: &ColourSc
     let style = Style::new(TICK).anchor(Anchor::Middle);
     sheet.text([left + width / 2.0, top - 5.0], title, style);
     for step in 0..COLOURS {
-        // Each step reaches to the end, under the next ones, so that no seams show.
+        // Each step extends under the next ones, so that no seams show.
         let before = width * step as f64 / COLOURS as f64;
         let look = Look::fill(Colour::from_channels(colours.step(step, COLOURS)));
         sheet.rect([left + before, top], [width - before, height], look);

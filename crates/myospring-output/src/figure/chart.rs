@@ -10,26 +10,28 @@ use super::theme::{
 /// Length of a tick, px.
 const TICK_LENGTH: f64 = 4.0;
 
-/// Numbers on an axis whose largest lies between these are written out.
+/// If the largest number of an axis lies between these, its numbers are written out.
 const SHORT: [f64; 2] = [1e-4, 1e5];
-/// How the label of an axis of times ends; larger times are in s.
+/// End of the label of a time axis; large times are shown in s.
 const MILLISECONDS: &str = "(ms)";
-/// How much longer than its axis a label may be, px, and the smallest size that it may have before its end is cut.
+/// Largest excess of a label over the length of its axis, px, and the smallest font size before its
+/// end is cut.
 const LONGER: f64 = 24.0;
 const SMALLEST: u32 = 8;
 
-/// One axis: what it measures, from where to where, and the step between its ticks.
+/// One axis: label, range, and step between ticks.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub(super) label: String,
     pub(super) range: [f64; 2],
     pub(super) step: f64,
-    /// Whether ticks and axis carry text; of panels that share an axis only one does.
+    /// Whether ticks and axis have text; only one of several panels that share an axis does.
     pub(super) labelled: bool,
 }
 
 impl Axis {
-    /// The time axis of curves between these times: as long as the data, unless a tick is near.
+    /// The time axis of curves between these times; it ends with the data, or at a tick near their
+    /// end.
     pub(super) fn time([first, last]: [f64; 2]) -> Self {
         let span = if last > first { last - first } else { 1.0 };
         let step = nice_step(span, 6.0);
@@ -38,11 +40,11 @@ impl Axis {
         Self { label: "Time (ms)".to_owned(), range: [first, end], step, labelled: true }
     }
 
-    /// A vertical axis around these values, from 0 where none is really negative, that ends at ticks
-    /// and is `height` px long.
+    /// A vertical axis around these values, `height` px long, which ends at ticks and starts at 0
+    /// unless values are clearly negative.
     ///
-    /// Among the steps that keep tick labels apart it takes the one that wastes the least room, and
-    /// fewer ticks for little more waste.
+    /// Among the steps that keep tick labels apart, it chooses the one that wastes the least room,
+    /// and prefers fewer ticks if they waste only a little more.
     pub(super) fn values(label: &str, [low, high]: [f64; 2], height: f64) -> Self {
         let low = if low > -0.02 * (high - low) { 0.0 } else { low };
         let high = if high > low { high } else { low + 1.0 };
@@ -63,8 +65,8 @@ impl Axis {
         Self { label: label.to_owned(), range: best.0, step: best.1, labelled: true }
     }
 
-    /// A horizontal axis around these values, from near the least to near the largest, `width` px long: as many ticks
-    /// as their labels leave room for.
+    /// A horizontal axis that just contains these values, `width` px long, with as many ticks as
+    /// fit with their labels.
     pub(super) fn across(label: &str, ends: [f64; 2], width: f64) -> Self {
         Self::around(label, ends, |axis| {
             let apart = axis.step / (axis.range[1] - axis.range[0]) * width;
@@ -72,7 +74,7 @@ impl Axis {
         })
     }
 
-    /// A vertical axis around these values, from near the least to near the largest, `height` px long.
+    /// A vertical axis that just contains these values, `height` px long.
     pub(super) fn upright(label: &str, ends: [f64; 2], height: f64) -> Self {
         Self::around(label, ends, |axis| axis.ticks().count() as f64 * 18.0 <= height)
     }
@@ -94,24 +96,24 @@ impl Axis {
         fitting.unwrap_or_else(|| with(1.0))
     }
 
-    /// Where a value lies, as a part of the way.
+    /// Position of a value, as a fraction of the axis.
     fn part(&self, value: f64) -> f64 {
         (value - self.range[0]) / (self.range[1] - self.range[0])
     }
 
-    /// The power of ten, a multiple of 3, that stands in the label instead of in every tick: 0 of numbers that are short
-    /// without it.
+    /// The power of ten (a multiple of 3) in the label, so that ticks have short numbers; 0 if they
+    /// are short without it.
     fn power(&self) -> i32 {
         let largest = self.range[0].abs().max(self.range[1].abs());
         if !(largest > 0.0 && largest.is_finite()) || (SHORT[0]..SHORT[1]).contains(&largest) {
             return 0;
         }
         let power = 3 * (largest.log10() / 3.0).floor() as i32;
-        // Of times there are s, and no larger unit that figures have.
+        // Times are in ms or s only.
         if self.label.ends_with(MILLISECONDS) { power.clamp(0, 3) } else { power }
     }
 
-    /// What is written along the axis.
+    /// The label of the axis, with its power of ten.
     fn title(&self) -> String {
         let power = self.power();
         if power == 0 {
@@ -127,7 +129,7 @@ impl Axis {
         }
     }
 
-    /// The places of the ticks, and what is written there.
+    /// Positions and labels of the ticks.
     fn ticks(&self) -> impl Iterator<Item = (f64, String)> {
         let by = 10_f64.powi(-self.power());
         let (step, digits) = (self.step, decimals(self.step * by));
@@ -166,12 +168,12 @@ pub(super) struct Chart {
     pub(super) curves: Vec<Curve>,
     /// Horizontal bands behind the curves.
     pub(super) bands: Vec<[f64; 2]>,
-    /// Times with a dashed line.
+    /// Times that are marked by a dashed line.
     pub(super) marks: Vec<f64>,
 }
 
 impl Chart {
-    /// Where a value is drawn.
+    /// Position of a value on the sheet, px.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [
             self.place[0] + self.x.part(x) * self.size[0],
@@ -193,7 +195,7 @@ impl Chart {
         self.y.tick_width() + TICK_LENGTH + 10.0
     }
 
-    /// Draws the chart; the vertical label stands `label_offset` px left of its axis.
+    /// Draws the chart; the vertical label is `label_offset` px left of its axis.
     pub(super) fn draw(&self, sheet: &mut Sheet, label_offset: f64) {
         let [left, top] = self.place;
         let [width, height] = self.size;
@@ -228,7 +230,8 @@ impl Chart {
         }
     }
 
-    /// Stimuli that no beat follows: dashed lines of a colour of their own, the first one named at its upper end.
+    /// Draws stimuli without a beat as dashed lines in their own colour; the first has a label at
+    /// its upper end.
     pub(super) fn draw_missed(&self, sheet: &mut Sheet, missed: &[f64], word: &str) {
         let [[first, last], [bottom, top]] = [self.x.range, self.y.range];
         for (place, &t) in missed.iter().filter(|t| (first..=last).contains(*t)).enumerate() {
@@ -251,7 +254,7 @@ impl Chart {
         }
     }
 
-    /// Both axes and their ticks, outside the plot, with what is written there.
+    /// Draws both axes with ticks and labels, outside the plot.
     fn draw_axes(&self, sheet: &mut Sheet) {
         let [left, top] = self.place;
         let [right, bottom] = [left + self.size[0], top + self.size[1]];
@@ -275,14 +278,14 @@ impl Chart {
         sheet.path(axes, Stroke::new(INK, AXIS_WIDTH));
     }
 
-    /// The curves alone, for a chart that has been drawn.
+    /// Draws the curves alone, for a chart that has been drawn.
     pub(super) fn draw_curves(&self, sheet: &mut Sheet) {
         for curve in &self.curves {
             self.draw_curve(sheet, curve);
         }
     }
 
-    /// Lines between neighbouring points, dots for those that stand alone.
+    /// Draws lines between neighbouring points, and dots for isolated ones.
     fn draw_curve(&self, sheet: &mut Sheet, curve: &Curve) {
         let mut path = Path::default();
         for run in runs(&curve.points) {
@@ -296,7 +299,8 @@ impl Chart {
     }
 }
 
-/// A label as it fits into this room, px: smaller, and cut where that is not enough; and its size.
+/// A label that fits into a width in px, and its font size: smaller if needed, and cut if that is
+/// not enough.
 fn fitting(label: &str, room: f64) -> (String, u32) {
     let fits = |text: &str, size| text_width(text, size) <= room;
     if let Some(size) = (SMALLEST..=LABEL).rev().find(|size| fits(label, *size)) {
@@ -309,7 +313,7 @@ fn fitting(label: &str, room: f64) -> (String, u32) {
     (format!("{}\u{2026}", text.trim_end()), SMALLEST)
 }
 
-/// A power in superscript digits.
+/// A power of ten in superscript digits.
 fn raised(power: i32) -> String {
     let digit = |digit: char| match digit {
         '-' => '\u{207b}',
@@ -321,12 +325,13 @@ fn raised(power: i32) -> String {
     power.to_string().chars().map(digit).collect()
 }
 
-/// Stretches of finite points.
+/// Runs of finite points.
 fn runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
     points.split(|[x, y]| !(x.is_finite() && y.is_finite())).filter(|run| !run.is_empty())
 }
 
-/// At most four points for each third of a px: first, lowest, highest and last, so that no peak is lost.
+/// Thins points to at most four per third of a px (first, lowest, highest, last), which keeps every
+/// peak.
 fn thin(points: &[[f64; 2]], width: f64) -> Vec<[f64; 2]> {
     let columns = (3.0 * width).max(1.0) as usize;
     if points.len() <= 4 * columns {

@@ -1,4 +1,4 @@
-//! Runs laid over each other: their curves on one time axis, their cells at rest and at peak.
+//! Several runs in one figure: their curves on one time axis, their cells at rest and at peak.
 
 use super::chart::{Axis, Chart, Curve};
 use super::font::text_width;
@@ -12,14 +12,15 @@ use myospring_core::recording::Recording;
 /// Closed lines of points, um; the first is the rim of a cell, the others those of its holes.
 pub type Rings<'a> = &'a [Vec<[f64; 2]>];
 
-/// A run that is compared.
+/// A run to compare.
 #[derive(Debug, Clone, Copy)]
 pub struct Compared<'a> {
-    /// For the legend.
+    /// Its name in the legend.
     pub label: &'a str,
     /// Its curves.
     pub recording: &'a Recording,
-    /// Rings of its outline at rest and at its peak, um, the first ring the rim; `None` where nobody has kept them.
+    /// Rings of its outline at rest and at its peak, um, the first ring the rim; `None` if they
+    /// were not recorded.
     pub cell: Option<[Rings<'a>; 2]>,
 }
 
@@ -31,10 +32,11 @@ const ROW: f64 = 14.0;
 const SWATCH: f64 = 24.0;
 /// Letters of the panels: charts above each other, then cells.
 const LETTERS: [&str; 6] = ["A", "B", "C", "D", "E", "F"];
-/// Potential, calcium, tension and shortening of several runs over one time axis, and their outlines over each other at rest
-/// and at peak, each about its own middle at rest.
+/// Potential, calcium, tension and shortening of several runs over one time axis, and their
+/// outlines over each other at rest and at peak, each centred on its own shape at rest.
 ///
-/// The potential is in mV where all runs have it so; potential and calcium stand where all runs have them. Width: two columns, 178 mm.
+/// The potential is in mV if all runs have it in mV; potential and calcium are shown if all runs
+/// have them. Width: two columns, 178 mm.
 ///
 /// # Errors
 /// No run, or one without a finite sample.
@@ -62,17 +64,17 @@ pub fn compared(runs: &[Compared<'_>]) -> Result<Figure, FigureError> {
     Ok(sheet.finish(DOUBLE, bottom))
 }
 
-/// Dashes of the lines of runs but the first, px: where curves of several runs lie upon each other all are seen.
+/// Dashes of the lines of all runs but the first, px, so that coinciding curves remain visible.
 const DASHES: [[f64; 2]; 3] = [[6.0, 2.5], [1.5, 2.0], [9.0, 4.0]];
 
-/// The line of a run; those of up to 18 differ.
+/// The line style of a run; up to 18 runs have different ones.
 fn line_of(index: usize) -> Stroke {
     let dash =
         index.checked_sub(1).map(|other| DASHES[(other + other / CURVES.len()) % DASHES.len()]);
     Stroke { dash, ..pen(index) }
 }
 
-/// The runs with their greatest shortening; returns where the charts begin, px.
+/// Draws the legend, with the greatest shortening of each run; returns its lower end, px.
 fn draw_legend(sheet: &mut Sheet, runs: &[Compared<'_>]) -> f64 {
     let texts: Vec<String> = runs
         .iter()
@@ -93,7 +95,7 @@ fn draw_legend(sheet: &mut Sheet, runs: &[Compared<'_>]) -> f64 {
     14.0 + ROW * texts.len().div_ceil(columns) as f64
 }
 
-/// The charts above each other; returns the lower end of the last with its labels, px.
+/// Draws the charts above each other; returns the lower end of the last with its labels, px.
 fn draw_curves(
     sheet: &mut Sheet,
     runs: &[Compared<'_>],
@@ -142,7 +144,7 @@ fn draw_curves(
     Ok(top + quantities.len() as f64 * (HEIGHT + GAP) - GAP + 37.0)
 }
 
-/// The outlines, at rest above and at peak below.
+/// Draws the outlines, at rest above and at peak below.
 fn draw_cells(
     sheet: &mut Sheet,
     cells: &[(usize, [Rings<'_>; 2])],
@@ -159,7 +161,7 @@ fn draw_cells(
             f64::midpoint(of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY))
         })
     };
-    // Half of the largest extent about the middles, um.
+    // Half of the largest extent about the centres, um.
     let mut half = [1e-9_f64; 2];
     for (_, shapes) in cells {
         let centre = middle(shapes[0]);
@@ -195,7 +197,7 @@ fn draw_cells(
     }
     let below = top + 2.0 * (drawn + 34.0) - 2.0;
     draw_scale_bar(sheet, [left + 8.0, below], scale, extent);
-    let note = "each about its own middle at rest";
+    let note = "each centred at rest";
     let style = Style::new(TICK).colour(MUTED);
     sheet.text([DOUBLE - 12.0 - text_width(note, TICK), below + 3.5], note, style);
 }

@@ -9,7 +9,8 @@ impl Figure {
         svg::svg(self)
     }
 
-    /// Draws the figure as PNG with `dpi` pixels per inch of printed size; the file says so too.
+    /// Draws the figure as PNG with `dpi` pixels per inch of printed size; the file also states
+    /// this resolution.
     ///
     /// # Errors
     /// A resolution outside 10 to 2400 dpi; more pixels than memory allows.

@@ -1,4 +1,4 @@
-//! The patches of a mesh that do not overlap, and their rim.
+//! Patches that cover a mesh without overlap, and their rim.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::FigureError;
 use myospring_core::mesh::{Mesh, Simplex};
 use myospring_core::recording::Frame;
 
-/// A patch: a lattice square, or a triangle of another mesh.
+/// A patch: a lattice square, or a triangle if the mesh is not a lattice.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Facet {
     /// Corners, counter-clockwise.
@@ -15,7 +15,7 @@ pub(crate) struct Facet {
     pub(crate) triangles: Vec<usize>,
 }
 
-/// Fails where triangles or springs name points that are not there, or rest points are not finite.
+/// Checks that triangles and springs refer to existing points, and that points at rest are finite.
 pub(crate) fn check_mesh(mesh: &Mesh) -> Result<(), FigureError> {
     let points = mesh.points[0].len().min(mesh.points[1].len());
     if points == 0 {
@@ -29,7 +29,7 @@ pub(crate) fn check_mesh(mesh: &Mesh) -> Result<(), FigureError> {
     check_finite(&mesh.points, || "the mesh".to_owned())
 }
 
-/// Fails where a frame is not a shape of this mesh.
+/// Checks that a frame has as many finite positions as the mesh has points.
 pub(crate) fn check_frame(mesh: &Mesh, frame: &Frame) -> Result<(), FigureError> {
     for axis in 0..2 {
         let (found, points) = (frame.positions[axis].len(), mesh.points[axis].len());
@@ -51,7 +51,7 @@ fn check_finite(
     }
 }
 
-/// The facets of a checked mesh: lattice squares where it is a lattice, triangles elsewhere.
+/// The facets of a checked mesh: squares in a lattice, triangles elsewhere.
 pub(crate) fn facets(mesh: &Mesh) -> Vec<Facet> {
     let columns_and_rows =
         mesh.lattice.as_ref().filter(|lattice| lattice.cells.len() == mesh.points[0].len());

@@ -1,4 +1,5 @@
-//! The beating cell as a film: frames at regular times, each a figure of its own, and all of them as GIF.
+//! The beating cell as a film: frames at regular times, each as a figure, or all as an animated
+//! GIF.
 
 pub(super) mod gif;
 
@@ -13,11 +14,11 @@ use super::{Figure, FigureError};
 use crate::field::ColourScale;
 use myospring_core::recording::{Frame, Recording};
 
-/// Frames a second that are shown; GIF counts hundredths of a second.
+/// Frames per second of the film; GIF counts hundredths of a second.
 pub const FRAMES_PER_SECOND: u32 = 25;
 /// The longest time that is filmed, ms.
 const LONGEST: f64 = 2000.0;
-/// Width of a frame and the greatest height of the cell in it, px.
+/// Width of a frame, and the greatest height of the cell in it, px.
 const WIDTH: f64 = 480.0;
 const HIGHEST: f64 = 320.0;
 /// Space at the sides, px.
@@ -60,7 +61,7 @@ impl<'a> Film<'a> {
         for frame in &recording.frames {
             match check_frame(cell.mesh(), frame) {
                 Ok(()) => frames.push(frame),
-                // What broke at the end is left out.
+                // Frames after a simulation broke are left out.
                 Err(FigureError::NotFinite { .. }) => {}
                 Err(error) => return Err(error),
             }
@@ -86,11 +87,11 @@ impl<'a> Film<'a> {
 
     /// Number of frames.
     pub fn len(&self) -> usize {
-        // A time that is whole but for rounding is within.
+        // A last time that is a multiple of the interval except for rounding is included.
         ((self.span[1] - self.span[0]) / self.interval() + 1e-6) as usize + 1
     }
 
-    /// Whether there is no frame; never so.
+    /// Whether there are no frames; always false.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -100,7 +101,7 @@ impl<'a> Film<'a> {
         (self.span[0] + index as f64 * self.interval()).min(self.span[1])
     }
 
-    /// The shape at a time, between frames on straight lines.
+    /// The shape at a time, interpolated linearly between frames.
     fn shape(&self, time: f64) -> Frame {
         let after =
             self.frames.partition_point(|frame| frame.t_ms < time).min(self.frames.len() - 1);
@@ -177,7 +178,7 @@ impl<'a> Film<'a> {
             let part = (value - low) / (high - low).max(0.1);
             [MARGIN + wide * (t - first) / (last - first), top + 6.0 + CURVE * (1.0 - part)]
         };
-        // A point a pixel.
+        // About one point per pixel.
         let every = (points.len() / wide as usize).max(1);
         sheet.path(
             Path::line(points.iter().step_by(every).map(|&p| at(p))),
@@ -193,8 +194,8 @@ impl<'a> Film<'a> {
         top + CURVE + 10.0
     }
 
-    /// A frame as red, green and blue of each pixel, row by row from the top left, and its size; `scale` pixels a px.
-    /// Both sides are even, as video wants it.
+    /// A frame as red, green and blue of each pixel, row by row from the top left, and its size;
+    /// `scale` pixels per px. Both sides are even, as video wants it.
     ///
     /// # Errors
     /// More pixels than memory allows.
@@ -207,7 +208,8 @@ impl<'a> Film<'a> {
         Ok((even.map(|side| side as u32), colours))
     }
 
-    /// A frame as GIF has it: one byte a pixel, which [`Film::gif`] puts together. Frames are independent of each other.
+    /// A frame as needed by [`Film::gif`]: one byte per pixel. Frames are independent of each
+    /// other.
     ///
     /// # Errors
     /// More pixels than memory allows.
@@ -216,10 +218,10 @@ impl<'a> Film<'a> {
         Ok(gif::still(&self.palette(), size, &colours))
     }
 
-    /// All frames as an animated GIF, which begins anew at its end.
+    /// All frames as an animated GIF, which repeats forever.
     ///
     /// # Errors
-    /// No frame, or what the writer says.
+    /// No frame, or a GIF that cannot be written.
     ///
     /// # Example
     /// ```
@@ -242,7 +244,8 @@ impl<'a> Film<'a> {
         gif::animated(&self.palette(), stills, 100 / FRAMES_PER_SECOND as u16)
     }
 
-    /// The colours of the film: those of the field, alone and mixed with ink, and from ink and curve to paper.
+    /// The palette of the film: the colours of the field, pure and mixed with ink, and blends of
+    /// ink and curve with paper.
     fn palette(&self) -> Vec<[u8; 3]> {
         let shown = |colour: Colour| self.theme.shown(colour).channels();
         let [paper, ink, curve] = [WHITE, INK, SHORTENING].map(shown);

@@ -1,4 +1,5 @@
-//! A fit: measured and fitted curve, what is left of it, and how sure its numbers are.
+//! The figure of a fit: measured and fitted curve, residual, and likelihood profiles of its
+//! parameters.
 
 use super::chart::{Axis, Chart, Curve};
 use super::font::text_width;
@@ -10,62 +11,62 @@ use super::{Figure, FigureError};
 const OVERLAY: f64 = 150.0;
 const RESIDUAL: f64 = 56.0;
 const PROFILE: f64 = 74.0;
-/// Above the first plot, px.
+/// Space above the first plot, px.
 const HEAD: f64 = 26.0;
-/// Frames that a misfit is drawn as the mean of: so many of all.
+/// The misfit is smoothed over this fraction (one part in so many) of the frames.
 const SMOOTH: usize = 60;
-/// Between a measured curve and one that does not follow it.
+/// Colour of the area between a measured curve and a fit that does not follow it.
 const MISFIT: Colour = Colour(0xf0b48c);
-/// Below a plot with its own time axis, and between curve and residual, px.
+/// Space below a plot with its own time axis, and between curve and residual, px.
 const UNDER: f64 = 46.0;
 const BETWEEN: f64 = 14.0;
-/// Profiles beside each other, and between them, px.
+/// Number of profiles in a row, and the space between them, px.
 const BESIDE: usize = 4;
 const GAP: f64 = 20.0;
-/// Rise up to which a profile is drawn, over that at the ends of its interval.
+/// Largest rise of chi squared that is drawn, relative to that at the ends of the interval.
 const HIGHEST: f64 = 2.08;
-/// What was measured: readable on light and on dark paper.
+/// Colour of the measurement: readable on light and on dark paper.
 const MEASURED: Colour = MUTED;
 
 /// A measured curve with the fitted one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedCurve {
-    /// What is measured, with its unit.
+    /// The measured quantity, with its unit.
     pub label: String,
-    /// Its unit alone, for what is left.
+    /// Its unit alone, for the residual.
     pub unit: String,
     /// Times, ms.
     pub times_ms: Vec<f64>,
-    /// What was measured.
+    /// Measured values.
     pub measured: Vec<f64>,
-    /// What was fitted to it.
+    /// Fitted values.
     pub fitted: Vec<f64>,
-    /// Frames that counted; the others are drawn hollow.
+    /// Whether each frame was used in the fit; others are drawn hollow.
     pub used: Vec<bool>,
     /// Standard deviation of the noise.
     pub noise: f64,
-    /// What is said above the curve, in colour; of a curve that the model does not follow the misfit is drawn as well.
+    /// Warning above the curve, in colour. With a warning, the misfit is drawn, too.
     pub warning: Option<String>,
     /// Stimuli, ms.
     pub stimuli_ms: Vec<f64>,
 }
 
-/// The likelihood of one number.
+/// The profile likelihood of one parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LikelihoodProfile {
-    /// The number, with its unit.
+    /// The parameter, with its unit.
     pub label: String,
     /// The most likely value.
     pub value: f64,
-    /// Ends of its 95 % interval, where it has them.
+    /// Ends of its 95 % interval, if it has them.
     pub interval: [Option<f64>; 2],
-    /// Value and rise of chi squared.
+    /// Points of the profile: value and rise of chi squared.
     pub points: Vec<[f64; 2]>,
     /// Rise at the ends of the interval.
     pub at_ends: f64,
 }
 
-/// Curves with what is left of them, and below the profiles.
+/// Draws curves with their residuals, and the profiles below.
 ///
 /// Width: two columns, 178 mm.
 ///
@@ -85,7 +86,7 @@ pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Fig
         charts.iter().flat_map(|(above, below)| [above.label_offset(), below.label_offset()]);
     let offset = offsets.fold(0.0, f64::max);
     let left = 28.0 + offset;
-    // Half of the last number on the time axis stands out.
+    // Half of the last tick label extends beyond the time axis.
     let width = DOUBLE - 20.0 - left;
     let mut sheet = Sheet::default();
     for (number, ((above, below), curve)) in charts.iter_mut().zip(curves).enumerate() {
@@ -111,7 +112,7 @@ pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Fig
                 sheet.point(below.at([*time, off]), 1.2, colour);
             }
         }
-        // The fitted curve lies on the frames, where it can be seen.
+        // The fitted curve is drawn over the frames.
         above.curves.push(fitted(curve));
         above.draw_curves(&mut sheet);
         if number == 0 {
@@ -151,7 +152,7 @@ fn draw_profile(
     let threshold = chart.x.range.map(|x| chart.at([x, profile.at_ends]));
     sheet.line(threshold[0], threshold[1], Stroke::new(MUTED, HAIR).dash(3.0, 2.0));
     if first {
-        // In the middle the profile lies low.
+        // The profile is low in the middle.
         let [x, y] = [0, 1].map(|axis| f64::midpoint(threshold[0][axis], threshold[1][axis]));
         sheet.text([x, y - 4.0], "95 %", Style::new(TICK).anchor(Anchor::Middle).colour(MUTED));
     }
@@ -167,7 +168,7 @@ fn fitted(curve: &FittedCurve) -> Curve {
     Curve { points: points.collect(), colour: SHORTENING, dash: None }
 }
 
-/// A curve and what is left of it, one above the other.
+/// A curve and, below it, its residual.
 fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         values
@@ -181,7 +182,7 @@ fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
     if !(values[0].is_finite() && times[1] > times[0]) {
         return Err(FigureError::NoSamples { what: curve.label.clone() });
     }
-    // A bad frame shall not make the others small.
+    // Frames that were not used do not determine the scale.
     let counted =
         curve.measured.iter().zip(&curve.fitted).zip(&curve.used).filter(|(_, used)| **used);
     let off = ends(&mut counted.map(|((measured, fitted), _)| (measured - fitted).abs()));
@@ -212,7 +213,8 @@ fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
     Ok((above, below))
 }
 
-/// Between the measured curve, smoothed, and the fitted one; and the way between them below.
+/// Fills the area between the smoothed measured curve and the fitted one, and draws their smoothed
+/// difference below.
 fn misfit(sheet: &mut Sheet, [above, below]: [&Chart; 2], curve: &FittedCurve) {
     let frames: Vec<usize> = (0..curve.times_ms.len())
         .filter(|&at| curve.used[at] && curve.measured[at].is_finite())
@@ -241,7 +243,7 @@ fn misfit(sheet: &mut Sheet, [above, below]: [&Chart; 2], curve: &FittedCurve) {
     }
 }
 
-/// Above the plot, where there is no frame to hide.
+/// Draws the legend above the plot, where it hides no frame.
 fn legend(sheet: &mut Sheet, chart: &Chart) {
     let y = chart.place[1] - 12.0;
     let mut right = chart.place[0] + chart.size[0];
@@ -278,7 +280,7 @@ fn likelihood(profile: &LikelihoodProfile, place: [f64; 2], width: f64) -> Chart
     }
 }
 
-/// A curve up to a height, with the points where it meets that.
+/// The part of a curve below a height, with the points where it crosses that height.
 fn below(points: &[[f64; 2]], height: f64) -> Vec<[f64; 2]> {
     let mut kept = Vec::new();
     for (at, &[x, y]) in points.iter().enumerate() {

@@ -23,8 +23,8 @@ pub(super) fn text_width(text: &str, size: u32) -> f64 {
     })
 }
 
-/// The outlines of a text that starts at the origin, px with y downward, and its width; no outlines where
-/// there is no ink.
+/// The outlines of a text that starts at the origin (px, y downward) and its width; no outlines for
+/// blank text.
 pub(super) fn outlines(text: &str, size: u32, bold: bool) -> (Option<Path>, f64) {
     let Some(face) = face(bold) else { return (None, 0.0) };
     let (glyphs, end) = glyphs(face, text);
@@ -38,17 +38,17 @@ pub(super) fn outlines(text: &str, size: u32, bold: bool) -> (Option<Path>, f64)
     (pen.path.finish(), end * scale)
 }
 
-/// px for each unit of the font.
+/// Size of a font unit, px.
 fn scale(face: &Face<'_>, size: u32) -> f64 {
     f64::from(size) / f64::from(face.units_per_em())
 }
 
-/// The glyphs of a text and where each starts, and where the text ends, in units of the font.
+/// The glyphs of a text with their positions, and the end of the text, in font units.
 fn glyphs(face: &Face<'_>, text: &str) -> (Vec<(GlyphId, f64)>, f64) {
     let mut placed: Vec<(GlyphId, f64)> = Vec::with_capacity(text.len());
     let mut end = 0.0;
     for c in text.chars().filter(|c| !c.is_control()) {
-        // Characters that the font lacks are its box for such.
+        // Missing characters are drawn as the font's replacement box.
         let glyph = face.glyph_index(c).unwrap_or_default();
         if let Some(&(left, _)) = placed.last() {
             end += f64::from(kerning(face, left, glyph).unwrap_or(0));
@@ -59,7 +59,7 @@ fn glyphs(face: &Face<'_>, text: &str) -> (Vec<(GlyphId, f64)>, f64) {
     (placed, end)
 }
 
-/// How much further apart than usual two neighbours stand (OpenType's table GPOS, feature `kern`).
+/// Kerning: extra distance between two neighbouring glyphs (OpenType's table GPOS, feature `kern`).
 fn kerning(face: &Face<'_>, left: GlyphId, right: GlyphId) -> Option<i16> {
     let table = face.tables().gpos?;
     let feature = table.features.find(Tag::from_bytes(b"kern"))?;

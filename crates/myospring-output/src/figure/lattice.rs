@@ -9,16 +9,17 @@ use super::theme::{Colour, DOUBLE, INK, LATTICE, MUTED, POTENTIAL, SINGLE, TICK,
 use super::{Figure, FigureError};
 use myospring_core::mesh::{Mesh, SpringKind};
 
-/// Points closer than this many px are not drawn: they would hide the springs.
+/// Points closer than this are not drawn, px; they would hide the springs.
 const CLOSEST: f64 = 5.0;
 
 /// Points and springs of a mesh within its outline, with its numbers and a scale bar.
 ///
-/// Long cells take two columns (178 mm), others one (85 mm). Where points lie too close to be told
-/// apart, only springs are drawn.
+/// Long cells take two columns (178 mm), others one (85 mm). If points are too close to be
+/// distinguished, only springs are drawn.
 ///
 /// # Errors
-/// A mesh without points, with positions that are not finite, or that names points it lacks.
+/// A mesh without points, with positions that are not finite, or that refers to points it does not
+/// have.
 pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
     check_mesh(mesh)?;
     let ends = |axis: usize| {

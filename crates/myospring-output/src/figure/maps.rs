@@ -1,5 +1,5 @@
-//! One shape of a cell, coloured by several quantities beside each other: maps and how sure they are, measured and
-//! simulated.
+//! One shape of a cell, coloured by several quantities, side by side: maps and their uncertainty,
+//! measured and simulated.
 
 use super::cell::{Cell, closed, draw_titled_bar};
 use super::font::text_width;
@@ -12,27 +12,27 @@ use crate::field::{ColourScale, Field};
 /// A cell coloured by a quantity.
 #[derive(Debug, Clone)]
 pub struct Map<'a> {
-    /// What is written above it.
+    /// Its title.
     pub name: String,
-    /// Where the points are, um.
+    /// Positions of the points, um.
     pub positions: &'a [Vec<f64>; 2],
     /// The quantity at each point.
     pub values: Vec<f64>,
     /// Its name and unit.
     pub quantity: String,
-    /// Least and greatest value of the colours; `None` takes those of the values, with 0.
+    /// Limits of the colour scale; `None` takes the range of the values and 0.
     pub limits: Option<[f64; 2]>,
-    /// Standard deviation over the value at each point, where it is known; where it is above a half the map is
-    /// hatched.
+    /// Relative standard deviation of the value at each point, if known; the map is hatched where
+    /// it exceeds one half.
     pub doubts: Option<Vec<f64>>,
 }
 
-/// Standard deviation over the value from which on a place is hatched.
+/// Relative standard deviation from which on a place is hatched.
 const DOUBTFUL: f64 = 0.5;
 
 const MARGIN: f64 = 8.0;
 const GAP: f64 = 14.0;
-/// Height of the line above a map, and of its colour bar with what is written at it, px.
+/// Height of the line above a map, and of its colour bar with labels, px.
 const HEAD: f64 = 19.0;
 const BAR: f64 = 46.0;
 /// Width of a colour bar, px.
@@ -43,13 +43,14 @@ impl Map<'_> {
         let values = self.values.iter().copied().filter(|value| value.is_finite());
         let widest = || values.fold([0.0_f64; 2], |[low, high], v| [low.min(v), high.max(v)]);
         let [low, high] = self.limits.unwrap_or_else(widest);
-        // A quantity with signs has the colours of a strain: light at 0.
+        // A quantity with both signs has the colours of a strain: light at 0.
         ColourScale::new(Field::FibreStrain, [low, high.max(low + 1e-9)])
     }
 }
 
-/// Maps of one cell, all to one scale: long cells one above the other, others side by side; two columns wide (178 mm). A
-/// `least` length (um) is drawn beside the scale bar: nothing smaller can be told. The dashed line is the cell at rest.
+/// Draws maps of one cell, all to one scale: long cells one above the other, others side by side;
+/// two columns wide (178 mm). A `least` length (um), the resolution of the map, is drawn beside the
+/// scale bar. The dashed line is the cell at rest.
 ///
 /// # Errors
 /// No map, or one of another mesh or with positions that are not finite.
@@ -70,7 +71,7 @@ pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Fig
     let extent = [0, 1].map(|axis: usize| (high[axis] - low[axis]).max(1e-9));
     let stands = extent[0] > ELONGATED * extent[1];
     let columns = if stands { 1 } else { maps.len() };
-    // Two are no larger than of three.
+    // Two maps are drawn no larger than three would be.
     let fitting = if stands { 1.0 } else { columns.max(2) as f64 };
     let width = (DOUBLE - 2.0 * MARGIN - (fitting - 1.0) * GAP) / fitting;
     let scale = width / extent[0];
@@ -115,7 +116,7 @@ pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Fig
     }
     let rows = maps.len().div_ceil(columns) as f64;
     let bottom = 4.0 + rows * (HEAD + height + BAR);
-    // Of long cells there is room beside the last bar.
+    // For long cells, there is room beside the last colour bar.
     let beside = stands;
     let y = if beside { bottom - BAR + 22.0 } else { bottom + 4.0 };
     draw_scale_bar(&mut sheet, [MARGIN, y], scale, extent);
@@ -123,15 +124,16 @@ pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Fig
         let start = if beside { [MARGIN, y + 15.0] } else { [MARGIN + width + GAP, y] };
         let end = start[0] + least * scale;
         sheet.line(start, [end, start[1]], Stroke::new(MUTED, 2.5));
-        let words = format!("{} \u{b5}m: smaller parts run together", fixed(least, decimals(1.0)));
+        let words =
+            format!("{} \u{b5}m: smaller details are not resolved", fixed(least, decimals(1.0)));
         let style = Style::new(TICK).colour(MUTED).anchor(Anchor::Start);
         sheet.text([end + 5.0, start[1] + 3.5], &words, style);
     }
     Ok(sheet.finish(DOUBLE, if beside { bottom } else { bottom + 14.0 }))
 }
 
-/// The outline of a cell of which there is no map, and below it why; two columns wide (178 mm). The dashed line is the
-/// cell at rest.
+/// Draws the outline of a cell without a map, with the reason below; two columns wide (178 mm). The
+/// dashed line is the cell at rest.
 ///
 /// # Errors
 /// Positions of another mesh, or that are not finite.
@@ -163,7 +165,7 @@ pub fn no_map(
     Ok(sheet.finish(DOUBLE, y + 20.0))
 }
 
-/// A sentence in lines of this width at most, px.
+/// Breaks a sentence into lines of at most this width, px.
 fn lines(text: &str, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -1,4 +1,4 @@
-//! A measured curve with its beats, and one beat with the places where its metrics were read.
+//! A measured curve with its beats, and one beat with the points at which its metrics were read.
 
 use super::FigureError;
 use super::chart::{Axis, Chart, Curve};
@@ -12,26 +12,26 @@ use myospring_core::analysis::curve::{Analysis, CurveBeat, State};
 use myospring_core::analysis::kind::{Family, Kind};
 use myospring_core::analysis::trace::Point;
 
-/// Recordings longer than this have their times in s, ms.
+/// Recordings longer than this are shown in s, ms.
 const LONG: f64 = 3000.0;
 /// Height of the recording and of the one beat, px.
 const HEIGHTS: [f64; 2] = [120.0, 190.0];
-/// Left of the labels of the plots, and of the plots at least, px.
+/// Space left of the labels of the plots, and least space left of the plots, px.
 const MARGIN: f64 = 18.0;
 const LEFT: f64 = 58.0;
-/// Raw samples behind what was smoothed.
+/// Colour of raw samples behind smoothed ones.
 const RAW: Colour = Colour(0xc4c4c4);
-/// For what is written beside peaks and onsets, px.
+/// Room for labels of peaks and onsets, px.
 const ROOM: f64 = 16.0;
-/// Beats that are numbered, at most.
+/// Largest number of beats that are numbered.
 const NUMBERED: usize = 20;
 
-/// A curve and what was read of it.
+/// A curve and its analysis.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured<'a> {
-    /// What it is called.
+    /// Its title.
     pub title: &'a str,
-    /// What its values are.
+    /// Kind of its values.
     pub kind: Kind,
     /// Their unit.
     pub unit: &'a str,
@@ -39,13 +39,14 @@ pub struct Measured<'a> {
     pub times_ms: &'a [f64],
     /// The samples as they were measured.
     pub values: &'a [f64],
-    /// What was read.
+    /// Its analysis.
     pub analysis: &'a Analysis,
-    /// Lines of numbers beside the one beat: what, and how much.
+    /// Numbers listed beside the one beat: name and value.
     pub numbers: &'a [[String; 2]],
 }
 
-/// The recording above; below one beat, larger, with the places where its metrics were read, and numbers.
+/// Draws the recording above, and below it one enlarged beat with the points at which its metrics
+/// were read, and numbers.
 ///
 /// # Errors
 /// A curve without samples.
@@ -64,7 +65,7 @@ pub fn measured(curve: &Measured) -> Result<Figure, FigureError> {
         let ends = around(beat)?;
         Some((beat, chart(curve, ends, 1.0, HEIGHTS[1])))
     });
-    // Both plots begin right of the widest numbers.
+    // Both plots begin right of the widest tick labels.
     let offsets = one.iter().map(|(_, chart)| chart.label_offset()).chain([whole.label_offset()]);
     let left = offsets.fold(LEFT - MARGIN, f64::max) + MARGIN;
     let width = 0.56 * (DOUBLE - left);
@@ -78,7 +79,7 @@ pub fn measured(curve: &Measured) -> Result<Figure, FigureError> {
     Ok(sheet.finish(DOUBLE, below + HEIGHTS[1] + 44.0))
 }
 
-/// The beat that stands for the others: the first whole one.
+/// The beat that is shown: the first complete one.
 pub(crate) fn shown(analysis: &Analysis) -> Option<&CurveBeat> {
     let with_marks = || analysis.beats.iter().filter(|beat| !beat.marks.is_empty());
     with_marks().find(|beat| beat.state == State::Whole).or_else(|| with_marks().next())
@@ -93,7 +94,7 @@ fn colour(kind: Kind) -> Colour {
     }
 }
 
-/// What the vertical axis says.
+/// Label of the vertical axis.
 fn label(curve: &Measured) -> String {
     let name = match curve.kind {
         Kind::Unknown => "value",
@@ -112,7 +113,7 @@ fn label(curve: &Measured) -> String {
     }
 }
 
-/// Least and greatest of what is finite.
+/// Smallest and largest finite value.
 fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values
         .filter(|value| value.is_finite())
@@ -121,13 +122,13 @@ fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
         })
 }
 
-/// The curve between two times, its place and width still to be set.
+/// The chart of the curve between two times; place and width are set later.
 fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Chart {
     let samples = || curve.times_ms.iter().zip(curve.values).zip(&curve.analysis.read);
     let within = || samples().filter(|((time, _), _)| (from..=to).contains(*time));
     let x = Axis::time([from * scale, to * scale]);
     let x = if scale < 1.0 { Axis { label: "Time (s)".to_owned(), ..x } } else { x };
-    // Bad frames and artefacts may leave the picture.
+    // Bad frames and artefacts may lie outside the plot.
     let treatment = &curve.analysis.treatment;
     let bad: Vec<f64> =
         treatment.bad_frames.iter().map(|frame| curve.times_ms[frame - 1]).collect();
@@ -137,7 +138,7 @@ fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Cha
         if bad.contains(time) || is_artefact(*time) { f64::NAN } else { *value }
     };
     let [low, high] = ends(within().flat_map(|((time, value), read)| [good(time, value), *read]));
-    // Room for what is written beside peaks and onsets.
+    // Room for the labels of peaks and onsets.
     let room = ROOM / height * (high - low);
     let [low, high] = [low - room, high + room];
     let y = Axis::upright(&label(curve), [low, high], height);
@@ -186,7 +187,7 @@ fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
         let [from, to] = [artefact.from_ms, artefact.to_ms]
             .map(|time| chart.at([time * scale, 0.0])[0].clamp(place[0], place[0] + size[0]));
         let y = place[1] + 2.0;
-        // As wide as can be seen.
+        // Wide enough to be visible.
         let to = to.max(from + 2.0);
         sheet.path(Path::line([[from, y], [to, y]]), Stroke::new(TENSION, 3.0));
     }
@@ -203,7 +204,8 @@ fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {
     sheet.text([place[0] + size[0], place[1] - 8.0], &notes.join("; "), style);
 }
 
-/// From where to where the one beat is shown: as long again as it takes to fall, as far as it goes.
+/// Range in which the one beat is shown: after its fall, as long again as it takes to fall, within
+/// the recording.
 pub(crate) fn around(beat: &CurveBeat) -> Option<[f64; 2]> {
     let [start, end] = beat.baseline?;
     let onset = beat.onset_ms.unwrap_or(start.time);
@@ -232,8 +234,8 @@ fn one_beat(sheet: &mut Sheet, curve: &Measured, beat: &CurveBeat, chart: &Chart
         }
         let above = if down { y + 15.0 } else { y - 8.0 };
         let below = if down { y - 8.0 } else { y + 15.0 };
-        // A word, where it stands, and on which side of its dot; where that leaves the plot on the other side, away from
-        // the curve.
+        // A label, its position, and the side of its dot; if it does not fit into the plot, it is
+        // put on the other side.
         let (text, anchor, [x_text, y_text], other) = match mark.name {
             "10 % up" => ("10 %", Anchor::End, [x - 7.0, y + 3.5], y + 3.5),
             "50 % up" => ("50 %", Anchor::End, [x - 7.0, y + 3.5], y + 3.5),

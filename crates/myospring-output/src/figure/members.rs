@@ -1,4 +1,4 @@
-//! Figures of many members of a study: what they share.
+//! Shared parts of the figures of many members of a study.
 
 mod distributions;
 mod responses;
@@ -14,12 +14,12 @@ use super::font::text_width;
 use super::sheet::{Look, Sheet, Stroke, Style};
 use super::theme::{CURVE_WIDTH, Colour, INK, TICK};
 
-/// One number of each member.
+/// One quantity of all members.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Numbers {
-    /// What it is, with its unit: `Peak shortening (%)`.
+    /// Its name and unit: `Peak shortening (%)`.
     pub label: String,
-    /// One value a member; NaN where it has none.
+    /// One value per member; NaN if it has none.
     pub values: Vec<f64>,
 }
 
@@ -29,13 +29,13 @@ impl Numbers {
     }
 }
 
-/// Least and largest of some values; `None` of none.
+/// Smallest and largest value; `None` without values.
 fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let both = |[low, high]: [f64; 2], [value, _]: [f64; 2]| [low.min(value), high.max(value)];
     values.filter(|value| value.is_finite()).map(|value| [value, value]).reduce(both)
 }
 
-/// The value below which a part of sorted values lies, between neighbours; NaN of none.
+/// Quantile of sorted values, interpolated; NaN without values.
 fn quantile(sorted: &[f64], part: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = part.clamp(0.0, 1.0) * last as f64;
@@ -44,7 +44,7 @@ fn quantile(sorted: &[f64], part: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// Members that are not kept.
+/// Colour of rejected members.
 const REJECTED: Colour = Colour(0xb8b8b8);
 
 /// A mark of the legend.
@@ -55,7 +55,8 @@ enum Mark {
     None,
 }
 
-/// A legend in a row, as far as it has room, from the upper left corner on; returns its height, px.
+/// Draws a legend from its upper left corner, in rows as wide as there is room; returns its height,
+/// px.
 fn legend(sheet: &mut Sheet, [left, top]: [f64; 2], right: f64, entries: &[(Mark, String)]) -> f64 {
     let [mut x, mut y] = [left, top];
     for (mark, words) in entries {

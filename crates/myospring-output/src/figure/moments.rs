@@ -1,28 +1,28 @@
-//! Which frames tell the story of a beat.
+//! Chooses the characteristic frames of a beat.
 
 use myospring_core::recording::{Frame, Recording};
 
-/// A cell that shortens less, per cent, is held.
+/// A cell that shortens by less than this, per cent, is held.
 pub(super) const LEAST_SHORTENING: f64 = 0.1;
 
-/// A frame with what is written beside it.
+/// A frame with its labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape<'a> {
     /// Short name: `at rest`, `peak`.
     pub name: String,
     /// The shape.
     pub frame: &'a Frame,
-    /// Shortening, per cent of the resting length, when known.
+    /// Shortening, per cent of the resting length, if known.
     pub shortening_pct: Option<f64>,
 }
 
-/// The frames of the first beat that tell its story: at rest, contracting (nearest half of the
-/// peak), peak, relaxing (nearest half again).
+/// The characteristic frames of the first beat: at rest, contracting (nearest half of the peak),
+/// peak, relaxing (nearest half again).
 ///
 /// Rest is the last frame up to the first stimulus, else the first of all. The beat ends at the
-/// second stimulus. A run that ended early gives the moments that it reached; where the last frame
-/// is the most shortened one, it is named `end of record`, for nobody knows the peak. Frames with
-/// positions that are not finite are passed over.
+/// second stimulus. A run that ended early gives only the moments that it reached; if its last
+/// frame is the most shortened one, it is named `end of record`, because the peak is not known.
+/// Frames with positions that are not finite are skipped.
 ///
 /// # Example
 /// ```
@@ -50,7 +50,7 @@ pub fn key_shapes<'a>(recording: &'a Recording, stimulus_times_ms: &[f64]) -> Ve
     };
     let shortening: Vec<Option<f64>> =
         beat.iter().map(|frame| shortening_at(recording, frame.t_ms)).collect();
-    // How far the beat has gone at each frame; tension stands in where nothing was measured, or nothing shortens.
+    // Progress of the beat at each frame: shortening, or tension if there is no shortening.
     let most = shortening.iter().flatten().copied().fold(0.0, f64::max);
     let told = if most > LEAST_SHORTENING { shortening.as_slice() } else { &[] };
     let told = told.iter().copied().chain(std::iter::repeat(None));
@@ -80,10 +80,10 @@ pub fn key_shapes<'a>(recording: &'a Recording, stimulus_times_ms: &[f64]) -> Ve
         .collect()
 }
 
-/// Shortening at a time, between samples on a straight line; none outside the samples.
+/// Shortening at a time, interpolated linearly between samples; `None` outside the samples.
 fn shortening_at(recording: &Recording, t_ms: f64) -> Option<f64> {
     let samples = &recording.samples;
-    // Times of frames and samples may differ by the rounding of a sum of steps.
+    // Times of frames and samples may differ by rounding errors of summed steps.
     let after = samples.partition_point(|sample| sample.t_ms < t_ms - 1e-6);
     let next = samples.get(after)?;
     let value = match after.checked_sub(1).and_then(|before| samples.get(before)) {

@@ -1,4 +1,4 @@
-//! A picture with what was made of it: outline, lattice, fibres, sarcomeres.
+//! A picture overlaid with outline, lattice, fibres and sarcomeres.
 
 mod histogram;
 mod layout;
@@ -24,10 +24,10 @@ const STAND_IN: Colour = Colour(0xe6e6e6);
 pub struct Contour<'a> {
     /// Its number or name.
     pub name: &'a str,
-    /// Outline and holes, um from the lower left corner of the picture, y upward; each ring closes
-    /// itself.
+    /// Outline and holes, um from the lower left corner of the picture, y upward; rings are closed
+    /// implicitly.
     pub rings: Vec<&'a [[f64; 2]]>,
-    /// Whether it is the cell that was chosen; others are drawn muted, with their names.
+    /// Whether it is the chosen cell; others are drawn muted, with their names.
     pub chosen: bool,
 }
 
@@ -47,7 +47,7 @@ pub struct Tick {
 /// Lengths of sarcomeres that were read from a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sarcomeres<'a> {
-    /// Of each triangle of the lattice in which one was read, um.
+    /// One length for each triangle of the lattice in which it was read, um.
     pub lengths_um: &'a [f64],
     /// Their median over the cell, um.
     pub median_um: f64,
@@ -55,7 +55,7 @@ pub struct Sarcomeres<'a> {
     pub read_pct: f64,
 }
 
-/// What to lay over a picture.
+/// A picture and its overlays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay<'a> {
     /// Line above the figure, such as the name of the file; may be empty.
@@ -68,15 +68,15 @@ pub struct Overlay<'a> {
     pub values: &'a [f32],
     /// Side of one pixel.
     pub pixel_size: PixelSize,
-    /// The cells that were found; may be none.
+    /// The cells; may be empty.
     pub cells: &'a [Contour<'a>],
-    /// The lattice of the chosen cell, where there is one.
+    /// The lattice of the chosen cell, if there is one.
     pub mesh: Option<&'a Mesh>,
-    /// Fibres at many points of the chosen cell, about 1 um apart; as many are drawn as can be told
-    /// apart. May be empty.
+    /// Fibres at many points of the chosen cell, about 1 um apart; as many are drawn as can be
+    /// distinguished. May be empty.
     pub fibres: &'a [Tick],
     /// Lengths of sarcomeres, drawn as a histogram below the picture.
     pub sarcomeres: Option<Sarcomeres<'a>>,
-    /// What a person should know, a sentence each.
+    /// Warnings, one sentence each.
     pub warnings: &'a [String],
 }

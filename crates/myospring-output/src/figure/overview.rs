@@ -1,4 +1,4 @@
-//! One run in one picture: the cell at rest and at its peak beside its curves.
+//! One run in one figure: the cell at rest and at its peak, beside its curves.
 
 use super::cell::Cell;
 use super::moments::key_shapes;
@@ -9,13 +9,14 @@ use super::traces::{ACTIVE_TENSION, Drives, Quantity, SHORTENING as SHORTENING_C
 use super::{Figure, FigureError};
 use myospring_core::recording::Recording;
 
-/// The cell from rest to its peak beside potential, calcium, as far as it has them, active tension and shortening.
+/// Draws the cell at rest and at its peak, beside potential and calcium (if it has them), active
+/// tension and shortening.
 ///
 /// Width: two columns, 178 mm; at 200 dpi the PNG is 1402 pixels wide.
 ///
 /// # Errors
 /// A recording without samples or frames, or frames that [`cell_shapes`](super::cell_shapes)
-/// refuses.
+/// rejects.
 pub fn overview(
     cell: &Cell<'_>,
     recording: &Recording,
@@ -23,7 +24,7 @@ pub fn overview(
 ) -> Result<Figure, FigureError> {
     let mut shapes = key_shapes(recording, stimulus_times_ms);
     if !Gallery::new(cell, &shapes)?.is_elongated() {
-        // Two shapes of a roundish cell fill the room of four of a long one.
+        // Two shapes of a round cell take the room of four of a long one.
         shapes.retain(|shape| matches!(shape.name.as_str(), "at rest" | "peak" | "end of record"));
     }
     let gallery = Gallery::new(cell, &shapes)?;

@@ -1,4 +1,4 @@
-//! A part of a picture, as it is embedded in a figure.
+//! Prepares a part of a picture for embedding in a figure.
 
 use super::FigureError;
 use super::raster::grey_png;
@@ -7,12 +7,12 @@ use super::sheet::Picture;
 /// Longest side of an embedded picture, pixels.
 const LONGEST: f64 = 1600.0;
 
-/// Parts of the pixels that become black and white: a few hot pixels or a speck of dirt must not
-/// darken the cell.
+/// Parts of the pixels that become black and white, so that a few hot pixels or a speck of dirt do
+/// not darken the cell.
 const DARKEST: f64 = 0.005;
 const BRIGHTEST: f64 = 0.998;
 
-/// Values that are looked at for the percentiles.
+/// Number of values from which percentiles are computed.
 const LOOKED_AT: usize = 100_000;
 
 /// A part of a picture.
@@ -22,13 +22,13 @@ pub(crate) struct Part<'a> {
     pub(crate) values: &'a [f32],
     /// Its columns.
     pub(crate) width: usize,
-    /// First column of the part, and the one behind its last.
+    /// First column of the part, and the one after its last.
     pub(crate) columns: [usize; 2],
-    /// First row of the part from the top, and the one behind its last.
+    /// First row of the part from the top, and the one after its last.
     pub(crate) rows: [usize; 2],
 }
 
-/// A part of a picture, about `wanted` pixels wide at most.
+/// Scales a part of a picture to at most about `wanted` pixels of width.
 pub(crate) fn embedded(part: &Part<'_>, wanted: f64) -> Result<Picture, FigureError> {
     let Part { values, width, columns: [left, right], rows: [top, bottom] } = *part;
     let rows = || values.chunks_exact(width).take(bottom).skip(top);
@@ -37,11 +37,11 @@ pub(crate) fn embedded(part: &Part<'_>, wanted: f64) -> Result<Picture, FigureEr
     let flat = if high > low { 0.0 } else { 96.0 };
     let grey: Vec<u8> = rows()
         .flat_map(|row| &row[left..right])
-        // Values that are not numbers become black.
+        // NaN becomes black.
         .map(|value| ((value - low) * scale + flat).clamp(0.0, 255.0).round() as u8)
         .collect();
     let from = [right - left, bottom - top];
-    // No more pixels than will be seen.
+    // No more pixels than will be visible.
     let factor = (wanted / from[0] as f64).min(LONGEST / from[0].max(from[1]) as f64);
     let to = from.map(|length| ((length as f64 * factor.min(1.0)).round() as usize).max(1));
     let grey = if to == from { grey } else { reduced(&grey, from, to) };
@@ -50,7 +50,7 @@ pub(crate) fn embedded(part: &Part<'_>, wanted: f64) -> Result<Picture, FigureEr
     Ok(Picture { size, grey, png })
 }
 
-/// Grey values with fewer columns and rows: each is the mean of the area that it covers.
+/// Reduces the number of columns and rows; each new value is the mean over the area that it covers.
 fn reduced(grey: &[u8], from: [usize; 2], to: [usize; 2]) -> Vec<u8> {
     let columns: Vec<Vec<(usize, f64)>> =
         (0..to[0]).map(|column| covered(column, from[0], to[0])).collect();
@@ -70,7 +70,7 @@ fn reduced(grey: &[u8], from: [usize; 2], to: [usize; 2]) -> Vec<u8> {
     smaller
 }
 
-/// The pixels of a line of `from` that one of `to` covers, and each one's part of it.
+/// The pixels of a line of `from` that pixel `index` of `to` covers, each with its fraction.
 fn covered(index: usize, from: usize, to: usize) -> Vec<(usize, f64)> {
     let size = from as f64 / to as f64;
     let [start, end] = [index, index + 1].map(|edge| edge as f64 * size);
@@ -82,7 +82,7 @@ fn covered(index: usize, from: usize, to: usize) -> Vec<(usize, f64)> {
 /// The values that become black and white.
 fn percentiles<'a>(rows: impl Iterator<Item = &'a [f32]> + Clone) -> [f32; 2] {
     let count: usize = rows.clone().map(<[f32]>::len).sum();
-    // An odd step does not keep to the columns of a picture with an even width.
+    // An odd step does not sample the same columns in every row of even width.
     let step = (count / LOOKED_AT) | 1;
     let mut seen: Vec<f32> =
         rows.flatten().copied().step_by(step).filter(|value| value.is_finite()).collect();

@@ -1,4 +1,4 @@
-//! Bars that rank what matters: one panel an answer.
+//! Bar charts that rank the importance of parameters, one panel per metric.
 
 use super::FigureError;
 use super::font::text_width;
@@ -8,26 +8,26 @@ use super::theme::{
     nice_step,
 };
 
-/// Panels beside each other.
+/// Number of panels in a row.
 const COLUMNS: usize = 3;
-/// Distance of bars, px.
+/// Distance between bars, px.
 const PITCH: f64 = 15.0;
-/// Above and below the bars of a panel, px.
+/// Space above and below the bars of a panel, px.
 const ABOVE: f64 = 24.0;
 const BELOW: f64 = 34.0;
-/// Between panels, px.
+/// Space between panels, px.
 const GAP: f64 = 18.0;
-/// Left and right of all panels, px.
+/// Space left and right of all panels, px.
 const MARGIN: f64 = 8.0;
-/// What a parameter does alone, where its whole effect is more.
+/// Colour of the effect of a parameter alone, without interactions.
 const ALONE: Colour = Colour(0x56b4e9);
 
-/// One panel: an answer and its parameters, what matters most first.
+/// One panel: a metric and its parameters, the most important first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
-    /// What is explained.
+    /// The metric that is explained.
     pub title: String,
-    /// What the bars measure, with its unit.
+    /// Quantity measured by the bars, with its unit.
     pub axis: String,
     /// The bars, the longest first.
     pub bars: Vec<Bar>,
@@ -42,11 +42,11 @@ pub struct Bar {
     pub value: f64,
     /// Half of the 95 % confidence interval.
     pub confidence: f64,
-    /// The part of it that the parameter causes alone, where that is known.
+    /// The part of it that the parameter causes alone, without interactions, if known.
     pub alone: Option<f64>,
 }
 
-/// Rankings, three beside each other over two columns of a journal.
+/// Draws rankings, three in a row, two columns of a journal.
 ///
 /// # Errors
 /// No ranking, or one without a finite bar.

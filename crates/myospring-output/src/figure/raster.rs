@@ -33,23 +33,23 @@ pub(super) fn painted(figure: &Figure, dpi: f64) -> Result<Pixels, FigureError> 
             "{width} x {height} pixels are too many; lower the resolution of {dpi} dpi"
         ),
     })?;
-    // The last row and column are covered whole even where the size was rounded up.
+    // The last row and column are covered completely even if the size was rounded up.
     let scale = [f64::from(width) / figure.size[0], f64::from(height) / figure.size[1]];
     let transform = Transform::from_scale(scale[0] as f32, scale[1] as f32);
     let [red, green, blue] = figure.paper.channels();
     pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
     Canvas { pixmap: &mut pixmap, transform, mask: None }.draw(&figure.elements);
-    // Nothing shines through the page.
+    // The page is opaque.
     let colours = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
     Ok(Pixels { size: [width, height], colours })
 }
 
-/// A grey picture as it is embedded.
+/// Encodes a grey picture for embedding.
 pub(super) fn grey_png(size: [u32; 2], grey: &[u8]) -> Result<Vec<u8>, FigureError> {
     encoded(size, ColorType::Grayscale, grey, None)
 }
 
-/// Bytes of a PNG with 8 bits a channel.
+/// Bytes of a PNG with 8 bits per channel.
 fn encoded(
     [width, height]: [u32; 2],
     colour: ColorType,
@@ -75,7 +75,7 @@ fn encoded(
     }
 }
 
-/// Pixels, how px of the drawing become pixels, and where they may be drawn.
+/// Pixels, the transformation from px to pixels, and the clipping mask.
 struct Canvas<'a> {
     pixmap: &'a mut Pixmap,
     transform: Transform,
@@ -167,7 +167,7 @@ impl Canvas<'_> {
         self.pixmap.fill_rect(area, &paint, self.transform, self.mask);
     }
 
-    /// Draws elements as far as they lie within closed lines.
+    /// Draws elements, clipped to closed lines.
     fn look_through(&mut self, frame: &Path, inside: &[Element]) {
         let path = outline(frame);
         let mask = match self.mask.cloned() {

@@ -10,15 +10,16 @@ use super::theme::{
 use super::{Figure, FigureError};
 use crate::field::ColourScale;
 
-/// A cell longer than this many times its height is drawn one above the other, else side by side.
+/// The shapes of a cell with a larger ratio of length to height are stacked, those of others are
+/// side by side.
 pub(super) const ELONGATED: f64 = 2.2;
 
-/// Everything the shapes of one figure share.
+/// Everything that the shapes of one figure share.
 pub(super) struct Gallery<'a> {
     cell: &'a Cell<'a>,
     shapes: &'a [Shape<'a>],
     colours: ColourScale,
-    /// Corners of the box around all shapes and the resting one, um.
+    /// Corners of the bounding box of all shapes, including that at rest, um.
     low: [f64; 2],
     high: [f64; 2],
 }
@@ -37,7 +38,7 @@ impl<'a> Gallery<'a> {
         Ok(Self { cell, shapes, colours, low, high })
     }
 
-    /// Width and height of the box around all shapes, um.
+    /// Width and height of the bounding box of all shapes, um.
     pub(super) fn extent(&self) -> [f64; 2] {
         [0, 1].map(|axis: usize| (self.high[axis] - self.low[axis]).max(1e-9))
     }
@@ -47,13 +48,14 @@ impl<'a> Gallery<'a> {
         width > ELONGATED * height
     }
 
-    /// The greatest scale, px per um, at which the box fits into a width and a height.
+    /// The greatest scale, px per um, at which the bounding box fits into a width and a height.
     pub(super) fn scale_into(&self, [width, height]: [f64; 2]) -> f64 {
         let extent = self.extent();
         (width / extent[0]).min(height / extent[1])
     }
 
-    /// Draws a shape, its box centred at a point, y upward, and the resting outline over it.
+    /// Draws a shape, with the bounding box centred at a point and y upward, and the resting
+    /// outline over it.
     pub(super) fn draw(&self, sheet: &mut Sheet, index: usize, centre: [f64; 2], scale: f64) {
         let frame = self.shapes[index].frame;
         let middle = [0, 1].map(|axis: usize| f64::midpoint(self.low[axis], self.high[axis]));
@@ -70,17 +72,18 @@ impl<'a> Gallery<'a> {
         }
     }
 
-    /// A scale bar from a point to the right, its length beside it.
+    /// Draws a scale bar from a point to the right, with its length beside it.
     pub(super) fn draw_scale_bar(&self, sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64) {
         draw_scale_bar(sheet, [x, y], scale, self.extent());
     }
 
-    /// The colour bar with its ticks below and its title above; `place` is its upper left corner.
+    /// Draws the colour bar with its ticks below and its title above; `corner` is its upper left
+    /// corner.
     pub(super) fn draw_colour_bar(&self, sheet: &mut Sheet, corner: [f64; 2], width: f64) {
         draw_colour_bar(sheet, Area { corner, size: [width, 8.0] }, &self.colours);
     }
 
-    /// What is written beside a shape: its name, time and tension, shortening.
+    /// Labels of a shape: its name, time and tension, shortening.
     pub(super) fn notes(&self, index: usize) -> [String; 3] {
         let shape = &self.shapes[index];
         let tension = fixed(shape.frame.ta_kpa, 1);
@@ -94,7 +97,7 @@ impl<'a> Gallery<'a> {
     }
 }
 
-/// Corners of the box around the outline in some shapes, um.
+/// Corners of the bounding box of the outline over some shapes, um.
 pub(super) fn extremes<'f>(
     cell: &Cell<'_>,
     shapes: impl IntoIterator<Item = &'f [Vec<f64>; 2]>,
@@ -111,7 +114,8 @@ pub(super) fn extremes<'f>(
     [low, high]
 }
 
-/// A scale bar of a tenth to a quarter of the cell, `extent` um large, from a point to the right, its length beside it.
+/// Draws a scale bar of a tenth to a quarter of the cell, whose size is `extent` (um), from a point
+/// to the right, with its length beside it.
 pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, extent: [f64; 2]) {
     let length = nice_step(extent[0].max(extent[1]), 10.0);
     let end = x + length * scale;
@@ -120,10 +124,12 @@ pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, ex
     sheet.text([end + 5.0, y + 3.5], &text, Style::new(TICK));
 }
 
-/// The cell at several times, its outline filled with the colours of a field (the paper's Fig. 5).
+/// Draws the cell at several times, its outline filled with the colours of a field (the paper's
+/// Fig. 5).
 ///
-/// All shapes share one scale and one colour scale. The dashed line is the resting outline. Shapes stand as in the
-/// picture, y upward: long cells one above the other (one column, 85 mm), others side by side (two columns, 178 mm).
+/// All shapes share one scale and one colour scale. The dashed line is the resting outline. Shapes
+/// are oriented as in the picture, y upward: long cells one above the other (one column, 85 mm),
+/// others side by side (two columns, 178 mm).
 ///
 /// # Errors
 /// No shape, or a frame of another mesh or with positions that are not finite.
@@ -140,7 +146,7 @@ fn letter(index: usize) -> String {
 pub(super) const HEAD: f64 = 18.0;
 
 impl Gallery<'_> {
-    /// One stacked shape, its notes in a line above it; `letter` may be empty.
+    /// Draws one stacked shape, with its labels in a line above it; `letter` may be empty.
     pub(super) fn draw_row(
         &self,
         sheet: &mut Sheet,
@@ -182,7 +188,7 @@ fn side_by_side(gallery: &Gallery<'_>) -> Figure {
     let count = gallery.shapes.len();
     let columns = count.min(4);
     let (left, gap) = (8.0, 12.0);
-    // As wide as for four, so that fewer shapes are no larger than a half page.
+    // Fewer than two shapes are not enlarged, so that they take at most half a page.
     let fitting = columns.max(2) as f64;
     let width = (DOUBLE - 2.0 * left - (fitting - 1.0) * gap) / fitting;
     let scale = gallery.scale_into([width, 1.4 * width]);

@@ -12,7 +12,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Texts of which a part lies beyond these sides, px, with how far they reach.
+    /// Texts that extend beyond these sides, px, with their ends.
     #[cfg(test)]
     pub(super) fn beyond(&self, [low, high]: [f64; 2]) -> Vec<(String, [f64; 2])> {
         let reach = |element: &Element| {
@@ -33,7 +33,7 @@ impl Figure {
         self.elements.iter().filter_map(reach).collect()
     }
 
-    /// The figure on light or dark paper; it is drawn on light.
+    /// The figure in a theme; figures are drawn in the light one.
     #[must_use]
     pub fn themed(mut self, theme: Theme) -> Self {
         self.paper = theme.shown(self.paper);
@@ -45,7 +45,7 @@ impl Figure {
                         look.stroke.map(|pen| Stroke { colour: theme.shown(pen.colour), ..pen });
                 }
                 Element::Text { style, .. } => style.colour = theme.shown(style.colour),
-                // A picture is what it is, and so is what lies on it.
+                // Pictures and their overlays keep their colours.
                 Element::Picture { .. } | Element::Window { .. } => {}
             }
         }
@@ -53,7 +53,7 @@ impl Figure {
     }
 }
 
-/// What stands on a sheet.
+/// An element of a sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Element {
     Path {
@@ -70,12 +70,12 @@ pub(super) enum Element {
         text: String,
         style: Style,
     },
-    /// Grey pixels spread over an area.
+    /// A grey picture stretched over an area.
     Picture {
         place: Area,
         picture: Picture,
     },
-    /// Elements of which only what lies within closed lines is seen.
+    /// Elements clipped to closed lines.
     Window {
         name: String,
         frame: Path,
@@ -90,7 +90,7 @@ pub(super) struct Area {
     pub(super) size: [f64; 2],
 }
 
-/// Grey values row by row from the top left, as they are and as PNG.
+/// Grey values row by row from the top left, raw and as PNG.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Picture {
     pub(super) size: [u32; 2],
@@ -98,7 +98,7 @@ pub(crate) struct Picture {
     pub(crate) png: Vec<u8>,
 }
 
-/// Lines from point to point, in hundredths of a px: SVG and PNG say the same to the last digit.
+/// Polylines in hundredths of a px, so that SVG and PNG agree exactly.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Path {
     pub(super) steps: Vec<Step>,
@@ -117,7 +117,7 @@ pub(super) fn hundredths(length: f64) -> i32 {
 }
 
 impl Path {
-    /// Adds lines through some points. Two equal points with round ends are a dot.
+    /// Adds lines through some points. Two equal points with round ends give a dot.
     pub(super) fn add_line(&mut self, points: impl IntoIterator<Item = [f64; 2]>) {
         for (index, point) in points.into_iter().enumerate() {
             let place = point.map(hundredths);
@@ -134,7 +134,7 @@ impl Path {
         }
     }
 
-    /// The box around it, px; none of a path without lines.
+    /// The bounding box, px; `None` for a path without lines.
     pub(super) fn bounds(&self) -> Option<Area> {
         let places = self.steps.iter().filter_map(|step| match *step {
             Step::Move(place) | Step::Line(place) => Some(place.map(|x| f64::from(x) / 100.0)),
@@ -163,7 +163,7 @@ impl Path {
     }
 }
 
-/// How a path looks; corners are round.
+/// Style of a path; corners are round.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Look {
     pub(super) fill: Option<Colour>,
@@ -186,12 +186,12 @@ impl From<Stroke> for Look {
     }
 }
 
-/// A pen.
+/// Style of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stroke {
     pub(super) colour: Colour,
     pub(super) opacity: f64,
-    /// px.
+    /// Width, px.
     pub(super) width: f64,
     /// Length of dashes and of the gaps between them, px.
     pub(super) dash: Option<[f64; 2]>,
@@ -220,7 +220,7 @@ impl Stroke {
 /// The dark rim around text in a halo.
 pub(super) const HALO: Stroke = Stroke::new(BLACK, 2.5).opacity(0.7);
 
-/// Where a text stands relative to its point.
+/// Position of a text relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -228,7 +228,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// How a text looks.
+/// Style of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Style {
     pub(super) size: u32,
@@ -289,13 +289,13 @@ impl Sheet {
         self.path(Path::rect(Area { corner, size }), look);
     }
 
-    /// A dot on a curve, ringed in the paper's colour so that it stands out.
+    /// Draws a dot on a curve, with a ring in the paper's colour.
     pub(super) fn dot(&mut self, centre: [f64; 2], colour: Colour) {
         let look = Look::fill(colour).stroke(Stroke::new(WHITE, 1.0));
         self.elements.push(Element::Circle { centre, radius: 3.0, look });
     }
 
-    /// A small round mark, one of many.
+    /// Draws a small round mark, one of many.
     pub(super) fn point(&mut self, centre: [f64; 2], radius: f64, colour: Colour) {
         self.elements.push(Element::Circle { centre, radius, look: Look::fill(colour) });
     }
@@ -310,13 +310,14 @@ impl Sheet {
         self.elements.push(Element::Picture { place, picture });
     }
 
-    /// Adds what is drawn on another sheet, as far as it lies within closed lines; the name is the window's
-    /// own in the figure.
+    /// Adds the elements of another sheet, clipped to closed lines; the name must be unique within
+    /// the figure.
     pub(super) fn window(&mut self, name: String, frame: Path, inside: Sheet) {
         self.elements.push(Element::Window { name, frame, inside: inside.elements });
     }
 
-    /// The figure, `width` by `height` px large to a hundredth of a millimetre, on white.
+    /// Completes the figure, `width` by `height` px (rounded to a hundredth of a millimetre), on
+    /// white.
     pub(super) fn finish(self, width: f64, height: f64) -> Figure {
         let size = [width, height].map(|length| mm((100.0 * length / mm(1.0)).round() / 100.0));
         Figure { size, paper: WHITE, elements: self.elements }

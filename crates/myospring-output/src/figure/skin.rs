@@ -1,8 +1,9 @@
-//! The cell as it looks: its outline, carried along by the lattice, and bands of colour up to it.
+//! The drawn cell: its outline, moved with the lattice, and bands of colour up to the outline.
 //!
-//! The outline runs partly outside of the lattice's squares. Where it does, squares are added beside the lattice whose
-//! corners are carried along like the outline itself, so that colours reach the rim without a step or a gap. The area
-//! and length that a run reports are those of the lattice; the outline's are the same to a part of a spacing.
+//! The outline lies partly outside the lattice's squares. There, squares are added whose corners
+//! move like the outline itself, so that colours reach the rim without a step or gap. Area and
+//! length in the results of a run are those of the lattice; those of the outline differ by a
+//! fraction of a spacing.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,31 +13,32 @@ use myospring_core::mesh::{Lattice, Mesh};
 
 use super::facets::{Facet, outline};
 
-/// Distance of the places at which an outline is followed through the squares, in spacings.
+/// Distance between the points at which an outline is sampled, in spacings.
 const STEP: f64 = 0.25;
-/// No ring, no vertex.
+/// Index that stands for none.
 const NONE: u32 = u32::MAX;
 
 /// Rings of points, um.
 pub(super) type Rings = Vec<Vec<[f64; 2]>>;
 
-/// Triangles over the cell up to beyond its outline; corners are the nodes of the mesh, then those beside it.
+/// Triangles that cover the cell to beyond its outline; corners are the nodes of the mesh, then the
+/// added ones.
 #[derive(Debug, Clone)]
 pub(super) struct Skin {
     nodes: usize,
     beside: Carried,
     rings: Edge,
     triangles: Vec<[u32; 3]>,
-    /// Sides of each triangle, by number; the side after a corner leads to the next one.
+    /// Sides of each triangle, by index; the side after a corner leads to the next corner.
     sides: Vec<[u32; 3]>,
     /// Ends of each side, the lower number first.
     ends: Vec<[u32; 2]>,
-    /// Sides with a triangle on one side only: its number, whether it runs from its lower end, and the next of these
-    /// round the skin.
+    /// Sides with a triangle on one side only: index, whether it runs from its lower end, and the
+    /// next one around the skin.
     rim: Vec<(u32, bool, u32)>,
 }
 
-/// What bounds the cell.
+/// The boundary of the cell.
 #[derive(Debug, Clone)]
 enum Edge {
     /// The rim of the mesh.
@@ -45,7 +47,8 @@ enum Edge {
 }
 
 impl Skin {
-    /// Of a checked mesh and its facets. Without an outline, or where the mesh is no lattice, the rim of the mesh.
+    /// Builds the skin of a checked mesh and its facets. Without an outline, or if the mesh is not
+    /// a lattice, the rim of the mesh is the boundary.
     pub(super) fn new(mesh: &Mesh, facets: &[Facet], given: Option<&Outline>) -> Self {
         let mut triangles = Vec::new();
         let mut add = |corners: &[u32]| {
@@ -89,10 +92,11 @@ impl Skin {
         skin
     }
 
-    /// Numbers the sides of the triangles and goes round their rim.
+    /// Numbers the sides of the triangles and orders those of the rim.
     fn join(&mut self) {
         let mut numbers: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-        // How often a side is run from its lower end, less how often the other way.
+        // Number of times a side runs from its lower end, minus the number of times it runs the
+        // other way.
         let mut runs: Vec<i32> = Vec::new();
         for corners in &self.triangles {
             let sides = [0, 1, 2].map(|k: usize| {
@@ -116,14 +120,14 @@ impl Skin {
         for index in 0..self.rim.len() {
             let (side, ahead, _) = self.rim[index];
             let end = self.ends[side as usize][usize::from(ahead)];
-            // Where two rims meet in a point each is gone round once, whichever way.
+            // If two rims meet in a point, each side is used once, in any order.
             if let Some(next) = from.get_mut(&end).and_then(Vec::pop) {
                 self.rim[index].2 = next as u32;
             }
         }
     }
 
-    /// The outline when the nodes are at `positions`.
+    /// The outline for nodes at `positions`.
     pub(super) fn rings(&self, positions: &[Vec<f64>; 2]) -> Rings {
         match &self.rings {
             Edge::Carried(rings) => rings.iter().map(|ring| ring.at(positions)).collect(),
@@ -134,7 +138,7 @@ impl Skin {
         }
     }
 
-    /// The skin when the nodes are at `positions` and have `values`.
+    /// The skin for nodes at `positions` with `values`.
     pub(super) fn shaped(&self, positions: &[Vec<f64>; 2], values: &[f64]) -> Shaped<'_> {
         let mut points: Vec<[f64; 2]> =
             (0..self.nodes).map(|node| [0, 1].map(|axis: usize| positions[axis][node])).collect();
@@ -147,14 +151,14 @@ impl Skin {
                 (low.min(v), high.max(v))
             });
             let value: f64 = parts.iter().map(|&(node, part)| part * values[node as usize]).sum();
-            // Nothing beside the lattice is beyond what is seen in it.
+            // Extrapolated values stay within the range of the lattice.
             values.push(value.max(low).min(high));
         }
         Shaped { skin: self, points, values }
     }
 }
 
-/// Squares of the lattice's grid that the outline touches or holds and that are not filled.
+/// Empty squares of the lattice's grid that the outline touches or contains.
 fn squares_beside(facets: &[Facet], lattice: &Lattice, given: &Outline) -> BTreeSet<[i64; 2]> {
     let filled: BTreeSet<[i64; 2]> = facets
         .iter()
@@ -168,7 +172,7 @@ fn squares_beside(facets: &[Facet], lattice: &Lattice, given: &Outline) -> BTree
         [0, 1].map(|axis: usize| (point[axis] - lattice.origin[axis]) / lattice.spacing)
     };
     let mut touched = BTreeSet::new();
-    // Where the outline crosses the middle of each row of squares.
+    // Crossings of the outline with the middle of each row of squares.
     let mut crossings: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
     for ring in given.rings() {
         for (&p, &q) in ring.iter().zip(ring.iter().cycle().skip(1)) {
@@ -201,7 +205,7 @@ fn at(lattice: &Lattice, place: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|axis: usize| lattice.origin[axis] + lattice.spacing * place[axis])
 }
 
-/// A skin in one shape, with a value at each corner.
+/// A skin in one shape, with values at its corners.
 pub(super) struct Shaped<'a> {
     skin: &'a Skin,
     points: Vec<[f64; 2]>,
@@ -216,11 +220,13 @@ impl Shaped<'_> {
         })
     }
 
-    /// Where the value is above `level`: rings, the skin to their left, between corners on straight lines.
+    /// The area where the value is above `level`, as rings with the area on their left; values are
+    /// interpolated linearly between corners.
     pub(super) fn above(&self, level: f64) -> Rings {
         let skin = self.skin;
         let is_above = |corner: u32| self.values[corner as usize] > level;
-        // A ring runs across sides, by their number, and along the rim, from corners that are numbered after them.
+        // A ring is a list of crossed sides (their indices) and of rim corners (indices after those
+        // of the sides).
         let sides = skin.ends.len();
         let mut next = vec![NONE; sides + skin.rim.len()];
         let mut starts = Vec::new();
@@ -261,7 +267,7 @@ impl Shaped<'_> {
         rings
     }
 
-    /// Where a ring crosses a side, or the corner where a side of the rim starts.
+    /// Position at which a ring crosses a side, or of a rim corner.
     fn place(&self, number: usize, level: f64) -> [f64; 2] {
         let skin = self.skin;
         let Some(ends) = skin.ends.get(number) else {

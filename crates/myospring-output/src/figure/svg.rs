@@ -46,7 +46,7 @@ fn append(svg: &mut String, element: &Element) {
         }
         Element::Window { name, frame, inside } => {
             let frame = data(frame);
-            // Figures that stand on one page share its names.
+            // Names must be unique among all figures of a page.
             let name = format!("{name}-{:08x}", digest(&frame));
             writeln!(
                 svg,
@@ -62,7 +62,7 @@ fn append(svg: &mut String, element: &Element) {
     .ok();
 }
 
-/// A short number of a text, the same everywhere (Fowler, Noll and Vo's).
+/// Hash of a text (Fowler-Noll-Vo), the same on every machine.
 fn digest(text: &str) -> u32 {
     text.bytes().fold(0x811c_9dc5, |sum, byte| (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
@@ -115,7 +115,7 @@ fn look_of(look: Look) -> String {
     more
 }
 
-/// The path in steps from point to point, the shortest form; pairs after `m` are lines.
+/// The path in relative coordinates, the shortest form; pairs after `m` are lines.
 fn data(path: &Path) -> String {
     let mut data = String::with_capacity(8 * path.steps.len());
     let (mut here, mut start) = ([0, 0], [0, 0]);
@@ -140,7 +140,7 @@ fn data(path: &Path) -> String {
     data
 }
 
-/// Adds a number of hundredths, after a space where it would run into the one before.
+/// Adds a number of hundredths, after a space if it would run into the one before.
 fn append_number(data: &mut String, hundredths: i64) {
     if hundredths >= 0 && data.ends_with(|last: char| last.is_ascii_digit()) {
         data.push(' ');
@@ -161,14 +161,14 @@ fn append_number(data: &mut String, hundredths: i64) {
     }
 }
 
-/// A number with two digits after the point, without zeros that say nothing.
+/// A number with at most two decimals, without trailing zeros.
 fn px(value: f64) -> String {
     let mut text = String::new();
     append_number(&mut text, i64::from(hundredths(value)));
     text
 }
 
-/// Text with the characters that XML keeps for itself written out, and those it forbids left out.
+/// Text with XML's special characters escaped, and forbidden ones left out.
 fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {

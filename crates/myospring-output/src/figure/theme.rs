@@ -1,4 +1,4 @@
-//! One look for all figures: sizes, colours, fonts, number formats.
+//! Common style of all figures: sizes, colours, fonts, number formats.
 
 use std::fmt::{Display, Formatter};
 
@@ -45,21 +45,21 @@ impl Display for Colour {
 
 /// Paper and rings of dots.
 pub(super) const WHITE: Colour = Colour(0xffffff);
-/// Rims of what lies on a picture.
+/// Rims of elements on a picture.
 pub(super) const BLACK: Colour = Colour(0x000000);
 /// Text and axes.
 pub(super) const INK: Colour = Colour(0x1a1a1a);
-/// Text of second rank and reference lines.
+/// Secondary text and reference lines.
 pub(super) const MUTED: Colour = Colour(0x666666);
 /// Bands behind curves.
 pub(super) const BAND: Colour = Colour(0xe6e6e6);
 /// Potential (Okabe-Ito blue).
 pub(super) const POTENTIAL: Colour = Colour(0x0072b2);
-/// Calcium (Okabe-Ito reddish purple, darker, so that it stands out from paper).
+/// Calcium (Okabe-Ito reddish purple, darker, so that it is visible on paper).
 pub(super) const CALCIUM: Colour = Colour(0xb0578d);
 /// Tension (Okabe-Ito vermillion).
 pub(super) const TENSION: Colour = Colour(0xd55e00);
-/// Stimuli that no beat follows.
+/// Stimuli without a beat.
 pub(super) const MISSED: Colour = TENSION;
 /// Shortening (Okabe-Ito bluish green).
 pub(super) const SHORTENING: Colour = Colour(0x009e73);
@@ -73,7 +73,7 @@ pub(super) const CURVES: [Colour; 6] = [
     Colour(0xcc79a7),
 ];
 
-/// The outline of rest beside that of now.
+/// The outline at rest.
 pub(super) const REST: Colour = Colour(0x8c8c8c);
 /// Inside of the lattice.
 pub(super) const LATTICE: Colour = Colour(0xf3f6f9);
@@ -89,10 +89,10 @@ pub enum Theme {
 }
 
 impl Theme {
-    /// Both.
+    /// Both themes.
     pub const ALL: [Self; 2] = [Self::Light, Self::Dark];
 
-    /// Its word in options.
+    /// Its name in options.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Light => "light",
@@ -100,7 +100,7 @@ impl Theme {
         }
     }
 
-    /// Paper and ink as this theme has them; colours of data and curves are the same in both.
+    /// The colour as shown in this theme: paper and ink change, colours of data and curves stay.
     pub(super) fn shown(self, colour: Colour) -> Colour {
         match (self, colour) {
             (Self::Light, _) => colour,
@@ -131,20 +131,20 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A time as people write it: `171.5 ms`, `50 ms`.
+/// A time as text: `171.5 ms`, `50 ms`.
 pub(super) fn time(t_ms: f64) -> String {
     let text = fixed(t_ms, 1);
     format!("{} ms", text.strip_suffix(".0").unwrap_or(&text))
 }
 
-/// Digits after the point that tell ticks of this step apart.
+/// Number of decimals that distinguishes ticks of this step.
 pub(super) fn decimals(step: f64) -> usize {
     (0..9)
         .find(|&n| (step * 10f64.powi(n) - (step * 10f64.powi(n)).round()).abs() < 1e-6)
         .unwrap_or(9) as usize
 }
 
-/// The step of 1, 2 or 5 times a power of ten that cuts `span` into at most `most` parts.
+/// The step of 1, 2 or 5 times a power of ten that divides `span` into at most `most` parts.
 pub(super) fn nice_step(span: f64, most: f64) -> f64 {
     let raw = span / most;
     if !(raw.is_finite() && raw > 0.0) {

@@ -14,25 +14,25 @@ use myospring_core::recording::CALCIUM as CYTOSOL;
 use myospring_core::recording::{Recording, Sample, Signal};
 use std::borrow::Cow;
 
-/// What one panel shows of a recording.
+/// The quantity that a panel shows.
 pub(super) struct Quantity {
     pub(super) label: Cow<'static, str>,
     pub(super) unit: Cow<'static, str>,
     pub(super) colour: Colour,
-    /// Whether its peak is marked and noted.
+    /// Whether its peak is marked and labelled.
     pub(super) noted: bool,
     pub(super) value: Shown,
 }
 
-/// Where the values of a quantity stand.
+/// Where the values of a quantity are found.
 pub(super) enum Shown {
     /// In the samples.
     Sample(fn(&Sample) -> f64),
-    /// In what the cell model tells besides.
+    /// In the further signals of the cell model.
     Calcium,
 }
 
-/// What of the drives of its tension a cell has.
+/// Which drives of the tension a recording has: potential, calcium.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drives {
     potential: bool,
@@ -42,7 +42,7 @@ pub(super) struct Drives {
 }
 
 impl Drives {
-    /// Those of a recording.
+    /// The drives of a recording.
     pub(super) fn of(recording: &Recording) -> Self {
         let samples = &recording.samples;
         Self {
@@ -52,7 +52,7 @@ impl Drives {
         }
     }
 
-    /// Those that both have.
+    /// The drives that both have.
     pub(super) fn and(self, other: &Self) -> Self {
         Self {
             potential: self.potential && other.potential,
@@ -61,7 +61,7 @@ impl Drives {
         }
     }
 
-    /// As quantities: the potential, in mV where the cell model defines it, and calcium.
+    /// The drives as quantities: the potential, in mV if the cell model defines it, and calcium.
     pub(super) fn quantities(&self) -> Vec<Quantity> {
         let quantity = |label: String, unit: &str, colour, value| Quantity {
             label: label.into(),
@@ -86,7 +86,8 @@ impl Drives {
     }
 }
 
-/// Calcium of the cytosol and its unit; a table that was read back has the unit in its name.
+/// Cytosolic calcium and its unit; in a table that was read from a file, the unit is part of the
+/// name.
 fn calcium(recording: &Recording) -> Option<(&Signal, &str)> {
     recording.signals.iter().find_map(|signal| match signal.name.strip_prefix(CYTOSOL)? {
         "" => Some((signal, signal.unit.as_str())),
@@ -128,7 +129,7 @@ fn finite(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
     points.iter().copied().filter(|[t, value]| t.is_finite() && value.is_finite())
 }
 
-/// Least and greatest of one coordinate over finite points.
+/// Smallest and largest value of one coordinate over finite points.
 pub(super) fn extent<'a>(
     curves: impl IntoIterator<Item = &'a [[f64; 2]]>,
     axis: usize,
@@ -141,7 +142,7 @@ pub(super) fn extent<'a>(
         })
 }
 
-/// The highest point of a curve, between samples.
+/// The maximum of a curve, interpolated between samples.
 pub(super) fn peak(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let (times, values): (Vec<f64>, Vec<f64>) = finite(points).map(|[t, value]| (t, value)).unzip();
     trace::peak(&times, &values).map(|top| [top.time, top.value])
@@ -151,12 +152,12 @@ fn check(points: &[[f64; 2]], what: impl FnOnce() -> String) -> Result<(), Figur
     finite(points).next().map(|_| ()).ok_or_else(|| FigureError::NoSamples { what: what() })
 }
 
-/// Panels of one recording above each other with one time axis, and where they begin and end.
+/// Panels of one recording above each other, with one time axis.
 pub(super) struct Stack<'a> {
     pub(super) recording: &'a Recording,
     pub(super) quantities: &'a [Quantity],
     pub(super) stimulus_times_ms: &'a [f64],
-    /// From where to where the panels reach with their labels, px.
+    /// Left and right end of the panels with their labels, px.
     pub(super) sides: [f64; 2],
     /// Upper end of the first plot and height of each, px.
     pub(super) top: f64,
@@ -183,7 +184,7 @@ impl Stack<'_> {
         let mut charts: Vec<Chart> = Vec::new();
         for (row, quantity) in self.quantities.iter().enumerate() {
             let [low, high] = extent([curves[row].as_slice()], 1);
-            // Head room for the note at the peak.
+            // Room for the label of the peak.
             let room = if quantity.noted { 0.12 * (high - low.min(0.0)) } else { 0.0 };
             charts.push(Chart {
                 place: [0.0, self.top + row as f64 * (self.height + self.gap)],
@@ -199,8 +200,8 @@ impl Stack<'_> {
                 marks: captured.clone(),
             });
         }
-        // The plots of all panels begin and end together, right of the widest labels; half a tick
-        // label stands out beyond the end of the time axis.
+        // The plots of all panels are aligned, right of the widest labels; half a tick label
+        // extends beyond the time axis.
         let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
         let left = self.sides[0] + 24.0 + offset;
         for chart in &mut charts {
@@ -226,13 +227,13 @@ impl Stack<'_> {
 
 const NOT_CAPTURED: &str = "not captured";
 
-/// The stimuli that raised no action potential.
+/// The stimuli without an action potential.
 fn missed(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<f64> {
     let beats = Beats::of(recording, stimulus_times_ms, None);
     beats.iter().filter(|beat| beat.is_missed()).map(|beat| beat.stimulus_ms).collect()
 }
 
-/// Names the first stimulus above the plot.
+/// Labels the first stimulus above the plot.
 fn mark_stimulus(sheet: &mut Sheet, chart: &Chart) {
     let [first, last] = chart.x.range;
     if let Some(&t) = chart.marks.iter().find(|t| (first..=last).contains(*t)) {
@@ -246,7 +247,7 @@ fn mark_stimulus(sheet: &mut Sheet, chart: &Chart) {
     }
 }
 
-/// A dot at the peak and its value and time beside it.
+/// Draws a dot at the peak, with value and time beside it.
 fn note_peak(sheet: &mut Sheet, chart: &Chart, top: [f64; 2], quantity: &Quantity) {
     if top[1] <= 0.0 {
         return;
@@ -264,15 +265,17 @@ fn note_peak(sheet: &mut Sheet, chart: &Chart, top: [f64; 2], quantity: &Quantit
     } else if x - 8.0 - width >= chart.place[0] && free(x - 8.0 - width) {
         sheet.text([x - 8.0, y - 1.0], &text, style.anchor(Anchor::End));
     } else {
-        // Other beats stand beside the peak.
+        // Other beats are next to the peak.
         sheet.text([right, chart.place[1] - 2.0], &text, style.anchor(Anchor::End));
     }
 }
 
-/// Action potential and active tension over one time axis (the paper's Fig. 3), and calcium of a cell that has it.
+/// Draws action potential, active tension and (if the cell has it) calcium over one time axis (the
+/// paper's Fig. 3).
 ///
-/// The potential is in mV where the cell model defines it and dimensionless otherwise; where there is none, calcium
-/// stands in its place. Dashed lines mark the stimuli, those that were not captured in another colour. Width: one column, 85 mm.
+/// The potential is in mV if the cell model defines it, and dimensionless otherwise; without a
+/// potential, calcium is shown instead. Dashed lines mark the stimuli, those that were not captured
+/// in another colour. Width: one column, 85 mm.
 ///
 /// # Errors
 /// A recording without a finite sample.
@@ -297,35 +300,35 @@ pub fn action_potential_and_tension(
     Ok(sheet.finish(SINGLE, bottom))
 }
 
-/// What a contraction figure shows besides its curves.
+/// Options of the contraction figure.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ContractionOptions<'a> {
-    /// Times of the stimuli, ms, marked by dashed lines; none unless given.
+    /// Times of the stimuli, ms, marked by dashed lines; default: none.
     pub stimulus_times_ms: Vec<f64>,
     /// A band of shortening known from experiments, per cent, and its name: `([7.0, 12.0], "adult
-    /// ventricular myocytes, unloaded")`; none unless given.
+    /// ventricular myocytes, unloaded")`; default: none.
     pub reference_band: Option<([f64; 2], &'a str)>,
 }
 
-/// Dashes of the curves of one colour: the second and the third time that it is used.
+/// Dashes of the first, second and third curve of one colour.
 const DASHES: [Option<[f64; 2]>; 3] = [None, Some([5.0, 3.0]), Some([1.5, 2.5])];
 
-/// What draws one of several curves.
+/// The line style of one of several curves.
 pub(super) fn pen(index: usize) -> Stroke {
     let stroke = Stroke::new(CURVES[index % CURVES.len()], CURVE_WIDTH);
     Stroke { dash: DASHES[index / CURVES.len() % DASHES.len()], ..stroke }
 }
 
-/// A line of the legend: text, what draws the curve, whether it is a band.
+/// An entry of the legend: text, line style, whether it is a band.
 struct Entry {
     text: String,
     pen: Stroke,
     band: bool,
 }
 
-/// Shortening over time, one curve for each recording (the paper's Fig. 6).
+/// Draws shortening over time, one curve for each recording (the paper's Fig. 6).
 ///
-/// The legend gives each curve's greatest shortening and its time. Width: one column, 85 mm.
+/// The legend states each curve's greatest shortening and its time. Width: one column, 85 mm.
 ///
 /// # Errors
 /// No recording, or one without a finite sample.
@@ -337,7 +340,7 @@ pub fn contraction(
         return Err(FigureError::Nothing { what: "recordings" });
     }
     let stimuli = &options.stimulus_times_ms;
-    // Of several runs a stimulus is missed where all of them miss it.
+    // A stimulus counts as missed if all runs miss it.
     let mut missed_by = recordings.iter().map(|(_, recording)| missed(recording, stimuli));
     let mut missed = missed_by.next().unwrap_or_default();
     missed_by.for_each(|by| missed.retain(|t| by.contains(t)));
@@ -353,7 +356,7 @@ pub fn contraction(
         }
         curves.push(Curve { points, colour: pen.colour, dash: pen.dash });
     }
-    // The strongest contraction first, as the curves lie.
+    // Sorted by peak, in the vertical order of the curves.
     let height_of = |curve: &Curve| peak(&curve.points).map_or(f64::NEG_INFINITY, |top| top[1]);
     let mut order: Vec<usize> = (0..curves.len()).collect();
     order.sort_by(|&a, &b| height_of(&curves[b]).total_cmp(&height_of(&curves[a])));
@@ -398,7 +401,7 @@ pub fn contraction(
             sheet.dot(chart.at(top), curve.colour);
         }
     }
-    // Above the plot, further left where that makes it fit.
+    // Above the plot, shifted left if needed.
     let above = [left.min(SINGLE - 4.0 - legend_width(&legend)).max(6.0), 6.0];
     draw_legend(&mut sheet, inside.unwrap_or(above), &legend);
     Ok(sheet.finish(SINGLE, chart.place[1] + chart.size[1] + 37.0))
@@ -412,7 +415,7 @@ fn legend_width(legend: &[Entry]) -> f64 {
     SWATCH + legend.iter().map(|entry| text_width(&entry.text, TICK)).fold(0.0, f64::max)
 }
 
-/// The upper right corner of the plot when no curve or band passes there.
+/// The upper right corner of the plot, if no curve or band passes there.
 fn legend_inside(chart: &Chart, legend: &[Entry]) -> Option<[f64; 2]> {
     let width = legend_width(legend);
     let [left, top] = [chart.place[0] + chart.size[0] - width, chart.place[1]];

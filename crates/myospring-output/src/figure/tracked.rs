@@ -1,4 +1,4 @@
-//! A cell that was followed through a film: the film with the lattice laid over, and its curves in a figure.
+//! A tracked cell: the film with the lattice overlaid, and a figure with its curves.
 
 use super::chart::{Axis, Chart, Curve};
 use super::film::{Still, gif};
@@ -20,18 +20,18 @@ const HIGHEST: f64 = 480.0;
 /// Height of the curve below it, px.
 const CURVE: f64 = 46.0;
 const MARGIN: f64 = 10.0;
-/// Lattices finer than this are thinned, px.
+/// Finer lattices are thinned to this spacing, px.
 const FINEST: f64 = 13.0;
-/// The lattice (Okabe-Ito yellow), and points that were healed (vermillion).
+/// The lattice (Okabe-Ito yellow), and interpolated points (vermillion).
 const LATTICE: Colour = Colour(0xf0e442);
-const HEALED: Colour = TENSION;
+const INTERPOLATED: Colour = TENSION;
 /// Levels of grey in the palette of the film.
 const GREYS: u8 = 48;
-/// Distance of arrows, px, and the length of the longest.
+/// Distance between arrows, and the length of the longest, px.
 const PITCH: f64 = 11.0;
 const ARROW: f64 = 16.0;
 
-/// A film with the lattice of a cell.
+/// A film with the tracked lattice of a cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracked<'a> {
     /// Name of the film; may be empty.
@@ -44,11 +44,11 @@ pub struct Tracked<'a> {
     pub pixel_size: PixelSize,
     /// The lattice at rest.
     pub mesh: &'a Mesh,
-    /// What was measured, a row a frame.
+    /// The measurements, one row per frame.
     pub rows: &'a [TrackRow],
-    /// How much the cell contracts in each row, %, by the column that can be trusted.
+    /// Contraction of the cell in each row, %, from the column [`Tracked::by`].
     pub contraction: &'a [f64],
-    /// That column.
+    /// Name of the column from which the contraction is computed.
     pub by: &'a str,
 }
 
@@ -57,11 +57,11 @@ pub struct Tracked<'a> {
 pub struct TrackedFrame<'a> {
     /// Grey values row by row from the top left.
     pub values: &'a [f32],
-    /// Where the points are in the picture, um, y upward.
+    /// Positions of the points in the picture, um, y upward.
     pub positions: &'a [Vec<f64>; 2],
-    /// Which points were healed.
-    pub healed: &'a [bool],
-    /// Its row.
+    /// Which points were interpolated.
+    pub interpolated: &'a [bool],
+    /// Index of its row.
     pub row: usize,
 }
 
@@ -84,13 +84,13 @@ impl Tracked<'_> {
         [self.width, self.height].map(|side| side as f64 * self.pixel_size.um())
     }
 
-    /// The grey values of a frame as they are embedded.
+    /// Prepares the grey values of a frame for embedding.
     fn picture(&self, values: &[f32], wanted: f64) -> Result<Picture, FigureError> {
         let Self { width, height, .. } = *self;
         embedded(&Part { values, width, columns: [0, width], rows: [0, height] }, wanted)
     }
 
-    /// The lattice, every few lines where it is fine, and the points that were healed.
+    /// Draws the lattice, thinned if it is fine, and the interpolated points.
     fn draw_lattice(
         &self,
         sheet: &mut Sheet,
@@ -110,7 +110,7 @@ impl Tracked<'_> {
             let shown = self.mesh.lattice.as_ref().is_none_or(|lattice| {
                 let (from, to) = (lattice.cells[a], lattice.cells[b]);
                 let across = usize::from(from[0] == to[0]);
-                // A line along x is one of a row, one along y of a column.
+                // A spring along x belongs to a row, one along y to a column.
                 from[1 - across].is_multiple_of(every)
             });
             if shown {
@@ -119,13 +119,15 @@ impl Tracked<'_> {
         }
         sheet.path(lines, Stroke::new(LATTICE, 0.7).opacity(0.75));
         let mut dots = Path::default();
-        for (node, _) in frame.healed.iter().enumerate().filter(|(_, healed)| **healed) {
+        for (node, _) in
+            frame.interpolated.iter().enumerate().filter(|(_, interpolated)| **interpolated)
+        {
             dots.add_line([point(node); 2]);
         }
-        sheet.path(dots, Stroke::new(HEALED, 2.2).round_ends());
+        sheet.path(dots, Stroke::new(INTERPOLATED, 2.2).round_ends());
     }
 
-    /// One frame of the film as a figure, 480 px wide: the picture with the lattice, points that were healed in red, the
+    /// One frame of the film as a figure, 480 px wide: the picture with the lattice, interpolated points in red, the
     /// time and the contraction so far.
     ///
     /// # Errors
@@ -151,8 +153,8 @@ impl Tracked<'_> {
         sheet.window("film".to_owned(), Path::rect(place), inside);
         let below = place.corner[1] + size[1];
         draw_scale_bar(&mut sheet, [MARGIN, below + 14.0], scale, extent);
-        let healed = format!("healed {} %", fixed(row.healed_pct, 0));
-        sheet.text([WIDTH - MARGIN, below + 17.0], &healed, style);
+        let interpolated = format!("interpolated {} %", fixed(row.interpolated_pct, 0));
+        sheet.text([WIDTH - MARGIN, below + 17.0], &interpolated, style);
         let bottom = self.draw_curve(&mut sheet, frame.row, below + 26.0);
         Ok(sheet.finish(WIDTH, bottom + 8.0))
     }
@@ -175,7 +177,7 @@ impl Tracked<'_> {
         top + 16.0 + CURVE
     }
 
-    /// A frame as GIF has it; frames are independent of each other.
+    /// A frame as needed by [`Tracked::gif`]; frames are independent of each other.
     ///
     /// # Errors
     /// As of [`Tracked::frame`], and more pixels than memory allows.
@@ -184,16 +186,17 @@ impl Tracked<'_> {
         Ok(gif::still(&palette(), painted.size, &painted.colours))
     }
 
-    /// All frames as an animated GIF, each shown for so many hundredths of a second.
+    /// All frames as an animated GIF, each shown for `hundredths` hundredths of a second.
     ///
     /// # Errors
-    /// No frame, or what the writer says.
+    /// No frame, or a GIF that cannot be written.
     pub fn gif(&self, stills: &[Still], hundredths: u16) -> Result<Vec<u8>, FigureError> {
         gif::animated(&palette(), stills, hundredths)
     }
 
-    /// The summary: the frame at rest (A) and the most contracted one with its lattice and the way there as arrows (B),
-    /// and the curves of contraction, stretches and sarcomeres. Two columns wide.
+    /// Draws the summary: the frame at rest (A), the most contracted one with its lattice and the
+    /// displacements as arrows (B), and the curves of contraction, stretches and sarcomeres. Two
+    /// columns wide.
     ///
     /// # Errors
     /// As of [`Tracked::frame`].
@@ -208,7 +211,7 @@ impl Tracked<'_> {
         let extent = self.extent();
         let gap = 16.0;
         let wide = (DOUBLE - gap - 2.0 * MARGIN) / 2.0;
-        // Long pictures stand above each other.
+        // Long pictures are stacked.
         let stands = extent[0] > 2.2 * extent[1];
         let room = if stands { DOUBLE - 2.0 * MARGIN } else { wide };
         let scale = (room / extent[0]).min(mm(85.0) / extent[1]);
@@ -258,25 +261,27 @@ impl Tracked<'_> {
         }
         draw_scale_bar(&mut sheet, [MARGIN, bottom + 12.0], scale, extent);
         let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
-        let note =
-            format!("healed points red, {} % here", fixed(self.rows[rest.row].healed_pct, 0));
+        let note = format!(
+            "interpolated points red, {} % here",
+            fixed(self.rows[rest.row].interpolated_pct, 0)
+        );
         sheet.text([MARGIN + size[0], bottom + 15.5], &note, style);
         let bottom = self.draw_curves(&mut sheet, bottom + 30.0);
         Ok(sheet.finish(DOUBLE, bottom))
     }
 
-    /// How many times the way from rest is drawn, so that nearly the longest is an arrow to be seen.
+    /// Magnification of the displacement arrows, so that nearly the longest one is well visible.
     fn magnified(&self, rest: &TrackedFrame<'_>, now: &TrackedFrame<'_>, scale: f64) -> f64 {
         let length = |node: usize| {
             let way = [0, 1].map(|a: usize| now.positions[a][node] - rest.positions[a][node]);
             way[0].hypot(way[1]) * scale
         };
         let mut lengths: Vec<f64> = (0..self.mesh.len())
-            .filter(|&node| !now.healed.get(node).copied().unwrap_or(false))
+            .filter(|&node| !now.interpolated.get(node).copied().unwrap_or(false))
             .map(length)
             .collect();
         lengths.sort_by(f64::total_cmp);
-        // A few points beside the cell are not to make all others small.
+        // The largest 2 % are ignored, so that a few outliers do not make all others small.
         let longest = lengths.get(lengths.len() * 49 / 50).copied().unwrap_or(0.0).max(1e-9);
         let factor = (ARROW / longest).max(1.0);
         // A round number.
@@ -328,7 +333,7 @@ impl Tracked<'_> {
         sheet.path(path, Stroke::new(LATTICE, 1.0).round_ends());
     }
 
-    /// Curves over time below each other; returns their lower end.
+    /// Draws curves over time below each other; returns their lower end, px.
     fn draw_curves(&self, sheet: &mut Sheet, top: f64) -> f64 {
         let rows = self.rows;
         let times = [rows[0].t_ms, rows[rows.len() - 1].t_ms];
@@ -385,7 +390,8 @@ impl Tracked<'_> {
     }
 }
 
-/// Greys, the lattice's colour and that of healed points on them, the curve.
+/// The palette: greys, the colours of lattice and interpolated points blended with them, and the
+/// colour of the curve.
 fn palette() -> Vec<[u8; 3]> {
     let mixed = |a: [u8; 3], b: [u8; 3], part: f64| {
         [0, 1, 2].map(|channel: usize| {
@@ -397,7 +403,9 @@ fn palette() -> Vec<[u8; 3]> {
         (0..count).map(move |k| [(255.0 * f64::from(k) / f64::from(count - 1)) as u8; 3])
     };
     let mut palette: Vec<[u8; 3]> = greys(GREYS).collect();
-    for (colour, parts) in [(LATTICE, &[0.15, 0.3, 0.45, 0.6, 0.75][..]), (HEALED, &[0.5, 1.0])] {
+    for (colour, parts) in
+        [(LATTICE, &[0.15, 0.3, 0.45, 0.6, 0.75][..]), (INTERPOLATED, &[0.5, 1.0])]
+    {
         for part in parts {
             palette.extend(greys(16).map(|grey| mixed(grey, colour.channels(), *part)));
         }

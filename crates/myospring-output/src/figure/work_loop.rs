@@ -1,4 +1,4 @@
-//! Force at the ends over length: the loop of a beat whose ends are held.
+//! Work loop: force at the ends over length, for a beat with held ends.
 
 use super::chart::{Axis, Chart, Curve};
 use super::font::text_width;
@@ -12,13 +12,13 @@ use myospring_core::recording::{END_FORCE, Recording, Sample};
 /// Heights of the plots, px.
 const HEIGHTS: [f64; 2] = [90.0, 150.0];
 
-/// The force with which a cell draws its ends inward, over time and over its length, with the end of systole of its
-/// first beat.
+/// Draws the force with which a cell pulls its ends inward, over time and over its length, with the
+/// end of systole of its first beat.
 ///
 /// Width: one column, 85 mm.
 ///
 /// # Errors
-/// A recording without a force at the ends (nothing held both), or without a finite sample.
+/// A recording without a force at the ends (the ends were not held), or without a finite sample.
 pub fn work_loop(recording: &Recording, stimulus_times_ms: &[f64]) -> Result<Figure, FigureError> {
     let nothing = FigureError::Nothing { what: "forces at the ends" };
     let force = recording.signals.iter().find(|signal| signal.is(END_FORCE)).ok_or(nothing)?;
@@ -70,7 +70,7 @@ pub fn work_loop(recording: &Recording, stimulus_times_ms: &[f64]) -> Result<Fig
         let text =
             format!("end of systole, {} nN at {} \u{b5}m", fixed(end[1], 0), fixed(end[0], 1));
         let lines = [text, format!("work on the load {} pJ", fixed(work / 1000.0, 2))];
-        // To the right of the point, above the loop, unless that leads out of the plot.
+        // To the right of the point, above the loop, if there is room in the plot.
         let widest = lines.iter().map(|line| text_width(line, TICK)).fold(0.0, f64::max);
         let right = chart.place[0] + chart.size[0];
         let (at, anchor) =

@@ -1,19 +1,19 @@
-//! Files that others wrote, within bounds.
+//! Reads files of unknown origin, up to a largest size.
 
 use std::fs::{File, Metadata};
 use std::io::{self, Read as _};
 use std::path::Path;
 
-/// Bytes of the largest file that is read: films of an hour are smaller.
+/// Largest file that is read, bytes; a film of an hour is smaller.
 const LARGEST: u64 = 64 << 30;
 
-/// Bytes that are read of a pipe, which does not say how many it has.
+/// Largest number of bytes read from a pipe, whose size is not known in advance.
 const LARGEST_PIPE: u64 = 1 << 30;
 
-/// The bytes of a file, or what a pipe gives.
+/// Reads the bytes of a file or pipe.
 ///
 /// # Errors
-/// What the system says; a device, a file of more than 64 GB and a pipe that gives more than 1 GB are
+/// Errors of the system; a device, a file of more than 64 GB and a pipe with more than 1 GB give
 /// [`io::ErrorKind::InvalidData`].
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
@@ -27,7 +27,7 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
         return refused(too_large(most));
     }
     let mut bytes = Vec::with_capacity(about.len() as usize);
-    // One more than may be, so that more is seen.
+    // One byte more than allowed, to detect larger input.
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         return refused(too_large(most));

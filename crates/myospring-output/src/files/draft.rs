@@ -1,4 +1,4 @@
-//! A folder under way.
+//! A folder of results that is being written.
 
 use super::error::FileError;
 use super::hold::{Hold, hold, try_hold};
@@ -6,31 +6,33 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The file that a live process holds in its hidden folder; the name says whose folder it is.
+/// Lock file of a running process in its hidden folder; the name says which program made the
+/// folder.
 const LOCK: &str = "myospring.lock";
-/// Where the files stand in it.
+/// Subfolder with the files.
 const FILES: &str = "files";
-/// Often enough that a folder which others clear at the same moment is made again.
+/// Number of attempts to make a folder that other processes may clear at the same moment.
 const TRIES: usize = 10;
 
-/// A hidden folder, `.NAME.part`, for what will stand in a folder of that name: beside it where it is yet to be
-/// made, in it where it is there, since it may be a disk of its own.
+/// A hidden folder, `.NAME.part`, in which the content of the folder `NAME` is prepared. It lies
+/// beside that folder if that does not exist yet, else inside it, since it may be a disk of its
+/// own.
 ///
-/// One process at a time may have it. Dropping it removes it; what a process that was killed has left there is
-/// removed when the next one begins in the same place.
+/// Only one process at a time may have it. Dropping it removes it; leftovers of a killed process
+/// are removed when the next one begins in the same place.
 #[derive(Debug)]
 pub struct Draft {
     folder: PathBuf,
-    /// Held as long as the draft lasts.
+    /// Held while the draft exists.
     lock: Option<File>,
 }
 
 impl Draft {
-    /// Begins what will be the folder `target`.
+    /// Begins the draft of the folder `target`.
     ///
     /// # Errors
-    /// [`FileError::InUse`] where another process is at it; a path that names no folder; a place that cannot be
-    /// written to.
+    /// [`FileError::InUse`] if another process is writing there; a path without a folder name; a
+    /// place that cannot be written to.
     pub fn begin(target: &Path) -> Result<Self, FileError> {
         let Some(name) = target.file_name() else {
             return Err(FileError::NoName { path: target.to_owned() });
@@ -48,13 +50,13 @@ impl Draft {
         match lock {
             Hold::Ours(lock) => {
                 let draft = Self { folder, lock: Some(lock) };
-                // Of a process that is no more.
+                // Left by a process that has ended.
                 remove_folder(&files).map_err(failed)?;
                 fs::create_dir(&files).map_err(failed)?;
                 draft.clear_leftovers();
                 Ok(draft)
             }
-            // On a disk without locks, what is there may be of a process that lives.
+            // On a disk without locks, existing files may belong to a running process.
             Hold::Unknown(_) => match fs::create_dir(&files) {
                 Ok(()) => Ok(Self { folder, lock: None }),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(in_use()),
@@ -64,7 +66,7 @@ impl Draft {
         }
     }
 
-    /// The lock of a hidden folder, which is made; `None` where others take it away again and again.
+    /// Makes and locks a hidden folder; `None` if other processes keep removing it.
     fn lock(
         folder: &Path,
         failed: impl Fn(io::Error) -> FileError,
@@ -80,12 +82,12 @@ impl Draft {
         Ok(None)
     }
 
-    /// Where its files go.
+    /// The folder for the files.
     pub fn folder(&self) -> PathBuf {
         self.folder.join(FILES)
     }
 
-    /// Removes the hidden folders beside this one that no live process holds.
+    /// Removes the hidden folders beside this one that no running process holds.
     fn clear_leftovers(&self) {
         let Some(entries) = self.folder.parent().and_then(|place| fs::read_dir(place).ok()) else {
             return;
@@ -94,7 +96,7 @@ impl Draft {
             let (name, path) = (entry.file_name(), entry.path());
             let name = name.to_string_lossy();
             if name.starts_with('.') && name.ends_with(".part") && path != self.folder {
-                // A leftover that cannot be removed disturbs nobody.
+                // A leftover that cannot be removed does no harm.
                 if let Ok(Hold::Ours(lock)) = try_hold(&path.join(LOCK), false) {
                     drop(Self { folder: path, lock: Some(lock) });
                 }
@@ -105,8 +107,8 @@ impl Draft {
 
 impl Drop for Draft {
     fn drop(&mut self) {
-        // What cannot be removed here is cleared by the next process. The lock goes last and while it is
-        // held, so that whoever comes now makes a new one.
+        // What cannot be removed here is cleared by the next process. The lock is removed last,
+        // while it is held, so that another process that starts now makes a new one.
         remove_folder(&self.folder.join(FILES)).ok();
         fs::remove_file(self.folder.join(LOCK)).ok();
         fs::remove_dir(&self.folder).ok();
@@ -114,7 +116,7 @@ impl Drop for Draft {
     }
 }
 
-/// Removes a folder with all in it, if it is there.
+/// Removes a folder with its content, if it exists.
 fn remove_folder(path: &Path) -> io::Result<()> {
     fs::remove_dir_all(path).or_else(|error| match error.kind() {
         io::ErrorKind::NotFound => Ok(()),

@@ -7,9 +7,9 @@ use std::path::PathBuf;
 /// Why a file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// The path ends in no file name.
+    /// The path does not end in a file name.
     #[error(
-        "`{path}` names no file; give a path that ends in a file name, like results/traces.csv"
+        "`{path}` does not name a file; give a path that ends in a file name, like results/traces.csv"
     )]
     NoName {
         /// The path that was given.
@@ -48,7 +48,7 @@ pub enum FileError {
         /// What the system says.
         source: io::Error,
     },
-    /// The name is taken by something that is no file.
+    /// The name belongs to something that is not a file.
     #[error("`{path}` is {what}, which is never replaced; give another name")]
     NotAFile {
         /// The path that was given.
@@ -56,7 +56,7 @@ pub enum FileError {
         /// What it is.
         what: &'static str,
     },
-    /// The file is there, and not one that may be replaced.
+    /// The file exists and must not be replaced.
     #[error(
         "`{path}` was not written by myospring, or was changed since, so it is not replaced; move it elsewhere, or \
          choose another folder"
@@ -65,7 +65,7 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
-    /// The file is not as it was written.
+    /// The file differs from what was written.
     #[error(
         "`{path}` is not the file that myospring wrote there: it was changed, damaged, removed or put there since, as \
          {MANIFEST} shows"
@@ -74,9 +74,9 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
-    /// The folder holds files that no command wrote.
+    /// The folder contains files that myospring did not write.
     #[error(
-        "`{folder}` holds files that myospring did not write, or that were changed since: {names}. Nothing was \
+        "`{folder}` contains files that myospring did not write, or that were changed since: {names}. Nothing was \
          replaced; move these files elsewhere, or choose another folder"
     )]
     NotOurs {
@@ -85,9 +85,9 @@ pub enum FileError {
         /// The first few of the files.
         names: String,
     },
-    /// The folder has no list of what was written there.
+    /// The folder has files but no list of those that myospring wrote.
     #[error(
-        "`{folder}` holds files ({names}) and no list of those that myospring wrote, {MANIFEST}, which earlier versions \
+        "`{folder}` contains files ({names}) and no list of those that myospring wrote, {MANIFEST}, which earlier versions \
          did not keep. Nothing was replaced; choose another folder, or remove this one yourself"
     )]
     NoManifest {
@@ -96,7 +96,7 @@ pub enum FileError {
         /// The first few of the files.
         names: String,
     },
-    /// What would be written or removed is read.
+    /// A file that would be replaced or removed is also read.
     #[error(
         "this command reads `{path}`, which its results would replace or remove; choose another place for them"
     )]

@@ -1,7 +1,7 @@
-//! A file that one process has for itself.
+//! Exclusive use of a file by one process.
 //!
-//! What says so is a lock that the system keeps: it ends with the process, however that ends, so nobody has to
-//! guess from a number whether the process is still alive.
+//! It is a lock of the operating system, which ends with the process, however the process ends; so
+//! it is never necessary to guess whether another process is still running.
 
 use same_file::Handle;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -10,26 +10,26 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
-/// How often another process is given time to let go, and for how long: whoever clears leftovers holds a file
-/// for a moment.
+/// Number of attempts while another process holds the file, and the time between them: a process
+/// that clears leftovers holds a file for a moment.
 const TRIES: usize = 10;
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Who has a file.
+/// Which process holds a file.
 #[derive(Debug)]
 pub enum Hold {
     /// This process, until the file is dropped.
     Ours(File),
-    /// Perhaps this process: the disk has no locks.
+    /// Unknown, because the disk does not support locks.
     Unknown(File),
     /// Another process, or another part of this one.
     Others,
 }
 
-/// Opens a file for reading and writing, makes it if it is not there, and locks it.
+/// Opens a file for reading and writing, creates it if it does not exist, and locks it.
 ///
 /// # Errors
-/// When the system gives no such file.
+/// Errors of the system.
 ///
 /// # Example
 /// ```
@@ -52,7 +52,7 @@ pub fn hold(path: &Path) -> io::Result<Hold> {
     Ok(Hold::Others)
 }
 
-/// [`hold`] without waiting, for a file that is made only if `make` says so.
+/// [`hold`] without waiting; the file is created only if `make` is true.
 pub(super) fn try_hold(path: &Path, make: bool) -> io::Result<Hold> {
     let mut options = OpenOptions::new();
     let file = options.read(true).write(true).create(make).truncate(false).open(path)?;
@@ -61,7 +61,7 @@ pub(super) fn try_hold(path: &Path, make: bool) -> io::Result<Hold> {
         Err(TryLockError::Error(_)) => false,
         Err(TryLockError::WouldBlock) => return Ok(Hold::Others),
     };
-    // Whoever had it before may have removed or renamed it since it was opened here.
+    // The previous holder may have removed or renamed the file since it was opened here.
     Ok(match is_at(&file, path)? {
         true if locked => Hold::Ours(file),
         true => Hold::Unknown(file),
@@ -69,7 +69,7 @@ pub(super) fn try_hold(path: &Path, make: bool) -> io::Result<Hold> {
     })
 }
 
-/// Whether the file of this name is the open one.
+/// Whether this path still refers to the open file.
 fn is_at(file: &File, path: &Path) -> io::Result<bool> {
     let opened = Handle::from_file(file.try_clone()?)?;
     match Handle::from_path(path) {

@@ -1,4 +1,5 @@
-//! The list of the files that commands wrote to a folder of results: what they may replace there, and nothing else.
+//! The list of the files that commands wrote to a folder of results; only these files may be
+//! replaced.
 
 use super::error::FileError;
 use super::names::MANIFEST;
@@ -14,48 +15,48 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 const TITLE: &str = "# myospring wrote these files; `sha256sum -c myospring.sha256` checks them. What is not in this list, \
                      or was changed since, is never replaced or removed.\n";
-/// How the first line begins.
+/// Beginning of the first line.
 const MARK: &str = "# myospring wrote these files";
-/// Before the name of a file that changes as long as a study goes on.
+/// Marks a file that changes while a study runs.
 const CHANGING: &str = "# changes while a study goes on: ";
-/// What systems put into folders that people look at.
+/// Files that operating systems put into folders.
 const OF_THE_SYSTEM: [&str; 3] = ["Thumbs.db", "desktop.ini", "Icon\r"];
-/// Files that an error names.
+/// Largest number of files that an error names.
 const NAMED: usize = 3;
 
 /// The manifest of a folder of results.
 ///
-/// A file is listed with its hash before it gets its name, so that also what an interrupted command left is known.
-/// Only a listed file whose content has a listed hash is ever replaced or removed.
+/// A file is listed with its hash before it gets its name, so that files of an interrupted command
+/// are known, too. Only a listed file whose content has a listed hash is replaced or removed.
 #[derive(Debug, Clone)]
 pub struct Manifest {
     folder: PathBuf,
-    /// The part of the folder that this is about, ending in `/`; empty for all of it.
+    /// The subfolder that this refers to, ending in `/`; empty for the whole folder.
     within: String,
     writing: Arc<Mutex<()>>,
 }
 
-/// What a manifest lists.
+/// The content of a manifest.
 #[derive(Debug, Default)]
 struct Listed {
-    /// Hashes that each file has or is about to have, the newest last.
+    /// Hashes that each file has or will have, the newest last.
     hashes: BTreeMap<String, Vec<String>>,
     changing: BTreeSet<String>,
 }
 
 impl Manifest {
-    /// Of a folder, which need not be there.
+    /// The manifest of a folder, which need not exist.
     pub fn of(folder: &Path) -> Self {
         Self { folder: folder.to_owned(), within: String::new(), writing: Arc::default() }
     }
 
-    /// The same list, for what is in one of its folders alone.
+    /// The same list, limited to one subfolder.
     #[must_use]
     pub fn part(&self, name: &str) -> Self {
         Self { within: format!("{}{name}/", self.within), ..self.clone() }
     }
 
-    /// The folder of the results, or of this part of them.
+    /// The folder of the results, or the subfolder.
     pub fn folder(&self) -> PathBuf {
         match self.within.strip_suffix('/') {
             Some(within) => self.folder.join(within),
@@ -71,10 +72,10 @@ impl Manifest {
         is_file(&path) && read.is_ok() && start == MARK.as_bytes()
     }
 
-    /// Begins the list where there is none.
+    /// Begins the list if there is none.
     ///
     /// # Errors
-    /// A folder that cannot be written to, or a file of that name that is no manifest.
+    /// A folder that cannot be written to, or a file of that name that is not a manifest.
     pub fn begin(&self) -> Result<(), FileError> {
         let path = self.folder.join(MANIFEST);
         if self.is_there() {
@@ -87,8 +88,9 @@ impl Manifest {
         write(&path, TITLE)
     }
 
-    /// Refuses to replace what is in the folder where that would lose a file: one that the manifest does not list, one
-    /// that was changed since, or one that is read. Hidden files and those of other results in it stay and do not matter.
+    /// Checks that replacing the content of the folder would not lose a file: one that the manifest
+    /// does not list, one that was changed since, or one that is read. Hidden files and other
+    /// results in the folder are ignored; they stay.
     ///
     /// # Errors
     /// [`FileError::NoManifest`], [`FileError::NotOurs`] or [`FileError::Read`]; a folder that cannot be read.
@@ -111,7 +113,7 @@ impl Manifest {
         self.check_reads(reads)
     }
 
-    /// Refuses where a file that is read, under whatever name or link, is one that may be replaced.
+    /// Checks that no file that is read, under any name or link, is one that may be replaced.
     ///
     /// # Errors
     /// [`FileError::Read`].
@@ -120,10 +122,11 @@ impl Manifest {
         reads.check(self.names(&listed).map(|name| self.folder.join(name)))
     }
 
-    /// Writes a file by its name in the folder; one that is there is replaced if it is listed and unchanged.
+    /// Writes a file by its name in the folder; an existing file is replaced if it is listed and
+    /// unchanged.
     ///
     /// # Errors
-    /// [`FileError::Foreign`] for another one; what [`write()`](super::write()) says.
+    /// [`FileError::Foreign`] for any other existing file; errors of [`write()`](super::write()).
     pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
         let contents = contents.as_ref();
         let path = self.room_for(name)?;
@@ -131,7 +134,7 @@ impl Manifest {
         write(&path, contents)
     }
 
-    /// As [`Manifest::write`], with what `fill` writes.
+    /// Like [`Manifest::write`], with content written by `fill`.
     ///
     /// # Errors
     /// Those of [`Manifest::write`] and of `fill`.
@@ -148,10 +151,11 @@ impl Manifest {
         })
     }
 
-    /// Lists a file that goes on changing, and returns its path: it may be replaced whatever it holds.
+    /// Lists a file that keeps changing, and returns its path; it may be replaced whatever its
+    /// content.
     ///
     /// # Errors
-    /// [`FileError::Foreign`] where a file of this name is there that is not listed.
+    /// [`FileError::Foreign`] if a file of this name exists that is not listed.
     pub fn changing(&self, name: &str) -> Result<PathBuf, FileError> {
         let path = self.room_for(name)?;
         let full = self.full(name);
@@ -162,7 +166,7 @@ impl Manifest {
         Ok(path)
     }
 
-    /// Lists files that are about to be moved here, each by its name with the place where it is now.
+    /// Lists files that are about to be moved here, each by its name with its current path.
     ///
     /// # Errors
     /// A file that cannot be read, a manifest that cannot be written.
@@ -180,11 +184,11 @@ impl Manifest {
         self.append(&lines)
     }
 
-    /// Removes every file that is listed and unchanged, and the folders that are empty then; files whose names are in
-    /// `but` stay.
+    /// Removes every listed and unchanged file except those named in `but`, and the folders that
+    /// are empty then.
     ///
     /// # Errors
-    /// What the system says.
+    /// Errors of the system.
     pub fn clear(&self, but: &[&str]) -> io::Result<()> {
         let Some(listed) = self.listed()? else { return Ok(()) };
         let mut folders = BTreeSet::new();
@@ -198,16 +202,16 @@ impl Manifest {
             }
         }
         for folder in folders.iter().rev() {
-            // Where something else is in it, it stays.
+            // A folder with other content stays.
             fs::remove_dir(self.folder.join(folder)).ok();
         }
         Ok(())
     }
 
-    /// Lists each file that is there once, with the hash that it has.
+    /// Rewrites the list: each existing file once, with its current hash.
     ///
     /// # Errors
-    /// What the system says.
+    /// Errors of the system.
     pub fn settle(&self) -> Result<(), FileError> {
         let path = self.folder.join(MANIFEST);
         let failed = |source| FileError::Write { path: path.clone(), source };
@@ -234,8 +238,8 @@ impl Manifest {
         write(&path, text)
     }
 
-    /// Refuses a file that is not as it was written: that was changed, has gone, or came from elsewhere. A file that
-    /// neither is there nor is listed is as it was.
+    /// Checks that a file is as it was written: not changed, missing, or from elsewhere. A file
+    /// that neither exists nor is listed passes.
     ///
     /// # Errors
     /// [`FileError::Changed`].
@@ -261,7 +265,7 @@ impl Manifest {
         all.filter(|name| name.starts_with(&self.within))
     }
 
-    /// The path of a file that may be written, with the folders above it.
+    /// The path of a file that may be written; creates the folders above it.
     fn room_for(&self, name: &str) -> Result<PathBuf, FileError> {
         let full = self.full(name);
         let path = self.folder.join(&full);
@@ -278,7 +282,8 @@ impl Manifest {
         Ok(path)
     }
 
-    /// What of a folder is not listed or was changed, one more than errors name.
+    /// The files of a folder that are not listed or were changed, at most one more than errors
+    /// name.
     fn foreign(
         listed: Option<&Listed>,
         folder: &Path,
@@ -329,7 +334,7 @@ impl Manifest {
         append().map_err(|source| FileError::Write { path: path.clone(), source })
     }
 
-    /// What is listed; `None` where there is no manifest.
+    /// The content of the manifest; `None` if there is none.
     fn listed(&self) -> io::Result<Option<Listed>> {
         let path = self.folder.join(MANIFEST);
         let text = match fs::read(&path) {
@@ -337,13 +342,13 @@ impl Manifest {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => return Ok(None),
         };
-        // The end of the title may change from version to version.
+        // The end of the title may differ between versions.
         let Some((_, lines)) = text.split_once('\n').filter(|(title, _)| title.starts_with(MARK))
         else {
             return Ok(None);
         };
         let mut listed = Listed::default();
-        // A line that was cut off or damaged lists nothing: its file is then taken for somebody else's.
+        // A damaged line lists nothing, so its file counts as not ours.
         for line in lines.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n')) {
             if let Some(name) = line.strip_prefix(CHANGING) {
                 listed.changing.extend(Some(name.to_owned()).filter(|name| is_inside(name)));
@@ -358,7 +363,7 @@ impl Manifest {
 }
 
 impl Listed {
-    /// Whether a file is one that was written under this name.
+    /// Whether a file's content was written under this name.
     fn knows(&self, name: &str, path: &Path) -> io::Result<bool> {
         if self.changing.contains(name) {
             return Ok(true);
@@ -368,17 +373,17 @@ impl Listed {
     }
 }
 
-/// Whether this is a file itself: no link, no device.
+/// Whether this is a regular file, not a link or device.
 fn is_file(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|about| about.is_file())
 }
 
-/// Whether a name leads nowhere but into the folder.
+/// Whether a name stays within the folder.
 fn is_inside(name: &str) -> bool {
     !name.is_empty() && Path::new(name).components().all(|it| matches!(it, Component::Normal(_)))
 }
 
-/// A line as `sha256sum` writes it, which marks names with a line break.
+/// A line in the format of `sha256sum`, which escapes line breaks in names.
 fn line(name: &str, hash: &str) -> String {
     if name.contains(['\n', '\\', '\r']) {
         let name = name.replace('\\', r"\\").replace('\n', r"\n").replace('\r', r"\r");

@@ -11,12 +11,12 @@ use std::path::{Path, PathBuf};
 pub struct Reads(BTreeSet<PathBuf>);
 
 impl Reads {
-    /// None yet.
+    /// An empty set.
     pub const fn new() -> Self {
         Self(BTreeSet::new())
     }
 
-    /// Adds a file; of a folder all files directly in it. What is not there is left out.
+    /// Adds a file, or all files directly in a folder. Paths that do not exist are ignored.
     pub fn add(&mut self, path: &Path) {
         if let Ok(entries) = fs::read_dir(path) {
             let files = entries.flatten().map(|entry| entry.path());
@@ -26,7 +26,7 @@ impl Reads {
         }
     }
 
-    /// Refuses a file that is to be written where it is one of these, under whatever name or link.
+    /// Checks that a file to be written is not one of these, under any name or link.
     ///
     /// # Errors
     /// [`FileError::Read`].
@@ -34,9 +34,9 @@ impl Reads {
         self.check([path.to_owned()])
     }
 
-    /// Refuses files that are to be written or removed where one of them is read.
+    /// Checks that none of the files to be written or removed is read.
     pub(super) fn check(&self, files: impl IntoIterator<Item = PathBuf>) -> Result<(), FileError> {
-        // One file has one length: few need to be opened.
+        // Only files of equal length need to be compared.
         let mut by_length: BTreeMap<u64, Vec<&PathBuf>> = BTreeMap::new();
         for read in &self.0 {
             if let Ok(about) = fs::metadata(read) {
@@ -54,7 +54,7 @@ impl Reads {
         Ok(())
     }
 
-    /// Refuses a folder of results in which one of these files is.
+    /// Checks that none of these files is in a folder of results.
     ///
     /// # Errors
     /// [`FileError::Read`].

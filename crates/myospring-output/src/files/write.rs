@@ -1,4 +1,4 @@
-//! One file, whole or not at all.
+//! Writes one file completely or not at all.
 
 use super::error::FileError;
 use std::fs::{self, File};
@@ -6,27 +6,27 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// How often another name is tried for the file under way.
+/// Number of attempts to find an unused name for the temporary file.
 const TRIES: usize = 100;
-/// Between these stands the random part of its name.
+/// Parts of its name before and after the random part.
 const PART: [&str; 2] = [".myospring-", ".part"];
 
-/// Makes a folder with all above it; one that exists is fine.
+/// Creates a folder and its parents; it may exist already.
 ///
 /// # Errors
-/// When the system refuses, or a file stands in the way.
+/// Errors of the system, or a file of the same name.
 pub fn create_folder(path: &Path) -> Result<(), FileError> {
     fs::create_dir_all(path).map_err(|source| FileError::Folder { path: path.to_owned(), source })
 }
 
-/// Writes a file so that a reader sees the old one or the new one, never a part.
+/// Writes a file atomically: a reader sees either the old file or the new one.
 ///
-/// The bytes go to a hidden file in the same folder, of a name that nothing has, which then takes the file's name. After
-/// an error the file is as it was before. A link stays, and the file that it leads to is written.
+/// The bytes go to a hidden file with an unused name in the same folder, which is then renamed.
+/// After an error the file is unchanged. A link stays, and the file that it leads to is written.
 ///
 /// # Errors
-/// When the system refuses, or where a folder, a device, a pipe or a link that leads nowhere has the name; the error
-/// names the file.
+/// Errors of the system, or a folder, device, pipe or broken link of that name; the error names the
+/// file.
 ///
 /// # Example
 /// ```
@@ -41,10 +41,10 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
     write_with(path, |file| file.write_all(contents.as_ref()).map_err(failed))
 }
 
-/// As [`write()`], with what `fill` writes: a file that is larger than memory need not be held.
+/// Like [`write()`], with content written by `fill`, for files larger than memory.
 ///
 /// # Errors
-/// Those of [`write()`] and of `fill`; the file is then as it was before.
+/// Those of [`write()`] and of `fill`; the file is then unchanged.
 pub fn write_with<E: From<FileError>>(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
@@ -52,7 +52,8 @@ pub fn write_with<E: From<FileError>>(
     write_and(path, fill, |_| Ok(()))
 }
 
-/// As [`write_with`]; `named` is told where the whole file is just before it gets its name.
+/// Like [`write_with`]; `named` is called with the path of the complete file just before it is
+/// renamed.
 pub(super) fn write_and<E: From<FileError>>(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
@@ -71,13 +72,13 @@ pub(super) fn write_and<E: From<FileError>>(
     };
     let outcome = filled();
     if outcome.is_err() {
-        // The error above says what went wrong; a part that stays is hidden.
+        // The error above says what went wrong; a leftover is hidden.
         fs::remove_file(&part).ok();
     }
     outcome
 }
 
-/// Refuses a name under which no file can be written without the loss of something that is no file.
+/// Checks that a path can be written without replacing something that is not a file.
 ///
 /// # Errors
 /// Those of [`write()`].
@@ -85,7 +86,7 @@ pub fn check_writable(path: &Path) -> Result<(), FileError> {
     destination(path).map(drop)
 }
 
-/// The path that is written: that of the file to which a link leads.
+/// The path to write: for a link, the file to which it leads.
 fn destination(path: &Path) -> Result<PathBuf, FileError> {
     let refused = |what| FileError::NotAFile { path: path.to_owned(), what };
     if path.file_name().is_none() {
@@ -106,7 +107,7 @@ fn destination(path: &Path) -> Result<PathBuf, FileError> {
     }
 }
 
-/// A new file beside another, under a hidden name that nothing has.
+/// Creates a file beside another, under an unused hidden name.
 fn part_of(path: &Path) -> io::Result<(PathBuf, File)> {
     let [before, after] = PART;
     let mut tries = 0;
@@ -122,10 +123,11 @@ fn part_of(path: &Path) -> io::Result<(PathBuf, File)> {
     }
 }
 
-/// Removes the files under way that killed processes left in a folder, which nobody else may be writing to.
+/// Removes temporary files that killed processes left in a folder; no other process may be writing
+/// there.
 ///
 /// # Errors
-/// What the system says.
+/// Errors of the system.
 pub fn clear_parts(folder: &Path) -> io::Result<()> {
     let [before, after] = PART;
     for entry in fs::read_dir(folder)? {

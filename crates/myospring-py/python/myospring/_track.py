@@ -94,9 +94,9 @@ class Motion:
         return self._native.column("sarcomere_um")
 
     @property
-    def healed_pct(self) -> NDArray[np.float64]:
-        """Points that were not found again and put where their neighbours would have them."""
-        return self._native.column("healed_pct")
+    def interpolated_pct(self) -> NDArray[np.float64]:
+        """Points that were not found again but interpolated from their neighbours, per cent."""
+        return self._native.column("interpolated_pct")
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -104,9 +104,9 @@ class Motion:
         return self._native.positions
 
     @property
-    def healed(self) -> NDArray[np.bool_]:
-        """Which points were put where their neighbours would have them, of shape (frames, points)."""
-        return self._native.healed
+    def interpolated(self) -> NDArray[np.bool_]:
+        """Which points were interpolated from their neighbours, of shape (frames, points)."""
+        return self._native.interpolated
 
     @property
     def triangles(self) -> NDArray[np.uint32]:

@@ -11,7 +11,7 @@ pub const NEAR: f64 = 0.1;
 pub struct ObservedPeak {
     /// Way of each point of the mesh from where it rests, um: `[axis][point]`.
     pub displacements_um: [Vec<f64>; 2],
-    /// Which points were found, not put where their neighbours would have them.
+    /// Which points were found, not interpolated from their neighbours.
     pub found: Vec<bool>,
     /// Which points lie where the frame cuts the cell: something pulls at them that is not seen.
     pub cut: Vec<bool>,
@@ -38,7 +38,7 @@ impl ObservedPeak {
         let mean = |frames: &[usize], axis: usize, point: usize| {
             let found: Vec<f64> = frames
                 .iter()
-                .filter(|frame| !motion.healed[**frame][point])
+                .filter(|frame| !motion.interpolated[**frame][point])
                 .map(|frame| motion.displacements_um[*frame][axis][point])
                 .collect();
             let all = || frames.iter().map(|frame| motion.displacements_um[*frame][axis][point]);
@@ -48,15 +48,15 @@ impl ObservedPeak {
                 (of, _) => found.iter().sum::<f64>() / of as f64,
             }
         };
-        let healed =
-            |point: usize| peak.iter().filter(|frame| motion.healed[**frame][point]).count();
+        let interpolated =
+            |point: usize| peak.iter().filter(|frame| motion.interpolated[**frame][point]).count();
         Self {
             displacements_um: [0, 1].map(|axis: usize| {
                 (0..count)
                     .map(|point| mean(&peak, axis, point) - mean(&rest, axis, point))
                     .collect()
             }),
-            found: (0..count).map(|point| 2 * healed(point) <= peak.len()).collect(),
+            found: (0..count).map(|point| 2 * interpolated(point) <= peak.len()).collect(),
             cut: motion.cut(),
             alike_um: motion.alike_um(),
             frames: peak.iter().map(|frame| motion.frames[*frame]).collect(),

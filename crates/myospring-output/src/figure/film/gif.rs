@@ -1,4 +1,5 @@
-//! Frames of few colours as an animated GIF; of each only what differs from the one before is kept.
+//! Animated GIFs from frames of few colours; each frame stores only its difference from the one
+//! before.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -7,7 +8,7 @@ use ::gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
 use crate::figure::FigureError;
 
-/// A frame of which each pixel is one of the palette's colours.
+/// A frame whose pixels are indices of a palette.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Still {
     size: [u16; 2],
@@ -33,7 +34,7 @@ fn nearest(palette: &[[u8; 3]], colour: [u8; 3]) -> u8 {
     best.map_or(0, |(index, _)| index as u8)
 }
 
-/// Frames one after the other, each shown for `delay` hundredths of a second, without end.
+/// Joins frames into an endless GIF, each shown for `delay` hundredths of a second.
 pub(in crate::figure) fn animated(
     palette: &[[u8; 3]],
     stills: &[Still],
@@ -42,7 +43,7 @@ pub(in crate::figure) fn animated(
     let Some(first) = stills.first() else { return Err(FigureError::Nothing { what: "frames" }) };
     let same = palette.len().min(255) as u8;
     let mut colours: Vec<u8> = palette[..usize::from(same)].concat();
-    // The index of what is as before.
+    // The index of unchanged pixels.
     colours.extend([0; 3]);
     let failed = |error: EncodingError| FigureError::Raster { reason: error.to_string() };
     let mut bytes = Vec::new();
@@ -69,7 +70,7 @@ pub(in crate::figure) fn animated(
     Ok(bytes)
 }
 
-/// The part of a frame that differs from the one before; within it, what does not is `same`.
+/// The part of a frame that differs from the one before; unchanged pixels within it are `same`.
 fn changed(before: &Still, now: &Still, same: u8) -> Frame<'static> {
     let width = usize::from(now.size[0]);
     let differs = |(a, b): (&u8, &u8)| a != b;

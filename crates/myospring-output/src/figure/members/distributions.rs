@@ -1,4 +1,4 @@
-//! How the metrics of many members are distributed.
+//! Histograms of the metrics of many members.
 
 use super::super::chart::{Axis, Chart};
 use super::super::sheet::{Anchor, Area, Look, Path, Sheet, Style};
@@ -6,15 +6,15 @@ use super::super::theme::{BAND, DOUBLE, MUTED, POTENTIAL, TICK, decimals, fixed,
 use super::super::{Figure, FigureError};
 use super::{Mark, Numbers, REJECTED, ends, legend, quantile};
 
-/// Panels beside each other, and sizes, px.
+/// Number of panels in a row, and sizes, px.
 const COLUMNS: usize = 3;
 const HEIGHT: f64 = 92.0;
 const GAP: f64 = 18.0;
 const MARGIN: f64 = 6.0;
-/// Above and below the plots of a row, px.
+/// Space above and below the plots of a row, px.
 const ABOVE: f64 = 18.0;
 const BELOW: f64 = 44.0;
-/// Bars of a histogram, at least and at most.
+/// Smallest and largest number of bars of a histogram.
 const BARS: [f64; 2] = [8.0, 40.0];
 
 /// One metric of all members.
@@ -22,14 +22,14 @@ const BARS: [f64; 2] = [8.0, 40.0];
 pub struct Distribution {
     /// The metric.
     pub metric: Numbers,
-    /// Least and largest value that is kept.
+    /// Range of the metric in which members are accepted.
     pub band: Option<[f64; 2]>,
-    /// Its value in the run without any change.
+    /// Its value in the reference run.
     pub usual: Option<f64>,
 }
 
-/// Histograms of metrics, each with median and range of the middle 90 % of the members that are kept, or of all where
-/// `kept` is `None`. Three panels beside each other, two columns of a journal.
+/// Draws histograms of metrics, each with median and middle 90 % of the accepted members (of all,
+/// if `kept` is `None`). Three panels in a row, two columns of a journal.
 ///
 /// # Errors
 /// No metric, or one that no member has.
@@ -64,13 +64,13 @@ pub fn distributions(
     let mut words = Vec::new();
     if let Some(kept) = kept {
         let count = kept.iter().filter(|kept| **kept).count();
-        words.push((Mark::Patch(POTENTIAL), format!("{count} members kept")));
-        words.push((Mark::Patch(REJECTED), "rejected, on top of them".to_owned()));
+        words.push((Mark::Patch(POTENTIAL), format!("{count} members accepted")));
+        words.push((Mark::Patch(REJECTED), "rejected (stacked on top)".to_owned()));
     } else {
         words.push((Mark::Patch(POTENTIAL), "all members".to_owned()));
     }
     if panels.iter().any(|one| one.band.is_some()) {
-        words.push((Mark::Patch(BAND), "band that is kept".to_owned()));
+        words.push((Mark::Patch(BAND), "accepted band".to_owned()));
     }
     if panels.iter().any(|one| one.usual.is_some()) {
         words.push((Mark::Dashed(MUTED), "unchanged run".to_owned()));
@@ -83,9 +83,9 @@ pub fn distributions(
 /// A histogram.
 struct Bars {
     range: [f64; 2],
-    /// Members in each bar: kept, and all.
+    /// Number of members in each bar: accepted, and all.
     counts: Vec<[usize; 2]>,
-    /// 5, 50 and 95 % of those that are kept, or of all.
+    /// 5, 50 and 95 % quantiles of the accepted members, or of all.
     quantiles: [f64; 3],
 }
 
@@ -107,7 +107,7 @@ impl Bars {
         let (all, inside) = (sorted(false), sorted(true));
         let [low, high] = ends(all.iter().copied())?;
         let range = if high > low { [low, high] } else { [low - 0.5, high + 0.5] };
-        // Freedman and Diaconis (1981), within what can be seen.
+        // Freedman and Diaconis (1981), within visible limits.
         let spread = quantile(&all, 0.75) - quantile(&all, 0.25);
         let wide = 2.0 * spread / (all.len() as f64).cbrt();
         let bars = ((range[1] - range[0]) / wide).ceil().clamp(BARS[0], BARS[1]);
@@ -125,12 +125,12 @@ impl Bars {
     }
 }
 
-/// The chart of a histogram, without its place and width.
+/// The chart of a histogram; place and width are set later.
 fn chart(one: &Distribution, bars: &Bars) -> Chart {
     let most = bars.counts.iter().map(|count| count[1]).max().unwrap_or(0) as f64;
     let span = bars.range[1] - bars.range[0];
     let [mut first, mut last] = [bars.range[0] - 0.04 * span, bars.range[1] + 0.04 * span];
-    // A band that ends near the members is shown to its end.
+    // A band that ends near the members is shown completely.
     for end in one.band.into_iter().flatten().chain(one.usual) {
         if end > first - 0.25 * span && end < last + 0.25 * span {
             (first, last) = (first.min(end - 0.04 * span), last.max(end + 0.04 * span));

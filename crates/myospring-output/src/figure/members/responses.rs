@@ -9,15 +9,15 @@ use super::super::{Figure, FigureError};
 use super::{Mark, ends, legend};
 use crate::field::light_to_dark;
 
-/// Panels beside each other, and sizes, px.
+/// Number of panels in a row, and sizes, px.
 const COLUMNS: usize = 3;
 const HEIGHT: f64 = 112.0;
 const GAP: f64 = 18.0;
 const MARGIN: f64 = 8.0;
 const BELOW: f64 = 46.0;
-/// Up to so many values of a second parameter each is a line; of more, there is a map.
+/// Up to this number of values of a second parameter, each is a line; with more, a map is drawn.
 const LINES: usize = 6;
-/// Steps of a colour bar, its width and its distance from the map, px.
+/// Number of steps of a colour bar; its width and its distance from the map, px.
 const COLOURS: usize = 48;
 const BAR: [f64; 2] = [8.0, 7.0];
 
@@ -28,26 +28,26 @@ pub struct Response {
     pub parameter: String,
     /// The metric, with its unit.
     pub metric: String,
-    /// Value of the parameter and of the metric, in the order of the parameter; the metric is NaN where there is none.
+    /// Values of parameter and metric, sorted by the parameter; the metric is NaN if it is missing.
     pub points: Vec<[f64; 2]>,
-    /// The parameter's usual value.
+    /// The parameter's reference value.
     pub usual: Option<f64>,
-    /// Band of the metric that members are kept by, such as one that was measured.
+    /// Band of the metric in which members are accepted, such as a measured one.
     pub band: Option<[f64; 2]>,
 }
 
 /// Metrics over two parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResponseMap {
-    /// Both parameters, with their units: to the right and upward.
+    /// Both parameters, with their units: horizontal and vertical.
     pub parameters: [String; 2],
-    /// Their values, in order.
+    /// Their values, ascending.
     pub values: [Vec<f64>; 2],
-    /// Each metric, with its unit, and its values: all of the second parameter for each of the first.
+    /// Each metric, with its unit, and its values; the second parameter varies fastest.
     pub metrics: Vec<(String, Vec<f64>)>,
 }
 
-/// Plots over a grid of panels: their left ends and widths follow from the room that is left of and right of each.
+/// Position and width of a plot in the grid of panels, given the space to its left and right.
 fn placed(index: usize, left_room: f64, right_room: f64) -> ([f64; 2], f64) {
     let pitch = (DOUBLE - 2.0 * MARGIN + GAP) / COLUMNS as f64;
     let left = MARGIN + (index % COLUMNS) as f64 * pitch + left_room;
@@ -55,7 +55,7 @@ fn placed(index: usize, left_room: f64, right_room: f64) -> ([f64; 2], f64) {
     ([left, top], pitch - GAP - left_room - right_room)
 }
 
-/// The metric above its plot.
+/// Draws the name of the metric above its plot.
 fn head(sheet: &mut Sheet, [left, top]: [f64; 2], metric: &str) {
     sheet.text([left, top - 5.0], metric, Style::new(TICK).bold());
 }
@@ -64,8 +64,8 @@ fn bottom(panels: usize) -> f64 {
     16.0 + panels.div_ceil(COLUMNS) as f64 * (HEIGHT + BELOW + 12.0) - 22.0
 }
 
-/// Response curves; those of one metric share their vertical axis, so that their slopes can be compared. Three beside
-/// each other, two columns of a journal.
+/// Draws response curves; those of one metric share their vertical axis, so that their slopes can
+/// be compared. Three panels in a row, two columns of a journal.
 ///
 /// # Errors
 /// No curve, or none with a finite number.
@@ -111,7 +111,7 @@ pub fn responses(curves: &[Response]) -> Result<Figure, FigureError> {
     let words: Vec<(Mark, String)> = usual
         .then(|| (Mark::Dashed(MUTED), "usual value".to_owned()))
         .into_iter()
-        .chain(banded.then(|| (Mark::Patch(BAND), "band to be kept in".to_owned())))
+        .chain(banded.then(|| (Mark::Patch(BAND), "accepted band".to_owned())))
         .collect();
     if !words.is_empty() {
         height += legend(&mut sheet, [MARGIN, height], DOUBLE, &words);
@@ -119,8 +119,8 @@ pub fn responses(curves: &[Response]) -> Result<Figure, FigureError> {
     Ok(sheet.finish(DOUBLE, height + 6.0))
 }
 
-/// Metrics over two parameters: a line for each value of the second while these are few, else a map in colours. Three
-/// panels beside each other, two columns of a journal.
+/// Draws metrics over two parameters: a line for each value of the second if these are few, else a
+/// colour map. Three panels in a row, two columns of a journal.
 ///
 /// # Errors
 /// No metric, or one without a finite number.
@@ -141,7 +141,7 @@ pub fn response_map(map: &ResponseMap) -> Result<Figure, FigureError> {
     Ok(sheet.finish(DOUBLE, height + 6.0))
 }
 
-/// A line for each value of the second parameter; returns the height of the legend, px.
+/// Draws a line for each value of the second parameter; returns the height of the legend, px.
 fn lines(sheet: &mut Sheet, map: &ResponseMap, bottom: f64) -> f64 {
     let [first, second] = &map.values;
     let last = second.len().saturating_sub(1).max(1) as f64;
@@ -187,19 +187,19 @@ fn lines(sheet: &mut Sheet, map: &ResponseMap, bottom: f64) -> f64 {
     legend(sheet, [MARGIN, bottom], DOUBLE - MARGIN, &words)
 }
 
-/// Digits that tell values apart.
+/// Number of decimals that distinguish the values.
 fn digits(values: &[f64]) -> usize {
     let [low, high] = ends(values.iter().copied()).unwrap_or([0.0, 1.0]);
     let step = (high - low) / values.len().saturating_sub(1).max(1) as f64;
     decimals(nice_step(step, 5.0))
 }
 
-/// One metric as a map in colours, with their bar.
+/// Draws one metric as a colour map, with its colour bar.
 fn coloured(sheet: &mut Sheet, map: &ResponseMap, index: usize, metric: &str, values: &[f64]) {
     let [low, high] = ends(values.iter().copied()).unwrap_or([0.0, 1.0]);
     let part = |value: f64| if high > low { (value - low) / (high - low) } else { 0.5 };
     let shown = |value: f64| Colour::from_channels(light_to_dark(part(value)));
-    // Each value stands in the middle of its field.
+    // Each value is the centre of its field.
     let [across, upward] = [0, 1].map(|axis: usize| fields(&map.values[axis]));
     let ticks = Axis::upright("", [low, high], HEIGHT);
     let (place, width) = placed(index, 46.0, 46.0);
@@ -220,7 +220,7 @@ fn coloured(sheet: &mut Sheet, map: &ResponseMap, index: usize, metric: &str, va
             let Some(value) = value.filter(|value| value.is_finite()) else { continue };
             let [left, lower] = chart.at([across[column], upward[row]]);
             let [right, upper] = chart.at([across[column + 1], upward[row + 1]]);
-            // A little over its neighbours, so that no seams show.
+            // Overlaps its neighbours slightly, so that no seams show.
             let size = [right - left + 0.3, lower - upper + 0.3];
             sheet.rect([left, upper - 0.3], size, Look::fill(shown(value)));
         }
@@ -245,7 +245,7 @@ fn coloured(sheet: &mut Sheet, map: &ResponseMap, index: usize, metric: &str, va
     }
 }
 
-/// The ends of fields around values in order.
+/// The edges of fields around ascending values.
 fn fields(values: &[f64]) -> Vec<f64> {
     let [Some(&first), Some(&last)] = [values.first(), values.last()] else {
         return vec![0.0, 1.0];

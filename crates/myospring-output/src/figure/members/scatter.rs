@@ -7,27 +7,28 @@ use super::super::{Figure, FigureError};
 use super::{Mark, Numbers, REJECTED, ends, legend, quantile};
 use std::collections::BTreeMap;
 
-/// Panels beside each other, and size of each, px.
+/// Number of panels in a row, and size of each, px.
 const COLUMNS: usize = 4;
 const HEIGHT: f64 = 104.0;
 const GAP: f64 = 14.0;
 const MARGIN: f64 = 6.0;
-/// Above all plots and below those of a row, px.
+/// Space above all plots and below those of a row, px.
 const ABOVE: f64 = 24.0;
 const BELOW: f64 = 46.0;
-/// Up to so many members each is a dot; of more, the shade says how many there are.
+/// Up to this number, each member is a dot; with more, the shade shows their density.
 const DOTS: usize = 2500;
-/// Diameter of dots, of many and of few, and side of a shaded square, px.
+/// Diameter of dots if there are many and if there are few, and side of a shaded square, px.
 const DOT: [f64; 2] = [2.2, 3.6];
 const SQUARE: f64 = 2.5;
-/// Few to many members in a square: kept ones, and others.
+/// Shades from few to many members in a square: accepted ones, and others.
 const KEPT_SHADES: [Colour; 4] =
     [Colour(0xa8cfe8), Colour(0x5ba7d6), Colour(0x0072b2), Colour(0x004a77)];
 const REJECTED_SHADES: [Colour; 4] =
     [Colour(0xe2e2e2), Colour(0xcdcdcd), Colour(0xb0b0b0), Colour(0x8f8f8f)];
-/// So many values or fewer of a parameter have a median each; of more, neighbours have one together.
+/// Up to this number of values of a parameter, each has its own median; with more, neighbours share
+/// one.
 const DISTINCT: usize = 12;
-/// Members that share a median, at least, and medians of a panel, at most.
+/// Least number of members that share a median, and largest number of medians in a panel.
 const TOGETHER: usize = 20;
 const MEDIANS: usize = 12;
 
@@ -38,16 +39,17 @@ pub struct Scatter {
     pub metric: Numbers,
     /// The parameters, in the order of reading.
     pub parameters: Vec<Numbers>,
-    /// Whether each member is kept; `None` where nobody asks.
+    /// Whether each member is accepted; `None` without acceptance bands.
     pub kept: Option<Vec<bool>>,
-    /// Least and largest value of the metric that is kept.
+    /// Range of the metric in which members are accepted.
     pub band: Option<[f64; 2]>,
 }
 
-/// The metric of every member over each parameter, with its running median.
+/// Draws the metric of every member over each parameter, with its running median.
 ///
-/// Up to 2500 members each is a dot. Of more, the darker a place the more members lie there, so a picture of a
-/// million is as large as one of thousands. Four panels beside each other, two columns of a journal.
+/// Up to 2500 members are drawn as dots. With more, darker places contain more members, so that the
+/// file for a million members is no larger than for thousands. Four panels in a row, two columns of
+/// a journal.
 ///
 /// # Errors
 /// No parameter, or no member with finite numbers.
@@ -107,21 +109,21 @@ pub fn scatter(given: &Scatter) -> Result<Figure, FigureError> {
     Ok(sheet.finish(DOUBLE, bottom + height + 6.0))
 }
 
-/// What the colours mean.
+/// Legend of the colours.
 fn words(given: &Scatter) -> Vec<(Mark, String)> {
     let there = given.metric.finite().count();
     let mut all = Vec::new();
     if let Some(kept) = &given.kept {
         let kept = kept.iter().zip(&given.metric.values);
         let kept = kept.filter(|(kept, value)| **kept && value.is_finite()).count();
-        all.push((Mark::Patch(POTENTIAL), format!("{kept} members kept")));
+        all.push((Mark::Patch(POTENTIAL), format!("{kept} members accepted")));
         all.push((Mark::Patch(REJECTED), format!("{} rejected", there - kept)));
     } else {
         all.push((Mark::Patch(POTENTIAL), format!("{there} members")));
     }
     all.push((Mark::Line(TENSION), "running median".to_owned()));
     if given.band.is_some() {
-        all.push((Mark::Dashed(INK), "ends of the band that is kept".to_owned()));
+        all.push((Mark::Dashed(INK), "ends of the accepted band".to_owned()));
     }
     if there > DOTS
         && let Some((_, words)) = all.first_mut()
@@ -131,11 +133,11 @@ fn words(given: &Scatter) -> Vec<(Mark, String)> {
     all
 }
 
-/// Dots, or shades where there are many.
+/// Draws dots, or shades if there are many.
 fn cloud(sheet: &mut Sheet, chart: &Chart, points: &[[f64; 2]], kept: Option<&[bool]>) {
     let many = points.len() > DOTS;
     let side = if many { SQUARE } else { 0.5 };
-    // Kept and other members of each place.
+    // Number of accepted and of other members at each place.
     let mut places: BTreeMap<[i32; 2], [u32; 2]> = BTreeMap::new();
     for (index, point) in points.iter().enumerate() {
         if point.iter().all(|x| x.is_finite()) {

@@ -1,4 +1,4 @@
-//! Curves of many members over time: where half of them lie, and nine of ten.
+//! Curves of many members over time: median, and bands of 50 % and 90 % of the members.
 
 use super::super::chart::{Axis, Chart, Curve};
 use super::super::sheet::{Look, Path, Sheet, Style};
@@ -6,13 +6,13 @@ use super::super::theme::{Colour, INK, LETTER, POTENTIAL, SHORTENING, SINGLE, TE
 use super::super::{Figure, FigureError};
 use super::{Mark, ends, legend};
 
-/// Parts of the members that lie below the curves of a [`TraceBand`].
+/// Quantiles of the members that a [`TraceBand`] consists of.
 pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
 /// Size of a plot and gap between two, px.
 const HEIGHT: f64 = 96.0;
 const GAP: f64 = 16.0;
-/// Median, half of the members, nine of ten.
+/// Colours of the median, of the band of 50 % and of that of 90 %.
 const COLOURS: [[Colour; 3]; 3] = [
     [POTENTIAL, Colour(0x80b9d9), Colour(0xcce3f0)],
     [TENSION, Colour(0xeaaf80), Colour(0xf7dfcc)],
@@ -22,16 +22,16 @@ const COLOURS: [[Colour; 3]; 3] = [
 /// One quantity over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TraceBand {
-    /// What it is, with its unit: `Active tension (kPa)`.
+    /// Its name and unit: `Active tension (kPa)`.
     pub label: String,
-    /// Below which values [`QUANTILES`] of the members lie, at each time.
+    /// The [`QUANTILES`] over the members, at each time.
     pub quantiles: [Vec<f64>; 5],
-    /// Its curve in the run without any change; empty where nobody has kept it.
+    /// Its curve in the reference run; empty if it was not recorded.
     pub usual: Vec<f64>,
 }
 
-/// Bands of several quantities over one time axis, with their medians: half of the members lie in the darker band, nine
-/// of ten in the lighter, at each time by itself. One column of a journal.
+/// Draws bands of several quantities over one time axis, with their medians: at each time, 50 % of
+/// the members lie in the darker band and 90 % in the lighter one. One column of a journal.
 ///
 /// `words` says which members these are: `2000 members`.
 ///

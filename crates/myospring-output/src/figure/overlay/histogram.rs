@@ -1,4 +1,4 @@
-//! Lengths of sarcomeres as a histogram below the panels, where it covers nothing.
+//! Histogram of sarcomere lengths, below the panels.
 
 use super::super::chart::{Axis, Chart};
 use super::super::sheet::{Look, Sheet, Stroke, Style};
@@ -7,7 +7,8 @@ use super::{FIBRE, Sarcomeres};
 
 /// Width of a bar, um.
 const BAR_UM: f64 = 0.025;
-/// Lengths between which the axis at least reaches, um, so that cells can be compared: those of sarcomeres at rest.
+/// Smallest range of the axis, um, so that figures of several cells can be compared: lengths of
+/// sarcomeres at rest.
 const USUAL_UM: [f64; 2] = [1.4, 2.4];
 /// Size of the plot, px.
 const SIZE: [f64; 2] = [300.0, 56.0];
@@ -15,7 +16,7 @@ const SIZE: [f64; 2] = [300.0, 56.0];
 const ABOVE: f64 = 26.0;
 const BELOW: f64 = 38.0;
 
-/// Draws the histogram with its median from an upper left corner; gives the px below.
+/// Draws the histogram with its median, from an upper left corner; returns its lower end, px.
 pub(super) fn draw_histogram(
     sheet: &mut Sheet,
     sarcomeres: &Sarcomeres<'_>,
@@ -29,7 +30,7 @@ pub(super) fn draw_histogram(
     }
     let bin = |length: f64| (length / BAR_UM).floor() as i64;
     let [mut first, mut last] = USUAL_UM.map(|length| (length / BAR_UM).round() as i64);
-    // Of a number that is no length of a sarcomere at all the outer bars are made, not a wider axis.
+    // Lengths that no sarcomere has are counted in the outer bars instead of widening the axis.
     let bounds = [bin(1.0), bin(4.0)];
     for length in &lengths {
         let at = bin(*length).clamp(bounds[0], bounds[1]);

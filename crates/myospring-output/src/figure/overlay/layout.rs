@@ -1,4 +1,4 @@
-//! The panels on their sheet, with legend and warnings.
+//! Arranges the panels on their sheet, with legend and warnings.
 
 use super::super::facets::check_mesh;
 use super::super::font::text_width;
@@ -16,20 +16,20 @@ const MARGIN: f64 = 8.0;
 /// Height of the line above a panel, and of the one below, px.
 const HEAD: f64 = 18.0;
 const FOOT: f64 = 22.0;
-/// Pictures wider than this many times their height stand above one another.
+/// Pictures with a larger ratio of width to height are stacked.
 const WIDE: f64 = 1.6;
 /// Greatest height of a panel, px.
 const TALLEST: f64 = mm(110.0);
 /// Greatest height of the upper of two panels, px.
 const TALLEST_ABOVE: f64 = mm(75.0);
 
-/// The picture with its outlines (A) and, larger, the chosen cell with lattice and fibres (B); below, where they were
-/// read, the lengths of its sarcomeres.
+/// Draws the picture with its outlines (A), the enlarged chosen cell with lattice and fibres (B),
+/// and below, if they were read, the lengths of its sarcomeres.
 ///
-/// Grey values are stretched between percentiles of what a panel shows. Long cells stand below the
-/// picture, others beside it; without lattice and fibres, and where B would show little more than A, B
-/// is left out. Width: two columns, 178 mm. The pictures stand within the SVG as PNG of at most 1600
-/// pixels a side.
+/// Grey values are stretched between percentiles of each panel. Long cells are put below the
+/// picture, others beside it. B is left out without lattice and fibres, or if it would hardly
+/// differ from A. Width: two columns, 178 mm. Pictures are embedded in the SVG as PNG of at most
+/// 1600 pixels a side.
 ///
 /// # Errors
 /// A picture without pixels or with another number of values, outlines,
@@ -136,7 +136,7 @@ fn check(overlay: &Overlay<'_>) -> Result<(), FigureError> {
     overlay.mesh.map_or(Ok(()), check_mesh)
 }
 
-/// The part of the picture around the chosen cell, if it is worth a panel of its own.
+/// The part of the picture around the chosen cell, if it is small enough for a panel of its own.
 fn close_up(overlay: &Overlay<'_>, whole: View) -> Option<View> {
     let rings = overlay.cells.iter().filter(|cell| cell.chosen).flat_map(|cell| &cell.rings);
     let mut points: Vec<[f64; 2]> = rings.flat_map(|ring| ring.iter().copied()).collect();
@@ -149,7 +149,7 @@ fn close_up(overlay: &Overlay<'_>, whole: View) -> Option<View> {
     (more_to_show || gain > 1.5).then_some(view)
 }
 
-/// Panels from a top, and the px below them.
+/// Arranges panels below `top`; also returns their lower end, px.
 fn arranged(whole: View, close: Option<View>, top: f64) -> (Vec<Panel>, f64) {
     let room = DOUBLE - 2.0 * MARGIN;
     let fitted = |view: View, left: f64, top: f64, width: f64, tallest: f64| {
@@ -170,7 +170,7 @@ fn arranged(whole: View, close: Option<View>, top: f64) -> (Vec<Panel>, f64) {
         let bottom = below(&second);
         return (vec![first, second], bottom);
     }
-    // Side by side and equally high.
+    // Side by side with equal heights.
     let height = ((room - 12.0) / (aspects[0] + aspects[1])).min(TALLEST);
     let first = fitted(whole, MARGIN, top, room, height);
     let left = MARGIN + first.size()[0] + 12.0;
@@ -179,7 +179,7 @@ fn arranged(whole: View, close: Option<View>, top: f64) -> (Vec<Panel>, f64) {
     (vec![first, second], bottom)
 }
 
-/// What the lines mean, each on a chip as dark as the picture; gives the px below.
+/// Draws the legend of the lines, each on a chip as dark as the picture; returns its lower end, px.
 fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
     let any = |chosen: bool| overlay.cells.iter().any(|cell| cell.chosen == chosen);
     let tick = |from: bool| overlay.fibres.iter().any(|tick| tick.from_picture == from);
@@ -204,7 +204,7 @@ fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
     if x > MARGIN { y + 8.0 } else { top }
 }
 
-/// Warnings in lines as wide as the figure; gives the px below.
+/// Draws warnings in lines as wide as the figure; returns their lower end, px.
 fn draw_warnings(sheet: &mut Sheet, warnings: &[String], top: f64) -> f64 {
     let mut y = top;
     for warning in warnings {

@@ -1,4 +1,4 @@
-//! One panel: a part of the picture with lines over it.
+//! One panel: a part of the picture with overlaid lines.
 
 use std::collections::BTreeMap;
 
@@ -9,9 +9,9 @@ use super::super::theme::{BLACK, Colour, TICK, WHITE};
 use super::{CHOSEN, Contour, FIBRE, OTHER, Overlay, STAND_IN, Tick};
 use myospring_core::mesh::{Mesh, SpringKind};
 
-/// Pixels per px of the drawing that are worth embedding: 300 dpi.
+/// Largest useful resolution of an embedded picture, pixels per px: 300 dpi.
 const SHARP: f64 = 300.0 / 96.0;
-/// Distance of fibre ticks, px.
+/// Distance between fibre ticks, px.
 const PITCH: f64 = 10.0;
 /// Lattices finer than this are not drawn, px: they would hide the cell.
 const FINEST: f64 = 2.0;
@@ -23,7 +23,7 @@ const CERTAIN: f64 = 0.5;
 /// A rectangle of the picture, whole pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct View {
-    /// First column, column behind the last, first row, row behind the last.
+    /// First column, column after the last, first row, row after the last.
     pixels: [usize; 4],
     /// Left, right, bottom, top, um, y upward.
     bounds: [f64; 4],
@@ -39,7 +39,7 @@ impl View {
         }
     }
 
-    /// The pixels around some points with a margin; `None` where no point lies in the picture.
+    /// The pixels around some points with a margin; `None` if no point lies in the picture.
     pub(super) fn around(points: &[[f64; 2]], whole: Self, pixel: f64) -> Option<Self> {
         let [_, width, _, height] = whole.pixels;
         let ends = |axis: usize| {
@@ -52,13 +52,13 @@ impl View {
             return None;
         }
         let margin = 0.07 * across.max(up) + 2.0;
-        // Neither a thread nor a needle.
+        // Limits the aspect ratio.
         let wide = (across + 2.0 * margin).max(0.7 * up);
         let tall = (up + 2.0 * margin).max(0.28 * wide);
         let span = |middle: f64, length: f64, most: usize| {
             let start = (middle - 0.5 * length).clamp(0.0, most as f64);
             let end = (start + length).clamp(0.0, most as f64);
-            // Pushed back into the picture at full length where that is possible.
+            // Shifted into the picture without shortening, if possible.
             [(end - length).max(0.0).min(start).floor() as usize, end.ceil() as usize]
         };
         let [left, right] = span(f64::midpoint(left, right), wide, width);
@@ -78,7 +78,7 @@ impl View {
     }
 }
 
-/// A view on the sheet.
+/// A view placed on the sheet.
 pub(super) struct Panel {
     pub(super) view: View,
     /// Upper left corner, px.
@@ -98,8 +98,8 @@ impl Panel {
         [self.place[0] + (x - left) * self.scale, self.place[1] + (top - y) * self.scale]
     }
 
-    /// The picture and the lines; lattice and fibres only where `detail` is asked for. `name` tells the
-    /// panels of a figure apart.
+    /// Draws the picture and the lines; lattice and fibres only if `detail` is true. `name`
+    /// distinguishes the panels of a figure.
     pub(super) fn draw(
         &self,
         sheet: &mut Sheet,
@@ -137,7 +137,7 @@ impl Panel {
         Ok(())
     }
 
-    /// The frame of another view with its name, if that is much smaller than this one.
+    /// Draws the frame of another view with its name, if it is much smaller than this one.
     pub(super) fn draw_frame(&self, sheet: &mut Sheet, other: View, name: &str) {
         let [wide, tall] = other.extent();
         let [width, height] = self.view.extent();
@@ -154,13 +154,13 @@ impl Panel {
         sheet.text([x + 4.0, y + 11.5], name, Style::new(TICK).colour(WHITE).bold().halo());
     }
 
-    /// A thin bright line on a wider dark one.
+    /// Draws an outline as a thin bright line on a wider dark one.
     fn draw_outline(&self, sheet: &mut Sheet, cell: &Contour<'_>, colour: Colour, width: f64) {
         let mut path = Path::default();
         for ring in &cell.rings {
             let mut last: Option<[f64; 2]> = None;
             path.add_ring(ring.iter().map(|&point| self.at(point)).filter(|&[x, y]| {
-                // Steps too small to be seen are left out.
+                // Invisibly small steps are left out.
                 let seen = last.is_none_or(|[a, b]| (x - a).hypot(y - b) >= 0.3);
                 if seen {
                     last = Some([x, y]);
@@ -181,7 +181,7 @@ impl Panel {
         sheet.text([x, y + 3.5], cell.name, style);
     }
 
-    /// The springs along the axes, faint; lattices too fine to be seen are left out.
+    /// Draws the springs along the axes, faintly, unless the lattice is too fine.
     fn draw_lattice(&self, sheet: &mut Sheet, mesh: &Mesh) {
         let mean = (mesh.area() / mesh.len() as f64).sqrt();
         let spacing = mesh.lattice.as_ref().map_or(mean, |lattice| lattice.spacing);
@@ -195,7 +195,8 @@ impl Panel {
         sheet.path(path, Stroke::new(WHITE, 0.4).opacity(0.4));
     }
 
-    /// Short lines along the fibres, one in each square of the drawing: the one nearest its middle.
+    /// Draws short lines along the fibres, one in each square of the drawing: the one nearest to
+    /// its centre.
     fn draw_ticks(&self, sheet: &mut Sheet, ticks: &[Tick]) {
         let mut nearest: BTreeMap<[i64; 2], (f64, &Tick)> = BTreeMap::new();
         for tick in ticks {

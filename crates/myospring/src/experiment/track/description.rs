@@ -76,7 +76,7 @@ impl Output {
             Self::Figures => "cell at rest and shortest, curves: figures/track, SVG and PNG",
             Self::Gif => "the film with the lattice laid over (track.gif)",
             Self::Frames => {
-                "positions of all points, which were healed, mesh and fibres, for NumPy (frames.npz)"
+                "positions of all points, which were interpolated, mesh and fibres, for NumPy (frames.npz)"
             }
             Self::Vtu => {
                 "displacements and strains for ParaView: open cell.pvd (and the folder vtu/)"

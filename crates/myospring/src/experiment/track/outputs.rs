@@ -62,10 +62,11 @@ fn shapes(followed: &Followed) -> Vec<Frame> {
 fn npz(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), ExperimentError> {
     let Followed { motion, shaped, fibres, .. } = followed;
     let (count, points) = (motion.len(), motion.mesh.len());
-    let healed = motion.healed.iter().flatten().map(|&healed| i32::from(healed));
+    let interpolated =
+        motion.interpolated.iter().flatten().map(|&interpolated| i32::from(interpolated));
     let stage = motion.stage_um.iter().flatten().copied();
     let more = vec![
-        ("healed", Array::whole([count, points], healed)),
+        ("interpolated", Array::whole([count, points], interpolated)),
         ("stage_um", Array::floats([count, 2], stage)),
     ];
     let directions = &fibres.directions;
@@ -130,8 +131,9 @@ impl Drawn<'_> {
         // What never was found is as unsure in the picture at rest as it is later.
         let often: Vec<bool> = (0..motion.mesh.len())
             .map(|point| {
-                let healed = motion.healed.iter().filter(|healed| healed[point]).count();
-                2 * healed > motion.len()
+                let interpolated =
+                    motion.interpolated.iter().filter(|interpolated| interpolated[point]).count();
+                2 * interpolated > motion.len()
             })
             .collect();
         let frame = |plane: &'_ Plane| plane.values().to_vec();
@@ -140,11 +142,12 @@ impl Drawn<'_> {
             let rest = TrackedFrame {
                 values: &rest_values,
                 positions: &rest_at,
-                healed: &often,
+                interpolated: &often,
                 row: rest,
             };
-            let healed = &motion.healed[shortest];
-            let shortest = TrackedFrame { values: &values, positions: &at, healed, row: shortest };
+            let interpolated = &motion.interpolated[shortest];
+            let shortest =
+                TrackedFrame { values: &values, positions: &at, interpolated, row: shortest };
             tracked.summary(&rest, &shortest)
         };
         let figures: [(&str, Draw<'_>); 1] = [("track", &draw)];
@@ -169,7 +172,7 @@ impl Drawn<'_> {
                 let frame = TrackedFrame {
                     values: plane.values(),
                     positions: &positions,
-                    healed: &motion.healed[at],
+                    interpolated: &motion.interpolated[at],
                     row: at,
                 };
                 Ok(tracked.still(&frame)?)

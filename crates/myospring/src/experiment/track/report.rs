@@ -49,10 +49,10 @@ pub struct Report {
     pub noise_grey_levels: f64,
     /// Standard error of a point's displacement that the noise makes, before neighbours are averaged; median.
     pub noise_error_um: Option<f64>,
-    /// Points that were healed, mean over frames.
-    pub healed_pct_mean: f64,
-    /// In the worst frame.
-    pub healed_pct_most: f64,
+    /// Share of interpolated points, per cent, mean over frames.
+    pub interpolated_pct_mean: f64,
+    /// The same in the worst frame.
+    pub interpolated_pct_most: f64,
     /// What the motion of the stage was read from.
     pub stage: String,
     /// How far the stage moved.
@@ -189,8 +189,9 @@ impl Report {
             points: motion.mesh.len(),
             noise_grey_levels: motion.noise,
             noise_error_um: motion.error_um,
-            healed_pct_mean: rows.iter().map(|row| row.healed_pct).sum::<f64>() / rows.len() as f64,
-            healed_pct_most: most(&|row| row.healed_pct),
+            interpolated_pct_mean: rows.iter().map(|row| row.interpolated_pct).sum::<f64>()
+                / rows.len() as f64,
+            interpolated_pct_most: most(&|row| row.interpolated_pct),
             stage,
             stage_largest_um: most(&|row| row.stage_um[0].hypot(row.stage_um[1])),
             headline,
@@ -231,7 +232,7 @@ fn rows(motion: &Motion) -> Vec<TrackRow> {
             stretch_1: stretches.smaller,
             stretch_2: stretches.larger,
             sarcomere_um: motion.sarcomeres_um[at],
-            healed_pct: 100.0 * motion.healed_share(at),
+            interpolated_pct: 100.0 * motion.interpolated_share(at),
             correlation: motion.correlation[at],
             stage_um: motion.stage_um[at],
         }
