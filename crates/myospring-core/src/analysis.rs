@@ -1,4 +1,4 @@
-//! From positions and traces to the curves and numbers that a laboratory reads.
+//! Turns positions and traces into curves and the metrics that laboratories report.
 //!
 //! Every function takes plain slices, of numbers or of a recording's samples. Each number comes as a
 //! [`Metric`] with its unit and its definition, since conventions differ between laboratories.
@@ -28,24 +28,26 @@ pub mod transient;
 pub use missing::{Missing, Reading};
 use serde::Serialize;
 
-/// A number with its unit and the convention it was taken by.
+/// A number with its unit and its definition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Metric {
     /// Name in whole words, snake case.
     pub name: &'static str,
-    /// Value in `unit`, finite; `None` if the curve does not show it (a beat cut short, say).
+    /// Value in `unit`, finite; `None` if the curve does not have it (for instance in a beat that
+    /// is cut off).
     pub value: Option<f64>,
-    /// Why there is no value, where there is none.
+    /// Why there is no value, if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missing: Option<Missing>,
-    /// Unit as written for people.
+    /// Unit, as written in tables.
     pub unit: &'static str,
     /// How it is defined.
     pub definition: &'static str,
 }
 
 impl Metric {
-    /// A metric that was read, or why it was not; what is no finite number was divided by too little.
+    /// Makes a metric from its value, or from the reason why it has none; a value that is not
+    /// finite becomes [`Missing::TooSmall`].
     pub fn new(
         name: &'static str,
         reading: Reading,
@@ -57,21 +59,21 @@ impl Metric {
         Self { name, value: reading.ok(), missing: reading.err(), unit, definition }
     }
 
-    /// Takes its value away, for a reason.
+    /// Removes its value, with a reason.
     pub fn lose(&mut self, why: Missing) {
         (self.value, self.missing) = (None, Some(why));
     }
 }
 
-/// The value of a named metric, if it is there.
+/// The value of a named metric; `None` if it has none.
 pub fn value(metrics: &[Metric], name: &str) -> Option<f64> {
     metrics.iter().find(|metric| metric.name == name)?.value
 }
 
-/// A named metric, or why it has no value.
+/// The value of a named metric, or why it has none.
 ///
 /// # Errors
-/// Without a value.
+/// The reason, if the metric has no value.
 pub fn reading(metrics: &[Metric], name: &str) -> Reading {
     let metric = metrics.iter().find(|metric| metric.name == name).ok_or(Missing::NotRecorded)?;
     metric.value.ok_or(metric.missing.unwrap_or(Missing::NotRecorded))
@@ -82,17 +84,17 @@ pub fn reading(metrics: &[Metric], name: &str) -> Reading {
 pub struct Spread {
     /// Name of the metric.
     pub name: &'static str,
-    /// Mean over the beats that show it.
+    /// Mean over the beats that have it.
     pub mean: f64,
     /// Standard deviation (n - 1).
     pub standard_deviation: f64,
-    /// Number of beats that show it.
+    /// Number of beats that have it.
     pub beats: usize,
     /// Unit of mean and standard deviation.
     pub unit: &'static str,
 }
 
-/// Mean and standard deviation over beats of every metric that at least two beats show.
+/// Mean and standard deviation over beats of every metric that at least two beats have.
 pub fn beat_to_beat(beats: &[Vec<Metric>]) -> Vec<Spread> {
     let Some(first) = beats.first() else { return Vec::new() };
     first

@@ -15,8 +15,9 @@ pub fn metrics(times: &[f64], potential: &[f64], stimulus: f64, unit: &'static s
     above(times, potential, stimuli, unit, rest, rest::BEFORE_STIMULUS)
 }
 
-/// As [`metrics`], above a rest that is known, of an action potential during which another stimulus may come: upstroke
-/// and peak are looked for from the first stimulus to the next, repolarisation in all samples.
+/// Like [`metrics`], with a known resting value, for an action potential during which another
+/// stimulus may come: upstroke and peak are searched between the stimulus and the next one,
+/// repolarisation in all samples.
 pub fn above(
     times: &[f64],
     potential: &[f64],
@@ -32,7 +33,7 @@ pub fn above(
     let upstroke = Pulse::new(&times[..own], before, stimulus, Top::Sample);
     let context = Context { stimulus: Some(stimulus), onset: None, rest: rest_is };
     let mut rows = of_pulse(&upstroke.followed_by(times, &heights), rest, unit, &context);
-    // The sample itself, without the rounding of rest and height.
+    // The sample itself, to avoid rounding of rest and height.
     let peak = trace::largest(&times[..own], &potential[..own]);
     if let Some(peak) = peak.filter(|_| upstroke.peak().is_ok()) {
         (rows[1].value, rows[1].missing) = (Some(peak.value), None);
@@ -43,8 +44,9 @@ pub fn above(
 const MEASURED_UPSTROKE: &str = "largest slope of the upstroke: of the least-squares cubic over upstroke_window, between two samples where these are \
      too few";
 
-/// What else a measured upstroke has: the time over which its slope was read; and, of a cell without a stimulus, the
-/// maximum diastolic potential after it and the time since the upstroke before.
+/// Further metrics of a measured upstroke: the time over which its slope was read; and, for a cell
+/// without stimuli, the maximum diastolic potential after it and the time since the previous
+/// upstroke.
 pub(super) fn of_upstroke(
     window: Reading,
     spontaneous: Option<Reading>,
@@ -54,8 +56,8 @@ pub(super) fn of_upstroke(
         "upstroke_window",
         window,
         "ms",
-        "time over which the largest slope was read: a quarter of the time that the whole potential would take at that \
-         slope, up to 0.7 of it where noise asks for it",
+        "time over which the largest slope was read: a quarter of the time that the whole upstroke would take at that \
+         slope, up to 0.7 of it in noise",
     )];
     if let Some(diastolic) = spontaneous {
         rows.push(row(
@@ -68,14 +70,14 @@ pub(super) fn of_upstroke(
             "cycle_length",
             Err(Missing::First),
             "ms",
-            "from the steepest rise of the action potential before",
+            "from the steepest rise of the previous action potential",
         ));
     }
     rows
 }
 
-/// Metrics of an action potential whose height above rest is a pulse: durations run from the stimulus, or from the
-/// steepest rise where none is known.
+/// Metrics of an action potential from the pulse of its height above rest; durations run from the
+/// stimulus, or from the steepest rise if no stimulus is known.
 pub fn of_pulse(
     pulse: &Pulse,
     rest: Option<f64>,

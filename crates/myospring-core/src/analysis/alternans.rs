@@ -1,21 +1,21 @@
-//! Whether every other beat is higher, by more than chance.
+//! Detects alternans: every other beat is higher, by more than chance.
 
-/// Two kinds of beats that differ by this part are alternans, where chance does not explain it.
+/// Least relative difference between even and odd beats for alternans.
 const LEAST: f64 = 0.05;
-/// How many standard errors chance explains.
+/// Number of standard errors that chance explains.
 const CHANCE: f64 = 4.0;
 
-/// Every other beat is higher.
+/// Alternans of a series of beats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternans {
-    /// Whether the higher beats have even (0) or odd (1) places.
+    /// Whether the higher beats have even (0) or odd (1) indices.
     pub higher: usize,
     /// How much lower the others are, % of the higher ones.
     pub percent: f64,
 }
 
-/// Alternans of the heights of beats, each with its place in the series; `None` where there is none, or where there are
-/// fewer than four beats.
+/// Alternans of the heights of beats, each with its index in the series; `None` without alternans,
+/// or with fewer than four beats.
 ///
 /// # Example
 /// ```

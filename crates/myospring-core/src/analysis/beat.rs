@@ -1,4 +1,4 @@
-//! What each beat of a run amounts to, where its work went, and what is known of such numbers.
+//! Metrics of the beats of a run, its energy balance, and reference bands for these numbers.
 
 use super::capture::{self, Window};
 use super::pulse::{Pulse, Top};
@@ -13,7 +13,7 @@ use crate::recording::{CALCIUM, END_FORCE, Recording, STEEPEST_RISE, Sample, Sig
 use serde::Serialize;
 use std::ops::Deref;
 
-/// What is known of a quantity in unloaded adult ventricular myocytes: a band, not a target.
+/// Reference band of a quantity in unloaded adult ventricular myocytes; it is not a target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Band {
     /// Name of the metric.
@@ -24,11 +24,11 @@ pub struct Band {
     pub high: f64,
     /// Unit of both ends.
     pub unit: &'static str,
-    /// Where it holds.
+    /// The cells to which it applies.
     pub scope: &'static str,
 }
 
-/// Where a value lies against a band.
+/// Position of a value relative to a band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Place {
@@ -51,11 +51,11 @@ impl Place {
     }
 }
 
-/// Share of an end of a band by which a value may pass it and count as in: the ends are known to three digits at most.
+/// Relative tolerance at the ends of a band, which are known to three digits at most.
 const END: f64 = 0.005;
 
 impl Band {
-    /// Where a value lies.
+    /// Position of a value relative to this band.
     ///
     /// # Example
     /// ```
@@ -128,30 +128,33 @@ pub struct Beat {
     pub contraction: Vec<Metric>,
     /// Width and area at the peak of shortening.
     pub shape: Vec<Metric>,
-    /// What the cell did at its ends; empty where nothing holds both.
+    /// Work and force at its ends; empty if the ends are not held.
     pub load: Vec<Metric>,
-    /// Action potential; none of a cell that has none.
+    /// Action potential; empty for a cell without one.
     pub action_potential: Vec<Metric>,
-    /// What the beat of an extra stimulus, S2, is against the last of its train; empty of any other.
+    /// Comparison of the beat of the extra stimulus S2 with the last one of its train; empty for
+    /// all other beats.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub s2: Vec<Metric>,
-    /// Levels of free calcium, where that was recorded; [`Beat::value`] knows them, lists of a run leave them out.
+    /// Levels of free calcium, if it was recorded; [`Beat::value`] has them, tables of a run leave
+    /// them out.
     #[serde(skip)]
     pub calcium: Vec<Metric>,
-    /// Whether the stimulus raised an action potential; where it did not, no metric has a value, but for the intervals
-    /// before an S2. `None` where too little was recorded to decide, and of a cell that has no potential.
+    /// Whether the stimulus raised an action potential; if not, no metric has a value, except the
+    /// intervals before an S2. `None` if too little was recorded to decide, or for a cell without a
+    /// potential.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub captured: Option<bool>,
 }
 
 impl Beat {
-    /// All metrics in the order of reading.
+    /// All metrics in the order of tables.
     pub fn metrics(&self) -> impl Iterator<Item = &Metric> {
         let Self { tension, contraction, shape, load, action_potential, s2, .. } = self;
         [tension, contraction, shape, load, action_potential, s2].into_iter().flatten()
     }
 
-    /// Whether it is that of an extra stimulus.
+    /// Whether it belongs to an extra stimulus.
     pub fn is_s2(&self) -> bool {
         !self.s2.is_empty()
     }
@@ -167,7 +170,7 @@ impl Beat {
     }
 }
 
-/// What the beats of a run amount to; a list of [`Beat`]s, one for each stimulus within the run.
+/// Metrics of the beats of a run: a list of [`Beat`]s, one for each stimulus within the run.
 ///
 /// # Example
 /// ```
@@ -185,22 +188,22 @@ impl Beat {
 pub struct Beats {
     /// In order.
     pub list: Vec<Beat>,
-    /// Where the work of the active force went, at the end of the run.
+    /// The energy balance at the end of the run: where the work of the active force went.
     pub energy: Vec<Metric>,
-    /// What is known of these quantities.
+    /// Reference bands of these quantities.
     pub bands: [Band; 5],
-    /// Whether the run ended before the last beat was over; means and spreads leave that beat out.
+    /// Whether the run ended before the last beat was over; means and spreads exclude that beat.
     pub cut_short: bool,
-    /// How the beats of the train follow their stimuli.
+    /// Capture and alternans of the train.
     pub rhythm: Rhythm,
 }
 
-/// Rise of the tension, as a part of that at rest, below which there is nothing but rounding.
+/// Least rise of the tension, relative to that at rest; less is rounding.
 const LEAST: f64 = 1e-9;
 
 const UPSTROKE: &str = "maximum_upstroke_velocity";
 
-/// Metrics by which alternans shows, in words.
+/// Metrics in which alternans is searched, with their names in words.
 const HEIGHTS: [(&str, &str); 3] = [
     ("peak_tension", "peak tension"),
     ("peak_shortening", "peak shortening"),
@@ -208,8 +211,8 @@ const HEIGHTS: [(&str, &str); 3] = [
 ];
 
 impl Beats {
-    /// Of what a run recorded whose stimuli fell at these times, ms; `s2_ms` is the last of them where that is an extra
-    /// one, S2.
+    /// Computes the beats of a recording with these stimulus times, ms; `s2_ms` is the time of the
+    /// extra stimulus S2, if the last one is such.
     pub fn of(recording: &Recording, stimulus_times_ms: &[f64], s2_ms: Option<f64>) -> Self {
         let energy = energy(&recording.samples);
         let mut list = beats(recording, stimulus_times_ms);
@@ -231,8 +234,8 @@ impl Beats {
         all
     }
 
-    /// The beats that count in means: those of the train whose stimulus was captured, without one that the run's end cut
-    /// short.
+    /// The beats that count in means: beats of the train whose stimulus was captured, except one
+    /// that the end of the run cut short.
     pub fn counted(&self) -> impl Iterator<Item = &Beat> {
         let cut = self.list.iter().rposition(|beat| !beat.is_missed()).filter(|_| self.cut_short);
         let counts = move |(place, beat): &(usize, &Beat)| {
@@ -241,18 +244,18 @@ impl Beats {
         self.list.iter().enumerate().filter(counts).map(|(_, beat)| beat)
     }
 
-    /// The first beat that counts; where none does, the first of all.
+    /// The first beat that counts; if none does, the first of all.
     pub fn usual(&self) -> Option<&Beat> {
         self.counted().next().or(self.list.first())
     }
 
-    /// The beat of an extra stimulus, where there is one.
+    /// The beat of the extra stimulus, if there is one.
     pub fn s2(&self) -> Option<&Beat> {
         self.list.last().filter(|last| last.is_s2())
     }
 
-    /// The value of a metric of the whole run or of S2 alone, or the mean of one over the beats that count and show
-    /// it; `None` where none does.
+    /// The value of a metric of the whole run or of S2, or else the mean of a metric over the beats
+    /// that count and have it; `None` if none has.
     pub fn mean(&self, name: &str) -> Option<f64> {
         if let Some(metric) = self.energy.iter().find(|metric| metric.name == name) {
             return metric.value;
@@ -266,7 +269,7 @@ impl Beats {
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
-    /// Mean and standard deviation over the beats that count of every metric, where there are several.
+    /// Mean and standard deviation of every metric over the beats that count, if there are several.
     pub fn spread(&self) -> Vec<Spread> {
         let all: Vec<Vec<Metric>> =
             self.counted().map(|beat| beat.metrics().cloned().collect()).collect();
@@ -274,8 +277,8 @@ impl Beats {
     }
 }
 
-/// Whether the last of several beats was recorded for less time than the one before it took from its stimulus until nine
-/// tenths of its tension were gone, or half where it is paced too fast for that.
+/// Whether the last of several beats is cut short: it was recorded for less time than the beat
+/// before needed from its stimulus to 90 % relaxation (or 50 %, if it is paced too fast for that).
 fn is_cut_short(list: &[Beat], samples: &[Sample]) -> bool {
     let captured: Vec<&Beat> = list.iter().filter(|beat| !beat.is_missed()).collect();
     let ([.., before, last], Some(end)) = (&*captured, samples.last()) else { return false };
@@ -293,11 +296,11 @@ impl Deref for Beats {
     }
 }
 
-/// Every metric of a beat, those of an S2 last, then those of the whole run, in the order of reading and without a
-/// value; `in_mv` says whether potentials are in mV.
+/// Every metric without values, in the order of tables: those of a beat, of an S2, and of the whole
+/// run; `in_mv` says whether potentials are in mV.
 pub fn known(in_mv: bool) -> Vec<Metric> {
     let still = Sample { u: Some(0.0), vm_mv: in_mv.then_some(0.0), ..Sample::STILL };
-    // Their names hang on nothing that was recorded.
+    // Names of metrics do not depend on the recording.
     let held = Signal { name: END_FORCE.to_owned(), unit: "nN".to_owned(), values: vec![0.0] };
     let recording = Recording { samples: vec![still], signals: vec![held], frames: Vec::new() };
     let Beats { list, energy, .. } = Beats::of(&recording, &[0.0], None);
@@ -309,7 +312,7 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
         .collect()
 }
 
-/// The metrics of each beat; it ends at the next stimulus that is captured.
+/// The metrics of each beat; a beat ends at the next captured stimulus.
 pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
     let Recording { samples, signals, .. } = recording;
     let force = signals.iter().find(|signal| signal.is(END_FORCE));
@@ -398,7 +401,8 @@ fn levels(times: &[f64], values: &[f64], rest: Option<f64>, captured: Option<boo
     levels
 }
 
-/// A beat with the upstroke that the model's own rates had between its stimulus and the next, where they were recorded.
+/// Replaces the upstroke of a beat by the largest rate of the model's own equations between its
+/// stimulus and the next, if it was recorded.
 fn with_own_upstroke(
     mut beat: Beat,
     recording: &Recording,
@@ -408,7 +412,7 @@ fn with_own_upstroke(
     let row = beat.action_potential.iter_mut().find(|metric| metric.name == UPSTROKE);
     if let (Some(own), Some(row)) = (own, row) {
         let samples = recording.samples.iter().zip(&own.values);
-        // The sample at a stimulus still has the beat before.
+        // The sample at a stimulus still belongs to the previous beat.
         let within = samples.filter(|(it, _)| stimulus_ms < it.t_ms && it.t_ms < next_ms);
         if let (Some(_), Some(steepest)) =
             (row.value, within.map(|(_, rate)| *rate).reduce(f64::max))
@@ -421,7 +425,7 @@ fn with_own_upstroke(
     beat
 }
 
-/// The potential and its unit, where all samples have one.
+/// The potential and its unit, if all samples have one.
 fn potential(samples: &[Sample]) -> Option<(Vec<f64>, &'static str)> {
     let everywhere =
         |read: fn(&Sample) -> Option<f64>| samples.iter().map(read).collect::<Option<Vec<f64>>>();
@@ -429,7 +433,7 @@ fn potential(samples: &[Sample]) -> Option<(Vec<f64>, &'static str)> {
     in_mv.or_else(|| Some((everywhere(|s| s.u)?, "")))
 }
 
-/// The beat of an S2 after the beat of the last S1; `None` where nothing was recorded of it.
+/// The beat of an S2 after the beat of the last S1; `None` if it was not recorded.
 fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> Option<Beat> {
     let Recording { samples, signals, .. } = recording;
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
@@ -437,7 +441,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
     let s1_place = stimuli_ms.iter().position(|time| *time == s1.stimulus_ms)?;
     let pair = S1S2::after(&times, stimuli_ms, s1_place, s2_ms)?;
     let rest = |column: &[f64]| Some(pair.rest(column));
-    // Nothing of it where the curve does not rise.
+    // Empty if the curve does not rise.
     let of = |rising: &[f64]| pair.beat(rising).unwrap_or(times.len()..times.len());
 
     let lengths = column(|s| s.length_um);
@@ -477,7 +481,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
         captured = pair.captured(&times, &potential);
         diastolic = pair.diastolic_interval(&times, &potential);
         action_potential = pair.metrics(&times, &potential, unit);
-        // They stand among those of S2.
+        // These are among the metrics of S2.
         action_potential.retain(|metric| !metric.name.ends_with("_interval"));
     }
     let mut groups = [tension, contraction, shape, load, action_potential];
@@ -510,7 +514,7 @@ fn s2_beat(recording: &Recording, stimuli_ms: &[f64], s2_ms: f64, s1: &Beat) -> 
     Some(with_own_upstroke(beat, recording, [s2_ms, f64::INFINITY]))
 }
 
-/// Of a stimulus that raised no action potential.
+/// Removes all values, for a stimulus that raised no action potential.
 fn without_values(groups: &mut [Vec<Metric>]) {
     groups.iter_mut().flatten().for_each(|metric| metric.lose(Missing::NotCaptured));
 }
@@ -539,7 +543,7 @@ fn tension(
     rows
 }
 
-/// Width and area at the sample nearest to the peak, against a cell that keeps its volume.
+/// Width and area at the sample nearest to the peak, compared with a cell of constant volume.
 fn shape(
     samples: &[Sample],
     at_rest: &dyn Fn(fn(&Sample) -> f64) -> Option<f64>,
@@ -584,7 +588,7 @@ fn shape(
     ]
 }
 
-/// Where the work of the active force went, at the end of a run.
+/// The energy balance at the end of a run: where the work of the active force went.
 pub fn energy(samples: &[Sample]) -> Vec<Metric> {
     let (first, last) = (samples.first(), samples.last());
     let at_end = |read: fn(&Sample) -> f64| last.map(read);
@@ -615,7 +619,7 @@ pub fn energy(samples: &[Sample]) -> Vec<Metric> {
             gap,
             "%",
             "active work minus stored, kinetic and dissipated energy, of the largest stored energy; \
-             what supports give or take, and the trapezoidal rule",
+             work of supports, and the error of the trapezoidal rule",
         ),
     ]
 }

@@ -1,4 +1,4 @@
-//! Which stimuli raised an action potential: one rule for every stimulus of a train and for an extra one.
+//! Determines which stimuli raised an action potential, by one rule for trains and extra stimuli.
 //!
 //! A stimulus is captured if it meets a cell that has repolarised by 80 % or more and raises its potential to more than
 //! 80 % of the height of the last action potential before it, as is usual for the effective refractory period. A
@@ -9,14 +9,14 @@ use std::ops::Range;
 
 /// Part of the last action potential's height that the next one exceeds.
 const RESPONSE: f64 = 0.8;
-/// Part of that height below which the potential has to be when the stimulus comes: what a stimulus alone adds stays
+/// Largest potential at the stimulus, as a part of that height; from there, a stimulus alone stays
 /// below [`RESPONSE`].
 const REPOLARISED: f64 = 0.2;
 /// An action potential has its peak within this time, ms.
 const LATEST_PEAK_MS: f64 = 50.0;
 
-/// Rise of the potential, in its unit, that only an action potential makes: half of one. A stimulus alone, which
-/// stays below the threshold, raises the potential by less.
+/// Rise of the potential, in its unit, that only an action potential reaches: half of its height. A
+/// stimulus alone, which stays below the threshold, raises the potential by less.
 pub fn least_height(unit: &str) -> f64 {
     if unit == "mV" { 50.0 } else { 0.5 }
 }
@@ -26,17 +26,17 @@ pub fn least_height(unit: &str) -> f64 {
 pub struct Response {
     /// Potential at rest before the stimulus.
     pub rest: f64,
-    /// Potential that the stimulus meets.
+    /// Potential at the stimulus.
     pub met: f64,
     /// Largest potential from the stimulus to the next one.
     pub peak: f64,
-    /// Whether an action potential would have been seen: enough was recorded after the stimulus.
+    /// Whether enough was recorded after the stimulus to see an action potential.
     pub seen: bool,
 }
 
 impl Response {
-    /// Whether this stimulus raised an action potential, where the last one had this rest and peak; `None` where too
-    /// little was recorded to decide.
+    /// Whether this stimulus raised an action potential, given rest and peak of the last one;
+    /// `None` if too little was recorded to decide.
     pub fn after(&self, rest: f64, peak: f64) -> Option<bool> {
         let height = peak - rest;
         let captured =
@@ -56,7 +56,8 @@ impl Response {
 /// assert_eq!(captures(&series, 50.0), [Some(true), Some(false), Some(true)]);
 /// ```
 pub fn captures(responses: &[Response], least: f64) -> Vec<Option<bool>> {
-    // The lowest rest and the last peak of those that were captured: at short cycles each rest is above the one before.
+    // The lowest rest and the last peak of captured stimuli; at short cycles, each rest is above
+    // the previous one.
     let mut last: Option<(f64, f64)> = None;
     responses
         .iter()
@@ -76,8 +77,8 @@ pub fn captures(responses: &[Response], least: f64) -> Vec<Option<bool>> {
         .collect()
 }
 
-/// Whether each stimulus raised an action potential, by samples of the potential at these times, ms; `None` where too
-/// little was recorded to decide.
+/// Whether each stimulus raised an action potential, from samples of the potential at these times,
+/// ms; `None` if too little was recorded to decide.
 pub fn of(times: &[f64], potential: &[f64], unit: &str, stimuli_ms: &[f64]) -> Vec<Option<bool>> {
     let at = |time_ms: f64| times.partition_point(|time| *time < time_ms);
     let response = |(place, &stimulus_ms): (usize, &f64)| {
@@ -100,7 +101,7 @@ pub fn of(times: &[f64], potential: &[f64], unit: &str, stimuli_ms: &[f64]) -> V
     captures(&responses, least_height(unit))
 }
 
-/// Whether the samples go on until an action potential of this stimulus would have been seen.
+/// Whether the samples last long enough to show an action potential of this stimulus.
 pub(super) fn reaches(times: &[f64], stimulus_ms: f64) -> bool {
     times.last().is_some_and(|last| last - stimulus_ms >= LATEST_PEAK_MS)
 }
@@ -108,18 +109,20 @@ pub(super) fn reaches(times: &[f64], stimulus_ms: f64) -> bool {
 /// The samples of one stimulus's beat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
-    /// Place of the stimulus in the list.
+    /// Index of the stimulus.
     pub place: usize,
     /// Its time, ms.
     pub stimulus_ms: f64,
-    /// Its samples, from before it, for the rest, to the next stimulus that is captured. A stimulus that is not
-    /// captured ends no beat; its own window goes to the next one.
+    /// Its samples: from before the stimulus (for the resting value) to the next captured stimulus.
+    /// A stimulus that is not captured does not end a beat; its own window ends at the next
+    /// stimulus.
     pub within: Range<usize>,
     /// Time of the next stimulus, captured or not, ms; infinite after the last.
     pub next_ms: f64,
 }
 
-/// The window of each stimulus that samples follow; `captured` is what [`of`] returns, or empty.
+/// The window of each stimulus that is followed by samples; `captured` is the result of [`of`], or
+/// empty.
 pub fn windows(times: &[f64], stimuli_ms: &[f64], captured: &[Option<bool>]) -> Vec<Window> {
     let at = |time_ms: f64| times.partition_point(|time| *time < time_ms);
     let missed = |place: usize| captured.get(place) == Some(&Some(false));

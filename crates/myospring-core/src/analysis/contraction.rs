@@ -1,20 +1,20 @@
 //! Metrics of a contraction, per beat.
 //!
 //! Two conventions for the time to peak are in use: from the stimulus (`IonOptix`) and from the
-//! crossing of 10 % of the peak (`MUSCLEMOTION`); both are given under names that say so.
+//! crossing of 10 % of the peak (`MUSCLEMOTION`); both are given, with different names.
 
 use super::pulse::{Pulse, Top};
 use super::rows::{Context, ONSET, between, per_second, recorded, row, times_ms};
 use super::{Metric, Missing};
 use super::{rest, trace};
 
-/// Peak shortening below which there is no contraction to speak of: a millionth of the length.
+/// Least peak shortening of a contraction: a millionth of the length.
 const LEAST: f64 = 1e-6;
 
 /// Metrics of one beat from its length (um) over time (ms) and the time of its stimulus.
 ///
 /// The baseline is the mean of the samples before the stimulus. Levels of 10, 50 and 90 % are parts
-/// of the peak shortening. A value is `None` where the beat does not reach it.
+/// of the peak shortening. A value is `None` if the beat does not reach it.
 ///
 /// # Example
 /// ```
@@ -32,7 +32,7 @@ pub fn metrics(times: &[f64], length: &[f64], stimulus: f64) -> Vec<Metric> {
     above(times, length, stimulus, rest, rest::BEFORE_STIMULUS)
 }
 
-/// As [`metrics`], from a length at rest that is known.
+/// Like [`metrics`], with a known length at rest.
 pub fn above(
     times: &[f64],
     length: &[f64],
@@ -47,7 +47,7 @@ pub fn above(
     of_length(&pulse, rest, "um", &context)
 }
 
-/// Metrics of a length whose shortening, as a part of the length at rest, is a pulse.
+/// Metrics of a length, from the pulse of its shortening relative to the length at rest.
 pub fn of_length(
     pulse: &Pulse,
     rest: Option<f64>,
@@ -76,7 +76,7 @@ pub fn of_length(
             "peak_lengthening",
             pulse.lowest().map(|least| (-100.0 * least).max(0.0)),
             "%",
-            "largest (length - resting length) / resting length, 0 where it is never longer",
+            "largest (length - resting length) / resting length, 0 if it is never longer",
         ),
     ];
     rows.extend(timing(pulse, context));
@@ -100,7 +100,7 @@ pub fn of_length(
             "largest rate of relengthening per resting length",
         ),
     ]);
-    // Of a pure number velocities are those rates.
+    // For a dimensionless length, velocities equal these rates.
     if !unit.is_empty() {
         rows.extend([
             row(
@@ -215,8 +215,8 @@ fn timing(pulse: &Pulse, context: &Context) -> Vec<Metric> {
     rows
 }
 
-/// Metrics of a contraction of which only the motion is known: a shortening in %, a displacement, an amplitude in any
-/// unit.
+/// Metrics of a contraction without known length: a shortening in %, a displacement, an amplitude
+/// in any unit.
 pub fn of_motion(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context) -> Vec<Metric> {
     let peak = pulse.peak().map(|peak| peak.value);
     let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);

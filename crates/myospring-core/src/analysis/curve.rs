@@ -1,22 +1,25 @@
 //! Beats of a measured curve and their metrics.
 //!
-//! A beat is a pulse that stands above the curve's own noise. The same code (`pulse`) reads the metrics of simulated
-//! beats; what a measurement needs besides is here, and every step is stated in [`Treatment`]:
+//! A beat is a pulse above the curve's own noise. The same code (`pulse`) reads the metrics of
+//! simulated beats; the additional steps for measured curves are here, and [`Treatment`] states
+//! each of them:
 //!
-//! 1. *Which way.* Curves whose kind falls in a beat (lengths) are turned over; of an unknown kind the way in which it
-//!    departs furthest and shortest.
-//! 2. *Artefacts*, departures that are not like the beats, and single *bad frames* are replaced by lines and listed; hum of
-//!    the mains is taken off where it stands out of the spectrum.
-//! 3. *Noise* is the median of fourth differences, which a smooth curve has none of.
-//! 4. *Beats*: maxima whose prominence noise of this size would not reach in as many samples, and at least a fifth of the
-//!    usual beat's, as is their height times width. With stimuli a beat is what follows one before the next.
-//! 5. *Rest* of a beat is the mean of the last 15 % of the cycle before it; with a stimulus, of 20 ms before that, and more
-//!    where there is noise (`rest`).
-//! 6. *Drift*: the line from this rest to the next, each the median of three neighbours, so that one early beat does not
-//!    tilt it, is taken off the beat; the last beat drifts as the one before and up to the
-//!    end of the recording, as far as these agree.
-//! 7. *Smoothing*: local parabolas over a window that leaves noise of half a per cent of a beat, and never wider than an
-//!    eighth of a beat's width either side; none where there is less noise than that.
+//! 1. *Direction.* Curves that fall in a beat (lengths) are inverted. For an unknown kind, beats
+//!    point in the direction of the largest and shortest departures.
+//! 2. *Artefacts* (departures that are unlike the beats) and single *bad frames* are replaced by
+//!    lines and listed; mains hum is subtracted if it is visible in the spectrum.
+//! 3. *Noise* is measured by the median of fourth differences, which vanish in a smooth curve.
+//! 4. *Beats* are maxima whose prominence exceeds what noise of this size reaches in as many
+//!    samples; prominence, and height times width, are at least a fifth of the usual beat's. With
+//!    stimuli, a beat is the pulse between one stimulus and the next.
+//! 5. *Rest* of a beat is the mean of the last 15 % of the cycle before it; with a stimulus, of the
+//!    20 ms before it, or longer in noise (`rest`).
+//! 6. *Drift*: the line from this rest to the next is subtracted from the beat. Each rest is the
+//!    median of three neighbours, so that one early beat does not tilt the line. For the last beat,
+//!    the drift of the previous beat and that up to the end of the recording are used as far as
+//!    they agree.
+//! 7. *Smoothing*: local parabolas over a window that reduces noise to half a per cent of a beat,
+//!    at most an eighth of a beat's width to each side; none if there is less noise.
 
 mod agreement;
 mod answer;
@@ -42,36 +45,38 @@ use detect::Known;
 use noise::Noise;
 use std::cmp::Ordering;
 
-/// No beat is shorter at half its height, ms: action potentials of mice last some 5 ms, their contractions and transients
-/// some 50. Lamps and cameras flicker faster.
+/// Shortest beat at half its height, ms: contractions and transients of mice last about 50 ms
+/// (their action potentials about 5 ms). Lamps and cameras flicker faster.
 const SHORTEST_MS: f64 = 15.0;
 const SHORTEST_POTENTIAL_MS: f64 = 2.0;
 
-/// What stays above half of its height for longer, ms, may be drift: human ventricular potentials last some 400 there.
+/// A pulse that stays above half of its height for longer may be drift, ms; human ventricular
+/// potentials last about 400 ms.
 const LONGEST_MS: f64 = 1500.0;
 
-/// Noise that is smoothed down to, as a part of a beat's height.
+/// Noise after smoothing, as a part of a beat's height.
 const SMOOTH_TO: f64 = 0.005;
 
-/// Noise of the mean that is a beat's rest, as a part of a beat's height.
+/// Noise of a beat's mean resting value, as a part of a beat's height.
 const REST_TO: f64 = 0.002;
 
-/// What a user may say.
+/// Options of the analysis.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
-    /// When stimuli fell, ms on the clock of the curve; beats are looked for where there are none.
+    /// Stimulus times, ms on the clock of the curve; without any, beats are searched everywhere.
     pub stimuli_ms: Vec<f64>,
-    /// Half of the window of smoothing, ms; by the noise where it is not given, none where it is 0.
+    /// Half of the smoothing window, ms; `None` chooses it by the noise, 0 disables smoothing.
     pub smoothing_ms: Option<f64>,
-    /// Leave the drift of the baseline in.
+    /// Do not subtract the drift of the baseline.
     pub keep_drift: bool,
 }
 
 /// Beats of a curve over times in ms, and their metrics.
 ///
 /// # Errors
-/// Lists of different length, less than 8 frames, numbers that are none, a curve that is still, or in which nothing stands
-/// above its noise; values that no curve of its kind has, such as a negative length; stimuli outside.
+/// Lists of different length, fewer than 8 frames, values that are not finite, a constant curve, a
+/// curve without pulses above its noise, impossible values for its kind (such as a negative
+/// length), stimuli outside the recording.
 ///
 /// # Example
 /// ```
@@ -110,7 +115,7 @@ pub fn analyse(
     if let Some(hum) = &hum {
         signal.iter_mut().zip(&hum.wave).for_each(|(value, wave)| *value -= wave);
     }
-    // Lines have no noise.
+    // Lines that replace artefacts have no noise and are left out.
     let noise = noise_of(&artefacts::without(&signal, &replaced), usual.as_ref());
     let level = noise.sd;
     let stimuli = stimuli_within(times, &options.stimuli_ms)?;
@@ -127,7 +132,7 @@ pub fn analyse(
         let known = Known { plateau, ..Known::default() };
         let beats_turned = || !detect::beats(times, &turned, known).peaks.is_empty();
         let hint = if kind.rises().is_some() && !departs_upward(&signal) && beats_turned() {
-            "; it departs the other way: is its kind right?"
+            "; its pulses point the other way: is its kind right?"
         } else {
             ""
         };
@@ -181,9 +186,9 @@ pub fn analyse(
     let treatment = Treatment {
         rises,
         beats: match &stimuli {
-            Some(stimuli) => format!("what follows each of {} stimuli", stimuli.len()),
+            Some(stimuli) => format!("the pulse after each of {} stimuli", stimuli.len()),
             None => format!(
-                "pulses higher than {:.4} {unit}, of which noise gives none, and a fifth of the usual one",
+                "pulses higher than {:.4} {unit}, which noise does not reach, and than a fifth of the usual one",
                 found.least.max(0.2 * found.usual)
             ),
         },
@@ -191,7 +196,7 @@ pub fn analyse(
         drift: if options.keep_drift {
             "left in"
         } else {
-            "taken off: the line from the rest before each beat to that before the next, medians of three"
+            "subtracted: the line from the rest before each beat to that before the next, medians of three"
         },
         smoothing: match half {
             0 => "none".to_owned(),
@@ -232,29 +237,30 @@ fn check(times: &[f64], values: &[f64]) -> Result<(), CurveError> {
     Ok(())
 }
 
-/// A curve without what is no beat.
+/// A curve without artefacts.
 struct Cleaned {
     rises: bool,
-    /// Rises in a beat.
+    /// The curve, with sign such that beats rise.
     signal: Vec<f64>,
     /// Single frames that were replaced.
     bad: Vec<usize>,
     artefacts: Vec<Artefact>,
-    /// Whether the curve itself goes the other way.
+    /// Whether the pulses of the curve point against the direction of its kind.
     against: bool,
-    /// What the beats are like.
+    /// The usual beat.
     usual: Option<artefacts::Beats>,
-    /// Frames that lines replace.
+    /// Frames that were replaced by lines.
     replaced: Vec<bool>,
 }
 
-/// One direction of a curve: whether beats rise, and the curve without the artefacts that are found for that direction.
+/// The analysis of a curve for one direction: whether beats rise, and the curve without the
+/// artefacts found for that direction.
 type Side = (bool, artefacts::Bridged);
 
-/// Whether the beats of a curve rise, by what either direction makes of it.
+/// Whether the beats of a curve rise, from the analyses for both directions.
 fn rises_by_itself(up: &Side, down: &Side) -> bool {
-    // Both say the same where artefacts do not hide it. Where they do not, artefacts are rare: the wrong way takes the
-    // beats for them.
+    // Without many artefacts, both analyses agree. If they disagree, the wrong one has many
+    // artefacts, because it treats the beats as such.
     let upward = departs_upward(&up.1.0);
     let downward = departs_upward(&down.1.0);
     if upward != downward {
@@ -268,12 +274,12 @@ fn rises_by_itself(up: &Side, down: &Side) -> bool {
     }
 }
 
-/// Frames that artefacts take.
+/// Number of frames in artefacts.
 fn removed(of: &Side) -> usize {
     of.1.1.iter().map(|artefact| artefact.to + 1 - artefact.from).sum()
 }
 
-/// Bridges artefacts and finds the direction of a curve whose kind does not fix it.
+/// Replaces artefacts by lines, and determines the direction of a curve if its kind does not.
 fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
     let plateau = kind == Kind::Potential;
     let lasts = [if plateau { SHORTEST_POTENTIAL_MS } else { SHORTEST_MS }, LONGEST_MS];
@@ -285,7 +291,7 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
     };
     let (own, against) = if let Some(rises) = kind.rises() {
         let own = of(rises);
-        // The wrong way takes the beats for artefacts.
+        // In the wrong direction, the beats appear as artefacts.
         let against = removed(&own) > values.len() / 20 && {
             let other = of(!rises);
             let (up, down) = if rises { (&own, &other) } else { (&other, &own) };
@@ -328,7 +334,7 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
     Cleaned { rises, signal, bad, artefacts, against, usual: beats, replaced }
 }
 
-/// The noise of a curve; it forgets sooner than a beat lasts.
+/// The noise of a curve, with a correlation time shorter than a beat.
 fn noise_of(values: &[f64], beats: Option<&artefacts::Beats>) -> Noise {
     let longest = beats.map_or(usize::MAX, |beats| (0.25 * beats.width) as usize);
     Noise::up_to(longest, values)
@@ -337,7 +343,7 @@ fn noise_of(values: &[f64], beats: Option<&artefacts::Beats>) -> Noise {
 /// Whether a curve spends less time above its middle than below: beats are shorter than rest.
 fn departs_upward(values: &[f64]) -> bool {
     let count = values.len() as f64;
-    // Drift, as far as it is a line, has no direction.
+    // Linear drift is subtracted.
     let half = values.len() / 2;
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
     let slope = (mean(&values[half..]) - mean(&values[..half])) / (0.5 * count);
@@ -346,7 +352,7 @@ fn departs_upward(values: &[f64]) -> bool {
     departures.map(|departure| departure.powi(3)).sum::<f64>() >= 0.0
 }
 
-/// Samples either side of the smoothing window.
+/// Number of samples to each side in the smoothing window.
 fn half_window(
     times: &[f64],
     signal: &[f64],
@@ -371,8 +377,8 @@ fn half_window(
     wanted.min(width / 8.0 / step).round().max(0.0) as usize
 }
 
-/// Samples either side of the lines whose slopes are the rates: as many as bring their noise to a fiftieth of the usual
-/// rise's slope, over no more than half of that rise.
+/// Number of samples to each side in the lines whose slopes are the rates: enough to reduce their
+/// noise to a fiftieth of the usual rise's slope, over at most half of that rise.
 fn half_of_slopes(
     times: &[f64],
     signal: &[f64],
@@ -412,7 +418,7 @@ fn median_step(times: &[f64]) -> f64 {
     steps.get(steps.len() / 2).copied().unwrap_or(1.0)
 }
 
-/// The stimuli that fall into the recording, in order; `None` where none were given.
+/// The stimuli within the recording, in order; `None` if none were given.
 fn stimuli_within(times: &[f64], stimuli: &[f64]) -> Result<Option<Vec<f64>>, CurveError> {
     if stimuli.is_empty() {
         return Ok(None);
@@ -428,14 +434,14 @@ fn stimuli_within(times: &[f64], stimuli: &[f64]) -> Result<Option<Vec<f64>>, Cu
     Ok(Some(within))
 }
 
-/// What was left out of a curve, and what that cost.
+/// Remarks on artefacts and on the beats that they affect.
 fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> {
     let mut remarks = Vec::new();
     let (long, short): (Vec<&Artefact>, Vec<&Artefact>) =
         artefacts.iter().partition(|artefact| artefact.long);
     for artefact in long {
         remarks.push(format!(
-            "{:.1} s, from {:.0} to {:.0} ms, are cut out: the signal there is not that of beats",
+            "{:.1} s, from {:.0} to {:.0} ms, are left out: the signal there is not that of beats",
             1e-3 * (artefact.to_ms - artefact.from_ms),
             artefact.from_ms,
             artefact.to_ms
@@ -465,7 +471,7 @@ fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> 
     remarks
 }
 
-/// Where frames are missing.
+/// Remark on missing frames.
 fn hole_remark(holes: &[Hole]) -> Option<String> {
     let times: Vec<String> = holes
         .iter()
@@ -478,15 +484,15 @@ fn hole_remark(holes: &[Hole]) -> Option<String> {
     };
     let usual = holes.first()?.usual_ms;
     Some(format!(
-        "frames are missing from {}{more}, where one should come every {usual:.4} ms: no metric is read across such a hole",
+        "frames are missing from {}{more}, where one should come every {usual:.4} ms: no metric is read across such a gap",
         times.join(", ")
     ))
 }
 
-/// Over which time the slopes of upstrokes were read.
+/// The time over which the slopes of upstrokes were read, in words.
 fn upstroke_words(beats: &[CurveBeat]) -> String {
     median_of(beats, "upstroke_window").map_or_else(String::new, |window| {
-        format!("the upstroke's slope over {window:.2} ms, which the upstroke sets")
+        format!("the upstroke's slope over {window:.2} ms, chosen by the steepness of the upstroke")
     })
 }
 
@@ -497,10 +503,10 @@ fn median_of(beats: &[CurveBeat], name: &str) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// Intervals between beats that no heart cell has, ms.
+/// Shortest and longest plausible interval between beats, ms.
 const INTERVALS_MS: [f64; 2] = [60.0, 30_000.0];
 
-/// What speaks against the numbers.
+/// Doubts about the results.
 fn doubts(
     times: &[f64],
     signal: &[f64],
@@ -514,11 +520,12 @@ fn doubts(
     if kind.rises().is_some() {
         let turned: Vec<f64> = signal.iter().map(|value| -value).collect();
         let other = detect::beats(times, &turned, Known::default());
-        // A curve of beats with rest between them is lopsided; turned over, rest makes broad pulses.
+        // A curve of beats with rest in between is asymmetric; inverted, the rest forms broad
+        // pulses.
         let lopsided = !departs_upward(signal) && other.usual > 0.8 * found.usual;
         if against || lopsided && beats.len() > 1 {
             doubts.push(format!(
-                "the curve departs from its rest {}, and {} {} in a beat: is its kind right?",
+                "the curve's pulses point {}, but {} {} in a beat: is its kind right?",
                 if rises { "downward" } else { "upward" },
                 kind.name(),
                 if rises { "rises" } else { "falls" },
@@ -533,7 +540,7 @@ fn doubts(
         && kind != Kind::Potential
     {
         doubts.push(format!(
-            "the rise from 10 to 90 % takes {rise:.1} ms, {:.1} frames: its times and rates are those of the camera",
+            "the rise from 10 to 90 % takes {rise:.1} ms, {:.1} frames: its times and rates are limited by the camera's frame rate",
             rise / step
         ));
     }
@@ -544,7 +551,7 @@ fn doubts(
         let wanted = 10.0 * step.recip();
         doubts.push(format!(
             "the upstroke is faster than the sampling, every {step:.4} ms, can show: the maximum upstroke velocity is at \
-             least what is given; record at {wanted:.0} kHz or more to measure it"
+             least the given value; record at {wanted:.0} kHz or more to measure it"
         ));
     }
     let mut intervals: Vec<f64> =
@@ -554,7 +561,7 @@ fn doubts(
         && !(INTERVALS_MS[0]..=INTERVALS_MS[1]).contains(&interval)
     {
         doubts.push(format!(
-            "beats come every {interval:.4} ms, as in no heart cell: is the frame rate, or the unit of time, right?"
+            "beats come every {interval:.4} ms, which is implausible for a heart cell: is the frame rate, or the unit of time, right?"
         ));
     }
     doubts

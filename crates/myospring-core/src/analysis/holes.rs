@@ -1,13 +1,14 @@
-//! Holes in the times of a curve: frames that are missing.
+//! Gaps in the times of a curve: missing frames.
 
-/// Intervals between frames from which on frames are missing, of the usual one: a single lost frame is none.
+/// Interval between frames, relative to the usual one, from which on it is a gap; a single lost
+/// frame is not.
 const LONG: f64 = 2.5;
 
-/// Part of the intervals that are near the usual one where frames come regularly; where they do not, such as in a curve
-/// that was digitised by hand, no interval is too long.
+/// Least part of the intervals near the usual one if frames come regularly; if they do not (as in a
+/// curve digitised by hand), there are no gaps.
 const REGULAR: f64 = 0.75;
 
-/// Intervals from which on one can be usual.
+/// Least number of intervals from which a usual one is determined.
 const ENOUGH: usize = 7;
 
 /// Two neighbouring frames between which others are missing.
@@ -24,14 +25,14 @@ pub struct Hole {
 }
 
 impl Hole {
-    /// How long it is, ms.
+    /// Its length, ms.
     pub fn length_ms(&self) -> f64 {
         self.to_ms - self.from_ms
     }
 }
 
-/// The holes in times that rise, ms: intervals of more than 2.5 times the usual one, where three quarters of the intervals
-/// are within a half of it.
+/// The gaps in ascending times, ms: intervals of more than 2.5 times the usual one, if three
+/// quarters of the intervals differ from it by less than a half.
 ///
 /// # Example
 /// ```

@@ -1,9 +1,9 @@
-//! What a curve of a beating cell shows, and which way it goes in a beat.
+//! The quantity that a curve of a beating cell shows, and its direction in a beat.
 
 use serde::Serialize;
 use std::fmt;
 
-/// What the values of a curve are.
+/// The quantity of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -11,7 +11,8 @@ pub enum Kind {
     Length,
     /// Mean length of its sarcomeres, um or pixels; falls in a beat.
     SarcomereLength,
-    /// Length over a length of reference, such as that at rest or the mean, or a stretch; falls in a beat.
+    /// Length divided by a reference length, such as that at rest or the mean, or a stretch; falls
+    /// in a beat.
     NormalisedLength,
     /// Shortening, % of the length at rest; rises in a beat.
     Shortening,
@@ -29,11 +30,11 @@ pub enum Kind {
     Fluorescence,
     /// Membrane potential, mV; rises in a beat.
     Potential,
-    /// Nobody has said what it is: it may go either way.
+    /// Not stated: it may rise or fall in a beat.
     Unknown,
 }
 
-/// Which metrics tell of a curve.
+/// The group of metrics that apply to a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
@@ -41,7 +42,7 @@ pub enum Family {
     Contraction,
     /// Force and tension.
     Tension,
-    /// Calcium and what stands for it.
+    /// Calcium and its fluorescence.
     Calcium,
     /// Membrane potential.
     ActionPotential,
@@ -64,7 +65,7 @@ impl Kind {
         Self::Unknown,
     ];
 
-    /// Its word: `sarcomere-length`.
+    /// Its name in options: `sarcomere-length`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Length => "length",
@@ -82,7 +83,7 @@ impl Kind {
         }
     }
 
-    /// The kind of a word, in any case, with hyphens, underscores or spaces.
+    /// The kind with a name, in upper or lower case, with hyphens, underscores or spaces.
     ///
     /// # Example
     /// ```
@@ -112,7 +113,7 @@ impl Kind {
         }
     }
 
-    /// Whether it rises in a beat; `None` where that is not known.
+    /// Whether it rises in a beat; `None` if that is not known.
     pub const fn rises(self) -> Option<bool> {
         match self {
             Self::Length | Self::SarcomereLength | Self::NormalisedLength => Some(false),
@@ -121,12 +122,13 @@ impl Kind {
         }
     }
 
-    /// Whether the zero of its values means something: a length has one, a fluorescence over an unknown background none.
+    /// Whether it is a length with a meaningful zero, unlike a fluorescence over an unknown
+    /// background.
     pub const fn is_length(self) -> bool {
         matches!(self, Self::Length | Self::SarcomereLength | Self::NormalisedLength)
     }
 
-    /// Which metrics tell of it.
+    /// The group of metrics that apply to it.
     pub const fn family(self) -> Family {
         match self {
             Self::Force | Self::Tension => Family::Tension,

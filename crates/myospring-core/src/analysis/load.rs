@@ -1,11 +1,11 @@
-//! What a cell does at its ends where both are held: its force, and the loop of force and length.
+//! Force and work loop of a cell whose ends are held.
 
 use super::{Metric, Missing, rest, trace};
 
 /// The metrics of one beat from length (um) and the force at the ends (nN) over time (ms).
 ///
-/// The end of systole is the instant of the largest force over length: of an isometric beat that of the largest
-/// force, of one against a constant load that of the shortest length, of one against springs both.
+/// The end of systole is the moment when force divided by length is largest: the largest force in
+/// an isometric beat, the shortest length against a constant load, both against springs.
 ///
 /// # Example
 /// ```
@@ -26,7 +26,7 @@ pub fn metrics(times: &[f64], lengths: &[f64], forces: &[f64], stimulus: f64) ->
     above(times, lengths, forces, stimulus, rest, rest::BEFORE_STIMULUS)
 }
 
-/// As [`metrics`], with a force at rest that is known.
+/// Like [`metrics`], with a known force at rest.
 pub fn above(
     times: &[f64],
     lengths: &[f64],
@@ -37,7 +37,7 @@ pub fn above(
 ) -> Vec<Metric> {
     let after = times.partition_point(|time| *time < stimulus);
     let most = |of: &dyn Fn(usize) -> f64| {
-        // The first where several are alike.
+        // The first of several equal ones.
         (after..times.len().min(forces.len()))
             .reduce(|best, here| if of(here) > of(best) { here } else { best })
     };
@@ -57,19 +57,19 @@ pub fn above(
             "peak_end_force",
             strongest.map(|k| forces[k]),
             "nN",
-            "largest force with which the cell draws its ends inward",
+            "largest force with which the cell pulls its ends inward",
         ),
         row(
             "time_to_peak_end_force",
             strongest.map(|k| times[k] - stimulus),
             "ms",
-            "from the stimulus to it",
+            "from the stimulus to the largest force",
         ),
         row(
             "end_systolic_force",
             end.map(|k| forces[k]),
             "nN",
-            "force at the end of systole, where force over length is largest",
+            "force at the end of systole, when force divided by length is largest",
         ),
         row("end_systolic_length", end.map(|k| lengths[k]), "um", "length at the end of systole"),
         row(

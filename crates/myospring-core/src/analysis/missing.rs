@@ -1,33 +1,33 @@
-//! Why a metric has no value: a metric is a value or one of these reasons.
+//! Reasons why a metric has no value.
 
 use serde::{Serialize, Serializer};
 
 /// Why a metric has no value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Missing {
-    /// Nothing that it could be read from was recorded.
+    /// The quantity was not recorded.
     NotRecorded,
     /// There is no pulse.
     NoRise,
     /// The cell does not become shorter than at rest.
     NoShortening,
-    /// The pulse does not go through the level that is looked for.
+    /// The pulse does not cross the level.
     NotReached,
-    /// The curve ends before.
+    /// The curve ends earlier.
     Cut,
-    /// It would come before what it is counted from.
+    /// The time would come before the one from which it is counted.
     Before,
-    /// It is divided by something that is nothing but rounding or noise.
+    /// Its divisor is only rounding error or noise.
     TooSmall,
-    /// Frames are missing where it would be read.
+    /// Frames are missing at that point.
     Hole,
-    /// An artefact lies where it would be read.
+    /// An artefact is at that point.
     Artefact,
     /// An artefact or missing frames may hide a beat.
     Hidden,
     /// The stimulus raised no action potential.
     NotCaptured,
-    /// No beat comes before.
+    /// There is no previous beat.
     First,
 }
 
@@ -39,9 +39,9 @@ impl Missing {
             Self::NoRise => "the curve does not rise above its rest",
             Self::NoShortening => "the cell does not shorten",
             Self::NotReached => "the curve does not reach that level within the beat",
-            Self::Cut => "the recording ends before",
+            Self::Cut => "the recording ends earlier",
             Self::Before => "it would come before the time that it is counted from",
-            Self::TooSmall => "what it is divided by is too small",
+            Self::TooSmall => "its divisor is too small",
             Self::Hole => "frames are missing there",
             Self::Artefact => "an artefact lies there",
             Self::Hidden => "an artefact or missing frames may hide a beat",

@@ -1,11 +1,10 @@
-//! One pulse above its baseline: where it rises, peaks and falls. Every metric of a beat is read from it, whether the beat
-//! was simulated or measured.
+//! One pulse above its baseline: times and heights of rise, peak and fall. All metrics of simulated
+//! and measured beats are read from it.
 
 use super::trace::{self, Point};
 use super::{Missing, Reading};
 
-/// Height, as a part of the peak, below which noise tells more about the logarithm of a height than the fall does: a
-/// twentieth of that height.
+/// Relative noise of a sample from which on its logarithm has little weight in the time constant.
 const LOG_NOISE: f64 = 0.05;
 
 /// How the top of a pulse is found.
@@ -37,27 +36,28 @@ pub enum Top {
 pub struct Pulse<'a> {
     times: &'a [f64],
     heights: &'a [f64],
-    /// From when on its heights are its own, its foot and the rest before it.
+    /// Time from which on heights belong to it, including its foot and the rest before it.
     rest: f64,
     start: f64,
     peak: Result<Point, Missing>,
-    /// Samples among which its rise is.
+    /// Number of samples in which its rise is searched.
     rise: usize,
     noise: f64,
-    /// Slopes at the times, where they are not those between neighbours.
+    /// Slopes at the times; `None` uses those between neighbours.
     slopes: Option<&'a [f64]>,
-    /// Its steepest rise, where that was read in another way.
+    /// Its steepest rise, if it was read in another way.
     steepest: Option<Point>,
 }
 
 impl<'a> Pulse<'a> {
-    /// Of heights over times (ms), which begins at `start`: it has no peak before. Without a peak where no height is above
-    /// zero.
+    /// A pulse of heights over times (ms) that begins at `start`; its peak is searched after that.
+    /// It has no peak if no height is above zero.
     pub fn new(times: &'a [f64], heights: &'a [f64], start: f64, top: Top) -> Self {
         Self::resting_from(start, times, heights, start, top)
     }
 
-    /// As [`Pulse::new`], with heights from `rest` on that belong to it, such as those of a foot, though it begins at `start`.
+    /// Like [`Pulse::new`], but heights from `rest` on belong to the pulse (such as those of a
+    /// foot), although it begins at `start`.
     pub fn resting_from(
         rest: f64,
         times: &'a [f64],
@@ -76,7 +76,7 @@ impl<'a> Pulse<'a> {
         Self { times, heights, rest, start, peak, rise, noise: 0.0, slopes: None, steepest: None }
     }
 
-    /// With a peak only where it is above this height.
+    /// Removes the peak unless it is above this height.
     #[must_use]
     pub fn above(self, least: f64) -> Self {
         let peak = self
@@ -85,31 +85,31 @@ impl<'a> Pulse<'a> {
         Self { peak, ..self }
     }
 
-    /// The same pulse with the samples that follow it: they show how it falls, and may rise again.
+    /// Adds samples after the pulse, which show its fall and may rise again.
     #[must_use]
     pub fn followed_by(self, times: &'a [f64], heights: &'a [f64]) -> Self {
         Self { times, heights, ..self }
     }
 
-    /// With heights that have noise of this standard deviation.
+    /// Sets the standard deviation of the noise of the heights.
     #[must_use]
     pub fn with_noise(self, noise: f64) -> Self {
         Self { noise, ..self }
     }
 
-    /// With slopes at its times, per ms, that were read over more than two samples.
+    /// Sets slopes at its times, per ms, that were read over more than two samples.
     #[must_use]
     pub fn with_slopes(self, slopes: Option<&'a [f64]>) -> Self {
         Self { slopes, ..self }
     }
 
-    /// With a steepest rise that is known.
+    /// Sets a known steepest rise.
     #[must_use]
     pub fn with_steepest(self, steepest: Option<Point>) -> Self {
         Self { steepest, ..self }
     }
 
-    /// When it begins, ms.
+    /// Its start, ms.
     pub fn start(&self) -> f64 {
         self.start
     }
@@ -117,15 +117,15 @@ impl<'a> Pulse<'a> {
     /// Its top: time and height.
     ///
     /// # Errors
-    /// Where it has none, as all that is read of it.
+    /// A pulse without a peak; the same for all methods below.
     pub fn peak(&self) -> Result<Point, Missing> {
         self.peak
     }
 
-    /// When it last rises through a part of its peak before the peak, ms.
+    /// Time at which it last rises through a part of its peak, before the peak, ms.
     ///
     /// # Errors
-    /// Where it does not.
+    /// The pulse does not cross that level.
     pub fn rises(&self, part: f64) -> Reading {
         let Point { time, value } = self.peak?;
         let level = part * value;
@@ -133,29 +133,29 @@ impl<'a> Pulse<'a> {
         found.ok_or(Missing::NotReached)
     }
 
-    /// When it first falls through a part of its peak after the peak, ms.
+    /// Time at which it first falls through a part of its peak, after the peak, ms.
     ///
     /// # Errors
-    /// Where it does not.
+    /// The pulse does not cross that level.
     pub fn falls(&self, part: f64) -> Reading {
         let Point { time, value } = self.peak?;
         let found = trace::falls_through(self.times, self.heights, part * value, time);
         found.ok_or(Missing::NotReached)
     }
 
-    /// Time that it is above a part of its peak, ms.
+    /// Time during which it is above a part of its peak, ms.
     ///
     /// # Errors
-    /// Where it does not rise or fall through it.
+    /// The pulse does not cross that level on both sides.
     pub fn duration(&self, part: f64) -> Reading {
         Ok(self.falls(part)? - self.rises(part)?)
     }
 
-    /// The steepest rise (`sign` 1), or fall (-1), after the pulse begins, as a positive slope per ms: between two samples,
-    /// unless slopes, or the steepest rise itself, were given.
+    /// The steepest rise (`sign` 1), or fall (-1), after the pulse begins, as a positive slope per
+    /// ms: between two samples, unless slopes or the steepest rise were set.
     ///
     /// # Errors
-    /// Where nothing is steep in this direction.
+    /// No slope in this direction.
     pub fn fastest(&self, sign: f64) -> Result<Point, Missing> {
         self.peak?;
         if sign > 0.0
@@ -163,7 +163,7 @@ impl<'a> Pulse<'a> {
         {
             return Ok(steepest);
         }
-        // The two samples that the start is between belong to the pulse.
+        // Both samples around the start belong to the pulse.
         let before = self.times.partition_point(|time| *time <= self.start).saturating_sub(1);
         let (times, heights) = (&self.times[before..], &self.heights[before..]);
         let (places, slopes) = match self.slopes {
@@ -175,10 +175,10 @@ impl<'a> Pulse<'a> {
         found.ok_or(Missing::NotReached)
     }
 
-    /// The steepest rise, not among samples that follow the pulse.
+    /// The steepest rise, excluding samples that were added after the pulse.
     ///
     /// # Errors
-    /// Where it does not rise.
+    /// The pulse does not rise.
     pub fn upstroke(&self) -> Result<Point, Missing> {
         if self.slopes.is_some() {
             return self.fastest(1.0);
@@ -187,11 +187,11 @@ impl<'a> Pulse<'a> {
         Self { times: &self.times[..own], heights: &self.heights[..own], ..*self }.fastest(1.0)
     }
 
-    /// Time constant of an exponential fitted to the fall from half to a tenth of the peak, ms: the slope of the
-    /// logarithm, in which samples count the less the more of them is noise.
+    /// Time constant of an exponential fitted to the fall from half to a tenth of the peak, ms:
+    /// from the slope of the logarithm, in which noisy samples have less weight.
     ///
     /// # Errors
-    /// Where it does not fall so far, in less than three samples, or not like an exponential.
+    /// The pulse does not fall so far, has fewer than three samples there, or does not decay.
     pub fn time_constant(&self) -> Reading {
         let (times, values) =
             trace::window(self.times, self.heights, self.falls(0.5)?, self.falls(0.1)?);
@@ -199,7 +199,7 @@ impl<'a> Pulse<'a> {
             return Err(Missing::NotReached);
         }
         let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-        // 1 for all without noise.
+        // 1 for all samples without noise.
         let weight = |value: &f64| 1.0 / (1.0 + (self.noise / (LOG_NOISE * value)).powi(2));
         let weights: Vec<f64> = values.iter().map(weight).collect();
         let count: f64 = weights.iter().sum();

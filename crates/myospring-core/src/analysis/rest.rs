@@ -1,40 +1,42 @@
-//! The value at rest before a stimulus: one definition for runs and measured curves.
+//! The resting value before a stimulus, with one definition for runs and measured curves.
 //!
-//! It is the mean of the samples in the last 20 ms before the stimulus, at least three of them. Where a measured curve is
-//! noisy the time is longer, until the mean has noise of a five-hundredth of a beat, but at most 15 % of the cycle before. Of a
-//! curve without stimuli, whose onsets are known less well, it is always the last 15 % of the cycle before the onset.
+//! It is the mean of the samples in the last 20 ms before the stimulus, at least three of them. In
+//! a noisy curve the time is longer, until the noise of the mean is a five-hundredth of a beat, but
+//! at most 15 % of the previous cycle. In a curve without stimuli, whose onsets are less precise,
+//! it is always the last 15 % of the cycle before the onset.
 
 use std::ops::Range;
 
-/// Time before a stimulus over which the rest is taken where there is no noise, ms.
+/// Time before a stimulus over which the rest is averaged without noise, ms.
 const QUIET_MS: f64 = 20.0;
 
-/// Most of the cycle before a beat over which its rest is taken.
+/// Largest part of the previous cycle over which the rest is averaged.
 pub const PART: f64 = 0.15;
 
-/// Samples that a rest has at least, where there are as many before the beat.
+/// Least number of samples of a rest, if there are as many before the beat.
 const LEAST_SAMPLES: usize = 3;
 
-/// The definition in words, of any quantity.
+/// The definition in words, for any quantity.
 pub const BEFORE_STIMULUS: &str =
-    "mean over 20 ms before the stimulus, longer where there is noise (at most 15 % of the cycle)";
+    "mean over 20 ms before the stimulus, longer in noise (at most 15 % of the cycle)";
 
-/// That of the beat of an extra stimulus, S2.
+/// The definition for the beat of an extra stimulus, S2.
 pub const BEFORE_S1: &str = "mean over 20 ms before the last S1";
 
-/// That of a measured curve without stimuli.
+/// The definition for a measured curve without stimuli.
 pub const BEFORE_ONSET: &str = "mean over the last 15 % of the cycle before the beat's onset";
 
-/// The time before a stimulus over which the rest is taken, ms, after a cycle of this length, ms, in a curve whose mean over
-/// `noise_ms` has little noise; 0 of a curve without noise.
+/// Time before a stimulus over which the rest is averaged, ms, after a cycle of this length, ms;
+/// `noise_ms` is the averaging time that the noise needs, 0 without noise.
 fn span_ms(cycle_ms: f64, noise_ms: f64) -> f64 {
     QUIET_MS.max(noise_ms).min(PART * cycle_ms.max(0.0))
 }
 
-/// The samples whose mean is the value at rest before the stimulus at a place of the list; the first sample from the
-/// stimulus on where there is none before it. `None` where there is no such sample, either. The cycle is the time since
-/// the stimulus before; of the first stimulus it is the median cycle, and of a single one the time from it to the end.
-/// The mean over `noise_ms` has little noise; 0 of a curve without noise.
+/// The samples whose mean is the resting value before the stimulus with index `at`; if there are
+/// none before it, the first sample from the stimulus on. `None` without any sample. The cycle is
+/// the time since the previous stimulus; for the first stimulus the median cycle, for a single one
+/// the time from it to the end. `noise_ms` is the averaging time that the noise needs, 0 without
+/// noise.
 ///
 /// # Example
 /// ```
@@ -66,7 +68,7 @@ pub fn before(
     Some(start..end)
 }
 
-/// The median distance of neighbours.
+/// The median distance between neighbours.
 fn usual_cycle(stimuli_ms: &[f64]) -> Option<f64> {
     let mut cycles: Vec<f64> = stimuli_ms.windows(2).map(|pair| pair[1] - pair[0]).collect();
     cycles.sort_by(f64::total_cmp);

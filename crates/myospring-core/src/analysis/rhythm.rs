@@ -1,15 +1,15 @@
-//! How the beats of a run follow their stimuli: capture, its ratio, alternans.
+//! How beats follow their stimuli: capture, capture ratio, alternans.
 
 use super::alternans::{Alternans, alternans};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Longest series of stimuli that may repeat: 5:4 capture and below.
+/// Longest pattern of stimuli that may repeat: up to 5:4 capture.
 const LONGEST: usize = 5;
-/// Numbers of stimuli that a sentence lists.
+/// Largest number of stimuli that a sentence lists.
 const LISTED: usize = 6;
 
-/// How the beats of a run follow their stimuli.
+/// How beats follow their stimuli.
 ///
 /// # Example
 /// ```
@@ -22,23 +22,24 @@ const LISTED: usize = 6;
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Rhythm {
-    /// Number of stimuli within the run, without an extra one, S2.
+    /// Number of stimuli within the run, without the extra stimulus S2.
     pub stimuli: usize,
-    /// Numbers, from 1, of those that raised no action potential.
+    /// Numbers, from 1, of stimuli that raised no action potential.
     pub not_captured: Vec<usize>,
     /// Their times, ms.
     pub not_captured_ms: Vec<f64>,
-    /// How many stimuli raise how many action potentials, where a pattern repeats: `2:1 capture ...`.
+    /// Ratio of stimuli to action potentials, if a pattern repeats: `2:1 capture ...`.
     pub capture_ratio: Option<String>,
-    /// What is lower in every other beat, where that is so.
+    /// Metrics that are lower in every other beat, in words; `None` without alternans.
     pub alternans: Option<String>,
 }
 
-/// A metric in words, and its value in each beat that counts.
+/// Name of a metric in words, and its value in each beat that counts.
 pub type Heights<'a> = (&'a str, Vec<Option<f64>>);
 
 impl Rhythm {
-    /// Of stimuli at these times, ms, and whether each was captured; `heights` show alternans.
+    /// Determines the rhythm from stimulus times, ms, and whether each was captured; alternans is
+    /// searched in `heights`.
     pub fn of(stimuli_ms: &[f64], captured: &[Option<bool>], heights: &[Heights<'_>]) -> Self {
         let missed: Vec<usize> =
             (0..captured.len()).filter(|&at| captured[at] == Some(false)).collect();
@@ -52,14 +53,14 @@ impl Rhythm {
         }
     }
 
-    /// As [`Rhythm::missed`], with what became of an extra stimulus, in the words of a table's row.
+    /// Like [`Rhythm::missed`], including an extra stimulus, in the words of a table's row.
     pub fn no_capture(&self, s2: Option<bool>) -> Option<String> {
         let s2 = (s2 == Some(false)).then(|| "S2 raised no action potential".to_owned());
         let all: Vec<String> = self.missed().into_iter().chain(s2).collect();
         (!all.is_empty()).then(|| format!("no capture: {}", all.join("; ")))
     }
 
-    /// How many stimuli raised no action potential, and which; `None` where all did.
+    /// How many stimuli raised no action potential, and which; `None` if all did.
     pub fn missed(&self) -> Option<String> {
         let count = self.not_captured.len();
         let plural = |count: usize| if count == 1 { "stimulus" } else { "stimuli" };
@@ -92,7 +93,8 @@ impl Rhythm {
     }
 }
 
-/// The ratio in which stimuli are captured at the end of a series, where it repeats at least once.
+/// The ratio in which stimuli are captured at the end of a series, if the pattern repeats at least
+/// once.
 fn ratio(captured: &[bool]) -> Option<String> {
     let count = captured.len();
     if count >= 3 && captured[0] && captured[1..].iter().all(|captured| !captured) {
@@ -117,7 +119,7 @@ fn ratio(captured: &[bool]) -> Option<String> {
     })
 }
 
-/// Which heights are lower in every other beat.
+/// The heights that are lower in every other beat, in words.
 fn alternating(heights: &[Heights<'_>]) -> Option<String> {
     let lower = heights.iter().filter_map(|(name, values)| {
         let known: Vec<(usize, f64)> =

@@ -2,21 +2,21 @@
 
 use super::{Metric, Missing, Reading};
 
-/// What a beat is counted from, and how its rest was taken: what definitions differ in.
+/// Times from which a beat's metrics are counted, and the definition of its rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Context {
-    /// Time of the stimulus, ms, where one is known.
+    /// Time of the stimulus, ms, if known.
     pub stimulus: Option<f64>,
-    /// When the curve leaves rest, ms, where that was looked for.
+    /// Time at which the curve leaves its rest, ms, if it was determined.
     pub onset: Option<f64>,
     /// How the value at rest is defined.
     pub rest: &'static str,
 }
 
-/// When a curve leaves its rest, as it is defined everywhere.
+/// Definition of the onset.
 pub const ONSET: &str = "where the line through 10 % and 50 % of the rise meets the baseline";
 
-/// One row.
+/// One metric.
 pub(super) fn row(
     name: &'static str,
     reading: Reading,
@@ -26,18 +26,18 @@ pub(super) fn row(
     Metric::new(name, reading, unit, definition)
 }
 
-/// The time from one instant to another, which does not come before it.
+/// The time from one moment to another, which must not be earlier.
 pub(super) fn between(end: Reading, start: Reading) -> Reading {
     let way = end? - start?;
     if way < 0.0 { Err(Missing::Before) } else { Ok(way) }
 }
 
-/// What was read of something that may not have been recorded.
+/// A value, or [`Missing::NotRecorded`].
 pub(super) fn recorded(value: Option<f64>) -> Reading {
     value.ok_or(Missing::NotRecorded)
 }
 
-/// A unit a second.
+/// A unit per second.
 pub fn per_second(unit: &str) -> &'static str {
     match unit {
         "um" => "um/s",

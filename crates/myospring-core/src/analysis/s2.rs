@@ -1,14 +1,15 @@
-//! The beat of an extra stimulus, S2, against the last beat of the train before it, S1.
+//! Compares the beat of an extra stimulus, S2, with the last beat of the train before it, S1.
 //!
-//! An early S2 meets a cell that has not come to rest. So both beats are counted from one rest, that before the last
-//! S1, and what is left of S1 when S2 comes is no part of its beat: a curve of S2 begins where its largest rise does.
+//! At an early S2, the cell is not yet at rest. So both beats are measured from the same rest, that
+//! before the last S1, and the remainder of S1 at S2 does not belong to the beat of S2: that begins
+//! where its largest rise begins.
 
 use super::capture::{self, Response};
 use super::rows::{recorded, row};
 use super::{Metric, Missing, action_potential, rest, trace, value};
 use std::ops::Range;
 
-/// Part of S1's height below which a rise is none: waves of a cell that rings, rounding.
+/// Least rise, as a part of S1's height; smaller ones are oscillations or rounding.
 const LEAST: f64 = 0.01;
 
 /// S2 and the last S1 in the samples of a run.
@@ -35,21 +36,21 @@ pub struct S1S2 {
     rest: Range<usize>,
     /// Samples from S1 to S2.
     first: Range<usize>,
-    /// Those of them before the next stimulus after S1: they show its height.
+    /// Samples of S1 before the next stimulus; they show its height.
     own: Range<usize>,
     /// Samples from S2 on.
     second: Range<usize>,
 }
 
 impl S1S2 {
-    /// In samples at these times, ms, of the stimulus at `s2_ms`, the last of all, and the one before it; `None` where
-    /// there is none before it, or where there are no samples after it.
+    /// Finds S2 (the last stimulus, at `s2_ms`) and the stimulus before it in samples at these
+    /// times, ms; `None` if there is no stimulus before it or no sample after it.
     pub fn of(times: &[f64], stimuli_ms: &[f64], s2_ms: f64) -> Option<Self> {
         let place = stimuli_ms.iter().rposition(|time| *time == s2_ms)?;
         Self::after(times, stimuli_ms, place.checked_sub(1)?, s2_ms)
     }
 
-    /// As [`S1S2::of`], where S1 is the stimulus at a place in the list: the last that raised an action potential.
+    /// Like [`S1S2::of`], with the index of S1: the last stimulus that raised an action potential.
     pub fn after(times: &[f64], stimuli_ms: &[f64], s1: usize, s2_ms: f64) -> Option<Self> {
         let s1_ms = *stimuli_ms.get(s1)?;
         let next_ms = stimuli_ms.get(s1 + 1).copied().unwrap_or(s2_ms).min(s2_ms);
@@ -72,8 +73,8 @@ impl S1S2 {
         most(&values[self.own.clone()]) - self.rest(values)
     }
 
-    /// Whether S2 raised an action potential: it met a cell that was repolarised by 80 % or more, and its peak is above
-    /// 80 % of that of the last S1. `None` where too little was recorded to say so.
+    /// Whether S2 raised an action potential: the cell was repolarised by 80 % or more, and the
+    /// peak is above 80 % of that of the last S1. `None` if too little was recorded to decide.
     pub fn captured(&self, times: &[f64], potential: &[f64]) -> Option<bool> {
         let rest = self.rest(potential);
         let response = Response {
@@ -85,7 +86,7 @@ impl S1S2 {
         response.after(rest, most(&potential[self.own.clone()]))
     }
 
-    /// From 90 % repolarisation of the last S1 to S2, ms; `None` where S2 comes before.
+    /// From 90 % repolarisation of the last S1 to S2, ms; `None` if S2 comes earlier.
     pub fn diastolic_interval(&self, times: &[f64], potential: &[f64]) -> Option<f64> {
         let level = self.rest(potential) + 0.1 * self.height(potential);
         let top = trace::largest(&times[self.own.clone()], &potential[self.own.clone()])?;
@@ -93,8 +94,8 @@ impl S1S2 {
         Some(self.s2_ms - trace::falls_through(times, values, level, top.time)?)
     }
 
-    /// The samples of S2's beat of values that rise in a beat, from where its largest rise begins; `None` where they
-    /// hardly rise.
+    /// The samples of S2's beat, from the beginning of its largest rise, in values that rise in a
+    /// beat; `None` if they hardly rise.
     pub fn beat(&self, values: &[f64]) -> Option<Range<usize>> {
         let (foot, rise) = trace::largest_rise(&values[self.second.clone()])?;
         let found = self.second.start + foot;
@@ -104,7 +105,7 @@ impl S1S2 {
     /// The metrics of S2's action potential, in the potential's unit, and of the intervals before it; without capture only
     /// these have values.
     pub fn metrics(&self, times: &[f64], potential: &[f64], unit: &'static str) -> Vec<Metric> {
-        // The sample before the stimulus is one of it, for the upstroke.
+        // The sample before the stimulus is included for the upstroke.
         let within = self.second.start - 1..self.second.end;
         let rest = Some(self.rest(potential));
         let rest_is = rest::BEFORE_S1;
@@ -127,10 +128,10 @@ fn most(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// So many of the first of [`rows`] are intervals.
+/// This number of the first [`rows`] are intervals.
 const INTERVALS: usize = 2;
 
-/// What an S2 beat is against the last S1: intervals, and how strong it is, by the metrics of both.
+/// Metrics of an S2 beat relative to the last S1: intervals, and ratios of their strengths.
 pub fn rows(
     pair: Option<&S1S2>,
     diastolic_interval: Option<f64>,
@@ -157,13 +158,13 @@ pub fn rows(
             "relative_peak_tension",
             part("peak_tension"),
             "%",
-            "largest tension of S2, of that of the last S1",
+            "largest tension of S2, relative to that of the last S1",
         ),
         row(
             "relative_peak_shortening",
             part("peak_shortening"),
             "%",
-            "peak shortening of S2, of that of the last S1, both from the length before S1",
+            "peak shortening of S2, relative to that of the last S1, both from the length before S1",
         ),
     ]
 }

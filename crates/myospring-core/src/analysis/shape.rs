@@ -1,13 +1,14 @@
-//! Length, width and rotation of a deformed cell against its resting shape.
+//! Length, width and rotation of a deformed cell relative to its resting shape.
 //!
-//! At rest, length and width are the extent along and across the long axis. Their *change* is that of the distance
-//! between the means of two caps, so that no single point decides it: along the axis the caps are the
-//! [ends](crate::mesh::ends), a twentieth of the length each; across it they are the outermost rows that hold a
-//! twentieth of the area each. A cell that is strained evenly by a factor has its resting length times that factor.
+//! At rest, length and width are the extent along and across the long axis. Their *change* is that
+//! of the distance between the means of two caps, so that it does not depend on single points:
+//! along the axis the caps are the [ends](crate::mesh::ends), each a twentieth of the length;
+//! across it they are the outermost rows, each with a twentieth of the area. Uniform strain by a
+//! factor multiplies the resting length by that factor.
 
 use crate::mesh::ends::end_points;
 
-/// Part of the area that a cap across the long axis holds at least.
+/// Least part of the area in a cap across the long axis.
 const SIDE_PART: f64 = 0.05;
 /// Points at the same depth within this part of the extent belong to one row.
 const SAME_ROW: f64 = 1e-9;
@@ -17,9 +18,9 @@ const SAME_ROW: f64 = 1e-9;
 pub struct ShapeMeter {
     reference: [Vec<f64>; 2],
     axis: [f64; 2],
-    /// Weights of the rotation along whose axis the length is measured.
+    /// Weights of the points in the rotation of the axis along which the length is measured.
     turned_by: Vec<f64>,
-    /// Those of the rotation across whose axis the width is measured, where they are others.
+    /// Weights for the width, if they differ.
     across: Option<Vec<f64>>,
     length: Span,
     width: Span,
@@ -28,14 +29,15 @@ pub struct ShapeMeter {
 /// Length along and width across the long axis, um.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Length along the long axis, um: end to end at rest, changed as the distance between the means of both ends.
+    /// Length along the long axis, um: at rest the distance between its ends, scaled by the
+    /// distance between the means of both ends.
     pub length: f64,
-    /// Width across the long axis, um: the largest extent at rest, changed as the distance between the means of both
-    /// sides.
+    /// Width across the long axis, um: at rest the largest extent, scaled by the distance between
+    /// the means of both sides.
     pub width: f64,
 }
 
-/// An extent that changes as the distance between the means of two caps.
+/// An extent that is scaled by the distance between the means of two caps.
 #[derive(Debug, Clone, PartialEq)]
 struct Span {
     /// The extent at rest, um.
@@ -44,7 +46,8 @@ struct Span {
     caps: [Vec<(usize, f64)>; 2],
     /// Distance between the means of the caps at rest, um.
     apart: f64,
-    /// What of the extent, and of the distance between the means, is held by clamps and keeps its length, um.
+    /// Parts of the extent, and of the distance between the means, that clamps keep at constant
+    /// length, um.
     rigid: [f64; 2],
 }
 
@@ -78,18 +81,19 @@ impl Span {
         high - low
     }
 
-    /// The extent now, um: what is not rigid is stretched as it is between the means of the caps.
+    /// The extent now, um: the part that is not rigid is stretched like the distance between the
+    /// means of the caps.
     fn now(&self, positions: &[Vec<f64>; 2], direction: [f64; 2]) -> f64 {
         let [rigid, between] = self.rigid;
         let stretch = (self.distance(positions, direction) - between) / (self.apart - between);
-        // In this form a cell that keeps its length does so to the last bit.
+        // In this form, an unchanged length is reproduced exactly.
         self.rest + (self.rest - rigid) * (stretch - 1.0)
     }
 }
 
 impl ShapeMeter {
-    /// A meter for resting positions (um, by axis), a unit long axis and one weight per point, such as its area; they
-    /// weigh the points of a cap against each other, and all points in the rotation.
+    /// A meter for resting positions (um, by axis), a unit long axis and one weight per point, such
+    /// as its area; the weights apply to the means of the caps and to the rotation.
     ///
     /// # Example
     /// ```

@@ -32,7 +32,7 @@ pub fn of_pulse(
             "amplitude_over_rest",
             peak.map(|peak| peak.value / under),
             "",
-            "(F - F0) / F0 at the peak, F0 the baseline there; means something only where the              background was taken off",
+            "(F - F0) / F0 at the peak, F0 the baseline there; meaningful only if the background was subtracted",
         ));
     }
     rows.push(row(

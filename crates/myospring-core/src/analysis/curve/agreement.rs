@@ -1,16 +1,17 @@
-//! Whether several curves of one recording have the same beats.
+//! Checks whether several curves of one recording have the same beats.
 
 use super::answer::{Analysis, CurveBeat};
 
-/// How far the same beat may peak in two curves, as a part of the interval between beats.
+/// Largest difference between the peaks of one beat in two curves, as a part of the interval
+/// between beats.
 const TOGETHER: f64 = 0.25;
 
-/// How far the mean interval of a curve may be from that of the others.
+/// Largest relative difference between the mean interval of a curve and that of the others.
 const RHYTHM: f64 = 0.15;
 
-/// Adds a remark to each curve whose rhythm contradicts that of the others. The curves are of one recording, on one clock, each
-/// with its name. Nothing is said unless more than half of them, and two at least, have the same beats: the others may be
-/// other cells.
+/// Adds a remark to each curve whose rhythm contradicts that of the others. The curves, each with
+/// its name, belong to one recording and have one clock. There is no remark unless at least two,
+/// and more than half of them, have the same beats; the others may be other cells.
 pub fn compare(curves: &mut [(&str, &mut Analysis)]) {
     let peaks: Vec<Vec<f64>> = curves.iter().map(|(_, of)| peaks(&of.beats)).collect();
     let group = |of: &Vec<f64>| -> Vec<usize> {
@@ -31,21 +32,21 @@ pub fn compare(curves: &mut [(&str, &mut Analysis)]) {
         let usual = cycle(&peaks[agreed[0]]);
         if (cycle(&peaks[at]) - usual).abs() > RHYTHM * usual {
             analysis.remarks.push(format!(
-                "its {} beats are not those of the other columns ({names}: {beats} beats at the same times): which of them \
-                 are beats cannot be told for sure; look at the figure",
+                "its {} beats differ from those of the other columns ({names}: {beats} beats at the same times): which of them \
+                 are beats is uncertain; look at the figure",
                 peaks[at].len()
             ));
         }
     }
 }
 
-/// When beats peak, ms.
+/// Times of the peaks, ms.
 fn peaks(beats: &[CurveBeat]) -> Vec<f64> {
     let peak = |beat: &CurveBeat| beat.marks.iter().find(|mark| mark.name == "peak").copied();
     beats.iter().filter_map(peak).map(|mark| mark.point.time).collect()
 }
 
-/// The mean interval between peaks, ms; of a single one none.
+/// The mean interval between peaks, ms; `None` for a single one.
 fn cycle(peaks: &[f64]) -> f64 {
     match peaks {
         [first, .., last] => (last - first) / (peaks.len() - 1) as f64,
@@ -53,7 +54,8 @@ fn cycle(peaks: &[f64]) -> f64 {
     }
 }
 
-/// Whether all beats of two curves, but for one that the start or the end of the recording cuts, peak together.
+/// Whether all beats of two curves peak together, except one cut off by the start or end of the
+/// recording.
 fn same(one: &[f64], other: &[f64]) -> bool {
     let count = one.len().min(other.len());
     let near = TOGETHER * cycle(one).min(cycle(other));

@@ -1,11 +1,11 @@
-//! What is told of a curve, and why nothing can be.
+//! Results of the analysis of a curve, and its errors.
 
 use crate::analysis::holes::Hole;
 use crate::analysis::trace::Point;
 use crate::analysis::{Metric, Spread, beat_to_beat, value};
 use serde::Serialize;
 
-/// Fewest frames that a beat could be read from.
+/// Least number of frames from which a beat can be read.
 pub(super) const LEAST_FRAMES: usize = 8;
 
 /// Why a curve has no metrics.
@@ -37,40 +37,40 @@ pub enum CurveError {
         /// Its value.
         value: f64,
     },
-    /// Nothing moves.
+    /// The curve is constant.
     #[error("all {frames} values are {value}: there is no beat")]
     Still {
         /// How many there are.
         frames: usize,
-        /// What all of them are.
+        /// The value of all frames.
         value: f64,
     },
-    /// Nothing stands above the noise.
+    /// No pulse is above the noise.
     #[error("there is no beat: {}{hint}", above_noise(*noise, *least, unit))]
     NoBeat {
         /// Standard deviation of the noise.
         noise: f64,
-        /// How high a pulse would have to be.
+        /// Least height of a pulse.
         least: f64,
-        /// Of both.
+        /// Unit of both.
         unit: &'static str,
-        /// What may help.
+        /// A hint.
         hint: &'static str,
     },
-    /// Values that no curve of this kind has.
+    /// Values that are impossible for this kind of curve.
     #[error("{of} {value:.4} {unit}, such as frame {frame}, and {bound}; {seems}")]
     Impossible {
-        /// What has this value: most frames, most beats.
+        /// Which frames or beats have this value, in words.
         of: &'static str,
-        /// A frame of that value, or the one at the onset or peak of a beat of it, from 1.
+        /// A frame with that value, or at the onset or peak of a beat with it, from 1.
         frame: usize,
         /// A typical value.
         value: f64,
         /// Its unit.
         unit: &'static str,
-        /// What it must be.
+        /// The bound that is violated.
         bound: &'static str,
-        /// What the column seems to be, and how to measure it.
+        /// What the column probably is, and how to analyse it.
         seems: &'static str,
     },
     /// No stimulus within the recording.
@@ -88,7 +88,7 @@ pub enum CurveError {
 }
 
 impl CurveError {
-    /// The frame that is to blame, from 1, if one is.
+    /// The frame that caused the error, from 1, if there is one.
     pub fn frame(&self) -> Option<usize> {
         match self {
             Self::Sample { frame, .. } | Self::Impossible { frame, .. } => Some(*frame),
@@ -97,19 +97,20 @@ impl CurveError {
     }
 }
 
-/// How much of a beat the recording has.
+/// How completely a beat was recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
     /// From rest to the next beat, or to rest.
     Whole,
-    /// The recording begins within it: its rest is unknown, and it does not count in means.
+    /// The recording begins within it: its rest is unknown, and the beat does not count in means.
     CutAtStart,
-    /// The recording ends within it: what it still shows counts.
+    /// The recording ends within it: the metrics that it still has count.
     CutAtEnd,
-    /// An artefact touches it: what it shows is partly a line, and it does not count in means.
+    /// An artefact overlaps it: part of it was replaced by a line, and it does not count in means.
     Disturbed,
-    /// Frames are missing within it: no metric is read across a hole, and it does not count in means.
+    /// Frames are missing within it: no metric is read across the gap, and it does not count in
+    /// means.
     Interrupted,
     /// A stimulus without a beat.
     Missed,
@@ -129,10 +130,10 @@ impl State {
     }
 }
 
-/// Where on the curve something was read.
+/// A point of the curve at which a metric was read.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Mark {
-    /// What.
+    /// What was read.
     pub name: &'static str,
     /// Time, ms, and value in the curve's unit.
     #[serde(skip)]
@@ -144,17 +145,17 @@ pub struct Mark {
 pub struct CurveBeat {
     /// From 1.
     pub number: usize,
-    /// Its stimulus, ms, where stimuli were given.
+    /// Its stimulus, ms, if stimuli were given.
     pub stimulus_ms: Option<f64>,
-    /// When the curve leaves its rest, ms; `None` of a missed beat.
+    /// Time at which the curve leaves its rest, ms; `None` for a missed beat.
     pub onset_ms: Option<f64>,
-    /// How much of it there is.
+    /// How completely it was recorded.
     pub state: State,
-    /// What is odd about it, as sentences.
+    /// Remarks on it, as sentences.
     pub remarks: Vec<String>,
-    /// Its metrics, none of a missed beat.
+    /// Its metrics; empty for a missed beat.
     pub metrics: Vec<Metric>,
-    /// Where they were read.
+    /// Points at which they were read.
     #[serde(skip)]
     pub marks: Vec<Mark>,
     /// Baseline over the beat: its first and last point.
@@ -162,7 +163,7 @@ pub struct CurveBeat {
     pub baseline: Option<[Point; 2]>,
 }
 
-/// A stretch of a curve that is not like its beats.
+/// A part of a curve that is unlike its beats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Artefact {
     /// Time of its first frame, ms.
@@ -171,13 +172,13 @@ pub struct Artefact {
     pub to_ms: f64,
     /// Its first and last frame, from 1.
     pub frames: [usize; 2],
-    /// How far it departs at most from the line that replaces it, in the curve's unit.
+    /// Its largest distance from the line that replaces it, in the curve's unit.
     pub height: f64,
-    /// Whether it lasts longer than from beat to beat: no beat is looked for in it.
+    /// Whether it is longer than the interval between beats; then no beat is searched in it.
     pub long: bool,
 }
 
-/// What was done to a curve before it was read.
+/// How a curve was processed before its metrics were read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Treatment {
     /// Whether the curve rises in a beat; lengths fall.
@@ -186,9 +187,9 @@ pub struct Treatment {
     pub beats: String,
     /// How the value at rest is defined.
     pub baseline: &'static str,
-    /// What became of drift.
+    /// How drift was treated.
     pub drift: &'static str,
-    /// What was smoothed.
+    /// How the curve was smoothed.
     pub smoothing: String,
     /// How rates were read.
     pub rates: String,
@@ -196,11 +197,11 @@ pub struct Treatment {
     pub noise: f64,
     /// Frames that were replaced, from 1.
     pub bad_frames: Vec<usize>,
-    /// Longer stretches that are no beats; lines replace them.
+    /// Longer parts that are not beats; they were replaced by lines.
     pub artefacts: Vec<Artefact>,
-    /// Holes in the times, across which no metric is read.
+    /// Gaps in the times, across which no metric is read.
     pub holes: Vec<Hole>,
-    /// What was taken off as mains hum: Hz and amplitude in the curve's unit.
+    /// The mains hum that was subtracted: frequency in Hz, and amplitude in the curve's unit.
     pub hum: Option<[f64; 2]>,
 }
 
@@ -209,17 +210,18 @@ pub struct Treatment {
 pub struct Analysis {
     /// In order.
     pub beats: Vec<CurveBeat>,
-    /// What was done.
+    /// How the curve was processed.
     pub treatment: Treatment,
-    /// What is odd about the rhythm, and what to doubt, as sentences.
+    /// Remarks on the rhythm and doubts, as sentences.
     pub remarks: Vec<String>,
-    /// The curve that metrics were read from: without bad frames and hum, smoothed; in the curve's unit.
+    /// The curve from which metrics were read: smoothed, without bad frames and hum, in the curve's
+    /// unit.
     pub read: Vec<f64>,
 }
 
 impl Analysis {
-    /// Mean and standard deviation of each metric over the beats that count: whole ones, and what those cut at the end
-    /// still show. Of one beat there is no spread.
+    /// Mean and standard deviation of each metric over the beats that count: complete ones, and the
+    /// available metrics of one that is cut off at the end. A single beat has no spread.
     pub fn spread(&self) -> Vec<Spread> {
         beat_to_beat(&self.counted())
     }
@@ -230,14 +232,14 @@ impl Analysis {
         self.beats.iter().filter(counts).map(|beat| beat.metrics.clone()).collect()
     }
 
-    /// The mean of a metric over the beats that count and show it.
+    /// The mean of a metric over the beats that count and have it.
     pub fn mean(&self, name: &str) -> Option<f64> {
         let values: Vec<f64> = self.counted().iter().filter_map(|beat| value(beat, name)).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 }
 
-/// What does not rise above the noise, in words.
+/// Why there is no beat above the noise, in words.
 fn above_noise(noise: f64, least: f64, unit: &str) -> String {
     if noise.is_finite() && least.is_finite() {
         return format!(
@@ -245,7 +247,7 @@ fn above_noise(noise: f64, least: f64, unit: &str) -> String {
              would need"
         );
     }
-    "too few frames are free of artefacts to tell a beat from noise".to_owned()
+    "too few frames are free of artefacts to distinguish a beat from noise".to_owned()
 }
 
 #[cfg(test)]

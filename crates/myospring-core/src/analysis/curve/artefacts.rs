@@ -1,11 +1,12 @@
-//! Artefacts: departures that are not like the beats of their curve.
+//! Artefacts: departures that are unlike the beats of their curve.
 //!
-//! A beat repeats: all of a recording have about one height and one width, all point the same way, and they relax smoothly.
-//! So the curve is first looked at through openings and closings with flat windows (Serra 1982) that grow: each takes
-//! away what is narrower than its window, up or down and of any height, and keeps what is wider. The window through which
-//! the most pulses of one height and width are seen shows the beats ([`Beats`]). What narrower windows take away, and beats
-//! do not lose at their tops, is an artefact; so is what jumps there and back as no beat does, lies far below the rest, or
-//! stands far above the usual beat.
+//! Beats repeat: all beats of a recording have about the same height, width and direction, and they
+//! relax smoothly. The curve is filtered by morphological openings and closings with flat windows
+//! (Serra 1982) of increasing width; each removes pulses narrower than its window, in both
+//! directions and of any height. The window behind which the most pulses of one height and width
+//! remain shows the beats ([`Beats`]). An artefact is what narrower windows remove, beyond what
+//! they remove from the tops of beats; a jump away and back that beats do not make; a part far
+//! below the rest; or a pulse far above the usual beat.
 
 mod lost;
 mod runs;
@@ -17,34 +18,37 @@ use super::noise::{Noise, median};
 use runs::runs;
 pub(super) use usual::Beats;
 
-/// Windows go up to this part of a beat's width at half height, about a third of the beat.
+/// Widest window, as a part of a beat's width at half height (about a third of the beat).
 const WINDOW: f64 = 0.66;
 
 /// Least height of an artefact, in beats.
 const LEAST: f64 = 0.25;
 
-/// How far below the rest around it a curve must go to be against the direction of its beats, in beats.
+/// Least depth below the surrounding rest at which a departure is against the direction of the
+/// beats, in beats.
 const BELOW: f64 = 0.4;
 
-/// From how many times the height of the usual beat on a pulse is none.
+/// A pulse higher than this many usual beats is an artefact.
 const TALL: f64 = 2.5;
 
-/// A departure that is no beat.
+/// A departure that is not a beat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Artefact {
     /// First and last frame.
     pub(super) from: usize,
     pub(super) to: usize,
-    /// How far it departs from the line between its neighbours, upwards in the direction of beats.
+    /// Its distance from the line between its neighbours, positive in the direction of beats.
     pub(super) height: f64,
-    /// Whether it is longer than from beat to beat.
+    /// Whether it is longer than the interval between beats.
     pub(super) long: bool,
 }
 
-/// A curve with lines in the place of its artefacts, these, and the beats, where there are any.
+/// A curve with its artefacts replaced by lines, the artefacts, and the usual beat, if there are
+/// beats.
 pub(super) type Bridged = (Vec<f64>, Vec<Artefact>, Option<Beats>);
 
-/// Bridges the artefacts of a curve that rises in a beat; no beat is shorter than this at half its height, frames.
+/// Replaces the artefacts of a curve whose beats rise by lines; `lasts` are the shortest and
+/// longest usual width of a beat at half its height, frames.
 pub(super) fn bridge(measured: &[f64], plateau: bool, lasts: [f64; 2]) -> Bridged {
     let mut bad = vec![false; measured.len()];
     lost::mark(measured, &mut bad);
@@ -81,8 +85,8 @@ pub(super) fn bridge(measured: &[f64], plateau: bool, lasts: [f64; 2]) -> Bridge
     (clean, artefacts, Some(beats))
 }
 
-/// The noise of a curve and its beats. How long noise goes on is known from the beats only: those that the longest memory
-/// shows, as long as a shorter one does not show more of the same.
+/// The noise of a curve and its beats. The correlation time (memory) of the noise is determined
+/// from the beats: the longest memory is used unless a shorter one gives more of the same beats.
 fn usual_in_noise(
     values: &[f64],
     windows: &[usize],
@@ -94,7 +98,7 @@ fn usual_in_noise(
     let mut best: Option<(Noise, Beats)> = None;
     loop {
         let beats = usual::usual(values, windows, filtered, noise, lasts);
-        // Noise that goes on for a fourth of a beat is beats that were taken for it.
+        // Noise with a memory of a quarter of a beat consists of beats.
         let fits = |beats: &Beats| 4.0 * noise.memory <= beats.width;
         best = match (beats, best) {
             (Some(beats), None) if noise.memory <= 1.0 || fits(&beats) => Some((noise, beats)),
@@ -113,14 +117,14 @@ fn usual_in_noise(
     best.map_or((noise, None), |(noise, beats)| (noise, Some(beats)))
 }
 
-/// A bound, in standard deviations, that noise does not reach in this number of frames. It is wider for few frames, whose
-/// noise is known less well.
+/// A bound, in standard deviations, that noise does not reach in this number of frames. It is wider
+/// for few frames, from which noise is estimated less precisely.
 fn noise_reach(frames: usize) -> f64 {
     let frames = frames as f64;
     ((2.0 * frames.ln()).sqrt() + 2.5) * (1.0 + 3.0 / frames.sqrt())
 }
 
-/// Marks what windows narrower than a beat take away, and beats do not lose.
+/// Marks what windows narrower than a beat remove, beyond what they remove from beats.
 fn narrow(
     values: &[f64],
     windows: &[usize],
@@ -133,7 +137,7 @@ fn narrow(
     let count = values.len();
     let noisy = noise_reach(count) * sigma;
     let steps = Steps::of(values, beats);
-    // The widest window that beats outlast shows their rest.
+    // The widest window that keeps the beats shows their rest.
     let fits = |window: usize| window as f64 <= (WINDOW * beats.width).max(1.0);
     let widest = windows.iter().rposition(|window| fits(*window)).unwrap_or(0);
     let ground = &filtered[widest];
@@ -184,7 +188,7 @@ fn narrow(
     }
 }
 
-/// What the tops (or bottoms) of beats lose behind a window, at most, in their own heights.
+/// Largest height that a window removes from the tops (or bottoms) of beats, in their own heights.
 fn top_of_beats(lost: &[f64], beats: &Beats, window: usize, plateau: bool) -> f64 {
     let mut largest = vec![0.0_f64; beats.tops.len()];
     for (at, &here) in lost.iter().enumerate() {
@@ -193,7 +197,7 @@ fn top_of_beats(lost: &[f64], beats: &Beats, window: usize, plateau: bool) -> f6
             largest[beat] = largest[beat].max(here / beats.heights[beat]);
         }
     }
-    // An artefact that was taken for a beat has another width.
+    // An artefact among the beats has another width and is left out.
     let mut largest: Vec<f64> = largest
         .iter()
         .zip(&beats.usual)
@@ -202,7 +206,8 @@ fn top_of_beats(lost: &[f64], beats: &Beats, window: usize, plateau: bool) -> f6
         .collect();
     largest.sort_by(f64::total_cmp);
     let part = |part: f64| largest[((largest.len() - 1) as f64 * part) as usize];
-    // A triangle loses half of its window over its width; other pulses of one top, less or little more.
+    // A triangle loses half of the ratio of window to width; other pulses with a single top lose
+    // less, or little more.
     let smooth = 1.1 * (window + 1) as f64 / beats.width;
     let (few, usual) = (part(0.1), part(0.4));
     if !plateau && (largest.len() < 4 || few <= smooth) {
@@ -211,17 +216,17 @@ fn top_of_beats(lost: &[f64], beats: &Beats, window: usize, plateau: bool) -> f6
     smooth.max(1.5 * usual + 4.0 * (usual - few))
 }
 
-/// What a window took away.
+/// A departure that a window removed.
 struct Excursion {
     from: usize,
     to: usize,
-    /// Up or down.
+    /// Direction: 1 up, -1 down.
     sign: f64,
-    /// How far it goes.
+    /// Its largest size.
     most: f64,
 }
 
-/// Whether a curve goes down to its rest between two beats, each of the width of one.
+/// Whether a dip is the rest between two beats, each as wide as a beat.
 fn between_beats(values: &[f64], ground: &[f64], dip: &Excursion, beats: &Beats) -> bool {
     let bottom = (dip.from..=dip.to).map(|at| values[at]).fold(f64::INFINITY, f64::min);
     let reach = (3.0 * beats.width) as usize;
@@ -237,7 +242,7 @@ fn between_beats(values: &[f64], ground: &[f64], dip: &Excursion, beats: &Beats)
     of_a_beat(left) && of_a_beat(right)
 }
 
-/// Whether what a window took away is whole, and not the top of something wider.
+/// Whether a removed departure is complete, and not the top of something wider.
 fn is_artefact(
     values: &[f64],
     excursion: &Excursion,
@@ -249,7 +254,7 @@ fn is_artefact(
     let last = values.len() - 1;
     let (up, down) = if sign > 0.0 { (steps.up, steps.down) } else { (steps.down, steps.up) };
     if from == 0 || to == last {
-        // A recording may begin and end anywhere in a beat, but not with a jump.
+        // A recording may begin or end within a beat, but not with a jump.
         let step = if from == 0 && to < last {
             sign * (values[to] - values[to + 1]) - 1.5 * down
         } else if to == last && from > 0 {
@@ -259,7 +264,7 @@ fn is_artefact(
         };
         return step > 0.5 * most.min(beats.height);
     }
-    // The top of a wider pulse goes on falling on both sides.
+    // A wider pulse continues to fall on both sides of its top.
     let way = (window / 3).max(1);
     let left = from.saturating_sub(1);
     let right = (to + 1).min(last);
@@ -291,7 +296,7 @@ impl Steps {
     }
 }
 
-/// Marks what lies between a jump that beats do not make and the jump back.
+/// Marks the frames between a jump that beats do not make and the jump back.
 fn jumps(values: &[f64], beats: &Beats, sigma: f64, plateau: bool, bad: &mut [bool]) {
     let mut steps = Steps::of(values, beats);
     if plateau {
@@ -306,14 +311,14 @@ fn jumps(values: &[f64], beats: &Beats, sigma: f64, plateau: bool, bad: &mut [bo
         let usual = if here > 0.0 { steps.up } else { steps.down };
         here.abs() > least.max(1.7 * usual)
     };
-    // As long as a beat may be; a jump that no beat makes may last as long as no beat is on it. Two beats do not tell what
-    // steps are usual.
+    // Longest artefact: as long as a beat may be, or longer if no beat lies on it. Two beats are
+    // not enough to know the usual steps.
     let few = beats.alike < 3.0;
     let near = (if few { 1.0 } else { 3.0 } * beats.width) as usize;
     let last = values.len().saturating_sub(1);
     let far = if few { near } else { last / 3 };
     let edge = beats.width as usize;
-    // The highest point of a lost stretch is no beat on it.
+    // The highest point of a displaced part is not a beat on it.
     let no_beat = |from: usize, to: usize| {
         let within = from + edge..to.saturating_sub(edge);
         let mut tops = beats.tops.iter().filter(|top| within.contains(top)).peekable();
@@ -331,11 +336,12 @@ fn jumps(values: &[f64], beats: &Beats, sigma: f64, plateau: bool, bad: &mut [bo
         let reach = if jump.abs() > 1.2 * beats.height { far } else { near };
         let back = (at.saturating_sub(near)..(at + reach).min(last))
             .filter(|&other| other != at && !(bad[other] && bad[other + 1]))
-            // Down with its spike and up with the next: that is the rest between two potentials.
+            // Down after one spike and up with the next: that is the rest between two action
+            // potentials.
             .filter(|&other| !plateau || (other > at) == (jump > 0.0))
             .filter(|&other| step(other) * jump < 0.0 && step(other).abs() > 0.5 * jump.abs())
             .filter(|&other| {
-                // There and back: what is outside goes on as it was.
+                // Away and back: outside, the curve continues as before.
                 let (from, to) = (at.min(other), at.max(other));
                 (values[to + 1] - values[from]).abs() < 0.5 * jump.abs()
             })
@@ -347,7 +353,7 @@ fn jumps(values: &[f64], beats: &Beats, sigma: f64, plateau: bool, bad: &mut [bo
     }
 }
 
-/// Marks what lies far below the rest on both sides.
+/// Marks parts far below the rest on both sides.
 fn below(values: &[f64], beats: &Beats, sigma: f64, bad: &mut [bool]) {
     let count = beats.tops.len();
     let last = values.len() - 1;
@@ -356,7 +362,7 @@ fn below(values: &[f64], beats: &Beats, sigma: f64, bad: &mut [bool]) {
         .chain(beats.tops.windows(2).map(|pair| middle(pair[0], pair[1])))
         .chain(std::iter::once(last + 1))
         .collect();
-    // The rest of each beat: what a tenth of its frames lie below.
+    // The rest of each beat: the 10 % quantile of its frames.
     let rests: Vec<f64> = bounds
         .windows(2)
         .map(|ends| {
@@ -370,7 +376,7 @@ fn below(values: &[f64], beats: &Beats, sigma: f64, bad: &mut [bool]) {
         let around = rests[beat.saturating_sub(2)..(beat + 3).min(count)].iter().copied();
         let mut around: Vec<f64> = around.filter(|rest| rest.is_finite()).collect();
         around.sort_by(f64::total_cmp);
-        // Drift is no artefact: the lower ones of the neighbours count.
+        // Drift is not an artefact, so the lower neighbours are used.
         let Some(&rest) = around.get(around.len().saturating_sub(1) / 3) else { continue };
         let noisy = noise_reach(values.len()) * sigma;
         let floor = rest - (BELOW * beats.height + noisy);
@@ -409,14 +415,14 @@ fn tall(values: &[f64], beats: &Beats, bad: &mut [bool]) {
         let from = (0..peak.at).rev().find(|&at| values[at] < level).map_or(0, |at| at + 1);
         let to = (peak.at..values.len()).find(|&at| values[at] < level);
         let to = to.unwrap_or(values.len()) - 1;
-        // The highest beat may stand on a drift as high as that.
+        // The highest beat may lie on a drift of that height.
         if ((to - from) as f64) < 3.0 * beats.width {
             bad[from..=to].fill(true);
         }
     }
 }
 
-/// Frames from beat to beat.
+/// Interval between beats, frames.
 fn cycle(beats: &Beats) -> f64 {
     let distances = beats.tops.windows(2).map(|pair| (pair[1] - pair[0]) as f64);
     let usual = median(distances.collect());
@@ -428,7 +434,8 @@ pub(super) fn without(values: &[f64], bad: &[bool]) -> Vec<f64> {
     values.iter().zip(bad).filter(|(_, bad)| !**bad).map(|(value, _)| *value).collect()
 }
 
-/// Marks all between artefacts that follow each other more closely than beats do, for longer than from beat to beat.
+/// Marks everything between artefacts that follow each other more closely than beats, over longer
+/// than the interval between beats.
 fn close_up(cycle: f64, bad: &mut [bool]) {
     let runs = runs(bad);
     let mut first = 0;
@@ -450,7 +457,7 @@ fn close_up(cycle: f64, bad: &mut [bool]) {
     }
 }
 
-/// Lines over what is marked, between the medians of three frames on either side.
+/// Replaces marked frames by lines between the medians of three frames on either side.
 fn bridge_over(values: &mut [f64], bad: &[bool]) {
     let good = |side: &mut dyn Iterator<Item = usize>| -> Vec<usize> {
         side.filter(|at| !bad[*at]).take(3).collect()

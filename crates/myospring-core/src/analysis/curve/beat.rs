@@ -13,37 +13,37 @@ use crate::analysis::{
 };
 use std::ops::Range;
 
-/// Part of a cycle after a peak from which on the end of the recording is at rest.
+/// Part of a cycle after the last peak from which on the end of the recording counts as rest.
 const END: f64 = 0.6;
 
-/// Part of a beat's height above which the record is not at rest.
+/// Largest height of the curve at rest, as a part of a beat's height.
 const AT_REST: f64 = 0.1;
 
-/// Metrics that need a beat up to its end.
+/// Metrics that need the end of a beat.
 const TO_THE_END: [&str; 4] =
     ["area_under_curve", "tension_time_integral", "residual_shortening", "residual_amplitude"];
 
-/// Metrics that need the rest before a beat alone.
+/// Metrics that need only the rest before a beat.
 const AT_REST_ALONE: [&str; 5] =
     ["resting_length", "baseline", "resting_tension", "diastolic_level", "resting_potential"];
 
-/// Height that a beat has once its drift is taken off, at least, of that with which it was found.
+/// Least height of a beat after its drift is subtracted, relative to that with which it was found.
 const LEAST: f64 = 0.1;
 
 /// A curve, ready to be read.
 pub(super) struct Reader<'a> {
     pub(super) times: &'a [f64],
-    /// Rises in a beat; without bad frames and hum.
+    /// The curve with sign such that beats rise, without bad frames and hum.
     pub(super) signal: &'a [f64],
     pub(super) smoothed: &'a [f64],
-    /// Slopes of `signal`, where they are not those between neighbours of `smoothed`.
+    /// Slopes of `signal`; `None` uses those between neighbours of `smoothed`.
     pub(super) slopes: Option<&'a [f64]>,
     /// Standard deviation of the noise of `signal`, and of `smoothed`.
     pub(super) level: f64,
     pub(super) noise: f64,
-    /// Time over which the mean of `signal` has little noise, ms.
+    /// Averaging time for which the mean of `signal` has little noise, ms.
     pub(super) noise_ms: f64,
-    /// What turns `signal` into the curve's values.
+    /// Factor from `signal` to the curve's values: 1 or -1.
     pub(super) sign: f64,
     pub(super) kind: Kind,
     pub(super) unit: &'static str,
@@ -51,11 +51,11 @@ pub(super) struct Reader<'a> {
     pub(super) keep_drift: bool,
     pub(super) artefacts: &'a [Artefact],
     pub(super) holes: &'a [Hole],
-    /// Frames either side of one that smoothing takes in.
+    /// Half-width of the smoothing window, frames.
     pub(super) half: usize,
 }
 
-/// Where a beat lies in the samples.
+/// Position of a beat in the samples.
 #[derive(Debug, Clone, Copy)]
 struct Span {
     stimulus: Option<f64>,
@@ -72,13 +72,14 @@ struct Span {
 }
 
 impl Reader<'_> {
-    /// Beats where the curve has them.
+    /// The beats of a curve without stimuli.
     pub(super) fn found(&self) -> Vec<CurveBeat> {
         let peaks: Vec<usize> = self.found.peaks.iter().map(|peak| peak.at).collect();
         let cycle = median_distance(self.times, &peaks);
         let mut spans: Vec<Span> =
             (0..peaks.len()).map(|at| self.span(&peaks, at, cycle)).collect();
-        // What precedes the first beat is no rest where it lies higher than later ones, and drift does not explain it.
+        // The curve before the first beat is not at rest if it is higher than later rests and drift
+        // does not explain that.
         let rest = |at: usize| spans.get(at).map(|span| span.rest_at.value);
         if let (Some(first), Some(peak)) = (rest(0), peaks.first()) {
             let last = self.times.len() - 1;
@@ -90,7 +91,7 @@ impl Reader<'_> {
         self.read(&spans)
     }
 
-    /// The rest of the `at`-th peak and when it leaves it.
+    /// The rest of the `at`-th peak, and the time at which the curve leaves it.
     fn span(&self, peaks: &[usize], at: usize, cycle: Option<f64>) -> Span {
         let peak = peaks[at];
         let from = if at == 0 { 0 } else { self.lowest(peaks[at - 1], peak) };
@@ -102,29 +103,29 @@ impl Reader<'_> {
         let width = 2.0 * (self.times[peak] - onset).max(0.0);
         let cycle = before.or(cycle).unwrap_or(4.0 * width);
         let mut window = [low, low];
-        // What rest is decides when it is left, and the other way round.
+        // Rest and onset depend on each other.
         for _ in 0..3 {
-            // A foot that rises before the line does is none of it.
+            // A foot before the onset does not belong to the rest.
             let foot = 0.25 * (self.times[peak] - onset).max(0.0);
             let end = self.times.partition_point(|time| *time <= onset - foot).min(peak);
             let start =
                 self.times.partition_point(|time| *time < onset - foot - rest::PART * cycle);
-            // Three frames at least, where there are as many after the beat before.
+            // At least three frames, if there are as many after the previous beat.
             let first_free = if at == 0 { 0 } else { peaks[at - 1] + 1 };
             let start = start.min(end.saturating_sub(3)).max(first_free);
             window = [start, end.max(start + 1)];
             if at == 0 && window[1] - window[0] < 2 {
-                // As much rest as there is.
+                // As much rest as available.
                 window[1] = self.times.partition_point(|time| *time <= onset).clamp(1, peak.max(1));
             }
             rest = mean(&self.signal[window[0]..window[1]]);
             onset = self.onset(low.min(end), peak, rest);
         }
         if let Some(before) = at.checked_sub(1) {
-            // A beat begins after the top of the one before.
+            // A beat begins after the top of the previous one.
             onset = onset.max(self.times[peaks[before] + 1]);
         }
-        // At the start of a recording rest must have been seen.
+        // The first beat needs rest before it.
         let cut_at_start = at == 0 && (window[1] - window[0] < 2 || onset <= self.times[0]);
         let rest_at = Point { time: mean(&self.times[window[0]..window[1]]), value: rest };
         Span {
@@ -145,7 +146,7 @@ impl Reader<'_> {
         low.unwrap_or(from)
     }
 
-    /// Where the line through 10 % and 50 % of the rise meets rest, ms.
+    /// Time at which the line through 10 % and 50 % of the rise meets the rest, ms.
     fn onset(&self, low: usize, peak: usize, rest: f64) -> f64 {
         let height = self.smoothed[peak] - rest;
         let crossing = |part: f64| {
@@ -160,7 +161,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What follows each stimulus before the next.
+    /// The beat after each stimulus.
     pub(super) fn after(&self, stimuli: &[f64]) -> Vec<CurveBeat> {
         let last = self.times[self.times.len() - 1];
         let owners = self.owners(stimuli);
@@ -170,7 +171,8 @@ impl Reader<'_> {
             let tops = self.found.peaks.iter().zip(&owners);
             let tops: Vec<usize> =
                 tops.filter(|(_, owner)| **owner == Some(index)).map(|(peak, _)| peak.at).collect();
-            // The first beat answers the stimulus, though a spontaneous one after it may be higher. A bump is no answer.
+            // The first beat is the response to the stimulus, although a later spontaneous one may
+            // be higher. A bump is not a response.
             let highest =
                 tops.iter().map(|top| self.smoothed[*top]).fold(f64::NEG_INFINITY, f64::max);
             let enough = highest - 0.5 * self.found.usual;
@@ -200,7 +202,8 @@ impl Reader<'_> {
             let Range { start: from, end: to } =
                 rest::before(self.times, stimuli, index, self.noise_ms).unwrap_or(0..1);
             let rest = mean(&self.signal[from..to]);
-            // The top of the beat before may come after this stimulus, and is none of this beat.
+            // The top of the previous beat may come after this stimulus; it does not belong to this
+            // beat.
             let mut before = self.found.peaks.iter().map(|other| other.at);
             let before = before.rfind(|other| (from..peak).contains(other));
             let first = before.map_or(from, |before| self.lowest(before, peak));
@@ -232,16 +235,16 @@ impl Reader<'_> {
         beats
     }
 
-    /// The stimulus that each beat belongs to: the last one before its onset.
+    /// The stimulus of each beat: the last one before its onset.
     fn owners(&self, stimuli: &[f64]) -> Vec<Option<usize>> {
         let peaks: Vec<usize> = self.found.peaks.iter().map(|peak| peak.at).collect();
         let cycle = median_distance(self.times, &peaks);
         let onset = |at: usize| {
             let begin = self.span(&peaks, at, cycle).begin;
-            // Noise may put an onset a little before its stimulus.
+            // Noise may shift an onset slightly before its stimulus.
             let slack = 0.15 * (self.times[peaks[at]] - begin).max(0.0);
-            // No onset is known better than to a sample: an upstroke may begin between the one before its stimulus and the
-            // next.
+            // An onset is known only to within one sample: an upstroke may begin between the sample
+            // before its stimulus and the next one.
             let next = self.times.partition_point(|time| *time < begin + slack);
             self.times[next.min(peaks[at])]
         };
@@ -249,7 +252,7 @@ impl Reader<'_> {
         (0..peaks.len()).map(owner).collect()
     }
 
-    /// The artefacts that overlap a time, in words; empty where there are none.
+    /// The artefacts that overlap a time, in words; empty if there are none.
     fn artefacts_within(&self, from: f64, to: f64) -> String {
         let within = self.artefacts.iter().filter(|it| it.from_ms <= to && it.to_ms >= from);
         let times: Vec<String> =
@@ -262,7 +265,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The holes that overlap a time, with what smoothing takes from across them, in words; empty where there are none.
+    /// The gaps that overlap a time (widened by smoothing), in words; empty if there are none.
     fn holes_within(&self, from: f64, to: f64) -> String {
         let touches = |hole: &&Hole| {
             let margin = self.half as f64 * hole.usual_ms;
@@ -272,10 +275,10 @@ impl Reader<'_> {
         match within[..] {
             [] => String::new(),
             [one] => {
-                format!("the hole in the times from {:.0} to {:.0} ms", one.from_ms, one.to_ms)
+                format!("the gap in the times from {:.0} to {:.0} ms", one.from_ms, one.to_ms)
             }
             [first, ..] => format!(
-                "{} holes in the times, the first from {:.0} to {:.0} ms,",
+                "{} gaps in the times, the first from {:.0} to {:.0} ms,",
                 within.len(),
                 first.from_ms,
                 first.to_ms
@@ -283,14 +286,14 @@ impl Reader<'_> {
         }
     }
 
-    /// What may hide a beat in a time, in words.
+    /// What may hide a beat within a time, in words.
     fn hidden_within(&self, from: f64, to: f64) -> String {
         let both = [self.artefacts_within(from, to), self.holes_within(from, to)];
         both.into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join(" and ")
     }
 
     fn read(&self, spans: &[Span]) -> Vec<CurveBeat> {
-        // Each the median of three neighbours.
+        // Each rest is the median of three neighbours.
         let levels: Vec<f64> = (0..spans.len())
             .map(|at| {
                 if at == 0 || at + 1 >= spans.len() || spans[at - 1].cut_at_start {
@@ -317,7 +320,8 @@ impl Reader<'_> {
             if at == 0 {
                 return after;
             }
-            // The last beat drifts as the one before and up to the end, as far as these agree.
+            // For the last beat, the drift of the previous beat and that up to the end are used as
+            // far as they agree.
             let mut three = [before, after, 0.0];
             three.sort_by(f64::total_cmp);
             three[1]
@@ -331,7 +335,7 @@ impl Reader<'_> {
                 before.filter(|span| !span.cut_at_start).map(|before| span.begin - before.begin);
             let mut beat = self.beat(at + 1, span, spans.get(at + 1), slope(at), interval);
             if let (None, Some(before), Some(last)) = (span.stimulus, before, beats.last()) {
-                // What an artefact hides may be a beat.
+                // An artefact may hide a beat.
                 let hidden = self.hidden_within(self.times[before.peak], span.begin);
                 let long = interval.is_some_and(|interval| interval > 1.5 * cycle);
                 if long && !hidden.is_empty() {
@@ -353,7 +357,7 @@ impl Reader<'_> {
         beats
     }
 
-    /// Rest at the end of the recording, where that is long after the last beat.
+    /// Rest at the end of the recording, if it is long after the last beat.
     fn end(&self, spans: &[Span]) -> Option<Point> {
         let last = spans.last()?;
         let (end, peak) = (self.times[self.times.len() - 1], self.times[last.peak]);
@@ -379,7 +383,7 @@ impl Reader<'_> {
         interval: Option<f64>,
     ) -> CurveBeat {
         let first = span.from;
-        // It ends with the rest of the next.
+        // It ends with the rest before the next beat.
         let last = next
             .map_or(self.times.len(), |next| next.rest[1].max(span.peak + 2))
             .min(self.times.len());
@@ -391,7 +395,7 @@ impl Reader<'_> {
             .zip(&self.smoothed[first..last])
             .map(|(time, value)| value - base(*time))
             .collect();
-        // A beat begins in its rest: noise there is no rise.
+        // A beat begins within its rest; noise there is not a rise.
         let start = self.times[first];
         let rest = self.sign * span.rest_at.value;
         let top = if self.kind == Kind::Potential { Top::Sample } else { Top::Vertex };
@@ -400,7 +404,7 @@ impl Reader<'_> {
             .map(|slopes| slopes[first..last].iter().map(|steep| steep - slope).collect());
         let slopes = slopes.as_deref();
         let upstroke = self.upstroke(span, slope);
-        // What drift leaves of a beat must still be most of what was found.
+        // After subtracting drift, enough of the beat must remain.
         let least = LEAST * (self.smoothed[span.peak] - span.rest_at.value).max(0.0);
         let pulse = Pulse::resting_from(start, times, &heights, span.begin, top)
             .above(least)
@@ -466,9 +470,9 @@ impl Reader<'_> {
                 interval.ok_or(Missing::First),
                 "ms",
                 if span.stimulus.is_some() {
-                    "from the stimulus before, missed ones left out"
+                    "from the previous stimulus, missed ones left out"
                 } else {
-                    "from the onset of the beat before"
+                    "from the onset of the previous beat"
                 },
             ),
         );
@@ -486,8 +490,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Where a beat ends that another follows before `last`, as a spontaneous one after a paced one: where the curve is lowest
-    /// between them, if it is more than half back at rest.
+    /// End of a beat that is followed by another before `last` (such as a spontaneous one after a
+    /// paced one): the lowest point between them, if the curve is more than half back at rest.
     fn before_another(&self, span: &Span, last: usize) -> usize {
         let mut tops = self.found.peaks.iter().map(|peak| peak.at);
         let Some(next) = tops.find(|at| *at > span.peak) else { return last };
@@ -497,7 +501,7 @@ impl Reader<'_> {
         if next < last && is_back { last.min((low + 1).max(span.peak + 2)) } else { last }
     }
 
-    /// The upstroke of a potential, without the drift below it.
+    /// The upstroke of a potential, with the slope of the drift subtracted.
     fn upstroke(&self, span: &Span, drift: f64) -> Option<Upstroke> {
         if self.kind != Kind::Potential {
             return None;
@@ -510,8 +514,8 @@ impl Reader<'_> {
         Some(Upstroke { at, ..found })
     }
 
-    /// The lowest mean over a fiftieth of the cycle after a peak, before the next beat; `None` where the recording ends while
-    /// the potential still falls.
+    /// The lowest mean over a fiftieth of the cycle after a peak, before the next beat; `None` if
+    /// the recording ends while the potential still falls.
     fn diastolic(&self, span: &Span, next: Option<&Span>) -> Option<f64> {
         let last = self.times.len();
         let stop = next.map_or(last, |next| {
@@ -569,7 +573,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Where the metrics were read, on the curve.
+    /// The points of the curve at which metrics were read.
     fn marks(&self, pulse: &Pulse, onset: Option<f64>, base: &dyn Fn(f64) -> f64) -> Vec<Mark> {
         let Ok(peak) = pulse.peak() else { return Vec::new() };
         let on = |name, time: Option<f64>, part: f64| {
@@ -608,7 +612,7 @@ fn cycles(beats: &mut [CurveBeat]) {
         })
         .collect();
     for (at, beat) in beats.iter_mut().enumerate().skip(1) {
-        // Without an interval there may be a beat between them.
+        // Without an interval, there may be another beat in between.
         if value(&beat.metrics, "interval").is_none() {
             continue;
         }
@@ -626,7 +630,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Median time between neighbours.
+/// Median time between neighbouring peaks.
 fn median_distance(times: &[f64], peaks: &[usize]) -> Option<f64> {
     let mut distances: Vec<f64> =
         peaks.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect();

@@ -1,15 +1,17 @@
-//! Beats in a curve: pulses that stand above its noise.
+//! Detects beats: pulses above the curve's noise.
 
 use super::noise::{self, Noise};
 use super::smooth::smooth;
 
-/// How high a pulse is, and how large (height times width), of the usual ones, to be a beat and not a bump of one.
+/// Least height, and least size (height times width), of a beat relative to the usual one; smaller
+/// pulses are bumps.
 const BUMP: f64 = 0.2;
 
-/// How high a pulse that follows a stimulus is, of the usual ones, to be a beat.
+/// Least height of a beat after a stimulus, relative to the usual one.
 const EXPECTED: f64 = 0.08;
 
-/// How high a pulse is at least, of usual ones that are known, where noise may be higher.
+/// Height from which on a pulse is a beat although noise might reach it, relative to the known
+/// usual beat.
 const KNOWN: f64 = 0.6;
 
 /// A candidate for a beat.
@@ -17,26 +19,28 @@ const KNOWN: f64 = 0.6;
 pub(super) struct Peak {
     /// The sample at the top.
     pub(super) at: usize,
-    /// How far the curve falls on the higher of its two sides before it rises higher than the top.
+    /// Its prominence: how far the curve falls before it rises above the top, on the side where it
+    /// falls less.
     pub(super) prominence: f64,
 }
 
-/// What was found.
+/// The detected beats.
 pub(super) struct Found {
-    /// Tops of beats, in order of time; those at the first or last sample are none.
+    /// Tops of beats, in order of time, except at the first and last sample.
     pub(super) peaks: Vec<Peak>,
-    /// What was smoothed over for it, samples either side.
+    /// Half-width of the smoothing that was used, samples.
     pub(super) half: usize,
-    /// The usual height of a beat; the highest pulse where there is no beat.
+    /// The usual height of a beat; without beats, the height of the highest pulse.
     pub(super) usual: f64,
-    /// How high a pulse had to be.
+    /// The least height that was required.
     pub(super) least: f64,
 }
 
-/// What is known of the beats before they are looked for.
+/// Prior knowledge of the beats.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Known<'a> {
-    /// Whether tops between which the curve does not fall by half are one.
+    /// Whether beats have a plateau: tops between which the curve does not fall by half belong to
+    /// one beat.
     pub(super) plateau: bool,
     /// Height of the usual beat.
     pub(super) height: Option<f64>,
@@ -47,19 +51,20 @@ pub(super) struct Known<'a> {
     pub(super) stimuli: &'a [f64],
 }
 
-/// The beats of a curve that rises in a beat.
+/// Detects the beats of a curve whose beats rise.
 pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
     let Known { plateau, height, width, noise, stimuli } = known;
     let noise = noise.unwrap_or_else(|| Noise::of(values));
     let count = values.len();
-    // Few samples tell the noise the less well.
+    // With few samples, noise is estimated less precisely.
     let sigma = |half: usize| noise.behind(half) * (1.0 + 3.0 / (count as f64).sqrt());
-    // The narrowest window in which noise can no longer look like a beat; what is wider than a beat hides it.
+    // The narrowest window after which noise cannot reach the height of a beat; a window wider than
+    // a beat would hide it.
     let widest = (count as f64 / 12.0).min(width.map_or(f64::INFINITY, |width| 1.5 * width));
     let mut half = 0;
     let (smoothed, least) = loop {
         let smoothed = smooth(times, values, half);
-        // The highest and lowest of so many samples of noise are this far apart, and a margin.
+        // Expected range of this many samples of noise, with a margin.
         let [_, reach] = noise::reach(noise.samples(count, 2 * half + 1));
         let least = reach * sigma(half);
         let usual = height.unwrap_or_else(|| noise::range(&smoothed, 0.01));
@@ -69,7 +74,7 @@ pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
         }
         half = next;
     };
-    // Where beats are known, what is more like them than like nothing is one.
+    // If the usual beat is known, pulses of similar height are beats.
     let least = height.map_or(least, |height| least.min(KNOWN * height));
     let least = least.max(1e-9 * noise::range(&smoothed, 0.0));
     let mut all = persistent(&smoothed);
@@ -80,10 +85,11 @@ pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
     if peaks.is_empty() && stimuli.is_empty() {
         return Found { peaks, half, usual: highest, least };
     }
-    // The highest alone may be an artefact, or stand on a drift.
+    // The highest pulse alone may be an artefact, or lie on a drift.
     let second = peaks.get(1).or(peaks.first()).map_or(highest, |peak| peak.prominence);
     let second = match height {
-        // What is no more than a bump of a beat is no second one, such as the foot in which a recording ends.
+        // A second pulse that is only a bump, such as the foot in which a recording ends, is not a
+        // beat.
         Some(height) if second < BUMP * height => 0.5 * height,
         Some(height) => second.min(1.5 * height),
         None => second,
@@ -98,7 +104,7 @@ pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
     sizes.sort_by(f64::total_cmp);
     let usual_size = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
     peaks.retain(|peak| size(peak) >= BUMP * usual_size);
-    // Noise has fewer samples between two stimuli, and a beat is expected there.
+    // Between two stimuli there are fewer noise samples, and a beat is expected.
     for (index, &stimulus) in stimuli.iter().enumerate() {
         let next = stimuli.get(index + 1).copied().unwrap_or(f64::INFINITY);
         let from = times.partition_point(|time| *time < stimulus);
@@ -120,7 +126,7 @@ pub(super) fn beats(times: &[f64], values: &[f64], known: Known) -> Found {
     Found { peaks, half, usual, least }
 }
 
-/// Time that the curve is within half a prominence of a peak, ms, as far as it was recorded.
+/// Width of a peak at half its prominence, ms, as far as it was recorded.
 pub(super) fn width_at_half(times: &[f64], values: &[f64], peak: &Peak) -> f64 {
     let level = values[peak.at] - 0.5 * peak.prominence;
     let left = (0..peak.at).rev().find(|&at| values[at] < level).unwrap_or(0);
@@ -148,10 +154,10 @@ fn join(peaks: &mut Vec<Peak>, values: &[f64], usual: f64) {
     *peaks = kept;
 }
 
-/// No hill yet.
+/// Marks a sample without a hill.
 const NONE: usize = usize::MAX;
 
-/// The top of the hill that a sample belongs to.
+/// The top of the hill to which a sample belongs.
 fn top(hill: &mut [usize], mut at: usize) -> usize {
     while hill[at] != at {
         hill[at] = hill[hill[at]];
@@ -165,7 +171,7 @@ fn top(hill: &mut [usize], mut at: usize) -> usize {
 pub(super) fn persistent(values: &[f64]) -> Vec<Peak> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]).then(a.cmp(b)));
-    // The hill that a sample belongs to, by its top.
+    // The hill of each sample, identified by its top.
     let mut hill = vec![NONE; values.len()];
     let mut peaks = Vec::new();
     for &at in &order {

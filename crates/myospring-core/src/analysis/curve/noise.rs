@@ -1,34 +1,36 @@
-//! What a curve has beside its beats: noise, bad frames, mains hum.
+//! Noise, bad frames and mains hum of a curve.
 
 use std::f64::consts::TAU;
 
-/// The middle one of some values; of an even number the upper one, of none 0.
+/// The median; the upper of the two middle values for an even number, 0 for an empty list.
 pub(super) fn median(mut list: Vec<f64>) -> f64 {
     list.sort_by(f64::total_cmp);
     list.get(list.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Weights of the fourth difference, and the root of the sum of their squares: curves that are smooth over five samples
-/// vanish in it, noise does not.
+/// Weights of the fourth difference, and the root of the sum of their squares. It vanishes for
+/// curves that are smooth over five samples, but not for noise.
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
 const FOURTH_GAIN: f64 = 8.366_600_265_340_756;
 
-/// Differences that a quarter of them tells the noise of.
+/// From this number of differences on, a quarter of them is enough to estimate the noise.
 const MANY: usize = 200;
 
-/// Where noise by the steps between frames is less than this part of that by fourth differences, artefacts crowd these.
+/// If the noise estimated from steps between frames is less than this part of that from fourth
+/// differences, artefacts dominate the latter.
 const CROWDED: f64 = 0.6;
 
-/// How many standard deviations of noise a bad frame lies from where its neighbours point.
+/// Least distance of a bad frame from the extrapolation of its neighbours, in standard deviations
+/// of the noise.
 const BAD_FRAME_NOISE: f64 = 6.5;
 
-/// And how much of a beat's height.
+/// The same as a part of a beat's height.
 const BAD_FRAME_RANGE: f64 = 0.1;
 
-/// By how much a line of the mains stands out of its neighbourhood, to be hum.
+/// Least ratio of a mains line to its spectral neighbourhood.
 const HUM_CONTRAST: f64 = 4.0;
 
-/// Fewest differences, each of its own frames, that a lag is judged by.
+/// Least number of independent differences for a lag.
 const APART: usize = 8;
 
 /// The noise of a curve.
@@ -36,25 +38,26 @@ const APART: usize = 8;
 pub(super) struct Noise {
     /// Standard deviation.
     pub(super) sd: f64,
-    /// Frames after which it is another; 1 of white noise.
+    /// Its correlation time, frames; 1 for white noise.
     pub(super) memory: f64,
     /// Standard deviation of white noise with the same differences from frame to frame.
     pub(super) rough: f64,
 }
 
 impl Noise {
-    /// The noise of a curve, by its fourth differences at lags that double. Those of noise grow by the root of 2 at most, which
-    /// is the growth of a random walk, and less and less the more the lag exceeds its memory; those of the beats' bends grow
-    /// more and more, up to 16-fold. So lags count until the growth increases.
+    /// Estimates the noise of a curve from its fourth differences at doubling lags. Differences of
+    /// noise grow at most by the root of 2 (a random walk), and less the more the lag exceeds the
+    /// memory; those of curved beats grow faster and faster, up to 16-fold. So lags are used until
+    /// the growth increases.
     pub(super) fn of(values: &[f64]) -> Self {
         Self::up_to(usize::MAX, values)
     }
 
-    /// As `of`, with no longer memory than this.
+    /// Like `of`, with a largest memory in frames.
     pub(super) fn up_to(longest: usize, values: &[f64]) -> Self {
         let rough = level(values);
         let rough = by_steps(values).filter(|steps| *steps < CROWDED * rough).unwrap_or(rough);
-        // A quarter of the frames at least is at rest.
+        // At least a quarter of the frames is at rest.
         let quarter = |lag: usize| {
             let mut sizes = differences(values, lag);
             sizes.sort_by(f64::total_cmp);
@@ -75,7 +78,7 @@ impl Noise {
             lag *= 2;
         }
         let sd = seen.iter().map(|(_, level)| *level).fold(0.0, f64::max);
-        // A quarter more may be chance.
+        // An increase by a quarter may be chance.
         if sd <= 1.25 * rough {
             return Self { sd: rough, memory: 1.0, rough };
         }
@@ -83,13 +86,14 @@ impl Noise {
         Self { sd, memory: memory as f64, rough }
     }
 
-    /// How many of its frames, in a number of them, are independent behind a window.
+    /// Number of independent samples among `frames` frames after filtering with a window.
     pub(super) fn samples(&self, frames: usize, window: usize) -> f64 {
         (frames as f64 / self.memory.max(window as f64)).max(2.0)
     }
 
-    /// Its standard deviation behind local parabolas over `half` frames either side: 3/2 over the root of the window's
-    /// independent frames, of a parabola at its middle.
+    /// Its standard deviation after smoothing by local parabolas over `half` frames to each side:
+    /// at the centre of a parabola, a factor of 3/2 over the root of the number of independent
+    /// frames.
     pub(super) fn behind(&self, half: usize) -> f64 {
         let frames = (2 * half + 1) as f64;
         let gain = if half == 0 { 1.0 } else { (1.5 / (frames / self.memory).sqrt()).min(1.0) };
@@ -97,8 +101,8 @@ impl Noise {
     }
 }
 
-/// How far apart, in standard deviations, the highest and the lowest of this number of noise samples lie in one of a hundred
-/// recordings, and in one of ten thousand.
+/// Range of this number of noise samples, in standard deviations, that is exceeded in one of a
+/// hundred recordings, and in one of ten thousand.
 pub(super) fn reach(samples: f64) -> [f64; 2] {
     // Each end lies beyond sqrt(2 ln n) + y with the probability exp(-y sqrt(2 ln n)) (Gumbel), both together with
     // (1 + z) exp(-z). The ends of a few hundred normal deviates lie 0.3 lower each.
@@ -106,7 +110,7 @@ pub(super) fn reach(samples: f64) -> [f64; 2] {
     [6.6, 11.8].map(|z| 2.0 * end - 0.6 + z / end)
 }
 
-/// The standard deviation of white noise, from the curve itself: the median of its fourth differences.
+/// The standard deviation of white noise, from the median of the curve's fourth differences.
 pub(super) fn level(values: &[f64]) -> f64 {
     let mut sizes = differences(values, 1);
     if sizes.is_empty() {
@@ -115,9 +119,9 @@ pub(super) fn level(values: &[f64]) -> f64 {
     sizes.sort_by(f64::total_cmp);
     let part = |part: f64| sizes[((sizes.len() - 1) as f64 * part) as usize] / FOURTH_GAIN;
     let middle = part(0.5) / 0.6745;
-    // Where frames are few, beats bend the curve in more than half of them.
+    // In short recordings, beats bend the curve in more than half of the frames.
     let lower = part(0.25) / 0.3186;
-    // Of a curve in whole pixels most differences may be 0.
+    // In a curve in whole pixels, most differences may be 0.
     let rounding = 1e-12 * range(values, 0.0);
     if lower > rounding && lower < 0.6 * middle && sizes.len() >= MANY {
         lower
@@ -128,9 +132,9 @@ pub(super) fn level(values: &[f64]) -> f64 {
     }
 }
 
-/// The standard deviation of white noise and of the slopes of the quietest quarter of a curve, from the steps between
-/// frames. An artefact disturbs two of these and five fourth differences. None where a quarter of the steps is nothing, as
-/// in whole pixels.
+/// The standard deviation of white noise and of the slopes of the quietest quarter of a curve, from
+/// the steps between frames. An artefact disturbs two steps, but five fourth differences. `None` if
+/// a quarter of the steps is 0, as in whole pixels.
 fn by_steps(values: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     steps.sort_by(f64::total_cmp);
@@ -146,13 +150,13 @@ pub(super) fn differences(values: &[f64], lag: usize) -> Vec<f64> {
         five.iter().zip(FOURTH).map(|(value, weight)| value * weight).sum::<f64>().abs()
     };
     let places = || (0..values.len().saturating_sub(4 * lag)).map(five);
-    // What an instrument that lost the cell holds tells nothing of its noise.
+    // Constant values of an instrument that lost the cell contain no noise and are left out.
     let frozen = places().filter(held).count();
     let all = 2 * frozen >= values.len();
     places().filter(|five| all || !held(five)).map(of).collect()
 }
 
-/// What lies between the lower and the upper quantile.
+/// Distance between the lower and the upper quantile.
 pub(super) fn range(values: &[f64], part: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -161,7 +165,7 @@ pub(super) fn range(values: &[f64], part: f64) -> f64 {
     at(1.0 - part) - at(part)
 }
 
-/// Single frames far from where both sides point, and from both neighbours, which agree.
+/// Single frames far from the extrapolation of both sides, and from both neighbours, which agree.
 pub(super) fn bad_frames(values: &[f64], noise: f64, height: f64) -> Vec<usize> {
     let least = (BAD_FRAME_NOISE * noise).max(BAD_FRAME_RANGE * height);
     let last = values.len().saturating_sub(1);
@@ -179,15 +183,15 @@ pub(super) fn bad_frames(values: &[f64], noise: f64, height: f64) -> Vec<usize> 
         .collect()
 }
 
-/// Mains hum: its frequency, Hz, its amplitude, and itself over time.
+/// Mains hum: its frequency (Hz), amplitude, and values over time.
 pub(super) struct Hum {
     pub(super) frequency_hz: f64,
     pub(super) amplitude: f64,
     pub(super) wave: Vec<f64>,
 }
 
-/// What a curve is near a frequency: turned back by it, and summed over a quarter of a second each. So the many frequencies
-/// near it cost little.
+/// A curve demodulated at a frequency and summed over quarters of a second, so that nearby
+/// frequencies are cheap to test.
 struct Slow {
     sums: Vec<[f64; 2]>,
 }
@@ -207,7 +211,7 @@ impl Slow {
         Self { sums }
     }
 
-    /// How much there is of a frequency so much higher, but for a factor.
+    /// Relative amplitude at a frequency higher by `higher`.
     fn size(&self, higher: f64) -> f64 {
         let (sine, cosine) = (TAU * higher * Self::BIN_S).sin_cos();
         let (mut turn, mut total) = ([1.0, 0.0], [0.0; 2]);
@@ -220,12 +224,12 @@ impl Slow {
     }
 }
 
-/// Hum of 50 or 60 Hz, where a line there stands out of what is beside it.
+/// Hum of 50 or 60 Hz, if there is a line above its spectral neighbourhood.
 pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
     let span_s = (times.last()? - times.first()?) * 1e-3;
     let rate = (times.len() - 1) as f64 / span_s;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    // Lines 4 Hz apart must be told apart, by a window whose lines are four periods of the recording wide.
+    // Lines 4 Hz apart must be resolved; the window makes lines four periods of the recording wide.
     if span_s < 1.0 {
         return None;
     }
@@ -250,7 +254,7 @@ pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
         if rate < 2.2 * mains {
             return None;
         }
-        // The mains keep within a fifth of a Hz.
+        // The mains frequency varies by less than 0.2 Hz.
         let step = 0.125 / span_s;
         let steps = (0.2 / step).ceil() as i32;
         let near = (-steps..=steps).map(|i| mains + f64::from(i) * step);

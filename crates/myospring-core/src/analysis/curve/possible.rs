@@ -1,29 +1,30 @@
-//! What no curve of its kind can be: a column that was taken for something else.
+//! Recognises impossible values: a column whose kind was stated wrongly.
 //!
-//! Typical values decide, the median of all frames or of the beats that count, never a single frame: artefacts are found and
-//! listed elsewhere, and noise around zero is no negative calcium.
+//! Typical values decide, the median of all frames or of the beats that count, never a single
+//! frame: artefacts are listed elsewhere, and noise around zero is not negative calcium.
 
 use super::answer::{CurveBeat, CurveError, State};
 use super::noise::median;
 use crate::analysis::kind::Kind;
 use crate::analysis::value;
 
-/// Lengths that sarcomeres have, um, and a wide margin.
+/// Range of sarcomere lengths, um, with a wide margin.
 const SARCOMERES_UM: [f64; 2] = [0.5, 5.0];
 
-/// How far below zero calcium at rest may lie, as a part of the transient: a background that was taken off a little too much.
+/// Largest negative calcium at rest, as a part of the transient: slightly too much background may
+/// have been subtracted.
 const BELOW_ZERO: f64 = 0.1;
 
-/// Shortening beyond which something is odd, %.
+/// Largest plausible shortening, %.
 const MOST_SHORTENING: f64 = 50.0;
 
 const ABOVE_ZERO: &str = "a length is above 0";
 
-/// What a column seems to be that is called a length and has values around zero.
-const CHANGE: &str = "it seems to be a change of length, whose baseline was taken off: add the length at rest, or measure it as a \
+/// Likely meaning of a column of kind length with values around zero.
+const CHANGE: &str = "it seems to be a change of length, whose baseline was subtracted: add the length at rest, or measure it as a \
                       motion (--kind unknown)";
 
-/// Refuses values that no curve of this kind has.
+/// Rejects values that are impossible for this kind of curve.
 pub(super) fn check_values(
     values: &[f64],
     kind: Kind,
@@ -52,7 +53,7 @@ pub(super) fn check_values(
     Ok(())
 }
 
-/// Refuses beats that no curve of this kind has.
+/// Rejects beats that are impossible for this kind of curve.
 pub(super) fn check_beats(
     beats: &[CurveBeat],
     times: &[f64],
@@ -73,7 +74,7 @@ pub(super) fn check_beats(
             "diastolic_level",
             "half of the beats rest at or below",
             "it is not below 0",
-            "the level at rest seems to have been taken off: add it, or measure it as fluorescence (--kind fluorescence)",
+            "the level at rest seems to have been subtracted: add it, or measure it as fluorescence (--kind fluorescence)",
         ),
         _ => return Ok(()),
     };
@@ -106,7 +107,7 @@ pub(super) fn check_beats(
     Err(CurveError::Impossible { of, frame, value: typical, unit, bound, seems })
 }
 
-/// What is possible and odd.
+/// Remark on beats that are possible but implausible.
 pub(super) fn doubt(beats: &[CurveBeat], kind: Kind) -> Option<String> {
     let name = if kind.is_length() { "peak_shortening" } else { "peak_amplitude" };
     if !kind.is_length() && kind != Kind::Shortening {
@@ -116,7 +117,7 @@ pub(super) fn doubt(beats: &[CurveBeat], kind: Kind) -> Option<String> {
     let typical = median(peaks);
     (typical > MOST_SHORTENING).then(|| {
         format!(
-            "the beats are shorter by {typical:.0} %, as no heart cell is: was a baseline taken off, or is the unit another one?"
+            "the beats shorten by {typical:.0} %, more than any heart cell: was a baseline subtracted, or is the unit another one?"
         )
     })
 }

@@ -1,25 +1,26 @@
-//! What is odd about a series of beats: missed, early and late ones, alternans, irregular intervals.
+//! Remarks on a series of beats: missed, early and late ones, alternans, irregular intervals.
 
 use super::answer::{CurveBeat, State};
 use crate::analysis::alternans::{self, Alternans};
 use crate::analysis::{Missing, value};
 
-/// Artefacts or beats that a remark lists, at most.
+/// Largest number of artefacts or beats that a remark lists.
 pub(super) const LISTED: usize = 5;
 
-/// Intervals this far from the usual one are early or late.
+/// Intervals below or above these multiples of the usual one are early or late.
 const EARLY: f64 = 0.8;
 const LATE: f64 = 1.2;
 
-/// Intervals whose standard deviation is this part of their mean are irregular.
+/// Relative standard deviation from which on intervals are irregular.
 const IRREGULAR: f64 = 0.1;
 
-/// A beat with this many times the area of the others is unlike them; there must be so many, and few of them unlike.
+/// A beat whose area differs by this factor from the others is unlike them; least number of beats
+/// for this test.
 const UNLIKE: f64 = 1.7;
 const LEAST_ALIKE: usize = 4;
 const FEW_UNLIKE: usize = 4;
 
-/// Remarks on the series; those on one beat go to it.
+/// Remarks on the series; those on a single beat are added to that beat.
 pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
     let mut remarks = Vec::new();
     let missed = beats.iter().filter(|beat| beat.state == State::Missed).count();
@@ -35,12 +36,13 @@ pub(super) fn remarks(beats: &mut [CurveBeat], paced: bool) -> Vec<String> {
     remarks
 }
 
-/// That artefacts are so many, or beats so few, that either may be the other, or that other pulses may be the beats.
+/// Remark if beats and artefacts cannot be distinguished reliably: too many artefacts, too few
+/// beats, or other pulses that may be the beats.
 pub(super) fn crowded(beats: &[CurveBeat], artefacts: usize, rivalled: bool) -> Option<String> {
     let whole = beats.iter().filter(|beat| beat.state == State::Whole).count();
     if artefacts == 0 || artefacts <= whole && whole > 2 {
         return rivalled.then(|| {
-            "the curve has pulses of two lengths: which of them are beats cannot be told for sure; look at the figure"
+            "the curve has pulses of two lengths: which of them are beats is uncertain; look at the figure"
                 .to_owned()
         });
     }
@@ -50,26 +52,27 @@ pub(super) fn crowded(beats: &[CurveBeat], artefacts: usize, rivalled: bool) -> 
         count => format!("{count} {word}s"),
     };
     Some(format!(
-        "{} and {}: which of them are which cannot be told for sure; look at the figure",
+        "{} and {}: they cannot be distinguished with certainty; look at the figure",
         plural(artefacts, "artefact"),
         plural(whole, "undisturbed beat"),
     ))
 }
 
-/// In what a beat may be unlike the others.
+/// A property in which a beat may be unlike the others.
 struct Unlike {
     size: fn(&CurveBeat) -> Option<f64>,
     /// Whether a size differs from the usual one.
     differs: fn(f64, f64) -> bool,
     name: &'static str,
     how: &'static str,
-    /// How many of their usual deviations beats differ at least.
+    /// Least difference, in usual deviations of the others.
     deviations: f64,
-    /// Whether every other beat, or a third of them, may differ so.
+    /// Whether up to a third of the beats may differ.
     may_be_many: bool,
 }
 
-/// An artefact that was taken for a beat. A third of the beats may be far larger than others, but none lasts far shorter.
+/// Properties of artefacts mistaken for beats. A third of the beats may be far larger than the
+/// others, but no beat is far shorter.
 const UNLIKES: [Unlike; 2] = [
     Unlike {
         size: area,
@@ -89,7 +92,7 @@ const UNLIKES: [Unlike; 2] = [
     },
 ];
 
-/// Marks beats that differ from all others.
+/// Marks beats that differ from all others in a property.
 fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
     let Unlike { size, differs, name, how, deviations, may_be_many } = *in_what;
     let median = |mut list: Vec<f64>| {
@@ -122,7 +125,7 @@ fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
     if found.len() * FEW_UNLIKE > areas.len() {
         return (!may_be_many).then(|| {
             format!(
-                "{} of {} pulses are {how} the others: which of them are beats cannot be told for sure; look at the figure",
+                "{} of {} pulses are {how} the others: which of them are beats is uncertain; look at the figure",
                 found.len(),
                 areas.len()
             )
@@ -133,10 +136,10 @@ fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
         let beat = &mut beats[at];
         beat.state = State::Disturbed;
         beat.remarks.push(format!(
-            "{name} is {times:.1} times that of the others: it may be an artefact, and counts in no mean"
+            "{name} is {times:.1} times that of the others: it may be an artefact and does not count in means"
         ));
         odd.push(beat.number);
-        // Nor does the interval from a short one, which may be no beat at all, to the next.
+        // The interval after a short one, which may not be a beat, does not count either.
         let next = beats.get_mut(at + 1).filter(|next| next.stimulus_ms.is_none() && !may_be_many);
         let metrics = next.into_iter().flat_map(|next| &mut next.metrics);
         for interval in metrics.filter(|metric| metric.name == "interval") {
@@ -147,7 +150,7 @@ fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
     (!odd.is_empty()).then(|| asked(&odd, &format!("{is} {how} all others")))
 }
 
-/// What is odd about some beats, and that this may be since they are none.
+/// A remark that some beats are unusual and may not be beats.
 fn asked(numbers: &[usize], what: &str) -> String {
     let listed: Vec<String> = numbers.iter().take(LISTED).map(usize::to_string).collect();
     let more = match numbers.len().saturating_sub(LISTED) {
@@ -157,25 +160,26 @@ fn asked(numbers: &[usize], what: &str) -> String {
     let [beats, whether] =
         if numbers.len() == 1 { ["beat", "it is a beat"] } else { ["beats", "they are beats"] };
     format!(
-        "{beats} {}{more} {what}: whether {whether} cannot be told for sure; look at the figure",
+        "{beats} {}{more} {what}: whether {whether} is uncertain; look at the figure",
         listed.join(", ")
     )
 }
 
-/// The middle half of intervals that come by chance is 1.6 times as wide as the usual one is long; of an irregular rhythm,
-/// with a standard deviation of a third of the mean, half as wide.
+/// Interquartile range relative to the median interval from which on pulses come by chance: random
+/// pulses have 1.6, an irregular rhythm with a standard deviation of a third of the mean about
+/// half.
 const BY_CHANCE: f64 = 0.9;
 
-/// Fewest intervals that this is asked of.
+/// Least number of intervals for this test.
 const LEAST_BY_CHANCE: usize = 5;
 
-/// How far an interval may be from the usual one of a regular rhythm.
+/// Largest relative deviation of an interval from the usual one in a regular rhythm.
 const REGULAR: f64 = 0.08;
 
-/// Fewest intervals that show a regular rhythm.
+/// Least number of intervals that show a regular rhythm.
 const LEAST_REGULAR: usize = 3;
 
-/// Beats that come between two others which are one usual interval apart: a rhythm does not wait for an artefact.
+/// Remark on beats between two others that are one usual interval apart; these may be artefacts.
 fn between(beats: &[CurveBeat]) -> Option<String> {
     let of = |beat: &CurveBeat| value(&beat.metrics, "interval").unwrap_or(f64::NAN);
     let intervals: Vec<f64> = beats.iter().map(of).collect();
@@ -198,7 +202,8 @@ fn between(beats: &[CurveBeat]) -> Option<String> {
         .then(|| asked(&found, &format!("{come} between two that are one usual interval apart")))
 }
 
-/// The area of a beat over its baseline; height times duration at half of it where that is no metric of its kind.
+/// The area of a beat over its baseline; height times duration at half of it if its kind has no
+/// area.
 fn area(beat: &CurveBeat) -> Option<f64> {
     let areas = ["area_under_curve", "tension_time_integral"];
     if let Some(area) = areas.into_iter().find_map(|name| value(&beat.metrics, name)) {
@@ -227,7 +232,8 @@ fn intervals(beats: &mut [CurveBeat]) -> Vec<String> {
         return remarks;
     }
     sorted.sort_by(f64::total_cmp);
-    // The usual interval is one that was seen: the lower of two in the middle, since beats go missing in long ones.
+    // The usual interval is one of the measured ones; of the two in the middle the shorter, since
+    // long ones may contain missing beats.
     let usual = sorted[(sorted.len() - 1) / 2];
     let (mut missing, mut early, mut late) = (0, 0, 0);
     for (beat, interval) in beats.iter_mut().zip(&intervals) {
@@ -273,15 +279,15 @@ fn intervals(beats: &mut [CurveBeat]) -> Vec<String> {
     let part = |part: f64| sorted[((count - 1.0) * part).round() as usize];
     if sorted.len() >= LEAST_BY_CHANCE && part(0.75) - part(0.25) > BY_CHANCE * part(0.5) {
         remarks.push(
-            "the pulses come as irregularly as chance would have them: whether all of them are beats cannot be told for \
-             sure; look at the figure"
+            "the pulses come as irregularly as random ones: whether all of them are beats is \
+             uncertain; look at the figure"
                 .to_owned(),
         );
     }
     remarks
 }
 
-/// The metric that tells how high a beat is.
+/// The metric of a beat's height.
 fn height(beat: &CurveBeat) -> Option<f64> {
     if !matches!(beat.state, State::Whole | State::CutAtEnd) {
         return None;
@@ -296,7 +302,7 @@ fn height(beat: &CurveBeat) -> Option<f64> {
     names.into_iter().find_map(|name| value(&beat.metrics, name))
 }
 
-/// Whether every other beat is higher, by more than chance.
+/// Remark if every other beat is higher, by more than chance.
 fn alternans(beats: &mut [CurveBeat]) -> Option<String> {
     let heights: Vec<(usize, f64)> =
         beats.iter().enumerate().filter_map(|(at, beat)| Some((at, height(beat)?))).collect();

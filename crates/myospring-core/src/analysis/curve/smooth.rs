@@ -1,7 +1,7 @@
-//! Local quadratics: smoothing that keeps peaks and slopes.
+//! Local parabolas: smoothing that keeps peaks and slopes.
 
-/// The values of the least-squares parabola (Savitzky and Golay 1964) through each sample and `half` samples either side,
-/// over uneven times, too; as they are where `half` is 0.
+/// Smooths values by least-squares parabolas (Savitzky and Golay 1964) through each sample and
+/// `half` samples to each side; times may be uneven. With `half` 0 the values are unchanged.
 pub(super) fn smooth(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
     if half == 0 || values.len() < 3 {
         return values.to_vec();
@@ -15,7 +15,7 @@ pub(super) fn smooth(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Slopes of the least-squares line through each sample and `half` samples either side.
+/// Slopes of the least-squares line through each sample and `half` samples to each side.
 pub(super) fn slopes(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     (0..values.len())
@@ -32,7 +32,8 @@ pub(super) fn slopes(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The value at a time of the parabola through the samples `from..=to`; `None` where they do not tell it.
+/// The value at a time of the parabola through the samples `from..=to`; `None` if they do not
+/// determine it.
 fn parabola(times: &[f64], values: &[f64], from: usize, to: usize, at: f64) -> Option<f64> {
     let scale = (times[to] - times[from]).max(f64::MIN_POSITIVE);
     let mut sums = [0.0; 5];

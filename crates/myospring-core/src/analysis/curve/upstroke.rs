@@ -1,42 +1,45 @@
-//! The largest slope of an action potential's upstroke, read over a window that the upstroke itself sets.
+//! The largest slope of an action potential's upstroke, read over a window chosen by its steepness.
 
 use crate::analysis::trace::Point;
 
-/// The window as a part of the time that the whole potential would take at its largest slope: where noise allows, and at
-/// most. A cubic over half of that time reads the slope of a logistic upstroke 0.2 % low, over 0.7 of it 0.8 %.
+/// Width of the window, as a part of the time that the whole upstroke would take at its largest
+/// slope: in little noise, and at most. A cubic over half of that time reads the slope of a
+/// logistic upstroke 0.2 % low, over 0.7 of it 0.8 %.
 const PART: [f64; 2] = [0.25, 0.7];
 
-/// Noise of the slope, as a part of it, for which a wider window is taken.
+/// Relative noise of the slope above which a wider window is used.
 const NOISE: f64 = 0.01;
 
-/// Windows become narrower by this factor.
+/// Ratio of successive window widths.
 const NARROWER: f64 = 0.85;
 
 /// Samples that a cubic needs.
 const LEAST: usize = 4;
 
-/// Variance of the slope of a least-squares cubic at the middle of `n` samples, and of a line: this over `n^3` of that of white
-/// noise over the square of the time between samples (Savitzky and Golay 1964, for large `n`).
+/// Variance of the slope of a least-squares cubic at the centre of `n` samples, and of a line: this
+/// number divided by `n^3`, in units of the variance of white noise divided by the squared time
+/// between samples (Savitzky and Golay 1964, for large `n`).
 const VARIANCE: f64 = 75.0;
 const LINE: f64 = 12.0;
 
-/// Standard deviations that the steepest of thousands of slopes of noise may reach.
+/// Largest of thousands of slopes of noise, in standard deviations.
 const BEYOND: f64 = 4.0;
 
-/// The steepest place of an upstroke.
+/// The steepest point of an upstroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Upstroke {
     /// Its time, and the slope there per ms.
     pub(super) at: Point,
     /// Time over which the slope was read, ms.
     pub(super) window_ms: f64,
-    /// Whether the samples are dense enough; where they are not, the slope is that between two samples, and the true one
-    /// is larger.
+    /// Whether the samples are dense enough; if not, the slope is that between two samples, and the
+    /// true one is larger.
     pub(super) resolved: bool,
 }
 
-/// The steepest place among samples that rise by `height`, with white noise of this standard deviation; `None` of less than
-/// two samples, of a height that is not above 0, or of samples that do not rise.
+/// The steepest point of samples that rise by `height`, with white noise of this standard
+/// deviation; `None` for fewer than two samples, a height that is not above 0, or samples that do
+/// not rise.
 pub(super) fn steepest(times: &[f64], values: &[f64], height: f64, noise: f64) -> Option<Upstroke> {
     if height.is_nan() || height <= 0.0 {
         return None;
@@ -47,8 +50,8 @@ pub(super) fn steepest(times: &[f64], values: &[f64], height: f64, noise: f64) -
         ladder.push(((count as f64 * NARROWER) as usize).clamp(LEAST, count - 1));
     }
     let step = (times.last()? - times.first()?) / (times.len() as f64 - 1.0);
-    // Wide windows flatten the upstroke and narrow ones show noise: the largest slope that is beyond the noise of its window
-    // tells how long the whole potential would take.
+    // Wide windows flatten the upstroke and narrow ones show noise: the largest slope beyond the
+    // noise of its window gives the time that the whole upstroke would take.
     let sure = ladder.iter().copied().chain([2]).filter_map(|count| {
         let (_, slope) = lines.steepest(count)?;
         Some(slope - BEYOND * noise / step * (LINE / (count as f64).powi(3)).sqrt())
@@ -59,7 +62,7 @@ pub(super) fn steepest(times: &[f64], values: &[f64], height: f64, noise: f64) -
         let quiet = (VARIANCE * (noise / (NOISE * sure * step)).powi(2)).cbrt();
         let wanted = quiet.clamp(PART[0] * whole, PART[1] * whole);
         let fits = |count: &&usize| **count as f64 - 1.0 <= wanted;
-        // The narrowest window there is may be wider than wanted, as long as it is not too wide.
+        // The narrowest possible window may be wider than desired, up to a limit.
         let narrowest = LEAST as f64 - 1.0 <= PART[1] * whole && times.len() >= LEAST;
         let count = ladder.iter().find(fits).copied().or(narrowest.then_some(LEAST));
         if let Some(count) = count.filter(|count| *count >= LEAST) {
@@ -88,7 +91,7 @@ struct Lines {
 
 impl Lines {
     fn of(times: &[f64], values: &[f64]) -> Self {
-        // Small numbers keep their digits.
+        // Relative to the middle, to keep precision.
         let middle = times.len() / 2;
         let (origin, level) = match (times.get(middle), values.get(middle)) {
             (Some(time), Some(value)) => (*time, *value),
@@ -122,7 +125,7 @@ impl Lines {
     }
 }
 
-/// The steepest place of the least-squares cubic, in the middle half of its samples.
+/// The steepest point of the least-squares cubic, in the middle half of its samples.
 fn cubic(times: &[f64], values: &[f64]) -> Option<Point> {
     let (first, last) = (times.first()?, times.last()?);
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));

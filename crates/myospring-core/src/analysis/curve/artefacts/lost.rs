@@ -1,18 +1,20 @@
-//! Stretches in which the instrument had lost the cell.
+//! Parts of a curve in which the instrument had lost the cell.
 
 use super::runs::runs;
 use crate::analysis::curve::noise::{self, median};
 
-/// Frames in a block whose noise is estimated, and the number of blocks in a row that no beat lasts.
+/// Frames in a block whose noise is estimated, and number of consecutive blocks that is longer than
+/// any beat.
 const BLOCK: usize = 24;
 const BLOCKS: usize = 6;
 
-/// Of a recording, what at most is held, and in how many stretches: rests of whole pixels are more.
+/// Largest part of a recording that is held at a constant value, and largest number of such parts;
+/// rests in whole pixels are more frequent.
 const HELD: f64 = 1.0 / 3.0;
 const HELD_STRETCHES: usize = 3;
 
-/// Marks long stretches of nothing but noise, far larger than elsewhere, of a random walk, or of one value that is held among
-/// noise: the instrument had lost the cell.
+/// Marks long parts in which the instrument had lost the cell: pure noise far larger than
+/// elsewhere, a random walk, or a constant value among noise.
 pub(super) fn mark(values: &[f64], bad: &mut [bool]) {
     let blocks: Vec<&[f64]> = values.chunks(BLOCK).collect();
     let levels: Vec<f64> = blocks.iter().map(|block| noise::level(block)).collect();
@@ -23,7 +25,7 @@ pub(super) fn mark(values: &[f64], bad: &mut [bool]) {
         .map(|(block, level)| {
             let mean = block.iter().sum::<f64>() / block.len() as f64;
             let variance = block.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-            // Beats go on from frame to frame, noise does not.
+            // Beats are correlated from frame to frame, noise is not.
             *level > 6.0 * usual && level * level > 0.05 * variance / block.len() as f64
         })
         .collect();
@@ -34,7 +36,7 @@ pub(super) fn mark(values: &[f64], bad: &mut [bool]) {
     };
     let mut held = long(&is_held);
     let frozen: usize = held.iter().map(|[from, to]| to + 1 - from).sum();
-    // Noise is the same in all other blocks; what a smooth curve bends is not.
+    // Noise is the same in all other blocks; the curvature of a smooth curve is not.
     let mut other: Vec<f64> =
         levels.iter().zip(&is_held).filter(|(_, held)| !**held).map(|(level, _)| *level).collect();
     other.sort_by(f64::total_cmp);
@@ -58,27 +60,28 @@ pub(super) fn mark(values: &[f64], bad: &mut [bool]) {
         bad[from..to.min(values.len())].fill(true);
     }
     for [from, to] in walks(values) {
-        // A block of which less than half is a walk is none.
+        // A block counts as a walk if at least half of it is.
         let half = BLOCK / 2;
         let (from, to) = ((from * BLOCK).saturating_sub(half), (to + 1) * BLOCK + half);
         bad[from..to.min(values.len())].fill(true);
     }
 }
 
-/// By what fourth differences of a random walk grow where their lag doubles: by the root of 2, give or take a fifth. Those
-/// of white noise do not grow, those of a smooth curve grow by 16.
+/// Growth of fourth differences when their lag doubles, for a random walk: the root of 2, with a
+/// tolerance of about a fifth. For white noise they do not grow, for a smooth curve they grow
+/// 16-fold.
 const WALK: [f64; 2] = [1.2, 1.7];
 
-/// Frames that the differences lie apart by which a walk is looked for: beats are smooth over as many, and over its steps
-/// noise that is white is the same as over single frames.
+/// Smallest lag of the differences by which a walk is recognised, frames: beats are smooth over
+/// this lag, and white noise has the same differences at any lag.
 const STRIDE: usize = 4;
 
-/// First and last blocks of stretches that wander from frame to frame, as beats with noise do not.
+/// First and last blocks of random walks.
 fn walks(values: &[f64]) -> Vec<[usize; 2]> {
     let middle = |block: &[f64], lag: usize| median(noise::differences(block, lag));
     let rough: Vec<f64> = values.chunks(BLOCK).map(|block| middle(block, STRIDE)).collect();
     let usual = median(rough.clone());
-    // A block has few differences: three blocks together.
+    // A block has few differences, so three blocks are used together.
     let wide: Vec<bool> = (0..rough.len())
         .map(|at| {
             median(rough[at.saturating_sub(1)..(at + 2).min(rough.len())].to_vec()) > 2.0 * usual

@@ -1,4 +1,4 @@
-//! Stretches of a curve.
+//! Runs of frames.
 
 /// Runs of marked frames, first and last.
 pub(super) fn runs(bad: &[bool]) -> Vec<[usize; 2]> {

@@ -1,4 +1,4 @@
-//! The usual beat: the pulses of one height and width that most windows show.
+//! The usual beat: the most frequent class of pulses of one height and width.
 
 use super::windows::mean_over;
 use crate::analysis::curve::detect::{Peak, persistent};
@@ -7,43 +7,45 @@ use crate::analysis::curve::noise::{self, Noise, median};
 /// Pulses of one class differ by at most this factor in height and in width.
 const ALIKE: f64 = 1.6;
 
-/// A wider class is that of the beats when it has this part of the members of the most frequent one.
+/// A class of wider pulses is that of the beats if it has at least this part of the members of the
+/// most frequent class.
 const WIDER: f64 = 0.4;
 
-/// Longer pulses that are lower than this part of those which disturb them are wiggles of the rest.
+/// Longer pulses lower than this part of the pulses that disturb them are fluctuations of the rest.
 const WIGGLE: f64 = 0.07;
 
-/// Fewest pulses that are beats among more frequent ones, which they exceed.
+/// Least number of pulses that are beats although smaller pulses are more frequent.
 const RARE: f64 = 3.0;
 
-/// By what factor pulses exceed more frequent ones in height and in width to be the beats though there are two of them.
+/// Factor by which two pulses must exceed more frequent ones in height and in width to be the
+/// beats.
 const FAR: f64 = 4.0;
 
-/// Fewest pulses whose likeness shows that noise was taken for longer than it is.
+/// Least number of similar pulses that show that the memory of noise was overestimated.
 const MANY: f64 = 3.0;
 
-/// What the beats of a curve are like, whatever else is in it.
+/// The typical beat of a curve.
 #[derive(Debug, Clone)]
 pub(in crate::analysis::curve) struct Beats {
-    /// Height of the usual one.
+    /// Height of the usual beat.
     pub(in crate::analysis::curve) height: f64,
     /// Its width at half height, frames.
     pub(in crate::analysis::curve) width: f64,
-    /// Frames of the tops of all pulses that may be beats, and their heights.
+    /// Frames of the tops of all pulses that may be beats; their heights follow.
     pub(super) tops: Vec<usize>,
     pub(super) heights: Vec<f64>,
-    /// Which of them are as wide as the usual one.
+    /// Which of them are as wide as the usual beat.
     pub(super) usual: Vec<bool>,
-    /// Where those that are alike pass half their height.
+    /// Frames at which the similar ones cross half their height.
     spans: Vec<[usize; 2]>,
-    /// How many are alike.
+    /// Number of similar beats.
     pub(in crate::analysis::curve) alike: f64,
     /// Whether other pulses might be the beats.
     pub(in crate::analysis::curve) rivalled: bool,
 }
 
 impl Beats {
-    /// Whether these are the beats that a wider window shows.
+    /// Whether a wider window shows the same beats.
     fn shows(&self, wider: &Self) -> bool {
         let near = |top: &&usize| {
             let here = self.nearest(**top);
@@ -56,7 +58,8 @@ impl Beats {
             && (0.35..=1.05).contains(&(self.width / wider.width))
     }
 
-    /// Whether these, in less noise, are more of the same beats, or repeat where those are one drift.
+    /// Whether these, found with less assumed noise, are more of the same beats, or repeat while
+    /// the others are a single drift.
     pub(super) fn replace(&self, others: &Self, longest: f64) -> bool {
         let near = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
         let more = self.alike >= MANY.max(1.2 * others.alike);
@@ -66,8 +69,8 @@ impl Beats {
         more && (same || others.alike < 3.0 && drift)
     }
 
-    /// Whether these are other pulses, of another length, and might be the beats instead: they are nearly as many, or fewer,
-    /// but far longer, as beats are among artefacts.
+    /// Whether these are pulses of another length that might be the beats instead: nearly as many,
+    /// or fewer but far longer (as beats among artefacts are).
     fn rivals(&self, beats: &Self) -> bool {
         let apart = |top: &&usize| {
             let there = beats.tops.get(beats.nearest(**top));
@@ -81,7 +84,7 @@ impl Beats {
         self.alike >= 2.0 && others >= 2.0 && (many || longer > 2.0 && others >= 0.2 * beats.alike)
     }
 
-    /// Whether the curve rises at most of these where other pulses are left out.
+    /// Whether most of these remain in the curve when other pulses are left out.
     fn stays_without(&self, others: &Self, values: &[f64]) -> bool {
         let near = (1.5 * others.width) as usize;
         let free = |range: std::ops::Range<usize>| -> Vec<f64> {
@@ -106,7 +109,8 @@ impl Beats {
         10 * self.spans.iter().filter(stays).count() >= 7 * self.spans.len()
     }
 
-    /// Whether they come as artefacts do, and not beats: an exponential distribution's standard deviation is its mean.
+    /// Whether they come as irregularly as artefacts: the standard deviation of an exponential
+    /// distribution equals its mean.
     fn is_irregular(&self) -> bool {
         let distances = self.spans.windows(2).map(|pair| pair[1][0].abs_diff(pair[0][0]) as f64);
         let distances: Vec<f64> = distances.collect();
@@ -116,7 +120,7 @@ impl Beats {
         count >= 3.0 && (squares / (count - 1.0)).sqrt() > 0.45 * mean
     }
 
-    /// The beat that a frame is nearest to.
+    /// Index of the beat nearest to a frame.
     pub(super) fn nearest(&self, at: usize) -> usize {
         let right = self.tops.partition_point(|top| *top < at);
         let far = |index: usize| self.tops.get(index).map_or(usize::MAX, |top| top.abs_diff(at));
@@ -127,14 +131,14 @@ impl Beats {
     }
 }
 
-/// The standard deviation that noise of 1 keeps behind a window and the mean over it.
+/// Standard deviation of unit noise after the filter of a window and the mean over it.
 fn kept(window: usize, memory: f64) -> f64 {
     // Measured; see the tests.
     if window == 0 { 1.0 } else { (0.72 / (window as f64 / memory).powf(0.36)).min(1.0) }
 }
 
-/// What pulses are alike and most frequent, whatever the window. No beat is shorter than the first of `lasts` at half its
-/// height, frames, and few are longer than the second.
+/// The most frequent class of similar pulses over all windows. Beats are at least as wide at half
+/// height as the first of `lasts`, frames, and few are wider than the second.
 pub(in crate::analysis::curve) fn usual(
     values: &[f64],
     windows: &[usize],
@@ -144,7 +148,7 @@ pub(in crate::analysis::curve) fn usual(
 ) -> Option<Beats> {
     let mut classes: Vec<Beats> = Vec::new();
     for (&window, values_here) in windows.iter().zip(filtered) {
-        // Nothing behind a window is finer than it.
+        // The filtered curve has no details finer than the window.
         let stride = (window / 4).max(1);
         let coarse: Vec<f64> = mean_over(values_here, window).into_iter().step_by(stride).collect();
         let [_, reach] = noise::reach(noise.samples(values.len(), window + 1));
@@ -157,11 +161,11 @@ pub(in crate::analysis::curve) fn usual(
             peaks.iter().map(|peak| Pulse::of(&coarse, *peak, stride)).collect();
         classes.extend(class(values, &pulses, window, lasts[0]));
     }
-    // Wiggles a thirtieth as high as what else repeats are of the instrument.
+    // Fluctuations a thirtieth as high as other repeating pulses come from the instrument.
     let highest = classes.iter().map(|class| class.height).fold(0.0, f64::max);
     classes.retain(|class| class.height >= 0.03 * highest);
-    // Artefacts are shorter than beats, drift is lower: what is both higher and longer than more frequent wiggles is the beats,
-    // though it may be rare.
+    // Artefacts are shorter than beats, drift is lower; so pulses both higher and longer than more
+    // frequent fluctuations are the beats, even if they are rare.
     let mut pool: Vec<&Beats> = classes.iter().collect();
     let frequent = loop {
         let frequent = pool
@@ -185,13 +189,13 @@ pub(in crate::analysis::curve) fn usual(
         .into_iter()
         .filter(|class| class.alike >= WIDER * frequent.alike)
         .reduce(|best, other| if size(other) > 1.05 * size(best) { other } else { best })?;
-    // Windows round beats off: the first that shows the same ones shows them best.
+    // Windows round beats off; the first that shows the same beats shows them best.
     let first = |of: &Beats| classes.iter().find(|class| class.shows(of));
     let mut beats = seen;
     while let Some(better) = first(beats).filter(|better| better.width < beats.width) {
         beats = better;
     }
-    // Longer pulses that stay without these are what these disturb.
+    // Longer pulses that remain without these are the beats that these disturb.
     let least = |of: &Beats| (0.1 * of.alike).max(2.0);
     let longer = classes
         .iter()
@@ -209,7 +213,7 @@ pub(in crate::analysis::curve) fn usual(
 struct Pulse {
     at: usize,
     height: f64,
-    /// Where it passes half its height.
+    /// Frames at which it crosses half its height.
     half: [usize; 2],
 }
 
@@ -228,19 +232,20 @@ impl Pulse {
     }
 }
 
-/// The most frequent kind of pulse behind a window; none where beats would not be wider than it.
+/// The most frequent class of pulses behind a window; `None` if beats would not be wider than the
+/// window.
 fn class(values: &[f64], pulses: &[Pulse], window: usize, shortest: f64) -> Option<Beats> {
     let near = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
     let alike = |one: &Pulse, other: &Pulse| {
         near(one.height, other.height) && near(one.width(), other.width())
     };
-    // Some forty of them, by their height, stand for all.
+    // About forty of them, spread over their heights, represent all.
     let mut centres: Vec<&Pulse> = pulses.iter().collect();
     centres.sort_by(|a, b| b.height.total_cmp(&a.height).then(a.at.cmp(&b.at)));
     let step = pulses.len().div_ceil(40).max(1);
     let mut best: Option<(f64, Vec<&Pulse>)> = None;
     for centre in centres.into_iter().step_by(step) {
-        // The whole curve is no pulse of it, and a window that is as wide would make what it shows.
+        // The whole curve is not a pulse, and a window as wide as the pulses would create them.
         let least = shortest.max(1.2 * window as f64);
         if centre.width() < least || centre.width() > 0.4 * values.len() as f64 {
             continue;
@@ -259,16 +264,16 @@ fn class(values: &[f64], pulses: &[Pulse], window: usize, shortest: f64) -> Opti
     let of_beats: Vec<&Pulse> = pulses.iter().filter(may_be).collect();
     let tops = of_beats.iter().map(|pulse| pulse.at).collect();
     let usual = of_beats.iter().map(|pulse| near(pulse.width(), width)).collect();
-    // The highest of all is measured from the lowest point of the curve.
+    // The highest pulse is measured from the lowest point of the curve, so its height is limited.
     let heights = of_beats.iter().map(|pulse| pulse.height.min(2.0 * height)).collect();
     Some(Beats { height, width, tops, heights, usual, spans, alike: weight, rivalled: false })
 }
 
-/// The part of its width that a beat rests before the next, at least.
+/// Least pause before the next beat, as a part of a beat's width.
 const PAUSE: f64 = 0.2;
 
-/// How much a class counts: one that jumps up and back down, or of two frames, or that hardly pauses, as what is between dips,
-/// hardly is of beats. The pulses are in order of time.
+/// Plausibility of a class as beats: low for pulses that jump up and back, that have two frames, or
+/// that hardly pause (like the intervals between dips). The pulses are in order of time.
 fn plausible(values: &[f64], pulses: &[Pulse], members: &[&Pulse], window: usize) -> f64 {
     let pause = |pulse: &&Pulse| {
         let next = pulses.partition_point(|other| other.at <= pulse.at);
@@ -286,7 +291,7 @@ fn plausible(values: &[f64], pulses: &[Pulse], members: &[&Pulse], window: usize
     if width < 4.0 {
         return 0.8;
     }
-    // Half heights are known to within the window.
+    // Positions at half height are known to within the window.
     let near = 2 + window;
     let jump = |at: usize, height: f64| {
         let (from, to) = (at.saturating_sub(near), (at + near).min(values.len() - 1));

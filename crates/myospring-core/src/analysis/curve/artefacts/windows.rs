@@ -1,8 +1,10 @@
-//! Openings and closings by flat windows that grow: each takes away what is narrower than it, up and down.
+//! Openings and closings by flat windows of increasing width: each removes pulses narrower than it,
+//! in both directions.
 
 use std::collections::VecDeque;
 
-/// Widths of windows less one, frames: each a third wider than the one before, up to a sixth of the curve.
+/// Widths of windows minus one, frames: each a third wider than the previous one, up to a sixth of
+/// the curve.
 pub(super) fn widths(count: usize) -> Vec<usize> {
     let mut widths = vec![0];
     let mut next = 1;
@@ -13,7 +15,8 @@ pub(super) fn widths(count: usize) -> Vec<usize> {
     widths
 }
 
-/// The curve through windows that grow, each after the one before it.
+/// The curve after each of a series of growing windows; each filter is applied to the result of the
+/// previous one.
 pub(super) fn behind(values: &[f64], windows: &[usize]) -> Vec<Vec<f64>> {
     let mut all: Vec<Vec<f64>> = Vec::new();
     for &window in windows {
@@ -23,8 +26,8 @@ pub(super) fn behind(values: &[f64], windows: &[usize]) -> Vec<Vec<f64>> {
     all
 }
 
-/// The mean of closing after opening and of opening after closing by a flat window of `window + 1` frames, all of it within
-/// the curve.
+/// The mean of closing after opening and of opening after closing by a flat window of `window + 1`
+/// frames that lies within the curve.
 fn open_and_close(values: &[f64], window: usize) -> Vec<f64> {
     let first = close(&open(values, window), window);
     let second = open(&close(values, window), window);
@@ -62,7 +65,7 @@ fn extremes(values: &[f64], window: usize, wins: fn(f64, f64) -> bool) -> Vec<f6
     found
 }
 
-/// For each of `count` frames the extreme over the windows that hold it.
+/// For each of `count` frames the extreme over the windows that contain it.
 fn spread(of_windows: &[f64], window: usize, count: usize, wins: fn(f64, f64) -> bool) -> Vec<f64> {
     let mut queue: VecDeque<usize> = VecDeque::new();
     let mut found = Vec::with_capacity(count);
@@ -81,7 +84,7 @@ fn spread(of_windows: &[f64], window: usize, count: usize, wins: fn(f64, f64) ->
     found
 }
 
-/// The mean over as many frames as the window has, fewer at the ends.
+/// The moving mean over the window, with fewer frames at the ends.
 pub(super) fn mean_over(values: &[f64], window: usize) -> Vec<f64> {
     if window == 0 {
         return values.to_vec();

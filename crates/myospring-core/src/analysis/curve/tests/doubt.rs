@@ -108,7 +108,7 @@ fn artefacts_as_many_as_beats_are_called_what_cannot_be_told() {
         }
         let values: Vec<f64> = signal.into_iter().map(length).collect();
         let found = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
-        found.remarks.join("; ").contains("cannot be told")
+        found.remarks.join("; ").contains("look at the figure")
     };
     assert!(of(20, 8, 20.0));
     assert!(of(20, 3, -5.0));

@@ -190,8 +190,7 @@ fn a_stimulus_whose_beat_may_lie_in_a_hole_says_so() {
     let found = analyse(&t, &v, Kind::Force, "nN", &options).unwrap();
     assert_eq!(found.beats[2].state, State::Missed);
     assert!(
-        found.beats[2].remarks[0]
-            .contains("the hole in the times from 2200 to 2700 ms may hide it")
+        found.beats[2].remarks[0].contains("the gap in the times from 2200 to 2700 ms may hide it")
     );
     let free = analyse(&t, &v, Kind::Force, "nN", &Options::default()).unwrap();
     assert_eq!(free.beats.len(), 5);
