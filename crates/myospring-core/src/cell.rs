@@ -1,14 +1,15 @@
 //! Cell models: a stimulus becomes an action potential and active tension.
 //!
-//! A [`CellModel`] is a set of ordinary differential equations that says what it is as data; a
-//! [`pacing::Protocol`] says when it is stimulated; a [`integrator::CellIntegrator`] moves it in time by any
-//! [`solve::Method`], alone ([`solve::solve`]) or step by step inside a coupled simulation. The models of this
-//! crate have a name in one list, [`models`]; those of others need none.
+//! A [`CellModel`] is a set of ordinary differential equations with a description as data; a
+//! [`pacing::Protocol`] says when it is stimulated; a [`integrator::CellIntegrator`] integrates it
+//! in time by any [`solve::Method`], alone ([`solve::solve`]) or step by step inside a coupled
+//! simulation. [`models`] lists the models of this crate by name; a model of your own need not be
+//! listed.
 //!
-//! Time is in ms, states and their rates are in the units that the model states. Relative tension stays
-//! dimensionless here and is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak`, where `Ta_peak`
-//! is a constant of the model ([`TensionKind::Relative`]): a parameter that makes the model weaker makes the
-//! cell weaker. Tension in kPa is taken as it is.
+//! Time is in ms, states and their rates are in the units that the model states. Relative tension
+//! stays dimensionless here and is scaled outside: `Ta_kPa(t) = peak_tension_kPa Ta(t) / Ta_peak`,
+//! where `Ta_peak` is a constant of the model ([`TensionKind::Relative`]): a parameter that makes
+//! the model weaker makes the cell weaker. Tension in kPa is used unchanged.
 //!
 //! # Example
 //! ```
@@ -59,12 +60,12 @@ pub use description::{
 use std::sync::Arc;
 use tomek_2019::{Layer, TomekModel, Variant};
 
-/// No model has the name that was asked for.
+/// No model has the requested name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("no cell model is named `{name}`; {}the models are: {known}",
     nearest.as_ref().map(|n| format!("did you mean `{n}`? ")).unwrap_or_default())]
 pub struct UnknownModel {
-    /// What was asked for.
+    /// The requested name.
     pub name: String,
     /// The closest name, if one is close.
     pub nearest: Option<String>,
@@ -72,7 +73,7 @@ pub struct UnknownModel {
     pub known: String,
 }
 
-/// Every cell model, with its published parameters: the one list that names them.
+/// Every cell model, with its published parameters: the only list of their names.
 ///
 /// # Example
 /// ```
@@ -102,12 +103,12 @@ pub fn models() -> Vec<Arc<dyn CellModel>> {
     ]
 }
 
-/// Whether a model is one of the list with its published parameters.
+/// Whether a model is in the list and has its published parameters.
 pub fn is_as_published(cell: &dyn CellModel) -> bool {
     model(cell.name()).is_ok_and(|published| published.parameters() == cell.parameters())
 }
 
-/// The model of that name, with its published parameters.
+/// The model of a name, with its published parameters.
 ///
 /// # Errors
 /// An unknown name; the error suggests the nearest and lists all.
@@ -132,7 +133,8 @@ pub fn model(name: &str) -> Result<Arc<dyn CellModel>, UnknownModel> {
     })
 }
 
-/// Fewest insertions, deletions and replacements that turn one word into the other (Levenshtein).
+/// Levenshtein distance: least number of insertions, deletions and replacements that turn one word
+/// into the other.
 fn edit_distance(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
     let mut row: Vec<usize> = (0..=to.len()).collect();

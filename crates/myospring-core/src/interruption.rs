@@ -3,8 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// Says whether work shall end early. Work that may take longer than a fraction of a second asks often, also within one
-/// equilibrium; the default never ends it.
+/// Says whether work shall end early. Work that may take longer than a fraction of a second checks
+/// it often, also within one equilibrium; the default never interrupts.
 ///
 /// # Example
 /// ```
@@ -41,7 +41,7 @@ impl Interruption {
     }
 }
 
-/// Settings that differ in who may end the work are equal: no result depends on it.
+/// All values are equal, because no result depends on an interruption.
 impl PartialEq for Interruption {
     fn eq(&self, _other: &Self) -> bool {
         true
@@ -54,7 +54,7 @@ impl fmt::Debug for Interruption {
     }
 }
 
-/// Work ended early because it was asked to; it has no result.
+/// Work was interrupted and has no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("it was interrupted")]
 pub struct Interrupted;

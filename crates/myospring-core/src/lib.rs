@@ -1,7 +1,8 @@
-//! The model of Myospring, on a handful of dependencies: a heart cell's mesh, its forces and its beat.
+//! The model of Myospring with few dependencies: a heart cell's mesh, its forces and its beat.
 //!
-//! It opens no file and builds for the web. `myospring` passes all of it on, beside pictures, figures and
-//! run files, and its documentation has the tour; depend on that crate unless you want this part alone.
+//! It opens no files and builds for the web. The crate `myospring` re-exports it together with
+//! pictures, figures and run files, and its documentation has the tour; depend on that crate unless
+//! you need only this part.
 
 pub mod analysis;
 pub mod cell;

@@ -1,8 +1,8 @@
 //! Mechanics: point masses and the forces between them.
 //!
-//! A [`Force`] adds its vectors to a sum; one law stands in one file. Units: um, ms, ug, nN, kPa,
-//! fJ. Sign convention: the vector added to a node is the force that acts **on** that node. `D` is the
-//! number of axes: 2 unless stated, for a cell as flat as its picture; 3 for a thick one.
+//! A [`Force`] adds its vectors to a sum; each law has its own file. Units: um, ms, ug, nN, kPa,
+//! fJ. Sign convention: the vector added to a node is the force that acts **on** that node. `D` is
+//! the number of axes: 2 unless stated, for a cell as flat as its picture; 3 for a thick one.
 //!
 //! | file | law | source |
 //! |---|---|---|
@@ -12,7 +12,7 @@
 //! | [`active`] | active tension along the fibre or at the ends | `coelho_2021`, section 3 |
 //! | [`drag`] | viscous drag | `coelho_2021`, Eq. (10) |
 //! | [`support`] | what holds the cell | `coelho_2021`, section 2.1 |
-//! | [`anchor`] | supports that give way: elastic bed, spring-held ends | `edwards_schwarz_2011` |
+//! | [`anchor`] | elastic supports: elastic bed, spring-held ends | `edwards_schwarz_2011` |
 //! | [`grip`] | an end under a constant load | |
 //! | [`stability`] | the largest stable time step | |
 //! | [`stiffness`] | the tangent stiffness, for equilibria | |

@@ -1,16 +1,17 @@
 //! The mesh: point masses, springs and simplices.
 //!
-//! A [`Mesh`] is geometry only: where the points rest, which pairs are springs, which sets of
-//! `D + 1` points span area (or volume). Material and forces live in [`crate::mechanics`]. A cell is
-//! flat (`D` = 2, triangles) unless stated; [`bar`] has a block of tetrahedra.
+//! A [`Mesh`] is geometry only: resting positions of points, pairs joined by springs, and sets of
+//! `D + 1` points that span area (or volume). Material and forces live in [`crate::mechanics`]. A
+//! cell is flat (`D` = 2, triangles) unless stated; [`bar`] has a block of tetrahedra.
 //!
 //! In reading order: an [`outline::Outline`] (polygon) or a [`mask::Mask`] (pixels) says where the
-//! cell is; [`lattice`] fills it with squares and makes masses, springs and triangles of them;
-//! [`quality`] measures and reports; [`built_in`] holds ready-made cells; [`simplex`] has the geometry of
-//! one triangle or tetrahedron; [`carried`] points follow the mesh, such as the outline in figures.
+//! cell is; [`lattice`] fills it with squares and turns them into masses, springs and triangles;
+//! [`quality`] measures and reports; [`built_in`] has ready-made cells; [`simplex`] has the
+//! geometry of one triangle or tetrahedron; [`carried`] points move with the mesh, such as the
+//! outline in figures.
 //!
 //! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
-//! are flipped on the way in, so that a cell is drawn as the microscope showed it.
+//! are flipped when they are read, so that a cell has the same orientation as in the picture.
 
 pub mod bar;
 pub mod built_in;
@@ -25,7 +26,7 @@ pub mod quality;
 mod selection;
 pub mod simplex;
 
-/// Direction class of a lattice spring; it decides its stiffness.
+/// Direction class of a lattice spring; it determines its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpringKind {
     /// Along a lattice axis (horizontal or vertical).
@@ -41,25 +42,25 @@ pub struct Spring {
     pub nodes: [u32; 2],
     /// Direction class.
     pub kind: SpringKind,
-    /// Part of a full spring's stiffness that it carries: 1 inside, 1/2 on the rim, where only one
-    /// lattice square stands behind it.
+    /// Part of a full spring's stiffness that it carries: 1 inside, 1/2 on the rim, where it
+    /// borders on only one lattice square.
     pub share: f64,
 }
 
-/// A triangle (or tetrahedron) with its weight in sums over area.
+/// A triangle (or tetrahedron) with its weight in sums over area (or volume).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Simplex<const N: usize> {
-    /// Corners: of a triangle counter-clockwise, of a tetrahedron the last on the side to which the right
-    /// hand's thumb points when its fingers follow the others.
+    /// Corners: of a triangle counter-clockwise; of a tetrahedron by the right-hand rule: fingers
+    /// along the first three corners, thumb towards the last.
     pub nodes: [u32; N],
-    /// Weight: 1/2 where the triangles of both diagonals of a square overlap.
+    /// Weight: 1/2 if the triangles of both diagonals of a square overlap.
     pub weight: f64,
 }
 
-/// How the points lie on a lattice.
+/// The lattice on which the points lie.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lattice<const D: usize = 2> {
-    /// Distance of neighbours along the axes, um.
+    /// Distance between neighbours along the axes, um.
     pub spacing: f64,
     /// Number of columns (points along x), rows (points along y) and layers of the bounding box.
     pub shape: [usize; D],
@@ -75,28 +76,28 @@ pub struct Lattice<const D: usize = 2> {
 pub struct Mesh<const D: usize = 2, const N: usize = 3> {
     /// Rest positions, um: `points[axis][node]`.
     pub points: [Vec<f64>; D],
-    /// Area that each point stands for, um^2; of a mesh with three axes its volume, um^3.
+    /// Area represented by each point, um^2; with three axes its volume, um^3.
     pub areas: Vec<f64>,
     /// Springs.
     pub springs: Vec<Spring>,
     /// Triangles or tetrahedra.
     pub simplices: Vec<Simplex<N>>,
-    /// The lattice, when the mesh is one.
+    /// The lattice, if the mesh is one.
     pub lattice: Option<Lattice<D>>,
 }
 
-/// Why points, springs and triangles do not make a mesh.
+/// Why points, springs and triangles are not a valid mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeshError {
-    /// No point at all.
+    /// No points.
     #[error("the mesh has no points")]
     NoPoints,
-    /// More points than a 32-bit index can name.
+    /// More points than a 32-bit index can count.
     #[error("the mesh has {points} points; at most {bound} can be numbered")]
     TooManyPoints {
-        /// How many there are.
+        /// Number of points.
         points: usize,
-        /// How many there may be.
+        /// Largest number of points.
         bound: usize,
     },
     /// Arrays that run over the points have different lengths.
@@ -109,12 +110,12 @@ pub enum MeshError {
         /// Number of points.
         expected: usize,
     },
-    /// A coordinate, area, share or weight that is not finite, or not positive where it must be.
+    /// A coordinate, area, share or weight that is not finite, or not positive although it must be.
     #[error("{what} of {of} {index} is {value}; it must be {must}")]
     Value {
         /// Which quantity.
         what: &'static str,
-        /// What it belongs to: node, spring, triangle, lattice.
+        /// The kind of item: node, spring, triangle, lattice.
         of: &'static str,
         /// Its index.
         index: usize,
@@ -123,19 +124,21 @@ pub enum MeshError {
         /// What it must be.
         must: &'static str,
     },
-    /// A spring or triangle names a point that does not exist.
-    #[error("{of} {index} names node {node}, but the mesh has {points} points (0 is the first)")]
+    /// A spring or triangle refers to a point that does not exist.
+    #[error(
+        "{of} {index} refers to node {node}, but the mesh has {points} points (0 is the first)"
+    )]
     Index {
         /// Spring or triangle.
         of: &'static str,
         /// Its index.
         index: usize,
-        /// The node that it names.
+        /// The node to which it refers.
         node: u32,
         /// Number of points.
         points: usize,
     },
-    /// A spring of no length: its ends are one node, or lie on each other.
+    /// A spring without length: its ends are the same node or have the same position.
     #[error("spring {spring} between nodes {a} and {b} has no length")]
     ZeroLength {
         /// Index of the spring.
@@ -153,7 +156,7 @@ pub enum MeshError {
         /// Second end.
         b: u32,
     },
-    /// A triangle of no area, or with its corners clockwise; a tetrahedron likewise.
+    /// A triangle without area, or with clockwise corners; a tetrahedron likewise.
     #[error("{of} {index} has the {measure} {value} um^{axes}; its corners must run {must}")]
     Orientation {
         /// Triangle or tetrahedron.
@@ -170,41 +173,43 @@ pub enum MeshError {
         must: &'static str,
     },
     /// A node on fewer than two springs would swing freely.
-    #[error("node {node} hangs on {springs} spring(s); at least 2 must hold it")]
+    #[error("node {node} has only {springs} spring(s); at least 2 are needed")]
     Dangling {
         /// Index of the node.
         node: usize,
         /// Number of its springs.
         springs: usize,
     },
-    /// The springs do not join all nodes.
-    #[error("the mesh falls apart: only {reached} of {points} nodes hang together with node 0")]
+    /// The springs do not connect all nodes.
+    #[error(
+        "the mesh is not connected: only {reached} of {points} nodes are connected with node 0"
+    )]
     Disconnected {
-        /// Nodes that springs join to node 0.
+        /// Number of nodes connected with node 0.
         reached: usize,
         /// All nodes.
         points: usize,
     },
-    /// A point does not lie on the lattice place that it claims.
+    /// A point does not lie on its stated lattice place.
     #[error("node {node} does not lie on {place} of the lattice")]
     OffLattice {
         /// Index of the node.
         node: usize,
-        /// Column, row and layer that it claims, in words.
+        /// Its stated column, row and layer, in words.
         place: String,
     },
 }
 
 impl<const D: usize, const N: usize> Mesh<D, N> {
-    /// Puts a mesh together and checks every invariant.
+    /// Makes a mesh and checks all invariants.
     ///
     /// Guaranteed afterwards: coordinates are finite; areas, shares and weights are finite and
     /// positive; indices are in range; no spring has zero length and no pair of nodes has two
-    /// springs; triangles run counter-clockwise; every node hangs on two springs or more and all
-    /// nodes hang together; the points lie on the lattice, when there is one.
+    /// springs; triangles run counter-clockwise; every node has at least two springs and all nodes
+    /// are connected; the points lie on the lattice, if there is one.
     ///
     /// # Errors
-    /// The first invariant that does not hold, with the node, spring or triangle.
+    /// The first violated invariant, with the node, spring or triangle.
     ///
     /// # Example
     /// ```
@@ -241,7 +246,7 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
         self.points[0].len()
     }
 
-    /// Whether there is no point; never so for a mesh from [`Mesh::new`].
+    /// Whether there are no points; always false for a mesh from [`Mesh::new`].
     pub fn is_empty(&self) -> bool {
         self.points[0].is_empty()
     }
@@ -336,7 +341,8 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
         Ok(())
     }
 
-    /// Number of nodes that springs join to node 0, itself included (union of sets by path halving).
+    /// Number of nodes connected with node 0 by springs, including itself (union-find with path
+    /// halving).
     fn reached_from_first(&self) -> usize {
         fn root(parent: &mut [u32], mut node: u32) -> u32 {
             while parent[node as usize] != node {
@@ -378,7 +384,7 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
         }
         for (node, cell) in lattice.cells.iter().enumerate() {
             let point = self.point(node);
-            // A part in 1e6 of the spacing: far above rounding, far below a wrong place.
+            // 1e-6 of the spacing: far above rounding, far below a wrong place.
             let there = cell.iter().enumerate().all(|(axis, &place)| {
                 let expected = lattice.origin[axis] + lattice.spacing * f64::from(place);
                 (place as usize) < lattice.shape[axis]

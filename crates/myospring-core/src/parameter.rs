@@ -3,34 +3,34 @@
 use serde::Serialize;
 use std::borrow::Cow;
 
-/// A model constant with everything a reader needs to trust it.
+/// A model constant with unit, range, meaning and source.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
-    /// The field's name for it, ASCII, as in the paper: `tau_v1_minus`.
+    /// Its name in the paper, ASCII: `tau_v1_minus`.
     pub name: Cow<'static, str>,
     /// Value in `unit`.
     pub value: f64,
-    /// Unit as written for people; empty for a pure number.
+    /// Unit; empty for a dimensionless number.
     pub unit: Cow<'static, str>,
     /// Smallest value that the model accepts.
     pub minimum: f64,
     /// Largest value that the model accepts.
     pub maximum: f64,
-    /// What it does, in a few words.
+    /// Its meaning, in a few words.
     pub meaning: Cow<'static, str>,
-    /// Where the value comes from: a key of `references.bib` and the place in it.
+    /// Source of the value: a key of `references.bib` and the place in it.
     pub source: Cow<'static, str>,
 }
 
-/// Why a parameter was not changed, or a set not made.
+/// Why a parameter or a set is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     /// No parameter has that name.
     #[error("no parameter is named `{name}`; the parameters are: {known}")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// The names there are.
+        /// The existing names.
         known: String,
     },
     /// Two rows have one name.
@@ -46,7 +46,7 @@ pub enum ParameterError {
     OutOfRange {
         /// The parameter.
         name: String,
-        /// What was given.
+        /// The given value.
         value: f64,
         /// Smallest value.
         minimum: f64,
@@ -57,17 +57,17 @@ pub enum ParameterError {
     },
 }
 
-/// A named set of parameters, in the order they are shown.
+/// A named set of parameters, in the order of display.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParameterSet {
     rows: Vec<Parameter>,
 }
 
 impl ParameterSet {
-    /// Collects the rows of a table in a program; names must differ.
+    /// Makes a set from the rows of a table in the source code; names must differ.
     ///
     /// # Panics
-    /// If two rows share a name: a slip in the table, not in any input.
+    /// If two rows share a name: an error in the table, not in any input.
     pub fn new(rows: Vec<Parameter>) -> Self {
         match Self::try_new(rows) {
             Ok(set) => set,
@@ -75,7 +75,7 @@ impl ParameterSet {
         }
     }
 
-    /// Collects rows that were read when the program ran.
+    /// Makes a set from rows that were read at run time.
     ///
     /// # Errors
     /// Two rows with one name.

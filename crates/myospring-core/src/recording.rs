@@ -1,4 +1,4 @@
-//! What a run keeps: time series and frames.
+//! The recording of a run: time series and frames.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,17 +7,18 @@ use serde::{Deserialize, Serialize};
 pub struct Sample {
     /// Time, ms.
     pub t_ms: f64,
-    /// The cell model's potential variable, dimensionless, where it has one.
+    /// The cell model's potential variable, dimensionless, if it has one.
     pub u: Option<f64>,
-    /// Membrane potential, mV, where the model defines it.
+    /// Membrane potential, mV, if the model defines it.
     pub vm_mv: Option<f64>,
-    /// Active tension, kPa; of one that differs from place to place, its mean over the cell.
+    /// Active tension, kPa; if it is not uniform, its mean over the cell.
     pub ta_kpa: f64,
-    /// Length along the reference long axis after rigid rotation is removed, um: end to end at rest, changed as the
-    /// distance between the means of both ends.
+    /// Length along the reference long axis after rigid rotation is removed, um: at rest the
+    /// distance between its ends, scaled by the distance between the means of both ends.
     pub length_um: f64,
-    /// Largest extent across the long axis at rest, changed as the distance between the means of both sides after the
-    /// rigid rotation of the whole cell is removed, um; between two clamps, across the line between them.
+    /// Width across the long axis after rigid rotation is removed, um: at rest the largest extent,
+    /// scaled by the distance between the means of both sides; between two clamps, across the line
+    /// between them.
     pub width_um: f64,
     /// Projected area, um^2.
     pub area_um2: f64,
@@ -29,7 +30,7 @@ pub struct Sample {
     pub kinetic_energy_fj: f64,
     /// Work done by the active force since the start, fJ.
     pub active_work_fj: f64,
-    /// Energy taken by dashpots and drag since the start, fJ.
+    /// Energy dissipated by dashpots and drag since the start, fJ.
     pub dissipated_energy_fj: f64,
     /// Size of the linear momentum, nN ms; internal forces keep it at zero.
     pub momentum_nn_ms: f64,
@@ -39,7 +40,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// A cell of length, width and area 1 at 0 ms that does nothing and has no potential.
+    /// A cell at rest at 0 ms, with length, width and area 1, without potential.
     pub const STILL: Self = Self {
         t_ms: 0.0,
         u: None,
@@ -58,26 +59,25 @@ impl Sample {
     };
 }
 
-/// Something that the cell model tells beside potential and tension, over time: a transient of calcium, a
-/// current.
+/// A further output of the cell model over time, such as a calcium transient or a current.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Signal {
     /// Its name, ASCII.
     pub name: String,
-    /// Its unit as written for people; empty for a pure number.
+    /// Its unit; empty for a dimensionless number.
     pub unit: String,
     /// One value for each sample, in that unit.
     pub values: Vec<f64>,
 }
 
-/// The signal of the force with which a cell draws its ends inward, nN, where both are held.
+/// Name of the signal of the force with which a cell pulls its held ends inward, nN.
 pub const END_FORCE: &str = "end_force";
 
-/// The signal of free calcium in the cytosol, uM, of a cell model that has it.
+/// Name of the signal of free cytosolic calcium, uM.
 pub const CALCIUM: &str = "Ca_i";
 
-/// The signal of the largest rate of the potential since the last stimulus, by the model's own rates at every step and
-/// without the current of the stimulus.
+/// Name of the signal of the largest rate of the potential since the last stimulus, from the
+/// model's own rates at every step, without the stimulus current.
 pub const STEEPEST_RISE: &str = "steepest_rise";
 
 impl Signal {
@@ -92,28 +92,28 @@ impl Signal {
 pub struct Frame<const D: usize = 2> {
     /// Time, ms.
     pub t_ms: f64,
-    /// Active tension, kPa; of one that differs from place to place, its mean over the cell, each triangle by
-    /// its volume and its content of myofibrils.
+    /// Active tension, kPa; if it is not uniform, its mean over the cell, weighted by volume and
+    /// content of myofibrils.
     pub ta_kpa: f64,
-    /// Active tension of each triangle, kPa, where it differs.
+    /// Active tension of each triangle, kPa, if it is not uniform.
     pub ta_by_triangle_kpa: Option<Vec<f64>>,
     /// Positions, um: `positions[axis][node]`.
     pub positions: [Vec<f64>; D],
 }
 
-/// Everything one run kept.
+/// The recording of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording<const D: usize = 2> {
     /// Time series, in order of time.
     pub samples: Vec<Sample>,
     /// Shapes, in order of time.
     pub frames: Vec<Frame<D>>,
-    /// What the cell model tells besides; none of most models.
+    /// Further outputs of the cell model; empty for most models.
     pub signals: Vec<Signal>,
 }
 
 impl<const D: usize> Default for Recording<D> {
-    /// Nothing yet.
+    /// An empty recording.
     fn default() -> Self {
         Self { samples: Vec::new(), frames: Vec::new(), signals: Vec::new() }
     }

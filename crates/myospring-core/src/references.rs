@@ -1,6 +1,6 @@
 //! The papers behind the models, as BibTeX.
 
-/// All of them: the one list of what the documentation cites.
+/// All references that the documentation cites.
 pub const REFERENCES: &str = include_str!("../references.bib");
 
 /// One entry, from its `@` to its last brace.

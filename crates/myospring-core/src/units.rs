@@ -1,4 +1,4 @@
-//! The internal unit system, and quantities read from and written for people.
+//! The internal unit system, and quantities as text.
 //!
 //! Inside the library every number is a plain `f64` in one coherent system: ms, um, nN, ug, kPa
 //! (= nN/um^2), nN/um, fJ (= nN um), mV, uM, mS/uF, A/F, nS, pA, pF. `1 nN = 1 ug um/ms^2`, so no equation
@@ -10,7 +10,7 @@ mod symbol;
 use std::fmt;
 pub use symbol::symbol;
 
-/// What a quantity measures; it fixes the internal unit and the units a person may write.
+/// What a quantity measures; it determines the internal unit and the accepted units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Time, ms.
@@ -55,12 +55,12 @@ pub enum Dimension {
     Speed,
     /// Angle, degrees.
     Angle,
-    /// A pure number; a percentage may be written.
+    /// A dimensionless number; also accepted as a percentage.
     Number,
 }
 
-/// Symbols of units and the factors to the internal unit; the first is the internal one. Words and other letters
-/// become symbols before ([`symbol()`]).
+/// Symbols of units and their factors to the internal unit, which comes first. Names and other
+/// spellings are converted to symbols before ([`symbol()`]).
 type UnitTable = &'static [(&'static str, f64)];
 
 impl Dimension {
@@ -97,12 +97,12 @@ impl Dimension {
         }
     }
 
-    /// The internal unit, as written for people: `um`, `kPa`, `ms`.
+    /// The internal unit: `um`, `kPa`, `ms`.
     pub const fn unit(self) -> &'static str {
         self.table()[0].0
     }
 
-    /// The units that may be written, the internal one first.
+    /// The accepted units, the internal one first.
     pub fn symbols(self) -> impl Iterator<Item = &'static str> {
         self.table().iter().map(|row| row.0)
     }
@@ -160,7 +160,7 @@ impl Dimension {
         Self::Number,
     ];
 
-    /// The dimension whose internal unit this is; `""` is a pure number.
+    /// The dimension whose internal unit this is; `""` is dimensionless.
     pub fn of_unit(unit: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|dimension| dimension.unit() == unit)
     }
@@ -185,31 +185,31 @@ pub fn is_unit(text: &str) -> bool {
     !unit.is_empty() && tables.into_iter().any(|row| row.0 == unit)
 }
 
-/// Why a text is not the quantity that was asked for.
+/// Why a text is not the expected quantity.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnitError {
-    /// No number stands at the start.
+    /// The text does not start with a number.
     #[error("`{text}` does not start with a number; write it like \"{example}\"")]
     NotANumber {
-        /// What was written.
+        /// The text.
         text: String,
-        /// How it might be written.
+        /// An example of a correct text.
         example: String,
     },
     /// NaN or infinity.
     #[error("`{text}` is not a finite number; write it like \"{example}\"")]
     NotFinite {
-        /// What was written.
+        /// The text.
         text: String,
-        /// How it might be written.
+        /// An example of a correct text.
         example: String,
     },
-    /// A comma among the digits, which may part decimals or thousands.
+    /// A comma in the number, which may separate decimals or thousands.
     #[error("`{text}` has a comma in its number; write {instead}")]
     Comma {
-        /// What was written.
+        /// The text.
         text: String,
-        /// How it may be meant.
+        /// What may be meant.
         instead: String,
     },
     /// A number without the unit that its dimension needs.
@@ -217,27 +217,27 @@ pub enum UnitError {
         "`{text}` has no unit, but {wanted} needs one: {accepted}; write it like \"{example}\""
     )]
     MissingUnit {
-        /// What was written.
+        /// The text.
         text: String,
-        /// What is needed.
+        /// The expected dimension.
         wanted: Dimension,
-        /// Units that may be written.
+        /// Accepted units.
         accepted: String,
-        /// How it might be written.
+        /// An example of a correct text.
         example: String,
     },
-    /// A unit of something else, or none we know.
+    /// A unit of another dimension, or an unknown one.
     #[error("`{text}` is {given}, but {wanted} is needed, in one of: {accepted}{meant}")]
     WrongUnit {
-        /// What was written.
+        /// The text.
         text: String,
-        /// What that unit measures, or that it is unknown.
+        /// The dimension of that unit, or that it is unknown.
         given: String,
-        /// What is needed.
+        /// The expected dimension.
         wanted: Dimension,
-        /// Units that may be written.
+        /// Accepted units.
         accepted: String,
-        /// The one that differs by small and capital letters alone, in a question.
+        /// A suggestion that differs only in upper and lower case.
         meant: String,
     },
 }
@@ -290,7 +290,7 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
         .into_iter()
         .find(|other| other.table().iter().any(|row| row.0 == unit))
         .map_or_else(|| format!("in an unknown unit `{unit}`"), |other| other.name().to_owned());
-    // `MPa` and `mPa` differ by their letters, too: what is not exact is asked.
+    // `MPa` and `mPa` differ only in case, so an inexact match is only suggested.
     let alike = dimension.table().iter().find(|row| row.0.eq_ignore_ascii_case(unit));
     let meant = alike.map(|row| format!("; did you mean \"{number} {}\"?", row.0));
     Err(UnitError::WrongUnit {
@@ -302,7 +302,7 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
     })
 }
 
-/// How a number with a comma may be meant; `number` is what stands before the comma.
+/// What a number with a comma may mean; `number` is the part before the comma.
 fn without_comma(text: &str, number: &str) -> Option<String> {
     let decimal = text.replace(',', ".");
     if !text.contains(',') || split_number(&decimal).0.len() <= number.len() {
@@ -313,12 +313,12 @@ fn without_comma(text: &str, number: &str) -> Option<String> {
     let thousands = format!("\"{}\"", text.replace(',', ""));
     Some(match digits {
         _ if several => thousands,
-        3 => format!("\"{decimal}\", or {thousands} if the comma parts thousands"),
+        3 => format!("\"{decimal}\", or {thousands} if the comma separates thousands"),
         _ => format!("\"{decimal}\", with a point"),
     })
 }
 
-/// The longest prefix that is a number, and the rest without the space between.
+/// The longest prefix that is a number, and the rest without leading space.
 fn split_number(text: &str) -> (&str, &str) {
     for word in ["nan", "inf", "infinity"] {
         let bare = text.trim_start_matches(['+', '-']);

@@ -258,8 +258,8 @@ fn what_the_kernel_does_not_know_stays_with_the_plain_loops() {
             // What auto says and what a refusal says are one.
             (
                 EngineUsed::Plain { instead_of_fused: Some(why) },
-                Err(EngineError::NotServed { hindrance }),
-            ) => assert_eq!(&hindrance, why),
+                Err(EngineError::Unsupported { what }),
+            ) => assert_eq!(&what, why),
             (auto, wanted) => panic!("{auto:?} but {wanted:?}"),
         }
         matches!(auto, EngineUsed::Fused { .. })
@@ -272,10 +272,9 @@ fn what_the_kernel_does_not_know_stays_with_the_plain_loops() {
     assert!(!fused(&barycentric, ActiveLaw::Fibre, SupportKind::MassCentre));
 
     // The kernel is one method: another is not made by it, nor is a tension for each triangle.
-    for (form, uniform, word) in [
-        (Integrator::VelocityVerlet, true, "velocity Verlet"),
-        (form, false, "from place to place"),
-    ] {
+    for (form, uniform, word) in
+        [(Integrator::VelocityVerlet, true, "velocity Verlet"), (form, false, "not uniform")]
+    {
         let (active, support) = (ActiveLaw::Fibre, SupportKind::MassCentre);
         let auto = used(Loops::Auto, form, uniform, &usual, active, support).unwrap();
         let EngineUsed::Plain { instead_of_fused: Some(why) } = auto else { panic!("{auto:?}") };

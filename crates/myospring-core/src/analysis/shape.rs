@@ -112,21 +112,22 @@ impl ShapeMeter {
         Self { reference, axis, turned_by: weights, across: None, length, width }
     }
 
-    /// Takes the rotation from points of these weights instead: those that a clamp holds.
+    /// Sets other weights for the rotation, for instance those of points held by a clamp.
     #[must_use]
     pub fn turned_by(self, weights: Vec<f64>) -> Self {
         Self { turned_by: weights, ..self }
     }
 
-    /// Measures the width across the axis that points of these weights have turned, while the length stays
-    /// along the axis of the meter's own rotation: for a cell that is held at one end and swings aside.
+    /// Measures the width across an axis that turns with the points of these weights, while the
+    /// length is still measured along the axis of the meter's own rotation: for a cell that is held
+    /// at one end and swings aside.
     #[must_use]
     pub fn width_turned_by(self, weights: Vec<f64>) -> Self {
         Self { across: Some(weights), ..self }
     }
 
-    /// For a cell whose ends are within clamps up to these depths, um, at the lower and at the upper end: what is held
-    /// neither stretches nor shortens, 0 at an end that is free.
+    /// Sets the depths, um, to which the lower and the upper end are within clamps (0 for a free
+    /// end): clamped parts do not change length.
     #[must_use]
     pub fn gripped(mut self, depths: [f64; 2]) -> Self {
         let [x, y] = self.axis;
@@ -146,7 +147,7 @@ impl ShapeMeter {
     }
 
     /// Angle by which the points have turned, rad, counter-clockwise: the rotation that brings the
-    /// reference closest to them in the sense of weighted least squares.
+    /// reference closest to them by weighted least squares.
     pub fn rotation(&self, positions: &[Vec<f64>; 2]) -> f64 {
         self.rotation_of(positions, &self.turned_by)
     }
@@ -184,8 +185,8 @@ impl ShapeMeter {
     }
 }
 
-/// The outermost rows of points along a direction that hold [`SIDE_PART`] of all weights, at the lower and at the upper
-/// side.
+/// The outermost rows of points along a direction with [`SIDE_PART`] of all weights, at the lower
+/// and at the upper side.
 fn sides(points: &[Vec<f64>; 2], weights: &[f64], [x, y]: [f64; 2]) -> [Vec<usize>; 2] {
     let along: Vec<f64> = points[0].iter().zip(&points[1]).map(|(a, b)| a * x + b * y).collect();
     let mut order: Vec<usize> = (0..along.len()).collect();
@@ -208,8 +209,8 @@ fn sides(points: &[Vec<f64>; 2], weights: &[f64], [x, y]: [f64; 2]) -> [Vec<usiz
     [cap(&mut order.iter().copied()), cap(&mut order.iter().rev().copied())]
 }
 
-/// Points (um, by axis) shifted and turned as a whole to where they are nearest to others in the sense of least squares with
-/// these weights.
+/// Shifts and rotates points (um, by axis) rigidly to where they are nearest to others by weighted
+/// least squares.
 ///
 /// # Example
 /// ```
@@ -240,7 +241,7 @@ pub fn laid_upon(points: &[Vec<f64>; 2], others: &[Vec<f64>; 2], weights: &[f64]
     [turned(0), turned(1)]
 }
 
-/// Distance of the outermost points along a unit direction, um.
+/// Distance between the outermost points along a unit direction, um.
 pub fn extent(positions: &[Vec<f64>; 2], direction: [f64; 2]) -> f64 {
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
     for (x, y) in positions[0].iter().zip(&positions[1]) {

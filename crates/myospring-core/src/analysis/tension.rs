@@ -4,7 +4,7 @@ use super::Metric;
 use super::pulse::Pulse;
 use super::rows::{Context, ONSET, between, per_second, row, times_ms};
 
-/// Metrics of a force or tension whose height above rest is a pulse.
+/// Metrics of a force or tension, from the pulse of its height above rest.
 pub fn of_pulse(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context) -> Vec<Metric> {
     let peak = pulse.peak();
     let time = peak.map(|peak| peak.time);
@@ -18,7 +18,12 @@ pub fn of_pulse(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context)
             unit,
             "largest tension above that at rest",
         ),
-        row("time_of_peak_tension", time, "ms", "time of it on the clock of the run or recording"),
+        row(
+            "time_of_peak_tension",
+            time,
+            "ms",
+            "time of the largest tension on the clock of the run or recording",
+        ),
     ];
     if let Some(stimulus) = context.stimulus {
         rows.push(row(

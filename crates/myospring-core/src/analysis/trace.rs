@@ -11,8 +11,9 @@ pub struct Point {
     pub value: f64,
 }
 
-/// The curve's maximum: the vertex of the parabola through the largest sample and its neighbours; where
-/// the curve is straight on both sides, the corner in which the two lines meet. `None` if no sample is finite.
+/// The curve's maximum: the vertex of the parabola through the largest sample and its neighbours;
+/// if the curve is straight on both sides, the point where the two lines meet. `None` if no sample
+/// is finite.
 ///
 /// # Example
 /// ```
@@ -43,11 +44,12 @@ pub fn peak(times: &[f64], values: &[f64]) -> Option<Point> {
     Some(Point { time: sample.time + shift, value: sample.value + 0.5 * slope * shift })
 }
 
-/// How straight a side of a corner is: its bend between three samples, as a part of the whole bend. Of a parabola
-/// it would be a third.
+/// Largest bend between three samples of a straight side, as a part of the whole bend at the
+/// corner; for a parabola it would be a third.
 const STRAIGHT: f64 = 0.05;
 
-/// Where the lines through the samples on both sides of a top meet, if the curve is straight there.
+/// Intersection of the lines through the samples on both sides of a top, if the curve is straight
+/// there.
 fn corner(times: &[f64], values: &[f64], top: usize) -> Option<Point> {
     if top < 3 || top + 3 >= values.len() {
         return None;
@@ -62,7 +64,8 @@ fn corner(times: &[f64], values: &[f64], top: usize) -> Option<Point> {
     let time =
         (values[top + 1] - values[top - 1] + left * times[top - 1] - right * times[top + 1]) / bend;
     let value = values[top - 1] + left * (time - times[top - 1]);
-    // Sides that are not quite straight meet a little below a corner at the sample itself.
+    // Lines through sides that are not quite straight may meet slightly below a corner at the
+    // sample itself.
     let least = values[top] - STRAIGHT * bend * (times[top + 1] - times[top - 1]);
     let between = (times[top - 1]..=times[top + 1]).contains(&time) && value >= least;
     between.then_some(Point { time, value: value.max(values[top]) })
@@ -80,12 +83,13 @@ fn index_of_largest(values: &[f64]) -> Option<usize> {
         .reduce(|best, i| if values[i] > values[best] { i } else { best })
 }
 
-/// First time from `from` (ms) on at which the curve rises through `level`, between samples linear.
+/// First time from `from` (ms) on at which the curve rises through `level`, interpolated linearly.
 pub fn rises_through(times: &[f64], values: &[f64], level: f64, from: f64) -> Option<f64> {
     crossing(times, values, from, |a, b| a < level && b >= level, level)
 }
 
-/// Last time from `from` to `until` (ms) at which the curve rises through `level`, between samples linear.
+/// Last time from `from` to `until` (ms) at which the curve rises through `level`, interpolated
+/// linearly.
 pub fn last_rise_through(
     times: &[f64],
     values: &[f64],
@@ -101,7 +105,7 @@ pub fn last_rise_through(
     })
 }
 
-/// First time from `from` (ms) on at which the curve falls through `level`, between samples linear.
+/// First time from `from` (ms) on at which the curve falls through `level`, interpolated linearly.
 pub fn falls_through(times: &[f64], values: &[f64], level: f64, from: f64) -> Option<f64> {
     crossing(times, values, from, |a, b| a > level && b <= level, level)
 }
@@ -149,7 +153,7 @@ pub fn integral(times: &[f64], values: &[f64]) -> f64 {
     times.windows(2).zip(values.windows(2)).map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0])).sum()
 }
 
-/// Where the largest rise of a curve begins, and how high it is.
+/// Index at which the largest rise of a curve begins, and its height.
 pub fn largest_rise(values: &[f64]) -> Option<(usize, f64)> {
     let (mut foot, mut found, mut rise) = (0, None, 0.0);
     for (place, value) in values.iter().enumerate() {
@@ -163,9 +167,9 @@ pub fn largest_rise(values: &[f64]) -> Option<(usize, f64)> {
     found
 }
 
-/// The samples in which a twitch lies that follows a stimulus, of values that rise in it: all, or, where they are largest
-/// before the stimulus since the twitch before has not ended, those from where the largest rise after it begins, or
-/// from the stimulus on where nothing rises.
+/// The samples of the twitch after a stimulus, in values that rise in a twitch: all samples, unless
+/// the largest value comes before the stimulus because the previous twitch has not ended. Then the
+/// samples begin with the largest rise after the stimulus, or at the stimulus if nothing rises.
 pub fn twitch(times: &[f64], values: &[f64], stimulus: f64) -> Range<usize> {
     let all = 0..values.len();
     if index_of_largest(values).is_none_or(|top| times[top] > stimulus) {

@@ -1,12 +1,12 @@
-//! Metrics of a calcium transient, or of what stands for calcium, per beat.
+//! Metrics of a calcium transient, or of a signal of calcium such as fluorescence, per beat.
 
 use super::Metric;
 use super::kind::Kind;
 use super::pulse::Pulse;
 use super::rows::{Context, ONSET, between, per_second, row, times_ms};
 
-/// Metrics of a transient whose height above its baseline is a pulse; the baseline goes from the diastolic level to
-/// another one under the peak.
+/// Metrics of a transient, from the pulse of its height above its baseline; the baseline may drift
+/// from the diastolic level at the beginning to another one under the peak.
 pub fn of_pulse(
     pulse: &Pulse,
     [rest, under]: [f64; 2],

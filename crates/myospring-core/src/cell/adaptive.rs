@@ -1,7 +1,7 @@
-//! The minimal model with steps as long as the accuracy allows: one cell.
+//! The minimal model with adaptive steps, for one cell.
 //!
-//! Many cells at once ([`batch`](super::batch)) have the same bits. The
-//! [fixed steps](super::solve) remain the default of a run and the check on this module.
+//! Many cells at once ([`batch`](super::batch)) give bitwise the same results. The [fixed
+//! steps](super::solve) are the default of a run, and a check of this module.
 //!
 //! # Method
 //! The pair 3(2) of Bogacki and Shampine (`bogacki_shampine_1989`): three evaluations a step, each step
@@ -9,26 +9,27 @@
 //! 0.1 for `u, v, w, s` and 0.01 for `Ta_i, Ta` (`hairer_norsett_wanner_1993`, II.4). Between the ends
 //! of a step the state is Hermite's cubic, of the same order.
 //!
-//! Such a method keeps its order only where the equations are smooth, and the minimal model jumps at
-//! thresholds. So:
-//! - **Switches.** Between thresholds every Heaviside step is a constant. A step is made with the
-//!   constants of the side where it begins. If it ends, or is at its middle, on another side, it is
-//!   cut where the cubic meets the threshold, `u` is set on it to the last bit, and the next step has
-//!   the constants of the other side (`hairer_norsett_wanner_1993`, II.6). The same at `Ta_i = x_3`.
-//!   An excursion over a threshold and back within half a step goes unseen; the error estimate bounds
-//!   its height.
+//! Such a method keeps its order only if the equations are smooth, but the minimal model jumps at
+//! thresholds. Therefore:
+//! - **Switches.** Between thresholds every Heaviside step is a constant. A step uses the constants
+//!   of the side on which it begins. If its middle or end lies on another side, it is cut where the
+//!   cubic meets the threshold, `u` is set exactly to the threshold, and the next step uses the
+//!   constants of the other side (`hairer_norsett_wanner_1993`, II.6). The same at `Ta_i = x_3`. An
+//!   excursion over a threshold and back within half a step is not detected; the error estimate
+//!   bounds its height.
 //! - **Sliding.** Where `du/dt` points at the threshold from both sides, as in resting `coelho_2021` at
 //!   `theta_w`, `u` stays on it and the other rates are the mixture of both sides' that keeps it there
 //!   (`filippov_1988`). It ends when one side no longer points at the threshold, or with a stimulus.
-//! - **Stimuli.** A step ends exactly at each event of the protocol; then the side is found anew and
-//!   the step size begins from the rates. The state at the time of an event includes the event.
+//! - **Stimuli.** A step ends exactly at each event of the protocol; then the side is determined
+//!   again and the step size is chosen from the rates. The state at the time of an event includes
+//!   the event.
 //!
 //! # Guarantees
-//! Error of the default tolerance 1e-5 for the published sets, trains of five beats at 500, 1000 and
-//! 2000 ms against converged solutions of another program: peak tension below 0.03 %, its time below
-//! 0.02 ms, APD90 below 0.01 ms; in proportion to the tolerance. The times at which the state is asked
-//! for change nothing.
-//! A cell that no step takes further is an error with its time, never an endless loop.
+//! Error of the default tolerance 1e-5 for the published sets, trains of five beats at 500, 1000
+//! and 2000 ms against converged solutions of another program: peak tension below 0.03 %, its time
+//! below 0.02 ms, APD90 below 0.01 ms; in proportion to the tolerance. The times at which the state
+//! is requested do not change the result. If no step succeeds, the result is an error with its
+//! time, never an endless loop.
 //!
 //! # Example
 //! ```
@@ -115,7 +116,7 @@ impl AdaptiveIntegrator {
     /// A cell in its initial state at 0 ms, after whatever the protocol does at 0 ms.
     ///
     /// # Errors
-    /// A protocol that cannot be followed, or a tolerance out of range.
+    /// An invalid protocol, or a tolerance out of range.
     pub fn new(
         model: &MinimalModel,
         protocol: Protocol,
@@ -133,7 +134,7 @@ impl AdaptiveIntegrator {
         Self::from(&task(model, protocol, duration_ms, None), model, settings)
     }
 
-    /// As [`AdaptiveIntegrator::new`], from a state.
+    /// Like [`AdaptiveIntegrator::new`], from a given state.
     pub(super) fn starting_from(
         model: &MinimalModel,
         initial_state: [f64; 6],
@@ -169,7 +170,7 @@ impl AdaptiveIntegrator {
         self.lanes.taken[0] + self.course.steps
     }
 
-    /// Steps tried so far whose error was too large.
+    /// Number of rejected steps so far.
     pub fn refused(&self) -> u64 {
         self.lanes.refused[0]
     }
@@ -177,8 +178,8 @@ impl AdaptiveIntegrator {
     /// Moves on to time `t_ms`.
     ///
     /// # Errors
-    /// A time before the one reached or not finite, or a cell that no step takes further; it is then
-    /// no longer of use.
+    /// A time before the one reached or not finite, or a cell for which no step succeeds; the
+    /// integrator cannot be used afterwards.
     pub fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError> {
         if !t_ms.is_finite() || (t_ms < self.time_ms && !same_instant(t_ms, self.time_ms)) {
             return Err(SolveError::BackInTime { target_ms: t_ms, time_ms: self.time_ms });
@@ -196,7 +197,7 @@ impl AdaptiveIntegrator {
         Ok(())
     }
 
-    /// One step; true if the run has reached its end.
+    /// Makes one step; true if the run has reached its end.
     fn step(&mut self) -> Result<bool, SolveError> {
         let (since_ms, stimulus) = self.course.since_stimulus(self.lanes.time[0]);
         self.upstroke.see(since_ms, &Lanes::get(&self.lanes.rates, 0), stimulus);
@@ -247,8 +248,7 @@ impl Adaptive for MinimalModel {
 /// [`solve::solve`](super::solve::solve) with adaptive steps.
 ///
 /// # Errors
-/// A protocol, tolerance, duration or interval that is not possible; a cell that no step takes
-/// further.
+/// An invalid protocol, tolerance, duration or interval; a cell for which no step succeeds.
 ///
 /// # Example
 /// ```
@@ -274,13 +274,13 @@ pub fn solve(
     })
 }
 
-/// Runs a cell from 0 ms to `duration_ms` and tells of each beat, one per stimulus, in order.
+/// Runs a cell from 0 ms to `duration_ms` and returns its beats, one per stimulus, in order.
 ///
-/// Peaks and durations are found on the cubics between the steps, so they have the accuracy of the
-/// solution, not of a grid of samples.
+/// Peaks and durations are read from the cubics between the steps, so they have the accuracy of the
+/// solution and do not depend on a sampling grid.
 ///
 /// # Errors
-/// A protocol, tolerance or duration that is not possible; a cell that no step takes further.
+/// An invalid protocol, tolerance or duration; a cell for which no step succeeds.
 pub fn beats(
     model: &MinimalModel,
     protocol: Protocol,
@@ -307,7 +307,7 @@ pub fn reference_beat(
     ReferenceBeat::of(model, peak, REFERENCE_BEAT_MS)
 }
 
-/// A cell as something to follow.
+/// Describes a cell to be integrated.
 pub(super) fn task(
     model: &MinimalModel,
     protocol: Protocol,
@@ -323,7 +323,7 @@ pub(super) fn task(
     }
 }
 
-/// As an error of a model, with the variable that went astray if one did.
+/// Turns a failure into an error of a model, with the variable that is not finite, if there is one.
 pub(super) fn stalled(model: &'static str, stuck: &Stuck) -> SolveError {
     let Stuck { time_ms, step_ms, state } = *stuck;
     let worst = state.iter().position(|value| !value.is_finite()).unwrap_or(0);

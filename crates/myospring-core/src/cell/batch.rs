@@ -1,9 +1,10 @@
 //! Many cells without a mesh, each with a model, parameters and pacing of its own.
 //!
-//! Models that can move their cells [side by side](super::cell_model::SideBySide) do so in vector registers, where that is
-//! the method asked for: `adaptive` of the minimal models, `stiff` of ToR-ORd. All others are moved one after the
-//! other. **A cell has the same bits** alone, in any company and in any order. Threads: call [`run`] on parts of the
-//! list; it uses the caller's only.
+//! Models that support it ([`SideBySide`](super::cell_model::SideBySide)) integrate several cells
+//! at once in vector registers, for one method: `adaptive` for the minimal models, `stiff` for
+//! ToR-ORd. All others are integrated one after the other. **The result of a cell is bitwise the
+//! same** alone, in any batch and in any order. [`run`] uses only the calling thread; for several
+//! threads, call it on parts of the list.
 //!
 //! # Example
 //! Tension of cells whose slow inward current differs:
@@ -37,17 +38,17 @@ use super::integrator::Steps;
 use super::settings::{Settings, SolveError, validate_time};
 use std::any::{Any, TypeId};
 
-/// This many cells, or more, keep the vector registers full.
+/// Number of cells from which on the vector registers are full.
 pub const TOGETHER: usize = 16;
-/// Between the samples that beats are read from, ms, where none were asked for.
+/// Sample interval from which beats are read if none was requested, ms.
 const SAMPLED_MS: f64 = 0.1;
 
-/// Runs every cell to its end, on the caller's thread; outcomes in the order of the cells.
+/// Runs every cell to its end, on the calling thread; outcomes are in the order of the cells.
 ///
-/// A cell that fails has its error in its place and does not disturb the others.
+/// A cell that fails has its error as outcome and does not affect the others.
 ///
 /// # Errors
-/// A step, tolerance or sample interval that is not possible.
+/// An invalid step, tolerance or sample interval.
 pub fn run(
     cells: &[Paced],
     settings: &BatchSettings,
@@ -55,7 +56,8 @@ pub fn run(
     Ok(run_while(cells, settings, &|| true)?.unwrap_or_default())
 }
 
-/// As [`run`], while `goes_on`, which is asked often, says so; `None` once it does not.
+/// Like [`run`], as long as `goes_on`, which is called often, returns true; `None` once it does
+/// not.
 ///
 /// # Errors
 /// Those of [`run`].
@@ -94,12 +96,12 @@ pub fn run_while(
     Ok(Some(outcomes.into_iter().flatten().collect()))
 }
 
-/// Whether cells of a model by a method tell of their beats exactly, without samples.
+/// Whether a model gives its beats exactly with this method, without samples.
 pub fn tells_beats(model: &dyn CellModel, method: Settings) -> bool {
     together(model, method).is_some_and(SideBySide::tells_beats)
 }
 
-/// The way of a model to move many cells by a method.
+/// The model's vectorised integration with this method, if it has one.
 fn together(model: &dyn CellModel, method: Settings) -> Option<&dyn SideBySide> {
     model.side_by_side().filter(|way| way.method() == method.method)
 }
@@ -110,7 +112,7 @@ fn kind(cell: &Paced) -> TypeId {
     model.type_id()
 }
 
-/// One cell by itself.
+/// Runs a single cell.
 fn alone(
     cell: &Paced,
     settings: &BatchSettings,
@@ -123,7 +125,7 @@ fn alone(
     };
     steps.hold();
     let interval_ms = settings.sample_interval_ms.unwrap_or(SAMPLED_MS);
-    // A duration that is a multiple of the interval but for rounding keeps its last sample.
+    // If the duration is a multiple of the interval except for rounding, the last sample is kept.
     let last = (duration_ms / interval_ms * (1.0 + 1e-12)).floor() as u64;
     let mut times = Vec::new();
     let mut samples = Vec::new();

@@ -1,4 +1,4 @@
-//! What is told of a beat of a cell without a mesh.
+//! Metrics of a beat of a cell without a mesh.
 
 use crate::analysis::capture::{self, Response};
 use serde::{Deserialize, Serialize};
@@ -14,17 +14,17 @@ pub struct Beat {
     pub peak_potential: f64,
     /// Highest active tension, relative or in kPa as the model says.
     pub peak_tension: f64,
-    /// When tension is highest, ms; the clock is that of the run, not of the beat.
+    /// Time of the highest tension, ms, on the clock of the run.
     pub peak_tension_ms: f64,
-    /// From the stimulus to 90 % repolarisation, ms: when the potential, after its highest point,
-    /// has come 90 % of the way back to that before the stimulus. `None` if it does not within the
-    /// beat.
+    /// From the stimulus to 90 % repolarisation, ms: after its peak, the potential has returned by
+    /// 90 % towards its value before the stimulus. `None` if it does not within the beat.
     pub apd90_ms: Option<f64>,
 }
 
 impl Beat {
-    /// Whether these say all that there is to say: samples are needed where a stimulus may have raised no action
-    /// potential, or came while the tension of the beat before was higher than its own; `unit` is that of the potential.
+    /// Whether these beats are sufficient without samples. Samples are needed if a stimulus may
+    /// have raised no action potential, or came while the tension of the previous beat was higher
+    /// than that of its own; `unit` is that of the potential.
     pub fn suffice(beats: &[Self], unit: &str) -> bool {
         let early = |beat: &Self| beat.peak_tension_ms <= beat.stimulus_ms;
         let response = |beat: &Self| {
@@ -37,8 +37,8 @@ impl Beat {
         !missed && !beats.iter().any(early)
     }
 
-    /// Those of samples: potential (NaN where there is none) and tension at ascending times, ms, and the times of the
-    /// stimuli. The potential between two samples is a straight line.
+    /// Reads beats from samples: potential (NaN without one) and tension at ascending times, ms,
+    /// and the stimulus times. The potential is interpolated linearly.
     pub fn of_samples(
         times: &[f64],
         potential: &[f64],

@@ -1,11 +1,12 @@
-//! Many cells of ToR-ORd at once: stiff steps side by side in vector registers.
+//! Many cells of ToR-ORd at once: stiff steps in vector registers.
 //!
-//! Eight cells move together, each with parameters, pacing, time and step of its own; a cell that has reached its end
-//! makes room for the next, so none waits for another. The method is that of [`stiff`](super::settings::Method::Stiff)
-//! steps. No operation of a lane knows of another lane, and none is fused: **a cell has the same bits** alone, in any
-//! company, in any order and with any vector units (AVX-512, AVX2 or none, chosen when the program runs). Against the
-//! same cell by [`CellIntegrator`](super::integrator::CellIntegrator), whose elimination orders its sums in another way,
-//! a result differs by far less than the tolerance.
+//! Eight cells are integrated together, each with its own parameters, pacing, time and step; a cell
+//! that has reached its end is replaced by the next one. The method is that of
+//! [`stiff`](super::settings::Method::Stiff) steps. Lanes are independent, and no operation is
+//! fused, so **the result of a cell is bitwise the same** alone, in any batch, in any order and
+//! with any vector units (AVX-512, AVX2 or none, chosen at run time). Compared with the same cell
+//! by [`CellIntegrator`](super::integrator::CellIntegrator), whose elimination sums in another
+//! order, a result differs by far less than the tolerance.
 
 mod course;
 mod elimination;
@@ -20,9 +21,9 @@ use course::{Course, Moved};
 use std::any::Any;
 use step::{Lanes, TryStep};
 
-/// So many steps of all lanes are made before it is asked again whether to go on: a few milliseconds.
+/// Number of steps of all lanes between two calls of `goes_on`: a few milliseconds.
 const ASKED_EVERY: u32 = 256;
-/// Between the samples that beats are read from, ms, where none were asked for.
+/// Sample interval from which beats are read if none was requested, ms.
 const SAMPLED_MS: f64 = 0.1;
 
 /// A cell with its constants.
@@ -50,7 +51,7 @@ impl SideBySide for TomekModel {
         let members = members(cells);
         let arch = pulp::Arch::new();
         let mut outcomes = vec![None; cells.len()];
-        // Cells with myofilaments have other states than those without.
+        // Cells with and without myofilaments have different states.
         let goes_on = moved::<true>(&members, settings, goes_on, &mut outcomes, |lanes| {
             arch.dispatch(TryStep(lanes));
         }) && moved::<false>(&members, settings, goes_on, &mut outcomes, |lanes| {
@@ -60,7 +61,7 @@ impl SideBySide for TomekModel {
     }
 }
 
-/// Cells of ToR-ORd; a protocol was looked at when a cell was made.
+/// The cells with their constants; protocols were checked when the cells were made.
 fn members<'a>(cells: &[&'a Paced]) -> Vec<Member<'a>> {
     let member = |cell: &&'a Paced| {
         let model: &dyn Any = &*cell.model;
@@ -71,7 +72,7 @@ fn members<'a>(cells: &[&'a Paced]) -> Vec<Member<'a>> {
     cells.iter().filter_map(member).collect()
 }
 
-/// The outcome of a cell, with the beats that its samples show.
+/// Adds the beats read from its samples to the outcome of a cell.
 fn told(member: &Member<'_>, mut outcome: CellOutcome, settings: &BatchSettings) -> CellOutcome {
     let interval_ms = settings.sample_interval_ms.unwrap_or(SAMPLED_MS);
     let samples = &outcome.samples;
@@ -86,7 +87,7 @@ fn told(member: &Member<'_>, mut outcome: CellOutcome, settings: &BatchSettings)
     outcome
 }
 
-/// Moves all cells with myofilaments, or all without; false if they were not to go on.
+/// Integrates all cells with myofilaments, or all without; false if interrupted.
 fn moved<const LAND: bool>(
     members: &[Member<'_>],
     settings: &BatchSettings,

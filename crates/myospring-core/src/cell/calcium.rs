@@ -1,11 +1,11 @@
-//! Calcium that is given: a course over each beat, which begins with the stimulus.
+//! Prescribed calcium: a course over each beat, which begins with the stimulus.
 //!
 //! ```text
 //! two exponentials: Ca(s) = rest + A (exp(-s/t_fall) - exp(-s/t_rise)) / highest value of that difference
-//! a trace:          straight lines between samples, the last value until the next stimulus
+//! a trace:          linear interpolation between samples, then the last value until the next stimulus
 //! ```
-//! `s` is the time since the last stimulus; before the first, calcium is at rest. A stimulus that comes before the
-//! course is over cuts it off.
+//! `s` is the time since the last stimulus; before the first, calcium is at rest. A stimulus before
+//! the end of the course restarts it.
 
 mod trace;
 
@@ -14,17 +14,17 @@ pub use trace::{CalciumTrace, TraceError};
 use super::description::ModelError;
 use crate::parameter::{Parameter, ParameterSet};
 
-/// Where it comes from.
+/// The course of prescribed calcium.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Calcium {
-    /// A rise and a fall, each exponential.
+    /// An exponential rise and an exponential fall.
     TwoExponential(TwoExponential),
     /// Samples.
     Trace(CalciumTrace),
 }
 
 impl Calcium {
-    /// Calcium a time (ms) after the last stimulus, uM; infinite before the first.
+    /// Calcium at a time (ms) after the last stimulus, uM; infinite before the first.
     pub fn at(&self, since_stimulus_ms: f64) -> f64 {
         match self {
             Self::TwoExponential(course) => course.at(since_stimulus_ms),
@@ -38,7 +38,7 @@ impl Calcium {
     }
 }
 
-/// A rise and a fall, each exponential.
+/// An exponential rise and an exponential fall.
 ///
 /// # Example
 /// ```
@@ -87,7 +87,7 @@ impl TwoExponential {
     /// From calcium at rest and above it (uM) and the two time constants (ms).
     ///
     /// # Errors
-    /// A fall that is not slower than the rise.
+    /// The fall is not slower than the rise.
     pub fn new(rest: f64, amplitude: f64, rise_ms: f64, fall_ms: f64) -> Result<Self, ModelError> {
         if fall_ms.is_nan() || rise_ms.is_nan() || fall_ms <= rise_ms {
             return Err(ModelError::Contradiction {
@@ -102,7 +102,7 @@ impl TwoExponential {
         Ok(course)
     }
 
-    /// Reads the four by name.
+    /// Reads the four parameters by name.
     ///
     /// # Errors
     /// A parameter is missing, or a fall that is not slower than the rise.
@@ -116,14 +116,14 @@ impl TwoExponential {
         )
     }
 
-    /// When it is highest, ms after the stimulus.
+    /// Time of the peak, ms after the stimulus.
     pub fn peak_ms(&self) -> f64 {
         // d/ds = 0: s = t_rise t_fall / (t_fall - t_rise) ln(t_fall / t_rise)
         let Self { rise_ms, fall_ms, .. } = *self;
         rise_ms * fall_ms / (fall_ms - rise_ms) * (fall_ms / rise_ms).ln()
     }
 
-    /// Calcium a time (ms) after the stimulus, uM.
+    /// Calcium at a time (ms) after the stimulus, uM.
     pub fn at(&self, since_stimulus_ms: f64) -> f64 {
         self.rest + self.amplitude * self.difference(since_stimulus_ms.max(0.0)) / self.highest
     }

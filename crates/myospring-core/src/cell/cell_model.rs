@@ -1,9 +1,9 @@
-//! What a cell model is: its equations, and what it can do besides.
+//! The trait of cell models: equations and optional capabilities.
 //!
-//! Nothing here needs to be known when the program is compiled: a model may read its states, parameters
-//! and equations from a file and make them at run time. What only some models can do, such as adaptive steps
-//! or calcium that is given, is a method of [`CellModel`] with the answer "no" by default: whoever needs it asks the
-//! model, and nobody asks which model it is.
+//! States, parameters and equations need not be known at compile time: a model may read them from a
+//! file at run time. Capabilities of some models only, such as adaptive steps or prescribed
+//! calcium, are methods of [`CellModel`] that return "no" by default. Code asks a model what it can
+//! do, never which model it is.
 
 use super::beat::Beat;
 use super::calcium::{Calcium, CalciumTrace};
@@ -20,12 +20,13 @@ use std::sync::Arc;
 
 /// A cell model: ordinary differential equations from stimulus to active tension.
 ///
-/// A model of your own needs no list: whatever takes a cell model takes any `Arc<dyn CellModel>`.
-/// `testing::cell_model::check_cell_model` (feature `testing`) checks everything promised here.
+/// A model of your own need not be registered: every function with a cell model accepts any
+/// `Arc<dyn CellModel>`. `testing::cell_model::check_cell_model` (feature `testing`) checks
+/// everything that this trait promises.
 pub trait CellModel: Any + Send + Sync {
-    /// Name as chosen in a run file: `coelho_2021`.
+    /// Name in a run file: `coelho_2021`.
     fn name(&self) -> &str;
-    /// One line for people.
+    /// Description in one line.
     fn description(&self) -> &str;
     /// Keys in `references.bib` of the papers to cite.
     fn citations(&self) -> Vec<&str>;
@@ -38,97 +39,102 @@ pub trait CellModel: Any + Send + Sync {
     fn with_parameters(&self, parameters: ParameterSet) -> Result<Arc<dyn CellModel>, ModelError>;
     /// The state variables, in the order of the state vector.
     fn states(&self) -> &[StateVariable];
-    /// Writes d(state)/dt, each in its unit per ms, into `rates`; all of them, from `state` and `input`
-    /// alone, the stimulus included.
+    /// Writes d(state)/dt, each in its unit per ms, into `rates`; all of them, including the
+    /// stimulus; they depend only on `state` and `input`.
     fn derivatives(&self, state: &[f64], input: &Input, rates: &mut [f64]);
-    /// The stimulus, its unit and what it moves.
+    /// The default stimulus, its unit, and the states that it changes.
     fn stimulation(&self) -> Stimulation;
-    /// The potential variable, in the unit of its state; `None`, at all times, where there is none.
+    /// The potential variable, in the unit of its state; always `None` for a model without one.
     fn potential(&self, state: &[f64]) -> Option<f64>;
-    /// Membrane potential, mV, where the model defines it.
+    /// Membrane potential, mV, if the model defines it.
     fn membrane_potential_mv(&self, state: &[f64]) -> Option<f64>;
-    /// Active tension, as [`Self::tension_kind`] says; the stimulus does not matter.
+    /// Active tension, as [`Self::tension_kind`] says; independent of the stimulus.
     fn tension(&self, state: &[f64], input: &Input) -> f64;
     /// Whether tension is relative or in kPa.
     fn tension_kind(&self) -> TensionKind;
 
-    /// What the model tells beside its state; nothing by default.
+    /// Further outputs in addition to the state; none by default.
     fn outputs(&self) -> &[Output] {
         &[]
     }
     /// Writes the [`Self::outputs`], in their order, into `values`.
     fn write_outputs(&self, _state: &[f64], _input: &Input, _values: &mut [f64]) {}
-    /// The places of the states that a run records beside the outputs; none by default.
+    /// Indices of the states that a run records in addition to the outputs; none by default.
     fn recorded_states(&self) -> &[usize] {
         &[]
     }
-    /// The places of the states that are gates, for the method of Rush and Larsen; none by default.
+    /// Indices of the states that are gates, for the method of Rush and Larsen; none by default.
     fn gates(&self) -> &[usize] {
         &[]
     }
-    /// Writes where each of the [`Self::gates`] goes at this state, in their order, into `gates`.
+    /// Writes steady state and time constant of each of the [`Self::gates`] at this state, in their
+    /// order, into `gates`.
     fn write_gates(&self, _state: &[f64], _input: &Input, _gates: &mut [Gate]) {}
-    /// Writes the derivative of rate `i` by state `j` to `jacobian[i * states + j]`, all of them, and
-    /// returns true; or returns false, as by default, and stiff steps take differences of the rates.
+    /// Writes the derivative of rate `i` by state `j` to `jacobian[i * states + j]`, all of them,
+    /// and returns true. The default returns false, so that stiff steps use finite differences.
     fn jacobian(&self, _state: &[f64], _input: &Input, _jacobian: &mut [f64]) -> bool {
         false
     }
-    /// Whether rates, tension or outputs depend on stretch or its rate; not by default.
+    /// Whether rates, tension or outputs depend on stretch or its rate; false by default.
     fn feels_stretch(&self) -> bool {
         false
     }
 
-    /// Free calcium in the cytosol, uM; `None`, at all times, where the model has none.
+    /// Free calcium in the cytosol, uM; always `None` for a model without calcium.
     fn calcium_um(&self, _state: &[f64], _input: &Input) -> Option<f64> {
         None
     }
 
-    /// The model as its authors' own program has it, and when the first stimulus falls there, ms, where that differs from
-    /// what they printed; by default it does not.
+    /// The model as in its authors' own program, and the time of the first stimulus there, ms, if
+    /// the program differs from the publication; `None` by default.
     fn in_authors_program(&self) -> Option<(Arc<dyn CellModel>, f64)> {
         None
     }
-    /// Where the state is cut into groups that [`Method::StaggeredEuler`] updates one after the other: the place of the
-    /// first state of each group but the first; none by default.
+    /// Groups of states that [`Method::StaggeredEuler`] updates one after the other: index of the
+    /// first state of each group except the first; none by default.
     fn staggered_groups(&self) -> &'static [usize] {
         &[]
     }
-    /// Whether its rates jump at thresholds, where stiff steps would shrink to nothing; not by default.
+    /// Whether its rates jump at thresholds, so that stiff steps would become too small; false by
+    /// default.
     fn jumps(&self) -> bool {
         false
     }
-    /// Its way to take adaptive steps; none by default.
+    /// Its adaptive steps; `None` by default.
     fn adaptive(&self) -> Option<&dyn Adaptive> {
         None
     }
-    /// Its way to move many cells at once; by default each is moved alone.
+    /// Its vectorised integration of many cells; by default each cell is integrated alone.
     fn side_by_side(&self) -> Option<&dyn SideBySide> {
         None
     }
 
-    /// The same model with a measured course of calcium; `None`, as by default, where calcium is not given.
+    /// The same model with a measured course of calcium; `None` by default, for models that compute
+    /// calcium.
     fn with_calcium(&self, _course: &CalciumTrace) -> Option<Arc<dyn CellModel>> {
         None
     }
-    /// The myofilaments of `land_2017` among its states, where it has them; none by default.
+    /// The myofilaments of `land_2017` among its states; `None` by default.
     fn filaments(&self) -> Option<Filaments<'_>> {
         None
     }
-    /// The equations of a tension that follows the potential and nothing else, where the last two states are those of
-    /// [`Tension`]; none by default.
+    /// The equations of a tension that depends only on the potential, if the last two states are
+    /// those of [`Tension`]; `None` by default.
     fn tension_of_potential(&self) -> Option<&Tension> {
         None
     }
-    /// What a curve of shortening tells of its parameters; nothing by default.
+    /// Which of its parameters a fit to shortening can determine; none by default.
     fn in_fits(&self) -> InFits<'_> {
         InFits::default()
     }
-    /// Whether its parameters shape currents as a whole and stand for no single channel; not by default.
+    /// Whether its parameters describe lumped currents instead of single channels; false by
+    /// default.
     fn lumps_currents(&self) -> bool {
         false
     }
 
-    /// Where a free cell with the published parameters beats otherwise than measured cells do; nowhere by default.
+    /// How a free cell with the published parameters differs from measured cells; `None` by
+    /// default.
     fn known_departure(&self) -> Option<KnownDeparture> {
         None
     }
@@ -141,35 +147,35 @@ pub trait CellModel: Any + Send + Sync {
     fn initial_state(&self) -> Vec<f64> {
         self.states().iter().map(|state| state.start).collect()
     }
-    /// Unit of the potential variable as written for people; empty of a pure number and where there is none.
+    /// Unit of the potential variable; empty for a dimensionless one and without potential.
     fn potential_unit(&self) -> String {
         let first = self.stimulation().moves.first().map(|moved| moved.state);
         first
             .and_then(|place| self.states().get(place))
             .map_or_else(String::new, |state| state.unit.to_string())
     }
-    /// Method and step or tolerance that serve it; by default the default.
+    /// Suitable method with step or tolerance; by default [`Settings::default`].
     fn usual_settings(&self) -> Settings {
         Settings::default()
     }
-    /// The longest rest, ms, after which its beat is not known to be wrong; by default none is.
+    /// The longest rest, ms, after which its beat is valid; unlimited by default.
     fn longest_rest_ms(&self) -> f64 {
         f64::INFINITY
     }
-    /// The stimulus that makes the model beat as its authors meant.
+    /// The stimulus that its authors used.
     fn default_stimulus(&self) -> Stimulus {
         self.stimulation().default
     }
 }
 
-/// What a curve of shortening tells of the parameters of a model, by their names.
+/// Which parameters of a model a fit to shortening can determine, by name.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct InFits<'a> {
-    /// The parameter in proportion to which a tension in kPa is.
+    /// The parameter to which a tension in kPa is proportional.
     pub strength: Option<&'a str>,
-    /// What a fit seeks beside the height of the tension unless it is told otherwise.
+    /// Parameters that a fit determines by default in addition to the height of the tension.
     pub usual: &'a [&'a str],
-    /// Parameters that cannot be told apart where all of them and the height of the tension are sought.
+    /// Parameters that cannot be determined together with each other and the height of the tension.
     pub not_together: &'a [&'a str],
 }
 
@@ -178,19 +184,20 @@ pub struct InFits<'a> {
 pub struct Filaments<'a> {
     /// Their equations.
     pub equations: &'a Myofilaments,
-    /// The place of the first of their six states.
+    /// Index of the first of their six states.
     pub first: usize,
-    /// Calcium that is given; `None` where the cell makes its own.
+    /// Prescribed calcium; `None` if the cell model computes it.
     pub calcium: Option<&'a Calcium>,
 }
 
-/// A model that can choose its steps by a tolerance although its equations jump. It does not feel its stretch.
+/// A model with steps chosen by a tolerance although its equations jump. It must not depend on
+/// stretch.
 pub trait Adaptive {
-    /// A cell in this state at 0 ms, after whatever the protocol does then; `tolerance` is the largest error of a step
-    /// over the size of each variable.
+    /// Starts a cell in this state at 0 ms, after the protocol's events at 0 ms; `tolerance` is the
+    /// largest error of a step relative to the size of each variable.
     ///
     /// # Errors
-    /// A protocol that cannot be followed, or a tolerance out of range.
+    /// An invalid protocol, or a tolerance out of range.
     fn start(
         &self,
         state: &[f64],
@@ -199,23 +206,23 @@ pub trait Adaptive {
     ) -> Result<Box<dyn AdaptiveSteps>, SolveError>;
 }
 
-/// A cell on its way through time in adaptive steps.
+/// The integration of a cell in adaptive steps.
 pub trait AdaptiveSteps: Send + Sync {
     /// Time reached, ms.
     fn time(&self) -> f64;
     /// The state at that time.
     fn state(&self) -> &[f64];
-    /// Moves on to time `t_ms`.
+    /// Integrates to time `t_ms`.
     ///
     /// # Errors
-    /// A time before the one reached or not finite, or a cell that no step takes further.
+    /// A time before the one reached or not finite, or a cell for which no step succeeds.
     fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError>;
-    /// The largest rate of the potential since the last stimulus, without the current of the stimulus, in the unit of its
-    /// state per ms; none, as by default, where it is not known.
+    /// The largest rate of the potential since the last stimulus, without the current of the
+    /// stimulus, in the unit of its state per ms; `None` by default, if it is not known.
     fn steepest_rise(&self) -> Option<f64> {
         None
     }
-    /// The same cell once more, to be moved on trial.
+    /// A copy, for example for a trial step.
     fn boxed(&self) -> Box<dyn AdaptiveSteps>;
 }
 
@@ -225,14 +232,15 @@ impl Clone for Box<dyn AdaptiveSteps> {
     }
 }
 
-/// A model whose cells can be moved many at once, in vector registers or otherwise.
+/// A model that can integrate many cells at once, for instance in vector registers.
 pub trait SideBySide {
-    /// The method by which they are moved; by any other each is moved alone.
+    /// The method for which this is available; with any other, each cell is integrated alone.
     fn method(&self) -> Method;
-    /// Whether it tells of each beat exactly, without samples.
+    /// Whether it gives each beat exactly, without samples.
     fn tells_beats(&self) -> bool;
-    /// Moves cells, all of the type of this model, to their end; what became of each, in order, or `None` once
-    /// `goes_on`, which is asked often, says no. Whether a cell has company does not change its bits.
+    /// Integrates cells, all of the type of this model, to their end. Returns the outcomes in
+    /// order, or `None` once `goes_on`, which is called often, returns false. The result of a cell
+    /// must not depend on the other cells, bitwise.
     fn move_all(
         &self,
         cells: &[&Paced],
@@ -241,7 +249,7 @@ pub trait SideBySide {
     ) -> Option<Vec<Result<CellOutcome, SolveError>>>;
 }
 
-/// A cell of its resting length that is paced.
+/// A paced cell at its resting length.
 #[derive(Clone)]
 pub struct Paced {
     pub(super) model: Arc<dyn CellModel>,
@@ -250,10 +258,10 @@ pub struct Paced {
 }
 
 impl Paced {
-    /// A cell in its initial state at 0 ms, to be followed for so long.
+    /// A cell in its initial state at 0 ms, to be integrated over a duration in ms.
     ///
     /// # Errors
-    /// A protocol that cannot be followed, or a duration that is not a positive finite time.
+    /// An invalid protocol, or a duration that is not a positive finite time.
     pub fn new(
         model: Arc<dyn CellModel>,
         protocol: Protocol,
@@ -264,46 +272,46 @@ impl Paced {
         Ok(Self { model, protocol, duration_ms })
     }
 
-    /// Its equations.
+    /// Its model.
     pub fn model(&self) -> &Arc<dyn CellModel> {
         &self.model
     }
 
-    /// When and how it is stimulated.
+    /// Its pacing protocol.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
-    /// How long it is followed, ms.
+    /// Its duration, ms.
     pub fn duration_ms(&self) -> f64 {
         self.duration_ms
     }
 }
 
-/// How a batch of cells is followed.
+/// Settings of a batch of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BatchSettings {
     /// Method, step and tolerance.
     pub method: Settings,
-    /// Time between samples, ms, first at 0 ms; default none, no samples.
+    /// Time between samples, ms, first at 0 ms; default `None`, no samples.
     pub sample_interval_ms: Option<f64>,
 }
 
-/// A cell at one instant.
+/// The state of a cell at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CellSample {
-    /// The potential in the unit of its state, where there is one.
+    /// The potential in the unit of its state, if there is one.
     pub potential: Option<f64>,
-    /// Membrane potential, mV, where the model defines it.
+    /// Membrane potential, mV, if the model defines it.
     pub potential_mv: Option<f64>,
-    /// Active tension, relative or in kPa as the model says; 0 where there is none.
+    /// Active tension, relative or in kPa as the model says; 0 without tension.
     pub tension: f64,
-    /// Free calcium in the cytosol, uM, where the model has it.
+    /// Free calcium in the cytosol, uM, if the model has it.
     pub calcium_um: Option<f64>,
 }
 
 impl CellSample {
-    /// Of a model in a state.
+    /// Computes the sample of a model in a state.
     pub fn of(model: &dyn CellModel, state: &[f64], input: &Input) -> Self {
         Self {
             potential: model.potential(state),
@@ -314,15 +322,16 @@ impl CellSample {
     }
 }
 
-/// What one of many cells did.
+/// The outcome of one cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellOutcome {
-    /// Its beats, one for each stimulus, in order; from steps where the model tells them, else from samples.
+    /// Its beats, one for each stimulus, in order; exact if the model gives them, else from
+    /// samples.
     pub beats: Vec<Beat>,
-    /// Sample `k` is at `k` times the interval; none where none were asked for.
+    /// Sample `k` is at `k` times the interval; empty if none were requested.
     pub samples: Vec<CellSample>,
-    /// Steps taken; 0 where they are not counted.
+    /// Number of steps; 0 if they are not counted.
     pub steps: u64,
-    /// Steps tried whose error was too large.
+    /// Number of rejected steps.
     pub refused: u64,
 }

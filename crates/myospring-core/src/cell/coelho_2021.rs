@@ -1,10 +1,10 @@
 //! The cell of the paper: `coelho_2021`.
 //!
 //! # Numbers, and how far the default settings are from them
-//! One beat, u jumps by 0.325 at 50 ms exactly, `u_peak` = 1.1341 (shipped: 1.13407,
-//! which raises tension by 0.09 % and moves nothing else). Converged: an independent program
-//! with Runge-Kutta 4 and 0.0002 ms. Levels of the action potential are fractions of its peak, APD
-//! counts from 50 ms, tension rises and falls are fractions of its peak.
+//! One beat, u jumps by 0.325 at 50 ms exactly, `u_peak` = 1.1341 (shipped: 1.13407, which raises
+//! tension by 0.09 % and changes nothing else). Converged: an independent program with Runge-Kutta
+//! 4 and 0.0002 ms. Levels of the action potential are fractions of its peak, APD counts from 50
+//! ms, tension rises and falls are fractions of its peak.
 //!
 //! | | converged | default, 0.005 ms | authors, 0.05 ms |
 //! |---|---|---|---|
@@ -41,7 +41,7 @@ pub const IDENTITY: Identity = Identity {
     pace: (16.6, "The paper's tension curve rises faster than measured cells"),
 };
 
-/// Name, value, and the name under which Table 1 prints the value.
+/// Name, value, and the place where the value is printed.
 const TABLE: [(&str, f64, &str); 28] = [
     ("u_o", 0.529297, "coelho_2021, Table 1"),
     ("u_u", 1.74316, "coelho_2021, the first author's public source code (missing in Table 1)"),
@@ -77,7 +77,7 @@ const TABLE: [(&str, f64, &str); 28] = [
     ("w_inf_star", 0.500977, "coelho_2021, Table 1"),
 ];
 
-/// All 35 parameters; the source of each says where the paper prints it.
+/// All 35 parameters; the source of each names its place in the paper.
 pub fn parameters() -> ParameterSet {
     let mut rows = minimal::rows(&TABLE);
     rows.extend(tension::rows(0.0, 1.13407, "converged peak of u of one default beat"));

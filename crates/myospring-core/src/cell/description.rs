@@ -1,10 +1,10 @@
-//! What a cell model says of itself: its states, outputs, stimulus and tension, as data.
+//! Description of a cell model as data: states, outputs, stimulus and tension.
 
 use super::pacing::Stimulus;
 use serde::Serialize;
 use std::borrow::Cow;
 
-/// What acts on a cell from outside at one instant.
+/// External input of a cell at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Input {
     /// Stimulus current, in the unit that the model states ([`Stimulation::current_unit`]).
@@ -13,8 +13,8 @@ pub struct Input {
     pub stretch: f64,
     /// Its rate of change, 1/ms; positive while the cell lengthens.
     pub stretch_rate: f64,
-    /// Time since the last stimulus began, ms; infinite before the first. For what is given as a course over
-    /// each beat; equations of a cell of its own do not depend on it.
+    /// Time since the last stimulus began, ms; infinite before the first. Used for prescribed
+    /// courses over each beat, such as calcium; other equations must not depend on it.
     pub since_stimulus_ms: f64,
 }
 
@@ -27,51 +27,51 @@ impl Input {
 /// One variable of the state vector.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StateVariable {
-    /// The field's name for it, ASCII: `Ca_i`.
+    /// Its usual name in the literature, ASCII: `Ca_i`.
     pub name: Cow<'static, str>,
-    /// Its unit as written for people: `uM`; empty for a pure number.
+    /// Its unit: `uM`; empty for a pure number.
     pub unit: Cow<'static, str>,
     /// Its value at rest, before any stimulus, in that unit.
     pub start: f64,
-    /// What it is, in a few words.
+    /// Its meaning, in a few words.
     pub meaning: Cow<'static, str>,
 }
 
-/// Something that a model tells beside its state: a transient of calcium, a current.
+/// An output of a model in addition to its state, such as a current.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Output {
-    /// The field's name for it, ASCII: `I_CaL`.
+    /// Its usual name in the literature, ASCII: `I_CaL`.
     pub name: Cow<'static, str>,
-    /// Its unit as written for people: `A/F`; empty for a pure number.
+    /// Its unit: `A/F`; empty for a pure number.
     pub unit: Cow<'static, str>,
-    /// What it is, in a few words.
+    /// Its meaning, in a few words.
     pub meaning: Cow<'static, str>,
 }
 
 /// How a model is stimulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stimulation {
-    /// The stimulus that makes the model beat as its authors meant.
+    /// The stimulus that its authors used.
     pub default: Stimulus,
     /// Unit of a stimulus current: `1/ms` for a dimensionless potential, `A/F` for one in mV.
     pub current_unit: Cow<'static, str>,
-    /// The states that a stimulus moves, the potential first. A jump moves that one by its amplitude, in
-    /// its own unit, and the others in proportion to the weights. None where a stimulus only says when a
-    /// given course begins ([`Input::since_stimulus_ms`]).
+    /// The states that a stimulus changes, the potential first. A jump changes the potential by its
+    /// amplitude, in its own unit, and the others in proportion to the weights. Empty if a stimulus
+    /// only starts a prescribed course ([`Input::since_stimulus_ms`]).
     pub moves: Cow<'static, [Moved]>,
 }
 
-/// A state that a stimulus moves.
+/// A state that a stimulus changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moved {
-    /// Its place in the state vector.
+    /// Its index in the state vector.
     pub state: usize,
-    /// What a stimulus current of 1 adds to its rate, in the state's unit per ms.
+    /// Rate that a stimulus current of 1 adds to it, in the state's unit per ms.
     pub weight: f64,
 }
 
 impl Stimulation {
-    /// A dimensionless potential, variable 0, stimulated by a current that is its rate, 1/ms.
+    /// Stimulation of a dimensionless potential, variable 0, by a current in 1/ms.
     pub const fn of_first_state(default: Stimulus) -> Self {
         Self {
             default,
@@ -81,19 +81,20 @@ impl Stimulation {
     }
 }
 
-/// What the number that a model gives as its active tension means.
+/// Meaning of a model's active tension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TensionKind {
     /// Without dimension; a run scales it to a peak tension in kPa.
     Relative {
-        /// Peak of one default beat ([`solve::reference_beat`](super::solve::reference_beat)) of the
-        /// *published* parameters, converged: what a peak tension in kPa stands for. A constant of the
-        /// model, whatever its present parameters are, so that they can change the strength of the cell.
+        /// Peak of one default beat ([`solve::reference_beat`](super::solve::reference_beat)) of
+        /// the *published* parameters, converged; a run scales this value to its peak tension in
+        /// kPa. It does not depend on the present parameters, so that these can change the strength
+        /// of the cell.
         published_peak: f64,
     },
     /// In kPa already; never scaled.
     Kilopascal,
-    /// There is none: a membrane alone, which moves no cell.
+    /// No tension: a membrane model, which moves no cell.
     None,
 }
 
@@ -107,24 +108,24 @@ impl TensionKind {
     }
 }
 
-/// What the published parameters of a model are known to do outside the reference bands
-/// ([`BANDS`](crate::analysis::beat::BANDS)): a fact about the model, whatever run it is in.
+/// A known deviation of a model with published parameters from the reference bands
+/// ([`BANDS`](crate::analysis::beat::BANDS)).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KnownDeparture {
     /// `shortening_rate_over_peak` of a free cell, 1/s; outside its band.
     pub shortening_rate_over_peak: f64,
     /// The fact, in a sentence without its full stop: "The tension rises faster than measured cells".
     pub fact: Cow<'static, str>,
-    /// A model of the list of which it is not true.
+    /// A listed model without this deviation.
     pub instead: Cow<'static, str>,
 }
 
-/// Where a gate goes and how fast: `dx/dt = (steady_state - x) / time_constant_ms`.
+/// Steady state and time constant of a gate: `dx/dt = (steady_state - x) / time_constant_ms`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gate {
-    /// The value that it would reach.
+    /// Its steady-state value.
     pub steady_state: f64,
-    /// How long it takes, ms; above 0.
+    /// Its time constant, ms; above 0.
     pub time_constant_ms: f64,
 }
 
@@ -144,13 +145,13 @@ pub enum ModelError {
     Contradiction {
         /// The model.
         model: String,
-        /// Which values, and what they should be.
+        /// Which values contradict each other, and what they should be.
         reason: String,
     },
 }
 
 impl ModelError {
-    /// A parameter is missing in the set.
+    /// The error for a missing parameter.
     pub fn missing(model: &str, name: &str) -> Self {
         Self::Missing { model: model.to_owned(), name: name.to_owned() }
     }

@@ -1,7 +1,7 @@
 //! The exponential function and the logarithm in a form that the compiler vectorises.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
-/// Arguments are held within these bounds; `exp` of both is a normal number.
+/// Arguments are limited to these bounds, whose exponentials are normal numbers.
 const SMALLEST: f64 = -708.0;
 const LARGEST: f64 = 709.0;
 /// `1 / ln 2`.
@@ -41,11 +41,11 @@ pub(super) fn exp(x: f64) -> f64 {
 
 /// Bits of the mantissa of an `f64`.
 const MANTISSA: u32 = 52;
-/// The bits of the root of a half, where numbers are parted into a power of two and what is near 1.
+/// The bits of the root of a half, used to split a number into a power of two and a factor near 1.
 const ROOT_OF_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 
-/// `ln x` of a positive number, to 1 unit in the last place; of one below 2.2e-308, 0 among them, the logarithm of
-/// that; NaN of a negative one and of NaN.
+/// `ln x` of a positive number, to 1 unit in the last place; for one below 2.2e-308, including 0,
+/// the logarithm of that number; NaN for a negative number or NaN.
 ///
 /// `ln x = n ln(2) + ln(1 + f)` with whole `n` and `1 + f` between the roots of a half and of 2; with
 /// `s = f / (2 + f)` it is `ln(1 + f) = 2 s + 2 s^3 / 3 + 2 s^5 / 5 + ...`, here to the 23rd power, whose remainder is
@@ -54,7 +54,7 @@ const ROOT_OF_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 pub(super) fn ln(x: f64) -> f64 {
     let held = if x > f64::MIN_POSITIVE { x } else { f64::MIN_POSITIVE };
     let bits = held.to_bits();
-    // The biased exponent of what is at or above the root of a half, times a power of two.
+    // The biased exponent, with the mantissa between the root of a half and the root of 2.
     let exponent = bits.wrapping_sub(ROOT_OF_HALF).wrapping_add(BIAS << MANTISSA) >> MANTISSA;
     let n = f64::from_bits(ROUNDER.to_bits().wrapping_add(exponent)) - (ROUNDER + BIAS as f64);
     let f = f64::from_bits(bits.wrapping_sub(exponent << MANTISSA).wrapping_add(BIAS << MANTISSA))

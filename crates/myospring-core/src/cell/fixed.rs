@@ -1,4 +1,4 @@
-//! Fixed steps, each method in one function.
+//! Methods with fixed steps, one function each.
 
 use super::cell_model::CellModel;
 use super::description::{Gate, Input};
@@ -6,26 +6,25 @@ use super::pacer::Pacer;
 use super::settings::SolveError;
 use super::upstroke::Upstroke;
 
-/// Instants closer than this fraction of a step are one instant.
+/// Times closer than this fraction of a step are the same time.
 const SAME_INSTANT: f64 = 1e-6;
 
 /// A method with fixed steps.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Scheme {
     RungeKutta4,
-    /// Forward Euler, block by block; a cut is the first variable of a block.
+    /// Forward Euler, block by block; a cut is the index of the first variable of a block.
     Euler {
         cuts: &'static [usize],
     },
     RushLarsen,
 }
 
-/// A cell on its way in fixed steps.
+/// The integration of a cell in fixed steps.
 ///
-/// Steps lie on the grid `n step` from 0 ms, counted and not summed up, and are cut exactly at the
-/// events of the protocol and at the times asked for; instants within a millionth of a step of each
-/// other are one instant, so no event is missed or doubled by rounding and no sliver of a step is
-/// taken.
+/// Steps lie on the grid `n step` from 0 ms, computed as a product (not a running sum), and are cut
+/// exactly at the events of the protocol and at requested times. Times within a millionth of a step
+/// are the same time, so rounding neither misses nor doubles an event, and no tiny step is taken.
 #[derive(Debug, Clone)]
 pub(super) struct FixedSteps {
     scheme: Scheme,
@@ -41,7 +40,7 @@ pub(super) struct FixedSteps {
 }
 
 impl FixedSteps {
-    /// In this state at 0 ms, after whatever the protocol does then.
+    /// Starts in this state at 0 ms, after the protocol's events at 0 ms.
     pub(super) fn new(
         model: &dyn CellModel,
         mut state: Vec<f64>,
@@ -70,7 +69,7 @@ impl FixedSteps {
         self.upstroke.steepest()
     }
 
-    /// Moves on to time `t_ms`; the stimulus of `felt` is left aside.
+    /// Integrates to time `t_ms`; the stimulus in `felt` is ignored.
     pub(super) fn advance_to(
         &mut self,
         model: &dyn CellModel,
@@ -87,7 +86,7 @@ impl FixedSteps {
         Ok(())
     }
 
-    /// One step, to whatever comes first: the next grid point, the next event, or `target_ms`.
+    /// Makes one step to the first of these: the next grid point, the next event, or `target_ms`.
     fn step_towards(
         &mut self,
         model: &dyn CellModel,
@@ -106,7 +105,7 @@ impl FixedSteps {
             stop_ms = event_ms;
         }
         let to_grid = (stop_ms - grid_ms).abs() <= same;
-        // Between grid points the step is the step, not a difference of rounded times.
+        // Between grid points the exact step is used, not a difference of rounded times.
         let step_ms = if self.on_grid && to_grid { self.step_ms } else { stop_ms - self.time_ms };
 
         let input = Input {
@@ -191,8 +190,8 @@ impl Work {
         }
     }
 
-    /// Gates by the exact solution of their equation at the old values of all else, the rest by forward
-    /// Euler: `rush_larsen_1978`.
+    /// Gates by the exact solution of their equation at the old values of all other states, the
+    /// rest by forward Euler: `rush_larsen_1978`.
     fn rush_larsen(&mut self, model: &dyn CellModel, state: &mut [f64], input: &Input, h: f64) {
         let Self { rates: [rates, ..], trial: old, gates } = self;
         model.derivatives(state, input, rates);
@@ -208,7 +207,8 @@ impl Work {
         }
     }
 
-    /// The classical method of order 4; the stimulus is constant within a step, its time goes on.
+    /// The classical method of order 4; the stimulus is constant within a step, but the time since
+    /// the stimulus advances.
     fn runge_kutta_4(&mut self, model: &dyn CellModel, state: &mut [f64], input: &Input, h: f64) {
         let Self { rates: [k1, k2, k3, k4], trial, .. } = self;
         let shift = |trial: &mut [f64], state: &[f64], k: &[f64], h: f64| {

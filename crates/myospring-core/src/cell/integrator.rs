@@ -1,4 +1,4 @@
-//! Moves one cell in time, alone or inside a coupled simulation.
+//! Integrates one cell in time, alone or inside a coupled simulation.
 
 use super::cell_model::{AdaptiveSteps, CellModel};
 use super::description::Input;
@@ -9,16 +9,17 @@ use super::settings::{Method, Settings, SolveError};
 use super::stiff::StiffSteps;
 use std::sync::Arc;
 
-/// A cell on its way through time, by any method.
+/// The integration of a cell by any method.
 ///
-/// It owns its model, so it can be sent to a thread; a clone may be advanced on trial and thrown away. The
-/// state at a time includes every event up to and at that time.
+/// It owns its model, so it can be sent to a thread; a clone may be advanced on trial and
+/// discarded. The state at a time includes every event up to and at that time.
 ///
-/// Fixed steps lie on the grid `n step` from 0 ms, counted and not summed up, and are cut exactly at the
-/// events of the protocol and at the times asked for; instants within a millionth of a step of each
-/// other are one instant, so no event is missed or doubled by rounding and no sliver of a step is
-/// taken. Going to a multiple of the step in many calls or in one gives the same bits. Methods that choose
-/// their steps have the same bits however often they are asked, unless the model feels its stretch.
+/// Fixed steps lie on the grid `n step` from 0 ms, computed as a product (not a running sum), and
+/// are cut exactly at the events of the protocol and at requested times. Times within a millionth
+/// of a step are the same time, so rounding neither misses nor doubles an event, and no tiny step
+/// is taken. Advancing to a multiple of the step in many calls or in one gives bitwise the same
+/// result. Results of methods with adaptive steps do not depend on how often the state is
+/// requested, unless the model depends on stretch.
 ///
 /// # Example
 /// ```
@@ -42,11 +43,11 @@ pub struct CellIntegrator {
 }
 
 impl CellIntegrator {
-    /// A cell in its initial state at 0 ms, after whatever the protocol does at 0 ms.
+    /// A cell in its initial state at 0 ms, after the protocol's events at 0 ms.
     ///
     /// # Errors
-    /// A protocol that cannot be followed, a step that is not a positive finite time, a tolerance out of
-    /// range, or a method that the model is not made for.
+    /// An invalid protocol, a step that is not a positive finite time, a tolerance out of range, or
+    /// a method that does not suit the model.
     pub fn new(
         model: Arc<dyn CellModel>,
         protocol: Protocol,
@@ -56,10 +57,11 @@ impl CellIntegrator {
         Self::starting_from(model, &state, protocol, settings)
     }
 
-    /// As [`CellIntegrator::new`], in another state at 0 ms; in the order of the model's states.
+    /// Like [`CellIntegrator::new`], from another state at 0 ms, in the order of the model's
+    /// states.
     ///
     /// # Errors
-    /// Besides, a state with another number of values, or one that is not finite.
+    /// Also a state with another number of values, or with values that are not finite.
     pub fn starting_from(
         model: Arc<dyn CellModel>,
         state: &[f64],
@@ -83,21 +85,22 @@ impl CellIntegrator {
         self.steps.state()
     }
 
-    /// What the model tells beside its state at that time, in the order of its outputs.
+    /// The model's outputs at that time, in their order.
     pub fn outputs(&self) -> Vec<f64> {
         self.steps.outputs(&*self.model)
     }
 
-    /// Free calcium in the cytosol at that time, uM, where the model has it.
+    /// Free calcium in the cytosol at that time, uM, if the model has it.
     pub fn calcium_um(&self) -> Option<f64> {
         self.model.calcium_um(self.state(), &self.steps.input())
     }
 
-    /// The largest rate of the potential since the last stimulus, without the current of the stimulus: mV/ms where the
-    /// model defines millivolts, else in the unit of the potential per ms; by the rates at every step.
+    /// The largest rate of the potential since the last stimulus, without the current of the
+    /// stimulus: mV/ms if the model defines millivolts, else in the unit of the potential per ms;
+    /// from the rates at every step.
     pub fn steepest_rise(&self) -> Option<f64> {
         let rate = self.steps.steepest_rise()?;
-        // Millivolts are a straight line of the potential.
+        // The potential in mV is a linear function of the variable.
         let (rest, place) =
             (self.model.initial_state(), self.model.stimulation().moves.first()?.state);
         let mut higher = rest.clone();
@@ -112,15 +115,16 @@ impl CellIntegrator {
         &self.model
     }
 
-    /// Moves on to time `t_ms` at constant `stretch` (length over resting length) and `stretch_rate` (1/ms).
+    /// Integrates to time `t_ms` at constant `stretch` (length over resting length) and
+    /// `stretch_rate` (1/ms).
     ///
-    /// The time need not be a multiple of a fixed step. A time that differs from the time reached by
-    /// rounding only changes nothing.
+    /// The time need not be a multiple of a fixed step. A time that differs from the time reached
+    /// only by rounding does nothing.
     ///
     /// # Errors
-    /// A time before the one reached or not finite, a stretch that is not a positive number, a rate of
-    /// stretch that is not finite, a state variable that becomes NaN or infinite, or a cell that no step
-    /// takes further; the cell is then no longer of use.
+    /// A time before the one reached or not finite, a stretch that is not a positive number, a rate
+    /// of stretch that is not finite, a state variable that becomes NaN or infinite, or a cell for
+    /// which no step succeeds; the integrator cannot be used afterwards.
     pub fn advance_to(
         &mut self,
         t_ms: f64,
@@ -131,12 +135,12 @@ impl CellIntegrator {
     }
 }
 
-/// The way of a cell through time, without its model.
+/// The integration state of a cell, without its model.
 #[derive(Clone)]
 pub(super) struct Steps {
     way: Way,
     protocol: Protocol,
-    /// What it felt last.
+    /// The last input.
     felt: Input,
 }
 
@@ -193,7 +197,7 @@ impl Steps {
                     .ok_or_else(|| refuse("which serves the minimal model only", for_any))?;
                 Way::Adaptive(adaptive.start(state, protocol, settings.tolerance)?)
             }
-            // Sliding along a threshold would take millions of steps.
+            // Sliding along a threshold would need millions of steps.
             Method::Stiff if model.jumps() => {
                 let instead = match model.adaptive() {
                     Some(_) => "`adaptive`, which knows the jumps",
@@ -202,7 +206,7 @@ impl Steps {
                 return Err(refuse("whose steps shrink to nothing where equations jump", instead));
             }
             Method::Stiff if model.stimulation().moves.is_empty() => {
-                let reason = "whose steps know no course that is given over time";
+                let reason = "whose steps do not support prescribed courses over time";
                 return Err(refuse(reason, "`runge-kutta-4`"));
             }
             Method::Stiff => {
@@ -213,7 +217,7 @@ impl Steps {
         Ok(Self { way, protocol, felt: Input::REST })
     }
 
-    /// From now on the stretch stays as it is.
+    /// Declares the stretch constant from now on.
     pub(super) fn hold(&mut self) {
         if let Way::Stiff(steps) = &mut self.way {
             steps.hold();
@@ -244,7 +248,7 @@ impl Steps {
         }
     }
 
-    /// What acts on the cell at the time reached.
+    /// The input of the cell at the time reached.
     fn input(&self) -> Input {
         let time_ms = self.time();
         Input {

@@ -1,9 +1,9 @@
-//! Human myofilaments that feel length and speed: `land_2017`, driven by calcium.
+//! Human myofilaments that depend on length and speed: `land_2017`, driven by calcium.
 //!
-//! Calcium binds to troponin, troponin frees the thin filament, and crossbridges bind weakly, then strongly; two
-//! distortions follow the rate of stretch. Tension is in kPa. What stands here takes calcium from whoever has
-//! it: [`Myofilaments`] are the equations alone, and a cell model with calcium of its own adds their six states
-//! to its own; [`Land2017`] is a cell model whose calcium is given.
+//! Calcium binds to troponin, troponin frees the thin filament, and crossbridges bind weakly, then
+//! strongly; two distortions follow the rate of stretch. Tension is in kPa. [`Myofilaments`] are
+//! the equations alone: a cell model with its own calcium adds their six states to its own.
+//! [`Land2017`] is a cell model with prescribed calcium.
 
 mod model;
 mod myofilaments;

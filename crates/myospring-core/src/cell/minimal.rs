@@ -6,12 +6,12 @@
 //!
 //! # Rest can be a sliding mode
 //! The right-hand side jumps at `u = theta_w`. In `coelho_2021` the potential rises below it (the
-//! reversal potential `u_o` is far above) and falls above it, so the resting cell slides along
-//! `u = theta_w` with a mixture of both sides' rates. A fixed step hops across the threshold every
-//! few steps: `u` jitters by at most one step's fall, `step / tau_so1` (0.0002 at 0.005 ms), while
-//! the time spent on either side, and with it every gate, is right to first order in the step. The
-//! jitter is harmless and is left as it is. [`adaptive`](super::adaptive) holds `u` on the threshold
-//! instead, in a few long steps.
+//! reversal potential `u_o` is far above) and falls above it, so the resting cell slides along `u =
+//! theta_w` with a mixture of both sides' rates. A fixed step hops across the threshold every few
+//! steps: `u` jitters by at most one step's fall, `step / tau_so1` (0.0002 at 0.005 ms), while the
+//! time spent on either side, and with it every gate, is right to first order in the step. The
+//! jitter is harmless. [`adaptive`](super::adaptive) holds `u` on the threshold instead, in a few
+//! long steps.
 //!
 //! # Parameters that cannot act
 //! `tau_o1`, `tau_o2` count only below `theta_w` and `theta_o` decides between them, so in
@@ -33,29 +33,29 @@ use crate::parameter::ParameterSet;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// What distinguishes one published version of the minimal model from another, besides numbers.
+/// Name and other data, except parameters, of a published version of the minimal model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Identity {
-    /// Name as chosen in a run file.
+    /// Name in a run file.
     pub name: &'static str,
-    /// One line for people.
+    /// Description in one line.
     pub description: &'static str,
     /// Keys in `references.bib`.
     pub citations: &'static [&'static str],
-    /// The stimulus that makes it beat as its authors meant.
+    /// The stimulus that its authors used.
     pub stimulus: Stimulus,
     /// Slope and offset of the membrane potential, `V_mV = slope u + offset`, both mV, if defined.
     pub millivolts: Option<(f64, f64)>,
     /// Peak of `Ta` of one default beat of the published parameters, converged.
     pub peak_tension: f64,
-    /// Highest `u` of the authors' own program, and when its first stimulus falls, ms, where they tell of these.
+    /// Highest `u` in the authors' own program, and time of its first stimulus, ms, if known.
     pub in_authors_program: Option<[f64; 2]>,
-    /// Largest shortening rate over the peak of shortening of a free cell with the published parameters, 1/s, and what
-    /// is to be known of it.
+    /// Largest shortening rate divided by peak shortening of a free cell with the published
+    /// parameters, 1/s, and a remark on it.
     pub pace: (f64, &'static str),
 }
 
-/// Where the authors' step cuts the state into groups: `u, v, w, s | Ta_i | Ta`.
+/// Groups of states in the authors' step: `u, v, w, s | Ta_i | Ta`.
 const STAGGERED_GROUPS: &[usize] = &[4, 5];
 
 /// Names and meanings; all are pure numbers.
@@ -99,7 +99,7 @@ pub struct MinimalModel {
 }
 
 impl MinimalModel {
-    /// Builds the model; every parameter is looked up here, once.
+    /// Builds the model; every parameter is looked up once.
     ///
     /// # Errors
     /// A parameter is missing, or `u_peak` is not above `u_rest`.
@@ -112,7 +112,7 @@ impl MinimalModel {
         })
     }
 
-    /// The model of a set in this crate, which is complete.
+    /// The model of a complete parameter set of this crate.
     pub(super) fn published(identity: Identity, parameters: ParameterSet) -> Self {
         match Self::new(identity, parameters) {
             Ok(model) => model,
@@ -122,7 +122,7 @@ impl MinimalModel {
 
     pub(super) const INITIAL_STATE: [f64; 6] = [0.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
-    /// What it is called, and what it stands for.
+    /// Its name and other data.
     pub fn identity(&self) -> &Identity {
         &self.identity
     }

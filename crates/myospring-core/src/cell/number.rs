@@ -1,7 +1,7 @@
-//! Numbers that equations are written in once: plain ones, and ones that carry their derivatives.
+//! Number types for equations that are written once: plain numbers, and numbers with derivatives.
 //!
-//! A model written over a [`Number`] gives its rates (`f64`) and its Jacobian ([`Dual`]: forward differentiation, exact
-//! to rounding).
+//! A model that is generic over [`Number`] gives its rates (`f64`) and its Jacobian ([`Dual`]:
+//! forward differentiation, exact to rounding).
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 #![allow(clippy::suspicious_arithmetic_impl, reason = "rules of differentiation")]
 
@@ -21,11 +21,11 @@ pub trait Number:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// What does not vary.
+    /// The type of constants.
     type Constant: Number;
-    /// A constant as a number.
+    /// Converts a constant to a number.
     fn constant(value: Self::Constant) -> Self;
-    /// A plain number.
+    /// Converts a plain number.
     fn of(value: f64) -> Self;
     /// `e^x`; `x` is held between -708 and 709.
     fn exp(self) -> Self;
@@ -37,7 +37,7 @@ pub trait Number:
     fn inverse(self) -> Self;
     /// `|x|`; its derivative at 0 is 0, the mean of both sides.
     fn magnitude(self) -> Self;
-    /// One number where this is at least the bound, another where it is below.
+    /// `then` if this number is at least the bound, else `otherwise`.
     fn at_least(self, bound: f64, then: Self, otherwise: Self) -> Self;
 
     /// `x^2`.
@@ -45,7 +45,7 @@ pub trait Number:
     fn square(self) -> Self {
         self * self
     }
-    /// `x` where it is positive, else 0.
+    /// `x` if it is positive, else 0.
     #[inline(always)]
     fn positive(self) -> Self {
         (self + self.magnitude()) * 0.5
@@ -65,14 +65,14 @@ pub trait Number:
     fn rest(self) -> Self {
         -self + 1.0
     }
-    /// `1 / (1 + exp((x - half) / slope))`: falls from 1 to 0 where the slope is positive.
+    /// `1 / (1 + exp((x - half) / slope))`: decreases from 1 to 0 if the slope is positive.
     #[inline(always)]
     fn boltzmann(self, half: f64, slope: f64) -> Self {
         (((self - half) * (1.0 / slope)).exp() + 1.0).inverse()
     }
 }
 
-/// A closure as it is: only an argument can say that it is inlined, as vectorised loops need it.
+/// Returns a closure unchanged; the attribute on its argument inlines it, as vectorised loops need.
 #[inline(always)]
 pub(super) fn inlined<F>(closure: F) -> F {
     closure
@@ -122,13 +122,13 @@ pub(super) struct Dual<B, const K: usize> {
 }
 
 impl<B: Number, const K: usize> Dual<B, K> {
-    /// The variable of one direction.
+    /// The independent variable of one direction.
     #[inline(always)]
     pub(super) fn variable(value: B, direction: usize) -> Self {
         let slope = |k| B::of(if k == direction { 1.0 } else { 0.0 });
         Self { value, slopes: std::array::from_fn(slope) }
     }
-    /// A function of this number, by its value and derivative here.
+    /// Applies a function with this value and derivative (chain rule).
     #[inline(always)]
     fn through(self, value: B, slope: B) -> Self {
         Self { value, slopes: std::array::from_fn(|k| self.slopes[k] * slope) }

@@ -1,22 +1,22 @@
-//! Does to a cell what its protocol wants, when it wants it.
+//! Applies a pacing protocol to a cell during integration.
 
 use super::description::{Moved, Stimulation};
 use super::pacing::{Event, Protocol, ProtocolError};
 
-/// A protocol on its way through time.
+/// The state of a protocol during integration.
 #[derive(Debug, Clone)]
 pub(super) struct Pacer {
     protocol: Protocol,
-    /// The states that a jump moves, and by what part of its amplitude.
+    /// The states that a jump changes, and their parts of its amplitude.
     jumps: Vec<Moved>,
     next: u64,
     current: f64,
-    /// When the last stimulus began, ms.
+    /// Start of the last stimulus, ms.
     began_ms: f64,
 }
 
 impl Pacer {
-    /// Before the first event.
+    /// Starts before the first event.
     pub(super) fn new(
         stimulation: &Stimulation,
         protocol: Protocol,
@@ -38,12 +38,12 @@ impl Pacer {
         time_ms - self.began_ms
     }
 
-    /// When the next event comes, ms.
+    /// Time of the next event, ms.
     pub(super) fn next_ms(&self) -> Option<f64> {
         Some(self.protocol.nth_event(self.next)?.0)
     }
 
-    /// Does everything that is due at a time, ms; true if anything was.
+    /// Applies all events that are due at a time, ms; true if there were any.
     pub(super) fn act(&mut self, time_ms: f64, state: &mut [f64]) -> bool {
         let mut any = false;
         while let Some((event_ms, event)) = self.protocol.nth_event(self.next)

@@ -1,9 +1,9 @@
 //! Pacing: when and how a cell is stimulated.
 //!
-//! Events are half-open in time: a pulse `[start, start + duration)` acts at its start and no
-//! longer at its end, and the state at the time of a jump is the state after it.
+//! Events are half-open in time: a pulse `[start, start + duration)` includes its start but not its
+//! end, and the state at the time of a jump is the state after the jump.
 
-/// Whether two times, ms, differ by rounding only.
+/// Whether two times, ms, differ only by rounding.
 pub(super) fn same_instant(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
 }
@@ -11,21 +11,22 @@ pub(super) fn same_instant(a: f64, b: f64) -> bool {
 /// One stimulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stimulus {
-    /// The potential variable jumps at once.
+    /// An instantaneous jump of the potential variable.
     Jump {
         /// Size of the jump, in units of the potential variable.
         amplitude: f64,
     },
-    /// A constant current for a while.
+    /// A constant current for some time.
     Pulse {
         /// The current, in the unit that the cell model states; 1/ms for a dimensionless potential.
         amplitude: f64,
-        /// How long, ms.
+        /// Its duration, ms.
         duration_ms: f64,
     },
 }
 
-/// A train of equal stimuli (S1), and one more at an interval of its own after the last of them (S2), if wanted.
+/// A train of equal stimuli (S1), optionally followed by one extra stimulus (S2) at another
+/// interval.
 ///
 /// # Example
 /// A premature stimulus 320 ms after the last of ten at 600 ms:
@@ -38,19 +39,20 @@ pub enum Stimulus {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Protocol {
-    /// What happens at each beat.
+    /// The stimulus of each beat.
     pub stimulus: Stimulus,
     /// Time of the first stimulus, ms.
     pub start_ms: f64,
-    /// Time from one stimulus to the next, ms; without meaning if there is one beat.
+    /// Time from one stimulus to the next, ms; ignored for a single beat.
     pub cycle_length_ms: f64,
     /// Number of stimuli of the train; none leaves the cell at rest.
     pub beats: u32,
-    /// Time from the last of them to one more, the extra stimulus S2, ms: its coupling interval. `None` is no S2.
+    /// Coupling interval of the extra stimulus S2, from the last stimulus of the train, ms; `None`
+    /// for no S2.
     pub s2_interval_ms: Option<f64>,
 }
 
-/// Something that happens to the cell at one instant.
+/// An event at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
     /// The potential variable jumps by this much.
@@ -61,7 +63,7 @@ pub enum Event {
     CurrentOff,
 }
 
-/// Why a protocol cannot be followed.
+/// Why a protocol is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ProtocolError {
     /// NaN or infinity.
@@ -78,13 +80,13 @@ pub enum ProtocolError {
         /// Time of the first stimulus, ms.
         start_ms: f64,
     },
-    /// A pulse must last.
+    /// A pulse without duration.
     #[error("a pulse must last longer than 0 ms, not {duration_ms} ms")]
     NoDuration {
         /// Duration of the pulse, ms.
         duration_ms: f64,
     },
-    /// Several beats need time between them.
+    /// Several beats without time between them.
     #[error("{beats} beats need a cycle length above 0 ms, not {cycle_length_ms} ms")]
     NoCycle {
         /// Number of stimuli.
@@ -92,7 +94,7 @@ pub enum ProtocolError {
         /// Time between them, ms.
         cycle_length_ms: f64,
     },
-    /// An extra stimulus is counted from the last of a train.
+    /// An extra stimulus without a train.
     #[error("an S2 follows the last stimulus of a train, and there is none; give 1 beat or more")]
     NoTrain,
     /// S2 does not come after S1.
@@ -120,7 +122,7 @@ pub enum ProtocolError {
 }
 
 impl Protocol {
-    /// When the first stimulus of [`Protocol::once`] and of the reference beat falls, ms.
+    /// Time of the first stimulus of [`Protocol::once`] and of the reference beat, ms.
     pub const DEFAULT_START_MS: f64 = 50.0;
 
     /// One stimulus at 50 ms.
@@ -149,8 +151,9 @@ impl Protocol {
     /// Checks every field.
     ///
     /// # Errors
-    /// Numbers that are not finite, a start before 0 ms, a pulse that does not last or that runs
-    /// into the next one, several beats without time between them, an S2 without a train or not after it.
+    /// Numbers that are not finite, a start before 0 ms, a pulse without duration or that overlaps
+    /// the next one, several beats without time between them, an S2 without a train or not after
+    /// it.
     pub fn validate(&self) -> Result<(), ProtocolError> {
         let Self { stimulus, start_ms, cycle_length_ms, beats, s2_interval_ms } = *self;
         let finite = |field, value: f64| {
@@ -200,12 +203,12 @@ impl Protocol {
         (0..).map_while(move |index| protocol.nth_stimulus_ms(index))
     }
 
-    /// When S2 comes, ms; `None` without one.
+    /// Time of S2, ms; `None` without S2.
     pub fn s2_ms(&self) -> Option<f64> {
         self.s2_interval_ms.and_then(|_| self.nth_stimulus_ms(u64::from(self.beats)))
     }
 
-    /// When stimulus number `index` comes, ms, if there is one.
+    /// Time of the stimulus with this index, ms, if there is one.
     fn nth_stimulus_ms(&self, index: u64) -> Option<f64> {
         let Self { start_ms, cycle_length_ms, beats, s2_interval_ms, .. } = *self;
         let of_train = |index: u64| start_ms + index as f64 * cycle_length_ms;
@@ -216,7 +219,7 @@ impl Protocol {
         }
     }
 
-    /// When the last stimulus up to a time came, ms, if one did.
+    /// Time of the last stimulus up to a time, ms, if there is one.
     fn last_stimulus_ms(&self, time_ms: f64) -> Option<f64> {
         if let Some(s2_ms) = self.s2_ms().filter(|s2_ms| *s2_ms <= time_ms) {
             return Some(s2_ms);
@@ -227,7 +230,7 @@ impl Protocol {
         } else {
             0
         };
-        // The quotient may be rounded to the beat before or after.
+        // The quotient may be rounded to the previous or next beat.
         let nearest = [(near + 1).min(last), near, near.saturating_sub(1)];
         let mut times = nearest.into_iter().filter_map(|index| self.nth_stimulus_ms(index));
         times.find(|began_ms| *began_ms <= time_ms)
@@ -247,7 +250,7 @@ impl Protocol {
         (0..).map_while(move |index| protocol.nth_event(index))
     }
 
-    /// The current of the pulse that acts at a time, ms; 0 if none does.
+    /// The stimulus current at a time, ms; 0 without a pulse.
     ///
     /// # Example
     /// ```
@@ -267,7 +270,7 @@ impl Protocol {
         self.last_stimulus_ms(time_ms).map_or(f64::INFINITY, |began_ms| time_ms - began_ms)
     }
 
-    /// Event number `index` in order of time, if there is one.
+    /// The event with this index in order of time, if there is one.
     pub(super) fn nth_event(&self, index: u64) -> Option<(f64, Event)> {
         let (events_per_beat, duration_ms) = match self.stimulus {
             Stimulus::Jump { .. } => (1, 0.0),

@@ -1,10 +1,10 @@
-//! Many cells of the minimal model at once: the adaptive method side by side in vector registers.
+//! Many cells of the minimal model at once: the adaptive method in vector registers.
 //!
-//! [`LANES`] cells move together, each with parameters, pacing, time and step of its own; a cell that
-//! has reached its end makes room for the next, so none waits for another. The arithmetic of a lane is
-//! that of [`adaptive`](super::adaptive), operation by operation without fused ones: **a cell has the same
-//! bits** alone, in any company, in any order and with any vector units (AVX-512, AVX2 or none, chosen
-//! when the program runs).
+//! [`LANES`] cells are integrated together, each with its own parameters, pacing, time and step; a
+//! cell that has reached its end is replaced by the next one. A lane does the same operations as
+//! [`adaptive`](super::adaptive), none of them fused, so **the result of a cell is bitwise the
+//! same** alone, in any batch, in any order and with any vector units (AVX-512, AVX2 or none,
+//! chosen at run time).
 
 use super::adaptive::{Course, Lanes, Task, stalled, task};
 use super::cell_model::{BatchSettings, CellOutcome, CellSample, Paced, SideBySide};
@@ -13,10 +13,10 @@ use super::minimal::MinimalModel;
 use super::settings::{Method, SolveError};
 use std::any::Any;
 
-/// Cells that move together.
+/// Number of cells that are integrated together.
 const LANES: usize = 16;
 
-/// So many steps of all lanes are made before it is asked again whether to go on: a few milliseconds.
+/// Number of steps of all lanes between two calls of `goes_on`: a few milliseconds.
 const ASKED_EVERY: u32 = 4096;
 
 impl SideBySide for MinimalModel {
@@ -43,7 +43,7 @@ impl SideBySide for MinimalModel {
 /// A cell with its constants.
 type Member<'a> = (&'a MinimalModel, Task);
 
-/// Cells of minimal models.
+/// The cells with their constants.
 fn members<'a>(cells: &[&'a Paced]) -> Vec<Member<'a>> {
     let member = |cell: &&'a Paced| {
         let model: &dyn Any = &*cell.model;

@@ -1,4 +1,4 @@
-//! What one default beat of a model amounts to.
+//! The reference beat: one default beat of a model.
 
 use super::cell_model::CellModel;
 use super::settings::SolveError;
@@ -6,17 +6,18 @@ use super::settings::SolveError;
 /// Length of the reference beat, ms, stimulus at 50 ms.
 pub const REFERENCE_BEAT_MS: f64 = 600.0;
 
-/// What one default beat of a model amounts to.
+/// Peak of tension of one default beat of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceBeat {
     /// Highest tension, relative or in kPa as the model says.
     pub peak_tension: f64,
-    /// When, ms; the stimulus falls at [`Protocol::DEFAULT_START_MS`](super::pacing::Protocol).
+    /// Its time, ms; the stimulus is at [`Protocol::DEFAULT_START_MS`](super::pacing::Protocol).
     pub peak_time_ms: f64,
 }
 
 impl ReferenceBeat {
-    /// A peak of tension (value, time in ms) as the reference, if it is one and lies before `last_ms`.
+    /// Makes the reference beat from a peak of tension (value, time in ms), if it is positive and
+    /// before `last_ms`.
     pub(super) fn of(
         model: &dyn CellModel,
         peak: Option<(f64, f64)>,

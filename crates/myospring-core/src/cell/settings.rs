@@ -1,34 +1,34 @@
-//! Methods in time with their settings, and what can go wrong on the way.
+//! Integration methods with their settings, and errors of integration.
 
 use super::pacing::ProtocolError;
 use crate::interruption::Interrupted;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A method in time.
+/// An integration method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     #[serde(rename = "runge-kutta-4")]
-    /// Classical Runge-Kutta, order 4 where the equations are smooth; fixed steps.
+    /// Classical Runge-Kutta, order 4 for smooth equations; fixed steps.
     RungeKutta4,
     /// Forward Euler, order 1; fixed steps.
     ForwardEuler,
-    /// Forward Euler that updates first `u, v, w, s`, then `Ta_i`, then `Ta`, each with the new values of
-    /// those before, order 1; fixed steps. The authors of `coelho_2021` step so; for the minimal model only.
+    /// Forward Euler that updates first `u, v, w, s`, then `Ta_i`, then `Ta`, each with the new
+    /// values of those before, order 1; fixed steps. The method of the authors of `coelho_2021`;
+    /// only for the minimal model.
     StaggeredEuler,
     /// Gates by their exact solution at constant potential, the rest by forward Euler, order 1; fixed steps.
     /// For models that name their gates.
     RushLarsen,
-    /// Steps as long as the accuracy allows, cut at the model's switches; for the minimal model only.
+    /// Adaptive steps that are cut at the model's switches; only for the minimal model.
     Adaptive,
-    /// Implicit steps as long as the accuracy allows, for models whose equations do not jump; made for stiff
-    /// ones.
+    /// Implicit adaptive steps for stiff models whose equations do not jump.
     Stiff,
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 6] = [
         Self::RungeKutta4,
         Self::ForwardEuler,
@@ -38,7 +38,7 @@ impl Method {
         Self::Stiff,
     ];
 
-    /// Name as chosen in a run file: `runge-kutta-4`.
+    /// Name in a run file: `runge-kutta-4`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::RungeKutta4 => "runge-kutta-4",
@@ -50,7 +50,7 @@ impl Method {
         }
     }
 
-    /// Whether it chooses its steps by the tolerance.
+    /// Whether its steps are adaptive.
     pub const fn chooses_steps(self) -> bool {
         matches!(self, Self::Adaptive | Self::Stiff)
     }
@@ -62,7 +62,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// Numerical settings of a cell; the measured error of the default is in the head of
+/// Numerical settings of a cell; the measured error of the default is documented in
 /// [`solve`](super::solve).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Settings {
@@ -70,8 +70,7 @@ pub struct Settings {
     pub method: Method,
     /// Largest step of a method with fixed steps, ms; default 0.005.
     pub step_ms: f64,
-    /// Largest error of a step over the size of each variable, for a method that chooses its steps;
-    /// default 1e-5.
+    /// Largest error of an adaptive step relative to the size of each variable; default 1e-5.
     pub tolerance: f64,
 }
 
@@ -82,10 +81,11 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Smallest and largest tolerance: below, rounding counts; above, the estimate means nothing.
+    /// Smallest and largest tolerance: below, rounding errors dominate; above, the error estimate
+    /// is meaningless.
     pub const TOLERANCES: [f64; 2] = [1e-10, 1e-2];
 
-    /// A method with the default step and tolerance.
+    /// Settings of a method with the default step and tolerance.
     pub const fn of(method: Method) -> Self {
         Self { method, step_ms: 0.005, tolerance: 1e-5 }
     }
@@ -106,50 +106,50 @@ impl Settings {
     }
 }
 
-/// Why a cell could not be moved in time.
+/// Why a cell could not be integrated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SolveError {
-    /// It was asked to end early.
+    /// It was interrupted.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
-    /// The method is not made for the model.
+    /// The method does not suit the model.
     #[error("cell model `{model}` cannot be integrated by `{method}`, {reason}; take {instead}")]
     Unsuited {
         /// The model.
         model: String,
         /// The method.
         method: Method,
-        /// What the method is made for.
+        /// Why it does not.
         reason: &'static str,
-        /// Methods that serve it.
+        /// Methods that suit it.
         instead: &'static str,
     },
-    /// The protocol cannot be followed.
+    /// The protocol is invalid.
     #[error(transparent)]
     Protocol(#[from] ProtocolError),
-    /// No positive finite step.
+    /// A step that is not positive and finite.
     #[error("cell step {step_ms} ms must be a finite time above 0 ms")]
     Step {
-        /// What was given, ms.
+        /// The given value, ms.
         step_ms: f64,
     },
-    /// No positive finite time.
+    /// A time that is not positive and finite.
     #[error("{name} {value} ms must be a finite time above 0 ms")]
     Time {
         /// Which time.
         name: &'static str,
-        /// What was given, ms.
+        /// The given value, ms.
         value: f64,
     },
-    /// Time runs forward.
+    /// A time before the present one.
     #[error("the cell is at {time_ms} ms and cannot go to {target_ms} ms")]
     BackInTime {
-        /// Where it was to go, ms.
+        /// The requested time, ms.
         target_ms: f64,
-        /// Where it is, ms.
+        /// The present time, ms.
         time_ms: f64,
     },
-    /// A state to start in that is none of the model.
+    /// An initial state that does not fit the model.
     #[error(
         "a state of `{model}` has {expected} finite numbers; {found} were given, or one is not finite"
     )]
@@ -161,23 +161,23 @@ pub enum SolveError {
         /// States of the model.
         expected: usize,
     },
-    /// No possible stretch.
+    /// An impossible stretch.
     #[error("stretch {value} at {time_ms} ms must be a finite number above 0")]
     Stretch {
-        /// What was given.
+        /// The given value.
         value: f64,
         /// When, ms.
         time_ms: f64,
     },
-    /// No possible rate of stretch.
+    /// An impossible rate of stretch.
     #[error("rate of stretch {value}/ms at {time_ms} ms must be a finite number")]
     StretchRate {
-        /// What was given, 1/ms.
+        /// The given value, 1/ms.
         value: f64,
         /// When, ms.
         time_ms: f64,
     },
-    /// The solution left the numbers.
+    /// A state variable is not finite.
     #[error(
         "state variable `{variable}` of cell model `{model}` became {value} at {time_ms} ms; \
          a cell step below {step_ms} ms or other parameters may help"
@@ -189,31 +189,31 @@ pub enum SolveError {
         variable: String,
         /// What it became.
         value: f64,
-        /// At the end of which step, ms.
+        /// Time at the end of that step, ms.
         time_ms: f64,
         /// The step, ms.
         step_ms: f64,
     },
-    /// No possible tolerance.
+    /// A tolerance out of range.
     #[error("tolerance {value} must be between {minimum} and {maximum}")]
     Tolerance {
-        /// What was given.
+        /// The given value.
         value: f64,
         /// Smallest.
         minimum: f64,
         /// Largest.
         maximum: f64,
     },
-    /// Adaptive steps no longer get on.
+    /// The adaptive step became too small.
     #[error(
-        "cell model `{model}` does not get beyond {time_ms} ms: a step of {step_ms} ms still misses \
-         the tolerance, and takes `{variable}` to {value}; a smaller stimulus or other parameters \
+        "cell model `{model}` cannot be integrated beyond {time_ms} ms: a step of {step_ms} ms still misses \
+         the tolerance, with `{variable}` = {value}; a smaller stimulus or other parameters \
          may help"
     )]
     Stalled {
         /// The model.
         model: String,
-        /// The state variable that is no longer finite, or the first.
+        /// The state variable that is not finite, or else the first.
         variable: String,
         /// What it became.
         value: f64,
@@ -224,7 +224,7 @@ pub enum SolveError {
     },
     /// The model has no tension, and some was asked for.
     #[error(
-        "cell model `{model}` has no tension, so it moves no cell; take one that has, like tor_ord_land"
+        "cell model `{model}` has no tension, so it moves no cell; choose one with tension, such as tor_ord_land"
     )]
     NoTension {
         /// The model.
@@ -242,12 +242,12 @@ pub enum SolveError {
         duration_ms: f64,
         /// Highest tension.
         value: f64,
-        /// When, ms.
+        /// Its time, ms.
         time_ms: f64,
     },
 }
 
-/// Refuses what is not a positive finite time.
+/// Rejects a time that is not positive and finite.
 pub(super) fn validate_time(name: &'static str, value: f64) -> Result<(), SolveError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());

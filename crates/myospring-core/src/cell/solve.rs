@@ -1,13 +1,13 @@
-//! Whole runs of one cell by any method.
+//! Complete runs of one cell by any method.
 //!
 //! # The default
 //! Runge-Kutta 4 with 0.005 ms: 120 000 steps, about 30 ms of computing for a beat of 600 ms. The
-//! equations jump at thresholds, which leaves any fixed-step method of order 1 overall, so the step is
+//! equations jump at thresholds, which reduces any fixed-step method to order 1, so the step is
 //! chosen by measured error. Peak of tension against 0.0002 ms: `coelho_2021` +0.02 %,
-//! `bueno_orovio_2008` epi +0.03 %, endo +0.001 %, m +0.10 %, pb -0.01 %, tnnp -0.34 % (its V barely
-//! reaches the narrow bell of Eq. (34), so tension is small and follows the height of the upstroke
-//! steeply; [`adaptive`](super::adaptive) steps have 0.02 %); APD90 within 0.015 ms, time of the peak
-//! of tension within 0.15 ms (`coelho_2021`: 0.003).
+//! `bueno_orovio_2008` epi +0.03 %, endo +0.001 %, m +0.10 %, pb -0.01 %, tnnp -0.34 % (its V
+//! barely reaches the narrow bell of Eq. (34), so tension is small and follows the height of the
+//! upstroke steeply; [`adaptive`](super::adaptive) steps have 0.02 %); APD90 within 0.015 ms, time
+//! of the peak of tension within 0.15 ms (`coelho_2021`: 0.003).
 
 pub use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
 pub use super::settings::{Method, Settings, SolveError};
@@ -23,8 +23,8 @@ use crate::interruption::Interruption;
 /// `sample_interval_ms`, first at 0 ms.
 ///
 /// # Errors
-/// A protocol, step, tolerance, duration or interval that is not possible; a method that the model is not
-/// made for; a state that is no longer finite, or a cell that no step takes further.
+/// An invalid protocol, step, tolerance, duration or interval; a method that does not suit the
+/// model; a state that is not finite, or a cell for which no step succeeds.
 ///
 /// # Example
 /// ```
@@ -48,7 +48,7 @@ pub fn solve(
     solve_interruptible(model, protocol, settings, duration_ms, sample_interval_ms, &never)
 }
 
-/// As [`solve`], unless it is asked to end early.
+/// Like [`solve`], but can be interrupted.
 ///
 /// # Errors
 /// As [`solve`]; [`SolveError::Interrupted`].
@@ -69,7 +69,7 @@ pub fn solve_interruptible(
     })
 }
 
-/// One default beat: [`CellModel::default_stimulus`] once at 50 ms, 600 ms long.
+/// One default beat: [`CellModel::default_stimulus`] once at 50 ms, over 600 ms.
 ///
 /// # Errors
 /// As [`solve`], or tension without a positive peak inside the beat.

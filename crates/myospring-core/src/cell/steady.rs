@@ -1,9 +1,11 @@
-//! A cell that is paced until it changes no more.
+//! Paces a cell until it is in a steady state.
 //!
-//! The cell model alone, at its resting length, is stimulated at a cycle length; its state is taken once a beat, at the
-//! phase at which a run begins. It is steady when no state has changed by more than a tolerance over ten beats, relative to
-//! the largest size that the state had within the last of them. What drifts over hundreds of beats, such as sodium, may
-//! go on by some times the tolerance; a cell that alternates between two beats counts as steady.
+//! The cell model alone, at its resting length, is stimulated at a cycle length; its state is
+//! recorded once per beat, at the phase at which a run begins. It is steady when no state has
+//! changed by more than a tolerance over ten beats, relative to the largest size that the state had
+//! within the last of them. Slow drifts over hundreds of beats, such as that of sodium, may
+//! continue by several times the tolerance; a cell that alternates between two beats counts as
+//! steady.
 
 use super::CellModel;
 use super::integrator::CellIntegrator;
@@ -12,21 +14,22 @@ use super::settings::{Settings, SolveError};
 use crate::interruption::{Interrupted, Interruption};
 use std::sync::Arc;
 
-/// Beats over which a change is looked at.
+/// Number of beats over which changes are measured.
 pub const WINDOW: u32 = 10;
-/// Beats after which a cell that still changes is given up.
+/// Largest number of beats.
 pub const MOST_BEATS: u32 = 2000;
-/// Samples of a beat, by which the size of a state is known.
+/// Samples per beat, from which the size of a state is determined.
 const SAMPLES: u32 = 50;
-/// A stimulus at the very instant at which a state is taken would belong to it, ms.
+/// Time before a stimulus at which the state is recorded, ms, so that it does not include the
+/// stimulus.
 const APART_MS: f64 = 0.1;
 
-/// A state that comes again with every beat.
+/// A state that recurs with every beat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyState {
     /// In the order of the model's states.
     pub state: Vec<f64>,
-    /// Beats that led there.
+    /// Number of beats until it was reached.
     pub beats: u32,
     /// Largest relative change of a state over the last ten beats.
     pub change: f64,
@@ -35,13 +38,13 @@ pub struct SteadyState {
 /// Why there is no steady state.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SteadyError {
-    /// The cell cannot be followed.
+    /// The cell cannot be integrated.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// It was asked to end early.
+    /// It was interrupted.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
-    /// It goes on changing.
+    /// The cell does not become steady.
     #[error(
         "after {MOST_BEATS} beats `{variable}` of `{model}` still changes by {change:.2e} over {WINDOW} beats, more than \
          the tolerance {tolerance}; give a larger one"
@@ -58,12 +61,12 @@ pub enum SteadyError {
     },
 }
 
-/// The state of a cell that was paced by a protocol (its stimulus, cycle length and start, at which the first stimulus of
-/// the run comes, without an S2) until it changes by no more than `tolerance`, unless it
-/// is asked to end early.
+/// The state of a cell that was paced by a protocol (its stimulus, cycle length and start, at which
+/// the first stimulus of the run comes, without an S2) until it changes by at most `tolerance`; can
+/// be interrupted.
 ///
 /// # Errors
-/// A cell that cannot be followed, or that goes on changing; [`SteadyError::Interrupted`].
+/// A cell that cannot be integrated or does not become steady; [`SteadyError::Interrupted`].
 ///
 /// # Example
 /// ```

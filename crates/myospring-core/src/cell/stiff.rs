@@ -1,19 +1,22 @@
-//! Implicit steps as long as the accuracy allows, for any model.
+//! Implicit adaptive steps for any model.
 //!
 //! # Method
-//! Rosenbrock's method of order 4(3) in the form `RODAS` (`hairer_wanner_1996`, IV.7): L-stable, so stiff
-//! variables cost no small steps. It takes the model's Jacobian, or differences of its rates. Each step is
-//! as long as its error estimate stays below `tolerance (floor + |value|)` for every variable; the floor is
-//! 0.01 for a pure number, and a tenth of its start for a variable with a unit (0.01 if that is 0).
-//! Between the ends of a step the state is the method's own cubic.
+//! Rosenbrock's method of order 4(3) in the form `RODAS` (`hairer_wanner_1996`, IV.7): L-stable, so
+//! stiff variables do not require small steps. It uses the model's Jacobian, or finite differences
+//! of its rates. Each step is as long as its error estimate stays below `tolerance (floor +
+//! |value|)` for every variable; the floor is 0.01 for a pure number, and a tenth of its start for
+//! a variable with a unit (0.01 if that is 0). Between the ends of a step the state is the method's
+//! own cubic.
 //!
 //! - A step ends exactly at each event of the protocol, and the step size begins anew from the rates.
-//! - A model that feels its stretch is stepped exactly to each time asked for, because the stretch
-//!   may be another one from there on. For others the times asked for change nothing.
-//! - At a jump of the equations steps shrink until the error is small. The minimal model, which jumps at
-//!   its thresholds and slides along them, is refused: [`adaptive`](super::adaptive) steps know it.
+//! - For a model that depends on stretch, a step ends exactly at each requested time, because the
+//!   stretch may change there. For others, the requested times do not change the result.
+//! - At a jump of the equations steps shrink until the error is small. The minimal model, which
+//!   jumps at its thresholds and slides along them, is rejected: use [`adaptive`](super::adaptive)
+//!   steps.
 //!
-//! `docs/explanation/cell-integration.md` has its speed and error on a model of 40 states beside those of a library.
+//! `docs/explanation/cell-integration.md` compares its speed and error on a model of 40 states with those of a
+//! library.
 
 mod lu;
 pub(super) mod rosenbrock;
@@ -26,23 +29,24 @@ use super::settings::SolveError;
 use super::upstroke::Upstroke;
 use rosenbrock::{Curve, Rosenbrock};
 
-/// Floor of a pure number, and of a variable that starts at 0.
+/// Floor of a dimensionless variable, and of a variable that starts at 0.
 const FLOOR: f64 = 0.01;
-/// Floor of a variable with a unit, part of its start.
+/// Floor of a variable with a unit, as a part of its initial value.
 const OF_START: f64 = 0.1;
 /// Smallest and largest change of the step from one to the next.
 pub(super) const SHRINK: f64 = 0.2;
 pub(super) const GROW: f64 = 5.0;
-/// Aim below the tolerance by this factor.
+/// Safety factor: the aimed error as a part of the tolerance.
 pub(super) const SAFETY: f64 = 0.9;
-/// Part of the step that the tolerance would allow for a straight line, taken after an event.
+/// First step after an event, as a part of the step that the tolerance would allow for a straight
+/// line.
 const RESTART: f64 = 0.3;
 /// The longest step, ms.
 pub(super) const LONGEST_MS: f64 = 25.0;
-/// A step refused below this, ms, will never be taken.
+/// If a step below this is rejected, ms, integration fails.
 pub(super) const SHORTEST_MS: f64 = 1e-11;
 
-/// What the error of a variable is measured against where it is near 0.
+/// Floor in the scale of a variable's error.
 pub(super) fn floor(variable: &StateVariable) -> f64 {
     let own = OF_START * variable.start.abs();
     if variable.unit.is_empty() || own == 0.0 { FLOOR } else { own }
@@ -53,29 +57,29 @@ pub(super) fn restart(tolerance: f64) -> f64 {
     RESTART * tolerance.powf(0.25)
 }
 
-/// A cell on its way in implicit steps.
+/// The integration of a cell in implicit steps.
 #[derive(Debug, Clone)]
 pub(super) struct StiffSteps {
     tolerance: f64,
     floors: Vec<f64>,
-    /// Whether the stretch may be another one from each time asked for on.
+    /// Whether the stretch may change at each requested time.
     stretch_varies: bool,
     pacer: Pacer,
     rosenbrock: Rosenbrock,
     /// The last step.
     piece: Option<Piece>,
-    /// Where it ended, ms, after the events there.
+    /// End of the last step, ms, after events.
     end_ms: f64,
     end: Vec<f64>,
-    /// The step to try next, ms; not known after an event.
+    /// The step to try next, ms; `None` after an event.
     step_ms: Option<f64>,
-    /// What was asked for.
+    /// The requested time, ms, and the state there.
     time_ms: f64,
     state: Vec<f64>,
     upstroke: Upstroke,
 }
 
-/// A step that was taken.
+/// An accepted step.
 #[derive(Debug, Clone)]
 struct Piece {
     start_ms: f64,
@@ -84,7 +88,7 @@ struct Piece {
 }
 
 impl StiffSteps {
-    /// In this state at 0 ms, after whatever the protocol does then.
+    /// Starts in this state at 0 ms, after the protocol's events at 0 ms.
     pub(super) fn new(
         model: &dyn CellModel,
         mut state: Vec<f64>,
@@ -108,7 +112,7 @@ impl StiffSteps {
         }
     }
 
-    /// From now on the stretch stays, so that steps need not end where the state is asked for.
+    /// Declares the stretch constant from now on, so that steps need not end at requested times.
     pub(super) fn hold(&mut self) {
         self.stretch_varies = false;
     }
@@ -128,7 +132,7 @@ impl StiffSteps {
         self.upstroke.steepest()
     }
 
-    /// Moves on to time `t_ms`; the stimulus of `felt` is left aside.
+    /// Integrates to time `t_ms`; the stimulus in `felt` is ignored.
     pub(super) fn advance_to(
         &mut self,
         model: &dyn CellModel,
@@ -153,7 +157,7 @@ impl StiffSteps {
         Ok(())
     }
 
-    /// One step that ends at `stop_ms` or before.
+    /// Makes one step that ends at or before `stop_ms`.
     fn step(
         &mut self,
         model: &dyn CellModel,
@@ -166,7 +170,7 @@ impl StiffSteps {
         self.upstroke.see(since_ms, self.rosenbrock.rates(), input.stimulus);
         let mut planned = self.step_ms.unwrap_or_else(|| self.first_step());
         loop {
-            // No sliver is left before the stop.
+            // No tiny rest is left before the stop.
             let to_stop = self.end_ms + 1.01 * planned >= stop_ms;
             let step_ms = if to_stop { stop_ms - self.end_ms } else { planned };
             let solved = self.rosenbrock.try_step(model, &self.end, &input, step_ms);
@@ -179,7 +183,7 @@ impl StiffSteps {
             };
             if error <= 1.0 {
                 let next = step_ms * factor;
-                // A step cut short by the stop says nothing against the step before it.
+                // A step shortened by the stop does not reduce the following step.
                 let next = if to_stop { next.max(planned) } else { next };
                 self.take(step_ms, if to_stop { stop_ms } else { self.end_ms + step_ms });
                 self.step_ms = Some(next.min(LONGEST_MS));
@@ -195,7 +199,7 @@ impl StiffSteps {
         }
     }
 
-    /// From the rates alone.
+    /// The first step after an event, from the rates.
     fn first_step(&self) -> f64 {
         let rates = self.rosenbrock.rates();
         let speed = (0..self.end.len())
@@ -204,7 +208,7 @@ impl StiffSteps {
         (restart(self.tolerance) / speed).min(LONGEST_MS)
     }
 
-    /// Error of the step that was tried over what is allowed; NaN if anything is.
+    /// Error of the step that was tried relative to the tolerance; NaN if anything is NaN.
     fn error(&self) -> f64 {
         let (end, errors) = (self.rosenbrock.end(), self.rosenbrock.errors());
         (0..end.len()).fold(0.0, |largest: f64, i| {

@@ -3,8 +3,8 @@
 //! Two variables follow the normalised potential `V = (u - u_rest) / (u_peak - u_rest)`, which is
 //! not clamped. The authors normalise by the extremes of the whole run, which needs the future;
 //! here both are constants of the model. `k(V)` is a narrow bell around `V = 1`, so tension depends
-//! on them sharply: `u_peak` lower by 0.003 % raises the peak of `Ta` by about 0.09 %. So whoever
-//! changes `u_peak`, or the height of the upstroke, changes the strength of the cell.
+//! on them sharply: `u_peak` lower by 0.003 % raises the peak of `Ta` by about 0.09 %. So changing
+//! `u_peak`, or the height of the upstroke, changes the strength of the cell.
 
 pub mod lag;
 mod step;

@@ -3,8 +3,8 @@
 //! Membrane, sodium, potassium and calcium with their stores, and CaM kinase. Equations and values follow the paper
 //! and the code that its authors publish (<https://github.com/jtmff/torord>), which later moved chloride, too.
 //!
-//! The equations are written once over any kind of number, a file for each group of currents; the
-//! Jacobian is theirs by forward differentiation.
+//! The equations are generic over the type of number, with one file per group of currents; the
+//! Jacobian comes from them by forward differentiation.
 #![allow(clippy::doc_markdown, reason = "currents and gates have the names of the paper")]
 
 mod calcium;
@@ -35,7 +35,7 @@ use gate::Moving;
 use membrane::PER_CURRENT_I;
 use std::sync::{Arc, LazyLock};
 
-/// Where in the wall of the ventricle the cell is from.
+/// Layer of the ventricular wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
     /// Inner wall.
@@ -47,23 +47,23 @@ pub enum Layer {
 }
 
 impl Layer {
-    /// All of them.
+    /// All layers.
     pub const ALL: [Self; 3] = [Self::Endo, Self::Epi, Self::Mid];
 }
 
-/// Which form of the model.
+/// Form of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
-    /// As in the paper: 43 states, chloride stays.
+    /// As in the paper: 43 states, chloride is constant.
     Published,
-    /// Chloride moves: 45 states.
+    /// Dynamic chloride: 45 states.
     MovingChloride,
-    /// With the myofilaments of `land_2017`, which pull, feel their stretch and bind the calcium of troponin: 49
-    /// states (`margara_2021`).
+    /// With the myofilaments of `land_2017`, which generate tension, depend on stretch and bind
+    /// calcium to troponin: 49 states (`margara_2021`).
     Land,
 }
 
-/// ToR-ORd with some parameters.
+/// The ToR-ORd model with its parameters.
 #[derive(Debug, Clone)]
 pub struct TomekModel {
     layer: Layer,
@@ -72,10 +72,10 @@ pub struct TomekModel {
     parameters: ParameterSet,
 }
 
-/// The place of calcium in the cytosol, mM.
+/// Index of cytosolic calcium, mM.
 const CALCIUM: usize = 5;
 
-/// Recovery of I_CaL, which is faster where chloride moves, ms.
+/// Recovery of I_CaL, which is faster with dynamic chloride, ms.
 const TAU_J_CA: [f64; 3] = [75.0, 72.5, 75.0];
 
 const NAMES: [[&str; 3]; 3] = [
@@ -90,14 +90,14 @@ const DESCRIPTIONS: [[&str; 3]; 3] = [
         "Human midmyocardial cell ToR-ORd: potential and calcium, no tension",
     ],
     [
-        "Human ventricular endocardial cell ToR-ORd with chloride that moves, no tension",
-        "Human ventricular epicardial cell ToR-ORd with chloride that moves, no tension",
-        "Human midmyocardial cell ToR-ORd with chloride that moves, no tension",
+        "Human ventricular endocardial cell ToR-ORd with dynamic chloride, no tension",
+        "Human ventricular epicardial cell ToR-ORd with dynamic chloride, no tension",
+        "Human midmyocardial cell ToR-ORd with dynamic chloride, no tension",
     ],
     [
-        "Human ventricular endocardial cell: calcium, myofilaments that feel length and speed",
-        "Human ventricular epicardial cell: calcium, myofilaments that feel length and speed",
-        "Human midmyocardial cell: calcium, myofilaments that feel length and speed",
+        "Human ventricular endocardial cell: calcium, myofilaments that depend on length and speed",
+        "Human ventricular epicardial cell: calcium, myofilaments that depend on length and speed",
+        "Human midmyocardial cell: calcium, myofilaments that depend on length and speed",
     ],
 ];
 
@@ -117,7 +117,7 @@ pub fn parameters(layer: Layer, variant: Variant) -> ParameterSet {
 }
 
 impl TomekModel {
-    /// With the published parameters.
+    /// The model with the published parameters.
     ///
     /// # Example
     /// ```
@@ -132,10 +132,10 @@ impl TomekModel {
         }
     }
 
-    /// With parameters of your own.
+    /// The model with other parameters.
     ///
     /// # Errors
-    /// The set lacks one.
+    /// A parameter is missing.
     pub fn new(
         layer: Layer,
         variant: Variant,
@@ -184,7 +184,7 @@ impl TomekModel {
         states
     }
 
-    /// The states of the myofilaments, of a model that has them.
+    /// The states of the myofilaments, for a model with myofilaments.
     fn myofilaments(state: &[f64]) -> [f64; land_2017::STATES] {
         std::array::from_fn(|k| state[BEHIND + k])
     }
@@ -223,7 +223,7 @@ static OUTPUTS: LazyLock<Vec<Output>> = LazyLock::new(|| {
     rows.map(output).to_vec()
 });
 
-/// The places of the gates.
+/// Indices of the gates.
 static GATE_PLACES: LazyLock<Vec<usize>> = LazyLock::new(|| (GATES..BEHIND).collect());
 
 impl CellModel for TomekModel {
@@ -262,7 +262,7 @@ impl CellModel for TomekModel {
         Stimulation {
             default: Stimulus::Pulse { amplitude: 53.0, duration_ms: 1.0 },
             current_unit: "A/F".into(),
-            // The stimulus is of potassium.
+            // The stimulus current is carried by potassium.
             moves: vec![Moved { state: 0, weight: 1.0 }, Moved { state: 3, weight: PER_CURRENT_I }]
                 .into(),
         }
@@ -356,7 +356,7 @@ impl CellModel for TomekModel {
     }
 
     fn recorded_states(&self) -> &[usize] {
-        // The potential is recorded anyway.
+        // The potential is always recorded.
         static ALL: LazyLock<Vec<usize>> = LazyLock::new(|| (1..Form::Land.len()).collect());
         &ALL[..self.constants.form.len() - 1]
     }
@@ -366,7 +366,8 @@ impl CellModel for TomekModel {
     }
 
     fn longest_rest_ms(&self) -> f64 {
-        // Measured human muscle is 2.2 times as strong after 120 s of rest; the model falls to 0.15 of its strength.
+        // Measured human muscle is 2.2 times as strong after 120 s of rest, but the model falls to
+        // 0.15 of its strength.
         5000.0
     }
 

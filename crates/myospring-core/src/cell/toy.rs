@@ -1,4 +1,4 @@
-//! A toy model with a known tension, to test what is coupled to a cell.
+//! A toy model with known tension, for tests of code that is coupled to a cell.
 //!
 //! Two linear equations in a chain. A jump `a` of `u` at time 0 makes tension an alpha function
 //! with its peak `a / e` after one time constant:
@@ -65,12 +65,12 @@ pub fn parameters() -> ParameterSet {
 }
 
 impl ToyModel {
-    /// With the time constant of 50 ms.
+    /// The model with a time constant of 50 ms.
     pub fn published() -> Self {
         Self { parameters: parameters(), tau: 50.0 }
     }
 
-    /// With parameters of your own.
+    /// The model with other parameters.
     ///
     /// # Errors
     /// The set lacks `tau`.
@@ -79,7 +79,7 @@ impl ToyModel {
         Ok(Self { parameters, tau })
     }
 
-    /// Exact tension, a time `t_ms` after a jump of the resting cell: `a (t / tau) exp(-t / tau)`.
+    /// Exact tension at time `t_ms` after a jump of the resting cell: `a (t / tau) exp(-t / tau)`.
     pub fn tension_after_jump(&self, amplitude: f64, t_ms: f64) -> f64 {
         let x = (t_ms / self.tau).max(0.0);
         amplitude * x * (-x).exp()

@@ -1,11 +1,11 @@
-//! What a cell did over time.
+//! The sampled course of a cell.
 
 use super::cell_model::CellModel;
 use super::description::Input;
 use super::settings::{SolveError, validate_time};
 use crate::analysis::trace::{self, Point};
 
-/// A cell's course, sampled; all columns that there are have the length of `time_ms`.
+/// The sampled course of a cell; all columns have the length of `time_ms`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellTrace {
     /// Times, ms.
@@ -14,26 +14,26 @@ pub struct CellTrace {
     pub state_names: Vec<String>,
     /// One column per state variable.
     pub states: Vec<Vec<f64>>,
-    /// The potential variable, in the unit of its state; empty where there is none.
+    /// The potential variable, in the unit of its state; empty without potential.
     pub potential: Vec<f64>,
-    /// Membrane potential, mV, where the model defines it.
+    /// Membrane potential, mV, if the model defines it.
     pub membrane_potential_mv: Option<Vec<f64>>,
     /// Active tension, relative or in kPa as the model says.
     pub tension: Vec<f64>,
-    /// Names of what the model tells beside its state.
+    /// Names of the model's outputs.
     pub output_names: Vec<String>,
     /// One column for each of them.
     pub outputs: Vec<Vec<f64>>,
 }
 
-/// A cell at one instant.
+/// A cell at one time.
 pub(super) struct Instant {
     pub(super) state: Vec<f64>,
     pub(super) outputs: Vec<f64>,
 }
 
 impl CellTrace {
-    /// Samples a cell from 0 ms to `duration_ms`; `at` is asked for rising times.
+    /// Samples a cell from 0 ms to `duration_ms`; `at` is called with ascending times.
     pub(super) fn sample(
         model: &dyn CellModel,
         duration_ms: f64,
@@ -53,7 +53,8 @@ impl CellTrace {
             output_names: model.outputs().iter().map(|output| output.name.to_string()).collect(),
             outputs: vec![Vec::new(); model.outputs().len()],
         };
-        // A duration that is a multiple of the interval but for rounding keeps its last sample.
+        // If the duration is a multiple of the interval except for rounding, the last sample is
+        // kept.
         let samples = (duration_ms / sample_interval_ms * (1.0 + 1e-12)).floor() as u64;
         for sample in 0..=samples {
             let time_ms = sample as f64 * sample_interval_ms;
@@ -79,12 +80,12 @@ impl CellTrace {
         self.states.iter().chain(&self.outputs).nth(index).map(Vec::as_slice)
     }
 
-    /// The highest point of the potential variable.
+    /// The peak of the potential variable.
     pub fn peak_potential(&self) -> Option<Point> {
         trace::peak(&self.time_ms, &self.potential)
     }
 
-    /// The highest point of the tension.
+    /// The peak of the tension.
     pub fn peak_tension(&self) -> Option<Point> {
         trace::peak(&self.time_ms, &self.tension)
     }

@@ -1,4 +1,4 @@
-//! Which loops move the masses: chosen, refused when impossible, never silently replaced.
+//! Chooses the loops of the integrator; an impossible choice is an error, never silently replaced.
 
 use super::fused::FusedMotion;
 use super::stencil::Units;
@@ -8,26 +8,26 @@ use crate::mechanics::{Body, System};
 use crate::mesh::Lattice;
 use serde::{Deserialize, Serialize};
 
-/// Which loops.
+/// Implementation of the loops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Loops {
-    /// The fused kernel where it can, else the plain loops.
+    /// The fused kernel if it supports the simulation, else the plain loops.
     Auto,
     /// Plain loops over all laws: any mesh, force, tension and form of Verlet's method.
     Plain,
-    /// The fused kernel of a lattice, or nothing.
+    /// The fused kernel of a lattice, or an error.
     Fused,
 }
 
-/// What moves the masses, as it is asked for; [`Default`] is the fastest that can, on one thread.
+/// The requested engine of the integrator; [`Default`] is the fastest possible one on one thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Engine {
-    /// Which loops.
+    /// Implementation of the loops.
     pub loops: Loops,
-    /// Vector units of the fused kernel; `None` takes the best that the processor has.
+    /// Vector units of the fused kernel; `None` uses the best of the processor.
     pub units: Option<Units>,
-    /// Most threads of the fused kernel; the result is the same to the last bit.
+    /// Largest number of threads of the fused kernel; the result does not depend on it, bitwise.
     pub threads: usize,
 }
 
@@ -37,7 +37,7 @@ impl Default for Engine {
     }
 }
 
-/// What did move the masses, for the record.
+/// The engine that was used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "loops", rename_all = "kebab-case")]
 pub enum EngineUsed {
@@ -50,40 +50,40 @@ pub enum EngineUsed {
     },
     /// The plain loops.
     Plain {
-        /// What the fused kernel does not serve, in words for people; absent if nobody wanted it.
+        /// What the fused kernel does not support, in words; absent if it was not requested.
         #[serde(skip_serializing_if = "Option::is_none")]
         instead_of_fused: Option<String>,
     },
-    /// A stepper from outside.
+    /// A custom stepper.
     Own,
 }
 
-/// Why an engine cannot move the masses.
+/// Why an engine cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EngineError {
-    /// The fused kernel does not serve something.
+    /// The fused kernel does not support something.
     #[error(
-        "engine = \"fused\": the fused kernel does not serve {hindrance}; take engine = \"plain\", or \"auto\", \
+        "engine = \"fused\": the fused kernel does not support {what}; use engine = \"plain\", or \"auto\", \
          which chooses"
     )]
-    NotServed {
-        /// What.
-        hindrance: String,
+    Unsupported {
+        /// What it does not support.
+        what: String,
     },
     /// The processor lacks vector units.
     #[error("this processor has no vector units {wanted}; it has: {available}")]
     NoUnits {
-        /// Those that were asked for.
+        /// The requested ones.
         wanted: &'static str,
-        /// Those that it has.
+        /// The available ones.
         available: String,
     },
 }
 
-/// A motion to be made: what the engine is chosen for.
+/// A motion for which an engine is chosen.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
-    /// All that acts on the body.
+    /// All forces on the body.
     pub system: &'a System,
     /// The body at its start.
     pub body: &'a Body,
@@ -98,10 +98,11 @@ pub struct Task<'a> {
 }
 
 impl Engine {
-    /// Makes a stepper, and says what it is.
+    /// Makes a stepper, and returns which engine it uses.
     ///
     /// # Errors
-    /// The fused kernel was asked for and cannot, or the processor lacks its vector units.
+    /// The fused kernel was requested but does not support the motion, or the processor lacks its
+    /// vector units.
     pub fn stepper<'a>(
         &self,
         task: &Task<'a>,
@@ -125,21 +126,21 @@ impl Engine {
                 let used = EngineUsed::Fused { vector_units: units, threads: motion.threads() };
                 Ok((Box::new(motion), used))
             }
-            Err(hindrance) if self.loops == Loops::Auto => Ok(plain(Some(hindrance))),
-            Err(hindrance) => Err(EngineError::NotServed { hindrance }),
+            Err(what) if self.loops == Loops::Auto => Ok(plain(Some(what))),
+            Err(what) => Err(EngineError::Unsupported { what }),
         }
     }
 }
 
 fn fused<'a>(task: &Task<'a>, threads: usize, units: Units) -> Result<FusedMotion<'a>, String> {
     let Task { system, body, lattice, form, time_step, uniform_tension } = *task;
-    let lattice = lattice.ok_or("a mesh that is no square lattice")?;
+    let lattice = lattice.ok_or("a mesh that is not a square lattice")?;
     if form != Integrator::StoermerVerlet {
-        return Err(format!("{} (it makes Stoermer-Verlet's steps)", form.name()));
+        return Err(format!("{} (it only makes Stoermer-Verlet steps)", form.name()));
     }
     if !uniform_tension {
-        return Err("a tension that differs from place to place".to_owned());
+        return Err("a tension that is not uniform".to_owned());
     }
     FusedMotion::new(system, body.clone(), lattice, time_step, threads, units)
-        .map_err(|hindrance| hindrance.to_string())
+        .map_err(|unsupported| unsupported.to_string())
 }

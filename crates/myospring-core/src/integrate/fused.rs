@@ -1,25 +1,25 @@
 //! Stoermer-Verlet by the fused kernel of a lattice ([`super::stencil`]).
 
-use super::stencil::{Hindrance, Stencil, Units};
+use super::stencil::{Stencil, Units, Unsupported};
 use super::stepper::{StepError, Stepper};
 use super::verlet::{Integrator, Motion};
 use crate::mechanics::{Body, System, Tension, Vectors};
 use crate::mesh::Lattice;
 
-/// A body in motion on a lattice, under one tension for the whole cell: equal to [`Motion`] to rounding, and
+/// A moving body on a lattice with a uniform tension: equal to [`Motion`] except for rounding, and
 /// several times faster.
 pub struct FusedMotion<'a> {
-    /// Makes the first step of all, which starts from velocities at the full step, and holds the body.
+    /// Makes the first step, which starts from velocities at the full step, and owns the body.
     plain: Motion<'a>,
     kernel: Stencil,
     under_way: bool,
 }
 
 impl<'a> FusedMotion<'a> {
-    /// A body about to move with a fixed time step in ms, on at most so many threads.
+    /// A body to be moved with a fixed time step in ms, on at most `threads` threads.
     ///
     /// # Errors
-    /// A force or support that has no place in the kernel.
+    /// A force or support that the kernel does not support.
     ///
     /// # Panics
     /// If the processor lacks the vector units, see [`Units::available`].
@@ -30,13 +30,13 @@ impl<'a> FusedMotion<'a> {
         time_step: f64,
         threads: usize,
         units: Units,
-    ) -> Result<Self, Hindrance> {
+    ) -> Result<Self, Unsupported> {
         let kernel = Stencil::new(system, &body, lattice, time_step, threads, units)?;
         let plain = Motion::new(system, body, Integrator::StoermerVerlet, time_step);
         Ok(Self { plain, kernel, under_way: false })
     }
 
-    /// As [`Stepper::advance`]; numbers are tensions in kPa everywhere.
+    /// As [`Stepper::advance`]; the numbers are uniform tensions in kPa.
     ///
     /// # Errors
     /// If a panic has interrupted this or an earlier call.
@@ -44,17 +44,17 @@ impl<'a> FusedMotion<'a> {
         Stepper::advance(self, steps, tensions.map(Tension::Uniform))
     }
 
-    /// Number of threads at work.
+    /// Number of threads in use.
     pub fn threads(&self) -> usize {
         self.kernel.threads()
     }
 
-    /// Velocities at the last half step, um/ms: those that the dashpots have seen.
+    /// Velocities at the last half step, um/ms: those used by the dashpots.
     pub fn half_velocities(&self) -> &Vectors {
         self.plain.half_velocities()
     }
 
-    /// Hands the body to the kernel.
+    /// Copies the body to the kernel.
     fn put(&mut self) {
         self.kernel.put(&self.plain.body.positions, self.plain.half_velocities());
     }
@@ -76,12 +76,10 @@ impl<'a> FusedMotion<'a> {
 
 impl Stepper for FusedMotion<'_> {
     /// # Panics
-    /// If the tension is not the same everywhere.
+    /// If the tension is not uniform.
     fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), StepError> {
         let [Some(start), Some(end)] = tensions.map(|tension| tension.uniform()) else {
-            unreachable!(
-                "the fused kernel is not chosen for a tension that differs from place to place"
-            );
+            unreachable!("the fused kernel is not chosen for a tension that is not uniform");
         };
         if std::mem::replace(&mut self.under_way, true) {
             return Err(StepError::Poisoned);

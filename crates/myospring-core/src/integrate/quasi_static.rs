@@ -1,31 +1,31 @@
 //! The path of equilibria: the shape as a function of the tension alone.
 //!
-//! A contraction is quasi-static: the masses follow the tension without vibrating, and the dampings
-//! only see to that. Where all forces have an energy, the shape then depends on the present tension and
-//! not on time. [`Path`] solves
+//! A contraction is quasi-static: the masses follow the tension without vibrating, because of
+//! damping. If all forces have an energy, the shape then depends on the present tension and not on
+//! time. [`Path`] solves
 //!
 //! ```text
 //! f(x; Ta) = 0     from Ta = 0 to the largest tension
 //! ```
 //!
-//! once, at a few load steps, and gives the shape at any tension by interpolation; a beat, a train of
-//! beats or any other course of tension costs nothing more.
+//! once, at a few load steps, and gives the shape at any tension by interpolation; a beat, a train
+//! of beats or any other course of tension has no further cost.
 //!
 //! - Each load step: prediction by extrapolation, then Newton's method with the tangent stiffness `K`
 //!   (sparse Cholesky) and a line search on the energy.
 //! - Between load steps: the cubic polynomials that agree with the shapes and with their slopes
 //!   `dx/dTa = K^-1 df/dTa` at both ends (Hermite's).
-//! - Length of the load steps: by the error of that interpolation. Extrapolating the last cubic over the
-//!   new step misses by `x''''/24 (h_1 + h_2)^2 h_2^2`, the new cubic by at most `x''''/24 (h_2/2)^4`;
-//!   the first can be measured, so the second is known.
+//! - Length of the load steps: from the error of that interpolation. Extrapolating the last cubic
+//!   over the new step has the error `x''''/24 (h_1 + h_2)^2 h_2^2`, the new cubic at most
+//!   `x''''/24 (h_2/2)^4`; the first can be measured, which gives the second.
 //!
-//! Guaranteed: at each load step the stiffness is positive definite, so the equilibrium is stable and
-//! the one that a slow contraction reaches; where that ends (buckling, collapse) an error says so with
-//! the tension. The same input gives the same bits.
+//! Guaranteed: at each load step the stiffness is positive definite, so the equilibrium is stable
+//! and the one that a slow contraction reaches; if stability is lost (buckling, collapse), an error
+//! states the tension. The same input gives the same bits.
 //!
-//! Not covered, and refused with what to use instead: forces without an energy, active loads from
-//! outside, dampings so strong that they delay the shape. Inverted triangles are no error here, since a
-//! path knows no triangles: see [`Shapes::tensions`].
+//! Not supported (the error names an alternative): forces without an energy, active loads from
+//! outside, damping so strong that it delays the shape. Inverted triangles are not an error here,
+//! since a path does not use triangles: see [`Shapes::tensions`].
 
 mod equilibrium;
 mod error;
@@ -47,22 +47,23 @@ use equilibrium::{Failure, Rest, Solver, largest};
 use shapes::{Knot, interpolate};
 use std::ops::Deref;
 
-/// A step as short as allowed that misses by more than this multiple of what is allowed leads to
-/// another path: the cell snaps. A lesser one crosses a bend, and counts in [`Shapes::error`].
+/// If the error of a step of the least length exceeds the tolerance by this factor, the step leads
+/// to another path: the cell snaps. A smaller error is a bend in the path, and counts in
+/// [`Shapes::error`].
 const TORN: f64 = 100.0;
 
-/// Longest load step, kPa, of a body that tension hardly moves.
+/// Longest load step, kPa, for a body that tension hardly moves.
 const LONGEST_STEP: f64 = 1000.0;
 
-/// What came of a load step.
+/// The assessment of a load step.
 #[derive(Debug, Clone, Copy)]
 struct Judgement {
-    /// Its error against what is allowed.
+    /// Its error relative to the tolerance.
     ratio: f64,
     kept: bool,
 }
 
-/// Equilibria from tension 0 upward, and downward, as far as they were asked for.
+/// Equilibria from tension 0 upward and downward, as far as requested.
 ///
 /// # Example
 /// ```
@@ -88,7 +89,7 @@ pub struct Path<'a, const D: usize = 2> {
     shapes: Shapes<D>,
 }
 
-/// A path is read as its shapes so far are.
+/// A path dereferences to the shapes found so far.
 impl<const D: usize> Deref for Path<'_, D> {
     type Target = Shapes<D>;
 
@@ -98,13 +99,13 @@ impl<const D: usize> Deref for Path<'_, D> {
 }
 
 impl<'a, const D: usize> Path<'a, D> {
-    /// The path from rest to a largest tension in kPa (negative: the active force pushes), or somewhat past it.
+    /// Computes the path from rest to a largest tension in kPa (negative: the active force pushes),
+    /// or slightly beyond it.
     ///
-    /// The body's velocities do not matter; its positions are where mass centre and orientation stay.
+    /// The body's velocities are ignored; its positions define mass centre and orientation.
     ///
     /// # Errors
-    /// Every [`PathError`]: forces for which there is no path, and paths that end before the largest
-    /// tension.
+    /// Every [`PathError`]: unsupported forces, and paths that end before the largest tension.
     pub fn solve(
         system: &'a System<D>,
         body: &'a Body<D>,
@@ -116,10 +117,11 @@ impl<'a, const D: usize> Path<'a, D> {
         Ok(path)
     }
 
-    /// The path's first point: the body under no tension; [`Path::extend`] goes on from there.
+    /// Computes the path's first point, the body without tension; [`Path::extend`] continues from
+    /// there.
     ///
     /// # Errors
-    /// Forces for which there is no path; a body that is unstable under no tension.
+    /// Unsupported forces; a body that is unstable without tension.
     pub fn start(
         system: &'a System<D>,
         body: &'a Body<D>,
@@ -128,7 +130,7 @@ impl<'a, const D: usize> Path<'a, D> {
         Self::start_interruptible(system, body, tolerance, &Interruption::default())
     }
 
-    /// As [`Path::start`], of a path whose search, here and later, may be asked to end early.
+    /// Like [`Path::start`], for a path whose search can be interrupted, now and later.
     ///
     /// # Errors
     /// As [`Path::start`]; [`PathError::Interrupted`].
@@ -144,8 +146,8 @@ impl<'a, const D: usize> Path<'a, D> {
         let rest = solver
             .find(&body.positions, 0.0, tolerance.equilibrium * extent)
             .map_err(|failure| ending(failure, body, [0.0; 2], None))?;
-        // Power of the dampings when the shape moves at the rate `slope` per kPa and ms, against the
-        // power of its elastic forces: how long a shape takes to follow.
+        // Power of the damping when the shape moves at the rate `slope` per kPa and ms, divided by
+        // the power of its elastic forces: the delay of the shape.
         let at = Configuration {
             positions: &rest.positions,
             velocities: &rest.slope,
@@ -171,7 +173,8 @@ impl<'a, const D: usize> Path<'a, D> {
         Ok(Self { solver, shapes })
     }
 
-    /// A path that goes on from shapes found before for the same forces and body; its search may be asked to end early.
+    /// Continues a path from shapes found before for the same forces and body; its search can be
+    /// interrupted.
     pub fn resume(
         system: &'a System<D>,
         body: &'a Body<D>,
@@ -186,12 +189,13 @@ impl<'a, const D: usize> Path<'a, D> {
         self.shapes
     }
 
-    /// Goes on to a tension in kPa; nothing to do if the path has been there.
+    /// Extends the path to a tension in kPa, if it has not reached it yet.
     ///
     /// # Errors
-    /// [`PathError::Unstable`], [`PathError::Lost`] or [`PathError::TooLarge`] if the path ends before;
-    /// it then reaches as far as it goes. [`PathError::NotFinite`] for a tension that is no number;
-    /// [`PathError::Interrupted`] of a search that was asked to end early, which can go on later.
+    /// [`PathError::Unstable`], [`PathError::Lost`] or [`PathError::TooLarge`] if the path ends
+    /// before; the path then ends at the last stable equilibrium. [`PathError::NotFinite`] for a
+    /// tension that is not finite; [`PathError::Interrupted`] if the search was interrupted; it can
+    /// be continued later.
     pub fn extend(&mut self, tension: f64) -> Result<(), PathError> {
         if !tension.is_finite() {
             return Err(PathError::NotFinite { tension });
@@ -204,8 +208,8 @@ impl<'a, const D: usize> Path<'a, D> {
         reached
     }
 
-    /// Load steps are planned without a look at the tension that is wanted, and the last one goes past it: the path
-    /// to a tension is the start of any longer one, to the last bit.
+    /// Load steps do not depend on the requested tension, and the last one goes beyond it, so the
+    /// path to a tension is bitwise the beginning of any longer path.
     fn extend_branch(
         &mut self,
         side: usize,
@@ -239,7 +243,7 @@ impl<'a, const D: usize> Path<'a, D> {
                     self.shapes.steps[side] = step * (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
                     (shortest && !kept).then_some(Failure::NoRest)
                 }
-                // The path is then as if this step had not begun, so that it can go on.
+                // The path is then as before this step, so it can be continued.
                 Err(Failure::Interrupted) => return Err(PathError::Interrupted),
                 Err(failure) => {
                     self.shapes.steps[side] = 0.5 * step;
@@ -278,13 +282,13 @@ impl<'a, const D: usize> Path<'a, D> {
         Ok((Knot { tension, positions, slope }, missed))
     }
 
-    /// Error of a step against what is allowed; the knots are kept if it is not above 1, or the step
-    /// cannot be shorter and the path is not torn.
+    /// Compares the error of a step with the tolerance; the knots are kept if it is within, or if
+    /// the step cannot be shorter and the path is not torn.
     fn judge(&mut self, side: usize, error: f64, shortest: bool, knots: Vec<Knot<D>>) -> Judgement {
         let Tolerance { interpolation, equilibrium, .. } = self.tolerance;
-        // What Newton's method leaves is not the interpolation's to blame.
+        // The residual of Newton's method does not count as interpolation error.
         let allowed = interpolation.max(10.0 * equilibrium) * self.extent;
-        // Twice, since the fourth derivative is not the same everywhere.
+        // Twice, because the fourth derivative is not constant.
         let ratio = 2.0 * error / allowed;
         let kept = ratio <= 1.0 || (shortest && ratio <= TORN);
         if kept {
@@ -294,7 +298,8 @@ impl<'a, const D: usize> Path<'a, D> {
         Judgement { ratio, kept }
     }
 
-    /// Two half steps from rest: nothing lies before it to extrapolate, so the middle is the check.
+    /// Two half steps from rest: there is no earlier step to extrapolate, so the middle serves as
+    /// the check.
     fn first_step(&mut self, side: usize, step: f64, shortest: bool) -> Result<Judgement, Failure> {
         let rest = self.branches[side][0].clone();
         let mut guess = rest.positions.clone();
@@ -306,7 +311,7 @@ impl<'a, const D: usize> Path<'a, D> {
         let (end, _) = self.find(&guess, step)?;
         interpolate(&rest, &end, 0.5 * step, &mut guess);
         let (middle, missed) = self.find(&guess, 0.5 * step)?;
-        // Half as long, a cubic misses by a sixteenth.
+        // With half the length, a cubic has 1/16 of the error.
         Ok(self.judge(side, missed / 16.0, shortest, vec![middle, end]))
     }
 
@@ -345,7 +350,7 @@ fn ending<const D: usize>(
     }
 }
 
-/// Whether the forces are such that the shape depends on the tension alone.
+/// Checks that the shape depends on the tension alone.
 fn check_forces<const D: usize>(
     system: &System<D>,
     body: &Body<D>,
@@ -353,7 +358,7 @@ fn check_forces<const D: usize>(
 ) -> Result<(), PathError> {
     let still = zeros(body.len());
     let at = Configuration { positions: &body.positions, velocities: &still, tension: 1.0.into() };
-    // A mass centre at rest takes from outer forces what moves the body, and that has no energy.
+    // Holding the mass centre removes the resultant of outer forces, and that has no energy.
     let held = system.support != Support::MassCentre;
     let mut stiffness = StiffnessMatrix::new(body.len());
     let passive = system.passive.iter().map(|force| (force, held));

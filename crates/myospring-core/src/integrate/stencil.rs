@@ -1,27 +1,25 @@
 //! The fused kernel of a lattice: all forces, kick and drift in one sweep, vectorised.
 //!
-//! It makes the steps of Stoermer-Verlet that [`super::verlet`] makes with the sum of the laws, several
-//! times faster, and agrees with it to rounding. What it can do: springs with axial dashpots, the
-//! `gradient` area law, fibre tension in any directions, drag, clamped nodes, elastic beds and
-//! spring-held ends, on any outline, with any mass, stiffness, dashpot, area stiffness and fibre weight
-//! per place. Everything else
-//! stays with the plain loops.
+//! It makes the same Stoermer-Verlet steps as [`super::verlet`], several times faster, and agrees
+//! with it except for rounding. It supports springs with axial dashpots, the `gradient` area law,
+//! fibre tension in any directions, drag, clamped nodes, elastic beds and spring-held ends, on any
+//! outline, with any mass, stiffness, dashpot, area stiffness and fibre weight per place.
+//! Everything else uses the plain loops.
 //!
 //! # How
-//! - Masses stand in rows of the bounding box. A place without a mass has springs of no stiffness
-//!   and cannot move; stretches of eight such places are skipped.
-//! - Eight squares share their coefficients with the rest of the cell, or have a record of their own
-//!   (on the rim, or everywhere if a field varies).
-//! - Each spring is evaluated once; see `sweep.rs`. On AVX-512 the inverse length is an estimate and
-//!   a series, at a third of the cost of root and division.
+//! - Masses are stored in rows of the bounding box. A place without a mass has springs without
+//!   stiffness and cannot move; groups of eight such places are skipped.
+//! - A group of eight squares shares its coefficients with the rest of the cell, or has its own
+//!   record (on the rim, or everywhere if a field is not uniform).
+//! - Each spring is evaluated once; see `sweep.rs`. On AVX-512 the inverse length is computed by an
+//!   estimate and a series, at a third of the cost of a root and a division.
 //! - A mesh larger than the cache is swept once for several steps, each a row behind the last.
-//! - Several threads share the mesh in bands of rows; see `bands.rs` and `team.rs`. One thread or many,
-//!   the bits are the same.
-//!   They are not the same for other vector units (FMA rounds once where the others round twice).
+//! - Several threads share the mesh in bands of rows; see `bands.rs` and `team.rs`. Results are
+//!   bitwise the same for any number of threads, but not for other vector units (FMA rounds once,
+//!   others round twice).
 //!
 //! # Unsafe
-//! The vector intrinsics need it, and the in-place sweep works on pointers. It stays inside this
-//! folder.
+//! Vector intrinsics and the in-place sweep over pointers need it. It is confined to this folder.
 #![allow(unsafe_code, reason = "vector intrinsics and an in-place sweep shared by threads")]
 
 mod bands;
@@ -41,42 +39,42 @@ use crate::mesh::Lattice;
 use team::Team;
 use tiles::Command;
 
-/// Masses that are worth a thread of their own; see docs/reference/performance.md.
+/// Number of masses from which on a further thread is worthwhile; see docs/reference/performance.md.
 const MASSES_A_THREAD: usize = 8000;
 
-/// Threads that pay for so many masses: one for every 8000, at least one and at most one for each core.
-/// With fewer masses a thread, waiting for each other takes much of what the second thread gives.
+/// Number of threads that is worthwhile for a number of masses: one for every 8000, at least one,
+/// at most one per core. With fewer masses per thread, synchronisation takes much of the gain.
 pub fn worthwhile_threads(masses: usize) -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     (masses / MASSES_A_THREAD).clamp(1, cores)
 }
 
-/// Why the kernel cannot make the steps: what it does not serve, in words for people.
+/// What the kernel does not support, in words.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Hindrance(pub String);
+pub struct Unsupported(pub String);
 
-/// All coefficients of a system of forces, if each has its place in the kernel.
+/// All coefficients of a system of forces, if the kernel supports each force.
 fn plan(
     system: &System,
     body: &Body,
     lattice: &Lattice,
     time_step: f64,
-) -> Result<Plan, Hindrance> {
+) -> Result<Plan, Unsupported> {
     let mut terms = LatticeTerms::new(lattice);
     for force in system.forces() {
         let law = force.on_lattice();
-        let law = law.ok_or_else(|| Hindrance(format!("the force `{}`", force.name())))?;
+        let law = law.ok_or_else(|| Unsupported(format!("the force `{}`", force.name())))?;
         if !terms.add(law) {
-            return Err(Hindrance(format!("the force `{}` off the lattice", force.name())));
+            return Err(Unsupported(format!("the force `{}` off the lattice", force.name())));
         }
     }
     if system.support == Support::MassCentre && !system.is_internal() {
-        return Err(Hindrance("a mass centre that is held against outer forces".to_owned()));
+        return Err(Unsupported("a mass centre that is held against outer forces".to_owned()));
     }
     terms
         .plan(&body.masses, system.drag.rate, &system.support, time_step)
-        .ok_or_else(|| Hindrance("area laws that differ within a square".to_owned()))
+        .ok_or_else(|| Unsupported("area laws that differ within a square".to_owned()))
 }
 
 /// A lattice of masses in motion.
@@ -88,10 +86,10 @@ impl Stencil {
     /// The kernel for a body under a system of forces on a lattice, moved with a fixed time step in
     /// ms by at most `threads` threads.
     ///
-    /// The body's velocities count as those of the last half step.
+    /// The body's velocities are those of the last half step.
     ///
     /// # Errors
-    /// A force or support that has no place in it.
+    /// A force or support that it does not support.
     ///
     /// # Panics
     /// If the processor lacks the vector units, see [`Units::available`].
@@ -102,14 +100,14 @@ impl Stencil {
         time_step: f64,
         threads: usize,
         units: Units,
-    ) -> Result<Self, Hindrance> {
+    ) -> Result<Self, Unsupported> {
         let plan = plan(system, body, lattice, time_step)?;
         let mut stencil = Self { team: Team::new(plan, units, threads) };
         stencil.put(&body.positions, &body.velocities);
         Ok(stencil)
     }
 
-    /// Number of threads at work.
+    /// Number of threads in use.
     pub fn threads(&self) -> usize {
         self.team.threads()
     }
@@ -125,11 +123,11 @@ impl Stencil {
         }
     }
 
-    /// Moves `steps` steps on; the tension (kPa) is `tensions[0]` at the first and goes linearly
-    /// to reach `tensions[1]` at the end of the last.
+    /// Makes `steps` steps; the tension (kPa) changes linearly from `tensions[0]` at the first to
+    /// `tensions[1]` at the end of the last.
     ///
     /// # Errors
-    /// If a thread has panicked, now or before: the state is of no use then.
+    /// If a thread has panicked, now or before; the state is then invalid.
     pub fn advance(&mut self, steps: usize, tensions: [f64; 2]) -> Result<(), StepError> {
         self.team.obey(Command::Advance { steps, tensions })
     }
@@ -137,7 +135,7 @@ impl Stencil {
     /// Writes the velocities at the time of the positions under this tension (kPa), um/ms.
     ///
     /// # Errors
-    /// As for [`Stencil::advance`].
+    /// Those of [`Stencil::advance`].
     pub fn read_velocities(
         &mut self,
         tension: f64,

@@ -14,21 +14,23 @@
 //! v_{n+1}   = (v_{n+1/2} + dt/2 f_{n+1}/m) / (1 + g)
 //! ```
 //!
-//! They are the same method: equal positions to rounding, of order 2 with and without drag. Dashpots
-//! see the half-step velocity `(x_{n+1} - x_n)/dt`, the last one known when `f_{n+1}` is computed.
-//! One force evaluation a step; the first half-kick uses the force at the start.
+//! They are the same method: positions are equal except for rounding, of order 2 with and without
+//! drag. Dashpots use the half-step velocity `(x_{n+1} - x_n)/dt`, the last one known when
+//! `f_{n+1}` is computed. There is one force evaluation per step; the first half-kick uses the
+//! force at the start.
 
 use super::stepper::{StepError, Stepper};
 use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
 use serde::Serialize;
 
-/// Which form of Verlet's method moves the masses.
+/// The form of Verlet's method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
     /// Stoermer-Verlet, the paper's Eq. (16): positions of two times, no velocities.
     StoermerVerlet,
-    /// Velocity Verlet with implicit drag in the last half-kick: the same positions to rounding.
+    /// Velocity Verlet with implicit drag in the last half-kick: the same positions except for
+    /// rounding.
     VelocityVerlet,
 }
 
@@ -82,17 +84,17 @@ pub struct Motion<'a, const D: usize = 2> {
     /// The body; its velocities belong to the same time as its positions.
     pub body: Body<D>,
     time_step: f64,
-    /// 1/m of each mass: a division in the hot loop costs more than the rest of it.
+    /// 1/m of each mass, because a division in the inner loop would dominate its cost.
     inverse_masses: Vec<f64>,
     state: State<D>,
     mark: Option<(Body<D>, State<D>)>,
     /// Tensions of the triangles during a step.
     tensions: Vec<f64>,
-    /// Whether [`Motion::advance`] has begun and not come to its end.
+    /// Whether [`Motion::advance`] has begun but not ended.
     under_way: bool,
 }
 
-/// What a method remembers from step to step, besides the body.
+/// State of the method in addition to the body.
 #[derive(Clone)]
 struct State<const D: usize> {
     forces: Vectors<D>,
@@ -105,7 +107,7 @@ struct State<const D: usize> {
 }
 
 impl<'a, const D: usize> Motion<'a, D> {
-    /// A body about to move with a fixed time step in ms, no larger than the stability limit
+    /// A body to be moved with a fixed time step in ms, at most the stability limit
     /// ([`crate::mechanics::stability::StabilityLimit`]).
     pub fn new(
         system: &'a System<D>,
@@ -131,7 +133,7 @@ impl<'a, const D: usize> Motion<'a, D> {
         }
     }
 
-    /// As [`Stepper::advance`]; numbers are tensions in kPa everywhere.
+    /// Like [`Stepper::advance`]; numbers are uniform tensions in kPa.
     ///
     /// # Errors
     /// If a panic has interrupted this or an earlier call.
@@ -143,13 +145,13 @@ impl<'a, const D: usize> Motion<'a, D> {
         Stepper::advance(self, steps, tensions.map(Into::into))
     }
 
-    /// Velocities at the last half step, um/ms: those that the dashpots have seen.
+    /// Velocities at the last half step, um/ms: those used by the dashpots.
     pub fn half_velocities(&self) -> &Vectors<D> {
         &self.state.half_velocities
     }
 
-    /// What the fused kernel sets when it has made steps: the body, its velocities at the last half step, and
-    /// how many steps.
+    /// Gives the fused kernel access to the body and its half-step velocities, after it has made
+    /// `steps` steps.
     pub(super) fn moved_by(&mut self, steps: u64) -> (&mut Body<D>, &mut Vectors<D>) {
         self.state.steps += steps;
         (&mut self.body, &mut self.state.half_velocities)
@@ -237,7 +239,7 @@ impl<'a, const D: usize> Motion<'a, D> {
                     // Taylor's series, Eq. (14), since there is no step before the first.
                     now + dt * (1.0 - half_drag) * velocity[i] + 0.5 * kick
                 } else {
-                    // Eq. (16), ordered so that a mass under no force stays put to the last bit
+                    // Eq. (16), ordered so that a mass without force keeps its position exactly
                     now + ((1.0 - half_drag) * (now - previous[i]) + kick) * slowing
                 };
                 half[i] = (next - now) * per_step;

@@ -1,4 +1,4 @@
-//! Active force: what the tension of the myofilaments does to the mesh.
+//! Active forces: the effect of the myofilaments' tension on the mesh.
 //!
 //! - [`FibreTension`] (default): the first Piola-Kirchhoff stress `P = Ta F f0 (x) f0` in each
 //!   triangle gives the nodal forces `f_i = -V0 P grad N_i`, with the deformation gradient `F`, the
@@ -12,15 +12,16 @@
 //! resultant of the fibre law on a cross-section is `Ta lambda`, that of the end load `Ta`.
 //!
 //! Because `F` is linear in the positions, `f = -Ta K x` with a constant, sparse, symmetric matrix
-//! `K_ij = sum V0 (grad N_i . f0)(grad N_j . f0)` whose rows sum to zero. It lives on the edges of
-//! the triangles: on each edge a weight, as cheap as a spring without its square root.
+//! `K_ij = sum V0 (grad N_i . f0)(grad N_j . f0)` whose rows sum to zero. Its elements belong to
+//! the edges of the triangles: each edge has a weight, which is as cheap as a spring without square
+//! root.
 //!
-//! A triangle with the relative content c of myofibrils bears `c Ta`: it counts as c times its volume.
-//! Where the tension differs from place to place ([`Tension::PerElement`]) the sum runs over the triangles:
-//! `f_i = -V0 Ta a (grad N_i . f0)` with `a = F f0 = sum x_i (grad N_i . f0)`, whose length is the
-//! stretch. Where it follows the triangle's stretch and rate ([`Tension::Following`]), `E = sum V0 int Ta
-//! stretch d(stretch)` at rest, and motion takes the power `sum V0 c rate^2 stretch`, c the derivative of
-//! the tension with respect to the rate.
+//! A triangle with the relative content c of myofibrils carries `c Ta`, as if it had c times its
+//! volume. If the tension is not uniform ([`Tension::PerElement`]), the sum runs over the
+//! triangles: `f_i = -V0 Ta a (grad N_i . f0)` with `a = F f0 = sum x_i (grad N_i . f0)`, whose
+//! length is the stretch. If it depends on the triangle's stretch and rate
+//! ([`Tension::Following`]), `E = sum V0 int Ta stretch d(stretch)` at rest, and motion dissipates
+//! the power `sum V0 c rate^2 stretch`, c the derivative of the tension with respect to the rate.
 
 use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
@@ -34,7 +35,7 @@ use std::any::Any;
 use std::array::from_fn;
 use std::collections::HashMap;
 
-/// Which law carries the active tension.
+/// The law of the active tension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ActiveLaw {
@@ -44,12 +45,13 @@ pub enum ActiveLaw {
     Ends,
 }
 
-/// Where the myofibrils of a mesh run, and how many there are.
+/// Directions and content of the myofibrils of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Myofibrils<'a, const D: usize = 2> {
     /// Their direction in each triangle, unit vectors.
     pub directions: &'a [[f64; D]],
-    /// Their content in each triangle relative to that of the cell, a pure number; `None` is 1 everywhere.
+    /// Their content in each triangle relative to that of the cell, dimensionless; `None` is 1
+    /// everywhere.
     pub content: Option<&'a [f64]>,
 }
 
@@ -74,7 +76,7 @@ pub struct FibreStretch<const D: usize = 2, const N: usize = 3> {
 }
 
 impl<const D: usize, const N: usize> FibreStretch<D, N> {
-    /// For fibres in these unit directions, one per triangle.
+    /// A meter for fibres in these unit directions, one per triangle.
     ///
     /// # Panics
     /// If there is not one direction per triangle.
@@ -108,12 +110,13 @@ impl<const D: usize, const N: usize> FibreStretch<D, N> {
         self.nodes.len()
     }
 
-    /// Whether there is no triangle.
+    /// Whether there are no triangles.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// The fibre's unit vector as the triangle has turned and stretched it, `F f0`; of velocities its rate.
+    /// The fibre's unit vector, rotated and stretched with the triangle, `F f0`; for velocities,
+    /// its rate.
     fn fibre(&self, element: usize, vectors: &Vectors<D>) -> [f64; D] {
         let (nodes, along) = (self.nodes[element], self.along[element]);
         let first = nodes[0] as usize;
@@ -156,10 +159,11 @@ pub struct FibreTension<const D: usize = 2, const N: usize = 3> {
 }
 
 impl<const D: usize, const N: usize> FibreTension<D, N> {
-    /// Myofibrils of a mesh, or unit vectors, one per triangle; thickness in um, with three axes 1.
+    /// The law for myofibrils of a mesh, or unit vectors, one per triangle; thickness in um, 1 with
+    /// three axes.
     ///
     /// # Panics
-    /// If there is not one direction, or one content where they are given, per triangle.
+    /// If there is not one direction, or, if contents are given, one content per triangle.
     pub fn new<'a>(
         mesh: &Mesh<D, N>,
         myofibrils: impl Into<Myofibrils<'a, D>>,
@@ -224,7 +228,7 @@ impl<const D: usize, const N: usize> FibreTension<D, N> {
         }
     }
 
-    /// Triangle by triangle, for tensions that differ.
+    /// Adds forces triangle by triangle, for tensions that are not uniform.
     fn add_by_element(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
         for (element, volume) in self.volumes.iter().enumerate() {
             let (nodes, along) = (self.stretch.nodes[element], self.stretch.along[element]);
@@ -373,7 +377,7 @@ impl<const D: usize, const N: usize> Force<D> for FibreTension<D, N> {
     }
 
     fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
-        // Of a flat mesh only.
+        // Only for a flat mesh.
         let flat = (self as &dyn Any).is::<FibreTension>();
         flat.then_some(LatticeLaw::Tension { nodes: &self.edges, weights: &self.weights })
     }
@@ -392,8 +396,8 @@ pub struct EndTension {
 }
 
 impl EndTension {
-    /// Loads both ends of the cell along the unit vector `axis`; thickness in um. The law knows one tension for
-    /// the whole cell; under any other it has no numbers.
+    /// Loads both ends of the cell along the unit vector `axis`; thickness in um. The law supports
+    /// only a uniform tension; with any other, its forces are NaN.
     ///
     /// The rim edges that face an end within the outer tenth of the length carry `Ta thickness`
     /// times their length across the axis, shared by their two nodes, so the resultant on an end
@@ -418,8 +422,8 @@ impl EndTension {
                 load[b] -= 0.5 * thickness * outward;
             }
         }
-        // Where steps make one end wider than the other inside its tenth, scale the smaller up:
-        // the pair must have no resultant.
+        // If steps make one end wider than the other within its tenth, the smaller load is scaled
+        // up, because the pair must have no resultant.
         let pull: f64 = load.iter().filter(|value| **value > 0.0).sum();
         let push: f64 = -load.iter().filter(|value| **value < 0.0).sum::<f64>();
         let total = pull.max(push);
@@ -433,7 +437,7 @@ impl EndTension {
     }
 }
 
-/// Edges of triangles with a square on one side only, the cell on their left.
+/// Edges with a square on one side only; the cell is on their left.
 fn rim_edges(mesh: &Mesh) -> Vec<[usize; 2]> {
     let mut weight: HashMap<[u32; 2], f64> = HashMap::new();
     for simplex in &mesh.simplices {

@@ -1,25 +1,29 @@
-//! Springs from nodes to their resting places: supports that give way.
+//! Springs from nodes to their resting positions: elastic supports.
 //!
-//! Each anchored node is drawn back to where it rested, equally in all directions of the plane:
+//! Each anchored node is pulled back to its resting position, equally in all directions of the
+//! plane:
 //!
 //! ```text
 //! f_i = -k_i (x_i - X_i)          E = sum k_i |x_i - X_i|^2 / 2
 //! ```
 //!
-//! - [`Anchors::elastic_bed`]: a cell that adheres to a gel or to pillars, an elastic foundation as in
-//!   `edwards_schwarz_2011`: `k_i = b A_i` with the bed's stiffness `b` (kPa/um: traction per
+//! - [`Anchors::elastic_bed`]: a cell that adheres to a gel or to pillars, an elastic foundation as
+//!   in `edwards_schwarz_2011`: `k_i = b A_i` with the bed's stiffness `b` (kPa/um: traction per
 //!   displacement) and the node's area. A soft layer of thickness `t` bonded to glass, thin against
-//!   the cell, is sheared by `u/t`, so `b = G/t = E/(2 (1 + nu) t)`; on thicker gels the spots that the cell
-//!   pulls at feel each other and `b` is an effective value (`banerjee_marchetti_2012`). Displacements
-//!   decay from the cell's ends over `sqrt(E w/b)`, with the cell's Young's modulus and thickness.
-//! - [`Anchors::spring_held_ends`]: an auxotonic contraction between two elastic fibres. At each end
-//!   the nodes of the outer twentieth of the length ([`END_PART`](crate::mesh::ends::END_PART)), where the fibre is attached, share
-//!   its stiffness in proportion to their areas, so the fibre's force is stiffness times mean
-//!   displacement. A round cantilever that stands on the plane of the picture, as a carbon fibre does, bends
-//!   equally in both of its directions, so the springs do, too. They are slack when the cell rests.
+//!   the cell, is sheared by `u/t`, so `b = G/t = E/(2 (1 + nu) t)`; on thicker gels, the points at
+//!   which the cell pulls interact, and `b` is an effective value (`banerjee_marchetti_2012`).
+//!   Displacements decay from the cell's ends over `sqrt(E w/b)`, with the cell's Young's modulus
+//!   and thickness.
+//! - [`Anchors::spring_held_ends`]: an auxotonic contraction between two elastic fibres. At each
+//!   end the nodes of the outer twentieth of the length
+//!   ([`END_PART`](crate::mesh::ends::END_PART)), where the fibre is attached, share its stiffness
+//!   in proportion to their areas, so the fibre's force is stiffness times mean displacement. A
+//!   round cantilever perpendicular to the picture, such as a carbon fibre, bends equally in both
+//!   directions of the plane, so the springs are isotropic. They carry no force when the cell
+//!   rests.
 //!
-//! Soft springs let the whole cell swing slowly on them: by numerical mass and drag its place, not its
-//! shape, lags in a run in time. A path of equilibria knows no such lag.
+//! On soft springs, the whole cell swings slowly: because of numerical mass and drag, its position
+//! (not its shape) lags in a run in time. A path of equilibria has no such lag.
 
 pub use super::lattice_law::Anchor;
 
@@ -31,7 +35,7 @@ use crate::mesh::Mesh;
 use crate::mesh::ends::end_nodes;
 use std::any::Any;
 
-/// Nodes tied to their resting places.
+/// Nodes tied to their resting positions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Anchors<const D: usize = 2> {
     name: &'static str,
@@ -39,7 +43,7 @@ pub struct Anchors<const D: usize = 2> {
 }
 
 impl<const D: usize> Anchors<D> {
-    /// A bed of this stiffness (kPa/um) under the whole mesh.
+    /// An elastic bed of this stiffness (kPa/um) under the whole mesh.
     ///
     /// # Example
     /// ```

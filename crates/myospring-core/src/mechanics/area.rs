@@ -3,12 +3,12 @@
 //! For a triangle of area `A` (at rest `A0`), weight `w` and stiffness `k` (nN/um):
 //!
 //! - [`AreaLaw::Gradient`]: energy `E = w (k/2) (A - A0)^2 / A0`, force `-grad E` on all three
-//!   corners. Conserves linear and angular momentum. Ours, the default.
+//!   corners. Conserves linear and angular momentum. Not from the paper; the default.
 //! - [`AreaLaw::Barycentric`]: the paper's direction with the deviation from rest,
 //!   `f_i = -w k (A - A0)/sqrt(A0) (x_i - x_b)/|x_i - x_b|` with the barycentre `x_b`, Eq. (12).
-//! - [`AreaLaw::Printed`]: Eq. (13) to the letter, `f_i = -w k A/sqrt(A0) (x_i - x_b)/|x_i - x_b|`.
-//!   It pulls a resting cell together and makes the loss of area in a contraction worse; kept to
-//!   show just that.
+//! - [`AreaLaw::Printed`]: Eq. (13) exactly as printed, `f_i = -w k A/sqrt(A0) (x_i - x_b)/|x_i -
+//!   x_b|`. It contracts a resting cell and increases the loss of area in a contraction; included
+//!   to show that.
 //!
 //! Eq. (13) has no length scale: `k_prev area` must be a force. The factor `1/sqrt(A0)` gives all
 //! three laws the same `k` in nN/um.
@@ -22,7 +22,7 @@ use crate::mesh::Mesh;
 use crate::mesh::simplex::measure_at;
 use serde::Serialize;
 
-/// Which law keeps the area.
+/// The law of area preservation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AreaLaw {
@@ -35,7 +35,7 @@ pub enum AreaLaw {
 }
 
 impl AreaLaw {
-    /// All laws, in the order they are shown.
+    /// All laws, in the order of display.
     pub const ALL: [Self; 3] = [Self::Gradient, Self::Barycentric, Self::Printed];
 }
 

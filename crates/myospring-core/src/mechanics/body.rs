@@ -17,8 +17,8 @@ pub struct Body<const D: usize = 2> {
 }
 
 impl<const D: usize> Body<D> {
-    /// A body at rest in the mesh's points; each mass is `density * thickness * area`. With three axes the
-    /// areas are volumes, and the thickness is 1, a pure number.
+    /// A body at rest in the mesh's points; each mass is `density * thickness * area`. With three
+    /// axes, areas are volumes and the thickness is 1 (dimensionless).
     pub fn at_rest<const N: usize>(mesh: &Mesh<D, N>, density: f64, thickness: f64) -> Self {
         Self {
             positions: mesh.points.clone(),
@@ -32,7 +32,7 @@ impl<const D: usize> Body<D> {
         self.masses.len()
     }
 
-    /// Whether there is no mass.
+    /// Whether there are no masses.
     pub fn is_empty(&self) -> bool {
         self.masses.is_empty()
     }
@@ -61,7 +61,8 @@ impl<const D: usize> Body<D> {
         (0..self.len()).map(|i| self.masses[i] * (x[i] * vy[i] - y[i] * vx[i])).sum()
     }
 
-    /// What forces are evaluated at, under an active tension (a number is one in kPa everywhere).
+    /// The configuration at which forces are evaluated, under an active tension (a number is a
+    /// uniform one in kPa).
     pub fn configuration<'a>(&'a self, tension: impl Into<Tension<'a>>) -> Configuration<'a, D> {
         Configuration {
             positions: &self.positions,

@@ -1,17 +1,17 @@
 //! Viscous drag: `f = -gamma m v` on each mass, the damping term of `coelho_2021`, Eq. (10).
 //!
-//! The rate `gamma` (1/ms) is the same for all masses, so every vibration decays with `gamma/2`
-//! and a contraction lags its equilibrium by about `gamma/omega^2`. The slowest vibration of a free
-//! cell, period `T`, has the damping ratio `gamma T / (4 pi)`: this is what
-//! [`Drag::of_slowest_mode`] inverts. Integrators take the drag implicitly
-//! ([`crate::integrate::verlet`]), so it never limits the time step.
+//! The rate `gamma` (1/ms) is the same for all masses, so every vibration decays with `gamma/2` and
+//! a contraction lags its equilibrium by about `gamma/omega^2`. The slowest vibration of a free
+//! cell, period `T`, has the damping ratio `gamma T / (4 pi)`: [`Drag::of_slowest_mode`] inverts
+//! this relation. Integrators treat the drag implicitly ([`crate::integrate::verlet`]), so it does
+//! not limit the time step.
 
 use super::force::{Configuration, Force};
 use super::stiffness::StiffnessMatrix;
 use super::vectors::Vectors;
 use std::f64::consts::PI;
 
-/// Drag in proportion to mass and velocity.
+/// Drag proportional to mass and velocity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drag {
     /// Rate gamma, 1/ms.
@@ -49,7 +49,7 @@ impl<const D: usize> Force<D> for Drag {
         self.masses.iter().enumerate().map(|(node, mass)| self.rate * mass * square(node)).sum()
     }
 
-    /// None: at zero velocity there is no force.
+    /// Adds nothing: at zero velocity there is no force.
     fn add_stiffness(
         &self,
         _at: &Configuration<'_, D>,

@@ -1,11 +1,11 @@
-//! What a law is asked, and what it answers.
+//! The trait of force laws.
 
 use super::lattice_law::LatticeLaw;
 use super::stiffness::StiffnessMatrix;
 use super::tension::Tension;
 use super::vectors::Vectors;
 
-/// What a force depends on.
+/// The variables on which a force depends.
 #[derive(Debug, Clone, Copy)]
 pub struct Configuration<'a, const D: usize = 2> {
     /// Positions, um.
@@ -16,7 +16,7 @@ pub struct Configuration<'a, const D: usize = 2> {
     pub tension: Tension<'a>,
 }
 
-/// A law that puts forces on nodes.
+/// A force law.
 pub trait Force<const D: usize = 2>: Send + Sync {
     /// Its name in messages and records.
     fn name(&self) -> &'static str;
@@ -28,7 +28,7 @@ pub trait Force<const D: usize = 2>: Send + Sync {
     /// gradient; `None` if there is no such energy.
     fn energy(&self, at: &Configuration<'_, D>) -> Option<f64>;
 
-    /// Rate at which velocity-dependent parts take energy, fJ/ms; never negative.
+    /// Rate at which velocity-dependent parts dissipate energy, fJ/ms; never negative.
     fn dissipation(&self, _at: &Configuration<'_, D>) -> f64 {
         0.0
     }
@@ -36,8 +36,8 @@ pub trait Force<const D: usize = 2>: Send + Sync {
     /// Adds the tangent stiffness, nN/um: minus the derivative of the force at zero velocity, which at
     /// fixed tension is the second derivative of the energy.
     ///
-    /// Optional: returns whether the force has one, and adds nothing if not. Equilibria are solved
-    /// with it (`integrate::quasi_static`); motion in time does without.
+    /// Optional: returns whether the force has one, and adds nothing if not. Equilibria need it
+    /// (`integrate::quasi_static`); motion in time does not.
     fn add_stiffness(
         &self,
         _at: &Configuration<'_, D>,
@@ -48,12 +48,12 @@ pub trait Force<const D: usize = 2>: Send + Sync {
 
     /// The law as data for a kernel that sweeps a lattice (`integrate::stencil`).
     ///
-    /// Optional: `None` if there is no such data; plain loops do the work then.
+    /// Optional: with `None`, plain loops are used.
     fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
         None
     }
 
-    /// Whether the forces come in equal and opposite pairs along the line between nodes or in
-    /// other sets without resultant force and torque, so that both momenta are conserved.
+    /// Whether the forces have no resultant force and torque (for instance pairs along the line
+    /// between nodes), so that linear and angular momentum are conserved.
     fn is_internal(&self) -> bool;
 }

@@ -1,4 +1,4 @@
-//! A grip that a constant load draws outward: the end of a cell that shortens against a weight.
+//! A loaded grip: the end of a cell that shortens against a constant load.
 //!
 //! The nodes of the end move together along the axis and not across it, as on the plate of a force transducer: each is
 //! tied to the mean displacement of all by a spring far stiffer than the cell. The load acts on that mean:
@@ -7,8 +7,8 @@
 //! E = (K/2) sum ((u_i . a - m)^2 + (u_i . t)^2) - F m        m = mean of u_i . a
 //! ```
 //!
-//! with displacements u from where the grip is stopped, the axis a, and t across it. The load's part of the energy is
-//! the work that has been done on it since the grip left its stop.
+//! with displacements u from the stop of the grip, the axis a, and t across it. The load's part of
+//! the energy is the work done on it since the grip left its stop.
 
 use super::force::{Configuration, Force};
 use super::stiffness::StiffnessMatrix;
@@ -16,26 +16,27 @@ use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::ends::end_nodes;
 
-/// Stiffness of the ties over that of an axial spring of the cell: what a grip gives in itself is some hundred-thousandth
-/// of the cell's length.
+/// Stiffness of the ties relative to that of an axial spring of the cell: the deformation of the
+/// grip itself is about 1e-5 of the cell's length.
 const STIFFER: f64 = 100.0;
 
 /// The gripped nodes of the upper end, and the load on them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedGrip {
     nodes: Vec<usize>,
-    /// Where they are stopped, um.
+    /// Their positions at the stop, um.
     stop: Vec<[f64; 2]>,
     axis: [f64; 2],
-    /// Of each tie, nN/um.
+    /// Stiffness of each tie, nN/um.
     stiffness: f64,
-    /// nN.
+    /// Load, nN.
     load: f64,
 }
 
 impl LoadedGrip {
-    /// A grip at the upper end of a mesh whose long axis is the unit vector `axis`, stopped where the nodes are in
-    /// `positions` (um), under a load in nN that draws it outward; `spring` is the stiffness of an axial spring, nN/um.
+    /// A grip at the upper end of a mesh whose long axis is the unit vector `axis`, with its stop
+    /// at `positions` (um), under a load in nN that pulls it outward; `spring` is the stiffness of
+    /// an axial spring, nN/um.
     pub fn new(mesh: &Mesh, axis: [f64; 2], positions: &Vectors, spring: f64, load: f64) -> Self {
         let [_, nodes] = end_nodes(mesh, axis);
         let stop = nodes.iter().map(|&node| [positions[0][node], positions[1][node]]).collect();

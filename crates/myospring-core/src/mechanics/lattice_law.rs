@@ -1,16 +1,16 @@
-//! Laws as data: what a law puts on a flat lattice, for a kernel that sweeps it.
+//! Laws as data: coefficients of a law on a flat lattice, for the fused kernel.
 //!
-//! A law only says what its coefficients are; whether they fit a lattice, and where they go, is for the
-//! kernel to find out.
+//! A law only provides its coefficients; the kernel determines whether they fit a lattice, and
+//! their positions.
 
-/// A spring of no length from a node to a place.
+/// A spring without rest length from a node to a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor<const D: usize = 2> {
     /// The node.
     pub node: usize,
     /// The place, um.
     pub place: [f64; D],
-    /// nN/um.
+    /// Stiffness, nN/um.
     pub stiffness: f64,
 }
 
@@ -37,14 +37,14 @@ pub enum LatticeLaw<'a> {
         /// A0, um^2.
         rest_area: &'a [f64],
     },
-    /// Springs of no rest length whose stiffness (nN/um) is the uniform tension (kPa) times a weight; both
-    /// lists run over the springs.
+    /// Springs without rest length whose stiffness (nN/um) is the uniform tension (kPa) times a
+    /// weight; both lists run over the springs.
     Tension {
         /// The ends of each.
         nodes: &'a [[u32; 2]],
         /// Weight, um.
         weights: &'a [f64],
     },
-    /// Springs of no length from nodes to their places of rest.
+    /// Springs without rest length from nodes to their resting positions.
     Anchors(&'a [Anchor]),
 }

@@ -1,4 +1,4 @@
-//! The cell's material: what a user states, and the spring constants that follow from it.
+//! The cell's material: user parameters, and the resulting spring constants.
 //!
 //! A square lattice of spacing h with springs to all eight neighbours is an isotropic sheet with
 //! Young's modulus `E`, thickness `w` and in-plane Poisson ratio 1/3 when
@@ -7,13 +7,13 @@
 //! k_axial = (3/4) E w        k_diagonal = (3/8) E w
 //! ```
 //!
-//! independent of h, so a finer mesh gives the same cell. A spring on the rim has half a lattice
-//! square behind it instead of one and carries half of this.
+//! independent of h, so a finer mesh gives the same cell. A spring on the rim borders on one
+//! lattice square instead of two, and has half of this.
 //!
-//! Density is a numerical parameter. The real one (1e-6 ug/um^3) would ask for time steps of some
-//! 1e-5 ms; since a contraction is quasi-static its answer does not depend on the mass as long as
-//! the slowest vibration, period `T = 2 L sqrt(rho/E)`, is fast against the twitch. So the user
-//! states `T` and `rho = E (T / 2 L)^2` follows.
+//! Density is a numerical parameter. The real one (1e-6 ug/um^3) would require time steps of about
+//! 1e-5 ms. Since a contraction is quasi-static, its result does not depend on the mass as long as
+//! the slowest vibration, of period `T = 2 L sqrt(rho/E)`, is fast compared with the twitch. So the
+//! user states `T`, and `rho = E (T / 2 L)^2` follows.
 
 use super::active::{ActiveLaw, EndTension, FibreTension, Myofibrils};
 use super::area::{AreaLaw, AreaPreservation};
@@ -25,7 +25,7 @@ use crate::mesh::{Mesh, SpringKind};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// How stiff the lattice is.
+/// Stiffness of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stiffness {
@@ -35,7 +35,7 @@ pub enum Stiffness {
     Spring(f64),
 }
 
-/// What the cell is made of. Every value is passive and in internal units.
+/// Passive properties of the cell, in internal units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Material {
     /// Stiffness of the lattice.
@@ -46,22 +46,22 @@ pub struct Material {
     pub area_law: AreaLaw,
     /// Area modulus, kPa: the stiffness of the area law per thickness.
     pub area_modulus: f64,
-    /// Ratio xi of the axial dashpots to critical damping, Eq. (9); a pure number.
+    /// Ratio xi of the axial dashpots to critical damping, Eq. (9); dimensionless.
     pub damping_ratio: f64,
     /// Period of the slowest vibration along the cell, ms; sets the (numerical) density.
     pub slowest_period: f64,
-    /// Damping ratio of that slowest vibration by drag; a pure number.
+    /// Damping ratio of that slowest vibration by drag; dimensionless.
     pub drag_ratio: f64,
-    /// Retardation time tau of the cell as a solid of Kelvin and Voigt, ms: its viscous forces are tau times the rate
-    /// of its elastic ones. Along the path of equilibria only; 0 is none.
+    /// Retardation time tau of the cell as a Kelvin-Voigt solid, ms: its viscous forces are tau
+    /// times the rate of its elastic ones. Only along the path of equilibria; 0 for none.
     pub retardation_time: f64,
 }
 
 /// The default material: shortening 12 % at 50 kPa on the built-in cell (`coelho_2021`, Fig. 6) and
-/// the widening that keeps a cell's volume.
+/// the widening that conserves the cell's volume.
 ///
-/// Two numbers are fitted to those two targets, Young's modulus and area modulus; thickness 10 um is
-/// half of a myocyte's width. The others are numerical: see [`Material`].
+/// Young's modulus and area modulus are fitted to these two targets; the thickness of 10 um is half
+/// of a myocyte's width. The other values are numerical: see [`Material`].
 pub fn default_material() -> Material {
     Material {
         stiffness: Stiffness::YoungModulus(308.0),
@@ -75,17 +75,18 @@ pub fn default_material() -> Material {
     }
 }
 
-/// The default material for myofilaments that feel their length and make their tension in kPa: both moduli are
-/// lower in one proportion, so that the unloaded twitch of `land_2017` shortens the built-in cell by about 10 %, as
-/// measured cells do.
+/// The default material for myofilaments that depend on length and give their tension in kPa: both
+/// moduli are reduced by one factor, so that the unloaded twitch of `land_2017` shortens the
+/// built-in cell by about 10 %, as measured cells do.
 ///
-/// That tension has its peak near 12 kPa in a free cell, not 50. The proportion is 100.6/348.6: what a block of
-/// Poisson's ratio 0.49 takes for 9.9 % under these myofilaments over what it takes for 12 % at 50 kPa.
+/// That tension has its peak near 12 kPa in a free cell, not 50. The factor is 100.6/348.6: the
+/// modulus of a block of Poisson's ratio 0.49 that shortens 9.9 % under these myofilaments, divided
+/// by that of one that shortens 12 % at 50 kPa.
 pub fn myofilament_material() -> Material {
     const SOFTER: f64 = 100.6 / 348.6;
     let usual = default_material();
     Material {
-        // Rounded, as a person would write them.
+        // Rounded to one decimal.
         stiffness: Stiffness::YoungModulus((usual.young_modulus() * SOFTER * 10.0).round() / 10.0),
         area_modulus: (usual.area_modulus * SOFTER * 10.0).round() / 10.0,
         ..usual
@@ -101,7 +102,7 @@ impl Material {
         }
     }
 
-    /// Tension of end loads above which a strip of this length and width (um) buckles in its plane
+    /// Critical tension of end loads for in-plane buckling of a strip of this length and width (um)
     /// (Euler, free ends), kPa: `E (pi^2/12) (width/length)^2`.
     pub fn buckling_tension(&self, length: f64, width: f64) -> f64 {
         self.young_modulus() * PI * PI / 12.0 * (width / length).powi(2)
@@ -150,7 +151,7 @@ impl Material {
     }
 }
 
-/// A body at rest and all that acts on it.
+/// Makes a body at rest and all forces on it.
 ///
 /// `axis` is the cell's long axis, `length` (um) its length along it, `fibres` one unit vector per
 /// triangle, or the [`Myofibrils`] with their content.

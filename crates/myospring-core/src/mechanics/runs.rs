@@ -1,12 +1,12 @@
 //! Runs: consecutive springs (or triangles) whose nodes are consecutive too.
 //!
-//! On a lattice numbered row by row nearly all springs of one direction stand in such runs, so the
-//! inner loops of the forces walk straight through memory and the compiler can vectorise them. Any
+//! On a lattice numbered row by row, nearly all springs of one direction belong to such runs, so
+//! the inner loops of the forces read memory sequentially and the compiler can vectorise them. Any
 //! other mesh has runs of length one and the same results.
 //!
-//! [`vectorised`] compiles a loop a second time for wider vector units and takes it where the
-//! processor has them. Rust never fuses or reorders floating-point operations, so both give the same
-//! bits.
+//! [`vectorised`] compiles a loop a second time for wider vector units and uses it if the processor
+//! has them. Rust never fuses or reorders floating-point operations, so both give bitwise the same
+//! results.
 
 /// Longest run; buffers of this size stay in registers and first-level cache.
 pub(crate) const LONGEST: usize = 64;

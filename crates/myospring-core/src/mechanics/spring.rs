@@ -8,10 +8,11 @@
 //! ```
 //!
 //! and minus that on node b, so the spring pulls the nodes together when long and the dashpot
-//! opposes their approach and parting. (The paper prints both for the node at the other end.)
+//! opposes their approach and parting. (The paper prints both with the opposite sign, for the other
+//! node.)
 //!
-//! The dashpot is stiffness-proportional damping: it holds down the fastest vibrations of the
-//! lattice and hardly touches the slow ones of a long cell; see [`super::drag`] for those.
+//! The dashpot is stiffness-proportional damping: it damps the fastest vibrations of the lattice,
+//! and hardly the slow ones of a long cell; see [`super::drag`] for those.
 
 use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
@@ -131,7 +132,7 @@ impl Springs {
     }
 }
 
-/// `len` nodes from a first one on, by axis.
+/// The components of `len` nodes from a first one on, by axis.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "belongs to the vectorised loop around it")]
 fn parts<const D: usize>(vectors: &Vectors<D>, first: usize, len: usize) -> [&[f64]; D] {

@@ -9,8 +9,8 @@
 //! dt < (sqrt(mu^2 + 4 lambda) - mu) / lambda        = 2/omega (sqrt(1 + zeta^2) - zeta) for one mode
 //! ```
 //!
-//! Both come from a Lanczos iteration on differences of the forces themselves, so any [`super::Force`]
-//! is covered. The drag, taken implicitly, does not count.
+//! Both come from a Lanczos iteration on differences of the forces themselves, so it works for any
+//! [`super::Force`]. The drag is treated implicitly and has no influence.
 
 use super::support::Support;
 use super::{Body, Configuration, System, Tension, Vectors, zeros};
@@ -30,16 +30,17 @@ pub struct StabilityLimit {
     pub stiffest_node: usize,
 }
 
-/// Most steps of the Lanczos iteration; the largest eigenvalue of a lattice is found to 0.1 %.
+/// Largest number of steps of the Lanczos iteration; the largest eigenvalue of a lattice is found
+/// to 0.1 %.
 const ITERATIONS: usize = 120;
 
-/// Steps between looks at the largest eigenvalue, which comes from below, and the relative rise between
-/// two looks at which it is taken as found.
+/// Steps between checks of the largest eigenvalue, which converges from below, and the relative
+/// increase between two checks at which it counts as converged.
 const LOOK: (usize, f64) = (15, 1e-5);
 
 impl StabilityLimit {
-    /// The limit of a system about the body's positions, under an active tension (a number is one in kPa
-    /// everywhere).
+    /// The limit of a system about the body's positions, under an active tension (a number is a
+    /// uniform one in kPa).
     pub fn of<'a, const D: usize>(
         system: &System<D>,
         body: &Body<D>,
@@ -49,7 +50,7 @@ impl StabilityLimit {
         Self::of_interruptible(system, body, tension, &never).unwrap_or_else(|_| unreachable!())
     }
 
-    /// As [`StabilityLimit::of`], unless it is asked to end early.
+    /// Like [`StabilityLimit::of`], but can be interrupted.
     ///
     /// # Errors
     /// [`Interrupted`].
@@ -169,9 +170,9 @@ fn largest_eigenvalue<const D: usize>(
             }
         }
         diagonal.push(inner(&next, current));
-        // The latest vector first: its part is the largest, and what it carries of the others goes with
-        // them. The other way round that would grow from step to step where all eigenvalues are near
-        // each other, as those of a stiff elastic bed.
+        // The latest vector first: its component is the largest, and its errors along the others
+        // are removed with them. In the opposite order these errors would grow from step to step if
+        // all eigenvalues are close, as for a stiff elastic bed.
         for vector in basis.iter().rev() {
             let part = inner(&next, vector);
             for axis in 0..D {

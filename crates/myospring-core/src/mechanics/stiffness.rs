@@ -1,13 +1,14 @@
 //! The tangent stiffness: minus the derivative of the forces with respect to the positions.
 //!
-//! Forces with an energy have a symmetric one. It is kept as blocks of D x D, one per pair of nodes
-//! that act on each other, the upper half only. A force adds its part in
+//! It is symmetric for forces with an energy. It is stored as blocks of D x D, one per pair of
+//! interacting nodes, only the upper half. A force adds its part in
 //! [`super::Force::add_stiffness`].
 
 use super::vectors::{Vectors, zeros};
 use std::array::from_fn;
 
-/// The part of a stiffness that joins two nodes, nN/um: `block[axis of the first][axis of the second]`.
+/// The part of a stiffness between two nodes, nN/um: `block[axis of the first][axis of the
+/// second]`.
 pub type Block<const D: usize = 2> = [[f64; D]; D];
 
 /// A symmetric stiffness matrix in blocks of D x D, nN/um.
@@ -23,13 +24,13 @@ pub type Block<const D: usize = 2> = [[f64; D]; D];
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct StiffnessMatrix<const D: usize = 2> {
-    /// For each node its partners of equal or higher number, in order, and the block.
+    /// For each node, its partners with equal or higher index, in order, and the block.
     rows: Vec<Vec<(usize, Block<D>)>>,
     blocks: usize,
 }
 
 impl<const D: usize> StiffnessMatrix<D> {
-    /// No stiffness between `count` nodes.
+    /// A matrix of zeros for `count` nodes.
     pub fn new(count: usize) -> Self {
         Self { rows: vec![Vec::new(); count], blocks: 0 }
     }
@@ -39,12 +40,12 @@ impl<const D: usize> StiffnessMatrix<D> {
         self.rows.len()
     }
 
-    /// Whether there is no node.
+    /// Whether there are no nodes.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// Number of blocks kept; it grows only when two nodes meet that did not before.
+    /// Number of stored blocks; it grows only when a new pair of nodes interacts.
     pub fn blocks(&self) -> usize {
         self.blocks
     }
@@ -81,7 +82,7 @@ impl<const D: usize> StiffnessMatrix<D> {
         }
     }
 
-    /// Adds a symmetric block that acts on the distance vector of two nodes, nN/um.
+    /// Adds a symmetric block that acts on the vector between two nodes, nN/um.
     ///
     /// # Panics
     /// If a node does not exist.
@@ -91,7 +92,7 @@ impl<const D: usize> StiffnessMatrix<D> {
         self.add(a, b, block.map(|row| row.map(|value| -value)));
     }
 
-    /// The partners of a node with equal or higher number, in order, and their blocks.
+    /// The partners of a node with equal or higher index, in order, and their blocks.
     pub fn row(&self, node: usize) -> &[(usize, Block<D>)] {
         &self.rows[node]
     }

@@ -1,15 +1,15 @@
-//! What holds the cell.
+//! Supports of the cell.
 //!
-//! - [`Support::MassCentre`]: the mass centre stays where it is (`coelho_2021`, section 2.1) and the
-//!   cell does not turn: net force and net torque are taken out of the forces, in proportion to
-//!   mass. Internal forces have none, so this changes nothing but rounding for them; it holds a cell
-//!   that an external load would push or turn.
+//! - [`Support::MassCentre`]: the mass centre stays in place (`coelho_2021`, section 2.1) and the
+//!   cell does not rotate: net force and net torque are subtracted from the forces, in proportion
+//!   to mass. Internal forces have none, so for them this only removes rounding errors; it holds a
+//!   cell that an external load would push or rotate.
 //! - [`SupportKind::ClampedEnd`], [`SupportKind::ClampedEnds`]: the nodes at one end or both cannot move
 //!   (isometric when both).
-//! - [`SupportKind::AfterloadedEnds`]: clamped ends, of which one leaves its stop under a constant load
-//!   ([`super::grip`]).
-//! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are forces
-//!   with an energy ([`super::anchor`]); no node is constrained besides.
+//! - [`SupportKind::AfterloadedEnds`]: clamped ends, one of which leaves its stop under a constant
+//!   load ([`super::grip`]).
+//! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are
+//!   forces with an energy ([`super::anchor`]); no node is constrained.
 
 use super::anchor::Anchors;
 use super::vectors::Vectors;
@@ -17,7 +17,7 @@ use crate::mesh::Mesh;
 use crate::mesh::ends::end_nodes;
 use serde::Serialize;
 
-/// Which support holds the cell.
+/// The kind of support.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SupportKind {
@@ -29,17 +29,17 @@ pub enum SupportKind {
     ClampedEnds,
     /// A spring at either end, such as a carbon fibre: an auxotonic contraction.
     SpringHeldEnds {
-        /// Of each of the two springs, nN/um.
+        /// Stiffness of each of the two springs, nN/um.
         stiffness: f64,
     },
-    /// Both ends are gripped; once the cell pulls harder than a constant load it shortens against that (an isotonic
-    /// contraction), until it has gone back to where the grips are stopped: an afterloaded contraction, as a force
-    /// clamp makes it. Along equilibria only.
+    /// Both ends are gripped: an afterloaded contraction, as with a force clamp. Once the cell
+    /// pulls harder than a constant load, it shortens against the load (isotonic), until it has
+    /// relengthened to the stop of the grips. Only along equilibria.
     AfterloadedEnds {
         /// The load, nN.
         load: f64,
     },
-    /// Every point is tied to its resting place: a cell that adheres to a gel.
+    /// Every point is tied to its resting position: a cell that adheres to a gel.
     ElasticBed {
         /// Traction per displacement, kPa/um.
         stiffness: f64,
@@ -47,7 +47,7 @@ pub enum SupportKind {
 }
 
 impl SupportKind {
-    /// Whether both ends are held, so that the cell pulls at what holds them.
+    /// Whether both ends are held, so that the cell exerts a force on their supports.
     pub fn holds_both_ends(self) -> bool {
         matches!(
             self,
@@ -55,12 +55,12 @@ impl SupportKind {
         )
     }
 
-    /// Whether an end is clamped, or both: what is within clamps neither stretches nor shortens.
+    /// Whether one end or both are clamped; clamped parts do not change length.
     pub fn clamps(self) -> bool {
         matches!(self, Self::ClampedEnd | Self::ClampedEnds | Self::AfterloadedEnds { .. })
     }
 
-    /// The springs of a support that gives way, on a mesh whose long axis is the unit vector `axis`.
+    /// The springs of an elastic support, on a mesh whose long axis is the unit vector `axis`.
     pub fn anchors<const D: usize, const N: usize>(
         self,
         mesh: &Mesh<D, N>,
@@ -79,12 +79,12 @@ impl SupportKind {
     }
 }
 
-/// What a support takes from the forces, made for one mesh.
+/// A support prepared for one mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Support {
     /// Nothing: the body is free, or forces hold it.
     Free,
-    /// Net force and torque are taken out.
+    /// Net force and torque are subtracted.
     MassCentre,
     /// These nodes cannot move.
     Clamped(Vec<usize>),
@@ -112,7 +112,7 @@ impl Support {
         }
     }
 
-    /// Takes from the forces what the support bears.
+    /// Removes from the forces the part that the support carries.
     pub fn constrain<const D: usize>(
         &self,
         positions: &Vectors<D>,
@@ -136,7 +136,7 @@ impl Support {
     }
 }
 
-/// Removes net force and torque of a flat body by a rigid acceleration of the whole.
+/// Removes net force and torque of a flat body by a rigid acceleration.
 fn remove_resultant([x, y]: [&Vec<f64>; 2], masses: &[f64], [fx, fy]: [&mut Vec<f64>; 2]) {
     let (mut mass, mut mx, mut my, mut net_x, mut net_y) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for i in 0..masses.len() {
@@ -161,7 +161,8 @@ fn remove_resultant([x, y]: [&Vec<f64>; 2], masses: &[f64], [fx, fy]: [&mut Vec<
     }
 }
 
-/// The same with three axes: torque and angular acceleration are vectors, `torque = inertia angular`.
+/// Removes net force and torque with three axes: torque and angular acceleration are vectors,
+/// `torque = inertia angular`.
 fn remove_resultant_of_solid(positions: &[Vec<f64>], masses: &[f64], forces: &mut [Vec<f64>]) {
     let mass: f64 = masses.iter().sum();
     let axes = [0, 1, 2];
@@ -181,7 +182,7 @@ fn remove_resultant_of_solid(positions: &[Vec<f64>], masses: &[f64], forces: &mu
             }
         }
     }
-    // Cramer's rule; the inertia of masses that do not all stand on one line is positive definite.
+    // Cramer's rule; the inertia of masses that are not collinear is positive definite.
     let [a, b, c] = inertia;
     let along = |u: [f64; 3], v: [f64; 3]| u.iter().zip(v).map(|(u, v)| u * v).sum::<f64>();
     let determinant = along(a, cross(b, c));

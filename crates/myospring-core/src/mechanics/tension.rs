@@ -1,4 +1,4 @@
-//! The active tension as the forces are given it: one number, or one for each triangle.
+//! The active tension as input of the forces: one number, or one for each triangle.
 
 /// Active tension, kPa.
 ///
@@ -11,11 +11,11 @@
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tension<'a> {
-    /// The same everywhere.
+    /// Uniform tension.
     Uniform(f64),
     /// One for each triangle (tetrahedron) of the mesh.
     PerElement(&'a [f64]),
-    /// One for each triangle, which follows the triangle's own stretch and rate of stretch.
+    /// One for each triangle, which depends on the triangle's own stretch and rate of stretch.
     Following(Following<'a>),
 }
 
@@ -51,7 +51,7 @@ impl Following<'_> {
 }
 
 impl Tension<'_> {
-    /// Tension of a triangle, kPa; of one that follows the stretch, in the state that it is known for.
+    /// Tension of a triangle, kPa; one that depends on the stretch is taken in its reference state.
     pub fn at(&self, element: usize) -> f64 {
         match self {
             Self::Uniform(tension) => *tension,
@@ -60,7 +60,7 @@ impl Tension<'_> {
         }
     }
 
-    /// The one tension, kPa, if it is the same everywhere.
+    /// The tension, kPa, if it is uniform.
     pub fn uniform(&self) -> Option<f64> {
         match self {
             Self::Uniform(tension) => Some(*tension),
@@ -68,9 +68,9 @@ impl Tension<'_> {
         }
     }
 
-    /// The tension a part (0 to 1) of the way from one to another, which says what it follows; `buffer` is room
-    /// for the tensions of the triangles. Where both follow the stretch, so does the state about which they do:
-    /// nothing jumps at the start.
+    /// The tension at a fraction (0 to 1) of the way from one to another; `buffer` is a workspace
+    /// for the tensions of the triangles. If both depend on the stretch, their reference state is
+    /// interpolated, too, so that nothing jumps at the start.
     pub fn between<'b>(
         [from, to]: [Tension<'b>; 2],
         part: f64,
@@ -90,7 +90,8 @@ impl Tension<'_> {
                 _,
             ) => list.len(),
         };
-        // About the state at the end, what has the tension at the start in the state there.
+        // Expanded about the state at the end, but with the tension of the start at the state of
+        // the start.
         let first = |element: usize| match (from, to) {
             (Tension::Following(start), Tension::Following(end)) => {
                 start.tension[element]
@@ -107,7 +108,7 @@ impl Tension<'_> {
         }
     }
 
-    /// The largest tension, kPa; 0 of none.
+    /// The largest tension, kPa; 0 without triangles.
     pub fn highest(&self) -> f64 {
         match self {
             Self::Uniform(tension) => *tension,

@@ -1,14 +1,15 @@
 //! Resistance to a change of volume: the energy of the [area law](super::area), with any number of axes.
 //!
-//! A group of simplices of weights `w` has the content (area or volume) `V = sum w_i V_i`, at rest `V0`:
+//! A group of simplices of weights `w` has the measure (area or volume) `V = sum w_i V_i`, at rest
+//! `V0`:
 //!
 //! ```text
 //! E = (kappa/2) (V - V0)^2 / V0          f_a = -kappa (V - V0)/V0 dV/dx_a
 //! ```
 //!
-//! With a triangle or tetrahedron to a group this is the area law's; but tetrahedra that each keep their
-//! volume lock: nearly incompressible, they hardly bend. With the ten of a cube to a group
-//! ([`crate::mesh::bar`]) a cube keeps its volume as a whole, and bends.
+//! With one triangle or tetrahedron per group, this is the area law. But if each tetrahedron keeps
+//! its volume, the mesh locks: when nearly incompressible, it hardly bends. With the ten tetrahedra
+//! of a cube per group ([`crate::mesh::bar`]), each cube keeps its volume as a whole and can bend.
 
 use super::force::{Configuration, Force};
 use super::stiffness::StiffnessMatrix;
@@ -23,23 +24,23 @@ pub struct VolumePreservation<const D: usize = 3, const N: usize = 4> {
     nodes: Vec<[u32; N]>,
     weights: Vec<f64>,
     groups: Vec<Group>,
-    /// kappa: kPa, or of a flat mesh nN/um.
+    /// kappa, kPa; nN/um for a flat mesh.
     stiffness: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct Group {
     simplices: Range<usize>,
-    /// um^3, or um^2.
+    /// Resting measure, um^3 or um^2.
     rest: f64,
 }
 
 impl<const D: usize, const N: usize> VolumePreservation<D, N> {
-    /// The law with one stiffness kappa, kPa (of a flat mesh nN/um, kPa times thickness), on groups of so many
-    /// consecutive simplices.
+    /// The law with one stiffness kappa, kPa (for a flat mesh nN/um, kPa times thickness), on
+    /// groups of `group` consecutive simplices.
     ///
     /// # Panics
-    /// If the simplices do not make whole groups.
+    /// If the simplices do not form complete groups.
     pub fn new(mesh: &Mesh<D, N>, group: usize, stiffness: f64) -> Self {
         let count = mesh.simplices.len();
         assert!(group > 0 && count.is_multiple_of(group), "{count} simplices in groups of {group}");
@@ -63,7 +64,7 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
         simplices.clone().map(one).sum()
     }
 
-    /// Derivative of a group's content with respect to its nodes, each node once.
+    /// Derivative of a group's measure with respect to its nodes, each node once.
     fn gradients(&self, group: &Group, positions: &Vectors<D>) -> Vec<(usize, [f64; D])> {
         let mut gradients: Vec<(usize, [f64; D])> = Vec::new();
         for k in group.simplices.clone() {
@@ -83,8 +84,8 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
         gradients
     }
 
-    /// Adds `scale d2V/(dx_a dx_b)` of a simplex: its content is linear in each corner, so the derivative of
-    /// the gradient at one corner is its change when another moves by one.
+    /// Adds `scale d2V/(dx_a dx_b)` of a simplex: its measure is linear in each corner, so the
+    /// derivative of the gradient at one corner is its change when another moves by one.
     fn add_curvature(
         &self,
         k: usize,

@@ -1,19 +1,21 @@
-//! A block of cubes: the smallest thick cell, for tests and for laws with three axes.
+//! A block of cubes: a simple thick cell, for tests and for laws with three axes.
 //!
-//! Each cube is cut into five tetrahedra in the two ways there are, by its even and by its odd corners;
-//! all ten count with weight 1/2, so no direction is favoured, and their edges are exactly the springs.
-//! Each cube carries a quarter of the stiffness of its 12 sides and half of its 12 face diagonals. With
-//! equal stiffness `k = (2/5) E h` of all springs this is an isotropic solid with Young's modulus `E` and
-//! Poisson's ratio 1/4: `C_ijkl = (1/V) sum k l^2 n_i n_j n_k n_l` over the springs gives
-//! `C_1111 = 3 k/h` and `C_1122 = C_1212 = k/h`. A block under uniform tension deforms homogeneously.
+//! Each cube is divided into five tetrahedra in both possible ways, by its even and by its odd
+//! corners; all ten have weight 1/2, so no direction is preferred, and their edges are exactly the
+//! springs. Each cube contributes a quarter of the stiffness of its 12 sides and half of its 12
+//! face diagonals. With equal stiffness `k = (2/5) E h` of all springs this is an isotropic solid
+//! with Young's modulus `E` and Poisson's ratio 1/4: `C_ijkl = (1/V) sum k l^2 n_i n_j n_k n_l`
+//! over the springs gives `C_1111 = 3 k/h` and `C_1122 = C_1212 = k/h`. A block under uniform
+//! tension deforms homogeneously.
 
 use super::{Lattice, Mesh, MeshError, Simplex, Spring, SpringKind};
 use std::collections::BTreeMap;
 
-/// Corners of a cube by their offsets along x, y, z: bit 0, 1, 2.
+/// Number of corners of a cube; bits 0, 1, 2 of an index are the offsets along x, y, z.
 const CUBE: usize = 8;
 
-/// Tetrahedra of both cuts: the inner one of four corners that no side joins, then one at each of the others.
+/// Tetrahedra of both divisions: the inner one, of four corners not joined by sides, then one at
+/// each of the other corners.
 const TETRAHEDRA: [[usize; 4]; 10] = [
     [0, 3, 6, 5],
     [1, 0, 5, 3],
@@ -29,10 +31,10 @@ const TETRAHEDRA: [[usize; 4]; 10] = [
 
 /// A block of `cubes` along x, y and z with this spacing (um) and one corner at the origin.
 ///
-/// The tetrahedra of a cube follow each other, ten at a time, cube after cube with x fastest.
+/// The ten tetrahedra of a cube are consecutive; cubes are ordered with x fastest.
 ///
 /// # Errors
-/// No cube along some axis, or a spacing that is not positive: [`MeshError`] of what is missing then.
+/// [`MeshError`] if there is no cube along an axis, or if the spacing is not positive.
 ///
 /// # Example
 /// ```

@@ -1,22 +1,22 @@
-//! Cells that come with the program, drawn by hand from typical sizes.
+//! Built-in cells, drawn by hand with typical sizes.
 //!
 //! To add one: put its outline beside the others in `cells/` and add a line to [`CELLS`].
 
 use super::outline::{Outline, OutlineError};
 use super::{Mesh, lattice};
 
-/// A cell that comes with the program.
+/// A built-in cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltIn {
     /// Its name in run files and on the command line.
     pub name: &'static str,
-    /// One sentence on what it is.
+    /// Its description in one sentence.
     pub about: &'static str,
     /// Its outline, GeoJSON in um.
     pub geojson: &'static str,
 }
 
-/// All cells that come with the program.
+/// All built-in cells.
 pub const CELLS: &[BuiltIn] = &[
     BuiltIn {
         name: "adult_ventricular",
@@ -34,13 +34,13 @@ impl BuiltIn {
     /// Its outline.
     ///
     /// # Errors
-    /// Data that is not an outline; a test reads every cell in [`CELLS`].
+    /// Invalid data; a test reads every cell in [`CELLS`].
     pub fn outline(&self) -> Result<Outline, OutlineError> {
         Outline::from_geojson(self.geojson)
     }
 }
 
-/// The cell of a name, if there is one.
+/// The cell with this name, if there is one.
 ///
 /// # Example
 /// ```

@@ -1,34 +1,36 @@
-//! Points that a mesh carries along: the cell's outline, landmarks of its picture.
+//! Points that move with a mesh: the cell's outline, landmarks of its picture.
 //!
-//! The mesh of a cell is made of lattice squares, whose rim is a staircase; the outline that was drawn or found
-//! runs partly within it and partly outside. Each of its points follows the affine map that fits the nodes around
-//! it best: moving least squares of first degree (`lancaster_1981`, Section 2), with a weight that falls to 0 at
-//! a radius of two and a half spacings, wider outside of the mesh. So a cell that is stretched, sheared or turned as a
-//! whole carries its points exactly, neighbours stay neighbours, and there is no seam between inside and outside.
+//! The mesh of a cell is made of lattice squares, whose rim is a staircase; the outline lies partly
+//! inside and partly outside of it. Each of its points moves with the affine map that best fits the
+//! nodes around it: moving least squares of first degree (`lancaster_1981`, Section 2), with a
+//! weight that falls to 0 at a radius of two and a half spacings, wider outside of the mesh. So
+//! uniform stretch, shear and rotation move the points exactly, neighbours stay neighbours, and
+//! there is no seam between inside and outside.
 
 use super::Mesh;
 use super::outline::Outline;
 
-/// Radius around a point within the mesh whose nodes carry it, in spacings.
+/// Radius around a point inside the mesh whose nodes determine its motion, in spacings.
 const REACH: f64 = 2.5;
-/// By how much the radius grows with the distance from the mesh: further out the motion is a mean over more nodes.
+/// Growth of the radius with the distance from the mesh: further outside, the motion is a mean over
+/// more nodes.
 const WIDENING: f64 = 2.0;
-/// Least determinant of the nodes' covariance, in radii^4, at which they are not on a line.
+/// Least determinant of the nodes' covariance, in radii^4; with less they are collinear.
 const FLAT: f64 = 1e-12;
 /// Longest step between points of an outline, in spacings.
 const STEP: f64 = 0.5;
 
-/// Points that a mesh carries, each by a few of its nodes.
+/// Points that move with a mesh, each with a few of its nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Carried {
-    /// Nodes and their weights, which add up to 1, point after point.
+    /// Nodes and their weights, which sum to 1, point after point.
     weights: Vec<(u32, f64)>,
-    /// Where the weights of each point end.
+    /// End of each point's weights.
     ends: Vec<usize>,
 }
 
 impl Carried {
-    /// Points that lie in or near a mesh at rest, um.
+    /// Attaches points in or near a mesh at rest, um.
     ///
     /// # Example
     /// ```
@@ -51,7 +53,7 @@ impl Carried {
         carried
     }
 
-    /// The rings of an outline, the exterior first, each by points that are at most half a spacing apart.
+    /// The rings of an outline, the exterior first, with points at most half a spacing apart.
     ///
     /// # Example
     /// ```
@@ -73,18 +75,19 @@ impl Carried {
         self.ends.len()
     }
 
-    /// Whether there is no point.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// The nodes that carry a point and their weights, which add up to 1; outside of the mesh some are below 0.
+    /// The nodes that determine the motion of a point, with their weights, which sum to 1; outside
+    /// the mesh some are negative.
     pub fn weights(&self, point: usize) -> &[(u32, f64)] {
         let start = point.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.weights[start..self.ends[point]]
     }
 
-    /// Where the points are when the nodes are at `positions[axis][node]`, um.
+    /// Positions of the points for nodes at `positions[axis][node]`, um.
     pub fn at(&self, positions: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
         let [xs, ys] = positions;
         let place = |point| {
@@ -98,7 +101,8 @@ impl Carried {
     }
 }
 
-/// Distance of neighbouring nodes, um; of a mesh that is no lattice, as if it were one.
+/// Distance between neighbouring nodes, um; for a mesh that is not a lattice, estimated as if it
+/// were.
 fn spacing(mesh: &Mesh) -> f64 {
     let mean = || (mesh.area() / mesh.len() as f64).sqrt();
     mesh.lattice.as_ref().map_or_else(mean, |lattice| lattice.spacing)
@@ -118,7 +122,7 @@ fn divided(ring: &[[f64; 2]], longest: f64) -> Vec<[f64; 2]> {
     points
 }
 
-/// Nodes sorted into squares, so that those near a point are found at once.
+/// Nodes sorted into squares, so that those near a point are found quickly.
 struct Bins<'a> {
     mesh: &'a Mesh,
     spacing: f64,
@@ -139,7 +143,7 @@ impl<'a> Bins<'a> {
                 high[axis] = high[axis].max(x);
             }
         }
-        // Never more squares than a few for each node, whatever the mesh.
+        // At most a few squares per node for any mesh.
         let box_area = (high[0] - low[0] + spacing) * (high[1] - low[1] + spacing);
         let side = (2.0 * spacing).max((box_area / (4.0 * mesh.len() as f64)).sqrt());
         let shape = [0, 1].map(|axis| ((high[axis] - low[axis]) / side) as usize + 1);
@@ -160,7 +164,7 @@ impl<'a> Bins<'a> {
         })
     }
 
-    /// Nodes nearer than `radius` to a point, and from there to them.
+    /// Nodes within `radius` of a point, with the vectors to them.
     fn near(&self, point: [f64; 2], radius: f64) -> impl Iterator<Item = (u32, [f64; 2])> + '_ {
         let [first, last] = [-radius, radius].map(|by| self.square(point.map(|x| x + by)));
         (first[1]..=last[1])
@@ -173,7 +177,7 @@ impl<'a> Bins<'a> {
             .filter(move |(_, way)| way[0].hypot(way[1]) < radius)
     }
 
-    /// The node nearest to a point and how far it is.
+    /// The node nearest to a point, and its distance.
     fn nearest(&self, point: [f64; 2]) -> (u32, f64) {
         let mut radius = 2.0 * self.spacing;
         loop {
@@ -186,8 +190,8 @@ impl<'a> Bins<'a> {
         }
     }
 
-    /// Adds the nodes that carry a point: the weights of the value at the point of the affine function that fits
-    /// the nodes' values best.
+    /// Adds the nodes of a point with their weights: those of the nodes' values in the value, at
+    /// the point, of the best-fitting affine function.
     fn add_weights(&self, point: [f64; 2], weights: &mut Vec<(u32, f64)>) {
         let (nearest, distance) = self.nearest(point);
         let mut radius = WIDENING * distance + REACH * self.spacing;
@@ -210,8 +214,9 @@ impl<'a> Bins<'a> {
             let xy = mean(&|way| from_centre(way)[0] * from_centre(way)[1]);
             let determinant = xx * yy - xy * xy;
             if determinant > FLAT {
-                // The best affine function at the point, -centre from the nodes' own centre: their mean, and its
-                // slope, which is the covariance's inverse times the covariance with the values.
+                // Value of the best affine function at the point, which is at -centre from the
+                // nodes' own centre: the mean plus the slope, which is the inverse covariance times
+                // the covariance with the values.
                 let slope = [
                     (xy * centre[1] - yy * centre[0]) / determinant,
                     (xy * centre[0] - xx * centre[1]) / determinant,
@@ -222,7 +227,7 @@ impl<'a> Bins<'a> {
                 }));
                 return;
             }
-            // Nodes on a line: further ones decide, and of a mesh without width the nearest one.
+            // Collinear nodes: use more distant ones, or for a mesh without width the nearest one.
             if radius > whole {
                 weights.push((nearest, 1.0));
                 return;

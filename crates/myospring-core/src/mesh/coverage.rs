@@ -1,4 +1,4 @@
-//! How much of each lattice square lies inside a cell, exactly, for masks and outlines.
+//! Exact part of each lattice square inside a cell, for masks and outlines.
 
 use super::mask::Mask;
 use super::outline::Outline;
@@ -17,7 +17,7 @@ pub(super) struct Grid {
     pub(super) rows: usize,
 }
 
-/// What the lattice must know of a cell before it lays squares over it.
+/// Measures of a cell that are needed to place the lattice.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shape {
     /// Area, um^2.
@@ -28,7 +28,7 @@ pub(super) struct Shape {
     pub(super) width: f64,
 }
 
-/// Anything that a lattice can be laid over.
+/// A shape that can be covered with a lattice.
 pub(super) trait Source {
     /// Its measures.
     fn shape(&self) -> Shape;
@@ -137,9 +137,9 @@ impl Source for Outline {
         }
     }
 
-    /// Each edge adds to every square the signed area between itself and the square's right side,
-    /// and its height to all squares further right (the exact-area rule of font rasterisers); the
-    /// sum over a closed ring is minus the area inside it.
+    /// Each edge adds the signed area between itself and a square's right side to that square, and
+    /// its height to all squares further right (exact-area method of font rasterisers); the sum
+    /// over a closed ring is minus the area inside.
     fn coverage(&self, grid: &Grid) -> Vec<f64> {
         let stride = grid.columns + 1;
         let mut sums = vec![0.0; stride * grid.rows];

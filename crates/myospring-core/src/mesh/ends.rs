@@ -1,4 +1,5 @@
-//! The ends of a cell along its long axis: where it is clamped or held, and between which its length is measured.
+//! The ends of a cell along its long axis, which are clamped or held, and between which its length
+//! is measured.
 
 use super::Mesh;
 
@@ -42,7 +43,7 @@ pub fn end_nodes<const D: usize, const N: usize>(
     end_points(&mesh.points, axis)
 }
 
-/// Where along the unit vector `axis` the [`end_nodes`] lie, from and to, at the lower and at the upper end, um.
+/// Range of the [`end_nodes`] along the unit vector `axis`, at the lower and at the upper end, um.
 pub fn end_zones<const D: usize, const N: usize>(
     mesh: &Mesh<D, N>,
     axis: [f64; D],

@@ -1,21 +1,22 @@
-//! From a mask or outline to a Moore lattice of masses and springs.
+//! Turns a mask or outline into a Moore lattice of masses and springs.
 //!
 //! A cell is filled with lattice **squares** of side `h`. The exact fraction of each square that
 //! lies inside the cell is computed, and the most covered squares are kept, as many as give the
-//! mesh the cell's area; the cut falls near one half. Squares that no side joins to the largest
-//! piece are dropped and counted. Two squares of one piece may still share just a corner; there the
-//! mesh has a hinge of one node, which does no harm since both squares are held elsewhere.
+//! mesh the cell's area; the threshold is near one half. Squares not connected to the largest piece
+//! by a side are dropped and counted. Two squares of one piece may still share only a corner; the
+//! mesh then has a hinge of one node, which does no harm, since both squares are connected
+//! elsewhere.
 //!
-//! What a square brings: four nodes with a quarter of its area each, four sides (axial springs),
-//! two diagonals, and four triangles (both ways to halve it, each of weight 1/2). A side between
+//! A square contributes four nodes with a quarter of its area each, four sides (axial springs), two
+//! diagonals, and four triangles (both ways of halving it, each with weight 1/2). A side between
 //! two squares is one spring of share 1, a side on the rim one of share 1/2. Hence every node has
 //! at least three springs.
 //!
 //! # Order, guaranteed
 //! Nodes run row by row, x fastest, from the bottom. Springs run by direction, east, north,
-//! north-east, north-west; triangles by type; within each, row by row. Neighbours in these lists
-//! are neighbours in memory, in long runs, which the force kernels use. A spring's first node is
-//! the one in the lower row (the left one when both are in one row).
+//! north-east, north-west; triangles by type; within each, row by row. The force kernels use the
+//! long runs of neighbours in these lists. A spring's first node is the one in the lower row (the
+//! left one if both are in one row).
 
 use super::coverage::{Grid, Shape, Source};
 use super::mask::Mask;
@@ -27,10 +28,10 @@ use super::{Lattice, Mesh, MeshError, Simplex, Spring, SpringKind};
 /// Number of masses that the default spacing aims at.
 pub const DEFAULT_MASSES: usize = 2_000;
 
-/// Largest number of masses that a spacing may lead to. A mesh takes 1.6 kB of memory for each, a run 3 to 5 kB.
+/// Largest number of masses. A mesh takes 1.6 kB of memory for each, a run 3 to 5 kB.
 pub const MOST_MASSES: usize = 2_500_000;
 
-/// Fewest pixels that can be called a cell.
+/// Least number of pixels of a cell.
 pub const FEWEST_PIXELS: usize = 25;
 
 /// Area error above which the report warns, per cent.
@@ -39,16 +40,17 @@ pub const AREA_WARNING_PCT: f64 = 1.0;
 /// Area error above which there is no mesh, per cent.
 pub const AREA_BOUND_PCT: f64 = 10.0;
 
-/// Most squares of the bounding box, so that a thin slanted cell cannot exhaust the memory.
+/// Largest number of squares in the bounding box, so that a thin slanted cell cannot exhaust the
+/// memory.
 const MOST_SQUARES: f64 = 4e7;
 
-/// Why a mask or outline gives no mesh.
+/// Why a mask or outline cannot be meshed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LatticeError {
     /// The spacing is not a positive number.
     #[error("spacing {spacing} um is not a positive length; leave it out for {default} um")]
     Spacing {
-        /// What was given, um.
+        /// The given spacing, um.
         spacing: f64,
         /// The default spacing of this cell, um.
         default: f64,
@@ -59,7 +61,7 @@ pub enum LatticeError {
          give less, or leave it out for {default} um"
     )]
     TooCoarse {
-        /// What was given, um.
+        /// The given spacing, um.
         spacing: f64,
         /// Largest spacing, um.
         bound: f64,
@@ -74,18 +76,18 @@ pub enum LatticeError {
          {smallest:.2} um, or leave it out for {default} um"
     )]
     TooFine {
-        /// What was given, um.
+        /// The given spacing, um.
         spacing: f64,
-        /// About how many masses it would give.
+        /// Approximate number of masses.
         masses: f64,
-        /// How many there may be.
+        /// Largest number of masses.
         bound: usize,
-        /// About the smallest spacing that may be given, um.
+        /// Approximate smallest possible spacing, um.
         smallest: f64,
         /// The default spacing of this cell, um.
         default: f64,
     },
-    /// The cell in the mask is a speck.
+    /// The cell in the mask is too small.
     #[error(
         "the cell has only {pixels} pixels ({area:.3} um^2); at least {bound} are needed: is this \
          the right mask and label?"
@@ -95,10 +97,10 @@ pub enum LatticeError {
         pixels: usize,
         /// Their area, um^2.
         area: f64,
-        /// How many are needed.
+        /// Number of pixels needed.
         bound: usize,
     },
-    /// The squares cannot show the cell's shape.
+    /// The squares are too coarse for the cell's shape.
     #[error(
         "spacing {spacing} um is too coarse for this shape: the mesh has {area:.1} um^2 where the \
          cell has {source_area:.1} um^2, off by more than {bound} %; give less"
@@ -113,13 +115,13 @@ pub enum LatticeError {
         /// Largest error, per cent.
         bound: f64,
     },
-    /// The squares do not make a mesh.
+    /// The squares are not a valid mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
 
-/// The spacing, um, at which an area of `area_um2` holds about `masses` masses:
-/// `h = sqrt(A / masses)`, rounded up to two digits (the rim has more masses than squares).
+/// The spacing, um, at which an area of `area_um2` contains about `masses` masses: `h = sqrt(A /
+/// masses)`, rounded up to two digits (the rim has more masses than squares).
 ///
 /// # Example
 /// ```
@@ -131,7 +133,7 @@ pub fn default_spacing(area_um2: f64, masses: usize) -> f64 {
     let spacing = (area_um2 / masses.max(1) as f64).sqrt();
     let digit = 10_f64.powf(spacing.log10().floor() - 1.0);
     let rounded = (spacing / digit - 1e-9).ceil() * digit;
-    // Through text: the number that prints with two digits.
+    // Through text, to get a number that prints with two digits.
     format!("{rounded:.1e}").parse().unwrap_or(rounded)
 }
 
@@ -142,9 +144,8 @@ pub fn default_spacing(area_um2: f64, masses: usize) -> f64 {
 ///
 /// # Errors
 /// A cell of fewer than [`FEWEST_PIXELS`] pixels; a spacing that is not positive, is more than a
-/// third of the cell's width, or gives more than [`MOST_MASSES`] masses; a shape that squares of
-/// this size miss by more than [`AREA_BOUND_PCT`]. Between that and [`AREA_WARNING_PCT`] the report
-/// warns.
+/// third of the cell's width, or gives more than [`MOST_MASSES`] masses; a mesh whose area is off
+/// by more than [`AREA_BOUND_PCT`]. Above [`AREA_WARNING_PCT`] the report warns.
 ///
 /// # Example
 /// ```
@@ -176,7 +177,7 @@ pub fn from_mask(mask: &Mask, spacing: Option<f64>) -> Result<(Mesh, MeshReport)
     }
     if dropped.pixels * 20 > pixels {
         report.warnings.push(format!(
-            "{} islands with {} pixels beside the cell of {pixels} pixels were dropped: is it one \
+            "{} islands with {} pixels other than the cell of {pixels} pixels were dropped: is it one \
              cell?",
             dropped.components, dropped.pixels
         ));
@@ -194,7 +195,7 @@ pub fn from_mask(mask: &Mask, spacing: Option<f64>) -> Result<(Mesh, MeshReport)
 /// Fills an outline with a lattice of `spacing` um (by default about [`DEFAULT_MASSES`] masses).
 ///
 /// # Errors
-/// As [`from_mask`], without the pixels.
+/// Those of [`from_mask`], except for pixels.
 ///
 /// # Example
 /// ```
@@ -288,7 +289,7 @@ fn check_spacing(shape: &Shape, spacing: Option<f64>) -> Result<f64, LatticeErro
         return Err(LatticeError::Spacing { spacing, default });
     }
     let bound = shape.width / 3.0;
-    // Rounding of the width may not refuse exactly a third.
+    // Rounding of the width must not reject exactly a third.
     if given && spacing > bound * (1.0 + 1e-9) {
         return Err(LatticeError::TooCoarse { spacing, bound, width: shape.width, default });
     }
@@ -308,7 +309,7 @@ fn check_spacing(shape: &Shape, spacing: Option<f64>) -> Result<f64, LatticeErro
 /// The block of squares, centred on the bounding box, that covers a cell.
 fn cover(shape: &Shape, spacing: f64) -> Grid {
     let [low, high] = shape.bounds;
-    // A width of a whole number of squares, to rounding, needs no further one.
+    // A width of a whole number of squares, except for rounding, needs no additional square.
     let count = |axis: usize| ((high[axis] - low[axis]) / spacing - 1e-6).ceil().max(1.0);
     let [columns, rows] = [count(0), count(1)];
     let origin = [(0, columns), (1, rows)]

@@ -1,8 +1,8 @@
-//! A mask: which pixels of a picture are the cell.
+//! A mask: the pixels of a picture that belong to the cell.
 
 use super::pixel_size::PixelSize;
 
-/// Why a list of pixels is not a usable mask.
+/// Why a list of pixels is not a valid mask.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MaskError {
     /// The list of pixels does not fill the picture.
@@ -15,9 +15,9 @@ pub enum MaskError {
         /// Values given.
         found: usize,
     },
-    /// No pixel is the cell.
+    /// No pixel belongs to the cell.
     #[error(
-        "the mask is empty: none of its {width} x {height} pixels is the cell; paint the cell in a \
+        "the mask is empty: none of its {width} x {height} pixels belongs to the cell; paint the cell in a \
          non-zero value on a background of zero"
     )]
     Empty {
@@ -26,9 +26,9 @@ pub enum MaskError {
         /// Rows.
         height: usize,
     },
-    /// Every pixel is the cell.
+    /// Every pixel belongs to the cell.
     #[error(
-        "the mask has no background: all of its {width} x {height} pixels are the cell; the \
+        "the mask has no background: all of its {width} x {height} pixels belong to the cell; the \
          background must be zero (is this the picture itself, not its mask?)"
     )]
     Full {
@@ -39,10 +39,10 @@ pub enum MaskError {
     },
 }
 
-/// Which pixels of a picture are the cell; row 0 is the top of the picture.
+/// The pixels of a picture that belong to the cell; row 0 is the top of the picture.
 ///
-/// At least one pixel is the cell and at least one is not. Only the box around the cell is kept, so that a cell
-/// costs what it covers, however large the picture is.
+/// At least one pixel belongs to the cell and at least one does not. Only the bounding box of the
+/// cell is stored, so that memory depends on the cell, not on the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mask {
     width: usize,
@@ -51,16 +51,16 @@ pub struct Mask {
     part: Part,
 }
 
-/// The least box of pixels that holds a cell.
+/// The bounding box of a cell with its pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// First column of the picture in it.
+    /// Its first column in the picture.
     pub left: usize,
-    /// First row.
+    /// Its first row in the picture.
     pub top: usize,
     /// Number of columns.
     pub width: usize,
-    /// Row by row from its top left: is this pixel the cell?
+    /// For each pixel, row by row from its top left: whether it belongs to the cell.
     pub inside: Vec<bool>,
 }
 
@@ -70,7 +70,7 @@ impl Part {
         self.inside.len() / self.width.max(1)
     }
 
-    /// Without rows and columns at its sides that hold nothing; `None` if there is nothing in it.
+    /// The box without empty rows and columns at its sides; `None` if it is empty.
     fn cropped(self) -> Option<Self> {
         let rows = || self.inside.chunks_exact(self.width.max(1));
         let holds = |row: &[bool]| row.contains(&true);
@@ -90,12 +90,12 @@ impl Part {
     }
 }
 
-/// What [`Mask::largest_part`] left out.
+/// The islands that [`Mask::largest_part`] left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Dropped {
-    /// Islands beside the cell.
+    /// Number of islands other than the cell.
     pub components: usize,
-    /// Pixels of all of them.
+    /// Their total number of pixels.
     pub pixels: usize,
 }
 
@@ -124,10 +124,10 @@ impl Mask {
         Self::of_part(width, height, pixel_size, Part { left: 0, top: 0, width, inside })
     }
 
-    /// Makes a mask of `width` x `height` pixels of which all that are the cell lie in `part`.
+    /// Makes a mask of `width` x `height` pixels whose cell lies entirely in `part`.
     ///
     /// # Errors
-    /// A part that is no box within the picture, an empty mask, or one without background.
+    /// A part that is not a box within the picture, an empty mask, or one without background.
     ///
     /// # Example
     /// ```
@@ -171,12 +171,12 @@ impl Mask {
         self.pixel_size
     }
 
-    /// The box that holds the cell.
+    /// The bounding box of the cell.
     pub fn part(&self) -> &Part {
         &self.part
     }
 
-    /// All pixels of the picture, row by row from the top left: is this pixel the cell?
+    /// For each pixel of the picture, row by row from the top left: whether it belongs to the cell.
     pub fn inside(&self) -> Vec<bool> {
         let Part { left, top, width, inside } = &self.part;
         let mut all = vec![false; self.width * self.height];
@@ -186,7 +186,7 @@ impl Mask {
         all
     }
 
-    /// Number of pixels that are the cell.
+    /// Number of pixels of the cell.
     pub fn cell_pixels(&self) -> usize {
         self.part.inside.iter().filter(|&&pixel| pixel).count()
     }
@@ -205,9 +205,9 @@ impl Mask {
             || top + self.part.height() == self.height
     }
 
-    /// The largest island of pixels that touch by a side or a corner, and what was left out.
+    /// The largest island of pixels connected by sides or corners, and the islands left out.
     ///
-    /// Of two islands of one size, the one that comes first from the top is kept.
+    /// Of two islands of equal size, the first from the top is kept.
     pub fn largest_part(&self) -> (Self, Dropped) {
         const NONE: u32 = u32::MAX;
         let Part { width, inside, .. } = &self.part;
@@ -288,12 +288,12 @@ mod tests {
         let message = |inside| Mask::new(2, 1, pixel, inside).unwrap_err().to_string();
         assert_eq!(
             message(vec![false, false]),
-            "the mask is empty: none of its 2 x 1 pixels is the cell; paint the cell in a non-zero \
+            "the mask is empty: none of its 2 x 1 pixels belongs to the cell; paint the cell in a non-zero \
              value on a background of zero"
         );
         assert_eq!(
             message(vec![true, true]),
-            "the mask has no background: all of its 2 x 1 pixels are the cell; the background must \
+            "the mask has no background: all of its 2 x 1 pixels belong to the cell; the background must \
              be zero (is this the picture itself, not its mask?)"
         );
         assert_eq!(message(vec![true]), "a mask of 2 x 1 pixels needs 2 values, but 1 were given");

@@ -17,11 +17,11 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Makes an outline of its exterior and holes, um; either direction, closed or not.
+    /// Makes an outline from its exterior and holes, um, in either direction, closed or not.
     ///
     /// # Errors
-    /// Fewer than 3 points, coordinates that are not finite, no area, an absurd size, edges that
-    /// cross, holes outside.
+    /// Fewer than 3 points, coordinates that are not finite, no area, an impossible size, edges
+    /// that cross, holes outside.
     ///
     /// # Example
     /// ```
@@ -32,7 +32,7 @@ impl Outline {
     /// let bow_tie = vec![[0.0, 0.0], [100.0, 20.0], [100.0, 0.0], [0.0, 30.0]];
     /// assert_eq!(
     ///     Outline::new(bow_tie, vec![]).unwrap_err().to_string(),
-    ///     "the outline crosses or touches itself at (60, 12) um: its edges must go once round the cell"
+    ///     "the outline crosses or touches itself at (60, 12) um: its edges must go once around the cell"
     /// );
     /// ```
     pub fn new(exterior: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>) -> Result<Self, OutlineError> {
@@ -47,7 +47,7 @@ impl Outline {
         if extent > LARGEST_EXTENT_UM {
             return Err(OutlineError::TooLarge { extent });
         }
-        // Before the area, which has no meaning for a ring that crosses itself.
+        // Checked before the area, which is meaningless for a ring that crosses itself.
         if extent * extent < SMALLEST_AREA_UM2 || outline.is_flat() {
             return Err(OutlineError::TooSmall { area: outline.area() });
         }
@@ -58,7 +58,7 @@ impl Outline {
         Ok(outline)
     }
 
-    /// Points round the cell, um, counter-clockwise; the first is not repeated.
+    /// Points around the cell, um, counter-clockwise; the first is not repeated.
     pub fn exterior(&self) -> &[[f64; 2]] {
         &self.exterior
     }
@@ -97,7 +97,7 @@ impl Outline {
 
     /// Centre of the area, um.
     pub fn centroid(&self) -> [f64; 2] {
-        // About a point of the ring, so that a far origin costs no digits.
+        // Relative to a point of the ring, so that a distant origin does not reduce precision.
         let base = self.exterior[0];
         let (mut area, mut sum) = (0.0, [0.0; 2]);
         for (p, q) in self.rings().flat_map(edges) {
@@ -126,7 +126,7 @@ impl Outline {
         sums
     }
 
-    /// The outline turned counter-clockwise by `angle_deg` degrees about its centroid.
+    /// The outline rotated counter-clockwise by `angle_deg` degrees about its centroid.
     ///
     /// # Example
     /// ```
@@ -179,7 +179,7 @@ impl Outline {
     }
 }
 
-/// Drops repeated points, checks the rest and turns the ring to the wanted direction.
+/// Drops repeated points, checks the rest and orients the ring.
 fn tidy_ring(
     name: &'static str,
     mut ring: Vec<[f64; 2]>,

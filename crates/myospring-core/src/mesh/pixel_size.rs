@@ -1,8 +1,8 @@
-//! The side of a pixel under a microscope.
+//! The side of a microscope's pixel.
 
 use std::fmt;
 
-/// Side of a square pixel: a length that makes sense under a microscope, from 0.001 to 50 um.
+/// Side of a square pixel: a plausible length for a microscope, from 0.001 to 50 um.
 ///
 /// # Example
 /// ```
@@ -18,7 +18,7 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct PixelSize(f64);
 
-/// A length that is no pixel size.
+/// A length that is not a plausible pixel size.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "pixel size {um} um is outside {} to {} um: give the width of one pixel in micrometres",
@@ -26,7 +26,7 @@ pub struct PixelSize(f64);
     PixelSize::LARGEST_UM
 )]
 pub struct PixelSizeError {
-    /// What was given, um.
+    /// The given length, um.
     pub um: f64,
 }
 
@@ -42,7 +42,7 @@ impl PixelSize {
     /// A pixel of this side, um.
     ///
     /// # Errors
-    /// A length outside the bounds, or no number.
+    /// A length outside the bounds, or NaN.
     pub fn new(um: f64) -> Result<Self, PixelSizeError> {
         let known = (Self::SMALLEST_UM..=Self::LARGEST_UM).contains(&um);
         known.then_some(Self(um)).ok_or(PixelSizeError { um })
@@ -56,7 +56,7 @@ impl PixelSize {
 
 impl fmt::Display for PixelSize {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Files state ratios of whole numbers, whose last digits nobody measured.
+        // Files state ratios of whole numbers, whose last digits are not significant.
         write!(formatter, "{} um", (1e6 * self.0).round() / 1e6)
     }
 }

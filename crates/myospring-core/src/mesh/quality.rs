@@ -1,4 +1,4 @@
-//! Measures of a mesh, and the report that goes with it.
+//! Measures of a mesh, and its report.
 
 use std::fmt;
 
@@ -32,7 +32,7 @@ pub fn long_axis(mesh: &Mesh) -> [f64; 2] {
     principal_axis(xx, yy, xy)
 }
 
-/// Principal axis of second moments, as [`long_axis`] has it.
+/// Principal axis of second moments, oriented as in [`long_axis`].
 pub(super) fn principal_axis(xx: f64, yy: f64, xy: f64) -> [f64; 2] {
     // Rounding of the sums, well below any anisotropy that a picture can show.
     const ROUND: f64 = 1e-9;
@@ -73,7 +73,7 @@ pub struct Dimensions {
     pub length_um: f64,
     /// Largest extent across the long axis, um.
     pub width_um: f64,
-    /// Area divided by length, um: what a lab calls the width of an irregular cell.
+    /// Area divided by length, um: the usual definition of width for an irregular cell.
     pub mean_width_um: f64,
     /// Length divided by mean width.
     pub aspect_ratio: f64,
@@ -102,7 +102,8 @@ pub fn dimensions(mesh: &Mesh) -> Dimensions {
     }
 }
 
-/// Measures an outline along and across the principal axis of its area, as [`dimensions`] does a mesh.
+/// Measures an outline along and across the principal axis of its area, like [`dimensions`] for a
+/// mesh.
 ///
 /// # Example
 /// ```
@@ -125,7 +126,7 @@ pub fn outline_dimensions(outline: &Outline) -> Dimensions {
     }
 }
 
-/// What became of a picture or outline on its way to a mesh; prints as a table.
+/// Report on a mesh made from a picture or outline; prints as a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshReport {
     /// Point masses.
@@ -147,19 +148,19 @@ pub struct MeshReport {
     /// Length, width and long axis.
     #[serde(flatten)]
     pub dimensions: Dimensions,
-    /// Pixels of islands beside the cell, left out.
+    /// Number of pixels of other islands, which were left out.
     pub dropped_pixels: usize,
-    /// Islands beside the cell, left out.
+    /// Number of other islands, which were left out.
     pub dropped_components: usize,
-    /// Squares left out because no side joins them to the rest.
+    /// Number of squares left out because no side connects them to the rest.
     pub dropped_squares: usize,
     /// Whether the cell reaches the frame of the picture.
     pub touches_frame: bool,
-    /// What a person should look at; empty when all is well.
+    /// Warnings; empty if nothing is unusual.
     pub warnings: Vec<String>,
 }
 
-/// A line of a report: what, its value, its unit.
+/// A line of a report: name, value, unit.
 pub type ReportRow = (&'static str, String, &'static str);
 
 impl Dimensions {
@@ -176,10 +177,10 @@ impl Dimensions {
     }
 }
 
-/// Writes rows under each other, values to the right, and the warnings below.
+/// Writes rows with right-aligned values, and the warnings below.
 ///
 /// # Errors
-/// When the formatter refuses text.
+/// Errors of the formatter.
 pub fn write_report(
     out: &mut fmt::Formatter<'_>,
     rows: impl IntoIterator<Item = ReportRow>,

@@ -1,34 +1,34 @@
-//! Which lattice squares become the mesh: the most covered ones that hang together.
+//! Chooses the lattice squares of the mesh: the most covered connected ones.
 
 use std::ops::RangeInclusive;
 
 use super::coverage::Grid;
 
-/// Which neighbours in the order are equal, the range of coverage (in millionths) for the cut, and
-/// the area error with which to be content.
+/// A rule for the cut: which neighbours in the order count as equal, the range of coverage (in
+/// millionths), and the accepted area error.
 type Rule<'a> = (&'a dyn Fn(usize, usize) -> bool, RangeInclusive<i64>, f64);
 
 /// Squares kept for the mesh.
 pub(super) struct Choice {
-    /// Is this square kept?
+    /// Whether each square is kept.
     pub(super) kept: Vec<bool>,
-    /// How many are.
+    /// Number of kept squares.
     pub(super) count: usize,
-    /// How many were covered enough but hang on no side of the rest.
+    /// Number of squares that were covered enough but not connected by a side.
     pub(super) dropped: usize,
 }
 
 /// Keeps the most covered squares, as many as bring the largest connected piece nearest to
 /// `target` squares.
 ///
-/// Squares of equal coverage stand or fall together, so that straight sides stay straight and
-/// symmetric cells symmetric, with the cut between 0.3 and 0.7. Only where that misses the area by
-/// more than half a per cent, as for a straight side between two lattice lines, equal squares are
-/// told apart by their distance from the middle: the outermost row of such a side, more than half
-/// covered since the lattice is centred on the cell, loses its ends. Where even that misses by almost
-/// one per cent, in a mesh of about a hundred squares, each square stands for itself.
+/// Squares of equal coverage are kept or dropped together, so that straight sides stay straight and
+/// symmetric cells symmetric; the threshold is between 0.3 and 0.7. If the area is then off by more
+/// than 0.5 %, as for a straight side between two lattice lines, equal squares are distinguished by
+/// their distance from the centre: the outermost row of such a side (more than half covered, since
+/// the lattice is centred on the cell) loses its ends. If the area is still off by almost 1 %, in a
+/// mesh of about a hundred squares, each square is decided separately.
 pub(super) fn choose(coverage: &[f64], grid: &Grid, target: f64) -> Choice {
-    // Coverage in steps of 1e-6, so that rounding does not tell equal squares apart.
+    // Coverage in steps of 1e-6, so that rounding does not distinguish equal squares.
     let level = |square: u32| (coverage[square as usize] * 1e6).round() as i64;
     let distance = |square: u32| {
         let (i, j) = (square as usize % grid.columns, square as usize / grid.columns);
@@ -59,8 +59,8 @@ pub(super) fn choose(coverage: &[f64], grid: &Grid, target: f64) -> Choice {
     best.unwrap_or_else(|| largest_piece(&order, grid))
 }
 
-/// How many of the ordered squares may be kept: ends of classes of equal squares, of which all
-/// above the range are kept and none below it.
+/// Possible numbers of kept squares in the order: ends of classes of equal squares; all squares
+/// above the range are kept, and none below it.
 fn cuts(
     levels: &[i64],
     range: &RangeInclusive<i64>,
@@ -78,7 +78,8 @@ fn cuts(
         .collect()
 }
 
-/// The cut whose largest piece is nearest to `target`; the piece never shrinks as squares are added.
+/// The cut whose largest piece is nearest to `target`; adding squares never makes the piece
+/// smaller.
 fn best_cut(order: &[u32], grid: &Grid, target: f64, cuts: &[usize]) -> Choice {
     let at = |cut: usize| largest_piece(&order[..cut], grid);
     let enough = cuts.partition_point(|&cut| (at(cut).count as f64) < target);

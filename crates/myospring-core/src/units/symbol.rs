@@ -1,6 +1,7 @@
-//! Units as people and programs write them, to the symbols of the tables: `microns`, `µm`, `milliseconds`, `um²`.
+//! Converts units in any spelling to the symbols of the tables: `microns`, `µm`, `milliseconds`,
+//! `um²`.
 
-/// Prefixes in words.
+/// Prefixes as words.
 const PREFIXES: [(&str, &str); 7] = [
     ("femto", "f"),
     ("pico", "p"),
@@ -32,7 +33,7 @@ const NAMES: [(&str, &str); 17] = [
     ("radian", "rad"),
 ];
 
-/// What has a form of its own.
+/// Irregular names.
 const OTHERS: [(&str, &str); 10] = [
     ("micron", "um"),
     ("microns", "um"),
@@ -46,7 +47,8 @@ const OTHERS: [(&str, &str); 10] = [
     ("fps", "1/s"),
 ];
 
-/// The symbol of a unit: `um` of `µm`, `micrometers` and `microns`, `nN/um^2` of `nN / µm²`; what is no known word stays.
+/// The symbol of a unit: `um` of `µm`, `micrometers` and `microns`, `nN/um^2` of `nN / µm²`;
+/// unknown words stay unchanged.
 ///
 /// # Example
 /// ```
@@ -57,7 +59,7 @@ const OTHERS: [(&str, &str); 10] = [
 /// assert_eq!(symbol("furlong"), "furlong");
 /// ```
 pub fn symbol(unit: &str) -> String {
-    // UTF-8 that was taken for Latin-1 has another letter before the micro sign.
+    // UTF-8 misread as Latin-1 has another letter before the micro sign.
     let unit = unit.replace("\u{c2}\u{b5}", "u").replace("\u{ce}\u{bc}", "u");
     let unit = unit.replace(['\u{b5}', '\u{3bc}'], "u").replace('²', "^2").replace('³', "^3");
     let spaced = unit.replace(['·', '⋅', '*', '\u{a0}', '\u{202f}'], " ");
@@ -101,7 +103,7 @@ fn of_word(word: &str) -> String {
     format!("{symbol}{power}")
 }
 
-/// `micrometers` is a prefix, a name and a plural.
+/// Splits a name like `micrometers` into prefix, name and plural.
 fn of_name(name: &str) -> Option<String> {
     let prefix = PREFIXES.iter().find(|(prefix, _)| name.starts_with(prefix));
     let (written, symbol) = prefix.copied().unwrap_or_default();

@@ -365,7 +365,7 @@ fn impossible_settings_and_runaway_cells_are_refused_with_the_reason() {
     let huge = Protocol::once(Stimulus::Jump { amplitude: 1e200 });
     let error = beats(&model, huge, Settings::default(), 100.0).unwrap_err();
     assert!(matches!(error, SolveError::Stalled { .. }), "{error}");
-    assert!(error.to_string().contains("does not get beyond 50 ms"), "{error}");
+    assert!(error.to_string().contains("cannot be integrated beyond 50 ms"), "{error}");
 }
 
 #[test]

@@ -323,21 +323,21 @@ fn a_broken_mesh_names_what_is_broken() {
         (&|m| m.points[1][4] = f64::NAN, "y of node 4 is NaN; it must be finite"),
         (&|m| m.areas.truncate(11), "the list of areas has 11 entries, but the mesh has 12 points"),
         (&|m| m.areas[3] = 0.0, "area of node 3 is 0; it must be finite and positive"),
-        (&|m| m.springs[1].nodes[1] = 12, "spring 1 names node 12, but the mesh has 12 points"),
+        (&|m| m.springs[1].nodes[1] = 12, "spring 1 refers to node 12, but the mesh has 12 points"),
         (&|m| m.springs[0].nodes = [5, 5], "spring 0 between nodes 5 and 5 has no length"),
         (&|m| m.springs.push(m.springs[2]), "nodes 2 and 3 are joined by two springs"),
         (&|m| m.springs[7].share = -1.0, "share of spring 7 is -1; it must be finite and positive"),
         (&|m| m.simplices[6].nodes.reverse(), "triangle 6 has the area -0.5 um^2"),
         (
             &|m| m.springs.retain(|s| !s.nodes.contains(&0) || s.nodes.contains(&1)),
-            "node 0 hangs on 1 spring(s); at least 2 must hold it",
+            "node 0 has only 1 spring(s); at least 2 are needed",
         ),
         (
             &|m| {
                 let right = |node: u32| node % 4 > 1;
                 m.springs.retain(|s| right(s.nodes[0]) == right(s.nodes[1]));
             },
-            "the mesh falls apart: only 6 of 12 nodes hang together with node 0",
+            "the mesh is not connected: only 6 of 12 nodes are connected with node 0",
         ),
         (&|m| m.points[0][3] += 0.2, "node 3 does not lie on column 3, row 0 of the lattice"),
     ];

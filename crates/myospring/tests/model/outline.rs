@@ -132,15 +132,15 @@ fn what_is_not_one_polygon_is_refused() {
     assert!(refused(r#"{"type":"Polygon"}"#).starts_with("the outline is not GeoJSON: "));
     assert_eq!(
         refused(r#"{"type":"FeatureCollection","features":[]}"#),
-        "the GeoJSON holds 0 polygons (no geometry); exactly one, the cell, is needed"
+        "the GeoJSON has 0 polygons (no geometry); exactly one, the cell, is needed"
     );
     assert_eq!(
         refused(r#"{"type":"LineString","coordinates":[[0,0],[1,1]]}"#),
-        "the GeoJSON holds 0 polygons (LineString); exactly one, the cell, is needed"
+        "the GeoJSON has 0 polygons (LineString); exactly one, the cell, is needed"
     );
     assert_eq!(
         refused(&format!(r#"{{"type":"MultiPolygon","coordinates":[{SQUARE},{SQUARE}]}}"#)),
-        "the GeoJSON holds 2 polygons (MultiPolygon); exactly one, the cell, is needed"
+        "the GeoJSON has 2 polygons (MultiPolygon); exactly one, the cell, is needed"
     );
     assert!(
         refused(r#"{"type":"Polygon","coordinates":[]}"#).contains("has 0 different points"),
@@ -164,7 +164,7 @@ fn another_unit_is_refused() {
 #[test]
 fn a_polygon_of_no_size_is_refused() {
     let message = "the outline has an area of 0 um^2, less than 1 um^2: coordinates must be in \
-                   micrometres and go round the cell";
+                   micrometres and go around the cell";
     assert_eq!(refused_points(&[[0.0, 0.0], [50.0, 0.0], [100.0, 0.0]]), message);
     assert_eq!(refused_points(&[[0.0, 0.0], [3.0, 1.0], [9.0, 3.0], [6.0, 2.0]]), message);
     let error = refused_points(&[[0.0, 0.0], [0.1, 0.0], [0.1, 0.1]]);
@@ -187,7 +187,7 @@ fn a_polygon_of_absurd_size_is_refused() {
 fn a_polygon_that_crosses_or_touches_itself_is_refused_with_the_place() {
     assert_eq!(
         refused_points(&[[0.0, 0.0], [10.0, 10.0], [10.0, 0.0], [0.0, 10.0]]),
-        "the outline crosses or touches itself at (5, 5) um: its edges must go once round the cell"
+        "the outline crosses or touches itself at (5, 5) um: its edges must go once around the cell"
     );
     // A corner on another edge.
     let error = refused_points(&[[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [5.0, 0.0], [0.0, 10.0]]);
@@ -201,7 +201,7 @@ fn a_polygon_that_crosses_or_touches_itself_is_refused_with_the_place() {
 fn a_hole_outside_is_refused() {
     let square = |x: f64| vec![[x, x], [x + 9.0, x], [x + 9.0, x + 9.0], [x, x + 9.0]];
     let error = Outline::new(square(0.0), vec![square(20.0)]).unwrap_err().to_string();
-    assert!(error.starts_with("the outline's holes do not lie within it"), "{error}");
+    assert!(error.starts_with("the outline's holes must lie inside it"), "{error}");
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn a_cell_that_no_stiff_step_takes_further_is_named_with_its_state_and_time() {
     let protocol = Protocol::once(Stimulus::Jump { amplitude: 1e200 });
     let error = solve(&model, protocol, Settings::of(Method::Stiff), 100.0, 1.0).unwrap_err();
     assert!(matches!(error, SolveError::Stalled { .. }), "{error}");
-    assert!(error.to_string().contains("`own_1` does not get beyond 50 ms"), "{error}");
+    assert!(error.to_string().contains("`own_1` cannot be integrated beyond 50 ms"), "{error}");
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! The smooth pieces of the minimal model, and sliding along a switch between two of them.
 //!
 //! The Heaviside steps of Eqs. (18)-(35) cut the states into regions: intervals of `u` between
-//! thresholds, and for `V > x_2` two sides of `Ta_i = x_3`. Within a region every step is a constant,
-//! so one formula with the region's [`Branch`] serves all. Switches that cannot act are left out:
-//! `theta_v_minus` above `theta_v` and `theta_o` above `theta_w`.
-#![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
+//! thresholds, and for `V > x_2` two sides of `Ta_i = x_3`. Within a region every Heaviside step is
+//! a constant, so the same formula serves all regions with different constants ([`Branch`]).
+//! Switches without effect are left out: `theta_v_minus` above `theta_v` and `theta_o` above
+//! `theta_w`.
+#![allow(clippy::inline_always, reason = "functions called in vectorised loops must be inlined")]
 
 use crate::cell::exponential::exp;
 use crate::cell::minimal::Electrical;
@@ -14,7 +15,7 @@ use std::f64::consts::PI;
 /// `u`, `v`, `w`, `s`, `Ta_i`, `Ta`.
 pub(in crate::cell) type State = [f64; 6];
 
-/// Arguments of the sigmoids' exponentials are held to this, where the sigmoids are 0 or 1.
+/// Largest argument of the sigmoids' exponentials, where the sigmoids are 0 or 1.
 const SATURATED: f64 = 300.0;
 
 /// Defines a struct of numbers that can be stored as an array.
@@ -27,10 +28,10 @@ macro_rules! numbers {
         }
 
         impl $name {
-            /// How many numbers.
+            /// Number of fields.
             pub(super) const LEN: usize = [$(stringify!($field)),*].len();
 
-            /// As an array, in the order of the fields.
+            /// Its values as an array, in the order of the fields.
             #[inline(always)]
             pub(super) fn to_array(self) -> [f64; Self::LEN] {
                 [$(self.$field),*]
@@ -47,7 +48,7 @@ macro_rules! numbers {
 }
 
 numbers! {
-    /// The constants of one region; where a step is 0, the constant that it multiplies is 0.
+    /// The constants of one region; a constant that is multiplied by a Heaviside step of 0 is 0.
     Branch {
         /// Stimulus, 1/ms.
         stimulus,
@@ -90,7 +91,7 @@ numbers! {
 }
 
 numbers! {
-    /// A branch at fixed `u`: all that depends on `u` alone is a number.
+    /// A branch at fixed `u`: everything that depends only on `u` is evaluated.
     Side {
         /// `du/dt = drive + drive_v v + drive_ws w s`.
         drive,
@@ -115,12 +116,12 @@ pub(super) trait Field {
 }
 
 impl Branch {
-    /// No field at all: every rate is 0.
+    /// A branch whose rates are all 0.
     pub(super) fn asleep() -> Self {
         Self { tau_1: 1.0, ..Self::default() }
     }
 
-    /// All that depends on `u` alone, at this `u`.
+    /// Evaluates everything that depends only on `u`.
     ///
     /// The two sigmoids share one division: `1 / tau = (1 + e) / (tau_1 + tau_2 e)` with
     /// `e = exp(2 k (u - u_k))`, because `(1 + tanh(x)) / 2 = e / (1 + e)`, and likewise `s_inf`.
@@ -202,8 +203,8 @@ pub(super) struct Sliding {
 }
 
 impl Sliding {
-    /// How strongly either side holds the state on the switch, 1/ms; it leaves where one is not
-    /// above 0: upwards the first, downwards the second.
+    /// How strongly each side holds the state on the switch, 1/ms. The state leaves upwards if the
+    /// first is not above 0, downwards if the second is not.
     #[inline(always)]
     pub(super) fn holds(&self, state: &State) -> [f64; 2] {
         [-self.above.u_rate(state), self.below.u_rate(state)]
@@ -220,7 +221,7 @@ impl Field for Sliding {
     }
 }
 
-/// The constants of one cell and where its equations switch.
+/// The constants of one cell, and its thresholds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::cell) struct Pieces {
     electrical: Electrical,

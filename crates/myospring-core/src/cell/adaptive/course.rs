@@ -1,4 +1,4 @@
-//! What happens to one cell between its smooth steps: switches, sliding, stimuli.
+//! Integrates one cell: switches, sliding and stimuli between smooth steps.
 
 use super::branch::{Branch, Field, Pieces, Side, Sliding, State};
 use super::lanes::{FLOOR, LONGEST_MS, Lanes, STALLED};
@@ -6,13 +6,14 @@ use super::piece::{Cubic, Piece, root};
 use super::watch::Watch;
 use crate::cell::pacing::{Event, Protocol};
 
-/// Part of the step that the tolerance would allow for a straight line, taken after a switch.
+/// First step after a switch, as a part of the step that the tolerance would allow for a straight
+/// line.
 const RESTART: f64 = 0.3;
-/// So many switches in a row with less than [`PROGRESS_MS`] between them: the cell is stuck.
+/// After this number of consecutive switches less than [`PROGRESS_MS`] apart, the cell is stuck.
 const STANDSTILL: u32 = 50;
 const PROGRESS_MS: f64 = 1e-9;
 
-/// Which smooth field holds.
+/// Which smooth field applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     /// Between two thresholds of `u`.
@@ -32,7 +33,7 @@ enum Crossing {
     Onset,
 }
 
-/// No step, however small, takes the cell further.
+/// No step, however small, succeeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::cell) struct Stuck {
     pub(super) time_ms: f64,
@@ -41,7 +42,7 @@ pub(in crate::cell) struct Stuck {
     pub(super) state: State,
 }
 
-/// A cell that is to be followed.
+/// A cell to be integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::cell) struct Task {
     pub(in crate::cell) pieces: Pieces,
@@ -51,7 +52,7 @@ pub(in crate::cell) struct Task {
     pub(in crate::cell) sample_interval_ms: Option<f64>,
 }
 
-/// One cell on its way.
+/// The integration of one cell.
 #[derive(Debug, Clone)]
 pub(in crate::cell) struct Course {
     pieces: Pieces,
@@ -63,13 +64,13 @@ pub(in crate::cell) struct Course {
     next_event: u64,
     standstill: u32,
     pub(in crate::cell) watch: Watch,
-    /// The last step that was taken here, and how many were.
+    /// The last step that was taken here, and their number.
     pub(super) piece: Piece,
     pub(in crate::cell) steps: u64,
 }
 
 impl Course {
-    /// Puts a cell into a lane, at 0 ms, after whatever the protocol does then.
+    /// Puts a cell into a lane, at 0 ms, after the protocol's events at 0 ms.
     pub(in crate::cell) fn start<const N: usize>(
         task: &Task,
         lanes: &mut Lanes<N>,
@@ -109,7 +110,7 @@ impl Course {
         (self.protocol.since_stimulus(time_ms), self.stimulus)
     }
 
-    /// Takes the step that a lane tried, up to whatever comes first, and does what happens there.
+    /// Accepts the step that a lane tried, up to the first event within it, and handles that event.
     /// True when the cell has reached its end.
     pub(in crate::cell) fn attend<const N: usize>(
         &mut self,
@@ -163,7 +164,7 @@ impl Course {
         Ok(false)
     }
 
-    /// How far the step holds, as a part of it, and what ends it.
+    /// The first crossing within the step: its position, as a part of the step, and its kind.
     fn first_crossing<const N: usize>(
         &self,
         lanes: &Lanes<N>,
@@ -176,7 +177,8 @@ impl Course {
                 first = (part, Some(crossing));
             }
         };
-        // Past the bound at the end by less than the cubic's rounding: it ends there.
+        // If the end is past the bound by less than the cubic's rounding, the crossing is at the
+        // end.
         let leaves = |curve: &Cubic, end: f64, bound: f64, sign: f64| {
             let past = (sign * (end - bound) < 0.0).then_some(1.0);
             curve.inside(bound, sign).first_root().or(past)
@@ -214,7 +216,7 @@ impl Course {
         first
     }
 
-    /// Changes sides.
+    /// Changes to the other side.
     fn cross(&mut self, crossing: Crossing, state: &mut State) {
         match crossing {
             Crossing::Threshold { index, from_below } => {
@@ -230,7 +232,7 @@ impl Course {
         self.choose_onset(state);
     }
 
-    /// Where a state belongs that did not come along the flow.
+    /// Determines the region of a state that was not reached by integration.
     fn locate(&mut self, state: &State) {
         let thresholds = self.pieces.thresholds();
         self.place = match thresholds.iter().position(|threshold| *threshold == state[0]) {
@@ -240,12 +242,13 @@ impl Course {
         self.choose_onset(state);
     }
 
-    /// On a threshold: into the region the flow points to, or along the switch if both sides point
-    /// at it. Where both point away, on in the direction it came from, upwards if from nowhere.
+    /// Where a state on a threshold continues: into the region to which the flow points, or along
+    /// the switch if both sides point at it. If both point away, it continues in its previous
+    /// direction, or upwards if there is none.
     fn settle(&self, index: usize, state: &State, from_below: Option<bool>) -> Place {
         let rate = |region| self.side(region, state[0]).u_rate(state);
         let (below, above) = (rate(index), rate(index + 1));
-        // One side may just graze the threshold: then du/dt vanishes there, and so it does in the mixture.
+        // One side may just touch the threshold: du/dt vanishes there, and also in the mixture.
         if (below > 0.0 && above <= 0.0) || (below >= 0.0 && above < 0.0) {
             Place::Switch(index)
         } else if below >= 0.0 && above >= 0.0 {
@@ -257,7 +260,7 @@ impl Course {
         }
     }
 
-    /// On which side of `x_3` the cell is; on it, the side to which `Ta_i` moves.
+    /// Chooses the side of `x_3`; exactly on it, the side to which `Ta_i` moves.
     fn choose_onset(&mut self, state: &State) {
         let [u, .., ta_i, _] = *state;
         let onset = self.pieces.onset();
@@ -272,7 +275,7 @@ impl Course {
         self.pieces.branch(region, self.delayed, self.stimulus).at(u)
     }
 
-    /// Gives the lane the field that holds now, with its rates and a first step.
+    /// Gives the lane the field that applies now, with its rates and a first step.
     fn enter<const N: usize>(&self, lanes: &mut Lanes<N>, lane: usize) {
         let state = Lanes::get(&lanes.state, lane);
         let (rates, switches_tension) = match self.place {
@@ -289,7 +292,7 @@ impl Course {
                 {
                     lanes.sides[k][lane] = number;
                 }
-                // The other loop also runs over this lane; with no field of its own it stays finite.
+                // The other loop also runs over this lane; with zero rates it stays finite.
                 Lanes::put(&mut lanes.branch, lane, Branch::asleep().to_array());
                 lanes.sliding[lane] = 1.0;
                 (Sliding { below, above }.rates(&state), self.pieces.switches_tension(index + 1))
@@ -309,7 +312,7 @@ impl Course {
         lanes.step[lane] = lanes.step[lane].min(step_ms);
     }
 
-    /// Does what the protocol wants at the time reached; true if it wanted anything.
+    /// Applies the protocol's events at the time reached; true if there were any.
     fn events<const N: usize>(
         &mut self,
         lanes: &mut Lanes<N>,

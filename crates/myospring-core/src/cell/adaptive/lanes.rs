@@ -1,10 +1,10 @@
-//! Many cells side by side: one step of each at once, every cell with its own time and step.
+//! Many cells in vector lanes: one step of each at once, every cell with its own time and step.
 //!
-//! The loops over lanes hold no branch and call nothing, so the compiler turns them into vector
-//! instructions. Each lane's arithmetic is that of a single cell, operation by operation, so the
-//! number of lanes and the vector units change no bit.
+//! The loops over lanes contain no branches and no calls, so the compiler vectorises them. Each
+//! lane does the same operations as a single cell, so results do not depend on the number of lanes
+//! or the vector units.
 #![allow(clippy::needless_bitwise_bool, reason = "no branches in the vectorised loops")]
-#![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
+#![allow(clippy::inline_always, reason = "functions called in vectorised loops must be inlined")]
 
 use super::branch::{Branch, Field, Side, Sliding, State};
 
@@ -13,23 +13,23 @@ const SIDES: usize = 2 * Side::LEN;
 /// Smallest and largest change of the step from one to the next.
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
-/// Aim below the tolerance by this factor.
+/// Safety factor: the aimed error as a part of the tolerance.
 const SAFETY: f64 = 0.9;
 /// The longest step, ms.
 pub(super) const LONGEST_MS: f64 = 25.0;
 
-/// A step refused below this, ms, will never be taken.
+/// If a step below this is rejected, ms, integration fails.
 const SHORTEST_MS: f64 = 1e-11;
 
-/// What the error of one step is measured against: `tolerance (FLOOR + |value|)`.
+/// Floor in the scale of the error of a step: `tolerance (FLOOR + |value|)`.
 pub(super) const FLOOR: State = [0.1, 0.1, 0.1, 0.1, 0.01, 0.01];
 
-/// What single-cell code must look at: 0 nothing, 1 a good step within which something happens.
+/// What single-cell code must handle: 0 nothing, 1 an event within an accepted step.
 pub(in crate::cell) type Attention = u64;
-/// The step cannot be made small enough.
+/// The step size became too small.
 pub(super) const STALLED: Attention = 2;
 
-/// Cells side by side; everything is stored by quantity, then by lane.
+/// Cells in lanes; everything is stored by quantity, then by lane.
 #[derive(Debug, Clone)]
 pub(in crate::cell) struct Lanes<const N: usize> {
     pub(super) tolerance: f64,
@@ -37,7 +37,7 @@ pub(in crate::cell) struct Lanes<const N: usize> {
     pub(super) time: [f64; N],
     /// The step to try next, ms; 0 puts a lane to sleep.
     pub(super) step: [f64; N],
-    /// The step may not pass this time, ms.
+    /// The step must not pass this time, ms.
     pub(super) stop: [f64; N],
     pub(super) state: [[f64; N]; 6],
     pub(super) rates: [[f64; N]; 6],
@@ -48,22 +48,22 @@ pub(in crate::cell) struct Lanes<const N: usize> {
     /// The region of `u` and of `Ta_i` in which the branch holds.
     pub(super) u_within: [[f64; N]; 2],
     pub(super) ta_i_within: [[f64; N]; 2],
-    /// Time from which somebody wants to see the state, ms.
+    /// Time of the next requested sample, ms.
     pub(super) sample: [f64; N],
-    /// Highest `u` and `Ta` of this beat at the end of a step, and when, ms.
+    /// Highest `u` and `Ta` of this beat at the end of a step, and their times, ms.
     pub(super) top_u: [f64; N],
     pub(super) top_ta: [f64; N],
     pub(super) top_ta_time: [f64; N],
     /// `u` just before the stimulus of this beat.
     pub(super) resting: [f64; N],
-    /// The step that was tried, ms, and where it ended.
+    /// The step that was tried, ms, and its end state.
     pub(super) tried: [f64; N],
     pub(super) new_time: [f64; N],
     pub(super) new_state: [[f64; N]; 6],
     pub(super) new_rates: [[f64; N]; 6],
-    /// Not 0: the step is good but for something that happens within it; nothing was moved yet.
+    /// If not 0, the step is accurate but an event lies within it; the lane has not moved yet.
     pub(in crate::cell) attention: [Attention; N],
-    /// Steps taken without attention, and steps whose error was too large.
+    /// Number of steps taken without attention, and of rejected steps.
     pub(in crate::cell) taken: [u64; N],
     pub(in crate::cell) refused: [u64; N],
 }
@@ -140,17 +140,16 @@ impl<const N: usize> Lanes<N> {
         }
     }
 
-    /// Tries one step in every lane, and takes it where nothing special happens within it.
+    /// Tries one step in every lane, and accepts it if there is no event within it.
     ///
-    /// A step whose error is too large changes nothing but the step to try next. A step within which
-    /// a switch is crossed, a sample falls, a peak is passed or the stop is reached sets
-    /// [`Self::attention`] and is left to be taken by single-cell code.
+    /// A rejected step changes only the step to try next. A step with a crossed switch, a sample, a
+    /// peak or the stop sets [`Self::attention`] and is accepted by single-cell code.
     #[inline(always)]
     pub(in crate::cell) fn try_step(&mut self) {
         let mut error = [0.0; N];
         let mut outside = [0; N];
         for i in 0..N {
-            // A step that would leave a sliver before the stop reaches for it.
+            // A step that would leave a tiny rest before the stop is extended to the stop.
             let room = self.stop[i] - self.time[i];
             let to_stop = self.step[i] * 1.001 >= room;
             let h = if to_stop { room } else { self.step[i] };
@@ -165,7 +164,7 @@ impl<const N: usize> Lanes<N> {
                 self.new_state[k][i] = trial.state[k];
                 self.new_rates[k][i] = trial.rates[k];
             }
-            // The cubic through both ends tells of an excursion that ends within the step.
+            // The middle of the cubic detects an excursion that ends within the step.
             let middle = 0.5 * (y[0] + trial.state[0]) + 0.125 * h * (f[0] - trial.rates[0]);
             let [low, high] = Self::get(&self.u_within, i);
             let leaves = flag(trial.state[0] < low)
@@ -231,7 +230,7 @@ impl<const N: usize> Lanes<N> {
             let factor = if factor > SHRINK { factor } else { SHRINK };
             let factor = if factor < GROW { factor } else { GROW };
             let next = self.tried[i] * factor;
-            // A step cut short by the stop says nothing against the step before it.
+            // A step shortened by the stop does not reduce the following step.
             let next = if good & (next < self.step[i]) & (self.tried[i] < self.step[i]) {
                 self.step[i]
             } else {
@@ -253,7 +252,7 @@ fn flag(condition: bool) -> Attention {
     Attention::from(condition)
 }
 
-/// One step: where it ends, the rates there, and the error over its scale.
+/// One step: end state, rates there, and error relative to its scale.
 pub(super) struct Trial {
     pub(super) state: State,
     pub(super) rates: State,
@@ -277,7 +276,7 @@ pub(super) fn bogacki_shampine(field: &impl Field, y: &State, k1: &State, h: f64
         let (before, after) = (y[i].abs(), state[i].abs());
         let size = FLOOR[i] + if after > before { after } else { before };
         let part = (h * difference).abs() / size;
-        // NaN stays.
+        // NaN is kept.
         error = if (part > error) | part.is_nan() { part } else { error };
     }
     Trial { state, rates, error }

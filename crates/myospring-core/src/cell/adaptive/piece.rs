@@ -29,8 +29,8 @@ impl Cubic {
         Self([sign * (a - bound), sign * b, sign * c, sign * d])
     }
 
-    /// Where this distance has turned negative for the first time, as seen at the middle and the
-    /// end; a start at distance 0 does not count as a root if the curve leaves it inwards.
+    /// First root after which this distance is negative, checked at the middle and the end; a start
+    /// at distance 0 is not a root if the curve moves inwards.
     pub(super) fn first_root(&self) -> Option<f64> {
         let Self([a, b, c, d]) = *self;
         let distance = |x: f64| if a == 0.0 { b + x * (c + x * d) } else { self.value(x) };
@@ -44,7 +44,8 @@ impl Cubic {
     }
 }
 
-/// The root of a function that is above 0 at 0 and not at `end`; the result is where it is not.
+/// Root of a function that is positive at 0 and not positive at `end`; at the result, it is not
+/// positive.
 ///
 /// Regula falsi in the Illinois form (`dowell_jarratt_1971`), which cannot leave the bracket.
 pub(super) fn root(f: impl Fn(f64) -> f64, end: f64) -> f64 {
@@ -74,7 +75,7 @@ pub(super) fn root(f: impl Fn(f64) -> f64, end: f64) -> f64 {
 /// A step that was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Piece {
-    /// When it began, ms, and how long the whole step is, ms.
+    /// Its start and the length of the whole step, ms.
     pub(super) start_ms: f64,
     pub(super) step_ms: f64,
     /// Both ends of the whole step.

@@ -1,4 +1,4 @@
-//! What is noted of a cell on its way: its beats, and samples of its state.
+//! Records the beats of a cell and samples of its state.
 
 use super::branch::State;
 use super::lanes::{Lanes, repolarised};
@@ -6,11 +6,11 @@ use super::piece::{Piece, root};
 use crate::cell::beat::Beat;
 use crate::cell::pacing::same_instant;
 
-/// Notes the beats and the samples of one cell; the running maxima are kept by its lane.
+/// Records the beats and samples of one cell; its lane keeps the running maxima.
 #[derive(Debug, Clone, Default)]
 pub(in crate::cell) struct Watch {
     beat: Option<Beat>,
-    /// Highest `u` when the end of the action potential was seen.
+    /// Highest `u` when the end of the action potential was detected.
     top_at_end: Option<f64>,
     pub(in crate::cell) beats: Vec<Beat>,
     sample_interval_ms: Option<f64>,
@@ -22,7 +22,7 @@ impl Watch {
         Self { sample_interval_ms, ..Self::default() }
     }
 
-    /// Begins to look for maxima.
+    /// Resets the running maxima.
     pub(super) fn reset<const N: usize>(
         &mut self,
         lanes: &mut Lanes<N>,
@@ -36,7 +36,7 @@ impl Watch {
         self.top_at_end = None;
     }
 
-    /// A stimulus meets this state.
+    /// Begins a beat at this state.
     pub(super) fn begin_beat<const N: usize>(
         &mut self,
         lanes: &mut Lanes<N>,
@@ -55,7 +55,7 @@ impl Watch {
         });
     }
 
-    /// The next stimulus or the end of the run is reached.
+    /// Ends a beat, at the next stimulus or at the end of the run.
     pub(super) fn end_beat<const N: usize>(&mut self, lanes: &Lanes<N>, lane: usize) {
         if let Some(beat) = self.beat.take() {
             let top = lanes.top_u[lane];
@@ -63,14 +63,14 @@ impl Watch {
                 peak_potential: top,
                 peak_tension: lanes.top_ta[lane],
                 peak_tension_ms: lanes.top_ta_time[lane],
-                // An end before the highest point was none.
+                // An end before the highest point does not count.
                 apd90_ms: beat.apd90_ms.filter(|_| self.top_at_end == Some(top)),
                 ..beat
             });
         }
     }
 
-    /// Peaks and the end of the action potential within the first part of a step, which ends at
+    /// Searches peaks and the end of the action potential within the part of a step up to
     /// `time_ms`.
     pub(super) fn look<const N: usize>(
         &mut self,
@@ -119,7 +119,7 @@ impl Watch {
         }
     }
 
-    /// A sample that falls on the time reached: the state after all that happened then.
+    /// Takes a sample at the time reached, after all events at that time.
     pub(super) fn sample_now<const N: usize>(&mut self, lanes: &mut Lanes<N>, lane: usize) {
         if let Some(interval_ms) = self.sample_interval_ms {
             let (sample_ms, time_ms) = (lanes.sample[lane], lanes.time[lane]);

@@ -1,4 +1,4 @@
-//! One lane's way: its events, whether a step is taken, its samples, its end.
+//! The integration of one lane: events, acceptance of steps, samples, end.
 
 use super::step::Lanes;
 use crate::cell::cell_model::{CellModel as _, CellOutcome, CellSample};
@@ -10,7 +10,8 @@ use crate::cell::stiff::{self, GROW, LONGEST_MS, SAFETY, SHORTEST_MS, SHRINK};
 use crate::cell::tomek_2019::TomekModel;
 use crate::cell::tomek_2019::lanes::MOST;
 
-/// What a sample is made of: the potential, calcium, and what of the myofilaments pulls.
+/// States from which a sample is computed: potential, calcium, and the myofilament states of
+/// tension.
 const SEEN: [usize; 6] = [0, 5, 43, 44, 47, 48];
 
 /// A cell in a lane.
@@ -24,7 +25,7 @@ pub(super) struct Course {
     refused: u64,
 }
 
-/// How far a cell has come.
+/// Progress of a cell.
 pub(super) enum Moved {
     On,
     ToTheEnd,
@@ -32,7 +33,7 @@ pub(super) enum Moved {
 }
 
 impl Course {
-    /// At 0 ms, after whatever the protocol does then.
+    /// Starts a cell at 0 ms, after the protocol's events at 0 ms.
     pub(super) fn start<const LAND: bool>(
         model: &TomekModel,
         pacer: &Pacer,
@@ -59,7 +60,7 @@ impl Course {
         course
     }
 
-    /// Takes the step that was tried, if it is good, or chooses a shorter one.
+    /// Accepts the step that was tried, if it is accurate, or chooses a shorter one.
     pub(super) fn follow<const LAND: bool>(
         &mut self,
         lanes: &mut Lanes<LAND>,
@@ -83,7 +84,7 @@ impl Course {
         }
         self.steps += 1;
         let next = tried_ms * factor;
-        // A step cut short by the stop says nothing against the step before it.
+        // A step shortened by the stop does not reduce the following step.
         let next = if lanes.to_stop[lane] { next.max(lanes.planned_ms[lane]) } else { next };
         lanes.planned_ms[lane] = next.min(LONGEST_MS);
         lanes.end_ms[lane] =
@@ -104,11 +105,12 @@ impl Course {
             self.sample(piece.curves.map(|curve| at(curve, x)));
         }
         self.sample_now(lanes, lane);
-        // A duration that is a multiple of the interval but for rounding keeps its last sample.
+        // If the duration is a multiple of the interval except for rounding, the last sample is
+        // kept.
         if self.next_ms() > self.duration_ms * (1.0 + 1e-12) { Moved::ToTheEnd } else { Moved::On }
     }
 
-    /// What it did.
+    /// Its outcome.
     pub(super) fn outcome(&mut self) -> CellOutcome {
         let last = (self.duration_ms / self.interval_ms * (1.0 + 1e-12)).floor() as usize;
         self.samples.truncate(last + 1);
@@ -116,7 +118,7 @@ impl Course {
         CellOutcome { beats: Vec::new(), samples, steps: self.steps, refused: self.refused }
     }
 
-    /// Does what the protocol wants now.
+    /// Applies the protocol's events at the current time.
     fn act<const LAND: bool>(&mut self, lanes: &mut Lanes<LAND>, lane: usize) {
         let mut state = lanes.end.map(|row| row[lane]);
         if self.pacer.act(lanes.end_ms[lane], &mut state) {
@@ -129,12 +131,12 @@ impl Course {
         lanes.stop_ms[lane] = self.pacer.next_ms().unwrap_or(f64::INFINITY);
     }
 
-    /// When the next sample is due, ms.
+    /// Time of the next sample, ms.
     fn next_ms(&self) -> f64 {
         self.samples.len() as f64 * self.interval_ms
     }
 
-    /// A sample that falls on the time reached: the state after all that happened then.
+    /// Takes a sample at the time reached, after all events at that time.
     fn sample_now<const LAND: bool>(&mut self, lanes: &Lanes<LAND>, lane: usize) {
         if same_instant(self.next_ms(), lanes.end_ms[lane]) {
             self.sample(SEEN.map(|place| lanes.end[place][lane]));
@@ -163,15 +165,15 @@ impl Course {
     }
 }
 
-/// A step that was taken, of what samples are made of.
+/// An accepted step, for the states in samples.
 struct Piece {
     start_ms: f64,
     step_ms: f64,
-    /// Start, end and the two bends between them.
+    /// Start, end, and the two coefficients of curvature.
     curves: [[f64; 4]; SEEN.len()],
 }
 
-/// At a part of a step, `0..=1`.
+/// Value at a fraction of a step, `0..=1`.
 fn at([start, end, first, second]: [f64; 4], x: f64) -> f64 {
     let rest = 1.0 - x;
     rest * start + x * (end + rest * (first + x * second))

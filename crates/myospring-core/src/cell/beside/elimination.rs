@@ -1,28 +1,30 @@
-//! The linear equations of all lanes at once: gates first, then what is left, in a fixed order.
+//! Solves the linear equations of all lanes at once: first the gates, then the other states, in a
+//! fixed order.
 //!
-//! A gate hangs on the potential and itself alone, so eliminating it costs a multiple of one column. What is left is
-//! dense, and is eliminated without exchanging rows, which lanes could not do each by itself. That is sound where no
-//! factor is large once each variable is measured by its size; a lane in which one is large has its step refused, and
-//! with a shorter step the diagonal outweighs the rest.
+//! A gate depends only on the potential and itself, so eliminating it costs a multiple of one
+//! column. The remaining matrix is dense and is eliminated without exchanging rows, because lanes
+//! cannot exchange rows independently. This is stable if no factor is large after scaling each
+//! variable by its size. If a factor is large in a lane, its step is rejected; with a shorter step
+//! the diagonal dominates.
 #![allow(clippy::needless_bitwise_bool, reason = "no branches in the vectorised loops")]
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use crate::cell::tomek_2019::lanes::{GATED, LANES, MOST, OTHERS, Together, Wide};
 use pulp::Simd;
 
-/// The largest factor that is accepted; errors of rounding grow by less.
+/// The largest accepted factor, which bounds the growth of rounding errors.
 const LARGEST: f64 = 1e3;
 
 const NONE: Wide = [0.0; LANES];
 
-/// The equations `(diagonal I - J) x = b` of all lanes, factorised.
+/// The factorised equations `(diagonal I - J) x = b` of all lanes.
 pub(super) struct Elimination<const LAND: bool> {
-    /// One over the pivot of each gate, and its derivative by the potential.
+    /// Inverse pivot of each gate, and its derivative with respect to the potential.
     gates: [Wide; GATED],
     by_potential: [Wide; GATED],
-    /// What each gate does to the others.
+    /// Derivatives of the other rates with respect to each gate.
     by_gate: [[Wide; OTHERS]; GATED],
-    /// Both triangles of what is left, column by column, and one over each pivot.
+    /// Both triangles of the remaining matrix, column by column, and the inverse of each pivot.
     columns: [[Wide; OTHERS]; OTHERS],
     pivots: [Wide; OTHERS],
     largest: Wide,
@@ -30,7 +32,7 @@ pub(super) struct Elimination<const LAND: bool> {
 
 impl<const LAND: bool> Elimination<LAND> {
     const UNGATED: usize = Together::<LAND>::UNGATED;
-    /// The first gate's place among all states.
+    /// Index of the first gate among all states.
     const GATES: usize = Together::<LAND>::GATES;
 
     #[allow(clippy::large_stack_arrays, reason = "made once for many cells, and moved to the heap")]
@@ -45,7 +47,8 @@ impl<const LAND: bool> Elimination<LAND> {
         }
     }
 
-    /// Of these diagonals and the Jacobian of the cells, whose variables are of the sizes of this state.
+    /// Factorises the equations with these diagonals and the Jacobian of the cells; variables are
+    /// scaled by the sizes in this state.
     #[inline(always)]
     pub(super) fn factorise<S: Simd>(
         &mut self,
@@ -103,7 +106,7 @@ impl<const LAND: bool> Elimination<LAND> {
             }
             for other in &mut right[..Self::UNGATED - k - 1] {
                 let times = other[k];
-                // Many are 0 in every lane; to take nothing away changes nothing.
+                // Many factors are 0 in every lane; those are skipped.
                 if times != NONE {
                     let rows = k + 1..Self::UNGATED;
                     take(simd, &mut other[rows.clone()], &times, &column[rows]);
@@ -113,7 +116,7 @@ impl<const LAND: bool> Elimination<LAND> {
         self.largest = largest;
     }
 
-    /// 0 where the equations can be solved, NaN where they cannot.
+    /// 0 if a lane's equations can be solved, NaN if not.
     #[inline(always)]
     pub(super) fn doubt(&self) -> Wide {
         self.largest.map(|largest| if largest <= LARGEST { 0.0 } else { f64::NAN })
@@ -156,7 +159,7 @@ impl<const LAND: bool> Elimination<LAND> {
     }
 }
 
-/// Takes a number of each lane times a column from another column.
+/// Subtracts a number of each lane times a column from another column.
 #[inline(always)]
 fn take<S: Simd>(simd: S, from: &mut [Wide], times: &Wide, column: &[Wide]) {
     let (times, _) = S::as_simd_f64s(times);

@@ -1,4 +1,4 @@
-//! One step of all lanes: the method of `stiff` steps, each lane with a step of its own.
+//! One step of all lanes by the method of `stiff` steps; each lane has its own step size.
 #![allow(clippy::needless_bitwise_bool, reason = "no branches in the vectorised loops")]
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
@@ -9,23 +9,23 @@ use crate::cell::tomek_2019::lanes::{LANES, MOST, Together, Wide};
 
 const NONE: Wide = [0.0; LANES];
 
-/// Cells on their way, by quantity, then by lane.
+/// Cells being integrated; stored by quantity, then by lane.
 pub(super) struct Lanes<const LAND: bool> {
     pub(super) tolerance: f64,
     restart: f64,
     pub(super) cells: Box<Together<LAND>>,
     elimination: Box<Elimination<LAND>>,
-    /// What the error of each variable is measured against where it is near 0.
+    /// Floor in the scale of each variable's error.
     pub(super) floors: [Wide; MOST],
-    /// Where the last step ended, ms, and in which state, after the events there.
+    /// End of the last step, ms, and the state there, after events.
     pub(super) end_ms: Wide,
     pub(super) end: [Wide; MOST],
-    /// The step may not pass this time, ms.
+    /// The step must not pass this time, ms.
     pub(super) stop_ms: Wide,
-    /// The step to try next, ms; NaN after an event, where it follows from the rates.
+    /// The step to try next, ms; NaN after an event, when it is chosen from the rates.
     pub(super) planned_ms: Wide,
-    /// The step that was tried, ms; whether it ends at the stop; where it ends; its error over what is allowed, which is
-    /// NaN where its equations could not be solved.
+    /// The step that was tried, ms; whether it ends at the stop; its end state; its error relative
+    /// to the tolerance, NaN if its equations could not be solved.
     pub(super) tried_ms: Wide,
     pub(super) to_stop: [bool; LANES],
     pub(super) trial: [Wide; MOST],
@@ -54,7 +54,7 @@ impl<const LAND: bool> Lanes<LAND> {
         }
     }
 
-    /// How much the step that was tried bends away from the line between its ends, as in the curve of a single cell.
+    /// Coefficients of curvature of the step that was tried, as in the curve of a single cell.
     pub(super) fn bends(&self, place: usize, lane: usize) -> [f64; 2] {
         let bend = |weights: &[f64; 5]| {
             let stages = weights.iter().zip(&self.stages);
@@ -96,7 +96,7 @@ impl<const LAND: bool> Lanes<LAND> {
         }
         let mut largest = NONE;
         for place in 0..states {
-            // The last argument plus the last stage.
+            // End state: the last argument plus the last stage.
             let errors = self.stages[STAGES - 1][place];
             let end = plus(self.cells.state[place], 1.0, errors);
             self.trial[place] = end;
@@ -114,7 +114,7 @@ impl<const LAND: bool> Lanes<LAND> {
         self.error = std::array::from_fn(|lane| largest[lane] + doubt[lane]);
     }
 
-    /// The step of each lane, from the rates at its beginning where nothing else is known.
+    /// Chooses the step of each lane; after an event, from the rates.
     #[inline(always)]
     fn choose_steps(&mut self) {
         let mut fastest = NONE;
@@ -130,7 +130,7 @@ impl<const LAND: bool> Lanes<LAND> {
             if self.planned_ms[lane].is_nan() {
                 self.planned_ms[lane] = (self.restart / fastest[lane]).min(LONGEST_MS);
             }
-            // No sliver is left before the stop.
+            // No tiny rest is left before the stop.
             let (planned, room) = (self.planned_ms[lane], self.stop_ms[lane] - self.end_ms[lane]);
             self.to_stop[lane] = 1.01 * planned >= room;
             self.tried_ms[lane] = if self.to_stop[lane] { room } else { planned };

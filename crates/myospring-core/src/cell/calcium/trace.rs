@@ -2,8 +2,8 @@
 
 /// Samples of one beat, in uM over the time since the stimulus.
 ///
-/// Those before the stimulus, and that at it, tell calcium at rest by their mean; without any the first sample
-/// does.
+/// The mean of samples up to the stimulus (at 0 ms) is calcium at rest; without any, it is the
+/// first sample.
 ///
 /// # Example
 /// ```
@@ -16,15 +16,15 @@
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalciumTrace {
-    /// From 0 ms on.
+    /// Times from 0 ms on.
     times_ms: Vec<f64>,
     calcium_um: Vec<f64>,
 }
 
-/// Why samples are no course of calcium; samples count from 0.
+/// Why samples are not a valid course of calcium; samples are counted from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TraceError {
-    /// As many times as values are needed.
+    /// The numbers of times and values differ.
     #[error("{times} times and {values} values of calcium; give one for each")]
     Lengths {
         /// Number of times.
@@ -40,17 +40,17 @@ pub enum TraceError {
         /// How many there are.
         samples: usize,
     },
-    /// A time that is no number, or not after the one before.
+    /// A time that is not finite, or not after the previous one.
     #[error("time {value} ms does not come after {before} ms; times must rise from row to row")]
     Time {
         /// Which sample.
         sample: usize,
         /// Its time, ms.
         value: f64,
-        /// The one before, ms.
+        /// The previous time, ms.
         before: f64,
     },
-    /// No possible concentration.
+    /// An impossible concentration.
     #[error("calcium is {value} uM; it must be between 0 and {} uM", CalciumTrace::MOST_UM)]
     Value {
         /// Which sample.
@@ -61,7 +61,7 @@ pub enum TraceError {
 }
 
 impl TraceError {
-    /// The sample that is to blame, if one is.
+    /// The sample that caused the error, if there is one.
     pub fn sample(&self) -> Option<usize> {
         match *self {
             Self::Time { sample, .. } | Self::Value { sample, .. } => Some(sample),
@@ -71,14 +71,14 @@ impl TraceError {
 }
 
 impl CalciumTrace {
-    /// More than any cytosol has, uM: such a trace is in another unit.
+    /// Largest accepted concentration, uM; a trace above it has another unit.
     pub const MOST_UM: f64 = 100.0;
 
-    /// From times (ms after the stimulus) that rise and as many concentrations in uM.
+    /// Makes a trace from ascending times (ms after the stimulus) and as many concentrations in uM.
     ///
     /// # Errors
-    /// Lists of different length, times that do not rise, a concentration that none can be, or less than two
-    /// samples after the stimulus.
+    /// Lists of different length, times that do not rise, an impossible concentration, or fewer
+    /// than two samples after the stimulus.
     pub fn new(times_ms: &[f64], calcium_um: &[f64]) -> Result<Self, TraceError> {
         let (times, values) = (times_ms.len(), calcium_um.len());
         if times != values {
@@ -107,7 +107,7 @@ impl CalciumTrace {
         Ok(Self { times_ms: from_rest(0.0, times_ms), calcium_um: from_rest(rest, calcium_um) })
     }
 
-    /// Calcium a time (ms) after the stimulus, uM.
+    /// Calcium at a time (ms) after the stimulus, uM.
     pub fn at(&self, since_stimulus_ms: f64) -> f64 {
         let Self { times_ms, calcium_um } = self;
         if since_stimulus_ms == f64::INFINITY {
@@ -125,8 +125,8 @@ impl CalciumTrace {
         }
     }
 
-    /// Calcium at rest and in the last sample, uM, and its peak: where the first two differ much, calcium jumps at
-    /// the next stimulus.
+    /// Calcium at rest, in the last sample, and its peak, uM. If the first two differ, calcium
+    /// jumps at the next stimulus.
     pub fn ends(&self) -> [f64; 3] {
         let peak = self.calcium_um.iter().copied().fold(0.0, f64::max);
         [self.calcium_um[0], self.calcium_um[self.calcium_um.len() - 1], peak]

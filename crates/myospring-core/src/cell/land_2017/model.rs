@@ -1,4 +1,4 @@
-//! The myofilaments as a cell model whose calcium is given.
+//! The myofilaments as a cell model with prescribed calcium.
 
 use super::myofilaments::{Myofilaments, STATES, states};
 use super::parameters::rows;
@@ -15,17 +15,19 @@ use std::sync::Arc;
 
 const NAME: &str = "land_2017";
 
-/// A faster `k_ws`, a higher sensitivity to calcium and a stronger tension make much the same curve: it tells two of them.
+/// A faster `k_ws`, a higher calcium sensitivity and a stronger tension have similar effects on the
+/// curve, which determines only two of them.
 pub(in crate::cell) const IN_FITS: InFits<'static> =
     InFits { strength: Some("T_ref"), usual: &["k_ws"], not_together: &["Ca50_ref", "k_ws"] };
 
 static OUTPUTS: [Output; 1] = [Output {
     name: Cow::Borrowed("Ca_i"),
     unit: Cow::Borrowed("uM"),
-    meaning: Cow::Borrowed("calcium in the cytosol, as given"),
+    meaning: Cow::Borrowed("prescribed calcium in the cytosol"),
 }];
 
-/// A cell whose calcium is given: it begins anew with each stimulus and does not feel the myofilaments.
+/// A cell with prescribed calcium, which restarts at each stimulus and does not depend on the
+/// myofilaments.
 ///
 /// It has no membrane and no potential. Tension is in kPa and follows stretch and its rate.
 ///
@@ -47,7 +49,7 @@ pub struct Land2017 {
 }
 
 impl Land2017 {
-    /// With the published parameters, and calcium by two exponentials.
+    /// The model with the published parameters, and calcium by two exponentials.
     pub fn published() -> Self {
         let parameters = [rows(), calcium::rows()].concat();
         match Self::new(ParameterSet::new(parameters)) {
@@ -56,7 +58,7 @@ impl Land2017 {
         }
     }
 
-    /// With parameters of your own, and calcium by two exponentials.
+    /// The model with other parameters, and calcium by two exponentials.
     ///
     /// # Errors
     /// A parameter is missing, or they contradict each other.
@@ -65,7 +67,8 @@ impl Land2017 {
         Self::of(parameters, calcium)
     }
 
-    /// The same myofilaments with calcium from a trace; the parameters of two exponentials fall away.
+    /// The same myofilaments with calcium from a trace; the parameters of the two exponentials are
+    /// removed.
     ///
     /// # Example
     /// ```
@@ -107,7 +110,7 @@ impl Land2017 {
     }
 }
 
-/// The state as the equations take it.
+/// The state as an array for the equations.
 fn six(state: &[f64]) -> [f64; STATES] {
     std::array::from_fn(|i| state[i])
 }
@@ -118,7 +121,7 @@ impl CellModel for Land2017 {
     }
 
     fn description(&self) -> &'static str {
-        "Human myofilaments that feel length and speed, as in Land et al. 2017; calcium is given"
+        "Human myofilaments that depend on length and speed, as in Land et al. 2017, with prescribed calcium"
     }
 
     fn citations(&self) -> Vec<&str> {
@@ -148,7 +151,7 @@ impl CellModel for Land2017 {
     }
 
     fn stimulation(&self) -> Stimulation {
-        // It says when calcium begins, and moves nothing.
+        // The stimulus starts calcium and changes no state.
         Stimulation {
             default: Stimulus::Jump { amplitude: 0.0 },
             current_unit: Cow::Borrowed("1/ms"),

@@ -10,19 +10,19 @@ use std::borrow::Cow;
 /// Number of state variables; their order is that of [`states`].
 pub const STATES: usize = 6;
 
-/// How many numbers [`Myofilaments`] are.
+/// Number of constants in [`Myofilaments`].
 pub(in crate::cell) const NUMBERS: usize = 19;
 
-/// Stretch beyond which overlap and affinity for calcium change no more.
+/// Stretch beyond which overlap and calcium affinity are constant.
 const LONGEST: f64 = 1.2;
-/// Stretch below which the filaments get into each other's way.
+/// Stretch below which thin filaments overlap twice.
 const DOUBLE_OVERLAP: f64 = 0.87;
-/// Bound of `C^(-n_Tm/2)`, which has no end as calcium leaves troponin.
+/// Upper bound of `C^(-n_Tm/2)`, which diverges as calcium leaves troponin.
 const MOST_BLOCKING: f64 = 100.0;
-/// What the published distortion is measured at.
+/// Part of strongly bound crossbridges at which the published distortion was measured.
 const REFERENCE_STRONG: f64 = 0.25;
 
-/// The state variables, from these values on.
+/// The state variables with these initial values.
 pub fn states(start: [f64; STATES]) -> Vec<StateVariable> {
     const NAMES: [(&str, &str); STATES] = [
         ("XS", "part of crossbridges bound strongly"),
@@ -68,7 +68,7 @@ pub struct Myofilaments<C = f64> {
     beta_0: C,
     beta_1: C,
     t_ref: C,
-    // What follows from those and the others.
+    // Derived constants.
     k_b: C,
     k_wu: C,
     k_su: C,
@@ -78,7 +78,7 @@ pub struct Myofilaments<C = f64> {
 }
 
 impl Myofilaments {
-    /// With the published parameters ([`parameters`]).
+    /// The myofilaments with the published parameters ([`parameters`]).
     pub fn published() -> Self {
         match Self::new("land_2017", &parameters()) {
             Ok(myofilaments) => myofilaments,
@@ -89,7 +89,7 @@ impl Myofilaments {
     /// Reads the constants by name.
     ///
     /// # Errors
-    /// A parameter is missing, or the parts of bound crossbridges leave none that are unbound.
+    /// A parameter is missing, or no crossbridges would be unbound.
     pub fn new(model: &str, parameters: &ParameterSet) -> Result<Self, ModelError> {
         let read = |name| parameters.get(name).ok_or_else(|| ModelError::missing(model, name));
         let [k_u, n_tm, trpn50] = [read("k_u")?, read("n_Tm")?, read("TRPN50")?];
@@ -136,8 +136,9 @@ impl Myofilaments {
         })
     }
 
-    /// Rates of the six states, 1/ms, at a calcium in uM, a stretch (length over resting length) and its rate
-    /// in 1/ms. The third, of troponin, is what a cell's balance of calcium loses to it, as part of its troponin.
+    /// Rates of the six states, 1/ms, at a calcium in uM, a stretch (length over resting length)
+    /// and its rate in 1/ms. The third is the rate of calcium binding to troponin (as a part of
+    /// troponin), which a cell's calcium balance must subtract.
     pub fn rates(
         &self,
         state: &[f64; STATES],
@@ -155,9 +156,10 @@ impl Myofilaments {
         self.overlap(stretch) * self.t_ref / self.r_s * ((zeta_s + 1.0) * xs + zeta_w * xw)
     }
 
-    /// Derivatives of the tension with respect to the stretch (kPa) and to its rate (kPa ms), both at the end
-    /// of an interval in ms over which that rate acts, at its end state. The one by the rate is through the
-    /// distortions, so over a short interval it is that times the stiffness of the crossbridges.
+    /// Derivatives of the tension with respect to the stretch (kPa) and to its rate (kPa ms), both
+    /// in the end state of an interval in ms over which that rate acts. The rate acts through the
+    /// distortions: over a short interval its derivative is the interval times the stiffness of the
+    /// crossbridges.
     pub fn tension_slopes(
         &self,
         state: &[f64; STATES],
@@ -174,8 +176,8 @@ impl Myofilaments {
         [by_stretch, by_rate]
     }
 
-    /// Derivative of the tension with respect to a stretch so fast that nothing else moves, kPa: through the overlap,
-    /// and through distortions that take all of it ([`Myofilaments::distortion_per_stretch`]).
+    /// Derivative of the tension with respect to an instantaneous stretch, kPa: through the overlap
+    /// and the full distortion of the crossbridges ([`Myofilaments::distortion_per_stretch`]).
     pub fn instantaneous_stiffness(&self, state: &[f64; STATES], stretch: f64) -> f64 {
         let [xs, xw, _, _, zeta_s, zeta_w] = *state;
         let bound = (zeta_s + 1.0) * xs + zeta_w * xw;
@@ -183,17 +185,18 @@ impl Myofilaments {
         self.t_ref / self.r_s * (self.overlap_slope(stretch) * bound + distorted)
     }
 
-    /// By how much a fast stretch distorts the crossbridges, over the change of the stretch: `A`.
+    /// Distortion of the crossbridges per instantaneous change of stretch: `A`.
     pub fn distortion_per_stretch(&self) -> f64 {
         self.a
     }
 
-    /// The state in which a cell comes to rest at a calcium in uM and a stretch that stay.
+    /// The steady state at constant calcium (uM) and stretch.
     pub fn steady(&self, calcium_um: f64, stretch: f64) -> [f64; STATES] {
         let binding = self.binding(calcium_um, stretch);
         let c = binding / (1.0 + binding);
         let [block, free] = self.blocking(c);
-        // Parts of the crossbridges relative to those unbound; no calcium leaves all sites blocked.
+        // Parts of the crossbridges relative to those unbound; without calcium all sites are
+        // blocked.
         let weak = self.k_uw / (self.k_wu + self.k_ws);
         let strong = weak * self.k_ws / self.k_su;
         let unbound = free / (free * (1.0 + weak + strong) + block);
@@ -220,7 +223,7 @@ impl Myofilaments {
 }
 
 impl<C: Copy> Myofilaments<C> {
-    /// These numbers, in an order of their own.
+    /// These constants as an array, in an internal order.
     #[inline(always)]
     pub(in crate::cell) fn numbers(&self) -> [C; NUMBERS] {
         let Self { k_trpn, n_trpn, ca50_ref, k_u, n_tm, k_uw, k_ws, r_s, gamma_s, gamma_w, .. } =
@@ -232,7 +235,7 @@ impl<C: Copy> Myofilaments<C> {
         ]
     }
 
-    /// Of numbers in that order.
+    /// The myofilaments from constants in that order.
     #[inline(always)]
     pub(in crate::cell) fn of_numbers(numbers: [C; NUMBERS]) -> Self {
         let [k_trpn, n_trpn, ca50_ref, k_u, n_tm, k_uw, k_ws, r_s, gamma_s, gamma_w, ..] = numbers;
@@ -247,7 +250,7 @@ impl<C: Copy> Myofilaments<C> {
 }
 
 impl<C: Number> Myofilaments<C> {
-    /// [`Myofilaments::rates`] over any number whose constants these are.
+    /// [`Myofilaments::rates`] for any number type with these constants.
     #[inline(always)]
     pub(in crate::cell) fn rates_of<T: Number<Constant = C>>(
         &self,

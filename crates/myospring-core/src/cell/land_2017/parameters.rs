@@ -4,7 +4,7 @@ use crate::parameter::{Parameter, ParameterSet};
 
 const LAND: &str =
     "land_2017, intact human tissue, as in the public ToR-ORd-Land code (margara_2021)";
-/// The two in which public codes differ.
+/// Source of the two parameters in which public codes differ.
 const FITTED: &str = "public ToR-ORd-Land code (margara_2021); land_2017 and simcardems have";
 
 /// Name, value, unit, smallest, largest, meaning.
@@ -65,7 +65,7 @@ const TABLE: [Row; 17] = [
     ("T_ref", 120.0, "kPa", 0.0, 1e4, "greatest tension at resting length"),
 ];
 
-/// The rows of the myofilaments, for a model that has others besides.
+/// The rows of the myofilaments, for a model with further parameters.
 pub fn rows() -> Vec<Parameter> {
     let row = |&(name, value, unit, minimum, maximum, meaning): &Row| Parameter {
         name: name.into(),

@@ -149,7 +149,7 @@ impl Electrical {
         let mut j_so = 0.0;
         let mut j_si = 0.0;
         let mut w_rate = 0.0;
-        // Only the side of theta_w that counts is computed; both count at u = theta_w.
+        // Only the active side of theta_w is computed; at u = theta_w both are.
         if h_w < 1.0 {
             // (26) tau_w^- = tau_w1^- + (tau_w2^- - tau_w1^-) (1 + tanh(k_w^- (u - u_w^-))) / 2
             let tau_w_minus = tau_w1_minus

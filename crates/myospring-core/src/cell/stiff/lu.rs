@@ -1,31 +1,34 @@
-//! Dense linear equations of a few dozen unknowns.
+//! Solves dense linear equations with a few dozen unknowns.
 
-/// What the pivot on the diagonal may be smaller by than the largest of its column. Rows that stay where they are
-/// keep the zeros of the matrix; errors grow by less than the inverse of this.
+/// Least ratio of the diagonal pivot to the largest element of its column for which rows are not
+/// exchanged. Not exchanging rows keeps the zeros of the matrix; errors grow by less than the
+/// inverse of this.
 const ENOUGH: f64 = 1e-3;
 
-/// A square matrix as the product of a lower and an upper triangle, with a pivot off the diagonal only where that on
-/// it is small (`golub_van_loan_2013`, Algorithm 3.4.1), column by column: every loop adds one column to another.
+/// LU factors of a square matrix, with a pivot off the diagonal only if the diagonal one is small
+/// (`golub_van_loan_2013`, Algorithm 3.4.1), column by column: every loop adds one column to
+/// another.
 ///
-/// The variables are eliminated in an order of the caller's. Where the first ones hang on a few others only, as gates
-/// do on the potential, nearly all of their columns is zero, and stays so, and is passed over.
+/// The caller chooses the order of elimination. If the first variables depend on few others only,
+/// as gates do on the potential, nearly all elements of their columns are and stay zero, and are
+/// skipped.
 #[derive(Debug, Clone)]
 pub(super) struct Lu {
     size: usize,
-    /// Which variable is eliminated when.
+    /// The variables in the order of elimination.
     order: Vec<usize>,
     /// Both triangles.
     columns: Vec<f64>,
     /// The row that was exchanged with row `k` in step `k`.
     exchanged: Vec<usize>,
-    /// Of each column, the first row below the diagonal that is not zero, and the first of all.
+    /// For each column, the first nonzero row below the diagonal, and the first nonzero row of all.
     below: Vec<usize>,
     above: Vec<usize>,
     ordered: Vec<f64>,
 }
 
 impl Lu {
-    /// Of so many variables, of which these are eliminated first.
+    /// Room for `size` variables, of which `first` are eliminated first.
     pub(super) fn new(size: usize, first: &[usize]) -> Self {
         let rest = (0..size).filter(|variable| !first.contains(variable));
         Self {
@@ -39,7 +42,7 @@ impl Lu {
         }
     }
 
-    /// Factorises `diagonal I - matrix`, the matrix row by row; false if it is singular or no number.
+    /// Factorises `diagonal I - matrix`, given row by row; false if it is singular or not finite.
     pub(super) fn factorise(&mut self, diagonal: f64, matrix: &[f64]) -> bool {
         let Self { size, order, columns, exchanged, below, above, .. } = self;
         let n = *size;
@@ -74,7 +77,7 @@ impl Lu {
                 subtract(head[k], tail, &column[from..]);
             }
         }
-        // The exchanges of later steps go through the columns before.
+        // Later row exchanges are applied to earlier columns.
         for later in 0..n {
             if exchanged[later] != later {
                 for k in 0..later {
@@ -113,7 +116,7 @@ impl Lu {
     }
 }
 
-/// Takes a number times a column from others.
+/// Subtracts a number times a column from another.
 fn subtract(times: f64, from: &mut [f64], column: &[f64]) {
     if times != 0.0 {
         for (entry, factor) in from.iter_mut().zip(column) {

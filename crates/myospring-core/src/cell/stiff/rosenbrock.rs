@@ -1,4 +1,5 @@
-//! One implicit step: the method `RODAS` of `hairer_wanner_1996`, IV.7, in the coefficients of its program.
+//! One implicit step: the method `RODAS` of `hairer_wanner_1996`, IV.7, with the coefficients of
+//! its authors' program.
 //!
 //! Order 4 with a companion of order 3, L-stable, stiffly accurate, with a cubic between the ends that
 //! holds for stiff variables, too. A step needs the Jacobian `J` of the rates `f`, one factorisation and six
@@ -42,7 +43,7 @@ pub(in crate::cell) const C: [&[f64]; STAGES] = [
         -6.058_818_238_834_054,
     ],
 ];
-/// Of the cubic between the ends.
+/// Coefficients of the cubic between the ends.
 pub(in crate::cell) const D: [[f64; 5]; 2] = [
     [
         10.126_235_083_445_86,
@@ -60,7 +61,7 @@ pub(in crate::cell) const D: [[f64; 5]; 2] = [
     ],
 ];
 
-/// Room for one step, and what it found.
+/// Workspace and result of one step.
 #[derive(Debug, Clone)]
 pub(super) struct Rosenbrock {
     rates: Vec<f64>,
@@ -72,7 +73,8 @@ pub(super) struct Rosenbrock {
 }
 
 impl Rosenbrock {
-    /// Of so many variables, of which these are eliminated first: those that hang on few others.
+    /// Workspace for `variables` variables, of which `first` are eliminated first: those that
+    /// depend on few others.
     pub(super) fn new(variables: usize, first: &[usize]) -> Self {
         let zeros = || vec![0.0; variables];
         Self {
@@ -85,8 +87,9 @@ impl Rosenbrock {
         }
     }
 
-    /// Finds rates and Jacobian at the state where steps are to begin; `sizes` are those of the variables.
-    /// Without a Jacobian of the model's own, differences over the root of the rounding serve.
+    /// Computes rates and Jacobian at the state where the next step begins; `sizes` are the sizes
+    /// of the variables. If the model has no Jacobian, finite differences are used, with increments
+    /// of the root of the machine precision.
     pub(super) fn begin(
         &mut self,
         model: &dyn CellModel,
@@ -113,12 +116,12 @@ impl Rosenbrock {
         }
     }
 
-    /// The rates where steps begin.
+    /// The rates at the beginning of the step.
     pub(super) fn rates(&self) -> &[f64] {
         &self.rates
     }
 
-    /// Tries one step from there; false if its equations cannot be solved.
+    /// Tries one step; false if its equations cannot be solved.
     pub(super) fn try_step(
         &mut self,
         model: &dyn CellModel,
@@ -146,12 +149,12 @@ impl Rosenbrock {
             }
             self.lu.solve(this);
         }
-        // The last argument plus the last stage.
+        // End state: the last argument plus the last stage.
         add(&mut self.trial, 1.0, &self.stages[STAGES - 1]);
         true
     }
 
-    /// Where the step that was tried ends.
+    /// End state of the step that was tried.
     pub(super) fn end(&self) -> &[f64] {
         &self.trial
     }
@@ -183,7 +186,7 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// At a part of the step, `0..=1`.
+    /// State at a fraction of the step, `0..=1`.
     pub(super) fn at(&self, x: f64) -> Vec<f64> {
         let rest = 1.0 - x;
         (0..self.start.len())

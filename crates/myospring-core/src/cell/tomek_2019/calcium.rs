@@ -35,7 +35,7 @@ impl<T: Number> Fluxes<T> {
     }
 }
 
-/// Rates of `J_rel_np` and `J_rel_p`, by the calcium current into the subspace.
+/// Rates of `J_rel_np` and `J_rel_p`, from the calcium current into the subspace.
 #[inline(always)]
 pub(super) fn release_rates<T: Number>(p: &Parameters<T>, s: &State<T>, i_ca_ss: T) -> [T; 2] {
     // J_inf = 0.5 b (-I_CaL_ss) / (1 + (1.7 / Ca_jsr)^8), tau = b / (1 + 0.0123 / Ca_jsr), at least 1 us
@@ -52,7 +52,7 @@ pub(super) fn release_rates<T: Number>(p: &Parameters<T>, s: &State<T>, i_ca_ss:
     [rate(4.75, s.j_rel_np), rate(1.25 * 4.75, s.j_rel_p)]
 }
 
-/// What a buffer of so many sites binds more where calcium rises: `max K / (K + Ca)^2`.
+/// Derivative of the bound calcium of a buffer with respect to calcium: `max K / (K + Ca)^2`.
 #[inline(always)]
 pub(super) fn buffered<T: Number>(sites: T, half: T, calcium: T) -> T {
     sites * half / (half + calcium).square()

@@ -7,11 +7,11 @@ use super::parameters::Parameters;
 use super::state::{Gates, State};
 use crate::cell::number::{Number, inlined};
 
-/// Permeability for sodium and potassium over that for calcium.
+/// Permeability for sodium and for potassium relative to that for calcium.
 const SODIUM: f64 = 0.00125;
 const POTASSIUM: f64 = 3.574e-4;
 
-/// Where the gates go: d, f_f, f_s, f_Ca_f, f_Ca_s, j_Ca, f_f_p, f_Ca_f_p.
+/// Steady states and rates of the gates: d, f_f, f_s, f_Ca_f, f_Ca_s, j_Ca, f_f_p, f_Ca_f_p.
 #[inline(always)]
 pub(super) fn gates<T: Number>(p: &Parameters<T>, v: T) -> [Moving<T>; 8] {
     // d_inf = 1.0763 exp(-1.007 exp(-0.0829 v)), not above 1
@@ -45,7 +45,7 @@ pub(super) fn gates<T: Number>(p: &Parameters<T>, v: T) -> [Moving<T>; 8] {
     ]
 }
 
-/// Rates of the modes of calcium, subspace and cytosol, 1/ms.
+/// Rates of the calcium-dependent mode, subspace and cytosol, 1/ms.
 #[inline(always)]
 pub(super) fn mode_rates<T: Number>(s: &State<T>, g: &Gates<T>) -> [T; 2] {
     // dn/dt = 500 alpha - j_Ca n, alpha = 1 / (500 / j_Ca + (1 + 0.002 / Ca)^4)
@@ -117,7 +117,7 @@ impl<T: Number> CalciumChannel<T> {
         Self { ca_i, na_i, k_i, ca_ss, na_ss, k_ss }
     }
 
-    /// All of it.
+    /// Their sum.
     #[inline(always)]
     pub(super) fn sum(&self) -> T {
         self.ca_i + self.na_i + self.k_i + self.ca_ss + self.na_ss + self.k_ss

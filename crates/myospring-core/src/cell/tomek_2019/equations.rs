@@ -9,23 +9,23 @@ use super::state::{Chloride, Gates, State};
 use crate::cell::land_2017::{Myofilaments, STATES as MYOFILAMENTS};
 use crate::cell::number::{Dual, Number};
 
-/// Which of the myofilaments' states is the part of troponin with calcium.
+/// Index, among the myofilaments' states, of the part of troponin with calcium.
 const TROPONIN: usize = 2;
 
-/// Which states there are behind membrane and gates.
+/// Which states follow those of membrane and gates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
-    /// Chloride stays as it is: 43 states, as in the paper.
+    /// Constant chloride: 43 states, as in the paper.
     Published,
-    /// Chloride moves: 45 states.
+    /// Dynamic chloride: 45 states.
     MovingChloride,
-    /// Troponin is that of myofilaments, which pull: 49 states.
+    /// Troponin belongs to myofilaments, which generate tension: 49 states.
     Land,
 }
 
-/// Where the gates begin.
+/// Index of the first gate.
 pub(super) const GATES: usize = State::LEN;
-/// Where what comes behind them begins.
+/// Index of the first state after the gates.
 pub(super) const BEHIND: usize = State::LEN + Gates::LEN;
 
 /// States of the largest form.
@@ -50,7 +50,7 @@ pub(super) struct Parts<T> {
     pub(super) myofilaments: Option<[T; MYOFILAMENTS]>,
 }
 
-/// Everything that does not vary.
+/// All constants of a cell.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::cell) struct Constants<C> {
     pub(super) form: Form,
@@ -58,7 +58,7 @@ pub(in crate::cell) struct Constants<C> {
     pub(super) myofilaments: Myofilaments<C>,
 }
 
-/// What acts from outside.
+/// External inputs.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::cell) struct Outside<C> {
     pub(in crate::cell) stimulus: C,
@@ -131,7 +131,7 @@ fn others<T: Number>(
     });
 }
 
-/// Tells the rate of each state that is no gate, in their order.
+/// Passes the rate of each state that is not a gate to a closure, in order.
 #[inline(always)]
 pub(super) fn other_rates<T: Number>(
     parameters: &Parameters<T::Constant>,
@@ -159,10 +159,10 @@ pub(super) fn other_rates<T: Number>(
     }
 }
 
-/// Directions in which the rates are differentiated at once.
+/// Number of directions of simultaneous differentiation.
 const DIRECTIONS: usize = 8;
 
-/// Writes the derivative of each rate by each state, rate by rate.
+/// Writes the derivative of each rate with respect to each state, rate by rate.
 pub(super) fn jacobian(
     constants: &Constants<f64>,
     state: &[f64],
@@ -197,7 +197,7 @@ fn differentiate(
             row[first..last].copy_from_slice(&rate.slopes[..last - first]);
         }
     }
-    // A gate follows the potential and itself.
+    // A gate depends on the potential and itself.
     let p = constants.parameters.map(Dual::<f64, 1>::constant);
     let mut places = GATES..;
     gates(&p, Dual::variable(state[0], 0)).give(&mut |gate: Moving<Dual<f64, 1>>| {

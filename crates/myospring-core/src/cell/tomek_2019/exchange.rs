@@ -79,7 +79,7 @@ fn sodium_calcium<T: Number>(p: &Parameters<T>, m: &Membrane<T>, na: T, ca: T) -
     let x_2 = k_1 * k_7 * (k_4 + k_5) + k_4 * k_6 * (k_1 + k_8);
     let x_3 = k_1 * k_3 * (k_7 + k_6) + k_8 * k_6 * (k_2 + k_3);
     let x_4 = k_2 * k_8 * (k_4 + k_5) + k_3 * k_5 * (k_1 + k_8);
-    // Of the states E = x / (x_1 + x_2 + x_3 + x_4)
+    // With the states E = x / (x_1 + x_2 + x_3 + x_4)
     let j_na = (x_4 * k_7 - x_1 * k_8) * 3.0 + x_3 * k_4_pp - x_2 * k_3_pp;
     let j_ca = x_2 * k_2 - x_1 * k_1;
     // 1 / (1 + (K / Ca)^2) with 0.15 uM

@@ -1,9 +1,9 @@
-//! A gate that the potential moves: `dx/dt = (x_inf - x) / tau`.
+//! A voltage-dependent gate: `dx/dt = (x_inf - x) / tau`.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use crate::cell::number::Number;
 
-/// Where a gate goes, and how fast.
+/// Steady state and rate of a gate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moving<T> {
     pub(super) steady_state: T,
@@ -17,7 +17,7 @@ impl<T: Number> Moving<T> {
         Self { steady_state, rate }
     }
 
-    /// By its time constant, ms.
+    /// From a time constant, ms.
     #[inline(always)]
     pub(super) fn within(steady_state: T, time_constant: T) -> Self {
         Self { steady_state, rate: time_constant.inverse() }

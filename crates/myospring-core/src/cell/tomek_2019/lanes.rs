@@ -1,7 +1,7 @@
 //! The equations of several cells at once: loops over cells around those of one, which the compiler vectorises.
 //!
-//! It does so only where a loop calls nothing and where it sees that nothing overlaps, so all that the loops read and
-//! write stands in one structure.
+//! It does so only if a loop makes no calls and the compiler can see that no memory overlaps, so
+//! everything that the loops read and write is in one structure.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::TomekModel;
@@ -13,59 +13,60 @@ use super::state::{Chloride, Gates, State};
 use crate::cell::land_2017::{Myofilaments, NUMBERS};
 use crate::cell::number::{Dual, Number, inlined};
 
-/// Cells side by side.
+/// Number of cells in lanes.
 pub(in crate::cell) const LANES: usize = 8;
-/// A number of each of them.
+/// One number per lane.
 pub(in crate::cell) type Wide = [f64; LANES];
-/// States of the largest form, of which so many are gates, and so many are none.
+/// Number of states of the largest form, of gates, and of states that are not gates.
 pub(in crate::cell) const MOST: usize = Form::Land.len();
 pub(in crate::cell) const GATED: usize = Gates::LEN;
 pub(in crate::cell) const OTHERS: usize = MOST - GATED;
-/// Directions in which the rates are differentiated at once.
+/// Number of directions of simultaneous differentiation.
 const DIRECTIONS: usize = 5;
-/// Columns of the Jacobian, a few too many.
+/// Columns of the Jacobian, rounded up.
 pub(in crate::cell) const COLUMNS: usize = MOST.next_multiple_of(DIRECTIONS);
 
-/// Several cells, all of them with myofilaments (`LAND`), or all without. Where chloride stays it is a state that does
-/// not change.
+/// Several cells, all of them with myofilaments (`LAND`), or all without. With constant chloride,
+/// it is a state that does not change.
 #[derive(Debug, Clone)]
 pub(in crate::cell) struct Together<const LAND: bool> {
-    /// Where rates and Jacobian are wanted; in the order of the model's states, chloride behind them where it stays.
+    /// State at which rates and Jacobian are computed, in the order of the model's states; constant
+    /// chloride comes last.
     pub(in crate::cell) state: [Wide; MOST],
     /// The stimulus that acts, A/F.
     pub(in crate::cell) stimulus: Wide,
     /// The rates there.
     pub(in crate::cell) rates: [Wide; MOST],
-    /// The derivative of each gate's rate by the potential, and by itself.
+    /// The derivative of each gate's rate with respect to the potential, and to the gate itself.
     pub(in crate::cell) gate_by_potential: [Wide; GATED],
     pub(in crate::cell) gate_by_itself: [Wide; GATED],
-    /// The derivatives of the rates of what is no gate, by each state.
+    /// The derivatives of the other rates with respect to each state.
     pub(in crate::cell) by_state: Box<[[Wide; OTHERS]; COLUMNS]>,
     parameters: [Wide; Parameters::LEN],
     myofilaments: [Wide; NUMBERS],
-    /// 1 where chloride moves, else 0.
+    /// 1 with dynamic chloride, else 0.
     chloride_moves: Wide,
-    /// 1 where a state is one of those that are differentiated by, else 0.
+    /// 1 for the states of the present directions of differentiation, else 0.
     active: [Wide; MOST],
     block: [[Wide; OTHERS]; DIRECTIONS],
 }
 
 impl<const LAND: bool> Together<LAND> {
-    /// How many states are moved.
+    /// Number of integrated states.
     pub(in crate::cell) const STATES: usize =
         if LAND { Form::Land.len() } else { Form::MovingChloride.len() };
-    /// How many of them are no gates.
+    /// Number of those that are not gates.
     pub(in crate::cell) const UNGATED: usize = Self::STATES - GATED;
 
-    /// Where the gates begin.
+    /// Index of the first gate.
     pub(in crate::cell) const GATES: usize = GATES;
 
-    /// Where the states that are no gates stand among all.
+    /// Index among all states of a state that is not a gate.
     pub(in crate::cell) const fn place(other: usize) -> usize {
         if other < GATES { other } else { other + GATED }
     }
 
-    /// No cells yet.
+    /// Empty lanes.
     #[allow(clippy::large_stack_arrays, reason = "made once for many cells, and moved to the heap")]
     pub(in crate::cell) fn new() -> Self {
         const NONE: Wide = [0.0; LANES];
@@ -84,7 +85,7 @@ impl<const LAND: bool> Together<LAND> {
         }
     }
 
-    /// Puts a cell into a lane; its start is told state by state.
+    /// Puts a cell into a lane; returns its initial state.
     pub(in crate::cell) fn put(&mut self, lane: usize, model: &TomekModel) -> [f64; MOST] {
         let constants = &model.constants;
         let mut rows = self.parameters.iter_mut();
@@ -119,7 +120,7 @@ impl<const LAND: bool> Together<LAND> {
         Myofilaments::of_numbers(std::array::from_fn(|k| self.myofilaments[k][lane]))
     }
 
-    /// The parts of a state whose numbers are told one after the other.
+    /// The parts of a state from consecutive numbers.
     #[inline(always)]
     fn parts<T: Number>(next: &mut impl FnMut() -> T) -> Parts<T> {
         let (state, gates) = (State::take(next), Gates::take(next));
@@ -129,7 +130,7 @@ impl<const LAND: bool> Together<LAND> {
         Parts { state, gates, chloride, myofilaments }
     }
 
-    /// Finds the rates at the state.
+    /// Computes the rates at the state.
     #[inline(always)]
     pub(in crate::cell) fn find_rates(&mut self) {
         for lane in 0..LANES {
@@ -171,7 +172,7 @@ impl<const LAND: bool> Together<LAND> {
         }
     }
 
-    /// Finds the Jacobian at the state.
+    /// Computes the Jacobian at the state.
     #[inline(always)]
     pub(in crate::cell) fn find_jacobian(&mut self) {
         for lane in 0..LANES {
@@ -198,7 +199,7 @@ impl<const LAND: bool> Together<LAND> {
         }
     }
 
-    /// By the states that are active.
+    /// Differentiates with respect to the active states.
     #[inline(always)]
     fn differentiate(&mut self) {
         for lane in 0..LANES {

@@ -1,4 +1,5 @@
-//! What many currents need: constants of nature, the cell's geometry, reversal potentials, the Goldman equation.
+//! Shared quantities of the currents: physical constants, the cell's geometry, reversal potentials,
+//! the Goldman equation.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::parameters::Parameters;
@@ -24,22 +25,22 @@ const CYTOSOL: f64 = 0.68 * CELL;
 const NETWORK: f64 = 0.0552 * CELL;
 const JUNCTION: f64 = 0.0048 * CELL;
 const SUBSPACE: f64 = 0.02 * CELL;
-/// What a current of 1 A/F of single charges does to a concentration, mM/ms.
+/// Rate of a concentration due to a current of 1 A/F of single charges, mM/ms.
 pub(super) const PER_CURRENT_I: f64 = CAPACITANCE / (F * CYTOSOL);
 pub(super) const PER_CURRENT_SS: f64 = CAPACITANCE / (F * SUBSPACE);
-/// Volumes over each other.
+/// Ratios of volumes.
 pub(super) const NETWORK_OVER_CYTOSOL: f64 = NETWORK / CYTOSOL;
 pub(super) const SUBSPACE_OVER_CYTOSOL: f64 = SUBSPACE / CYTOSOL;
 pub(super) const JUNCTION_OVER_SUBSPACE: f64 = JUNCTION / SUBSPACE;
 pub(super) const JUNCTION_OVER_NETWORK: f64 = JUNCTION / NETWORK;
 
-/// Permeability of the channels of I_Ks for sodium over that for potassium.
+/// Permeability of the channels of I_Ks for sodium relative to that for potassium.
 const SODIUM_THROUGH_KS: f64 = 0.01833;
 
-/// Permittivity of water at 37 degrees, over that of vacuum.
+/// Permittivity of water at 37 degrees, relative to that of vacuum.
 const DIELECTRIC: f64 = 74.0;
 
-/// What the potential and the concentrations are to all currents.
+/// Functions of potential and concentrations that all currents share.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Membrane<T> {
     pub(super) v: T,
@@ -110,31 +111,31 @@ impl<T: Number> Membrane<T> {
         }
     }
 
-    /// Goldman's equation of ions of one charge without the permeability, C/ml:
-    /// `v F^2 / (R T) (inside exp(x) - outside) / (exp(x) - 1)`.
+    /// Goldman's equation for ions of one charge without the permeability, C/ml: `v F^2 / (R T)
+    /// (inside exp(x) - outside) / (exp(x) - 1)`.
     #[inline(always)]
     pub(super) fn goldman_1(&self, inside: T, outside: T) -> T {
         (inside * self.exp_x - outside) * relative(self.x, self.exp_x) * F
     }
 
-    /// The same of two charges: `4 v F^2 / (R T) (inside exp(2 x) - outside) / (exp(2 x) - 1)`.
+    /// The same for two charges: `4 v F^2 / (R T) (inside exp(2 x) - outside) / (exp(2 x) - 1)`.
     #[inline(always)]
     pub(super) fn goldman_2(&self, inside: T, outside: T) -> T {
         let exp_2x = self.exp_x.square();
         (inside * exp_2x - outside) * relative(self.x * 2.0, exp_2x) * (2.0 * F)
     }
 
-    /// What is phosphorylated and what is not, by their parts.
+    /// Mean of the plain and the phosphorylated value, weighted by their parts.
     #[inline(always)]
     pub(super) fn mixed(&self, plain: T, phosphorylated: T) -> T {
         plain + (phosphorylated - plain) * self.phosphorylated
     }
 }
 
-/// `x / (exp(x) - 1)`, also where `x` is 0.
+/// `x / (exp(x) - 1)`, also valid at `x` = 0.
 #[inline(always)]
 fn relative<T: Number>(x: T, exp_x: T) -> T {
-    // The first term left out is 3e-23 at the border, where the quotient is right to 1e-13.
+    // At the border, the first omitted term is 3e-23, and the quotient is accurate to 1e-13.
     let square = x.square();
     let series = -x * 0.5 + square / 12.0 - square.square() / 720.0 + 1.0;
     square.at_least(1e-6, x / (exp_x - 1.0), series)

@@ -18,7 +18,7 @@ const fn by_cell(endo: f64, epi: f64, mid: f64) -> [f64; 3] {
 }
 
 table! {
-    /// Everything that is the same at all times.
+    /// All parameters of the model.
     Parameters, Row, ROWS;
     g_na: ("G_Na", "mS/uF", all(11.7802), "fast sodium current"),
     g_nal: ("G_NaL", "mS/uF", by_cell(0.0279, 0.6, 1.0), "late sodium current"),
@@ -41,14 +41,14 @@ table! {
     g_clca: ("G_ClCa", "mS/uF", all(0.2843), "chloride current by calcium, in the subspace"),
     g_clb: ("G_Clb", "mS/uF", all(0.00198), "background chloride current"),
     k_rel: ("k_rel", "", all(1.5378), "release from the sarcoplasmic reticulum"),
-    a_rel: ("a_rel", "", by_cell(1.0, 1.0, 1.7), "release for an I_CaL, over that of endo"),
-    k_up: ("k_up", "", by_cell(1.0, 1.3, 1.0), "SERCA, over that of endo"),
-    k_leak: ("k_leak", "", all(1.0), "leak of the sarcoplasmic reticulum, over the published one"),
+    a_rel: ("a_rel", "", by_cell(1.0, 1.0, 1.7), "release for an I_CaL, relative to endo"),
+    k_up: ("k_up", "", by_cell(1.0, 1.3, 1.0), "SERCA, relative to endo"),
+    k_leak: ("k_leak", "", all(1.0), "leak of the sarcoplasmic reticulum, relative to the published one"),
     na_o: ("Na_o", "mM", all(140.0), "sodium outside"),
     ca_o: ("Ca_o", "mM", all(1.8), "calcium outside"),
     k_o: ("K_o", "mM", all(5.0), "potassium outside"),
     cl_o: ("Cl_o", "mM", all(150.0), "chloride outside"),
-    cl_i: ("Cl_i", "mM", all(24.0), "chloride in the cytosol, where it stays"),
+    cl_i: ("Cl_i", "mM", all(24.0), "chloride in the cytosol, if constant"),
     alpha_camk: ("alpha_CaMK", "1/ms", all(0.05), "trapping of CaM kinase"),
     beta_camk: ("beta_CaMK", "1/ms", all(6.8e-4), "its release"),
     camk_o: ("CaMK_o", "", all(0.05), "part of CaM kinase that calmodulin can bind at rest"),
@@ -66,10 +66,11 @@ table! {
     k_m_csqn: ("K_m_csqn", "mM", all(0.8), "its half binding"),
 }
 
-/// Permeability of I_CaL in mid with myofilaments, where `margara_2021` takes 1.8 times endo, not twice, cm/s.
+/// Permeability of I_CaL in mid with myofilaments, for which `margara_2021` uses 1.8 times that of
+/// endo, not twice, cm/s.
 pub(super) const P_CA_MID_LAND: f64 = 1.8 * 8.3757e-5;
 
-/// Parameters that no cell has as 0.
+/// Parameters that must be above 0.
 const POSITIVE: [&str; 15] = [
     "Na_o",
     "Ca_o",
@@ -87,7 +88,7 @@ const POSITIVE: [&str; 15] = [
     "alpha_CaMK",
     "beta_CaMK",
 ];
-/// Parameters that are a part of a whole.
+/// Parameters that are fractions.
 const PARTS: [&str; 5] = ["delta_epi", "f_CaL_ss", "f_KATP", "f_NaCa_ss", "CaMK_o"];
 const CELLS: [&str; 3] = ["endo", "epi", "mid"];
 
@@ -115,7 +116,7 @@ pub(super) fn rows(cell: usize, tau_j_ca: f64) -> Vec<Parameter> {
     ROWS.iter().map(row).collect()
 }
 
-/// The values of a set, or the name of the one that it lacks.
+/// The values of a set, or the name of a missing one.
 pub(super) fn read(set: &ParameterSet) -> Result<Parameters<f64>, &'static str> {
     let mut missing = None;
     let mut names = ROWS.iter().map(|row| row.0);

@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::state::{Gates, State};
 use crate::cell::number::{Number, inlined};
 
-/// Where the gates of I_to go: a, i_F, i_S, a_p, i_F_p, i_S_p.
+/// Steady states and rates of the gates of I_to: a, i_F, i_S, a_p, i_F_p, i_S_p.
 #[inline(always)]
 pub(super) fn transient_gates<T: Number>(p: &Parameters<T>, v: T) -> [Moving<T>; 6] {
     let [a_inf, a_p_inf] = [v.boltzmann(14.34, -14.82), v.boltzmann(24.34, -14.82)];
@@ -42,7 +42,7 @@ pub(super) fn transient_gates<T: Number>(p: &Parameters<T>, v: T) -> [Moving<T>;
     ]
 }
 
-/// Where the gates of I_Ks go: x_s1, x_s2.
+/// Steady states and rates of the gates of I_Ks: x_s1, x_s2.
 #[inline(always)]
 pub(super) fn slow_gates<T: Number>(v: T) -> [Moving<T>; 2] {
     let x_inf = v.boltzmann(-11.6, -8.932);
@@ -67,7 +67,7 @@ pub(super) fn rapid_rates<T: Number>(s: &State<T>) -> [T; 5] {
     let (alpha_2, beta_2) = (e(0.971) * 0.0578, e(-1.062) * 0.349e-3);
     let (alpha_i, beta_i) = (e(0.5953) * 0.2533, e(-0.8209) * (1.25 * 0.0522));
     let alpha_c2_i = e(1.525) * 0.52e-4;
-    // So that no circle turns: beta_I_C2 = beta_2 beta_i alpha_C2_I / (alpha_2 alpha_i)
+    // Detailed balance: beta_I_C2 = beta_2 beta_i alpha_C2_I / (alpha_2 alpha_i)
     let beta_i_c2 = beta_2 * beta_i * alpha_c2_i / (alpha_2 * alpha_i);
     let c0_c1 = s.c0 * alpha - s.c1 * beta;
     let c1_c2 = s.c1 * alpha_1 - s.c2 * beta_1;

@@ -1,4 +1,4 @@
-//! All currents and fluxes at one instant, and the rates of change that follow from them.
+//! All currents and fluxes at one time, and the resulting rates of change.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::calcium::{Fluxes, buffered, release_rates};
@@ -15,10 +15,10 @@ use super::sodium::{self, Sodium};
 use super::state::{Chloride, Gates, State};
 use crate::cell::number::{Number, inlined};
 
-/// How long ions but calcium take from the subspace to the cytosol, ms.
+/// Diffusion time of ions other than calcium from the subspace to the cytosol, ms.
 const DIFFUSION_MS: f64 = 2.0;
 
-/// Everything that flows.
+/// All currents and fluxes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Flows<T> {
     pub(super) sodium: Sodium<T>,
@@ -47,8 +47,8 @@ impl<T: Number> Flows<T> {
     }
 }
 
-/// Rates of the state, per ms; `stimulus` in A/F, inward. Where myofilaments bind the calcium of troponin,
-/// `bound` is the rate of its filled part; else troponin is a buffer at equilibrium.
+/// Rates of the state, per ms; `stimulus` in A/F, inward. With myofilaments, `bound` is the rate of
+/// the part of troponin with calcium; otherwise troponin is a buffer at equilibrium.
 #[inline(always)]
 pub(super) fn rates<T: Number>(
     p: &Parameters<T>,
@@ -115,7 +115,7 @@ pub(super) fn rates<T: Number>(
     }
 }
 
-/// Rates of chloride where it moves, mM/ms.
+/// Rates of dynamic chloride, mM/ms.
 #[inline(always)]
 pub(super) fn chloride_rates<T: Number>(c: &Chloride<T>, x: &Exchange<T>) -> Chloride<T> {
     let diffused = (c.cl_ss - c.cl_i) / DIFFUSION_MS;
@@ -125,7 +125,7 @@ pub(super) fn chloride_rates<T: Number>(c: &Chloride<T>, x: &Exchange<T>) -> Chl
     }
 }
 
-/// Where all gates go.
+/// Steady states and rates of all gates.
 #[inline(always)]
 pub(super) fn gates<T: Number>(p: &Parameters<T>, v: T) -> Gates<Moving<T>> {
     let [m, h, j, h_p, j_p, m_l, h_l, h_l_p] = sodium::gates(v);

@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::state::{Gates, State};
 use crate::cell::number::{Number, inlined};
 
-/// Where the gates of both currents go: m, h, j, h_p, j_p, m_L, h_L, h_L_p.
+/// Steady states and rates of the gates of both currents: m, h, j, h_p, j_p, m_L, h_L, h_L_p.
 #[inline(always)]
 pub(super) fn gates<T: Number>(v: T) -> [Moving<T>; 8] {
     // m_inf = 1 / (1 + exp(-(v + 56.86) / 9.03))^2

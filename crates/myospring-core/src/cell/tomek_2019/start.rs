@@ -1,9 +1,10 @@
-//! The published start of each form and cell: `tomek_2019` and `margara_2021`, with the code of their authors.
+//! The published initial state of each form and cell: `tomek_2019` and `margara_2021`, with the
+//! code of their authors.
 
 use super::state::{Gates, State};
 
-/// Where the models start: after many beats at 1 Hz, as published with their code. Numbers below 1e-18 there are
-/// what a solver left of 0, and 0 here.
+/// Initial states after many beats at 1 Hz, as published with the code. Values below 1e-18 in the
+/// code are rounding errors of a solver, and 0 here.
 pub(super) const START: [[f64; State::LEN + Gates::LEN]; 9] = [
     // constant chloride, endo
     [
@@ -421,7 +422,7 @@ pub(super) const START: [[f64; State::LEN + Gates::LEN]; 9] = [
     ],
 ];
 
-/// Chloride in cytosol and subspace, mM, where it moves: endo, epi, mid.
+/// Chloride in cytosol and subspace, mM, if dynamic: endo, epi, mid.
 pub(super) const CHLORIDE: [[f64; 2]; 3] = [
     [29.2069793887423, 29.2069557375901],
     [34.3172099045416, 34.3171879616709],

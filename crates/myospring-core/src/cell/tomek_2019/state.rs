@@ -1,4 +1,4 @@
-//! The state variables, and where the published models start.
+//! The state variables.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::table::table;
@@ -7,7 +7,7 @@ use super::table::table;
 pub(super) type Row = (&'static str, &'static str, &'static str);
 
 table! {
-    /// What all forms of the model have.
+    /// The states of all forms of the model.
     State, Row, ROWS;
     v: ("v", "mV", "membrane potential"),
     na_i: ("Na_i", "mM", "sodium in the cytosol"),
@@ -21,8 +21,8 @@ table! {
     camk_t: ("CaMK_t", "", "CaM kinase that is trapped"),
     j_rel_np: ("J_rel_np", "mM/ms", "release by receptors that are not phosphorylated"),
     j_rel_p: ("J_rel_p", "mM/ms", "release by phosphorylated receptors"),
-    n_ss: ("n_ss", "", "I_CaL in the subspace in its mode of calcium"),
-    n_i: ("n_i", "", "I_CaL in the cytosol in its mode of calcium"),
+    n_ss: ("n_ss", "", "I_CaL in the subspace: calcium-dependent mode"),
+    n_i: ("n_i", "", "I_CaL in the cytosol: calcium-dependent mode"),
     c0: ("C0", "", "I_Kr: first closed state"),
     c1: ("C1", "", "I_Kr: second closed state"),
     c2: ("C2", "", "I_Kr: third closed state"),
@@ -31,7 +31,7 @@ table! {
 }
 
 table! {
-    /// Gates that the potential alone moves.
+    /// Gates that depend only on the potential.
     Gates, Row, GATES;
     m: ("m", "", "I_Na: activation"),
     h: ("h", "", "I_Na: fast inactivation"),
@@ -50,8 +50,8 @@ table! {
     d: ("d", "", "I_CaL: activation"),
     f_f: ("f_f", "", "I_CaL: fast inactivation by the potential"),
     f_s: ("f_s", "", "I_CaL: slow inactivation by the potential"),
-    f_ca_f: ("f_Ca_f", "", "I_CaL: fast inactivation in the mode of calcium"),
-    f_ca_s: ("f_Ca_s", "", "I_CaL: slow inactivation in the mode of calcium"),
+    f_ca_f: ("f_Ca_f", "", "I_CaL: fast inactivation in the calcium-dependent mode"),
+    f_ca_s: ("f_Ca_s", "", "I_CaL: slow inactivation in the calcium-dependent mode"),
     j_ca: ("j_Ca", "", "I_CaL: recovery from inactivation by calcium"),
     f_f_p: ("f_f_p", "", "I_CaL: fast inactivation, phosphorylated"),
     f_ca_f_p: ("f_Ca_f_p", "", "I_CaL: fast inactivation by calcium, phosphorylated"),
@@ -60,7 +60,7 @@ table! {
 }
 
 table! {
-    /// Chloride, where it moves.
+    /// Dynamic chloride.
     Chloride, Row, CHLORIDE;
     cl_i: ("Cl_i", "mM", "chloride in the cytosol"),
     cl_ss: ("Cl_ss", "mM", "chloride in the junctional subspace"),

@@ -1,6 +1,6 @@
 //! A table whose rows are the fields of a structure.
 
-/// Makes a structure over a number, and the rows that describe its fields, in their order.
+/// Defines a structure over a number type, and the rows that describe its fields, in order.
 macro_rules! table {
     (
         $(#[$doc:meta])* $name:ident, $row:ty, $rows:ident;
@@ -12,29 +12,29 @@ macro_rules! table {
             $(pub(super) $field: T,)*
         }
 
-        /// What its fields are, in their order.
+        /// Descriptions of its fields, in order.
         pub(super) static $rows: [$row; <$name<()>>::LEN] = [$($content,)*];
 
         impl $name<()> {
-            /// How many fields it has.
+            /// Number of fields.
             pub(super) const LEN: usize = [$(stringify!($field),)*].len();
         }
 
         #[allow(dead_code, reason = "each table needs a part")]
         impl<T: Copy> $name<T> {
-            /// From numbers in the order of the fields, which it uses up.
+            /// Takes its fields from consecutive numbers.
             #[inline(always)]
             pub(super) fn take(numbers: &mut impl FnMut() -> T) -> Self {
                 Self { $($field: numbers(),)* }
             }
 
-            /// The same of each field.
+            /// Applies a function to each field.
             #[inline(always)]
             pub(super) fn map<U>(&self, of: impl Fn(T) -> U) -> $name<U> {
                 $name { $($field: of(self.$field),)* }
             }
 
-            /// Each field, in their order.
+            /// Passes each field to a closure, in order.
             #[inline(always)]
             pub(super) fn give(&self, to: &mut impl FnMut(T)) {
                 $(to(self.$field);)*

@@ -4,12 +4,12 @@
 //! K(x) dx = f(x; Ta),     x <- x + s dx,     s = 1, 1/2, 1/4, ... until the energy drops
 //! ```
 //!
-//! A free body has no stiffness against shift and rotation. Three coordinates of two nodes far apart (with
-//! three axes six of three nodes) are held instead: internal forces have no resultant, so the holds bear nothing and the shape is
-//! that of the free body. It is then put where a free body would be: the mass centre at its place, no
-//! rotation against the start in the sense of least squares weighted by mass (what
-//! `analysis::shape::ShapeMeter` takes out). A body that outer forces hold, such as an elastic bed, has
-//! a place of its own and nothing of this is needed.
+//! A free body has no stiffness against shift and rotation. Three coordinates of two nodes far
+//! apart (with three axes six of three nodes) are held instead: internal forces have no resultant,
+//! so the holds carry no force and the shape is that of the free body. The body is then moved to
+//! where a free body would be: its mass centre at the initial position, and no rotation relative to
+//! the start by least squares weighted by mass (the rotation that `analysis::shape::ShapeMeter`
+//! removes). A body that outer forces hold, such as an elastic bed, needs none of this.
 
 use super::factor::{Factor, FactorError};
 use crate::interruption::Interruption;
@@ -23,7 +23,7 @@ use std::array::from_fn;
 pub(super) enum Failure {
     /// The stiffness is not positive definite.
     Indefinite,
-    /// Newton's method does not come to rest.
+    /// Newton's method does not converge.
     NoRest,
     /// The factors do not fit into memory.
     TooLarge,
@@ -41,10 +41,10 @@ impl From<FactorError> for Failure {
     }
 }
 
-/// Iterations after which Newton's method is given up.
+/// Largest number of iterations of Newton's method.
 const ITERATIONS: usize = 25;
 
-/// Rounds in which the rotation with three axes is taken out; a few do.
+/// Largest number of rounds of removing the rotation with three axes; a few are enough.
 const TURNS: usize = 50;
 
 /// A stable equilibrium.
@@ -55,7 +55,7 @@ pub(super) struct Rest<const D: usize> {
     pub(super) slope: Vectors<D>,
     /// Largest corrections of Newton's method, um, one per iteration.
     pub(super) corrections: Vec<f64>,
-    /// Drop of the active energy per kPa on the way along `slope`, fJ/kPa^2: slope . K slope.
+    /// Decrease of the active energy per kPa along `slope`, fJ/kPa^2: slope . K slope.
     pub(super) compliance: f64,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Solver<'a, const D: usize = 2> {
     stiffness: StiffnessMatrix<D>,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
-    /// Asked within each factorisation.
+    /// Checked within each factorisation.
     interruption: Interruption,
 }
 
@@ -123,10 +123,10 @@ impl<'a, const D: usize> Solver<'a, D> {
         [parts[0] + parts[1], parts[0].abs() + parts[1].abs()]
     }
 
-    /// Change of the active forces per kPa, nN/kPa.
+    /// Derivative of the active forces with respect to tension, nN/kPa.
     fn load(&self, positions: &Vectors<D>, tension: f64) -> Vectors<D> {
         let mut load = zeros(self.body.len());
-        // Active forces are in proportion to tension, so the difference over 1 kPa is exact.
+        // Active forces are proportional to tension, so the difference over 1 kPa is exact.
         let [mut more, mut less] = [zeros(self.body.len()), zeros(self.body.len())];
         for (sum, tension) in [(&mut more, tension + 0.5), (&mut less, tension - 0.5)] {
             let tension = tension.into();
@@ -157,7 +157,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         Ok(self.factor.factorise(&self.stiffness, &self.interruption)?)
     }
 
-    /// Displacements (um) under forces (nN), by the last stiffness that was factorised.
+    /// Displacements (um) under forces (nN), with the last factorised stiffness.
     pub(super) fn response(&mut self, forces: &Vectors<D>) -> Vectors<D> {
         self.factor.solve(forces)
     }
@@ -174,8 +174,8 @@ impl<'a, const D: usize> Solver<'a, D> {
         Ok(self.at_rest(positions, tension, corrections))
     }
 
-    /// The equilibrium under any tension near a guess, where the body is put, and the largest corrections of
-    /// Newton's method, um, one per iteration.
+    /// Moves the body to the equilibrium under any tension near a guess; returns the largest
+    /// corrections of Newton's method, um, one per iteration.
     pub(super) fn settle_in_place(
         &mut self,
         guess: &Vectors<D>,
@@ -211,7 +211,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             }
             corrections.push(largest);
             if largest <= tolerance {
-                // A body that rests already keeps its bits.
+                // A body that is already at rest is not changed.
                 if corrections.len() > 1 || largest > 1e-3 * tolerance {
                     positions = moved(&positions, &correction, 1.0);
                 }
@@ -269,7 +269,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b)))
     }
 
-    /// Puts the body in its place and adds the slope, from the last factor.
+    /// Removes rigid motion and computes the slope, from the last factor.
     fn at_rest(&mut self, positions: Vectors<D>, tension: f64, corrections: Vec<f64>) -> Rest<D> {
         let load = self.load(&positions, tension);
         // 0 = d f/d Ta = load - K dx/dTa
@@ -284,10 +284,10 @@ impl<'a, const D: usize> Solver<'a, D> {
         Rest { positions, slope, corrections, compliance }
     }
 
-    /// Removes shift and rotation against the start from positions and from their slope.
+    /// Removes translation and rotation relative to the start from positions and from their slope.
     ///
-    /// Of three axes, the rotation that is left is taken out plane by plane until there is none in any: each
-    /// turn brings the body as near to the start as a rotation in its plane can.
+    /// With three axes, rotation is removed plane by plane until none remains: each turn brings the
+    /// body as near to the start as a rotation in that plane can.
     fn in_place(
         &self,
         mut positions: Vectors<D>,
@@ -300,7 +300,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         };
         let start = &self.body.positions;
         let (before, after, drift) = (mean(start), mean(&positions), mean(&slope));
-        // Undisturbed bodies keep their bits.
+        // An unmoved body is not changed.
         let same = positions == *start;
         for axis in 0..D {
             for node in 0..masses.len() {
@@ -328,9 +328,9 @@ impl<'a, const D: usize> Solver<'a, D> {
         (positions, slope)
     }
 
-    /// Removes the rotation in a plane from positions, whose mass centre stands where the second of two
-    /// centres is and is put where the first is, and from their slope; the angle and the change of it that
-    /// were there, relative to what the slope has.
+    /// Removes the rotation in a plane from positions and from their slope, and moves the mass
+    /// centre from the second of two centres to the first. Returns the removed angle and its
+    /// derivative, relative to that of the slope.
     fn turn_back(
         &self,
         [p, q]: [usize; 2],
@@ -373,7 +373,7 @@ impl<'a, const D: usize> Solver<'a, D> {
     }
 }
 
-/// Whether no force has a hold on the body as a whole.
+/// Whether the body is free: no force holds it as a whole.
 fn adrift<const D: usize>(system: &System<D>) -> bool {
     system.passive.iter().all(|force| force.is_internal())
 }
@@ -407,14 +407,15 @@ fn hold_place<const D: usize>(positions: &Vectors<D>, free: &mut [Vec<bool>; D])
     for axis in (0..D).filter(|axis| *axis != along) {
         free[axis][second] = false;
     }
-    // What of the way to a third node is not along the line.
+    // Component of the vector to a third node across the line.
     let off = |node: usize| -> [f64; D] {
         let way = arm(first, node);
         let part = way.iter().zip(line).map(|(w, l)| w * l).sum::<f64>() / square(first, second);
         from_fn(|axis| way[axis] - part * line[axis])
     };
     let third = farthest(first, &|node| off(node).iter().map(|part| part.powi(2)).sum());
-    // Turning about the line moves it across both; the larger part of that way is held.
+    // Rotation about the line moves this node across both; the larger component of that motion is
+    // held.
     let out = off(third);
     let normal: [f64; D] = from_fn(|axis| {
         let (next, last) = ((axis + 1) % D, (axis + 2) % D);
@@ -424,7 +425,7 @@ fn hold_place<const D: usize>(positions: &Vectors<D>, free: &mut [Vec<bool>; D])
     free[across][third] = false;
 }
 
-/// Largest absolute value, um; not a number if one is not.
+/// Largest absolute value, um; NaN if one is NaN.
 pub(super) fn largest<const D: usize>(vectors: &Vectors<D>) -> f64 {
     vectors
         .iter()

@@ -7,9 +7,9 @@ use crate::interruption::Interrupted;
 pub struct Place {
     /// The node.
     pub node: usize,
-    /// Where it is at the last equilibrium, um.
+    /// Its x at the last equilibrium, um.
     pub x: f64,
-    /// Where it is at the last equilibrium, um.
+    /// Its y at the last equilibrium, um.
     pub y: f64,
 }
 
@@ -25,7 +25,7 @@ impl From<Interrupted> for PathError {
     }
 }
 
-/// Why there is no path, or none so far.
+/// Why there is no path, or why it ends.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PathError {
     /// A force has no energy, so the shape depends on how it was reached.
@@ -46,7 +46,7 @@ pub enum PathError {
         /// The force.
         force: &'static str,
     },
-    /// A force does not tell its stiffness.
+    /// A force does not provide its stiffness.
     #[error(
         "{force}: this force has no tangent stiffness, which the path of equilibria needs; implement \
          `Force::add_stiffness`, or integrate in time with Verlet's method"
@@ -55,16 +55,16 @@ pub enum PathError {
         /// The force.
         force: &'static str,
     },
-    /// The dampings delay the shape.
+    /// Damping delays the shape.
     #[error(
         "drag and dashpots delay the shape by {delay:.2} ms, more than {longest} ms, so it is no \
          function of the tension alone; integrate in time with Verlet's method, or, if they are \
          numerical, lower drag_ratio, damping_ratio or slowest_period, which no equilibrium depends on"
     )]
     Delayed {
-        /// By how much, ms.
+        /// The delay, ms.
         delay: f64,
-        /// What is allowed, ms.
+        /// The largest accepted delay, ms.
         longest: f64,
     },
     /// The equilibrium loses its stability.
@@ -101,13 +101,13 @@ pub enum PathError {
          integrate in time with Verlet's method"
     )]
     TooLarge {
-        /// How many masses there are.
+        /// Number of masses.
         masses: usize,
     },
-    /// It was asked to end early.
+    /// It was interrupted.
     #[error("the search for equilibria was interrupted")]
     Interrupted,
-    /// The tension asked for is not a number.
+    /// The requested tension is not finite.
     #[error("a tension of {tension} kPa has no equilibrium; give a finite one")]
     NotFinite {
         /// The tension, kPa.

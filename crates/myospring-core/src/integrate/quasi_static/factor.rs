@@ -1,9 +1,10 @@
 //! Sparse Cholesky factors of the stiffness between free coordinates.
 //!
-//! The nodes are eliminated in the order of a nested dissection ([`dissection`]), set by set in dense
-//! matrices ([`fronts`], [`dense`]). Order and pattern are found once and serve as long as the same nodes
-//! act on each other. Held coordinates take part with the stiffness 1 of their own, so that all blocks are
-//! D x D. One thread, and every sum in the same order whatever the vector units: the same bits everywhere.
+//! The nodes are eliminated in the order of a nested dissection ([`dissection`]), set by set in
+//! dense matrices ([`fronts`], [`dense`]). Order and pattern are determined once and reused as long
+//! as the same nodes interact. Held coordinates are included with a stiffness of 1, so that all
+//! blocks are D x D. It uses one thread and a fixed order of summation, so results are bitwise the
+//! same on every machine.
 
 mod dense;
 mod dissection;
@@ -19,13 +20,13 @@ use dense::Eliminate;
 use dissection::{Graph, dissect};
 use fronts::{Front, Fronts};
 
-/// A factor that is made anew for each stiffness.
+/// A factor that is recomputed for each stiffness.
 pub(super) struct Factor<'a, const D: usize = 2> {
-    /// um; they tell near nodes from distant ones.
+    /// Positions, um, for the dissection.
     positions: &'a Vectors<D>,
     /// `free[axis][node]`
     free: [Vec<bool>; D],
-    /// Blocks of the stiffness for which the fronts were found.
+    /// Number of blocks of the stiffness for which the fronts were determined.
     blocks: usize,
     fronts: Option<Fronts<D>>,
     /// Columns of the factor, front by front.
@@ -36,7 +37,8 @@ pub(super) struct Factor<'a, const D: usize = 2> {
 }
 
 impl<'a, const D: usize> Factor<'a, D> {
-    /// For a body with its nodes about here (um), of which these coordinates are free: `free[axis][node]`.
+    /// A factor for a body with its nodes near these positions (um) and these free coordinates:
+    /// `free[axis][node]`.
     pub(super) fn new(positions: &'a Vectors<D>, free: [Vec<bool>; D]) -> Self {
         Self {
             positions,
@@ -92,7 +94,7 @@ impl<'a, const D: usize> Factor<'a, D> {
         Ok(fronts)
     }
 
-    /// Eliminates a front and leaves its update on the stack.
+    /// Eliminates a front and pushes its update on the stack.
     fn eliminate(
         &mut self,
         stiffness: &StiffnessMatrix<D>,
@@ -117,9 +119,9 @@ impl<'a, const D: usize> Factor<'a, D> {
         pulp::Arch::new().dispatch(Eliminate { panel, rows, columns, rest, packed, interruption })
     }
 
-    /// Displacements (um) under forces (nN) on the free coordinates; held ones stay.
+    /// Displacements (um) under forces (nN) on the free coordinates; held ones do not move.
     ///
-    /// Uses the last stiffness that was factorised.
+    /// Uses the last factorised stiffness.
     pub(super) fn solve(&mut self, forces: &Vectors<D>) -> Vectors<D> {
         let mut moved = forces.each_ref().map(|axis| vec![0.0; axis.len()]);
         let Some(Fronts { order, list: fronts, .. }) = &self.fronts else { return moved };
@@ -178,7 +180,7 @@ impl<'a, const D: usize> Factor<'a, D> {
     }
 }
 
-/// In eight partial sums, which fit vector units.
+/// Scalar product in eight partial sums, for vector units.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());

@@ -1,4 +1,4 @@
-//! Equilibria under tensions that differ from place to place, one at a time.
+//! Single equilibria under tensions that are not uniform.
 
 use super::equilibrium::Solver;
 use super::{PathError, Tolerance, check_forces, ending, extent};
@@ -38,10 +38,11 @@ pub struct Equilibrium<'a, const D: usize = 2> {
 }
 
 impl<'a, const D: usize> Equilibrium<'a, D> {
-    /// For a body under a system of forces; its positions are where mass centre and orientation stay.
+    /// A solver for a body under a system of forces; its positions define mass centre and
+    /// orientation.
     ///
     /// # Errors
-    /// Forces that have no equilibria of their own.
+    /// Unsupported forces, see [`PathError`].
     pub fn new(
         system: &'a System<D>,
         body: &'a Body<D>,
@@ -50,7 +51,7 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
         Self::new_interruptible(system, body, tolerance, &Interruption::default())
     }
 
-    /// As [`Equilibrium::new`], whose searches may be asked to end early.
+    /// Like [`Equilibrium::new`], with searches that can be interrupted.
     ///
     /// # Errors
     /// As [`Equilibrium::new`].
@@ -88,11 +89,11 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
         }
     }
 
-    /// Makes [`Equilibrium::response`] that of the body at these positions under this tension.
+    /// Prepares [`Equilibrium::response`] for the body at these positions under this tension.
     ///
     /// # Errors
-    /// [`PathError::Unstable`] or [`PathError::TooLarge`] where it has no positive stiffness, or none that fits into
-    /// memory.
+    /// [`PathError::Unstable`] or [`PathError::TooLarge`] if the stiffness is not positive
+    /// definite, or does not fit into memory.
     pub fn linearise(
         &mut self,
         positions: &Vectors<D>,
@@ -103,8 +104,8 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
             .map_err(|failure| ending(failure, self.solver.body(), [tension.highest(); 2], None))
     }
 
-    /// How far small forces (nN) move each node where the body was linearised, um. Of a free body, on which forces must
-    /// have no resultant, two nodes keep their place.
+    /// Displacement of each node under small forces (nN), um, for the linearised body. The forces
+    /// on a free body must have no resultant; two of its nodes stay in place.
     ///
     /// # Example
     /// ```
@@ -135,7 +136,7 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
         self.solver.response(forces)
     }
 
-    /// Matrices factorised so far.
+    /// Number of factorised matrices so far.
     pub fn factorisations(&self) -> usize {
         self.solver.factorisations
     }

@@ -1,16 +1,16 @@
-//! Shapes as functions of the tension: what a path has found.
+//! Shapes as functions of the tension: the result of a path.
 
 use super::tolerance::Tolerance;
 use crate::mechanics::{Vectors, zeros};
 
-/// One load step's end.
+/// The end of one load step.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Knot<const D: usize = 2> {
-    /// kPa.
+    /// Tension, kPa.
     pub(super) tension: f64,
-    /// um.
+    /// Positions, um.
     pub(super) positions: Vectors<D>,
-    /// um/kPa.
+    /// Derivative of the positions with respect to tension, um/kPa.
     pub(super) slope: Vectors<D>,
 }
 
@@ -36,12 +36,12 @@ impl<const D: usize> Shapes<D> {
         [0, 1].map(|side| self.branches[side][self.branches[side].len() - 1].tension)
     }
 
-    /// How closely it was solved.
+    /// The tolerance with which it was solved.
     pub fn tolerance(&self) -> Tolerance {
         self.tolerance
     }
 
-    /// Whether it has been at a tension in kPa.
+    /// Whether it includes a tension in kPa.
     pub fn reaches(&self, tension: f64) -> bool {
         let [lowest, highest] = self.range();
         (lowest..=highest).contains(&tension)
@@ -75,8 +75,8 @@ impl<const D: usize> Shapes<D> {
         self.error
     }
 
-    /// Time by which drag and dashpots would delay the shape in a motion, ms: what a run in time lags
-    /// behind the path.
+    /// Time by which drag and dashpots would delay the shape in a motion, ms: the lag of a run in
+    /// time behind the path.
     pub fn delay(&self) -> f64 {
         self.delay
     }
@@ -86,18 +86,19 @@ impl<const D: usize> Shapes<D> {
         self.branches.iter().map(|branch| branch.len() - 1).sum()
     }
 
-    /// Iterations of Newton's method in all accepted and rejected steps that came to rest.
+    /// Iterations of Newton's method in all accepted and rejected steps that converged.
     pub fn newton_iterations(&self) -> usize {
         self.newton_iterations
     }
 
-    /// Matrices factorised: one for each iteration, those of steps that found no rest included.
+    /// Number of factorised matrices: one for each iteration, including steps that did not
+    /// converge.
     pub fn factorisations(&self) -> usize {
         self.factorisations
     }
 }
 
-/// Hermite's cubic through two knots with their slopes, also outside of them.
+/// Hermite's cubic through two knots with their slopes, also outside their range.
 pub(super) fn interpolate<const D: usize>(
     from: &Knot<D>,
     to: &Knot<D>,
@@ -112,7 +113,7 @@ pub(super) fn interpolate<const D: usize>(
         let (x0, x1) = (&from.positions[axis], &to.positions[axis]);
         let (d0, d1) = (&from.slope[axis], &to.slope[axis]);
         for (node, position) in positions[axis].iter_mut().enumerate() {
-            // In this order a node that is held stays to the last bit.
+            // In this order, a held node keeps its position exactly.
             let moved = end * (x1[node] - x0[node]) + leave * d0[node] + arrive * d1[node];
             *position = x0[node] + moved;
         }

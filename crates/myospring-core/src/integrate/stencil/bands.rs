@@ -1,7 +1,7 @@
-//! Who does what: the fronts of a sweep are cut into bands, and threads claim them.
+//! Distribution of work: a sweep is divided into bands, which threads claim.
 //!
-//! A band of a sweep may be done as soon as the band below has done the same sweep and the band above
-//! the sweep before. So several bands are free at a time, each in a sweep of its own:
+//! A band may be swept as soon as the band below has completed the same sweep and the band above
+//! the previous one. So several bands are available at a time, each in a different sweep:
 //!
 //! ```text
 //! bands
@@ -11,28 +11,28 @@
 //!   |     0 | # # # .   > sweeps
 //! ```
 //!
-//! Nothing belongs to a thread for good: whoever finds a band free may take it, so a thread that the
-//! system does not let run holds up the others by the one piece that it has begun, if any.
+//! Bands are not assigned to threads: any thread may take an available band, so a thread that the
+//! system suspends delays the others by at most the one piece that it has begun.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Twice the number of sweeps that a band has done, and one more while a thread is at the next; or
-/// [`BROKEN`]. It has a cache line of its own.
+/// Twice the number of completed sweeps of a band, plus one while a thread works on the next; or
+/// [`BROKEN`]. It has its own cache line.
 #[repr(align(128))]
 struct Band(AtomicU64);
 
-/// Nobody gets this band any more. Odd, as if somebody had it for ever.
+/// The band can no longer be claimed. The value is odd, as for a band in work.
 const BROKEN: u64 = u64::MAX;
 
-/// The bands of a lattice and how far each is.
+/// The bands of a lattice and their progress.
 pub(super) struct Board {
     bands: Vec<Band>,
-    /// Sweeps asked for so far.
+    /// Number of requested sweeps.
     asked: AtomicU64,
 }
 
-/// How far the sweeps asked for are.
+/// Progress of the requested sweeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Progress {
     Finished,
@@ -40,7 +40,7 @@ pub(super) enum Progress {
     Broken,
 }
 
-/// A piece of work that its holder alone does; broken if it is dropped before [`Claim::finish`].
+/// A claimed piece of work; the band is broken if it is dropped before [`Claim::finish`].
 pub(super) struct Claim<'a> {
     state: &'a AtomicU64,
     pub(super) band: usize,
@@ -70,17 +70,17 @@ impl Board {
         self.bands.len()
     }
 
-    /// Sweeps asked for so far: the number of the next.
+    /// Number of requested sweeps.
     pub(super) fn asked(&self) -> u64 {
         self.asked.load(Ordering::Acquire)
     }
 
-    /// Lets bands be claimed for so many sweeps more.
+    /// Requests `sweeps` further sweeps.
     pub(super) fn ask(&self, sweeps: u64) {
         self.asked.fetch_add(sweeps, Ordering::Release);
     }
 
-    /// Sweeps that a band has done; none if it is broken, so that nobody builds on it.
+    /// Number of completed sweeps of a band; 0 if it is broken, so that its neighbours wait.
     fn done(&self, band: usize) -> u64 {
         match self.bands[band].0.load(Ordering::Acquire) {
             BROKEN => 0,
@@ -88,8 +88,8 @@ impl Board {
         }
     }
 
-    /// A band, if its next sweep is asked for, its neighbours are far enough and nobody has it. One that
-    /// has no neighbours is free for all sweeps that are asked for.
+    /// Claims a band, if its next sweep is requested, its neighbours are far enough and no thread
+    /// works on it. A band without neighbours can be claimed for all requested sweeps.
     fn claim(&self, band: usize) -> Option<Claim<'_>> {
         let state = &self.bands[band].0;
         let seen = state.load(Ordering::Acquire);
@@ -100,12 +100,12 @@ impl Board {
             && (band + 1 == self.len() || self.done(band + 1) >= sweep);
         let taken = free
             && state.compare_exchange(seen, seen + 1, Ordering::AcqRel, Ordering::Relaxed).is_ok();
-        // Made only if taken: a claim that is dropped breaks the band.
+        // Made only if the band was taken, since dropping a claim breaks the band.
         let end = if self.len() == 1 { asked } else { sweep + 1 };
         taken.then(|| Claim { state, band, sweeps: sweep..end })
     }
 
-    /// Any band of a range, looked for from `first` on and around.
+    /// Claims any available band of a range, searched from `first` on, cyclically.
     pub(super) fn claim_one(&self, range: Range<usize>, first: usize) -> Option<Claim<'_>> {
         let first = first.clamp(range.start, range.end);
         (first..range.end).chain(range.start..first).find_map(|band| self.claim(band))
@@ -121,8 +121,8 @@ impl Board {
         })
     }
 
-    /// Breaks every band, for good. One that a thread has is waited for by `wait`, so that nobody is at
-    /// work on return.
+    /// Breaks every band permanently. Waits for bands in work by calling `wait`, so that no thread
+    /// is working on return.
     pub(super) fn close(&self, wait: impl Fn()) {
         for Band(state) in &self.bands {
             let mut seen = state.load(Ordering::Acquire);

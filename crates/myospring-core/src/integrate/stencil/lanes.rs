@@ -24,7 +24,7 @@ impl Units {
     /// All kinds, fastest first.
     pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
 
-    /// Their name.
+    /// Its name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Avx512 => "avx512",
@@ -57,7 +57,7 @@ impl Units {
     }
 }
 
-/// Asks for the cache line at an address, which need not be readable.
+/// Prefetches the cache line at an address, which need not be readable.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "one instruction")]
 pub(super) fn prefetch(address: *const f64) {
@@ -90,7 +90,7 @@ pub(super) unsafe trait Lanes {
     unsafe fn mul_sub_from(a: Self::V, b: Self::V, c: Self::V) -> Self::V;
     /// 1/sqrt(a) to about one unit in the last place, for a > 0.
     unsafe fn inverse_sqrt(a: Self::V) -> Self::V;
-    /// Every lane takes the value of the lane before it; the first takes the last of `previous`.
+    /// Shifts values by one lane; the first lane takes the last value of `previous`.
     unsafe fn shift(current: Self::V, previous: Self::V) -> Self::V;
 }
 

@@ -1,4 +1,5 @@
-//! From forces on a mesh to coefficients by lattice place, in the order the sweep reads them.
+//! Turns forces on a mesh into coefficients by lattice place, in the order in which the sweep reads
+//! them.
 
 use crate::mechanics::lattice_law::LatticeLaw;
 use crate::mechanics::support::Support;
@@ -27,7 +28,7 @@ pub(super) mod laws {
     pub(in super::super) const AREA: u8 = 1;
     /// The fibre tension.
     pub(in super::super) const FIBRE: u8 = 2;
-    /// Springs to places of rest.
+    /// Springs to resting places.
     pub(in super::super) const ANCHORS: u8 = 4;
 }
 
@@ -38,8 +39,8 @@ const SAME: f64 = 1e-12;
 /// Part of the spacing by which a spring's rest length may differ from the lattice's.
 const ON_LATTICE: f64 = 1e-9;
 
-/// How far from the cell the places without a mass stand, in spacings: no mass ever comes there, so
-/// the lengths of the springs of no stiffness between them are never zero.
+/// Distance from the cell of places without a mass, in spacings: no mass ever comes there, so the
+/// lengths of their springs without stiffness are never zero.
 const FAR: f64 = 1e6;
 
 /// Eight aligned values.
@@ -51,7 +52,7 @@ impl Block {
     pub(super) const ZERO: Self = Self([0.0; BLOCK]);
 }
 
-/// Where a block of squares has its coefficients: nowhere, in the uniform terms, or in record n - 2.
+/// Location of the coefficients of a block of squares: none, the uniform terms, or record n - 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Class(pub(super) u32);
 
@@ -70,7 +71,7 @@ pub(super) struct Uniform {
     pub(super) inverse_mass: f64,
 }
 
-/// All that a sweep reads but never writes.
+/// Everything that a sweep reads but does not write.
 ///
 /// A row of the state is x, y, and the two components of the half-step velocity, each `stride` values
 /// long; there is one row of padding on top.
@@ -81,7 +82,7 @@ pub(super) struct Plan {
     pub(super) blocks: usize,
     /// Values in a row, with a block of padding on the right.
     pub(super) stride: usize,
-    /// First block and the one after the last that each row's pass visits.
+    /// First block of each row's pass, and the one after the last.
     pub(super) spans: Vec<[usize; 2]>,
     /// By row and block.
     pub(super) classes: Vec<Class>,
@@ -91,14 +92,14 @@ pub(super) struct Plan {
     pub(super) rest_length: [f64; 2],
     /// Four times the rest area of a triangle, um^2.
     pub(super) rest_area: f64,
-    /// ms.
+    /// Time step, ms.
     pub(super) time_step: f64,
     /// `(1 - g)/(1 + g)`
     pub(super) keep: f64,
     /// `1/(1 + g)`
     pub(super) slowing: f64,
-    /// Springs from the places to where they rest, if any: stiffness (nN/um) and the two coordinates of
-    /// rest (um), three strides for each row.
+    /// Springs from places to their resting positions, if any: stiffness (nN/um) and the two
+    /// resting coordinates (um), three strides for each row.
     pub(super) anchors: Vec<Block>,
     /// Which of [`laws`] act.
     pub(super) laws: u8,
@@ -120,7 +121,7 @@ impl Plan {
     }
 }
 
-/// What forces put on a lattice: coefficients of its springs, squares and places.
+/// Coefficients of forces on a lattice: of its springs, squares and places.
 ///
 /// Filled with the data of the forces ([`LatticeLaw`]) for a [`super::Stencil`].
 #[derive(Debug, Clone)]
@@ -142,7 +143,7 @@ pub(super) struct LatticeTerms {
 }
 
 impl LatticeTerms {
-    /// No forces on a lattice.
+    /// A lattice without forces.
     pub(super) fn new(lattice: &Lattice) -> Self {
         let [columns, rows] = lattice.shape;
         let count = columns * rows;
@@ -215,8 +216,8 @@ impl LatticeTerms {
         (rest_length - length).abs() <= ON_LATTICE * self.spacing
     }
 
-    /// Adds a spring of no rest length whose stiffness (nN/um) is the tension (kPa) times a weight
-    /// (um); returns whether it fits the lattice.
+    /// Adds a spring without rest length whose stiffness (nN/um) is the tension (kPa) times a
+    /// weight (um); returns whether it fits the lattice.
     fn add_tension(&mut self, nodes: [u32; 2], weight: f64) -> bool {
         let Some((direction, square)) = self.edge(nodes) else { return false };
         self.fibre[direction][square] += weight;
@@ -249,8 +250,8 @@ impl LatticeTerms {
         (rest_area - expected).abs() <= ON_LATTICE * expected
     }
 
-    /// Adds a spring of no length from a node to a place of rest (um), stiffness in nN/um; returns
-    /// whether the node's place on the lattice is that place.
+    /// Adds a spring without rest length from a node to a resting position (um), stiffness in
+    /// nN/um; returns whether that is the node's place on the lattice.
     fn add_anchor(&mut self, node: usize, stiffness: f64, rest: [f64; 2]) -> bool {
         let place = self.places[node];
         self.anchors[place] += stiffness;
@@ -263,8 +264,8 @@ impl LatticeTerms {
         [0, 1].map(|axis| self.origin[axis] + self.spacing * [column, row][axis] as f64)
     }
 
-    /// Lays the coefficients out for a sweep; `None` if the four triangles of some square differ or a
-    /// support needs more than nodes that do not move.
+    /// Arranges the coefficients for a sweep; `None` if the four triangles of a square differ, or
+    /// if a support needs more than fixed nodes.
     pub(super) fn plan(
         &self,
         masses: &[f64],
@@ -380,7 +381,7 @@ impl LatticeTerms {
         })
     }
 
-    /// Stiffness and place of rest of all anchors, in rows.
+    /// Stiffness and resting position of all anchors, in rows.
     fn anchor_rows(&self, stride: usize) -> Vec<Block> {
         let mut rows = vec![Block::ZERO; self.rows * 3 * stride / BLOCK];
         for (place, stiffness) in self.anchors.iter().enumerate() {
@@ -411,8 +412,8 @@ impl LatticeTerms {
     }
 }
 
-/// First block and the one after the last of each row that hold anything, or that hold something in
-/// the row above, which takes what this row carries.
+/// First block, and the one after the last, of each row that is not empty in this row or in the row
+/// above, which receives the forces carried from this row.
 fn spans(classes: &[Class], rows: usize, blocks: usize) -> Vec<[usize; 2]> {
     let own = |row: usize| {
         let filled = |block: &usize| classes[row * blocks + block] != Class::EMPTY;
@@ -432,7 +433,7 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * b.abs()
 }
 
-/// The median of the values that are not zero: inside a uniform cell nearly all are that.
+/// The median of the nonzero values, which nearly all places inside a uniform cell have.
 fn commonest(values: &[f64]) -> f64 {
     let mut some: Vec<f64> = values.iter().copied().filter(|value| *value != 0.0).collect();
     if some.is_empty() {

@@ -1,6 +1,6 @@
 //! One row of the lattice: forces, kick and drift in a single pass.
 //!
-//! A lattice square stands at its lower left corner a; b is to its right, d above, c across:
+//! A lattice square is identified by its lower left corner a; b is to its right, d above, c across:
 //!
 //! ```text
 //! d --- c        east a-b, north a-d, rising diagonal a-c, falling diagonal b-d
@@ -8,10 +8,10 @@
 //! a --- b
 //! ```
 //!
-//! Each square's four springs are evaluated once. What they and the area law put on c and d is
-//! carried to the next row's pass; the sum over a square is nothing, so a takes minus the rest. A
-//! row's masses move as soon as their force is complete: squares to the right and above still see
-//! the old positions.
+//! Each square's four springs are evaluated once. Their forces and those of the area law on c and d
+//! are carried to the next row's pass; forces of a square sum to zero, so a takes minus the sum of
+//! the others. A row's masses move as soon as their force is complete: squares to the right and
+//! above still see the old positions.
 
 use super::lanes::{Lanes, prefetch};
 use super::plan::{
@@ -19,11 +19,11 @@ use super::plan::{
 };
 use std::ops::Range;
 
-/// What a pass over a row does with the forces.
+/// Purpose of a pass over a row.
 pub(super) mod purpose {
     /// Kicks and drifts the row's masses.
     pub(in super::super) const MOVE: u8 = 0;
-    /// Writes the velocities at the full step, and moves nothing.
+    /// Writes the velocities at the full step, without moving the masses.
     pub(in super::super) const LOOK: u8 = 1;
 }
 
@@ -40,7 +40,8 @@ pub(super) struct Row<'a> {
     pub(super) lower: *mut f64,
     /// State of the row above.
     pub(super) upper: *const f64,
-    /// Force by this row on the squares below on entry, by the next row on return: x, y.
+    /// Carried forces, x and y: on entry those from the squares below, on return those on the next
+    /// row.
     pub(super) carry: *mut f64,
     /// Those of the square to the left of the first block.
     pub(super) left: Handover,
@@ -48,7 +49,7 @@ pub(super) struct Row<'a> {
     pub(super) right: &'a mut Handover,
     /// Where `LOOK` writes: x, y.
     pub(super) out: *mut f64,
-    /// Whether the next row's data are to be asked for.
+    /// Whether to prefetch the next row's data.
     pub(super) fetch: bool,
 }
 
@@ -151,8 +152,8 @@ impl<L: Lanes, const LAWS: u8> Terms<L> for Field<L, LAWS> {
     }
 }
 
-/// Forces on the corner b of squares and by the corners c and d; a bears the sum of these minus that
-/// on b. And the state of a.
+/// Forces on the corner b of squares and by the corners c and d, from which that on a follows; and
+/// the state of a.
 struct Corners<V> {
     on_b: Pair<V>,
     by_c: Pair<V>,
@@ -387,7 +388,8 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
     }
 }
 
-/// Asks for what the next row's pass reads at a block: coefficients, and the state of the row above it.
+/// Prefetches what the next row's pass reads at a block: coefficients, and the state of the row
+/// above it.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 fn fetch_above(plan: &Plan, row: usize, block: usize, state: *const f64) {

@@ -1,13 +1,12 @@
-//! Threads that move one lattice together, and go on when one of them does not.
+//! Threads that move one lattice together, and continue when one of them is suspended.
 //!
-//! The caller gives commands and does all of the work that nobody else does; the workers only help. Each
-//! thread looks for free bands in a part of the lattice of its own, which stays in its cache, and takes
-//! others' if it has waited. So a worker that does not run costs nothing, unless it has begun a piece
-//! that the rest needs. The caller then notices that it waits for longer than such a piece can take, and
-//! works alone for some time before it lets the workers help again: on a busy machine they take little
-//! from it. Nobody waits by spinning for long.
+//! The calling thread gives commands and does all work that the workers do not do; workers only
+//! help. Each thread searches available bands in its own part of the lattice, which stays in its
+//! cache, and takes bands of others after waiting. So a suspended worker costs nothing, unless it
+//! has begun a piece that others need. If the caller waits longer than such a piece can take, it
+//! works alone for some time before it lets the workers help again. No thread spins for long.
 //!
-//! A panic breaks the bands (see `bands.rs`): all threads let go, and every command from then on fails.
+//! A panic breaks the bands (see `bands.rs`): all threads stop, and every later command fails.
 
 use super::bands::{Board, Claim, Progress};
 use super::lanes::Units;
@@ -20,19 +19,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How long a thread waits awake: a waiter that sleeps comes late, one that is awake takes a core.
+/// Time for which a thread waits without sleeping: a sleeping thread reacts late, a spinning one
+/// occupies a core.
 const AWAKE: Duration = Duration::from_micros(100);
 
-/// How long a waiter sleeps at a time.
+/// Duration of one sleep while waiting.
 const NAP: Duration = Duration::from_micros(50);
 
-/// How long a thread waits before it takes bands from the part of another.
+/// Time for which a thread waits before it takes bands from another thread's part.
 const PATIENCE: Duration = Duration::from_micros(5);
 
-/// A wait for a worker beyond this and three times the caller's own pieces means that it does not run.
+/// If the caller waits for a worker longer than this and three times its own pieces, the worker
+/// counts as suspended.
 const GRACE: Duration = Duration::from_micros(200);
 
-/// The caller works alone for as many times as long as it has waited for a worker that did not run, so
+/// After waiting for a suspended worker, the caller works alone for this many times as long, so
 /// that such waits take a small part of its time.
 const SOLITUDE: u32 = 16;
 
@@ -58,7 +59,7 @@ pub(super) struct Team {
 }
 
 impl Team {
-    /// The state is that of [`Plan::vacant`] until it is written.
+    /// Starts threads for a lattice in the state [`Plan::vacant`].
     pub(super) fn new(plan: Plan, units: Units, threads: usize) -> Self {
         let tiling = Tiling::new(&plan, threads.max(1));
         // With a single band each, threads could only take turns.
@@ -81,18 +82,18 @@ impl Team {
             let shared = Arc::clone(&shared);
             std::thread::Builder::new().spawn(move || shared.serve(index))
         };
-        // A thread that the system does not give is one that does not run.
+        // Works with fewer threads if the system does not start all of them.
         let workers = (1..shared.threads).map_while(|index| worker(index).ok()).collect();
         Self { shared, workers, alone_until: None }
     }
 
-    /// Number of threads at work, this one included.
+    /// Number of threads, including the calling one.
     pub(super) fn threads(&self) -> usize {
         self.workers.len() + 1
     }
 
-    /// The plan, the state in rows as [`Plan`] lays them out, and the velocities at the full step that
-    /// the last [`Command::Look`] has seen: x and y by row.
+    /// The plan, the state in rows as [`Plan`] lays them out, and the velocities at the full step
+    /// from the last [`Command::Look`]: x and y by row.
     pub(super) fn parts(&mut self) -> (&Plan, &mut [f64], &[f64]) {
         let tiles = &self.shared.tiles;
         // SAFETY: `&mut self`, and no thread is at work between commands.
@@ -152,7 +153,8 @@ impl Team {
         }
     }
 
-    /// Works alone from now on if this wait, after so many pieces of the command, was too long.
+    /// Lets the caller work alone from now on if this wait, after `pieces` pieces of the command,
+    /// was too long.
     fn judge(&mut self, Wait { lasted, .. }: Wait, begun: Option<Instant>, pieces: u32) {
         if let Some(begun) = begun
             && lasted > GRACE
@@ -180,27 +182,28 @@ impl Drop for Team {
         self.shared.quit.store(true, Ordering::Release);
         self.wake();
         for worker in self.workers.drain(..) {
-            // If it has panicked, the command that it was at has said so.
+            // If it has panicked, its command has reported that.
             let _ = worker.join();
         }
     }
 }
 
 impl Shared {
-    /// The life of a worker.
+    /// The main loop of a worker.
     fn serve(&self, index: usize) {
         loop {
             self.help(index);
-            // Looked at after any nap in there, which may have taken the call of who wants it to end.
+            // Checked after any nap in there, which may have consumed the wake-up call for
+            // quitting.
             if self.quit.load(Ordering::Acquire) {
                 return;
             }
-            // Whoever has something new unparks after saying so: before or after this, it ends.
+            // A thread with news unparks this one after publishing it, so parking always ends.
             std::thread::park();
         }
     }
 
-    /// Takes part until there has been nothing to do for a while.
+    /// Works until there has been nothing to do for some time.
     fn help(&self, index: usize) {
         let everything = 0..self.board.len();
         let mut next = 0;
@@ -219,7 +222,7 @@ impl Shared {
         }
     }
 
-    /// The bands that a thread does if it can.
+    /// The bands of a thread's own part.
     fn part(&self, index: usize) -> Range<usize> {
         let start = |index: usize| index * self.board.len() / self.threads;
         start(index)..start(index + 1)
@@ -237,7 +240,7 @@ impl Shared {
     }
 }
 
-/// Sees to it that nobody is at work when a command ends early.
+/// Ensures that no thread is working when a command ends early.
 struct Closing<'a>(&'a Board);
 
 impl Drop for Closing<'_> {
@@ -246,7 +249,7 @@ impl Drop for Closing<'_> {
     }
 }
 
-/// A wait, awake at first, then asleep a little at a time.
+/// A wait, spinning at first, then sleeping in short intervals.
 #[derive(Debug, Clone, Copy, Default)]
 struct Wait {
     since: Option<Instant>,

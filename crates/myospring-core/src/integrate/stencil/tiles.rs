@@ -1,8 +1,10 @@
-//! Many steps in one sweep, piece by piece, with the same bits however it is cut.
+//! Several steps in one sweep, divided into pieces; the result is bitwise the same for any
+//! division.
 //!
-//! The lattice is cut into **tiles** of some blocks' width over all rows. A tile makes several steps in
-//! one sweep: each step trails the one before it by a row and stands one block further to the left, so
-//! that what it needs of the step before is there and what the step before needs is still old:
+//! The lattice is cut into **tiles** of some blocks' width over all rows. A tile makes several
+//! steps in one sweep: each step trails the previous one by a row and is one block further to the
+//! left, so that the values it needs from the previous step are complete, and those which the
+//! previous step needs are still unchanged:
 //!
 //! ```text
 //! rows         tile k     tile k+1
@@ -12,11 +14,11 @@
 //!  |step 2 |2 2 2 2|2 2 2 2|                    step 2 in row j - 2
 //! ```
 //!
-//! A tile's window of rows stays in the second-level cache, so a large mesh comes from memory once for
-//! several steps. Fronts that follow each other are a **band** (see `bands.rs`): one thread does a band,
-//! tile by tile, and leaves what its last front carries upwards to whoever does the band above. Every
-//! force is computed once, from the same values in the same order whatever the tiles and bands: hence
-//! the same bits.
+//! A tile's window of rows stays in the second-level cache, so a large mesh is read from memory
+//! once for several steps. Consecutive fronts form a **band** (see `bands.rs`): one thread sweeps a
+//! band, tile by tile, and leaves the forces carried upwards by its last front to the thread of the
+//! band above. Every force is computed once, from the same values in the same order for any tiles
+//! and bands, so results are bitwise the same.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
@@ -32,10 +34,10 @@ const CACHE: usize = 3 << 18;
 /// Steps that share a sweep of a large mesh.
 const DEEP: usize = 8;
 
-/// Bands for each thread: with more than two a thread may be ahead or behind without waiting.
+/// Bands per thread: with more than two, a thread may be ahead or behind without waiting.
 const BANDS: usize = 4;
 
-/// What a sweep is for.
+/// The work of a command.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Command {
     /// Steps under a tension that goes linearly from the first to the second value, kPa; the forces
@@ -54,7 +56,7 @@ impl Command {
     }
 }
 
-/// How the lattice is cut.
+/// Division of the lattice into tiles and bands.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tiling {
     /// Blocks in a tile.
@@ -63,13 +65,15 @@ pub(super) struct Tiling {
     pub(super) depth: usize,
     /// Number of tiles.
     pub(super) count: usize,
-    /// First front of each band. A band but the last has at least `depth` fronts, so that what is done
-    /// to it in one sweep and to the band after next in the sweep before does not meet.
+    /// First front of each band. Every band except the last has at least `depth` fronts, so that
+    /// work on it in one sweep does not overlap with work on the band after next in the previous
+    /// sweep.
     pub(super) starts: Vec<usize>,
 }
 
 impl Tiling {
-    /// A mesh that fits the threads' caches is one tile; a larger one has tiles that fit.
+    /// Divides a lattice: a mesh that fits into the threads' caches is one tile, a larger one has
+    /// tiles that fit.
     pub(super) fn new(plan: &Plan, threads: usize) -> Self {
         let blocks = plan.blocks;
         let state = 4 * size_of::<Block>();
@@ -103,7 +107,7 @@ fn starts(plan: &Plan, bands: usize, depth: usize) -> Vec<usize> {
     starts
 }
 
-/// Memory that threads write through its pointer, each its own part.
+/// Memory to which threads write through a pointer, each to its own part.
 struct Buffer {
     start: *mut f64,
     len: usize,
@@ -123,7 +127,7 @@ impl Buffer {
     /// All of it.
     ///
     /// # Safety
-    /// Nobody else reads or writes it meanwhile.
+    /// No other thread reads or writes it meanwhile.
     #[allow(clippy::mut_from_ref, reason = "the caller vouches that no thread is at work")]
     unsafe fn values(&self) -> &mut [f64] {
         // SAFETY: the owner lives as long as this, and a Block is BLOCK values without padding.
@@ -131,7 +135,7 @@ impl Buffer {
     }
 }
 
-/// The masses and all that moves them.
+/// The masses, their plan and buffers.
 pub(super) struct Tiles {
     pub(super) plan: Plan,
     units: Units,
@@ -139,12 +143,12 @@ pub(super) struct Tiles {
     state: Buffer,
     /// Velocities at the full step, x and y by row.
     seen: Buffer,
-    /// Carried forces by step of a sweep: x and y. Each sweep has its own, as long as it goes from band
+    /// Carried forces by step of a sweep: x and y. Each sweep has its own while it moves from band
     /// to band.
     carries: Vec<Buffer>,
     /// By tile, step of a sweep and row.
     handovers: Vec<UnsafeCell<Handover>>,
-    /// And the number of its first sweep.
+    /// The command, and the number of its first sweep.
     command: UnsafeCell<(Command, u64)>,
 }
 
@@ -162,7 +166,7 @@ unsafe impl Sync for Tiles {}
 unsafe impl Send for Tiles {}
 
 impl Tiles {
-    /// The state is that of [`Plan::vacant`] until it is written.
+    /// Starts in the state [`Plan::vacant`].
     pub(super) fn new(plan: Plan, units: Units, tiling: Tiling) -> Self {
         assert!(units.available(), "{units:?} is not available on this processor");
         let handovers = tiling.count * tiling.depth * plan.rows;
@@ -183,7 +187,7 @@ impl Tiles {
         self.tiling.starts.len()
     }
 
-    /// Takes a command, which begins with this sweep, and says how many it needs.
+    /// Sets a command, which begins with this sweep, and returns how many sweeps it needs.
     ///
     /// # Safety
     /// No thread is at work.
@@ -193,8 +197,8 @@ impl Tiles {
         command.steps().div_ceil(self.tiling.depth) as u64
     }
 
-    /// The state in rows as [`Plan`] lays them out, and the velocities at the full step that the last
-    /// [`Command::Look`] has seen: x and y by row.
+    /// The state in rows as [`Plan`] lays them out, and the velocities at the full step from the
+    /// last [`Command::Look`]: x and y by row.
     ///
     /// # Safety
     /// No thread is at work, nor will be while these are in use.
@@ -204,7 +208,7 @@ impl Tiles {
         unsafe { (self.state.values(), self.seen.values()) }
     }
 
-    /// Does one band of some sweeps of the command.
+    /// Performs some sweeps of the command on one band.
     ///
     /// # Safety
     /// The band of these sweeps is the caller's alone, by the rules of `bands.rs`.
@@ -286,7 +290,7 @@ unsafe fn perform<L: Lanes, const LAWS: u8>(tiles: &Tiles, band: usize, sweeps: 
 struct Piece<'a> {
     tiles: &'a Tiles,
     band: usize,
-    /// Number in the command.
+    /// Index within the command.
     sweep: usize,
     carries: &'a Buffer,
 }

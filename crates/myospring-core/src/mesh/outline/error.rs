@@ -1,4 +1,4 @@
-//! Why something is not an outline.
+//! Why data are not a valid outline.
 
 /// Smallest area that an outline may have, um^2.
 pub const SMALLEST_AREA_UM2: f64 = 1.0;
@@ -6,8 +6,8 @@ pub const SMALLEST_AREA_UM2: f64 = 1.0;
 /// Largest extent that an outline may have, um.
 pub const LARGEST_EXTENT_UM: f64 = 10_000.0;
 
-/// What a list of points may be that is no outline.
-pub(super) const CURVE: &str = ": this seems to be a curve in time, such as a contraction, and no outline of a \
+/// Remark on a list of points that seems to be a curve in time.
+pub(super) const CURVE: &str = ": this seems to be a curve in time, such as a contraction, not an outline of a \
                                 cell; `myospring analyse` reads curves";
 
 /// Why a text or a list of points is not the outline of a cell.
@@ -19,12 +19,12 @@ pub enum OutlineError {
         /// What the parser says.
         reason: String,
     },
-    /// The GeoJSON holds no polygon, or several.
-    #[error("the GeoJSON holds {found} polygons ({kinds}); exactly one, the cell, is needed")]
+    /// The GeoJSON has no polygon, or several.
+    #[error("the GeoJSON has {found} polygons ({kinds}); exactly one, the cell, is needed")]
     NotOnePolygon {
         /// How many polygons.
         found: usize,
-        /// The kinds of geometry that it holds.
+        /// The kinds of geometry in it.
         kinds: String,
     },
     /// The GeoJSON says that its coordinates are not micrometres.
@@ -41,7 +41,7 @@ pub enum OutlineError {
     Columns {
         /// Their names.
         columns: String,
-        /// What the file seems to be instead; empty where that is not clear.
+        /// What the file seems to be instead; empty if that is not clear.
         curve: &'static str,
     },
     /// The points run in one direction and do not come back.
@@ -82,10 +82,10 @@ pub enum OutlineError {
         /// How many there are.
         found: usize,
     },
-    /// No area, or next to none.
+    /// No area, or almost none.
     #[error(
         "the outline has an area of {area} um^2, less than {SMALLEST_AREA_UM2} um^2: coordinates \
-         must be in micrometres and go round the cell"
+         must be in micrometres and go around the cell"
     )]
     TooSmall {
         /// Its area, um^2.
@@ -101,13 +101,13 @@ pub enum OutlineError {
         extent: f64,
     },
     /// Two edges cross.
-    #[error("the outline crosses or touches itself{place}: its edges must go once round the cell")]
+    #[error("the outline crosses or touches itself{place}: its edges must go once around the cell")]
     SelfIntersecting {
         /// Where, if it was found: ` at (x, y) um`.
         place: String,
     },
-    /// A hole that is not inside, or holes that overlap.
-    #[error("the outline's holes do not lie within it, apart from each other: {reason}")]
+    /// A hole that is not inside the exterior, or holes that overlap.
+    #[error("the outline's holes must lie inside it and must not overlap: {reason}")]
     Holes {
         /// What is wrong.
         reason: String,

@@ -1,4 +1,4 @@
-//! Whether the rings of an outline are simple: no edges that cross, holes inside and apart.
+//! Checks that the rings of an outline are simple: no crossing edges, holes inside and separate.
 
 use geo::algorithm::Validation;
 use geo::coordinate_position::{CoordPos, CoordinatePosition};
@@ -6,12 +6,12 @@ use geo::line_intersection::{LineIntersection, line_intersection};
 
 use super::error::OutlineError;
 
-/// Pairs of neighbouring points, the last with the first.
+/// Pairs of neighbouring points, including the last with the first.
 pub(super) fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
 
-/// One edge with the ring that it belongs to and its place in it.
+/// One edge with its ring and its index in it.
 struct Edge {
     line: geo::Line,
     ring: usize,
@@ -30,9 +30,9 @@ impl Edge {
     }
 }
 
-/// Checks tidy rings, the exterior first; see [`super::Outline::new`] for what is refused.
+/// Checks tidy rings, the exterior first; see [`super::Outline::new`] for what is rejected.
 ///
-/// Edges are sorted by their left end and only those compared that overlap in x and y, so that an
+/// Edges are sorted by their left end, and only edges that overlap in x and y are compared, so an
 /// outline of a hundred thousand short edges takes a fraction of a second.
 pub(super) fn check(rings: &[&[[f64; 2]]]) -> Result<(), OutlineError> {
     let sizes: Vec<usize> = rings.iter().map(|points| points.len()).collect();
@@ -91,8 +91,8 @@ fn place(meeting: &LineIntersection<f64>) -> String {
     format!(" at ({}, {}) um", round(at.x), round(at.y))
 }
 
-/// Rings that share no point: each hole lies within the exterior and not within another hole when
-/// one of its points does.
+/// Checks rings that share no point, where one point of each hole is enough: it must lie within the
+/// exterior and not within another hole.
 fn check_apart(rings: &[&[[f64; 2]]]) -> Result<(), OutlineError> {
     let ring = |points: &[[f64; 2]]| {
         let polygon = geo::Polygon::new(points.iter().copied().collect(), Vec::new());
@@ -128,8 +128,8 @@ fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Rings that meet in single points may do so by the rules for polygons as long as they do not
-/// cross there; the general check knows, but takes time with the square of the number of edges.
+/// Checks rings that touch in single points, which is allowed for polygons if they do not cross
+/// there. This general check takes a time quadratic in the number of edges.
 fn check_touching(rings: &[&[[f64; 2]]]) -> Result<(), OutlineError> {
     use geo::algorithm::validation::InvalidPolygon as Invalid;
     const LONGEST: usize = 20_000;

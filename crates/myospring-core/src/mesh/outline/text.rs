@@ -1,22 +1,22 @@
-//! Outlines as text: GeoJSON read and written, lists of points read.
+//! Outlines as text: reads and writes GeoJSON, reads lists of points.
 
 use geojson::{Feature, GeoJson, Geometry, GeometryValue, Position};
 
 use super::error::CURVE;
 use super::{Outline, OutlineError};
 
-/// So many points of an outline do not all run in one direction.
+/// From this number of points on, an outline cannot run in one direction only.
 const ONE_WAY: usize = 8;
 
 impl Outline {
     /// Reads GeoJSON with exactly one `Polygon`: bare, in a `Feature`, a collection, or a
     /// `MultiPolygon` of one.
     ///
-    /// Coordinates are micrometres, y upward. A property `unit`, where there is one, must say `um`.
+    /// Coordinates are micrometres, y upward. A property `unit`, if present, must be `um`.
     ///
     /// # Errors
     /// Text that is not GeoJSON, no polygon or several, another unit, or what [`Outline::new`]
-    /// refuses.
+    /// rejects.
     ///
     /// # Example
     /// ```
@@ -57,12 +57,12 @@ impl Outline {
     }
 
     /// Reads a list of points, one `x,y` per line in um, y upward; a header line, blank lines and
-    /// lines that start with `#` are skipped; comma, semicolon, tab or spaces part the columns. A header must name
-    /// x and y.
+    /// lines that start with `#` are skipped; comma, semicolon, tab or spaces separate the columns.
+    /// A header must name x and y.
     ///
     /// # Errors
-    /// A header of other columns, a line that is not two numbers, points that do not come back, or what
-    /// [`Outline::new`] refuses.
+    /// A header of other columns, a line that is not two numbers, points that run in one direction
+    /// only, or what [`Outline::new`] rejects.
     ///
     /// # Example
     /// ```
@@ -127,7 +127,7 @@ impl Outline {
     }
 }
 
-/// Refuses a header that does not name x and y in um.
+/// Rejects a header that does not name x and y in um.
 fn check_header(line: &str) -> Result<(), OutlineError> {
     let parted = |by: &[char]| -> Vec<String> {
         let names = line.split(by).map(|name| name.trim().trim_matches('"'));
@@ -193,7 +193,7 @@ fn collect(
     }
 }
 
-/// The name that GeoJSON gives to a kind of geometry.
+/// GeoJSON's name of a kind of geometry.
 fn kind(value: &GeometryValue) -> &'static str {
     match value {
         GeometryValue::Point { .. } => "Point",

@@ -4,7 +4,7 @@ use super::error::FactorError;
 use crate::interruption::Interruption;
 use pulp::{Simd, WithSimd};
 
-/// Columns that are eliminated one by one before the others hear of them.
+/// Number of columns that are eliminated one by one before the others are updated.
 const BLOCK: usize = 16;
 
 /// Columns of a tile that stays in registers; its rows fill two registers.
@@ -18,8 +18,9 @@ const TILE_COLUMNS: usize = 4;
 /// [ B  C  ] = [ M  1  ] [     C - M M' ]
 /// ```
 ///
-/// All by columns, lower triangles; what stands above the diagonals is not read. Every sum is formed in
-/// the same order and without fused operations whatever the vector units: the same bits on any machine.
+/// All matrices are stored by columns as lower triangles; elements above the diagonals are not
+/// read. Every sum has the same order and no fused operations, so results are bitwise the same on
+/// every machine.
 pub(super) struct Eliminate<'a> {
     /// `A` over `B`, becomes `L` over `M`.
     pub(super) panel: &'a mut [f64],
@@ -29,12 +30,12 @@ pub(super) struct Eliminate<'a> {
     pub(super) rest: &'a mut [f64],
     /// Memory for tiles.
     pub(super) packed: &'a mut [Vec<f64>; 2],
-    /// Asked after each block of columns.
+    /// Checked after each block of columns.
     pub(super) interruption: &'a Interruption,
 }
 
 impl WithSimd for Eliminate<'_> {
-    /// An error where a pivot is not positive.
+    /// An error if a pivot is not positive.
     type Output = Result<(), FactorError>;
 
     #[inline(always)]
@@ -42,7 +43,7 @@ impl WithSimd for Eliminate<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { panel, rows, columns, rest, packed, interruption } = self;
         if columns == 0 {
-            // Between parts that do not meet there is no separator.
+            // Parts that do not touch have no separator.
             return Ok(());
         }
         for start in (0..columns).step_by(BLOCK) {

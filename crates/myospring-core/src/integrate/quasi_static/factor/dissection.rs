@@ -1,10 +1,10 @@
 //! Nested dissection: an order of elimination in which factors stay sparse.
 //!
-//! A set of nodes is cut in two by a separator, the nodes on one side of a line across the body that act
-//! on nodes on the other; what is on the two sides no longer meets until the separator is eliminated, so
-//! it comes last. The halves are cut in the same way (`george_1973`, there for regular meshes). The line
-//! stands across one of the axes with half of the nodes on each side; of the axes and of the two sides the
-//! one with the smallest separator is taken.
+//! A set of nodes is divided by a separator: the nodes on one side of a line across the body that
+//! interact with nodes on the other. The two halves do not interact until the separator is
+//! eliminated, so it comes last. The halves are divided in the same way (`george_1973`, for regular
+//! meshes). The line is perpendicular to one of the axes, with half of the nodes on each side; the
+//! axis and the side with the smallest separator are chosen.
 
 use crate::interruption::Interruption;
 use crate::mechanics::Vectors;
@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Largest set of nodes that is not cut again.
 const SMALLEST: usize = 16;
 
-/// For each node the other nodes it acts on.
+/// For each node, the other nodes with which it interacts.
 pub(super) struct Graph {
     starts: Vec<usize>,
     partners: Vec<usize>,
@@ -51,11 +51,11 @@ impl Graph {
     }
 }
 
-/// Nodes that are eliminated together: a separator, or a set that was not cut.
+/// Nodes that are eliminated together: a separator, or a set that was not divided further.
 pub(super) struct Part {
     /// Places in the order of elimination.
     pub(super) own: Range<usize>,
-    /// The halves that a separator parts.
+    /// The halves on both sides of a separator.
     pub(super) halves: [Option<usize>; 2],
     /// Number of separators around it.
     pub(super) depth: usize,
@@ -65,11 +65,11 @@ pub(super) struct Part {
 pub(super) struct Dissection {
     /// The node at each place.
     pub(super) order: Vec<usize>,
-    /// Halves before their separators, as their places are.
+    /// Halves before their separators, in the order of elimination.
     pub(super) parts: Vec<Part>,
 }
 
-/// Dissects a body; no further once it is asked to end early.
+/// Dissects a body; can be interrupted.
 pub(super) fn dissect<const D: usize>(
     graph: &Graph,
     positions: &Vectors<D>,
@@ -88,7 +88,7 @@ pub(super) fn dissect<const D: usize>(
     Dissection { order, parts: knife.parts }
 }
 
-/// Where a node is put, in the order of elimination.
+/// Class of a node, in the order of elimination.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Class {
     Below,
@@ -106,7 +106,7 @@ struct Knife<'a> {
 }
 
 impl Knife<'_> {
-    /// Orders nodes whose places begin at `start`, and gives the number of their last part.
+    /// Orders nodes whose places begin at `start`, and returns the index of their last part.
     fn cut(&mut self, nodes: &mut [usize], start: usize, depth: usize) -> Option<usize> {
         if nodes.is_empty() {
             return None;
@@ -123,8 +123,8 @@ impl Knife<'_> {
         Some(self.parts.len() - 1)
     }
 
-    /// Sorts nodes into those below a cut, those above it and the separator, each by number, and gives
-    /// the counts of the first two.
+    /// Sorts nodes into those below a cut, those above it and the separator, each by number, and
+    /// returns the counts of the first two.
     fn divide(&mut self, nodes: &mut [usize]) -> [usize; 2] {
         let sides = [Class::Below, Class::Above];
         let mut best = (usize::MAX, 0, Class::Below);
@@ -165,7 +165,7 @@ impl Knife<'_> {
         }
     }
 
-    /// Whether a node on this side acts on one on the other.
+    /// Whether a node interacts with one on the other side.
     fn faces_the_other(&self, node: usize, side: Class) -> bool {
         let other = if side == Class::Below { Class::Above } else { Class::Below };
         self.class[node] == side

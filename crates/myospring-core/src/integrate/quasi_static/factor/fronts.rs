@@ -1,9 +1,10 @@
 //! Fronts: the dense matrices in which the parts of a dissection are eliminated.
 //!
-//! The front of a part has its own nodes and its border, the later nodes that act on it or on what was
-//! eliminated below it. Its first columns come from the stiffness and from the updates that its halves
-//! leave behind; eliminated, they are columns of the factor, and what remains is the front's own update
-//! (multifrontal method, `liu_1992`). All that depends on the pattern alone is found here.
+//! The front of a part contains its own nodes and its border: the later nodes that interact with it
+//! or with nodes eliminated below it. Its first columns come from the stiffness and from the
+//! updates of its halves. After elimination they are columns of the factor, and the remainder is
+//! the front's own update (multifrontal method, `liu_1992`). Everything that depends only on the
+//! pattern is computed here.
 
 use super::dissection::{Dissection, Graph};
 use super::error::FactorError;
@@ -37,12 +38,12 @@ pub(super) struct Front<const D: usize> {
     /// Later places, in order.
     pub(super) border: Vec<usize>,
     pub(super) halves: [Option<usize>; 2],
-    /// Where its columns stand in the factor.
+    /// Position of its columns in the factor.
     pub(super) entries: Range<usize>,
     /// On which of two stacks its update lies; the updates of its halves lie on the other.
     pub(super) stack: usize,
     placements: Vec<Placement>,
-    /// How the border lies in the front above.
+    /// Positions of the border in the front above.
     runs: Vec<Run>,
 }
 
@@ -87,7 +88,7 @@ impl<const D: usize> Front<D> {
         }
     }
 
-    /// Adds its update to the columns of the front above and to what will be that one's update.
+    /// Adds its update to the columns and to the update of the front above.
     pub(super) fn hand_up(
         &self,
         update: &[f64],
@@ -124,7 +125,7 @@ impl<const D: usize> Front<D> {
 pub(super) struct Fronts<const D: usize> {
     /// The node at each place of the order of elimination.
     pub(super) order: Vec<usize>,
-    /// Halves before the front that joins them.
+    /// The fronts; halves come before the front that joins them.
     pub(super) list: Vec<Front<D>>,
     /// Entries of the factor.
     pub(super) entries: usize,
@@ -188,7 +189,7 @@ impl<const D: usize> Fronts<D> {
     }
 }
 
-/// Number of a place among the nodes of a front.
+/// Index of a place among the nodes of a front.
 fn number_in<const D: usize>(front: &Front<D>, place: usize) -> usize {
     if place < front.own.end {
         place - front.own.start
@@ -197,7 +198,7 @@ fn number_in<const D: usize>(front: &Front<D>, place: usize) -> usize {
     }
 }
 
-/// How a border lies in the front above it.
+/// Positions of a border in the front above it.
 fn runs<const D: usize>(border: &[usize], above: &Front<D>) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for (number, &place) in border.iter().enumerate() {
@@ -210,7 +211,7 @@ fn runs<const D: usize>(border: &[usize], above: &Front<D>) -> Vec<Run> {
     runs
 }
 
-/// Sends each block of the stiffness to the front in which the first of its nodes is eliminated.
+/// Assigns each block of the stiffness to the front in which the first of its nodes is eliminated.
 fn place_blocks<const D: usize>(
     stiffness: &StiffnessMatrix<D>,
     places: &[usize],
