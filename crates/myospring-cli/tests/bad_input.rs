@@ -157,7 +157,7 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         ),
         (
             vec!["run", "--myofibril-content", "tabs.csv"],
-            &["tabs.csv", "its one column, as commas part them", "`x_um,y_um,content`"],
+            &["tabs.csv", "its one column, as separated by commas", "`x_um,y_um,content`"],
         ),
         (
             vec!["run", "--myofibril-content", "rows.csv"],

@@ -1,4 +1,4 @@
-//! Run files: a TOML text becomes validated working types, and goes back to text.
+//! Run files: reads TOML into validated types, and writes them back.
 //!
 //! ```text
 //! text + options  ->  RunFile (what was written)  ->  Run (checked, internal units)  ->  Simulation
@@ -6,9 +6,10 @@
 //!                          +----------- to_run_file -----+
 //! ```
 //!
-//! The keys are those of the table of [`settings`](crate::settings), of which [`schema()`] makes a JSON
-//! Schema and [`template()`] a commented run file; what several keys have to keep together stands in
-//! `run_file/rules.rs`. No file is opened here: pictures come through a closure ([`Shape::bytes`]).
+//! The keys are those of the table of [`settings`](crate::settings), from which [`schema()`] makes
+//! a JSON Schema and [`template()`] a commented run file; rules between keys are in
+//! `run_file/rules.rs`. No file is opened here: pictures are read through a closure
+//! ([`Shape::bytes`]).
 //!
 //! # Example
 //! ```

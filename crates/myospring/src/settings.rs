@@ -1,9 +1,9 @@
-//! Settings: everything that a user may choose, one row each, and the [`Run`] that they make.
+//! Settings: everything that a user may choose, one row each, and the resulting [`Run`].
 //!
-//! A row ([`Setting`]) has the key, what its values may be, what it is, its option on the command line, and how it
-//! is read from a run and put into one. Run files, their JSON Schema and template, the options of the
-//! program and its help, and what is written beside results are made from this one table. To add a
-//! setting: one row in `settings/rows/`, and what reads it in [`Run`].
+//! A row ([`Setting`]) has the key, the allowed values, a description, the option on the command
+//! line, and how it is read from and written to a run. Run files, their JSON Schema and template,
+//! the program's options and help, and the run files written with results come from this one table.
+//! To add a setting, add a row in `settings/rows/`, and the field of [`Run`] that it sets.
 //!
 //! # Example
 //! ```
@@ -62,12 +62,12 @@ pub fn tables() -> &'static [Table] {
     rows::TABLES
 }
 
-/// All settings in the order in which they are shown and put into a run.
+/// All settings, in the order in which they are shown and applied to a run.
 pub fn table() -> impl Iterator<Item = &'static Setting> {
     tables().iter().flat_map(|table| table.settings)
 }
 
-/// The setting of a key, if there is one.
+/// The setting with this key, if there is one.
 ///
 /// # Example
 /// ```

@@ -198,49 +198,49 @@ def simulate(
         Cell model; `myospring.models()` lists them.
     peak_tension_kpa : float, default 50.0
         Peak of the active tension of one default beat with the model's published parameters;
-        changed parameters make the cell stronger or weaker than that. Not of a model whose tension
-        is in kPa already, such as land_2017: scale its T_ref. In kPa, 0 kPa to 500 kPa.
+        changed parameters make the cell stronger or weaker than that. Not for a model whose tension
+        is already in kPa, such as land_2017: scale its T_ref. In kPa, 0 kPa to 500 kPa.
     parameters : Mapping[str, float or str] or None
         Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
         plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
     title : str, default ""
-        What this run is about, for people.
+        Title of the run, for people.
     calcium : str or PathLike[str] or None
-        Calcium from a table (.csv), relative to this file, for a model whose calcium is given: a
+        Calcium from a table (.csv), relative to this file, for a model with prescribed calcium: a
         column of times from the stimulus and one of calcium, with their units in the header like
-        time (ms),calcium (uM), or a ratio with its calibration. It begins anew with each stimulus.
-        None: the cell model's own, of land_2017 two exponentials.
+        time (ms),calcium (uM), or a ratio with its calibration. The course restarts at each
+        stimulus. None: the cell model's own; for land_2017, two exponentials.
     cell_calcium_dissociation_micromolar : float or None
-        Of a ratio in that table: dissociation constant of the dye times its fluorescence without
-        over that with calcium at the second wavelength, K in Ca = K (R - R_min) / (R_max - R). In
-        uM, above 0 uM, at most 1000 uM.
+        For a ratio in that table: dissociation constant of the dye times the ratio of its
+        fluorescence without to that with calcium at the second wavelength, K in Ca = K (R - R_min)
+        / (R_max - R). In uM, above 0 uM, at most 1000 uM.
     cell_ratio_min : float or None
         The ratio without calcium, R_min. 0 to 1000000.
     cell_ratio_max : float or None
-        The ratio with the dye full of calcium, R_max. Above 0, at most 1000000.
+        The ratio with the dye saturated with calcium, R_max. Above 0, at most 1000000.
     tension_scale : {"published", "own-peak"}, default "published"
-        Whose peak is scaled to `peak_tension_kpa`: that of the published parameters, or the model's
+        Which peak is scaled to `peak_tension_kpa`: that of the published parameters, or the model's
         own, whatever its parameters.
     cell_stretch_felt : {"cell", "triangle"}, default "cell"
-        Whose stretch a model feels that feels any, such as land_2017.
+        Which stretch acts on a model that depends on stretch, such as land_2017.
     authors_step : bool, default False
         Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
         peak tension is 4 % low, its onset 20 ms late. Not together with method or step.
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
-        Integration method of the cell model, with fixed steps or with steps of its own choice.
+        Integration method of the cell model, with fixed or adaptive steps.
     cell_step_ms : float or None
         Largest time step of the cell model, for a method with fixed steps. In ms, 0.00001 ms to 1
-        ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
+        ms. None: suited to the cell model: 0.005 ms, for land_2017 0.05 ms.
     cell_tolerance : float or None
-        Largest error of a step over the size of each variable, for a method that chooses its steps.
-        0.0000000001 to 0.01. None: 0.00001.
+        Largest error of a step relative to the size of each variable, for a method with adaptive
+        steps. 0.0000000001 to 0.01. None: 0.00001.
     stimulus_kind : {"jump", "pulse"} or None
         A jump of the potential variable, or a pulse of current. None: the cell model's own.
     stimulus_amplitude : float or str or None
-        Size: a pure number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the cell model's
-        own.
+        Size: a dimensionless number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the
+        cell model's own.
     stimulus_duration_ms : float or None
-        How long a pulse lasts; not for a jump. In ms, above 0 ms, at most 1000 ms.
+        Duration of a pulse; not for a jump. In ms, above 0 ms, at most 1000 ms.
     stimulus_start_ms : float or None
         Time of the first stimulus. In ms, 0 ms to 100000 ms.
     beats : int, default 1
@@ -249,31 +249,31 @@ def simulate(
         Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
     s2_interval_ms : float or None
         Coupling interval of one extra stimulus, S2: its time after the last of the train, S1. Its
-        beat is measured from the rest before that S1, has no metrics where it raises no action
-        potential, and is in no mean over beats. In ms, above 0 ms, at most 100000 ms. None: no
-        extra stimulus.
+        beat is measured from the rest before that S1; it has no metrics if it raises no action
+        potential, and does not count in means over beats. In ms, above 0 ms, at most 100000 ms.
+        None: no extra stimulus.
     steady_state : float or None
         Pace the cell model alone at this cycle length before the run, until no state changes by
         more than this over ten beats, relative to its size within a beat; the run's first beat is
         then the next one of that train. 0.000001 to 0.1. None: the run starts from the model's
         initial state.
     steady_state_cache : str, default ""
-        Folder in which steady states are kept for other runs of the same model, parameters and
+        Folder in which steady states are stored for other runs with the same model, parameters and
         pacing; empty for none.
     wave_speed_um_per_ms : float or None
-        Speed at which each stimulus, and the calcium that it sets free, travels along the cell from
-        the end where the long axis starts: a cell model for each triangle, much slower. Beats are
-        measured from the start of the wave. In um/ms, 0.001 um/ms to 1000000 um/ms. None:
-        everywhere at once.
+        Speed at which each stimulus, and its calcium release, travels along the cell from the end
+        where the long axis starts: a cell model for each triangle, much slower. Beats are measured
+        from the start of the wave. In um/ms, 0.001 um/ms to 1000000 um/ms. None: everywhere at
+        once.
     young_modulus_kpa : float or None
-        Young's modulus of the sheet that the springs make. In kPa, 0.1 kPa to 1000000 kPa.
+        Young's modulus of the sheet formed by the springs. In kPa, 0.1 kPa to 1000000 kPa.
     spring_stiffness_nn_per_um : float or None
         Stiffness of a horizontal or vertical spring, instead of `young_modulus_kpa`; a diagonal one
         has half of it. In nN/um, 0.1 nN/um to 100000000 nN/um.
     thickness_um : float, default 10.0
         Thickness of the cell. In um, above 0 um, at most 100 um.
     area_law : {"gradient", "barycentric", "printed"}, default "gradient"
-        What keeps the projected area.
+        Law of area preservation.
     area_modulus_kpa : float or None
         Stiffness of the area law per thickness. In kPa, 0 kPa to 1000000 kPa.
     damping_ratio : float, default 0.05
@@ -284,43 +284,42 @@ def simulate(
     drag_ratio : float, default 0.3
         Damping of that vibration by drag, as a part of critical damping. 0 to 100.
     retardation_time_ms : float, default 0.0
-        Viscosity of the cell over its Young's modulus (Kelvin and Voigt): by so much its shape lags
-        behind its tension. Quasi-static runs only. In ms, 0 ms to 1000 ms.
+        Viscosity of the cell divided by its Young's modulus (Kelvin-Voigt): the time by which its
+        shape lags behind its tension. Quasi-static runs only. In ms, 0 ms to 1000 ms.
     active : {"fibre", "ends"}, default "fibre"
         How the tension acts.
     fibre : str, default "auto"
-        Direction of the fibres: "picture", which reads it from the stripes or filaments of the
-        picture, the "long axis" of the cell, an angle counter-clockwise from x, or "auto": from a
-        picture that shows sarcomeres, or what its stain is said to show, and along the long axis
-        elsewhere.
+        Direction of the fibres: "picture" (read from the stripes or filaments of the picture), the
+        "long axis" of the cell, an angle counter-clockwise from x, or "auto": from a picture that
+        shows sarcomeres or the stated stain, and along the long axis elsewhere.
     stain : {"z-disc", "filament"} or None
-        What the picture shows: stripes across the fibre, or filaments along it. None: z-disc, which
-        auto takes for given only where it finds sarcomeres.
+        What the picture shows: stripes across the fibre, or filaments along it. None: z-disc; auto
+        uses it only if it finds sarcomeres.
     fibre_smoothing_um : float or None
         Scale over which directions from the picture are averaged. In um, 0.1 um to 20 um. None: "3
         um".
     myofibril_content : str or PathLike[str], default "uniform"
-        How many myofibrils there are in each place: tension is in proportion. "uniform"; "picture",
-        which takes order times coverage of the fibres that the picture shows, relative to its mean,
-        and nothing where it shows none; or a file, relative to this one: a table (.csv) with the
-        header content, a row for each triangle, or x_um,y_um,content, taken as it stands, or a
-        picture of the same frame as the cell's, whose grey values are taken relative to their mean.
+        Content of myofibrils in each place, to which tension is proportional: "uniform"; "picture",
+        which uses order times coverage of the fibres in the picture, relative to its mean, and 0
+        where it shows none; or a file, relative to this one: a table (.csv) with the header
+        content, a row for each triangle, or x_um,y_um,content, used unchanged, or a picture of the
+        same frame as the cell's, whose grey values are used relative to their mean.
     sarcomere_length : str or PathLike[str], default "uniform"
-        How long the sarcomeres of the cell at rest are in each place, for a model that feels its
-        stretch: there it feels this length over `sarcomere_reference_um`. "uniform", all as long as
-        that; "picture", as the picture shows them, and as in the nearest place where it shows none;
-        or a table (.csv), relative to this file, with the header sarcomere_um, a row for each
-        triangle, or x_um,y_um,sarcomere_um, such as fibres.csv. A model for each triangle
-        (stretch_felt = "triangle") feels its own, one for the cell their mean.
+        Length of the sarcomeres at rest in each place, for a model that depends on stretch: its
+        stretch there is this length divided by `sarcomere_reference_um`. "uniform": that length
+        everywhere; "picture": as in the picture, or as at the nearest place where it shows none; or
+        a table (.csv), relative to this file, with the header sarcomere_um, a row for each
+        triangle, or x_um,y_um,sarcomere_um, such as fibres.csv. With a model for each triangle
+        (stretch_felt = "triangle"), each has its own; a single model has their mean.
     sarcomere_reference_um : float or None
-        Length of the sarcomere at which the cell model's stretch is 1. Nobody has measured it for a
-        model: isolated rat cells rest at 1.71 um, the same cells within the heart at 1.95 um (Bub
-        2010). In um, 1 um to 3 um.
+        Length of the sarcomere at which the cell model's stretch is 1. It has not been measured for
+        any model: isolated rat cells rest at 1.71 um, the same cells within the heart at 1.95 um
+        (Bub 2010). In um, 1 um to 3 um.
     support : {"mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"}, default "mass-centre"
-        What holds the cell.
+        The support of the cell.
     end_stretch : float, default 1.0
-        How far clamped or afterloaded ends are held apart before the beat, relative to the cell at
-        rest. 0.5 to 1.5.
+        Distance between clamped or afterloaded ends before the beat, relative to the cell at rest.
+        0.5 to 1.5.
     afterload_nn : float or None
         Force against which the cell of "afterloaded-ends" shortens: 1 kPa on a section of 200 um^2
         is 200 nN. In nN, above 0 nN, at most 1000000000 nN.
@@ -328,16 +327,17 @@ def simulate(
         Stiffness of each of the two springs of "spring-held-ends", such as carbon fibres. In nN/um,
         above 0 nN/um, at most 100000000 nN/um.
     bed_stiffness_kpa_per_um : float or None
-        Stiffness of an "elastic-bed", traction per displacement: of a thin layer its shear modulus
-        over its thickness. In kPa/um, above 0 kPa/um, at most 1000000 kPa/um.
+        Stiffness of an "elastic-bed", traction per displacement: for a thin layer its shear modulus
+        divided by its thickness. In kPa/um, above 0 kPa/um, at most 1000000 kPa/um.
     integrator : {"verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"}, default "verlet"
-        How the mesh follows the tension: in time by Verlet's method, of which "verlet" is the
-        paper's form, or along its equilibria.
+        How the shape follows the tension: in time by Verlet's method ("verlet" is the paper's
+        form), or along its equilibria.
     engine : {"auto", "plain", "fused"}, default "auto"
-        What moves the masses in time; one that cannot is refused, and run.json says which did.
+        Implementation of the integrator in time; an unsupported one is an error, and run.json
+        states the one used.
     time_step_ms : float or None
-        Mechanical time step; one above the stability limit is refused. Not for "quasi-static". In
-        ms, 0.0000001 ms to 10 ms. None: 0.95 of the stability limit.
+        Mechanical time step; a step above the stability limit is an error. Not for "quasi-static".
+        In ms, 0.0000001 ms to 10 ms. None: 0.95 of the stability limit.
     exchange_interval_ms : float, default 0.25
         Interval at which cell model and mesh exchange tension and stretch. In ms, 0.001 ms to 10
         ms.
@@ -345,8 +345,8 @@ def simulate(
         Interval of the rows in traces.csv, a multiple of the exchange interval. In ms, 0.001 ms to
         10000 ms.
     frame_interval_ms : float, default 5.0
-        Interval of the recorded shapes, of which films, ParaView's files and frames.npz are made; a
-        multiple of the output interval. In ms, 0.001 ms to 100000 ms.
+        Interval of the recorded shapes, from which films, ParaView's files and frames.npz are made;
+        a multiple of the output interval. In ms, 0.001 ms to 100000 ms.
     duration_ms : float or None
         Time simulated, a multiple of the exchange interval. In ms, above 0 ms, at most 1000000 ms.
         None: 550 ms after the last stimulus.
@@ -469,23 +469,23 @@ def action_potential(
         Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
         plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
-        Integration method of the cell model, with fixed steps or with steps of its own choice.
+        Integration method of the cell model, with fixed or adaptive steps.
     cell_step_ms : float or None
         Largest time step of the cell model, for a method with fixed steps. In ms, 0.00001 ms to 1
-        ms. None: what serves the cell model: 0.005 ms, of land_2017 0.05 ms.
+        ms. None: suited to the cell model: 0.005 ms, for land_2017 0.05 ms.
     cell_tolerance : float or None
-        Largest error of a step over the size of each variable, for a method that chooses its steps.
-        0.0000000001 to 0.01. None: 0.00001.
+        Largest error of a step relative to the size of each variable, for a method with adaptive
+        steps. 0.0000000001 to 0.01. None: 0.00001.
     authors_step : bool, default False
         Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
         peak tension is 4 % low, its onset 20 ms late. Not together with method or step.
     stimulus_kind : {"jump", "pulse"} or None
         A jump of the potential variable, or a pulse of current. None: the cell model's own.
     stimulus_amplitude : float or str or None
-        Size: a pure number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the cell model's
-        own.
+        Size: a dimensionless number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the
+        cell model's own.
     stimulus_duration_ms : float or None
-        How long a pulse lasts; not for a jump. In ms, above 0 ms, at most 1000 ms.
+        Duration of a pulse; not for a jump. In ms, above 0 ms, at most 1000 ms.
     stimulus_start_ms : float or None
         Time of the first stimulus. In ms, 0 ms to 100000 ms.
     beats : int, default 1
@@ -494,9 +494,9 @@ def action_potential(
         Time from one stimulus to the next. In ms, above 0 ms, at most 100000 ms.
     s2_interval_ms : float or None
         Coupling interval of one extra stimulus, S2: its time after the last of the train, S1. Its
-        beat is measured from the rest before that S1, has no metrics where it raises no action
-        potential, and is in no mean over beats. In ms, above 0 ms, at most 100000 ms. None: no
-        extra stimulus.
+        beat is measured from the rest before that S1; it has no metrics if it raises no action
+        potential, and does not count in means over beats. In ms, above 0 ms, at most 100000 ms.
+        None: no extra stimulus.
     duration_ms : float or None
         Time simulated, a multiple of the exchange interval. In ms, above 0 ms, at most 1000000 ms.
         None: 550 ms after the last stimulus.

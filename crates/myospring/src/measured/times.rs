@@ -107,7 +107,7 @@ impl Clock {
                 .ok_or_else(|| format!("column `{name}` has `{unit}`, which is no unit of time"))?,
             None if options.units_required => {
                 return Err(format!(
-                    "the column `{name}` has no unit that is known; call it `time (ms)` or `time (s)`"
+                    "the column `{name}` has no known unit; name it `time (ms)` or `time (s)`"
                 ));
             }
             None => {

@@ -1,4 +1,4 @@
-//! What can be wrong with a run file, where, and how to mend it.
+//! Errors in run files: what, where, and how to solve them.
 
 use crate::settings::{Failure, Problem};
 use std::fmt;
@@ -7,13 +7,13 @@ use std::ops::Range;
 /// Where a value came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Origin {
-    /// Nobody wrote it, or nobody knows.
+    /// Unknown.
     Unknown,
     /// A place in the text of a run file.
     Text {
         /// Name of the file; empty for a text without one.
         file: String,
-        /// Bytes of the text.
+        /// Range of bytes in the text.
         span: Range<usize>,
         /// Line, the first is 1.
         line: usize,
@@ -65,17 +65,17 @@ impl fmt::Display for Origin {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{origin}{problem}")]
 pub struct RunFileError {
-    /// Where.
+    /// Its place.
     pub origin: Origin,
-    /// The key with its table, `material.thickness`; empty where none is to blame.
+    /// The key with its table, `material.thickness`; empty if no key caused it.
     pub key: String,
-    /// What.
+    /// The problem.
     #[source]
     pub problem: Problem,
 }
 
 impl RunFileError {
-    /// How to mend it, in one sentence; `None` where the message already says so.
+    /// How to solve it, in one sentence; `None` if the message already says so.
     pub fn advice(&self) -> Option<String> {
         let name = match &self.origin {
             Origin::Option(option) => format!("{option} "),

@@ -5,7 +5,7 @@ use crate::settings::{Failure, Models, Named, Problem, Setting, Value, find, tab
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// A run file as it was written: values by key, of which every one may be absent.
+/// A run file as written: values by key; every key is optional.
 ///
 /// # Example
 /// ```
@@ -23,17 +23,17 @@ pub struct RunFile {
 }
 
 impl RunFile {
-    /// The value of a key, if it was given.
+    /// The value of a key, if present.
     pub fn get(&self, key: &str) -> Option<&Value> {
         self.values.get(key)
     }
 
-    /// Whether a key was given.
+    /// Whether a key is present.
     pub fn has(&self, key: &str) -> bool {
         self.values.contains_key(key)
     }
 
-    /// Gives a key a value.
+    /// Sets the value of a key.
     ///
     /// # Errors
     /// An unknown key, or a value of the wrong kind.
@@ -45,14 +45,14 @@ impl RunFile {
         self.take(setting, value.into()).map_err(RunFileError::bare)
     }
 
-    /// The same where `cell.model` may name these models, too, beside those of the list. What is written as TOML has
-    /// their names alone.
+    /// Allows `cell.model` to name these models in addition to the listed ones. TOML output
+    /// contains only their names.
     #[must_use]
     pub fn knowing(self, models: Models) -> Self {
         Self { models, ..self }
     }
 
-    /// Takes a key out.
+    /// Removes a key.
     pub fn remove(&mut self, key: &str) {
         self.values.remove(key);
     }

@@ -1,21 +1,21 @@
-//! What a number may be: dimension, bounds and an example.
+//! Bounds of a number: dimension, smallest and largest value, and an example.
 
 use super::problem::Problem;
 use super::value::Value;
 use crate::units::{self, Dimension};
 
-/// What a quantity may be.
+/// Bounds of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// What it measures.
+    /// Its dimension.
     pub dimension: Dimension,
-    /// Smallest value in the internal unit, itself allowed unless `open`.
+    /// Smallest value in the internal unit; allowed unless `open`.
     pub minimum: f64,
-    /// Whether the smallest value itself is refused.
+    /// Whether the smallest value itself is not allowed.
     pub open: bool,
     /// Largest value in the internal unit.
     pub maximum: f64,
-    /// A value as a person writes it.
+    /// An example, as written by users.
     pub example: &'static str,
 }
 
@@ -25,20 +25,20 @@ impl Bounds {
         Self { dimension, minimum: f64::MIN, open: false, maximum: f64::MAX, example }
     }
 
-    /// From a value on.
+    /// Sets the smallest value, which is allowed.
     pub(super) const fn from(mut self, minimum: f64) -> Self {
         self.minimum = minimum;
         self
     }
 
-    /// Above a value.
+    /// Sets the smallest value, which is not allowed.
     pub(super) const fn above(mut self, minimum: f64) -> Self {
         self.minimum = minimum;
         self.open = true;
         self
     }
 
-    /// Up to a value.
+    /// Sets the largest value.
     pub(super) const fn to(mut self, maximum: f64) -> Self {
         self.maximum = maximum;
         self
@@ -80,7 +80,7 @@ impl Bounds {
         })
     }
 
-    /// A value in the internal unit as it is written.
+    /// A value in the internal unit as text with unit.
     pub(super) fn write(&self, value: f64) -> Value {
         match self.dimension {
             Dimension::Number => Value::Number(value),
@@ -89,14 +89,14 @@ impl Bounds {
     }
 }
 
-/// What a whole number may be.
+/// Bounds of a whole number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Whole {
     /// Smallest value.
     pub minimum: u32,
     /// Largest value.
     pub maximum: u32,
-    /// A value as a person writes it.
+    /// An example.
     pub example: u32,
 }
 

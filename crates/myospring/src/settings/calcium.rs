@@ -1,8 +1,8 @@
 //! A measured course of calcium, from a table.
 //!
-//! The table has a column of times and one of calcium, each with its unit: `time (ms)` or `t_ms`, `calcium (uM)` or
-//! `Ca_nM`; others are passed over. Time counts from the stimulus. Instead of calcium it may have a `ratio` of two
-//! fluorescences, with a calibration after `grynkiewicz_1985`:
+//! The table has a column of times and one of calcium, each with its unit: `time (ms)` or `t_ms`,
+//! `calcium (uM)` or `Ca_nM`; other columns are ignored. Time starts at the stimulus. Instead of
+//! calcium it may have a `ratio` of two fluorescences, with a calibration after `grynkiewicz_1985`:
 //! ```text
 //! Ca = K (R - R_min) / (R_max - R)
 //! ```
@@ -14,16 +14,17 @@ use crate::measured::{self, Curve, Kind, Options, ReadError};
 use std::io;
 use std::sync::Arc;
 
-/// Endings of files that hold a course of calcium, without the dot.
+/// Endings of files with a course of calcium, without the dot.
 pub const CALCIUM_ENDINGS: &[&str] = &["csv", "txt", "tsv"];
 
-/// Part of its height by which calcium may jump at the next stimulus before it is remarked upon.
+/// Jump of calcium at the next stimulus, as a part of its height, above which a warning is given.
 const JUMP: f64 = 0.05;
 
-/// The longest hole in the times of a table that may lie across the rise of calcium, ms: it rises in some 40.
+/// The longest accepted gap in the times during the rise of calcium, ms; the rise takes about 40
+/// ms.
 const LONGEST_HOLE_MS: f64 = 10.0;
 
-/// How a ratio of fluorescences becomes calcium.
+/// Calibration of a ratio of fluorescences.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Calibration {
     /// Dissociation constant of the dye times the ratio of its fluorescence without and with calcium at the second
@@ -31,16 +32,16 @@ pub struct Calibration {
     pub dissociation_um: Option<f64>,
     /// Ratio without calcium.
     pub ratio_min: Option<f64>,
-    /// Ratio with the dye full of it.
+    /// Ratio with the dye saturated.
     pub ratio_max: Option<f64>,
 }
 
-/// Why a table gives no course of calcium.
+/// Why a table is not a course of calcium.
 #[derive(Debug, thiserror::Error)]
 pub enum CalciumError {
-    /// The cell model makes its own.
+    /// The cell model computes calcium itself.
     #[error(
-        "cell model `{model}` takes no calcium from a table; take `land_2017`, or leave the table out"
+        "cell model `{model}` takes no calcium from a table; choose `land_2017`, or leave the table out"
     )]
     Model {
         /// The model.
@@ -54,7 +55,7 @@ pub enum CalciumError {
         /// What the system says.
         cause: io::Error,
     },
-    /// It is no such table.
+    /// It is not a table of calcium.
     #[error(
         "`{path}`: {cause}; a table of calcium has a column of times and one of calcium or of a ratio, with their \
          units in the header, such as `time (ms),calcium (uM)`"
@@ -65,7 +66,7 @@ pub enum CalciumError {
         /// What is wrong.
         cause: String,
     },
-    /// A field that is no number, or one that cannot be.
+    /// A field that is not a number, or an impossible value.
     #[error("`{path}`, line {line}, column `{column}`: {cause}")]
     Field {
         /// The file.
@@ -77,7 +78,7 @@ pub enum CalciumError {
         /// What is wrong, with the value.
         cause: String,
     },
-    /// The samples together are no course.
+    /// The samples are not a valid course.
     #[error("`{path}`: {cause}")]
     Course {
         /// The file.
@@ -87,25 +88,25 @@ pub enum CalciumError {
     },
     /// Frames are missing where calcium rises.
     #[error(
-        "`{path}`, line {line}, column `{column}`: the next frame is missing: from {from_ms} to {to_ms} ms there is none, and \
-         they usually come every {usual_ms} ms. Calcium rises or peaks there, so that its course is not known; give a recording \
-         without this hole"
+        "`{path}`, line {line}, column `{column}`: there is no frame from {from_ms} to {to_ms} ms, although \
+         frames usually come every {usual_ms} ms. Calcium rises or peaks in this gap, so its course is not known; give a recording \
+         without this gap"
     )]
     Hole {
         /// The file.
         path: String,
-        /// The line before the hole, from 1.
+        /// The line before the gap, from 1.
         line: u64,
         /// The column of calcium as its header calls it.
         column: String,
-        /// Time before the hole, ms.
+        /// Time before the gap, ms.
         from_ms: f64,
         /// Time after it, ms.
         to_ms: f64,
         /// The usual time between frames, ms.
         usual_ms: f64,
     },
-    /// A ratio without what makes it calcium.
+    /// A ratio without calibration.
     #[error(
         "`{path}` has a ratio in the column `{column}`, and {missing} of its calibration is missing: give \
          calcium_dissociation (like \"0.8 uM\"), ratio_min and ratio_max in [cell], by \
@@ -124,13 +125,13 @@ pub enum CalciumError {
     Order {
         /// Ratio without calcium.
         min: f64,
-        /// Ratio with the dye full of it.
+        /// Ratio with the dye saturated.
         max: f64,
     },
 }
 
-/// The cell model with calcium from a table, and what a person should know of it; `read` reads a file by its name as
-/// written.
+/// The cell model with calcium from a table, and a warning if there is one; `read` reads a file by
+/// its name as written.
 pub(super) fn with_calcium(
     cell: &Arc<dyn CellModel>,
     path: &str,
@@ -142,8 +143,8 @@ pub(super) fn with_calcium(
     let [rest, last, peak] = trace.ends();
     if (last - rest).abs() > JUMP * (peak - rest) {
         remarks.push(format!(
-            "`{path}` ends at {last:.3} uM and rests at {rest:.3} uM: calcium stays there until the next stimulus and \
-             jumps then; record until it is back, or give a single beat"
+            "`{path}` ends at {last:.3} uM and rests at {rest:.3} uM: calcium stays at that level until the next stimulus and \
+             then jumps; record until it has returned, or use a single beat"
         ));
     }
     let warning = (!remarks.is_empty()).then(|| remarks.join("; "));
@@ -151,13 +152,13 @@ pub(super) fn with_calcium(
     Ok((driven.ok_or_else(|| CalciumError::Model { model: cell.name().to_owned() })?, warning))
 }
 
-/// The holes in a course across which calcium is interpolated, in words.
+/// The gaps in a course across which calcium is interpolated, in words.
 fn holes(path: &str, curve: &Curve, calcium: &[f64]) -> Result<Vec<String>, CalciumError> {
     let top = (0..calcium.len()).max_by(|a, b| calcium[*a].total_cmp(&calcium[*b])).unwrap_or(0);
     let mut remarks = Vec::new();
     for hole in holes::of(&curve.times_ms) {
         let Hole { after_frame, from_ms, to_ms, usual_ms } = hole;
-        // The highest frame may be the last before a hole that has the peak.
+        // The highest frame may be the last before a gap that contains the peak.
         if after_frame <= top + 1 && hole.length_ms() > LONGEST_HOLE_MS {
             let (path, column) = (path.to_owned(), curve.name.clone());
             let line = curve.lines[after_frame - 1];
@@ -191,7 +192,7 @@ fn of_table(
         let names = names.join(", ");
         return Err(table(match find(Kind::Fluorescence) {
             Some(bright) => format!(
-                "the column `{}` has no unit that is known; call it `calcium (uM)` or `calcium (nM)`",
+                "the column `{}` has no known unit; name it `calcium (uM)` or `calcium (nM)`",
                 bright.name
             ),
             None => format!("it has no column of calcium or of a ratio, only of {names}"),
@@ -206,7 +207,7 @@ fn of_table(
     let mut remarks = Vec::new();
     if of_kind.len() > 1 {
         remarks.push(format!(
-            "`{path}` has several columns of calcium, {}; the first is taken: leave the others out if that is not meant",
+            "`{path}` has several columns of calcium, {}; the first was taken: remove the others if that is wrong",
             of_kind.join(", ")
         ));
     }
@@ -231,10 +232,10 @@ fn of_table(
     Ok((trace, remarks))
 }
 
-/// What turns a number into calcium, uM, or says why it cannot.
+/// Converts a number to calcium, uM, or returns why it cannot.
 type ToCalcium = Box<dyn Fn(f64) -> Result<f64, String>>;
 
-/// What turns the numbers of a column into calcium.
+/// The conversion of a column's numbers to calcium.
 fn calibrated(
     path: &str,
     curve: &Curve,
@@ -321,7 +322,7 @@ mod tests {
             ("time (ms),force\n0,1\n", "no column of calcium or of a ratio, only of `force`"),
             (
                 "time,calcium (uM)\n0,1\n",
-                "the column `time` has no unit that is known; call it `time (ms)`",
+                "the column `time` has no known unit; name it `time (ms)`",
             ),
             (
                 "time (ms),calcium (mV)\n0,1\n",

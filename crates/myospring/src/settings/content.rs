@@ -1,12 +1,13 @@
 //! The content of myofibrils in each triangle, from the fibres that the picture shows, a table or a picture.
 //!
-//! - The fibres (`picture`): order times coverage relative to its mean over the cell, nothing where none were read.
-//!   That order tells strength is an assumption.
-//! - A table (`.csv`) with the header `content` has one row for each triangle, in the order of the mesh;
-//!   one with the header `x_um,y_um,content` has points, of which each triangle takes the nearest.
-//! - A picture (`.png`, `.tif`) covers the same frame as the picture of the cell, and its plane is chosen in the
-//!   same way (channel, frame, depth): its grey values, averaged
-//!   over a lattice square about each triangle, relative to their mean over the cell.
+//! - The fibres (`picture`): order times coverage, relative to its mean over the cell, and 0 where
+//!   no fibres were read. That order measures content is an assumption.
+//! - A table (`.csv`) with the header `content` has one row for each triangle, in the order of the
+//!   mesh; one with the header `x_um,y_um,content` has points; each triangle takes the value of the
+//!   nearest.
+//! - A picture (`.png`, `.tif`) must have the same frame as the picture of the cell; its plane is
+//!   chosen in the same way (channel, frame, depth). The content is its grey values, averaged over
+//!   a lattice square around each triangle, relative to their mean over the cell.
 
 use super::fibres::Fibres;
 use super::places::{self, Column, PlacesError, centres};
@@ -18,25 +19,26 @@ use crate::microscopy::plane::Plane;
 use crate::microscopy::read::{PictureError, read_picture};
 use std::io;
 
-/// Endings of files that hold a content of myofibrils, without the dot.
+/// Endings of files with a content of myofibrils, without the dot.
 pub const CONTENT_ENDINGS: &[&str] = &["csv", "png", "tif", "tiff"];
 
-/// Times the mean beyond which a content is remarked upon: five, where a fifth of the cell has all the myofibrils.
+/// Content relative to the mean above which a warning is given: 5 means that all myofibrils are in
+/// a fifth of the cell.
 const MUCH: f64 = 5.0;
 
-/// Why a file gives no content of myofibrils.
+/// Why a content of myofibrils cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ContentError {
-    /// There are no fibres to take it from.
+    /// There are no fibres from which to read it.
     #[error(
-        "no content of myofibrils can be taken from the picture, for no fibres were read from it{reason}; take \
+        "the content of myofibrils cannot be taken from the picture, because no fibres were read from it{reason}; use \
          --myofibril-content uniform, or a file"
     )]
     NotRead {
         /// Why, after a colon; may be empty.
         reason: String,
     },
-    /// No table of contents.
+    /// The table is not valid.
     #[error(transparent)]
     Table(#[from] PlacesError),
     /// The picture cannot be read.
@@ -47,9 +49,9 @@ pub enum ContentError {
         /// What is wrong.
         cause: PictureError,
     },
-    /// A picture, but none of the cell to lay it on.
+    /// A picture of content without a picture of the cell.
     #[error(
-        "`{path}` is a picture, but the cell is from none, so nobody knows where it lies; give a table \
+        "`{path}` is a picture, but the shape of the cell does not come from a picture, so their positions cannot be matched; give a table \
          (.csv), or the picture of the cell as its shape"
     )]
     NoFrame {
@@ -70,7 +72,9 @@ pub enum ContentError {
         expected: [usize; 2],
     },
     /// A picture that is black where the cell is.
-    #[error("`{path}` is black everywhere in the cell, so it says nothing about its myofibrils")]
+    #[error(
+        "`{path}` is black everywhere in the cell, so it contains no information on its myofibrils"
+    )]
     Black {
         /// The file.
         path: String,
@@ -85,8 +89,8 @@ const COLUMN: Column = Column {
     must: "from 0 to 100, where 1 is the content that gives the cell's tension",
 };
 
-/// The content of myofibrils in each triangle of a mesh that a file has, and what a person should know of it; `read` reads a file by its name as
-/// written, `picture` is that of the cell, with the plane that was taken of it.
+/// Reads the content of myofibrils in each triangle of a mesh from a file, with warnings; `read`
+/// reads a file by its name as written, `picture` is that of the cell, with its selected plane.
 pub(super) fn read_content(
     path: &str,
     mesh: &Mesh,
@@ -122,7 +126,7 @@ fn of_picture(
     let pixel = cell.pixel_size.um();
     let spacing = mesh.lattice.as_ref().map_or(pixel, |lattice| lattice.spacing);
     let reach = 0.5 * spacing / pixel;
-    // Columns, or rows from the bottom, of the pixels that a square about a place covers.
+    // Columns, or rows from the bottom, of the pixels covered by a square around a place.
     let covered = |at: f64, count: usize| {
         let last = count as f64 - 1.0;
         let [first, end] = [at - reach, at + reach].map(|edge| edge.floor().clamp(0.0, last));
@@ -145,7 +149,7 @@ fn of_picture(
     Ok((content, note))
 }
 
-/// The content that the fibres of a picture show, and what a person should know of it.
+/// The content of myofibrils from the fibres of a picture, with a warning.
 pub(super) fn of_fibres(
     fibres: &Fibres,
     mesh: &Mesh,
@@ -155,7 +159,7 @@ pub(super) fn of_fibres(
     };
     let seen = fibres.seen.as_ref().ok_or_else(not_read)?;
     let ordered = seen.triangles.iter().map(|place| {
-        // What is too little to read a direction from is no myofibril either.
+        // Without a readable direction, the content is 0.
         if place.from_picture { place.order * place.coverage } else { 0.0 }
     });
     let content = relative(ordered.collect(), mesh).ok_or_else(not_read)?;
@@ -163,14 +167,14 @@ pub(super) fn of_fibres(
     let warning = (most > MUCH).then(|| {
         format!(
             "the content of myofibrils is up to {most:.0} times its mean, and so is the tension: the picture shows \
-             fibres in {:.0} % of the cell only, which carry all of it",
+             fibres in only {:.0} % of the cell, which carry all the tension",
             100.0 * seen.field.summary().share_from_picture
         )
     });
     Ok((content, warning))
 }
 
-/// Values of triangles relative to their mean over the cell; none where that is not above 0.
+/// Values of triangles relative to their mean over the cell; `None` if that is not above 0.
 fn relative(values: Vec<f64>, mesh: &Mesh) -> Option<Vec<f64>> {
     let weights = mesh.simplices.iter().map(|triangle| triangle.weight);
     let (sum, whole) = values

@@ -1,4 +1,4 @@
-//! The fibres of a cell: where their direction comes from, and what its picture says of them.
+//! The fibres of a cell: source of their direction, and what the picture shows.
 
 use crate::mesh::Mesh;
 use crate::mesh::pixel_size::PixelSize;
@@ -14,27 +14,28 @@ use std::fmt;
 /// Direction of the fibres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fibre {
-    /// As the picture shows it, where it shows sarcomeres or what its stain is said to show; else, and without a
+    /// From the picture, if it shows sarcomeres or the stated stain; otherwise, and without a
     /// picture, along the long axis.
     Auto(Asked),
     /// Along the cell's long axis.
     LongAxis,
     /// At an angle counter-clockwise from x, degrees.
     Angle(f64),
-    /// As the picture shows it; along the long axis where it shows nothing.
+    /// From the picture; along the long axis where it shows no fibres.
     Picture(FibreSettings),
 }
 
-/// What was said about a picture of which it is open whether it shows fibres.
+/// Options for a picture that may or may not show fibres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Asked {
-    /// What the picture shows; unless said, z-discs, if stripes as far apart as sarcomeres are found.
+    /// What the picture shows; by default z-discs, if stripes with the period of sarcomeres are
+    /// found.
     pub stain: Option<Stain>,
     /// Scale over which directions are averaged, um.
     pub smoothing_um: Option<f64>,
 }
 
-/// Why a picture was not taken for the direction of the fibres.
+/// Why the direction of the fibres was not read from the picture.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NotRead {
     /// A mask.
@@ -59,15 +60,15 @@ pub enum NotRead {
 /// The fibres of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fibres {
-    /// Where their direction was taken from; never [`Fibre::Auto`].
+    /// Source of their direction; never [`Fibre::Auto`].
     pub taken: Fibre,
     /// Unit vector along the fibre in each triangle of the mesh.
     pub directions: Vec<[f64; 2]>,
-    /// What the picture shows, where they were taken from it.
+    /// What the picture shows, if they were read from it.
     pub seen: Option<Seen>,
-    /// Why not from the picture, where that was left open.
+    /// Why they were not read from the picture, with [`Fibre::Auto`].
     pub not_read: Option<NotRead>,
-    /// What a person should know before they trust them, a sentence each.
+    /// Warnings, one sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -85,12 +86,12 @@ pub struct Seen {
 /// The fibres of a cell in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FibreReport {
-    /// Where their direction was taken from: `picture`, `long axis`, or an angle.
+    /// Source of their direction: `picture`, `long axis`, or an angle.
     pub direction: String,
-    /// Why not from the picture, where that was left open.
+    /// Why they were not read from the picture, with `auto`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_read: Option<String>,
-    /// What the picture shows, where they were taken from it.
+    /// What the picture shows, if they were read from it.
     #[serde(flatten)]
     pub seen: Option<SeenReport>,
 }
@@ -102,9 +103,9 @@ pub struct SeenReport {
     pub stain: Stain,
     /// Part of the cell that was read from the picture, per cent.
     pub read_pct: f64,
-    /// Mean direction against the long axis, degrees counter-clockwise, above -90 and up to 90.
+    /// Mean angle to the long axis, degrees counter-clockwise, above -90 and up to 90.
     pub angle_to_axis_deg: f64,
-    /// How parallel the fibres are, 0 to 1; places where the long axis stands in count as such.
+    /// How parallel the fibres are, 0 to 1; places where the long axis is used are included.
     pub alignment: f64,
     /// Mean of how sharply the picture shows one direction and one period, 0 to 1.
     pub order: f64,
@@ -117,7 +118,7 @@ pub struct SeenReport {
     /// Why that length is doubtful, if it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sarcomere_doubt: Option<SarcomereDoubt>,
-    /// Triangles of the mesh in which one was read.
+    /// Number of triangles of the mesh in which a sarcomere length was read.
     pub sarcomeres: usize,
 }
 
@@ -125,7 +126,8 @@ impl Fibre {
     /// The fibres on the mesh of a cell; `picture` is where it was found.
     ///
     /// # Errors
-    /// A picture that is to be read ([`Fibre::Picture`]) and whose pixels are too coarse, or settings out of range.
+    /// A picture with pixels that are too coarse ([`Fibre::Picture`] only), or settings out of
+    /// range.
     ///
     /// # Example
     /// ```
@@ -169,7 +171,7 @@ impl Asked {
         FibreSettings { smoothing_um, ..of_stain }
     }
 
-    /// The fibres that the picture shows, or the long axis and why.
+    /// The fibres of the picture, or the long axis and the reason.
     fn on(
         &self,
         mesh: &Mesh,
@@ -199,7 +201,7 @@ impl Asked {
         let summary = field.summary();
         let none = summary.share_from_picture == 0.0;
         match self.stain {
-            // Nobody said that there are z-discs: the period of the stripes must.
+            // Without a stated stain, the period of the stripes must be that of sarcomeres.
             None if none || summary.median_sarcomere_um.is_none() => {
                 instead(NotRead::NoSarcomeres, field.doubts())
             }
@@ -238,7 +240,7 @@ impl Fibres {
         }
     }
 
-    /// In numbers.
+    /// Its numbers for reports.
     pub fn report(&self) -> FibreReport {
         FibreReport {
             direction: match self.taken {
@@ -253,7 +255,7 @@ impl Fibres {
 }
 
 impl Seen {
-    /// In numbers.
+    /// Its numbers for reports.
     pub fn report(&self) -> SeenReport {
         let summary = self.field.summary();
         let quartiles = summary.sarcomere_quartiles_um;

@@ -1,20 +1,20 @@
-//! The cell models that `cell.model` may name: those of the list, and one's own.
+//! The cell models that `cell.model` may name: listed ones and own ones.
 
 use crate::cell::{self, CellModel, UnknownModel};
 use std::fmt;
 use std::sync::Arc;
 
-/// Cell models of one's own, beside those of [`cell::models`].
+/// Own cell models, in addition to those of [`cell::models`].
 #[derive(Clone, Default)]
 pub struct Models(Vec<Arc<dyn CellModel>>);
 
 impl Models {
-    /// These beside those of the list; a name that both have is that of one's own.
+    /// Adds own models; an own model replaces a listed one of the same name.
     pub fn new(own: &[Arc<dyn CellModel>]) -> Self {
         Self(own.to_vec())
     }
 
-    /// The model of that name as it was given or published.
+    /// The model of this name, as given or published.
     ///
     /// # Errors
     /// An unknown name.

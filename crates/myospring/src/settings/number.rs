@@ -1,4 +1,5 @@
-//! The numbers of a run by their names: settings that are quantities, and the parameters of its cell model.
+//! The numbers of a run by name: settings that are quantities, and the parameters of its cell
+//! model.
 
 use super::setting::Kind;
 use super::value::Value;
@@ -6,20 +7,20 @@ use super::{Named, Problem, Run, find, table};
 use crate::units::{self, Dimension, UnitError};
 
 const PARAMETERS: &str = "cell.parameters";
-/// How many names are offered for one that does not exist, and how alike they have to be.
+/// Largest number of suggestions for an unknown name, and their least similarity.
 const OFFERED: usize = 3;
 const ALIKE: f64 = 0.7;
 
-/// A number that runs have: a parameter of the cell model, or a setting that is a quantity.
+/// A number of a run: a parameter of the cell model, or a setting that is a quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Number {
     /// Its key in a run file: `cell.parameters.tau_si`, `material.thickness`.
     pub key: String,
-    /// Its unit; empty for a pure number.
+    /// Its unit; empty for a dimensionless number.
     pub unit: String,
 }
 
-/// Why a name is none of a number.
+/// Why a name does not identify a number.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NumberError {
     /// No number of the run has that name.
@@ -28,16 +29,16 @@ pub enum NumberError {
         offered(nearest)
     )]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// The model whose parameters were looked at.
+        /// The model whose parameters were searched.
         model: String,
-        /// The names most like it, the likest first.
+        /// The most similar names, the most similar first.
         nearest: Vec<String>,
     },
-    /// A setting, but none that is a number with a unit.
+    /// A setting that is not a number.
     #[error(
-        "`{key}` is a setting, but no number that could be changed by its name; give it a value of its own"
+        "`{key}` is a setting, but not a number, so it cannot be varied; give it a fixed value"
     )]
     OtherSetting {
         /// Its key.
@@ -46,7 +47,7 @@ pub enum NumberError {
     /// Several numbers have that name.
     #[error("`{name}` may be any of: {}; write which", keys.join(", "))]
     Several {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// Their keys.
         keys: Vec<String>,
@@ -80,7 +81,7 @@ impl Number {
     /// The number of a run with this name (`tau_si`, `peak_tension`) or key (`material.thickness`).
     ///
     /// # Errors
-    /// A name that is none, with those most like it, or several.
+    /// An unknown name, with similar ones, or an ambiguous one.
     ///
     /// # Example
     /// ```
@@ -134,7 +135,7 @@ impl Number {
         self.key.strip_prefix(PARAMETERS)?.strip_prefix('.')
     }
 
-    /// Its value in a run, in its unit; `None` where the run decides it itself, or has none.
+    /// Its value in a run, in its unit; `None` if the run determines it itself, or has none.
     pub fn get(&self, run: &Run) -> Option<f64> {
         if let Some(parameter) = self.parameter() {
             return run.cell.parameters().get(parameter);
@@ -145,7 +146,7 @@ impl Number {
         }
     }
 
-    /// Gives it a value, in its unit.
+    /// Sets its value, in its unit.
     ///
     /// # Errors
     /// A value outside its bounds.
@@ -163,12 +164,12 @@ impl Number {
         setting.set(run, &value).map_err(|(_, problem)| problem)
     }
 
-    /// A value, in its unit, as a run file has it.
+    /// A value, in its unit, as written in a run file.
     pub fn written(&self, value: f64) -> Value {
         let setting = find(&self.key);
         let whole = setting.is_some_and(|it| matches!(it.kind, Kind::Whole { .. }));
         match setting.and_then(super::Setting::bounds) {
-            // Of text it could not be said that it is no number.
+            // As text, its error would not say that it is not a number.
             _ if !value.is_finite() => Value::Number(value),
             _ if whole && value.fract() == 0.0 => Value::Whole(value as i64),
             Some(bounds) => Value::Text(units::format(value, bounds.dimension)),
@@ -176,10 +177,10 @@ impl Number {
         }
     }
 
-    /// A value as a person writes it, in its unit: `"1 um"`, or a bare number.
+    /// Reads a value as written by a user: `"1 um"`, or a number in its unit.
     ///
     /// # Errors
-    /// A unit of another kind, or no number.
+    /// A unit of another dimension, or text that is not a number.
     pub fn read(&self, text: &str) -> Result<f64, UnitError> {
         let bounds = find(&self.key).and_then(super::Setting::bounds);
         let dimension = bounds.map(|bounds| bounds.dimension);

@@ -1,29 +1,30 @@
-//! Tables that say something of each place in a cell: a row for each triangle, or points of which each triangle takes
-//! the nearest.
+//! Tables of values by place in a cell: one row per triangle, or points, of which each triangle
+//! takes the nearest.
 //!
-//! A table whose header has `x_um` and `y_um` has points; its other columns are passed over, so `fibres.csv` may be read
-//! as it was written. Points without a value say nothing. A table with a row for each triangle has the one column.
+//! A table whose header has `x_um` and `y_um` has points; its other columns are ignored, so that
+//! `fibres.csv` can be read. Points without a value are ignored. A table with one row per triangle
+//! has only the value's column.
 
 use crate::mesh::Mesh;
 use std::io;
 use std::ops::RangeInclusive;
 
-/// Words that stand for no file.
+/// Words that do not name a file.
 pub(super) const WORDS: &[&str] = &["uniform", "picture"];
 
-/// Where what differs from place to place is taken from.
+/// Source of a quantity that may vary over the cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FromPlaces {
-    /// The same everywhere.
+    /// Uniform.
     Uniform,
-    /// What the picture of the cell shows.
+    /// From the picture of the cell.
     Picture,
     /// A file, as written.
     File(String),
 }
 
 impl FromPlaces {
-    /// What a person wrote.
+    /// From the text that a user wrote.
     pub(super) fn of(text: String) -> Self {
         match text.as_str() {
             "uniform" => Self::Uniform,
@@ -32,7 +33,7 @@ impl FromPlaces {
         }
     }
 
-    /// As a person writes it.
+    /// As written by users.
     pub(super) fn written(&self) -> &str {
         match self {
             Self::Uniform => "uniform",
@@ -42,22 +43,22 @@ impl FromPlaces {
     }
 }
 
-/// Most points of a table: each triangle looks at all of them.
+/// Largest number of points of a table; each triangle is compared with all of them.
 const MOST_POINTS: usize = 100_000;
 
 /// A column of such a table.
 pub(super) struct Column {
     /// Its name in the header.
     pub(super) name: &'static str,
-    /// What it says.
+    /// The quantity, in words.
     pub(super) of: &'static str,
-    /// What its numbers may be, all finite.
+    /// Allowed numbers, all finite.
     pub(super) within: RangeInclusive<f64>,
-    /// That, in words.
+    /// The allowed numbers, in words.
     pub(super) must: &'static str,
 }
 
-/// Why a file is no table by place.
+/// Why a file is not a valid table by place.
 #[derive(Debug, thiserror::Error)]
 pub enum PlacesError {
     /// The file could not be read.
@@ -68,7 +69,7 @@ pub enum PlacesError {
         /// What the system says.
         cause: io::Error,
     },
-    /// It is no such table.
+    /// It is not a table by place.
     #[error(
         "`{path}`: {cause}; a table of {of} has the header `{column}`, with one row for each triangle, or \
          `x_um,y_um,{column}`"
@@ -78,12 +79,12 @@ pub enum PlacesError {
         path: String,
         /// What is wrong, with the line.
         cause: String,
-        /// What the table says.
+        /// The quantity of the table.
         of: &'static str,
         /// Its column.
         column: &'static str,
     },
-    /// A number that cannot be.
+    /// A number out of range.
     #[error("`{path}`, line {line}: {column} is {value}; it must be {must}")]
     Value {
         /// The file.
@@ -104,13 +105,13 @@ pub enum PlacesError {
         path: String,
         /// How many rows it has.
         rows: usize,
-        /// How many it may have, and why.
+        /// How many it must have, and why.
         must: String,
     },
-    /// Places that all lie beside the cell: of another origin or unit.
+    /// Places that all lie outside the cell: another origin or unit.
     #[error(
         "`{path}` has places from {first:.1?} to {last:.1?} um, the cell lies from {cell_first:.1?} to \
-         {cell_last:.1?} um, so they say nothing about it; give x_um and y_um from the same origin as the \
+         {cell_last:.1?} um, so none lies in it; give x_um and y_um from the same origin as the \
          cell's nodes"
     )]
     Beside {
@@ -127,7 +128,7 @@ pub enum PlacesError {
     },
 }
 
-/// A file by its name as written.
+/// Reads a file by its name as written.
 pub(super) fn read_bytes(
     path: &str,
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
@@ -135,7 +136,7 @@ pub(super) fn read_bytes(
     read(path).map_err(|cause| PlacesError::Read { path: path.to_owned(), cause })
 }
 
-/// The number of each triangle that a table gives in one of its columns.
+/// The value of each triangle from a column of a table.
 pub(super) fn read_table(
     path: &str,
     column: &Column,
@@ -152,13 +153,13 @@ pub(super) fn read_table(
     let header = reader.headers().map_err(|error| table(error.to_string()))?.clone();
     let place = |name: &str| header.iter().position(|column| column == name);
     let [x, y, wanted] = ["x_um", "y_um", column.name].map(place);
-    // Beside other columns a row for each triangle would be a guess: places may stand under another name.
+    // With other columns, one row per triangle would be a guess: coordinates may have other names.
     let places = x.is_some() && y.is_some() || header.len() == 1;
     let (Some(wanted), true) = (wanted, places) else {
         let found: Vec<_> = header.iter().map(|name| format!("`{name}`")).collect();
         return Err(table(match found.len() {
             0 => "it is empty".to_owned(),
-            1 => format!("its one column, as commas part them, is {}", found[0]),
+            1 => format!("its one column, as separated by commas, is {}", found[0]),
             _ => format!("its columns are {}", found.join(", ")),
         }));
     };
@@ -207,7 +208,7 @@ pub(super) fn read_table(
     Ok(nearest(&points, &values, mesh))
 }
 
-/// The value of the point nearest to each triangle; there must be one.
+/// The value of the point nearest to each triangle; there must be at least one point.
 pub(super) fn nearest(points: &[[f64; 2]], values: &[f64], mesh: &Mesh) -> Vec<f64> {
     let of = |[x, y]: [f64; 2]| {
         let square = |at: usize| (points[at][0] - x).powi(2) + (points[at][1] - y).powi(2);
@@ -217,7 +218,7 @@ pub(super) fn nearest(points: &[[f64; 2]], values: &[f64], mesh: &Mesh) -> Vec<f
     centres(mesh).map(of).collect()
 }
 
-/// Least and largest x and y of points.
+/// Smallest and largest x and y of points.
 fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     let of = |most: fn(f64, f64) -> f64| {
         points

@@ -1,11 +1,11 @@
-//! What can be wrong with a setting, and how to mend it.
+//! Problems of settings, and how to solve them.
 
 use crate::cell::pacing::ProtocolError;
 use crate::cell::{ModelError, UnknownModel};
 use crate::parameter::ParameterError;
 use crate::units::UnitError;
 
-/// The key to blame, with its tables, and what is wrong.
+/// The key that caused a problem, with its table, and the problem.
 pub type Failure = (String, Problem);
 
 /// What is wrong.
@@ -20,25 +20,25 @@ pub enum Problem {
     /// A key that does not exist.
     #[error("unknown key `{key}`{}{}", place(table), guess(suggestion.as_ref()))]
     UnknownKey {
-        /// What was written.
+        /// The written key.
         key: String,
-        /// The table in which it was written; empty at the top.
+        /// The table in which it was written; empty for the top level.
         table: String,
-        /// The key that may be meant.
+        /// A similar key.
         suggestion: Option<String>,
-        /// The keys there are.
+        /// The known keys.
         known: Vec<String>,
     },
-    /// A word that is none of a list.
+    /// A word that is not in the list of allowed ones.
     #[error("`{key}` = \"{word}\" is none of: {}{}", known.join(", "), guess(suggestion.as_ref()))]
     UnknownWord {
         /// The key.
         key: String,
-        /// What was written.
+        /// The written word.
         word: String,
-        /// The word that may be meant.
+        /// A similar word.
         suggestion: Option<String>,
-        /// The words there are.
+        /// The allowed words.
         known: Vec<String>,
     },
     /// A value of the wrong kind.
@@ -46,9 +46,9 @@ pub enum Problem {
     Kind {
         /// The key.
         key: String,
-        /// What was written.
+        /// The written value.
         found: String,
-        /// What is needed.
+        /// What is expected.
         wanted: String,
     },
     /// NaN or infinity.
@@ -56,7 +56,7 @@ pub enum Problem {
     NotFinite {
         /// The key.
         key: String,
-        /// What was written.
+        /// The value.
         value: f64,
     },
     /// A value with a wrong unit, or without one.
@@ -66,7 +66,7 @@ pub enum Problem {
         key: String,
         /// What is wrong with it.
         cause: UnitError,
-        /// How it might be written.
+        /// An example.
         example: String,
     },
     /// A value outside its bounds.
@@ -74,11 +74,11 @@ pub enum Problem {
     OutOfBounds {
         /// The key.
         key: &'static str,
-        /// What was given, with its unit.
+        /// The given value, with its unit.
         value: String,
         /// The bounds, in words.
         bounds: String,
-        /// A value that would do.
+        /// An example of an allowed value.
         example: &'static str,
     },
     /// Keys that exclude each other.
@@ -91,7 +91,7 @@ pub enum Problem {
         /// What to do.
         advice: &'static str,
     },
-    /// A key that another one needs.
+    /// A missing key that another one needs.
     #[error("`{key}` is missing; {reason}")]
     Missing {
         /// The key.
@@ -118,23 +118,23 @@ pub enum Problem {
         key: &'static str,
         /// The interval, ms.
         value: f64,
-        /// How many records there would be.
+        /// Number of records.
         count: f64,
-        /// Of what.
+        /// What would be recorded.
         what: &'static str,
-        /// How many there may be.
+        /// Largest number of records.
         most: f64,
     },
-    /// A file whose name does not say what it holds.
+    /// A file with an unknown ending.
     #[error("`{key}` = \"{path}\"{}", kind.as_ref().map_or(" has an ending that is not known".to_owned(), |kind| format!(": {kind}")))]
     Ending {
         /// The key.
         key: &'static str,
         /// The file.
         path: String,
-        /// Endings that are known.
+        /// Known endings.
         known: String,
-        /// What it is, and what to do, where the ending says so.
+        /// What the file is and what to do, if the ending shows it.
         kind: Option<String>,
     },
     /// No cell model of that name.
@@ -146,7 +146,7 @@ pub enum Problem {
     /// Parameters that contradict each other.
     #[error("`cell.parameters`: {0}")]
     Parameters(ModelError),
-    /// A stimulus that cannot be given.
+    /// An invalid stimulus.
     #[error("`stimulus`: {0}")]
     Stimulus(ProtocolError),
     /// An extra stimulus that the run does not reach.
@@ -156,7 +156,7 @@ pub enum Problem {
     EndsBeforeS2 {
         /// Time simulated, ms.
         duration_ms: f64,
-        /// When S2 comes, ms.
+        /// Time of S2, ms.
         s2_ms: f64,
     },
 }
@@ -170,7 +170,7 @@ fn guess(suggestion: Option<&String>) -> String {
 }
 
 impl Problem {
-    /// A key that is none of those that a table has.
+    /// The problem of an unknown key of a table.
     pub(crate) fn unknown_key<'a>(
         key: &str,
         table: &str,
@@ -181,7 +181,7 @@ impl Problem {
         Self::UnknownKey { suggestion: nearest(&key, &known), key, table, known }
     }
 
-    /// A word that is none of those that a key takes.
+    /// The problem of an unknown word for a key.
     pub(crate) fn unknown_word<'a>(
         key: &str,
         word: &str,
@@ -192,14 +192,14 @@ impl Problem {
         Self::UnknownWord { suggestion: nearest(&word, &known), key, word, known }
     }
 
-    /// The known word that is most like a written one, if any is alike, as messages name it.
+    /// The known word most similar to a written one, if any is similar.
     pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
         let words: Vec<String> = known.iter().map(|word| (*word).to_owned()).collect();
         let near = nearest(written, &words)?;
         known.iter().copied().find(|word| *word == near)
     }
 
-    /// How to mend it, where `name` stands before a value.
+    /// How to solve it; `name` is what is written before a value.
     pub(crate) fn advice(&self, name: &str) -> Option<String> {
         match self {
             Self::Syntax { .. } => {
@@ -235,7 +235,7 @@ impl Problem {
     }
 }
 
-/// The known word that is most like a written one, if any is alike.
+/// The known word most similar to a written one, if any is similar.
 pub(crate) fn nearest(written: &str, known: &[String]) -> Option<String> {
     let written = written.to_lowercase();
     known

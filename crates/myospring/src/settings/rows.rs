@@ -15,13 +15,13 @@ use crate::units::Dimension;
 /// Settings that belong together.
 #[derive(Debug, Clone, Copy)]
 pub struct Table {
-    /// Name of the table in a run file; empty for what stands above all tables.
+    /// Name of the table in a run file; empty for the top level.
     pub name: &'static str,
-    /// What its settings are about, in a sentence.
+    /// Description of its settings, in a sentence.
     pub doc: &'static str,
     /// Heading of its options in the help of the program.
     pub heading: &'static str,
-    /// The settings, in the order in which they are shown and put into a run.
+    /// The settings, in the order in which they are shown and applied to a run.
     pub settings: &'static [Setting],
 }
 
@@ -36,7 +36,7 @@ pub(super) static TABLES: &[Table] = &[
         heading: "",
         settings: &[Setting::new(
             "title",
-            "What this run is about, for people.",
+            "Title of the run, for people.",
             Kind::Text {
                 get: |run| Some(run.title.clone()),
                 set: |run, title| {
@@ -66,19 +66,19 @@ pub(super) static TABLES: &[Table] = &[
     },
     Table {
         name: "segmentation",
-        doc: "How the cell is found in a picture; of no use without one.",
+        doc: "How the cell is found in a picture; without effect without a picture.",
         heading: "Finding the cell in a picture",
         settings: segmentation::ROWS,
     },
     Table {
         name: "material",
-        doc: "What the cell is made of, at rest and passive.",
+        doc: "Passive properties of the cell.",
         heading: MATERIAL,
         settings: material::ROWS,
     },
     Table {
         name: "mechanics",
-        doc: "How the tension acts and what holds the cell.",
+        doc: "How the tension acts, and the support of the cell.",
         heading: MATERIAL,
         settings: mechanics::ROWS,
     },

@@ -27,9 +27,9 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Peak tension unless stated, kPa: the largest of `coelho_2021`, Fig. 6.
+/// Default peak tension, kPa: the largest of `coelho_2021`, Fig. 6.
 const PEAK_TENSION: f64 = 50.0;
-/// Time after the last stimulus that a run lasts unless stated, ms: the paper's 600 ms.
+/// Default time from the last stimulus to the end of a run, ms: the paper's 600 ms.
 const AFTER_LAST_STIMULUS: f64 = 550.0;
 
 /// A run ready to be meshed and simulated.
@@ -41,68 +41,69 @@ pub struct Run {
     pub title: String,
     /// The cell model with its parameters.
     pub cell: Arc<dyn CellModel>,
-    /// The table that its calcium is taken from, as written, where it is given.
+    /// The table of prescribed calcium, as written, if given.
     pub calcium: Option<String>,
-    /// How a ratio in that table becomes calcium.
+    /// Calibration of a ratio in that table.
     pub calibration: Calibration,
-    /// Change to which the cell model is paced before the run, over ten beats; `None` starts from its initial state.
+    /// Largest change over ten beats at which pacing before the run ends; `None` starts from the
+    /// model's initial state.
     pub steady_state: Option<f64>,
-    /// Folder in which steady states are kept; empty keeps none.
+    /// Folder in which steady states are stored; empty for none.
     pub steady_state_cache: String,
-    /// Peak of the active tension, kPa; without meaning for a model whose tension is in kPa.
+    /// Peak of the active tension, kPa; ignored for a model whose tension is in kPa.
     pub peak_tension: f64,
-    /// Whose peak is scaled to it.
+    /// Which peak is scaled to it.
     pub tension_scale: TensionScale,
     /// Stimuli.
     pub protocol: Protocol,
     /// The cell's shape.
     pub shape: Shape,
-    /// What the cell is made of.
+    /// Passive properties of the cell.
     pub material: Material,
     /// How the tension acts.
     pub active: ActiveLaw,
     /// Direction of the fibres.
     pub fibre: Fibre,
-    /// Whose stretch the cell model feels, if it feels any.
+    /// Which stretch acts on the cell model, if it depends on stretch.
     pub stretch_felt: StretchFelt,
-    /// How many myofibrils there are in each place; of a picture order times coverage of its fibres, relative to the mean
-    /// over the cell, none where it shows none.
+    /// Content of myofibrils in each place; from a picture, order times coverage of its fibres,
+    /// relative to the mean over the cell, and 0 where it shows none.
     pub myofibril_content: FromPlaces,
-    /// How long the sarcomeres of the cell at rest are in each place, all as the reference where they are uniform; where
-    /// a picture shows none as in the nearest place that does.
+    /// Length of the sarcomeres at rest in each place: the reference if uniform; from a picture,
+    /// with the value of the nearest place where it shows none.
     pub sarcomere_length: FromPlaces,
-    /// Length of the sarcomere at which the cell model's stretch is 1, um; without meaning where all have it.
+    /// Length of the sarcomere at which the cell model's stretch is 1, um; ignored if all have it.
     pub sarcomere_reference: Option<f64>,
-    /// Speed at which stimuli travel along the cell, um/ms; `None` is at once everywhere.
+    /// Speed at which stimuli travel along the cell, um/ms; `None` for everywhere at once.
     pub wave_speed: Option<f64>,
-    /// What holds the cell.
+    /// The support of the cell.
     pub support: SupportKind,
-    /// How far apart clamped ends are held before the beat, relative to the cell at rest.
+    /// Distance between clamped ends before the beat, relative to the cell at rest.
     pub end_stretch: f64,
     /// Numerical settings.
     pub numerics: Numerics,
     /// Time simulated, ms.
     pub duration: f64,
-    /// What may end the work on it early: pacing, fibres, preparation and the run itself. No file has it.
+    /// Interrupts work on it: pacing, fibres, preparation and the run itself. Not part of any file.
     pub interruption: Interruption,
 }
 
-/// A run on its mesh.
+/// A run with its mesh.
 pub struct Made {
-    /// Ready to be built.
+    /// The simulation, ready to be built.
     pub simulation: Simulation,
-    /// What the mesh is like, with warnings of all that came before it and of the fibres.
+    /// Report on the mesh, with warnings on the picture and the fibres.
     pub report: MeshReport,
-    /// The outline, um, turned where that was asked for; of a mask the smooth one of its pixels.
-    /// [`Carried::rings`](crate::mesh::carried::Carried::rings) moves it along.
+    /// The outline, um, rotated if requested; for a mask, the smooth outline of its pixels.
+    /// [`Carried::rings`](crate::mesh::carried::Carried::rings) moves it with the mesh.
     pub outline: Outline,
     /// The fibres, and what the picture shows of them.
     pub fibres: Fibres,
-    /// The picture with its cells, and the one that was taken.
+    /// The picture with its cells, and the chosen one.
     pub picture: Option<(PictureCells, PictureCell)>,
 }
 
-/// What differs from place to place in a cell, a list over the triangles of its mesh.
+/// Quantities that vary over a cell, as lists over the triangles of its mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
     /// Direction of the fibres, unit vectors ([`Fibre::on`]).
@@ -113,28 +114,28 @@ pub struct Places {
     pub resting_stretch: Option<Vec<f64>>,
 }
 
-/// Why a shape did not become a simulation.
+/// Why a simulation cannot be made from a shape.
 #[derive(Debug, thiserror::Error)]
 pub enum MakeError {
     /// The picture shows no fibres.
     #[error(transparent)]
     Fibre(#[from] FibreError),
-    /// No content of myofibrils.
+    /// The content of myofibrils cannot be read.
     #[error(transparent)]
     Content(#[from] ContentError),
-    /// No steady state.
+    /// The cell does not reach a steady state.
     #[error(transparent)]
     Steady(#[from] CacheError),
-    /// No length of sarcomeres.
+    /// The length of sarcomeres cannot be read.
     #[error(transparent)]
     Sarcomere(#[from] SarcomereError),
-    /// No course of calcium.
+    /// The course of calcium cannot be read.
     #[error(transparent)]
     Calcium(#[from] CalciumError),
 }
 
 impl Run {
-    /// The run of an empty run file: the built-in cell, beaten as in `coelho_2021`.
+    /// The run of an empty run file: the built-in cell, with a beat as in `coelho_2021`.
     pub fn default_run() -> Self {
         let cell = coelho_2021::model();
         let protocol = Protocol::once(cell.default_stimulus());
@@ -177,8 +178,8 @@ impl Run {
         matches!(self.cell.tension_kind(), TensionKind::Relative { .. })
     }
 
-    /// How strong its cell is, for a legend: the peak tension that it is scaled to, or the model where that
-    /// has its own.
+    /// Strength of its cell, for a legend: the peak tension to which it is scaled, or the model's
+    /// name if its tension is in kPa.
     ///
     /// # Example
     /// ```
@@ -196,16 +197,16 @@ impl Run {
         }
     }
 
-    /// Time that this run lasts unless stated, ms: 550 ms after the last stimulus.
+    /// Default duration of this run, ms: 550 ms after the last stimulus.
     pub(crate) fn usual_duration(&self) -> f64 {
         usual_duration(&self.protocol, &self.numerics)
     }
 
-    /// The simulation of this run on a shape that was meshed, with the fibres and the content of myofibrils that
-    /// pictures and tables give; `read` reads a file by its name as written.
+    /// Makes the simulation of this run on a meshed shape, with fibres and content of myofibrils
+    /// from pictures and tables; `read` reads a file by its name as written.
     ///
     /// # Errors
-    /// Fibres that the picture does not show, or a file of contents that does not fit.
+    /// Fibres that cannot be read from the picture, or a file of contents that does not fit.
     ///
     /// # Example
     /// ```
@@ -256,7 +257,7 @@ impl Run {
         let (start_state, warning) = self.start_state(&cell)?;
         report.warnings.extend(warning);
         let simulation = Simulation { cell, start_state, ..self.simulation(mesh, places) };
-        // The pixels of a mask are exact for its area, but a cell has no steps.
+        // The pixels of a mask give the exact area, but the outline of a cell has no steps.
         let of_mask = picture.as_ref().filter(|(cells, _)| {
             cells.segmentation().is_some_and(|found| found.modality == Modality::Mask)
         });
@@ -265,11 +266,11 @@ impl Run {
         Ok(Made { simulation, report, outline, fibres, picture })
     }
 
-    /// The cell model with the calcium that a table gives, and what a person should know of it; `read` reads a
-    /// file by its name as written. Without a table the model as it is.
+    /// The cell model with calcium from a table, and a warning if there is one; `read` reads a file
+    /// by its name as written. Without a table, the model is unchanged.
     ///
     /// # Errors
-    /// A model that makes its own calcium, or a table that is no course of it.
+    /// A model that computes calcium itself, or an invalid table.
     pub fn driven(
         &self,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
@@ -280,7 +281,8 @@ impl Run {
         }
     }
 
-    /// The state that a cell model starts in where it is paced before the run, and what a person should know of it.
+    /// The initial state of a cell model that is paced before the run, and a warning if there is
+    /// one.
     ///
     /// # Errors
     /// A cell that does not become steady, or a folder for it that cannot be written.
@@ -297,7 +299,7 @@ impl Run {
         Ok((Some(found.state), told))
     }
 
-    /// That the run ends before the wave has left the cell, if it does.
+    /// A warning if the run ends before the wave has left the cell.
     fn wave_warning(&self, length_um: f64) -> Option<String> {
         let across = length_um / self.wave_speed?;
         let Protocol { start_ms, beats, .. } = self.protocol;
@@ -312,8 +314,8 @@ impl Run {
         })
     }
 
-    /// The simulation of this run on a mesh with what differs in it from place to place, without files: the cell
-    /// model has the calcium of its own ([`Run::driven`]).
+    /// Makes the simulation of this run on a mesh with quantities by place, without reading files;
+    /// the cell model must already have its calcium ([`Run::driven`]).
     pub fn simulation(&self, mesh: Mesh, places: Places) -> Simulation {
         let Places { fibres, myofibril_content, resting_stretch } = places;
         let long_axis = long_axis(&mesh);
@@ -347,12 +349,12 @@ impl Run {
         self.protocol.stimulus_times().take_while(|time| *time < self.duration).collect()
     }
 
-    /// When an extra stimulus, S2, comes within the run, ms, if one does.
+    /// Time of the extra stimulus S2, ms, if it is within the run.
     pub fn s2_ms(&self) -> Option<f64> {
         self.protocol.s2_ms().filter(|time| *time < self.duration)
     }
 
-    /// What a person should look at, the mesh's own warnings first.
+    /// All warnings, the mesh's own first.
     pub fn warnings(&self, mesh: &MeshReport) -> Vec<String> {
         let mut warnings = mesh.warnings.clone();
         let size = &mesh.dimensions;
@@ -367,7 +369,7 @@ impl Run {
         }
         if self.material.area_law == AreaLaw::Printed {
             warnings.push(format!(
-                "area_law = \"printed\" pulls a resting cell together and collapses it from about a \
+                "area_law = \"printed\" contracts a resting cell and collapses it from about a \
                  third of Young's modulus on: area_modulus is {} kPa, Young's modulus {} kPa; \
                  area_law = \"gradient\" keeps the area",
                 self.material.area_modulus,
@@ -387,8 +389,8 @@ impl Run {
         }
         if s2_interval_ms.is_some() && self.cell.stimulation().moves.is_empty() {
             warnings.push(format!(
-                "the calcium of {} is given and begins anew with S2, as large as in any beat however early it comes: \
-                 what S2 changes is the myofilaments' alone; tor_ord_land has calcium of its own",
+                "the calcium of {} is prescribed and restarts at S2 with full size, however early S2 comes: \
+                 S2 changes only the myofilaments; tor_ord_land computes calcium",
                 self.cell.name()
             ));
         }
@@ -401,7 +403,7 @@ impl Run {
         }
         if self.material.slowest_period > 2.0 && self.numerics.method.is_in_time() {
             warnings.push(format!(
-                "slowest_period = {} ms is above 2 ms: inertia may be seen in the contraction",
+                "slowest_period = {} ms is above 2 ms: inertia may be visible in the contraction",
                 self.material.slowest_period
             ));
         }
@@ -413,6 +415,6 @@ fn usual_duration(protocol: &Protocol, numerics: &Numerics) -> f64 {
     let Protocol { start_ms, beats, cycle_length_ms, s2_interval_ms, .. } = *protocol;
     let last = f64::from(beats.saturating_sub(1)) * cycle_length_ms + s2_interval_ms.unwrap_or(0.0);
     let exchange = numerics.exchange_interval;
-    // The authors' stimulus falls one of their steps before 50 ms; the run still lasts 600 ms.
+    // The authors' stimulus is one of their steps before 50 ms; the run still lasts 600 ms.
     ((start_ms + last + AFTER_LAST_STIMULUS) / exchange).ceil() * exchange
 }

@@ -1,15 +1,16 @@
 //! The stretch of each triangle at rest, from the length of its sarcomeres.
 //!
-//! A cell model feels its stretch relative to a length of the sarcomere that somebody has to state. Sarcomeres of
-//! another length feel `length / reference` in the cell at rest. The shape at rest is that of the picture: a part that
-//! is longer is not drawn out, its myofilaments only stand elsewhere on their curve of force and length.
+//! The stretch of a cell model is relative to a reference length of the sarcomere, which must be
+//! stated. Sarcomeres of another length have the stretch `length / reference` in the cell at rest.
+//! The shape at rest is that of the picture: longer sarcomeres do not change it, but their
+//! myofilaments start at another point of the force-length relation.
 
 use super::fibres::Fibres;
 use super::places::{self, Column, FromPlaces, PlacesError};
 use crate::mesh::Mesh;
 use std::io;
 
-/// Endings of files that hold lengths of sarcomeres, without the dot.
+/// Endings of files with lengths of sarcomeres, without the dot.
 pub const SARCOMERE_ENDINGS: &[&str] = &["csv"];
 
 const COLUMN: Column = Column {
@@ -19,24 +20,24 @@ const COLUMN: Column = Column {
     must: "a length from 0.5 to 5 um",
 };
 
-/// Why no stretch at rest is known.
+/// Why the stretch at rest cannot be determined.
 #[derive(Debug, thiserror::Error)]
 pub enum SarcomereError {
-    /// There is no length of a sarcomere to take it from.
+    /// There is no sarcomere length from which to determine it.
     #[error(
-        "no length of sarcomeres can be taken from the picture, for none was read from it{reason}; take \
+        "the length of sarcomeres cannot be taken from the picture, because none was read from it{reason}; use \
          --sarcomere-length uniform, or a table"
     )]
     NotRead {
         /// Why, after a colon; may be empty.
         reason: String,
     },
-    /// No table of lengths.
+    /// The table is not valid.
     #[error(transparent)]
     Table(#[from] PlacesError),
-    /// A stretch beyond what a model is asked for.
+    /// A stretch out of range.
     #[error(
-        "sarcomeres of {length_um} um are {stretch:.2} of sarcomere_reference = {reference_um} um; it must be 0.5 to \
+        "sarcomeres of {length_um} um are {stretch:.2} times sarcomere_reference = {reference_um} um; it must be 0.5 to \
          1.5 of it"
     )]
     Stretch {
@@ -44,12 +45,12 @@ pub enum SarcomereError {
         length_um: f64,
         /// The reference, um.
         reference_um: f64,
-        /// One over the other.
+        /// Their ratio.
         stretch: f64,
     },
 }
 
-/// The stretch of each triangle at rest, and what a person should know of it; `None` where it is 1 everywhere.
+/// The stretch of each triangle at rest, and a note; `None` if it is 1 everywhere.
 pub(super) fn resting_stretch(
     lengths: &FromPlaces,
     reference_um: f64,
@@ -71,7 +72,7 @@ pub(super) fn resting_stretch(
     let [least, most] = [of(f64::min), of(f64::max)];
     let told = format!(
         "sarcomeres at rest are {least:.2} to {most:.2} um, {:.3} to {:.3} of the {reference_um} um at which the \
-         myofilaments' stretch is taken to be 1",
+         myofilaments' stretch is assumed to be 1",
         least / reference_um,
         most / reference_um
     );

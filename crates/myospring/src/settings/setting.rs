@@ -1,4 +1,4 @@
-//! One setting: its key, what it may be, and how it is read from a run and put into one.
+//! One setting: its key, allowed values, and how it is read from and written to a run.
 
 use super::bounds::{Bounds, Whole};
 use super::problem::{Failure, Problem};
@@ -14,13 +14,13 @@ use std::collections::BTreeMap;
 pub struct Setting {
     /// The key with its table: `material.thickness`.
     pub key: &'static str,
-    /// What it is, in sentences; unit, bounds and words are not repeated.
+    /// Its description; unit, bounds and words are not repeated.
     pub doc: &'static str,
-    /// What happens where it is left out, if no value says that: `0.95 of the stability limit`.
+    /// What happens without it, if there is no default value: `0.95 of the stability limit`.
     pub otherwise: Option<&'static str>,
     /// Its option on the command line, if there is one.
     pub option: Option<CommandOption>,
-    /// Kind of its values, and its place in a [`Run`].
+    /// Type of its values, and its field in a [`Run`].
     pub kind: Kind,
 }
 
@@ -29,26 +29,26 @@ pub struct Setting {
 pub struct CommandOption {
     /// With its dashes: `--thickness`.
     pub name: &'static str,
-    /// What stands for its value in the help: `LENGTH`; empty for a flag.
+    /// Placeholder of its value in the help: `LENGTH`; empty for a flag.
     pub value: &'static str,
-    /// A sentence without its stop, instead of the setting's own.
+    /// Its help, without full stop, instead of the setting's description.
     pub help: Option<&'static str>,
-    /// Another name of it, with its dashes.
+    /// An alias, with its dashes.
     pub alias: Option<&'static str>,
 }
 
-/// Reads a value from a run; `None` where the run has no such value.
+/// Reads a value from a run; `None` if the run has no such value.
 pub type Get<T> = fn(&Run) -> Option<T>;
-/// Puts a value into a run. What has no place in it, such as the label of a cell that is built in, is
-/// passed over: the rules of run files refuse it.
+/// Writes a value to a run. A value without a field, such as the label of a built-in cell, is
+/// ignored here and rejected by the rules of run files.
 pub type Set<T> = fn(&mut Run, T);
 /// Values by name.
 pub type Named = BTreeMap<String, Value>;
 
-/// Kind of a setting's values, with the reader and the writer of its place in a [`Run`].
+/// Type of a setting's values, with the reader and writer of its field in a [`Run`].
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
-    /// Any text, or a name from a list that is kept elsewhere.
+    /// Any text, or a name from a list that is defined elsewhere.
     Text {
         /// Reader.
         get: Get<String>,
@@ -57,11 +57,11 @@ pub enum Kind {
     },
     /// The name of a file, or one of some words instead.
     File {
-        /// Endings that are known, without the dot.
+        /// Known endings, without the dot.
         endings: &'static [&'static str],
-        /// Words that name no file; `./word.csv` is a file all the same.
+        /// Words that do not name a file; `./word.csv` is a file.
         words: &'static [&'static str],
-        /// As a person writes it.
+        /// An example, as written by users.
         example: &'static str,
         /// Reader.
         get: Get<String>,
@@ -86,42 +86,42 @@ pub enum Kind {
     },
     /// A whole number.
     Whole {
-        /// What it may be.
+        /// Its bounds.
         bounds: Whole,
         /// Reader.
         get: Get<u32>,
         /// Writer.
         set: Set<u32>,
     },
-    /// A number with a unit, or a pure number.
+    /// A number with a unit, or a dimensionless number.
     Quantity {
-        /// What it may be.
+        /// Its bounds.
         bounds: Bounds,
         /// Reader, in the internal unit.
         get: Get<f64>,
         /// Writer, in the internal unit.
         set: Set<f64>,
     },
-    /// Text or a number in a form of its own.
+    /// Text or a number in a special form.
     Written {
-        /// What it may be where it is a quantity.
+        /// Its bounds, if it is a quantity.
         bounds: Option<Bounds>,
-        /// Whether it may be a bare number.
+        /// Whether it may be a number without unit.
         numbers: bool,
-        /// As a person writes it.
+        /// An example, as written by users.
         example: &'static str,
         /// Reader.
         get: Get<Value>,
         /// Writer.
         set: fn(&mut Run, &Value) -> Result<(), Problem>,
     },
-    /// Quantities by name, each a number with its unit or a bare one.
+    /// Quantities by name, each a number with or without unit.
     Named {
         /// A name and its value.
         example: (&'static str, &'static str),
         /// Reader.
         get: Get<Named>,
-        /// Writer; a failure says which of them is to blame.
+        /// Writer; a failure states which of them caused it.
         set: fn(&mut Run, &Named) -> Result<(), Failure>,
     },
 }
@@ -141,19 +141,19 @@ impl Setting {
         Self::new(key, doc, Kind::Quantity { bounds, get, set })
     }
 
-    /// What happens where it is left out.
+    /// Sets what happens without it.
     pub(super) const fn otherwise(mut self, otherwise: &'static str) -> Self {
         self.otherwise = Some(otherwise);
         self
     }
 
-    /// An option of the command line, explained by the setting's own sentences.
+    /// Adds an option of the command line with the setting's description as help.
     pub(super) const fn option(mut self, name: &'static str, value: &'static str) -> Self {
         self.option = Some(CommandOption { name, value, help: None, alias: None });
         self
     }
 
-    /// An option of the command line with an explanation of its own.
+    /// Adds an option of the command line with its own help.
     pub(super) const fn option_saying(
         mut self,
         name: &'static str,
@@ -164,7 +164,7 @@ impl Setting {
         self
     }
 
-    /// Another name of its option.
+    /// Adds an alias of its option.
     pub(super) const fn alias(mut self, alias: &'static str) -> Self {
         if let Some(option) = &mut self.option {
             option.alias = Some(alias);
@@ -177,7 +177,7 @@ impl Setting {
         self.key.rsplit_once('.').map_or(self.key, |(_, name)| name)
     }
 
-    /// What a number may be, if it is one.
+    /// Its bounds, if it is a number.
     pub fn bounds(&self) -> Option<Bounds> {
         match self.kind {
             Kind::Quantity { bounds, .. } => Some(bounds),
@@ -186,7 +186,7 @@ impl Setting {
         }
     }
 
-    /// The internal unit; empty for a pure number, `None` for what is no number.
+    /// The internal unit; empty for a dimensionless number, `None` for other types.
     pub fn unit(&self) -> Option<&'static str> {
         match self.kind {
             Kind::Whole { .. } => Some(""),
@@ -207,7 +207,7 @@ impl Setting {
         matches!(self.kind, Kind::File { words, .. } if !words.contains(&value))
     }
 
-    /// The words that it may be; none where it may be anything else.
+    /// The allowed words; empty if it may be anything else.
     pub fn words(&self) -> &'static [Word] {
         match self.kind {
             Kind::Words { words, .. } => words,
@@ -215,7 +215,7 @@ impl Setting {
         }
     }
 
-    /// Its value in the run of an empty run file; `None` where that has none.
+    /// Its value in the run of an empty run file; `None` if that has none.
     pub fn default(&self) -> Option<Value> {
         self.get(&Run::default_run())
     }
@@ -225,7 +225,7 @@ impl Setting {
         !matches!(self.kind, Kind::Flag { .. } | Kind::Whole { .. } | Kind::Named { .. })
     }
 
-    /// Whether it may be a bare number, besides text.
+    /// Whether it may be a number without unit, in addition to text.
     pub fn takes_numbers(&self) -> bool {
         match self.kind {
             Kind::Quantity { bounds, .. } => bounds.dimension == Dimension::Number,
@@ -234,7 +234,7 @@ impl Setting {
         }
     }
 
-    /// A value as a person writes it; `None` where any text will do.
+    /// An example, as written by users; `None` if any text is allowed.
     pub fn example(&self) -> Option<Value> {
         Some(match self.kind {
             Kind::Text { .. } => return None,
@@ -244,7 +244,7 @@ impl Setting {
             Kind::Whole { bounds, .. } => Value::Whole(bounds.example.into()),
             Kind::Quantity { bounds: Bounds { example, .. }, .. }
             | Kind::Written { example, .. } => {
-                // A pure number is written without quotes.
+                // A dimensionless number is written without quotes.
                 let number = example.parse().ok().filter(|_| self.unit() == Some(""));
                 number.map_or(Value::from(example), Value::Number)
             }
@@ -254,8 +254,8 @@ impl Setting {
         })
     }
 
-    /// The value that a run has for this setting, as it is written; `None` where it has none, or where
-    /// the shape or the stability limit decides.
+    /// The value of this setting in a run, as written by users; `None` if it has none, or if the
+    /// shape or the stability limit determines it.
     pub fn get(&self, run: &Run) -> Option<Value> {
         match self.kind {
             Kind::Text { get, .. } | Kind::File { get, .. } => get(run).map(Value::Text),
@@ -270,8 +270,7 @@ impl Setting {
         }
     }
 
-    /// The value, if it is of the right kind; units and the bounds of quantities are looked at by
-    /// [`Setting::set`].
+    /// The value, if it has the right type; [`Setting::set`] checks units and bounds.
     ///
     /// # Errors
     /// A number for a word, a table for a number, an infinite number, an unknown word.
@@ -306,7 +305,8 @@ impl Setting {
             }
             (Kind::Flag { .. }, value @ Value::Flag(_)) => Ok(value),
             (_, value @ Value::Text(_)) if self.reads_text() => Ok(value),
-            // A bare number where a unit is needed goes on to the reader of units, which says so.
+            // A number without a required unit is passed on to the reader of units, which reports
+            // it.
             (_, value @ Value::Number(_)) if self.takes_numbers() || self.bounds().is_some() => {
                 Ok(value)
             }
@@ -317,7 +317,7 @@ impl Setting {
         }
     }
 
-    /// The kind of its values, in a sentence.
+    /// The type of its values, in a sentence.
     pub(crate) fn wanted(&self) -> &'static str {
         match self.kind {
             Kind::Flag { .. } => "true or false",
@@ -328,13 +328,14 @@ impl Setting {
         }
     }
 
-    /// Puts a value into a run.
+    /// Writes a value to a run.
     ///
-    /// Settings build on each other: a run is right only after all of them in the order of the table,
-    /// and after the rules that several of them have to keep; a run file sees to both.
+    /// Settings depend on each other: a run is valid only after all of them were applied in the
+    /// order of the table, and after the rules between settings were checked; a run file does both.
     ///
     /// # Errors
-    /// A value of the wrong kind, with a wrong unit or outside its bounds; the key to blame with it.
+    /// A value of the wrong type, with a wrong unit or outside its bounds, with the key that caused
+    /// it.
     pub fn set(&self, run: &mut Run, value: &Value) -> Result<(), Failure> {
         let key = self.key;
         let accepted = self.accept(value.clone())?;

@@ -1,4 +1,4 @@
-//! From the shape that a run file names to a mesh.
+//! Turns the shape of a run file into a mesh.
 
 use crate::measured::decoded;
 use crate::mesh::Mesh;
@@ -25,16 +25,16 @@ pub struct PictureSource {
     pub outline: Option<String>,
     /// Plane, pixel size and segmentation.
     pub options: Options,
-    /// Which cell.
+    /// The chosen cell.
     pub choice: Choice,
     /// Whether a cell may be cut by the frame.
     pub allow_cut: bool,
 }
 
-/// Where the shape comes from.
+/// The source of the shape.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
-    /// A cell that comes with the program.
+    /// A built-in cell.
     BuiltIn(&'static BuiltIn),
     /// A picture from a microscope, or its mask.
     Picture(Box<PictureSource>),
@@ -44,7 +44,7 @@ pub enum Source {
         path: String,
         /// Side of one pixel of outlines in pixels.
         pixel_size: Option<PixelSize>,
-        /// Which of several outlines.
+        /// The chosen one of several outlines.
         choice: Choice,
     },
 }
@@ -72,7 +72,7 @@ impl Source {
         }
     }
 
-    /// Which cell of a picture or of a file of outlines is taken.
+    /// The chosen cell of a picture or of a file of outlines.
     pub fn choice(&self) -> Option<Choice> {
         match self {
             Self::BuiltIn(_) => None,
@@ -81,7 +81,7 @@ impl Source {
         }
     }
 
-    /// Which cell of a picture or of a file of outlines is taken.
+    /// The chosen cell of a picture or of a file of outlines.
     pub fn choice_mut(&mut self) -> Option<&mut Choice> {
         match self {
             Self::BuiltIn(_) => None,
@@ -91,7 +91,7 @@ impl Source {
     }
 }
 
-/// The bytes of the files that hold the shape.
+/// The bytes of the files of a shape.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ShapeBytes {
     /// The picture, the outline, or the built-in cell's outline.
@@ -100,33 +100,33 @@ pub struct ShapeBytes {
     pub outline: Option<Vec<u8>>,
 }
 
-/// A shape that was meshed.
+/// A meshed shape.
 #[derive(Debug, Clone)]
 pub struct Shaped {
     /// The mesh.
     pub mesh: Mesh,
-    /// What the mesh is like, with warnings of all that came before it.
+    /// Report on the mesh, with earlier warnings.
     pub report: MeshReport,
-    /// The outline that was meshed, um; turned, where that was asked for.
+    /// The meshed outline, um; rotated if requested.
     pub outline: Outline,
-    /// The picture with its cells, and the one that was taken.
+    /// The picture with its cells, and the chosen one.
     pub picture: Option<(PictureCells, PictureCell)>,
 }
 
 /// The cell's shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Where it comes from.
+    /// Its source.
     pub source: Source,
-    /// Angle by which an outline or built-in cell is turned, degrees.
+    /// Angle by which an outline or built-in cell is rotated, degrees.
     pub rotate: f64,
     /// Lattice spacing, um; `None` gives about 2000 masses.
     pub spacing: Option<f64>,
-    /// Whether a cell may have a size that no heart cell has.
+    /// Whether a size is accepted that is impossible for a heart cell.
     pub any_size: bool,
 }
 
-/// Why a shape did not become a mesh.
+/// Why a shape cannot be meshed.
 #[derive(Debug, thiserror::Error)]
 pub enum ShapeError {
     /// The file could not be read.
@@ -145,7 +145,7 @@ pub enum ShapeError {
         /// What is wrong with it.
         cause: Box<CellError>,
     },
-    /// The file holds no usable outlines.
+    /// The file has no usable outlines.
     #[error("`{path}`: {cause}")]
     OutlineFile {
         /// The file.
@@ -155,24 +155,24 @@ pub enum ShapeError {
     },
     /// Outlines in pixels of unknown size.
     #[error(
-        "`{path}` holds outlines in pixels; give the side of one pixel, like --pixel-size \"0.27 um\""
+        "`{path}` has outlines in pixels; give the side of one pixel, like --pixel-size \"0.27 um\""
     )]
     NoPixelSize {
         /// The file.
         path: String,
     },
     /// There is no such outline.
-    #[error("`{path}` has no outline {wanted}; it holds {held}")]
+    #[error("`{path}` has no outline {wanted}; it has {held}")]
     NoSuchOutline {
         /// The file.
         path: String,
-        /// The one that was asked for.
+        /// The requested one.
         wanted: String,
-        /// Those that there are.
+        /// The existing ones.
         held: String,
     },
     /// The file is not text.
-    #[error("`{path}` is no text; an outline is GeoJSON or a list of points")]
+    #[error("`{path}` is not text; an outline is GeoJSON or a list of points")]
     NotText {
         /// The file.
         path: String,
@@ -185,7 +185,7 @@ pub enum ShapeError {
         /// What is wrong with it.
         cause: OutlineError,
     },
-    /// The cell has a size that no heart cell has.
+    /// The size of the cell is impossible for a heart cell.
     #[error(
         "`{path}`: the cell {size}. {scale}. Correct {wrong}; if the size is right, --any-size (any_size = true in \
          [shape]) takes it"
@@ -195,12 +195,12 @@ pub enum ShapeError {
         path: String,
         /// What is wrong, as the predicate of a sentence.
         size: String,
-        /// What makes it so large or small, with where that comes from.
+        /// The scale that determines the size, with its source.
         scale: String,
         /// What may be wrong.
         wrong: &'static str,
     },
-    /// The shape gives no mesh.
+    /// The shape cannot be meshed.
     #[error("{place}{cause}")]
     Lattice {
         /// The file, as the start of a sentence.
@@ -211,7 +211,7 @@ pub enum ShapeError {
 }
 
 impl Shape {
-    /// The file that holds the shape, as written; `None` for a built-in cell.
+    /// The file of the shape, as written; `None` for a built-in cell.
     pub fn file(&self) -> Option<&str> {
         match &self.source {
             Source::BuiltIn(_) => None,
@@ -220,7 +220,7 @@ impl Shape {
         }
     }
 
-    /// A name for people and folders: the built-in cell's or the file's without its ending.
+    /// A name for titles and folders: that of the built-in cell, or of the file without its ending.
     pub fn name(&self) -> &str {
         match (&self.source, self.file()) {
             (Source::BuiltIn(cell), _) => cell.name,
@@ -231,10 +231,10 @@ impl Shape {
         }
     }
 
-    /// The bytes that hold the shape; `read` reads a file by its name as written.
+    /// Reads the files of the shape; `read` reads a file by its name as written.
     ///
     /// # Errors
-    /// What `read` says.
+    /// Errors of `read`.
     pub fn bytes(
         &self,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
@@ -252,10 +252,10 @@ impl Shape {
         Ok(ShapeBytes { shape, outline })
     }
 
-    /// Meshes the shape that `bytes` hold.
+    /// Meshes the shape in `bytes`.
     ///
     /// # Errors
-    /// Bytes that hold no cell, or a spacing that does not fit the shape.
+    /// Bytes without a cell, or a spacing that does not fit the shape.
     pub fn mesh(&self, bytes: &ShapeBytes) -> Result<Shaped, ShapeError> {
         let Source::Picture(picture) = &self.source else {
             let (outline, notes) = self.outline(&bytes.shape)?;
@@ -274,7 +274,7 @@ impl Shape {
     /// Meshes one cell of a picture.
     ///
     /// # Errors
-    /// A size that no heart cell has, or a spacing that does not fit the cell.
+    /// A size impossible for a heart cell, or a spacing that does not fit the cell.
     pub fn mesh_cell(&self, cells: PictureCells, cell: PictureCell) -> Result<Shaped, ShapeError> {
         self.check_size(&cells, &cell)?;
         let (mesh, mut report) = self.lattice(&cells, &cell)?;
@@ -292,8 +292,8 @@ impl Shape {
         Ok(Shaped { mesh, report, outline, picture: Some((cells, cell)) })
     }
 
-    /// Refuses a cell of a picture whose size no heart cell has, unless any size is allowed; of one that was pointed at
-    /// the length alone counts.
+    /// Rejects a cell of a picture whose size is impossible for a heart cell, unless any size is
+    /// allowed; for a cell that the user pointed at, only its length is checked.
     ///
     /// # Errors
     /// Such a size.
@@ -306,7 +306,7 @@ impl Shape {
         })
     }
 
-    /// The same of an outline in a file.
+    /// Rejects an outline of a file whose size is impossible for a heart cell.
     fn check_outline(&self, outline: &Outline) -> Result<(), ShapeError> {
         let Source::Outline { pixel_size, choice, .. } = &self.source else { return Ok(()) };
         let length = outline_dimensions(outline).length_um;
@@ -332,7 +332,7 @@ impl Shape {
         Err(ShapeError::Size { path, size, scale, wrong })
     }
 
-    /// The lattice of one cell of a picture, without what there is to say about the picture.
+    /// The lattice of one cell of a picture, without warnings on the picture.
     ///
     /// # Errors
     /// A spacing that does not fit the cell.
@@ -341,7 +341,7 @@ impl Shape {
         cells: &PictureCells,
         cell: &PictureCell,
     ) -> Result<(Mesh, MeshReport), ShapeError> {
-        // The pixels themselves, where they were found; the line, where one was drawn.
+        // The pixels of a segmented cell, or a drawn outline.
         let meshed = match cells.segmentation() {
             Some(_) => lattice::from_mask(&cell.mask, self.spacing),
             None => lattice::from_outline(&cell.outline, self.spacing),
@@ -354,7 +354,7 @@ impl Shape {
         ShapeError::Lattice { place, cause }
     }
 
-    /// The outline of a file or built-in cell, turned, and what a person should know about it.
+    /// The rotated outline of a file or built-in cell, with warnings.
     fn outline(&self, bytes: &[u8]) -> Result<(Outline, Vec<String>), ShapeError> {
         let path = self.file().unwrap_or("built-in cell").to_owned();
         let ending = path.rsplit('.').next().unwrap_or_default().to_lowercase();
@@ -365,7 +365,7 @@ impl Shape {
         let drawn = matches!(ending.as_str(), "roi" | "zip" | "txt");
         let several = pixel_size.is_some() || choice != Choice::Largest;
         let (outline, notes) = if drawn || (several && ending != "csv") {
-            // What has a unit of its own needs none.
+            // Coordinates with their own unit need no pixel size.
             let own_unit = (!drawn).then_some(PixelSize::MICROMETRE);
             let Some(pixel_size) = pixel_size.or(own_unit) else {
                 return Err(ShapeError::NoPixelSize { path });
@@ -387,7 +387,7 @@ impl Shape {
 }
 
 impl PictureSource {
-    /// Reads the picture and finds its cells, or lays the given outlines over it.
+    /// Reads the picture and finds its cells, or uses the given outlines.
     ///
     /// # Errors
     /// A picture or outlines that cannot be read, no pixel size, or no cell.
@@ -401,7 +401,7 @@ impl PictureSource {
         cells.map_err(|cause| self.failed(cause))
     }
 
-    /// Reads the picture without looking for its cells: what there is to show where none is found.
+    /// Reads the picture without segmenting it, so that it can be shown when no cell was found.
     ///
     /// # Errors
     /// A picture that cannot be read, or no pixel size.
@@ -419,7 +419,7 @@ impl PictureSource {
     }
 }
 
-/// One outline of a file that may hold several, and what a person should know about it.
+/// The chosen outline of a file, with a note.
 fn chosen(
     path: &str,
     bytes: &[u8],
@@ -443,7 +443,7 @@ fn chosen(
     };
     let mut notes = given.notes;
     if count > 1 {
-        notes.push(format!("the file holds {count} outlines; `{}` was taken", cell.name));
+        notes.push(format!("the file has {count} outlines; `{}` was taken", cell.name));
     }
     Ok((cell.outline, notes))
 }

@@ -1,9 +1,10 @@
-//! Steady states that are kept in files, so that pacing is done once.
+//! Cache of steady states in files, so that pacing is done only once.
 //!
-//! A file is named after the model and a hash of its key: everything that the state depends on. The key stands in the
-//! file, too, and is compared; besides parameters, pacing and method it has the rates of the model in two states and over
-//! its course, so that equations that were changed are another model. A file that was damaged is told and made anew; one is
-//! written under another name and then renamed, so nobody reads half of it.
+//! A file is named after the model and a hash of its key, which contains everything on which the
+//! state depends. The key is also stored in the file and compared. In addition to parameters,
+//! pacing and method, it contains the rates of the model in two states and over its course, so that
+//! changed equations count as another model. A damaged file is reported and replaced. A file is
+//! written under another name and then renamed, so that it is never read incomplete.
 
 use crate::cell::CellModel;
 use crate::cell::Input;
@@ -17,7 +18,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Why there is no steady state to start from.
+/// Why there is no steady state.
 #[derive(Debug, thiserror::Error)]
 pub enum CacheError {
     /// The cell does not become steady.
@@ -33,15 +34,15 @@ pub enum CacheError {
     },
 }
 
-/// What is kept.
+/// The content of a file.
 #[derive(Serialize, Deserialize)]
 struct Kept {
     key: String,
     beats: u32,
     change: f64,
-    /// Each value as its bits, so that a state comes back as it was.
+    /// The bits of each value, so that a state is restored exactly.
     state: Vec<String>,
-    /// Of all above.
+    /// Hash of the other fields.
     check: String,
 }
 
@@ -52,7 +53,7 @@ impl Kept {
     }
 }
 
-/// Fowler, Noll and Vo's hash, 64 bits: the same on every machine.
+/// Fowler-Noll-Vo hash, 64 bits, the same on every machine.
 fn hash(text: &str) -> String {
     let of = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     format!("{:016x}", text.bytes().fold(0xcbf2_9ce4_8422_2325, of))
@@ -67,7 +68,7 @@ fn key(model: &dyn CellModel, protocol: Protocol, settings: Settings, tolerance:
     let parameters = model.parameters().rows().iter();
     let parameters: Vec<String> =
         parameters.map(|row| format!("{}={:e}", row.name, row.value)).collect();
-    // What the equations say in two states, and over the course of what is given from a stimulus on.
+    // The rates in two states, and over the prescribed course after a stimulus.
     let start = model.initial_state();
     let other: Vec<f64> = start.iter().map(|value| 1.01 * value + 1e-3).collect();
     let mut seen = String::new();
@@ -97,8 +98,8 @@ fn key(model: &dyn CellModel, protocol: Protocol, settings: Settings, tolerance:
     )
 }
 
-/// The steady state of a cell model, from the folder if it is kept there, else paced and put there; and what a person
-/// should know of it.
+/// The steady state of a cell model, from the folder if it is stored there, else by pacing, and
+/// then stored; with a warning if there is one.
 ///
 /// # Errors
 /// A cell that does not become steady, or a folder that cannot be written.
@@ -137,7 +138,7 @@ pub(super) fn steady_state(
     let text = serde_json::to_string_pretty(&kept)
         .map_err(|error| failed(&path, io::Error::other(error)))?;
     fs::create_dir_all(folder).map_err(|cause| failed(folder, cause))?;
-    // A name of its own for each process and thread, so that two that write do not meet.
+    // A unique name for each process and thread, so that concurrent writers do not conflict.
     let unique = format!("{}.{:?}.part", std::process::id(), std::thread::current().id());
     let part = path.with_extension(unique);
     fs::write(&part, text).map_err(|cause| failed(&part, cause))?;
@@ -145,7 +146,7 @@ pub(super) fn steady_state(
     Ok((found, told))
 }
 
-/// What a file keeps, or why it is of no use.
+/// The steady state in a file, or why it cannot be used.
 fn kept(bytes: &[u8], key: &str, states: usize) -> Result<SteadyState, &'static str> {
     let kept: Kept = serde_json::from_slice(bytes).map_err(|_| "is damaged")?;
     let state: Option<Vec<f64>> = kept

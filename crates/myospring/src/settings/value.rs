@@ -1,10 +1,10 @@
-//! A value as a person wrote it.
+//! Values as written by users.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A value as it was written, before units and bounds are looked at.
+/// A value as written, before units and bounds are checked.
 ///
 /// # Example
 /// ```
@@ -19,7 +19,7 @@ pub enum Value {
     Flag(bool),
     /// A whole number.
     Whole(i64),
-    /// A number: right for pure numbers only.
+    /// A number without unit.
     Number(f64),
     /// Text: a number with its unit, a word, or a name.
     Text(String),
@@ -36,7 +36,7 @@ impl Value {
         }
     }
 
-    /// What it is, in a sentence: `the text "soft"`.
+    /// Its description, in a sentence: `the text "soft"`.
     pub(crate) fn described(&self) -> String {
         match self {
             Self::Text(text) => format!("the text \"{text}\""),
@@ -45,7 +45,7 @@ impl Value {
         }
     }
 
-    /// A number or text without the quotes, as a reader of text takes it.
+    /// A number or text without quotes.
     pub(crate) fn written(&self) -> String {
         match self {
             Self::Text(text) => text.trim().to_owned(),

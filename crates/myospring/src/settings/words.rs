@@ -1,15 +1,15 @@
-//! Choices and the words that they are written with.
+//! Choices that are written as words.
 
-/// A word that a choice is written with.
+/// The word of a choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
     /// As written.
     pub name: &'static str,
-    /// What it chooses, in a sentence.
+    /// Its description, in a sentence.
     pub doc: &'static str,
 }
 
-/// A choice that is written with words.
+/// A choice that is written as a word.
 pub(super) trait Worded: Sized {
     /// All words.
     const WORDS: &'static [Word];
@@ -17,17 +17,17 @@ pub(super) trait Worded: Sized {
     /// The word of this choice.
     fn word(&self) -> &'static str;
 
-    /// The choice of a word, if it is one of them.
+    /// The choice with this word, if there is one.
     fn of_word(word: &str) -> Option<Self>;
 }
 
-/// Takes the choice of a word, if it is one.
+/// Sets the choice with this word, if there is one.
 pub(super) fn choose<T: Worded>(place: &mut T, word: &str) -> Option<()> {
     *place = T::of_word(word)?;
     Some(())
 }
 
-/// Gives each variant its word; a variant without one does not compile.
+/// Assigns a word to each variant; a missing one is a compile error.
 macro_rules! worded {
     ($type:ty { $($variant:path = $word:literal : $doc:literal,)* }) => {
         impl Worded for $type {

@@ -18,7 +18,7 @@ worded! { TensionScale {
         "That of the model's published parameters: a changed parameter changes the strength of \
          the cell.",
     TensionScale::OwnPeak = "own-peak":
-        "That of the model as it is, by a reference beat of its own: every cell has the same \
+        "That of the model with its present parameters, from its own reference beat: every cell has the same \
          peak tension, whatever its parameters.",
 } }
 
@@ -31,20 +31,20 @@ worded! { StretchFelt {
 
 worded! { Method {
     Method::RungeKutta4 = "runge-kutta-4":
-        "Classical Runge-Kutta, order 4 where the equations are smooth; fixed steps.",
+        "Classical Runge-Kutta, order 4 for smooth equations; fixed steps.",
     Method::ForwardEuler = "forward-euler": "Forward Euler, order 1; fixed steps.",
     Method::StaggeredEuler = "staggered-euler":
         "Forward Euler that updates one block of the minimal model after the other, each with the \
-         new values of those before it, order 1; fixed steps. The authors of `coelho_2021` step so.",
+         new values of the previous ones, order 1; fixed steps. The method of the authors of `coelho_2021`.",
     Method::RushLarsen = "rush-larsen":
         "Gates by their exact solution at constant potential, the rest by forward Euler, order 1; \
-         fixed steps. For models that name their gates.",
+         fixed steps. For models that declare their gates.",
     Method::Adaptive = "adaptive":
-        "Steps as long as the accuracy allows, cut at the model's switches; for the minimal model \
+        "Adaptive steps that are cut at the model's switches; for the minimal model \
          only.",
     Method::Stiff = "stiff":
-        "Implicit steps as long as the accuracy allows, for models whose equations do not jump; \
-         made for stiff ones.",
+        "Implicit adaptive steps for stiff models whose equations do not \
+         jump.",
 } }
 
 const PARAMETERS: &str = "cell.parameters";
@@ -58,9 +58,9 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--model", "NAME"),
     Setting::new(
         "cell.calcium",
-        "Calcium from a table (.csv), relative to this file, for a model whose calcium is given: a column of times \
+        "Calcium from a table (.csv), relative to this file, for a model with prescribed calcium: a column of times \
          from the stimulus and one of calcium, with their units in the header like time (ms),calcium (uM), or a ratio \
-         with its calibration. It begins anew with each stimulus.",
+         with its calibration. The course restarts at each stimulus.",
         Kind::File {
             endings: CALCIUM_ENDINGS,
             words: &[],
@@ -69,7 +69,7 @@ pub(super) const ROWS: &[Setting] = &[
             set: |run, path| run.calcium = Some(path),
         },
     )
-    .otherwise("the cell model's own, of land_2017 two exponentials")
+    .otherwise("the cell model's own; for land_2017, two exponentials")
     .option_saying(
         "--calcium",
         "FILE",
@@ -77,7 +77,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "cell.calcium_dissociation",
-        "Of a ratio in that table: dissociation constant of the dye times its fluorescence without over that with \
+        "For a ratio in that table: dissociation constant of the dye times the ratio of its fluorescence without to that with \
          calcium at the second wavelength, K in Ca = K (R - R_min) / (R_max - R).",
         Bounds::any(Dimension::Concentration, "0.8 uM").above(0.0).to(1000.0),
         |run| run.calibration.dissociation_um,
@@ -92,7 +92,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "cell.ratio_max",
-        "The ratio with the dye full of calcium, R_max.",
+        "The ratio with the dye saturated with calcium, R_max.",
         Bounds::any(Dimension::Number, "6").above(0.0).to(1e6),
         |run| run.calibration.ratio_max,
         |run, value| run.calibration.ratio_max = Some(value),
@@ -100,8 +100,8 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "cell.peak_tension",
         "Peak of the active tension of one default beat with the model's published parameters; \
-         changed parameters make the cell stronger or weaker than that. Not of a model whose tension \
-         is in kPa already, such as land_2017: scale its T_ref.",
+         changed parameters make the cell stronger or weaker than that. Not for a model whose tension \
+         is already in kPa, such as land_2017: scale its T_ref.",
         Bounds::any(Dimension::Pressure, "50 kPa").from(0.0).to(500.0),
         |run| run.has_relative_tension().then_some(run.peak_tension),
         |run, tension| run.peak_tension = tension,
@@ -109,7 +109,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying("--peak-tension", "TENSION", "Peak of the active tension"),
     Setting::new(
         "cell.tension_scale",
-        "Whose peak is scaled to `peak_tension`: that of the published parameters, or the \
+        "Which peak is scaled to `peak_tension`: that of the published parameters, or the \
          model's own, whatever its parameters.",
         Kind::Words {
             words: TensionScale::WORDS,
@@ -120,13 +120,13 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--tension-scale",
         "NAME",
-        "Whose peak is scaled to that: published (of the model's published parameters; changed \
+        "Which peak is scaled to that: published (of the model's published parameters; changed \
          ones make the cell stronger or weaker) or own-peak (the model's own, whatever its \
          parameters)",
     ),
     Setting::new(
         "cell.stretch_felt",
-        "Whose stretch a model feels that feels any, such as land_2017.",
+        "Which stretch acts on a model that depends on stretch, such as land_2017.",
         Kind::Words {
             words: StretchFelt::WORDS,
             get: |run| Some(run.stretch_felt.word()),
@@ -138,7 +138,7 @@ pub(super) const ROWS: &[Setting] = &[
         "Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 \
          ms); its peak tension is 4 % low, its onset 20 ms late. Not together with method or \
          step.",
-        // A run is written back with the method and step that this stands for.
+        // A run is written back with the corresponding method and step.
         Kind::Flag { get: |_| None, set: set_authors_step },
     )
     .option_saying(
@@ -148,7 +148,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "cell.integrator",
-        "Integration method of the cell model, with fixed steps or with steps of its own choice.",
+        "Integration method of the cell model, with fixed or adaptive steps.",
         Kind::Words {
             words: Method::WORDS,
             get: |run| Some(run.numerics.cell.method.word()),
@@ -158,7 +158,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "cell.step",
         "Largest time step of the cell model, for a method with fixed steps.",
-        // Shorter ones need minutes for a beat, and change nothing.
+        // Shorter steps need minutes for a beat without changing the result.
         Bounds::any(Dimension::Time, "0.005 ms").from(1e-5).to(1.0),
         |run| {
             let Settings { method, step_ms, .. } = run.numerics.cell;
@@ -166,10 +166,10 @@ pub(super) const ROWS: &[Setting] = &[
         },
         |run, step| run.numerics.cell.step_ms = step,
     )
-    .otherwise("what serves the cell model: 0.005 ms, of land_2017 0.05 ms"),
+    .otherwise("suited to the cell model: 0.005 ms, for land_2017 0.05 ms"),
     Setting::quantity(
         "cell.tolerance",
-        "Largest error of a step over the size of each variable, for a method that chooses its \
+        "Largest error of a step relative to the size of each variable, for a method with adaptive \
          steps.",
         Bounds::any(Dimension::Number, "0.00001")
             .from(Settings::TOLERANCES[0])
@@ -250,7 +250,7 @@ fn in_unit(key: &str, value: &Value, unit: &str) -> Result<f64, Problem> {
     }
     let text = value.written();
     let Some(dimension) = Dimension::of_unit(unit) else {
-        // A unit that only the model knows is taken as it is written there, and no other.
+        // A unit that only the model knows must be written exactly as there.
         let number = text.strip_suffix(unit).and_then(|number| number.trim().parse().ok());
         return number.ok_or_else(|| Problem::Kind {
             key: key.to_owned(),

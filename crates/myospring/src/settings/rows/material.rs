@@ -19,7 +19,7 @@ worded! { AreaLaw {
 pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "material.young_modulus",
-        "Young's modulus of the sheet that the springs make.",
+        "Young's modulus of the sheet formed by the springs.",
         Bounds::any(Dimension::Pressure, "308 kPa").from(0.1).to(1e6),
         |run| match run.material.stiffness {
             Stiffness::YoungModulus(modulus) => Some(modulus),
@@ -49,7 +49,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--thickness", "LENGTH"),
     Setting::new(
         "material.area_law",
-        "What keeps the projected area.",
+        "Law of area preservation.",
         Kind::Words {
             words: AreaLaw::WORDS,
             get: |run| Some(run.material.area_law.word()),
@@ -88,7 +88,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "material.retardation_time",
-        "Viscosity of the cell over its Young's modulus (Kelvin and Voigt): by so much its shape lags behind its \
+        "Viscosity of the cell divided by its Young's modulus (Kelvin-Voigt): the time by which its shape lags behind its \
          tension. Quasi-static runs only.",
         Bounds::any(Dimension::Time, "20 ms").from(0.0).to(1000.0),
         |run| Some(run.material.retardation_time),

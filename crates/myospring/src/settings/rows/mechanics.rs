@@ -51,7 +51,7 @@ worded! { SupportName {
         "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs \
          `end_stiffness`.",
     SupportName::ElasticBed = "elastic-bed":
-        "Every point is tied to its resting place, as on a gel; needs `bed_stiffness`.",
+        "Every point is tied to its resting position, as on a gel; needs `bed_stiffness`.",
 } }
 
 const FIBRE: &str = "mechanics.fibre";
@@ -73,9 +73,9 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--active", "LAW"),
     Setting::new(
         FIBRE,
-        "Direction of the fibres: \"picture\", which reads it from the stripes or filaments of the picture, the \
+        "Direction of the fibres: \"picture\" (read from the stripes or filaments of the picture), the \
          \"long axis\" of the cell, an angle counter-clockwise from x, or \"auto\": from a picture that shows \
-         sarcomeres, or what its stain is said to show, and along the long axis elsewhere.",
+         sarcomeres or the stated stain, and along the long axis elsewhere.",
         Kind::Written {
             bounds: Some(FIBRE_ANGLE),
             numbers: false,
@@ -118,7 +118,7 @@ pub(super) const ROWS: &[Setting] = &[
             },
         },
     )
-    .otherwise("z-disc, which auto takes for given only where it finds sarcomeres")
+    .otherwise("z-disc; auto uses it only if it finds sarcomeres")
     .option_saying(
         "--stain",
         "NAME",
@@ -148,11 +148,11 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "mechanics.myofibril_content",
-        "How many myofibrils there are in each place: tension is in proportion. \"uniform\"; \"picture\", which \
-         takes order times coverage of the fibres that the picture shows, relative to its mean, and nothing where \
+        "Content of myofibrils in each place, to which tension is proportional: \"uniform\"; \"picture\", which \
+         uses order times coverage of the fibres in the picture, relative to its mean, and 0 where \
          it shows none; or a file, relative to this one: a table (.csv) with the header content, a row for each \
-         triangle, or x_um,y_um,content, taken as it stands, or a picture of the same frame as the cell's, whose \
-         grey values are taken relative to their mean.",
+         triangle, or x_um,y_um,content, used unchanged, or a picture of the same frame as the cell's, whose \
+         grey values are used relative to their mean.",
         Kind::File {
             endings: CONTENT_ENDINGS,
             words: WORDS,
@@ -164,17 +164,17 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--myofibril-content",
         "WHAT",
-        "Content of myofibrils by place, to which tension is in proportion: uniform, picture (as ordered as the \
-         picture shows them), a table (.csv: content, or x_um,y_um,content), or a picture of the same frame",
+        "Content of myofibrils by place, to which tension is proportional: uniform, picture (from the order of its \
+         fibres), a table (.csv: content, or x_um,y_um,content), or a picture of the same frame",
     )
     .alias("--content"),
     Setting::new(
         "mechanics.sarcomere_length",
-        "How long the sarcomeres of the cell at rest are in each place, for a model that feels its stretch: there it \
-         feels this length over `sarcomere_reference`. \"uniform\", all as long as that; \"picture\", as the picture \
-         shows them, and as in the nearest place where it shows none; or a table (.csv), relative to this file, with \
-         the header sarcomere_um, a row for each triangle, or x_um,y_um,sarcomere_um, such as fibres.csv. A model for \
-         each triangle (stretch_felt = \"triangle\") feels its own, one for the cell their mean.",
+        "Length of the sarcomeres at rest in each place, for a model that depends on stretch: its stretch there is \
+         this length divided by `sarcomere_reference`. \"uniform\": that length everywhere; \"picture\": as in the picture, \
+         or as at the nearest place where it shows none; or a table (.csv), relative to this file, with \
+         the header sarcomere_um, a row for each triangle, or x_um,y_um,sarcomere_um, such as fibres.csv. With a model for \
+         each triangle (stretch_felt = \"triangle\"), each has its own; a single model has their mean.",
         Kind::File {
             endings: SARCOMERE_ENDINGS,
             words: WORDS,
@@ -186,12 +186,12 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--sarcomere-length",
         "WHAT",
-        "Length of the sarcomeres at rest by place, for a model that feels its stretch: uniform, picture, or a table \
+        "Length of the sarcomeres at rest by place, for a model that depends on stretch: uniform, picture, or a table \
          (.csv: sarcomere_um, or x_um,y_um,sarcomere_um)",
     ),
     Setting::quantity(
         "mechanics.sarcomere_reference",
-        "Length of the sarcomere at which the cell model's stretch is 1. Nobody has measured it for a model: isolated \
+        "Length of the sarcomere at which the cell model's stretch is 1. It has not been measured for any model: isolated \
          rat cells rest at 1.71 um, the same cells within the heart at 1.95 um (Bub 2010).",
         Bounds::any(Dimension::Length, "1.71 um").from(1.0).to(3.0),
         |run| run.sarcomere_reference,
@@ -204,7 +204,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "mechanics.support",
-        "What holds the cell.",
+        "The support of the cell.",
         Kind::Words {
             words: SupportName::WORDS,
             get: |run| Some(support_name(run.support).word()),
@@ -217,7 +217,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--support", "KIND"),
     Setting::quantity(
         "mechanics.end_stretch",
-        "How far clamped or afterloaded ends are held apart before the beat, relative to the cell at rest.",
+        "Distance between clamped or afterloaded ends before the beat, relative to the cell at rest.",
         Bounds::any(Dimension::Number, "1.1").from(0.5).to(1.5),
         |run| Some(run.end_stretch),
         |run, stretch| run.end_stretch = stretch,
@@ -225,7 +225,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--end-stretch",
         "RATIO",
-        "Distance of clamped or afterloaded ends before the beat, relative to the cell at rest",
+        "Distance between clamped or afterloaded ends before the beat, relative to the cell at rest",
     ),
     Setting::quantity(
         "mechanics.afterload",
@@ -267,8 +267,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "mechanics.bed_stiffness",
-        "Stiffness of an \"elastic-bed\", traction per displacement: of a thin layer its shear \
-         modulus over its thickness.",
+        "Stiffness of an \"elastic-bed\", traction per displacement: for a thin layer its shear \
+         modulus divided by its thickness.",
         Bounds::any(Dimension::BedStiffness, "0.5 kPa/um").above(0.0).to(1e6),
         |run| match run.support {
             SupportKind::ElasticBed { stiffness } => Some(stiffness),
@@ -313,7 +313,8 @@ fn support_name(support: SupportKind) -> SupportName {
     }
 }
 
-/// The support of a name; the rules of run files ask for the stiffness of one that gives way, or its load.
+/// The support with this name; the rules of run files require the stiffness of an elastic one, or
+/// the load.
 fn support(name: SupportName) -> SupportKind {
     match name {
         SupportName::MassCentre => SupportKind::MassCentre,

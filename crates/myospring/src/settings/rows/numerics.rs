@@ -8,7 +8,7 @@ use crate::integrate::engine::Loops;
 use crate::integrate::verlet::Integrator;
 use crate::units::Dimension;
 
-/// How the mesh follows the tension.
+/// How the shape follows the tension.
 #[derive(Clone, Copy)]
 enum IntegratorName {
     Verlet,
@@ -22,24 +22,24 @@ worded! { IntegratorName {
         "In time, by the paper's form of Verlet's method: the same as \"stoermer-verlet\".",
     IntegratorName::StoermerVerlet = "stoermer-verlet": "Stoermer-Verlet, the paper's Eq. (16).",
     IntegratorName::VelocityVerlet = "velocity-verlet":
-        "Velocity Verlet: the same positions to rounding.",
+        "Velocity Verlet: the same positions except for rounding.",
     IntegratorName::QuasiStatic = "quasi-static":
         "Along the path of equilibria: fast, for tension along the fibre and the area law \
          \"gradient\".",
 } }
 
 worded! { Loops {
-    Loops::Auto = "auto": "The fused kernel where it can, else the plain loops.",
+    Loops::Auto = "auto": "The fused kernel if it supports the run, else the plain loops.",
     Loops::Plain = "plain":
         "Plain loops over all laws: any mesh, force, tension and form of Verlet's method.",
-    Loops::Fused = "fused": "The fused kernel of a lattice, or nothing.",
+    Loops::Fused = "fused": "The fused kernel of a lattice; an error if it does not support the run.",
 } }
 
 pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "numerics.integrator",
-        "How the mesh follows the tension: in time by Verlet's method, of which \"verlet\" is \
-         the paper's form, or along its equilibria.",
+        "How the shape follows the tension: in time by Verlet's method (\"verlet\" is \
+         the paper's form), or along its equilibria.",
         Kind::Words {
             words: IntegratorName::WORDS,
             get: |run| Some(name(run.numerics.method).word()),
@@ -57,7 +57,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "numerics.engine",
-        "What moves the masses in time; one that cannot is refused, and run.json says which did.",
+        "Implementation of the integrator in time; an unsupported one is an error, and run.json states the one used.",
         Kind::Words {
             words: Loops::WORDS,
             get: |run| Some(run.numerics.engine.loops.word()),
@@ -67,12 +67,12 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--engine",
         "NAME",
-        "What moves the masses in time: auto (the fused kernel where it can), plain, or fused, which is refused \
-         where it cannot",
+        "Implementation of the integrator in time: auto (the fused kernel if possible), plain, or fused, which is an error \
+         if it is not possible",
     ),
     Setting::quantity(
         "numerics.time_step",
-        "Mechanical time step; one above the stability limit is refused. Not for \
+        "Mechanical time step; a step above the stability limit is an error. Not for \
          \"quasi-static\".",
         Bounds::any(Dimension::Time, "0.004 ms").from(1e-7).to(10.0),
         |run| run.numerics.time_step,
@@ -96,7 +96,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "numerics.frame_interval",
-        "Interval of the recorded shapes, of which films, ParaView's files and frames.npz are made; a multiple of \
+        "Interval of the recorded shapes, from which films, ParaView's files and frames.npz are made; a multiple of \
          the output interval.",
         Bounds::any(Dimension::Time, "5 ms").from(1e-3).to(1e5),
         |run| Some(run.numerics.frame_interval),

@@ -12,14 +12,14 @@ use crate::microscopy::segment::{Choice, Modality};
 use crate::units::Dimension;
 
 worded! { Modality {
-    Modality::Auto = "auto": "To be told from the grey values.",
+    Modality::Auto = "auto": "Determined from the grey values.",
     Modality::Fluorescence = "fluorescence": "A bright cell on a dark ground.",
     Modality::Brightfield = "brightfield":
-        "A cell that shows by its edges and texture; phase contrast too.",
+        "A cell visible by its edges and texture; also phase contrast.",
     Modality::Mask = "mask": "Not a picture but its segmentation: background 0.",
 } }
 
-/// Largest area that a bound on the areas of cells may be, um^2: a square of 10 mm.
+/// Largest bound on the area of cells, um^2: a square of 10 mm.
 const LARGEST_AREA_UM2: f64 = 1e8;
 
 const DEPTH: &str = "segmentation.z";
@@ -62,7 +62,7 @@ pub(super) const ROWS: &[Setting] = &[
             },
         },
     )
-    .otherwise("the first; of a colour picture its luminance")
+    .otherwise("the first, or the luminance of a colour picture")
     .option("--channel", "N"),
     Setting::new(
         "segmentation.frame",
@@ -81,7 +81,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--frame", "N"),
     Setting::new(
         DEPTH,
-        "Of a stack in depth: \"max\", \"mean\", or the number of a slice, from 0.",
+        "How a stack in depth is reduced: \"max\", \"mean\", or the number of a slice, from 0.",
         Kind::Written {
             bounds: None,
             numbers: true,
@@ -100,12 +100,12 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--z",
         "max|mean|N",
-        "Of a stack in depth: max, mean, or the number of a slice, from 0",
+        "How a stack in depth is reduced: max, mean, or the number of a slice, from 0",
     ),
     Setting::quantity(
         "segmentation.threshold",
-        "Threshold; less takes in more. Fluorescence: grey value above which a pixel is cell. \
-         Brightfield: least relative change of brightness per um that is an edge.",
+        "Threshold; a lower one includes more. Fluorescence: grey value above which a pixel belongs to the cell. \
+         Brightfield: least relative change of brightness per um of an edge.",
         Bounds::any(Dimension::Number, "120.5"),
         |run| run.shape.source.picture()?.options.segmentation.threshold,
         |run, threshold| {
@@ -114,12 +114,12 @@ pub(super) const ROWS: &[Setting] = &[
             }
         },
     )
-    .otherwise("found from the picture, and printed")
+    .otherwise("determined from the picture, and printed")
     .option_saying(
         "--threshold",
         "NUMBER",
-        "Less takes in more. Fluorescence: grey value above which a pixel is cell; brightfield: \
-         least relative change of brightness per um that is an edge",
+        "A lower one includes more. Fluorescence: grey value above which a pixel belongs to the cell; brightfield: \
+         least relative change of brightness per um of an edge",
     ),
     Setting::quantity(
         "segmentation.smooth",
@@ -177,8 +177,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "segmentation.min_area",
-        "Least area that is expected of a cell: batch leaves out smaller ones, as debris, and elsewhere they are \
-         refused unless any size is allowed.",
+        "Smallest expected area of a cell: batch leaves out smaller ones (debris); elsewhere they are \
+         errors unless any size is allowed.",
         Bounds::any(Dimension::Area, "200 um^2").from(0.0).to(LARGEST_AREA_UM2),
         |run| run.shape.source.picture().map(|picture| picture.options.areas_um2[0]),
         |run, area| {
@@ -191,13 +191,13 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--min-area",
         "AREA",
-        "Least area that is expected of a cell: batch leaves out smaller ones (debris), elsewhere they are \
-         refused unless --any-size is given",
+        "Smallest expected area of a cell: batch leaves out smaller ones (debris); elsewhere they are \
+         errors unless --any-size is given",
     ),
     Setting::quantity(
         "segmentation.max_area",
-        "Largest area that is expected of a cell: batch leaves out larger ones, as sheets and clumps, and elsewhere \
-         they are refused unless any size is allowed.",
+        "Largest expected area of a cell: batch leaves out larger ones (sheets, clumps); elsewhere \
+         they are errors unless any size is allowed.",
         Bounds::any(Dimension::Area, "40000 um^2").above(0.0).to(LARGEST_AREA_UM2),
         |run| run.shape.source.picture().map(|picture| picture.options.areas_um2[1]),
         |run, area| {
@@ -210,12 +210,12 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--max-area",
         "AREA",
-        "Largest area that is expected of a cell: batch leaves out larger ones (sheets, clumps), elsewhere they \
-         are refused unless --any-size is given",
+        "Largest expected area of a cell: batch leaves out larger ones (sheets, clumps); elsewhere they \
+         are errors unless --any-size is given",
     ),
     Setting::new(
         "segmentation.allow_cut",
-        "Takes a cell although the frame of the picture cuts it.",
+        "Accepts a cell although the frame of the picture cuts it.",
         Kind::Flag {
             get: |run| run.shape.source.picture().map(|picture| picture.allow_cut),
             set: |run, allowed| {
@@ -225,10 +225,10 @@ pub(super) const ROWS: &[Setting] = &[
             },
         },
     )
-    .option_saying("--allow-cut", "", "Take a cell although the frame of the picture cuts it"),
+    .option_saying("--allow-cut", "", "Accept a cell although the frame of the picture cuts it"),
     Setting::new(
         "segmentation.outline",
-        "Outline of the cell drawn on the picture elsewhere, instead of finding it: GeoJSON, \
+        "Outline of the cell drawn on the picture in another program, instead of segmentation: GeoJSON, \
          ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
         Kind::File {
             endings: OUTLINE_ENDINGS,
@@ -245,7 +245,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--outline",
         "FILE",
-        "Outline drawn on the picture elsewhere, instead of finding it (.geojson, .roi, .zip, \
+        "Outline drawn on the picture in another program, instead of segmentation (.geojson, .roi, .zip, \
          Cellpose's .txt)",
     ),
 ];

@@ -14,7 +14,7 @@ use crate::units::Dimension;
 pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "shape.built_in",
-        "A cell that comes with the program.",
+        "A built-in cell.",
         Kind::Text {
             get: |run| match run.shape.source {
                 Source::BuiltIn(cell) => Some(cell.name.to_owned()),
@@ -79,7 +79,7 @@ pub(super) const ROWS: &[Setting] = &[
             Source::Outline { pixel_size, .. } => *pixel_size = PixelSize::new(size).ok(),
         },
     )
-    .otherwise("what the picture says of itself")
+    .otherwise("the picture's own")
     .option_saying("--pixel-size", "LENGTH", "Side of one pixel of a picture"),
     Setting::new(
         "shape.label",
@@ -101,8 +101,8 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--label", "N"),
     Setting::new(
         "shape.any_size",
-        "Takes a cell whose size no heart cell has: longer than 400 um, shorter than 15 um, or with an area outside \
-         of `min_area` to `max_area`. Such a size mostly means a wrong pixel size.",
+        "Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter than 15 um, or with an area outside \
+         of `min_area` to `max_area`. Such a size usually means a wrong pixel size.",
         Kind::Flag {
             get: |run| (!matches!(run.shape.source, Source::BuiltIn(_))).then_some(run.shape.any_size),
             set: |run, any| run.shape.any_size = any,
@@ -111,11 +111,11 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--any-size",
         "",
-        "Take a cell whose size no heart cell has (longer than 400 um, shorter than 15 um, or of an unusual area)",
+        "Accept a cell whose size is impossible for a heart cell (longer than 400 um, shorter than 15 um, or of an unusual area)",
     ),
     Setting::quantity(
         "shape.rotate",
-        "Turns an outline or built-in cell counter-clockwise before it is meshed.",
+        "Rotates an outline or built-in cell counter-clockwise before it is meshed.",
         Bounds::any(Dimension::Angle, "30 deg").from(-360.0).to(360.0),
         |run| (!matches!(run.shape.source, Source::Picture(_))).then_some(run.shape.rotate),
         |run, angle| run.shape.rotate = angle,
@@ -123,11 +123,11 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--rotate",
         "ANGLE",
-        "Turn an outline or the built-in cell counter-clockwise",
+        "Rotate an outline or the built-in cell counter-clockwise",
     ),
     Setting::quantity(
         "shape.spacing",
-        "Distance of neighbouring masses.",
+        "Distance between neighbouring masses.",
         // The mesh checks it against the shape.
         Bounds::any(Dimension::Length, "1.1 um").above(0.0).to(1000.0),
         |run| run.shape.spacing,

@@ -1,4 +1,4 @@
-//! `[stimulus]`; what is absent comes from the cell model.
+//! `[stimulus]`; missing values come from the cell model.
 
 use super::super::bounds::{Bounds, Whole};
 use super::super::problem::Problem;
@@ -17,8 +17,8 @@ enum StimulusKind {
 }
 
 worded! { StimulusKind {
-    StimulusKind::Jump = "jump": "The potential variable jumps at once.",
-    StimulusKind::Pulse = "pulse": "A constant current for a while.",
+    StimulusKind::Jump = "jump": "An instantaneous jump of the potential variable.",
+    StimulusKind::Pulse = "pulse": "A constant current for some time.",
 } }
 
 const AMPLITUDE: &str = "stimulus.amplitude";
@@ -33,7 +33,7 @@ pub(super) const ROWS: &[Setting] = &[
             words: StimulusKind::WORDS,
             get: |run| moves_something(run).then(|| kind(run).word()),
             set: |run, word| {
-                // The rules of run files ask for the size where the model has none of this kind.
+                // The rules of run files require the size if the model has no default of this kind.
                 match (StimulusKind::of_word(word)?, run.protocol.stimulus) {
                     (StimulusKind::Jump, Stimulus::Pulse { .. }) => {
                         run.protocol.stimulus = Stimulus::Jump { amplitude: 0.0 };
@@ -51,7 +51,7 @@ pub(super) const ROWS: &[Setting] = &[
     .otherwise("the cell model's own"),
     Setting::new(
         AMPLITUDE,
-        "Size: a pure number for a jump of u, a rate (\"0.5 1/ms\") for a pulse.",
+        "Size: a dimensionless number for a jump of u, a rate (\"0.5 1/ms\") for a pulse.",
         Kind::Written {
             bounds: Some(JUMP),
             numbers: true,
@@ -68,7 +68,7 @@ pub(super) const ROWS: &[Setting] = &[
     .otherwise("the cell model's own"),
     Setting::quantity(
         "stimulus.duration",
-        "How long a pulse lasts; not for a jump.",
+        "Duration of a pulse; not for a jump.",
         Bounds::any(Dimension::Time, "1 ms").above(0.0).to(1000.0),
         |run| match run.protocol.stimulus {
             Stimulus::Jump { .. } => None,
@@ -108,7 +108,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "stimulus.s2_interval",
         "Coupling interval of one extra stimulus, S2: its time after the last of the train, S1. Its beat is measured from \
-         the rest before that S1, has no metrics where it raises no action potential, and is in no mean over beats.",
+         the rest before that S1; it has no metrics if it raises no action potential, and does not count in means over beats.",
         Bounds::any(Dimension::Time, "350 ms").above(0.0).to(1e5),
         |run| run.protocol.s2_interval_ms,
         |run, interval| run.protocol.s2_interval_ms = Some(interval),
@@ -135,7 +135,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "stimulus.steady_state_cache",
-        "Folder in which steady states are kept for other runs of the same model, parameters and pacing; empty for none.",
+        "Folder in which steady states are stored for other runs with the same model, parameters and pacing; empty for none.",
         Kind::Text {
             get: |run| Some(run.steady_state_cache.clone()),
             set: |run, folder| {
@@ -147,11 +147,11 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--steady-state-cache",
         "DIR",
-        "Folder in which steady states are kept for other runs",
+        "Folder in which steady states are stored for other runs",
     ),
     Setting::quantity(
         "stimulus.wave_speed",
-        "Speed at which each stimulus, and the calcium that it sets free, travels along the cell from the end where the \
+        "Speed at which each stimulus, and its calcium release, travels along the cell from the end where the \
          long axis starts: a cell model for each triangle, much slower. Beats are measured from the start of the wave.",
         Bounds::any(Dimension::Speed, "0.1 um/ms").from(1e-3).to(1e6),
         |run| run.wave_speed,
@@ -165,7 +165,7 @@ pub(super) const ROWS: &[Setting] = &[
     ),
 ];
 
-/// Where calcium is given, a stimulus only says when it begins.
+/// With prescribed calcium, a stimulus only starts its course.
 fn moves_something(run: &Run) -> bool {
     !run.cell.stimulation().moves.is_empty()
 }
