@@ -22,7 +22,7 @@ const STYLES: Styles = Styles::styled()
     .literal(AnsiColor::Cyan.on_default().bold())
     .placeholder(AnsiColor::Cyan.on_default());
 
-/// Headings of options that are no settings.
+/// Headings of options that are not settings.
 const CELL: &str = "Cell model and stimulus";
 const NUMERICS: &str = "Numerics";
 const FILM: &str = "Film";
@@ -41,12 +41,12 @@ pub(crate) const OUTPUT: &str = "Output";
         myospring batch pictures                          beat the cells of a whole folder\n  \
         myospring analyse cell.csv                        measure the beats of a curve\n  \
         myospring fit cell.tif --to cell.csv              find that cell's own parameters\n  \
-        myospring compare results/a results/b             lay two results side by side\n  \
+        myospring compare results/a results/b             compare two results\n  \
         myospring init beat.toml && myospring run beat.toml\n  \
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
         Values carry their unit: \"50 kPa\", \"1.1 um\", \"600 ms\", \"30 deg\".\n\
-        Exit codes: 0 done, 1 a run stopped early or a check was not met, 2 bad input or usage, or what was\n\
-        found could not be written, 130 ended by Ctrl-C, 143 by SIGTERM."
+        Exit codes: 0 done, 1 a run stopped early or a check failed, 2 bad input or usage, or results could\n\
+        not be written, 130 ended by Ctrl-C, 143 by SIGTERM."
 )]
 pub(crate) struct Cli {
     /// Print what to cite, as BibTeX
@@ -64,23 +64,23 @@ pub(crate) enum Command {
     Run(Box<RunArgs>),
     /// Reproduce the paper's Figs 3, 5 and 6 and check every number that it states
     Paper(PaperArgs),
-    /// Find the cells of a picture: outlines, their shapes and how sure they are; nothing beats
+    /// Find the cells of a picture, without simulating them: outlines, shapes and confidence
     #[command(alias = "outline")]
     Segment(SegmentArgs),
     /// Follow a cell through a film: its curve of length, its stretches and sarcomeres, the motion of its points
     Track(TrackArgs),
-    /// Beat the cells of a whole folder of pictures: one row a cell
+    /// Beat the cells of a whole folder of pictures: one row per cell
     Batch(Box<BatchArgs>),
-    /// Beats of measured curves: every metric, beat by beat, and where it was read
+    /// Analyse the beats of measured curves: every metric of every beat, and where it was read
     #[command(alias = "analyze")]
     Analyse(Box<AnalyseArgs>),
-    /// A cell's own parameters from its measured curve, and how sure they are
+    /// Fit a cell's own parameters to its measured curve, with confidence intervals
     Fit(Box<FitArgs>),
-    /// Lay runs side by side: curves, cells and a table of differences; factors and doses
+    /// Compare runs: curves, cells and a table of differences; factors and doses
     Compare(Box<CompareArgs>),
-    /// Many runs that differ in numbers: sensitivity analyses and populations
+    /// Run many simulations with varied numbers: sensitivity analyses and populations
     Study(StudyArgs),
-    /// Mesh a cell and report; nothing beats
+    /// Mesh a cell and report on the mesh, without simulating it
     Mesh(MeshArgs),
     /// List the cell models, or the parameters of one
     #[command(alias = "model")]
@@ -89,19 +89,19 @@ pub(crate) enum Command {
     Init(InitArgs),
     /// Print the JSON Schema of run files or of studies
     Schema(SchemaArgs),
-    /// Print what completes commands and options in a shell
+    /// Print a script that completes commands and options in a shell
     Completions(CompletionsArgs),
     /// Write the manual pages
     Manual(ManualArgs),
 }
 
-/// Where results go and what is printed.
+/// Where results are written and what is printed.
 #[derive(Debug, Args)]
 pub(crate) struct OutputArgs {
     /// Folder for the results [default: results/NAME]
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
-    /// Replace results that are already there
+    /// Replace existing results
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
     /// Print results as JSON
@@ -124,7 +124,7 @@ pub(crate) struct OutputArgs {
     myospring run --outputs none --frame-interval \"2 ms\"\n  \
     myospring run beat.toml --dry-run\n\n\
     Results: traces.csv, summary.json, fibres.csv (where the picture shows fibres), run.toml (every\n\
-    setting) and run.json (version, hashes, timings) always and first; then what --outputs names.")]
+    setting) and run.json (version, hashes, timings) always and first; then the outputs named by --outputs.")]
 pub(crate) struct RunArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
     /// without it, the built-in adult ventricular cell
@@ -132,12 +132,12 @@ pub(crate) struct RunArgs {
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: Settings<Beat>,
-    /// Factors on numbers of the run, parted by commas: parameters of the cell model or settings
+    /// Factors on numbers of the run, separated by commas: parameters of the cell model or settings
     /// (`tau_si=1.2,peak_tension=0.7`); run.toml has the products
     #[arg(long, value_name = "NAME=FACTOR,...", allow_hyphen_values = true, help_heading = CELL)]
     pub(crate) scale: Option<String>,
-    /// Threads that move the masses; the numbers do not depend on it [default: a core for every 8000
-    /// masses, as far as there are cores]
+    /// Threads of the integrator; results do not depend on it [default: one core for every 8000
+    /// masses, at most all cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
     pub(crate) threads: Option<NonZeroUsize>,
     #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = outputs::words(),
@@ -158,15 +158,15 @@ pub(crate) struct RunArgs {
     after_help = "Examples:\n  myospring paper\n  myospring paper --output paper --threads 1"
 )]
 pub(crate) struct PaperArgs {
-    /// Threads for the three runs, at most one for each core; the numbers do not depend on it [default:
-    /// all cores]
+    /// Threads for the three runs, at most one per core; results do not depend on it [default: all
+    /// cores]
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,
-    /// Distance of neighbouring masses ("1.2 um"), to see that the answer does not depend on it
+    /// Distance between neighbouring masses ("1.2 um"), to check that results do not depend on it
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) spacing: Option<String>,
-    /// verlet (the paper's) or quasi-static, to see that the answer does not depend on it
-    /// [default: verlet]
+    /// verlet (the paper's) or quasi-static, to check that results do not depend on it [default:
+    /// verlet]
     #[arg(long, value_name = "NAME")]
     pub(crate) integrator: Option<String>,
     #[command(flatten)]
@@ -181,25 +181,25 @@ pub(crate) struct PaperArgs {
     myospring compare --scale peak_tension=0.6 --scale peak_tension=0.8     Fig. 6 of the paper\n  \
     myospring compare cell.tif --pixel-size \"0.27 um\" --scale tau_si=1.05,thickness=0.9\n  \
     myospring compare beat.toml --doses drug.toml     a control and a series of doses\n\n\
-    The first run is what the others are compared with. A file of doses has [[drug]] blocks:\n  \
+    The other runs are compared with the first one. A file of doses has [[drug]] blocks:\n  \
     [[drug]]\n  \
     name = \"blocker\"\n  \
     parameter = \"peak_tension\"\n  \
     concentration = [\"0.3 uM\", \"1 uM\", \"10 uM\"]\n  \
     ic50 = \"1 uM\"\n  \
-    hill = 1.0                # 1 unless stated\n  \
-    maximal_effect = -0.8     # -1 unless stated\n\
+    hill = 1.0                # default 1\n  \
+    maximal_effect = -0.8     # default -1\n\
     which multiply the parameter by 1 + maximal_effect c^hill / (ic50^hill + c^hill).\n\
-    Blocks of one name are one drug; several are given at once by a [[together]] block:\n  \
+    Blocks with the same name are one drug; a [[together]] block applies several drugs at once:\n  \
     doses = [\"blocker 1 uM\", \"other 30 nM\"]\n\
     Conductances of tor_ord_land are channels (P_Ca, G_Kr, G_Na, G_NaL, G_Ks, G_K1, G_to);\n\
-    parameters of the minimal models are phenomenological: none is a channel.\n\n\
+    parameters of the minimal models are phenomenological and not single channels.\n\n\
     Results: report.html, figures/compared and contraction (SVG and PNG), metrics.csv,\n\
     comparison.json (settings and numbers that differ, warnings), runs/ (curves, run files).\n\
     Exit codes: 0 done, 1 a run stopped early, 2 bad input or usage.")]
 pub(crate) struct CompareArgs {
-    /// Result folders, which are read, or run files, pictures and outlines, which are run; without any, the
-    /// built-in cell
+    /// Result folders (read), or run files, pictures and outlines (run); without any, the built-in
+    /// cell
     #[arg(value_name = "RESULTS|RUN.toml|PICTURE|OUTLINE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// One more run of each input with these factors on its numbers: parameters of the cell model or settings
@@ -209,7 +209,7 @@ pub(crate) struct CompareArgs {
     /// A file of drugs (.toml): one more run of each input for each concentration
     #[arg(long, value_name = "FILE")]
     pub(crate) doses: Option<PathBuf>,
-    /// Runs at a time, at most one for each core [default: all cores]
+    /// Simultaneous runs, at most one per core [default: all cores]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -239,11 +239,11 @@ pub(crate) struct MeshArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     myospring segment cell.tif                                 look at results/cell_outline/overlay.png\n  \
-    myospring segment cell.tif --pixel-size \"0.27 um\" --output cell.roi      mend it in Fiji, then\n  \
+    myospring segment cell.tif --pixel-size \"0.27 um\" --output cell.roi      correct it in Fiji, then\n  \
     myospring run cell.tif --pixel-size \"0.27 um\" --outline cell.roi         come back\n  \
     myospring segment dish.tif --cell all -o cells.zip -o cells_mask.png\n  \
     myospring segment sheet.tif --whole-frame                  a sheet or tissue: its fibres and sarcomeres\n\n\
-    Without an ending --output is a folder; else the ending says what the file holds: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
+    Without an ending, --output is a folder; otherwise the ending determines the format: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
     .png (mask; with --cell all a label mask). An overlay is written beside the first of them.")]
 #[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub(crate) struct SegmentArgs {
@@ -252,15 +252,15 @@ pub(crate) struct SegmentArgs {
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) settings: Settings<Seen>,
-    /// Outline no cell: read fibres and sarcomeres of all that the picture shows, a sheet or a tissue; writes
-    /// fibres.csv, an overlay and a report to `results/NAME_whole_frame`
+    /// Do not search cells: read fibres and sarcomeres of the whole picture (a sheet or tissue);
+    /// writes fibres.csv, an overlay and a report to `results/NAME_whole_frame`
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) whole_frame: bool,
-    /// Folder for all results, or a file for the outline, which may be given several times [default:
+    /// Folder for all results, or a file for the outline; may be given several times [default:
     /// `results/NAME_outline`]
     #[arg(short, long, value_name = "DIR|FILE", help_heading = OUTPUT)]
     pub(crate) output: Vec<PathBuf>,
-    /// Replace files that are already there
+    /// Replace existing files
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
     /// Print the report as JSON
@@ -275,33 +275,33 @@ pub(crate) struct SegmentArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     myospring track film.avi --pixel-size \"0.18 um\" --frame-rate 30 --allow-cut\n  \
-    myospring track film.ome.tif                       pixel size and frame rate are the file's\n  \
+    myospring track film.ome.tif                       pixel size and frame rate from the file\n  \
     myospring track frames --pixel-size \"0.27 um\" --frame-rate 100       a folder of pictures, in order\n  \
     myospring track film.tif --frame 12 --outline cell.roi      the cell as drawn on frame 12\n\n\
-    Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; of other\n\
-    kinds whatever ffmpeg reads, where it is installed.\n\n\
-    Results: track.csv (a row a frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2,\n\
-    sarcomere_um where there are stripes, interpolated_pct), track.json (settings, warnings, numbers), rest.tif and\n\
+    Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; others\n\
+    through ffmpeg, if it is installed.\n\n\
+    Results: track.csv (one row per frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2,\n\
+    sarcomere_um if there are stripes, interpolated_pct), track.json (settings, warnings, numbers), rest.tif and\n\
     outline.geojson (the cell at rest); then what --outputs names, and unless that is none, report.html (the moving cell\n\
     with its curves, for the browser).\n\
-    Interrupted (Ctrl-C), the frames that are done are written.")]
+    If interrupted (Ctrl-C), the completed frames are written.")]
 pub(crate) struct TrackArgs {
     /// Film (.tif, .avi, ...) or folder of pictures
     #[arg(value_name = "FILM")]
     pub(crate) input: PathBuf,
-    /// Frames a second (30, or "30 /s") [default: as the film says]
+    /// Frames a second (30, or "30 /s") [default: that of the film]
     #[arg(long, value_name = "RATE", allow_hyphen_values = true, help_heading = FILM)]
     pub(crate) frame_rate: Option<String>,
-    /// Side of the squares of the picture that are looked for in each frame ("4 um"): larger is surer, smaller shows
-    /// finer motion [default: "4 um", at least 17 pixels]
+    /// Side of the squares of the picture that are matched in each frame ("4 um"): larger ones are
+    /// more reliable, smaller ones resolve finer motion [default: "4 um", at least 17 pixels]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, help_heading = FILM)]
     pub(crate) subset: Option<String>,
     #[command(flatten)]
     pub(crate) settings: Settings<Seen>,
-    /// Threads; the numbers do not depend on it [default: all cores]
+    /// Threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
     pub(crate) threads: Option<NonZeroUsize>,
-    /// What to write beside the curve, parted by commas
+    /// What to write in addition to the curve, separated by commas
     #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = track::words(),
           default_value = track::DEFAULT, help_heading = OUTPUT)]
     pub(crate) outputs: Vec<String>,
@@ -315,25 +315,25 @@ pub(crate) struct TrackArgs {
     myospring batch pictures --pixel-size \"0.27 um\" --output beats\n  \
     myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n  \
     myospring batch --table pictures.csv              each picture with its own settings\n\n\
-    Results: report.html, every cell with its numbers; cells.csv, one row a cell, failed pictures with their\n\
-    reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells that\n\
-    the frame cuts, doubtful ones and those beside --min-area and --max-area are left out with the reason.\n\
-    Interrupted (Ctrl-C), the same command goes on where it was.\n\
-    Exit codes: 0 all pictures gave a cell that beat, 1 some failed, 2 bad input or usage.")]
+    Results: report.html, every cell with its numbers; cells.csv, one row per cell, failed pictures with the\n\
+    reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells cut\n\
+    by the frame, doubtful ones and those outside --min-area to --max-area are left out with the reason.\n\
+    After an interruption (Ctrl-C), the same command continues.\n\
+    Exit codes: 0 all pictures gave a simulated cell, 1 some failed, 2 bad input or usage.")]
 pub(crate) struct BatchArgs {
-    /// Folder of pictures (.png, .tif), searched with all folders in it; with --table, where its files are
-    /// [default: beside the table]
+    /// Folder of pictures (.png, .tif), searched with all subfolders; with --table, the folder of
+    /// its files [default: that of the table]
     #[arg(value_name = "FOLDER", required_unless_present = "table")]
     pub(crate) folder: Option<PathBuf>,
-    /// Pictures with settings of their own (.csv): a column `file`, and any of `pixel_size`, modality, channel,
-    /// threshold, seed, outline, stain or another option; `group` goes on to cells.csv. Several lines for one
-    /// file are several cells of it
+    /// Pictures with individual settings (.csv): a column `file`, and any of `pixel_size`,
+    /// modality, channel, threshold, seed, outline, stain or another option; `group` is copied to
+    /// cells.csv. Several lines for one file are several of its cells
     #[arg(long, value_name = "FILE")]
     pub(crate) table: Option<PathBuf>,
-    /// Only files whose name matches (* and ? stand for anything) [default: *.png, *.tif, *.tiff]
+    /// Only files whose name matches (with wildcards * and ?) [default: *.png, *.tif, *.tiff]
     #[arg(long, value_name = "PATTERN", conflicts_with = "table")]
     pub(crate) pattern: Option<String>,
-    /// Pictures at a time, at most one for each core [default: all cores]
+    /// Simultaneous pictures, at most one per core [default: all cores]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -349,14 +349,14 @@ pub(crate) struct BatchArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     myospring study init study.toml                   a description to start from\n  \
-    myospring study run study.toml                    runs it, or goes on with it\n  \
-    myospring study run study.toml --shard 3/20       the third of twenty parts, for an array of jobs\n  \
+    myospring study run study.toml                    runs or continues it\n  \
+    myospring study run study.toml --shard 3/20       the third of twenty parts, for a job array\n  \
     myospring study merge study.toml                  when all parts are done\n  \
-    myospring study figures study.toml                draws its figures anew from members.csv\n\n\
-    Results: members.csv and members.parquet, one row a member with its values, metrics, status and reason;\n\
-    report.html; study.json, with Sobol's or Morris's indices where the sampler is saltelli or morris; figures:\n\
+    myospring study figures study.toml                redraws its figures from members.csv\n\n\
+    Results: members.csv and members.parquet, one row per member with its values, metrics, status and reason;\n\
+    report.html; study.json, with Sobol's or Morris's indices if the sampler is saltelli or morris; figures:\n\
     sensitivity, distributions, scatter or response curves of each metric.\n\
-    Interrupted or killed, the same command goes on where it was.")]
+    After an interruption, the same command continues.")]
 pub(crate) struct StudyArgs {
     #[command(subcommand)]
     pub(crate) command: StudyCommand,
@@ -365,11 +365,11 @@ pub(crate) struct StudyArgs {
 /// What to do with a study.
 #[derive(Debug, Subcommand)]
 pub(crate) enum StudyCommand {
-    /// Run a study, or go on with it
+    /// Run or continue a study
     Run(StudyRunArgs),
-    /// Put the parts of a study together that were run with --shard
+    /// Merge the parts of a study that were run with --shard
     Merge(StudyMergeArgs),
-    /// Draw the figures of a study anew, from its members.csv
+    /// Redraw the figures of a study from its members.csv
     Figures(StudyFiguresArgs),
     /// Write a commented description of a study to start from
     Init(StudyInitArgs),
@@ -393,10 +393,10 @@ pub(crate) struct StudyRunArgs {
     /// Description of the study (.toml)
     #[arg(value_name = "STUDY.toml")]
     pub(crate) study: PathBuf,
-    /// Members at a time, at most one for each core; the numbers do not depend on it [default: all cores]
+    /// Simultaneous members, at most one per core; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
-    /// Only the i-th of N parts; `study merge` puts them together
+    /// Only the i-th of N parts; `study merge` merges them
     #[arg(long, value_name = "i/N")]
     pub(crate) shard: Option<String>,
     #[command(flatten)]
@@ -409,7 +409,7 @@ pub(crate) struct StudyMergeArgs {
     /// Description of the study (.toml), the same as that of its parts
     #[arg(value_name = "STUDY.toml")]
     pub(crate) study: PathBuf,
-    /// Folder in which the parts are, and the results will be [default: `results/NAME_study`]
+    /// Folder with the parts, also for the results [default: `results/NAME_study`]
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
     /// Print results as JSON
@@ -457,12 +457,12 @@ pub(crate) struct ModelsArgs {
     An editor that knows TOML (Even Better TOML, Taplo) uses it by the first line of a file:\n  \
     #:schema run.schema.json")]
 pub(crate) struct SchemaArgs {
-    /// Of which files
+    /// The kind of files
     #[arg(value_enum, default_value = "run")]
     pub(crate) of: SchemaOf,
 }
 
-/// What a schema is of.
+/// The kind of files that a schema describes.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 pub(crate) enum SchemaOf {
     /// Run files
@@ -489,7 +489,7 @@ pub(crate) struct CompletionsArgs {
     after_help = "Examples:\n  myospring manual ~/.local/share/man/man1 && man myospring-run"
 )]
 pub(crate) struct ManualArgs {
-    /// Folder for the pages, one a command
+    /// Folder for the pages, one per command
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 }
@@ -510,7 +510,7 @@ pub(crate) const LIST: &str = "list";
   myospring init --preset list                        the presets
   myospring init --preset hipsc-on-gel gel.toml       one of them")]
 pub(crate) struct InitArgs {
-    /// Write this run file instead, each of whose numbers has its source beside it; list names them
+    /// Write this run file instead, with the source of each number; `list` lists them
     #[arg(long, value_name = "NAME", value_parser = presets())]
     pub(crate) preset: Option<String>,
     /// File to write; without it, the run file goes to stdout

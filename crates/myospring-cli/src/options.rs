@@ -1,4 +1,4 @@
-//! The options that stand for settings, made from the library's table of them.
+//! Options for settings, made from the library's table.
 
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
@@ -7,13 +7,13 @@ use myospring::experiment::input::is_all_cells;
 use myospring::settings::{CommandOption, Kind, Setting, Table, Value, tables};
 use std::marker::PhantomData;
 
-/// Which tables of settings a command has options for.
+/// The tables of settings for which a command has options.
 pub(crate) trait Scope {
-    /// Whether it has that of a setting.
+    /// Whether it includes a setting.
     fn has(table: &Table, setting: &Setting) -> bool;
 }
 
-/// What is seen: the cell's shape, and the direction of its fibres.
+/// Settings of the cell's shape and the direction of its fibres.
 #[derive(Debug)]
 pub(crate) struct Seen;
 
@@ -24,12 +24,12 @@ impl Scope for Seen {
     }
 }
 
-/// Whether a table says where the cell's shape comes from.
+/// Whether a table describes the cell's shape.
 fn is_of_shape(table: &Table) -> bool {
     ["shape", "segmentation"].contains(&table.name)
 }
 
-/// What beats, and how: every table.
+/// Settings of a beat: every table.
 #[derive(Debug)]
 pub(crate) struct Beat;
 
@@ -39,7 +39,7 @@ impl Scope for Beat {
     }
 }
 
-/// The settings that options give.
+/// The settings given by options.
 #[derive(Debug)]
 pub(crate) struct Settings<S> {
     given: Vec<Given>,
@@ -52,28 +52,28 @@ impl<S> Settings<S> {
         self.given.iter().find(|(setting, _)| setting.key == key).map(|(_, value)| value)
     }
 
-    /// All that were given, `--cell all` among them.
+    /// All given settings, including `--cell all`.
     pub(crate) fn given(&self) -> &[Given] {
         &self.given
     }
 
-    /// Whether every cell was asked for.
+    /// Whether all cells were requested.
     pub(crate) fn all_cells(&self) -> bool {
         self.given.iter().any(is_all_cells)
     }
 
-    /// What overrides a run file; `--cell all` does not.
+    /// The settings that override a run file; `--cell all` does not.
     pub(crate) fn overrides(&self) -> Vec<Given> {
         self.given.iter().filter(|given| !is_all_cells(given)).cloned().collect()
     }
 
-    /// Of these the cell model alone.
+    /// The cell model among these.
     pub(crate) fn model(&self) -> Vec<Given> {
         self.given.iter().filter(|(setting, _)| setting.key == "cell.model").cloned().collect()
     }
 }
 
-/// The settings with an option, in the order of the help: the cell's shape comes first.
+/// The settings with an option, in the order of the help: shape first.
 fn options<S: Scope>() -> impl Iterator<Item = (&'static Table, &'static Setting, CommandOption)> {
     let all = || {
         let rows = |table: &'static Table| table.settings.iter().map(move |row| (table, row));
@@ -124,7 +124,7 @@ fn argument(table: &Table, setting: &'static Setting, option: CommandOption) -> 
         Kind::Whole { .. } => value_parser!(i64).into(),
         _ => ValueParser::string(),
     };
-    // What may be negative, so that a wrong sign gets the message on its bounds.
+    // Accepts negative values, so that a wrong sign gets the message on its bounds.
     let signed =
         matches!(setting.kind, Kind::Whole { .. } | Kind::Quantity { .. } | Kind::Written { .. });
     argument.value_name(option.value).value_parser(parser).allow_hyphen_values(signed)
@@ -138,11 +138,11 @@ fn value(setting: &Setting, matches: &ArgMatches) -> Option<Value> {
     }
 }
 
-/// What it is, its words or an example, and what happens where it is left out.
+/// The help of a setting: description, words or an example, and default.
 fn help(setting: &Setting, option: CommandOption) -> String {
     let about = option.help.unwrap_or(setting.doc.trim_end_matches('.'));
     let names: Vec<&str> = setting.words().iter().map(|word| word.name).collect();
-    // Some explain their words one by one.
+    // Some descriptions explain the words themselves.
     let words = if names.iter().any(|name| about.contains(name)) || names.is_empty() {
         String::new()
     } else {

@@ -6,7 +6,7 @@ use clap::Args;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-/// Headings of options that are no settings.
+/// Headings of options that are not settings.
 const BEATS: &str = "Beats";
 const TABLE: &str = "Table";
 const FIT: &str = "Fit";
@@ -20,14 +20,14 @@ const FIT: &str = "Fit";
     myospring analyse export.txt --time 1 --columns 3 --kind sarcomere-length --unit um\n  \
     myospring analyse edge.csv --unit px --pixel-size \"0.27 um\" --frame-rate 100\n  \
     myospring analyse fura.csv --kind calcium-ratio --stimulus-period \"1 s\" --stimulus-start \"200 ms\"\n  \
-    myospring analyse sarcomere_length.csv --frame-rate 30 --mean   a row for each sarcomere, as SarcGraph's\n  \
-    myospring analyse results.xlsx --sheet \"Data (ROIs)\"             every sheet unless some are named\n  \
+    myospring analyse sarcomere_length.csv --frame-rate 30 --mean   one row per sarcomere, as from SarcGraph\n  \
+    myospring analyse results.xlsx --sheet \"Data (ROIs)\"             default: every sheet\n  \
     myospring analyse long.csv --from \"20 s\" --to \"45 s\"             a part of the recording\n\n\
     A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`,\n\
     `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma,\n\
-    header, encoding and lines above the table are found.\n\
-    Results: report.html (the curves with their beats, all numbers), metrics.csv (a row for each beat), summary.csv (mean,\n\
-    standard deviation, unit and definition of each metric), summary.json (all of it, with what was done to each curve),\n\
+    header, encoding and lines above the table are detected.\n\
+    Results: report.html (the curves with their beats, all numbers), metrics.csv (one row per beat), summary.csv (mean,\n\
+    standard deviation, unit and definition of each metric), summary.json (everything, with the processing of each curve),\n\
     figures/trace_NAME (SVG and PNG).\n\
     Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
 pub(crate) struct AnalyseArgs {
@@ -39,7 +39,7 @@ pub(crate) struct AnalyseArgs {
     /// Size of a pixel ("0.27 um"): lengths in pixels become um
     #[arg(long, value_name = "LENGTH", help_heading = TABLE)]
     pub(crate) pixel_size: Option<String>,
-    /// Where the part of the recording that counts ends ("45 s"), as --from [default: at its end]
+    /// End of the analysed part of the recording ("45 s"), like --from [default: its end]
     #[arg(
         long,
         value_name = "TIME",
@@ -50,22 +50,22 @@ pub(crate) struct AnalyseArgs {
     pub(crate) to: Option<String>,
     #[command(flatten)]
     pub(crate) stimuli: StimulusArgs,
-    /// Half of the window of local parabolas ("5 ms"), 0 for none [default: by the noise]
+    /// Half of the smoothing window (local parabolas, "5 ms"), 0 for none [default: by the noise]
     #[arg(long, value_name = "TIME", help_heading = BEATS)]
     pub(crate) smooth: Option<String>,
-    /// Leave the drift of the baseline in
+    /// Do not subtract the drift of the baseline
     #[arg(long, help_heading = BEATS)]
     pub(crate) keep_drift: bool,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
 
-/// When stimuli of a measured curve fell.
+/// Stimulus times of a measured curve.
 #[derive(Debug, Args)]
 #[command(next_help_heading = BEATS)]
 #[allow(clippy::struct_field_names, reason = "the names are those of the options")]
 pub(crate) struct StimulusArgs {
-    /// When stimuli fell, on the clock of the table ("100 ms, 1.1 s"); a number alone is ms
+    /// Stimulus times on the clock of the table ("100 ms, 1.1 s"); ms without unit
     #[arg(
         long,
         value_name = "TIMES",
@@ -77,7 +77,7 @@ pub(crate) struct StimulusArgs {
     /// Stimuli at regular intervals ("1 s") from --stimulus-start on
     #[arg(long, value_name = "TIME")]
     pub(crate) stimulus_period: Option<String>,
-    /// The first of them, on the clock of the table ("200 ms") [default: the first frame]
+    /// Time of the first one, on the clock of the table ("200 ms") [default: the first frame]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "stimulus_period")]
     pub(crate) stimulus_start: Option<String>,
 }
@@ -86,15 +86,16 @@ pub(crate) struct StimulusArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = TABLE)]
 pub(crate) struct TableArgs {
-    /// Columns that are curves, by name or number from 1; of a table whose rows are curves its rows [default: all
-    /// that are known by their names]
+    /// Columns with curves (or rows, in a table whose rows are curves), by name or number from 1
+    /// [default: all with known names]
     #[arg(long, value_name = "NAME|N,...", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Column of times, by name or number
     #[arg(long, value_name = "NAME|N")]
     pub(crate) time: Option<String>,
-    /// What the curves are: length, sarcomere-length, normalised-length, shortening, contraction, force, tension,
-    /// calcium, calcium-ratio, fluorescence, potential or unknown [default: by the columns' names]
+    /// Kind of the curves: length, sarcomere-length, normalised-length, shortening, contraction,
+    /// force, tension, calcium, calcium-ratio, fluorescence, potential or unknown [default: by the
+    /// columns' names]
     #[arg(long, value_name = "KIND")]
     pub(crate) kind: Option<String>,
     /// Unit of their values: um, px, %, nN, kPa, uM, mV, ... [default: by the columns' names]
@@ -103,32 +104,32 @@ pub(crate) struct TableArgs {
     /// Unit of the times: s, ms, us, or ticks of a clock ("0.01 ms") [default: by the column's name]
     #[arg(long, value_name = "UNIT")]
     pub(crate) time_unit: Option<String>,
-    /// Frames a second, where there are no times
+    /// Frames a second, if there are no times
     #[arg(long, value_name = "PER_SECOND")]
     pub(crate) frame_rate: Option<String>,
     /// Sheets of a workbook, by name or number from 1 [default: all]
     #[arg(long, value_name = "NAME|N,...", value_delimiter = ',')]
     pub(crate) sheet: Vec<String>,
-    /// Where the part of the recording that counts begins ("20 s"), on the clock of the table; a number alone is ms
-    /// [default: at its start]
+    /// Start of the analysed part of the recording ("20 s"), on the clock of the table; ms without
+    /// unit [default: its start]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub(crate) from: Option<String>,
-    /// What parts fields: comma, semicolon, tab or space [default: found]
+    /// Separator of fields: comma, semicolon, tab or space [default: detected]
     #[arg(long, value_name = "WORD", value_parser = ["comma", "semicolon", "tab", "space"])]
     pub(crate) delimiter: Option<String>,
-    /// What stands before the decimals: point or comma [default: found]
+    /// Decimal separator: point or comma [default: detected]
     #[arg(long, value_name = "WORD", value_parser = ["point", "comma"])]
     pub(crate) decimal: Option<String>,
-    /// Whether columns or rows are curves [default: found]
+    /// Whether columns or rows are curves [default: detected]
     #[arg(long, value_name = "WORD", value_parser = ["columns", "rows"])]
     pub(crate) layout: Option<String>,
-    /// Leave out the marks of a pacer that the table has: beats are found in the curve itself
+    /// Ignore a pacer's marks in the table: beats are found in the curve itself
     #[arg(long)]
     pub(crate) ignore_marks: bool,
     /// Leave out frames in which a curve has no number
     #[arg(long)]
     pub(crate) skip_gaps: bool,
-    /// One curve for each file, the mean of all
+    /// Analyse the mean of all curves of each file
     #[arg(long)]
     pub(crate) mean: bool,
 }
@@ -139,45 +140,48 @@ pub(crate) struct TableArgs {
     myospring fit --to cell.csv                                     the built-in cell's shape\n  \
     myospring fit cell.tif --pixel-size \"0.27 um\" --to cell.csv     the cell of a picture\n  \
     myospring fit --to lengths.txt --frame-rate 250 --kind length --unit um --stimulus-times \"50 ms\"\n  \
-    myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns: look at their intervals\n  \
+    myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns: check their intervals\n  \
     myospring fit --to cell.csv --model land_2017 --fix k_ws\n  \
-    myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30     follows the cell of a film, and fits to that\n  \
-    myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     stiffness and tension both\n\n\
-    A curve of a free cell determines the ratio of tension to stiffness, not either one; verdicts say what else it does not\n\
-    determine. Delays and the length at rest are always sought. Several curves (columns, files) are several cells.\n\n\
+    myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30     tracks the cell of a film and fits to its motion\n  \
+    myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     both stiffness and tension\n\n\
+    A curve of a free cell determines the ratio of tension to stiffness, not both; verdicts say what else it does not\n\
+    determine. Delays and the length at rest are always fitted. Several curves (columns, files) are several cells.\n\n\
     Results: fit.json (every number with its unit, 95 % interval, profile and verdict), curve.csv (measured, fitted,\n\
-    left), run.toml (what `myospring run` repeats the beat with), figures/fit (SVG and PNG), report.html; of several\n\
-    cells fits.csv, a row each, and these in cells/N.\n\
+    residual), run.toml (reproduces the beat with `myospring run`), figures/fit (SVG and PNG), report.html; for several\n\
+    cells fits.csv, one row each, and these files in cells/N.\n\
     Exit codes: 0 done, 1 a cell of several could not be fitted, 2 bad input or usage.")]
 pub(crate) struct FitArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml) of the cell;
     /// without it, the cell of the film, or the built-in adult ventricular cell
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml|FILM")]
     pub(crate) input: Option<PathBuf>,
-    /// Measured curves (.csv, .txt, .tsv, .atf, .xlsx): length, sarcomere length, shortening or another motion; several
-    /// columns of one kind, files, or a folder of them are several cells; of `track.csv` and other tables with several
-    /// kinds of curve of one cell the stretch, or else the length, is taken. Or a film, whose cell is followed [default: the film that was given as a picture]
+    /// Measured curves (.csv, .txt, .tsv, .atf, .xlsx): length, sarcomere length, shortening or
+    /// another motion; several columns of one kind, files, or a folder of them are several cells;
+    /// from `track.csv` and other tables with several kinds of curves of one cell, the stretch or
+    /// else the length is used. Or a film, whose cell is tracked [default: the film that was given
+    /// as a picture]
     #[arg(long, value_name = "TRACE|FILM", num_args = 1.., help_heading = FIT)]
     pub(crate) to: Vec<PathBuf>,
-    /// A curve of the same cell between two springs, such as carbon fibres, each this stiff ("100 nN/um=fibres.csv");
-    /// may be given several times
+    /// A curve of the same cell between two springs, such as carbon fibres, each of this stiffness
+    /// ("100 nN/um=fibres.csv"); may be given several times
     #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
     pub(crate) loaded: Vec<String>,
-    /// What is sought beside delays and the length at rest: `tension_over_stiffness`, `young_modulus` (with --loaded), or
-    /// parameters of the cell model [default: what a curve tells: `tension_over_stiffness` with `c_0` or `k_ws`]
+    /// What is fitted in addition to delays and the length at rest: `tension_over_stiffness`,
+    /// `young_modulus` (with --loaded), or parameters of the cell model [default: what a curve
+    /// determines: `tension_over_stiffness` with `c_0` or `k_ws`]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
     pub(crate) free: Vec<String>,
-    /// What is not sought of these
+    /// Parameters of the default that are not fitted
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
     pub(crate) fix: Vec<String>,
-    /// Where something is sought, in its unit (`c_0=0.01:0.05`); may be given several times [default: factors of 4
-    /// either way]
+    /// Bounds of a parameter, in its unit (`c_0=0.01:0.05`); may be given several times [default: a
+    /// factor of 4 up and down]
     #[arg(long, value_name = "NAME=LOW:HIGH", help_heading = FIT)]
     pub(crate) bounds: Vec<String>,
-    /// Starts; the equations have thresholds, which make local minima
+    /// Number of starts; thresholds in the equations cause local minima
     #[arg(long, value_name = "N", default_value = "8", help_heading = FIT)]
     pub(crate) starts: NonZeroUsize,
-    /// Number that decides the starts
+    /// Seed of the random starts
     #[arg(long, value_name = "N", default_value = "1", help_heading = FIT)]
     pub(crate) fit_seed: u64,
     #[command(flatten)]

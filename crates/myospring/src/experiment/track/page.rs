@@ -134,7 +134,7 @@ fn tiles(report: &Report) -> Vec<Tile> {
         tile("least stretch", "smaller principal stretch of the whole cell, 1 at rest", stretch, ""),
         with(rest, interval(report.sarcomere_rest_interval_um, 3, "um")),
         with(shorter, interval(report.sarcomere_shortening_interval_pct, 1, "%")),
-        tile("interpolated", "points that were not found again and put where their neighbours would have them, mean over the frames", Some(report.healed_pct_mean), "%"),
+        tile("interpolated", "points that were not found again but interpolated from their neighbours, mean over the frames", Some(report.interpolated_pct_mean), "%"),
     ]
     .into_iter()
     .flatten()
@@ -178,7 +178,8 @@ fn charts(rows: &[TrackRow]) -> Vec<Chart> {
         let sarcomeres = vec![series("sarcomeres", Tone::Signal, &|row| row.sarcomere_um)];
         charts.push(chart("Sarcomere length", "um", "", sarcomeres));
     }
-    let healed = vec![series("interpolated", Tone::Measured, &|row| Some(row.healed_pct))];
-    charts.push(chart("Interpolated points", "%", "not found again in this frame", healed));
+    let interpolated =
+        vec![series("interpolated", Tone::Measured, &|row| Some(row.interpolated_pct))];
+    charts.push(chart("Interpolated points", "%", "not found again in this frame", interpolated));
     charts
 }
