@@ -35,7 +35,7 @@ struct Flow {
 }
 
 /// Ours at the same place, pixels, y downward, with the motion of the stage; `None` beside the cell and where it was
-/// healed.
+/// interpolated.
 struct Pair {
     flow: [f64; 2],
     ours: [f64; 2],
@@ -63,7 +63,7 @@ fn pairs(motion: &Motion, height: usize, flows: &[Flow]) -> Vec<Pair> {
         let at = motion.frames.partition_point(|frame| *frame <= flow.frame) - 1;
         let weights = carried.weights(place);
         let seen = |&(node, weight): &(u32, f64)| {
-            (-1e-6..=1.0 + 1e-6).contains(&weight) && !motion.healed[at][node as usize]
+            (-1e-6..=1.0 + 1e-6).contains(&weight) && !motion.interpolated[at][node as usize]
         };
         if !weights.iter().all(seen) {
             return None;
